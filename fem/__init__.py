@@ -1,1 +1,1 @@
-"""Finite elements for legs and robots: beams, solids, and their couplings."""
+"""Finite element models of legs and robots: beams, solids, their couplings and their reduction."""

@@ -1,4 +1,4 @@
-"""Legs as beams: elements along a line, exact theory of the cantilever, stepped legs.
+"""Legs as beams: beam elements, exact theory of the cantilever, stepped legs, loaded legs.
 
-In: section constants and lengths. Out: `LegMatrices` and closed-form frequencies.
+Input: section constants and lengths. Output: `LegMatrices`, and frequencies in closed form.
 """

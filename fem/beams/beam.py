@@ -1,30 +1,33 @@
-"""A prismatic leg as 3-D frame members: tension, torsion, and bending in two planes.
+"""Beam elements of a prismatic leg in space: tension, torsion, and bending in two planes.
 
-All share the nodes. Twists are [x y z φx φy φz] in leg axes; a section that turns by θ in the
-plane of bending has φy = −θ where it deflects along z and φz = +θ where it deflects along y.
-Consistent mass with rotary inertia; statics exact at the nodes for loads at the nodes.
+All deformations use the same nodes. The unknowns of a node are its twist [x y z φx φy φz] in leg
+axes. If a section rotates by θ in the plane of bending, φy = −θ for a deflection along z and φz =
++θ for a deflection along y. The mass is consistent and includes rotary inertia. For loads at the
+nodes, static displacements of the nodes are exact.
 
-Tension and torsion are quadratic, not linear: linear members are exact in statics too, but their
-frequencies are second order and 20 of them miss the third by 0.6 %, where bending is fourth order.
+Tension and torsion are quadratic along an element. Linear elements would be exact in statics, too,
+but their frequencies converge with second order only, and with 20 of them the third frequency would
+be 0.6 % in error, whereas bending converges with fourth order.
 
-With warping, torsion is that of `fem.sections.nonuniform_torsion` in place of Saint-Venant's:
-besides its rotation every section has a warping intensity χ, quadratic along each element, which
-end faces may hold. Where ends are held (χ = 0) a leg is stiffer in torsion, and along a torsional
-wave in any case.
+With warping, torsion follows `fem.sections.nonuniform_torsion` instead of Saint-Venant's theory:
+besides its rotation each section has a warping intensity χ, quadratic along each element. End faces
+may prevent warping (χ = 0), which increases the torsional stiffness.
 
-Bending elements, written for scikit-fem, have two fields, the deflection w and the rotation θ of
-the section, with shear strain γ = w′ − θ. An element whose ends alone are loaded obeys M′ + V = 0
-with constant V, that is
+Bending elements, written for scikit-fem, have two fields: the deflection w and the rotation θ of
+the section, with the shear strain γ = w′ − θ. An element that is loaded at its ends only satisfies
+M′ + V = 0 with constant V, that is
 
-    w cubic,   γ = −Λ w‴,   θ = w′ + Λ w‴,   Λ = EI/κGA,
+    w cubic,   γ = −Λ w‴,   θ = w′ + Λ w‴,   Λ = EI/κGA.
 
-so the four such pairs (w, θ), taken by their end values, hold every static solution under nodal
-loads: exact at the nodes and free of shear locking. Λ = 0 is Hermite's element (Euler, Bernoulli).
+The four such pairs (w, θ), determined by their end values, contain every static solution under
+nodal loads: the element is exact at the nodes and free of shear locking. Λ = 0 is Hermite's element
+(Euler, Bernoulli).
 
-If the section has no two axes of symmetry, both planes are coupled by EIyz θy′θz′, by the shear
-strains and by ρIyz θyθz. The deflections v_s and w_s that bend and shear the leg are those of its
-shear centre (y_s, z_s), which a torque does not move. The mass moves with the centroid, v = v_s +
-z_s φx and w = w_s − y_s φx along the whole element. The nodes have the twists of the centroid.
+If the section does not have two axes of symmetry, both planes are coupled by EIyz θy′θz′, by the
+shear strains and by ρIyz θyθz. The deflections v_s and w_s that are associated with bending and
+shear are those of the shear centre (y_s, z_s), which a torque does not move. The mass moves with
+the centroid, v = v_s + z_s φx and w = w_s − y_s φx, along the whole element. The nodes have the
+twists of the centroid.
 """
 
 from collections.abc import Callable
@@ -53,21 +56,22 @@ from lumped.errors import InputError
 from lumped.legs import BeamProperties, Ends, Material
 from lumped.mechanism.body_model import LegMatrices
 
-# Exact for the product of two cubics, the highest degree in the mass.
+# Degree of the quadrature: exact for the product of two cubics, the highest degree in the mass.
 _INTEGRATION_ORDER = 6
-# Slack for stations at the very end of the leg, relative to its length.
+# Tolerance for positions at the ends of the leg, relative to its length.
 ROUNDING = 1e-8
-# Round sections do not warp: below this share of G I_p warping has nothing to act against.
+# A section does not warp if its shear stiffness against warping is below this fraction of G I_p, as
+# for round sections.
 _NO_WARPING = 1e-4
 
 
 @dataclass(frozen=True)
 class _Member:
-    """One kind of deformation in one element, and its place in the twist.
+    """One kind of deformation in one element, and the twist components that it uses.
 
-    `stiffness` and `mass` (k×k) belong to the unknowns of `element`, those of its nodes first;
-    `mesh` is that of one element. `components` are the places of its fields (deflection, then
-    rotation) in the twist, `signs` how the twist counts them.
+    `stiffness` and `mass` (k×k) are on the unknowns of `element`, those of its nodes first. `mesh`
+    consists of one element. `components` are the indices of the fields (deflection, then rotation)
+    in the twist, `signs` the signs of the twist components relative to the fields.
     """
 
     element: Element
@@ -79,31 +83,31 @@ class _Member:
 
     @property
     def inner(self) -> int:
-        """Unknowns inside the element."""
+        """Number of unknowns inside the element."""
         return int(self.element.interior_dofs)
 
     @property
     def unknown_signs(self) -> Array:
-        """Signs (k) of the leg's unknowns relative to those of the element."""
+        """Signs (k values) of the leg's unknowns relative to those of the element."""
         return np.array([*self.signs, *self.signs, *self.inner * (1.0,)])
 
 
 def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMatrices:
-    """Free leg of `length` (m) in `elements` beam elements of equal length.
+    """Free leg of `length` (m) consisting of `elements` beam elements of equal length.
 
-    Euler–Bernoulli where κGA is infinite, Timoshenko where it is finite. Unknowns: twist of the
-    root, twist of the tip, twists of the inner nodes from root to tip, then the unknowns inside
-    the elements. Raises InputError for a length or a number of elements that makes no beam.
+    Euler–Bernoulli theory is used if κGA is infinite, otherwise Timoshenko theory. Unknowns: twist
+    of the root, twist of the tip, twists of the inner nodes from root to tip, then the unknowns
+    inside the elements. Raises InputError if the length is not positive or there are no elements.
     """
     if not length > 0.0:
         raise InputError(f"beam leg: length = {length!r} m: must be above 0 m")
     if elements < 1:
         raise InputError(f"beam leg: elements = {elements!r}: must be 1 or more")
-    # Equal elements have equal matrices: one is integrated.
+    # All elements have the same matrices, so that one element is integrated.
     mesh = MeshLine(np.array([0.0, length / elements]))
     p = properties
     GAy, GAz, GAyz = _shear_stiffnesses(p)
-    # About the shear centre.
+    # Rotary inertia about the shear centre.
     rho_J = p.rho_J + p.mu * (p.centre_y**2 + p.centre_z**2)
     members = {
         "tension": _bar(mesh, p.EA, p.mu, component=0),
@@ -159,7 +163,7 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
 
 
 def _shear_stiffnesses(p: BeamProperties) -> tuple[float, float, float]:
-    """Shear stiffnesses (N) along y, along z, and between both."""
+    """Shear stiffnesses (N) along y, along z, and their coupling."""
     if not p.shear_yz:
         return p.GAy, p.GAz, 0.0
     stiffness = np.linalg.inv(p.shear_flexibility)
@@ -167,7 +171,7 @@ def _shear_stiffnesses(p: BeamProperties) -> tuple[float, float, float]:
 
 
 def _coupling_stiffness(first: _Member, second: _Member, EI: float, GA: float) -> Array:
-    """∫ EI θ₁′θ₂′ + GA γ₁γ₂ (k₁×k₂) of the unknowns of two bending members."""
+    """∫ EI θ₁′θ₂′ + GA γ₁γ₂ dx (k₁×k₂) for the unknowns of two bending members."""
     weights, (first_fields, second_fields) = _integrated(first, second)
     (w1, theta1), (w2, theta2) = first_fields, second_fields
     gamma1, gamma2 = w1[1] - theta1[0], w2[1] - theta2[0]
@@ -175,7 +179,7 @@ def _coupling_stiffness(first: _Member, second: _Member, EI: float, GA: float) -
 
 
 def _coupling_mass(first: _Member, second: _Member, field: int, inertia: float) -> Array:
-    """∫ `inertia` u₁u₂ (k₁×k₂) of one field of each of two members."""
+    """∫ `inertia` u₁u₂ dx (k₁×k₂) for the field with index `field` of each of two members."""
     weights, (first_fields, second_fields) = _integrated(first, second)
     return np.asarray(inertia * (first_fields[field][0] * weights) @ second_fields[field][0].T)
 
@@ -188,9 +192,9 @@ def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]
 
 
 def _on_centroids(leg: LegMatrices, nodes: int, to_shear_centre: Array) -> LegMatrices:
-    """A leg whose deflections are those of its shear centre, on the twists of its centroids.
+    """Transform a leg with deflections of the shear centre to twists of the centroids.
 
-    Its first unknowns are the twists of so many `nodes`.
+    The first unknowns of the leg are the twists of its nodes, whose number is `nodes`.
     """
     rest = leg.size - 6 * nodes
     transformation = csr_array(
@@ -219,7 +223,7 @@ def _on_centroids(leg: LegMatrices, nodes: int, to_shear_centre: Array) -> LegMa
 
 
 def _bar(mesh: MeshLine, stiffness: float, inertia: float, component: int) -> _Member:
-    """Tension (EA, μ) or torsion (GJ, ρJ): ∫ stiffness u′² and ∫ inertia u²."""
+    """Tension (EA, μ) or torsion (GJ, ρJ): ∫ `stiffness` u′² dx and ∫ `inertia` u² dx."""
 
     def energy(u: Any, v: Any, _: Any) -> Any:
         return stiffness * u.grad[0] * v.grad[0]
@@ -240,9 +244,10 @@ def _bending(
     components: tuple[int, int],
     signs: tuple[float, float],
 ) -> _Member:
-    """Bending in one plane: ∫ EI θ′² + κGA (w′ − θ)² and ∫ μ w² + ρI θ²."""
+    """Bending in one plane: ∫ EI θ′² + κGA (w′ − θ)² dx and ∫ μ w² + ρI θ² dx."""
     shears = np.isfinite(GA)
-    # Without shear deformation w′ − θ vanishes identically, whatever multiplies it.
+    # Without shear deformation w′ − θ is zero, so that the value of the shear stiffness is
+    # irrelevant.
     shear_stiffness = GA if shears else 0.0
 
     def energy(w: Any, theta: Any, dw: Any, dtheta: Any, _: Any) -> Any:
@@ -275,7 +280,7 @@ def _member(
 
 
 def _fields(element: Element, mesh: MeshLine, points: Array) -> list[tuple[Array, Array]]:
-    """Values and gradients (k×m) of each field at m reference points (1×m), k basis functions."""
+    """Values and gradients (k×m) of the k basis functions of each field at m reference points."""
     count = 2 * element.nodal_dofs + element.interior_dofs
     by_function = [element.gbasis(mesh.mapping(), points, i) for i in range(count)]
     return [
@@ -288,7 +293,7 @@ def _fields(element: Element, mesh: MeshLine, points: Array) -> list[tuple[Array
 
 
 def _places(members: dict[str, _Member], elements: int) -> tuple[dict[str, IntArray], int]:
-    """Unknowns of the leg (elements×k) that each member's elements have, and their number."""
+    """Indices (elements × k) of the unknowns of each member, and the number of all unknowns."""
     ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of the nodes from root to tip
     size = 6 * (elements + 1)
     places = {}
@@ -303,7 +308,10 @@ def _places(members: dict[str, _Member], elements: int) -> tuple[dict[str, IntAr
 def _twists(
     member: _Member, places: IntArray, length: float, size: int, stations: Array
 ) -> SparseMatrix:
-    """6m × `size`: the member's share of the section's twist at `stations` (m from the root)."""
+    """6m × `size` matrix of a member's contribution to the twists of sections at m `stations`.
+
+    `stations` are in m from the root.
+    """
     stations = np.atleast_1d(np.asarray(stations, dtype=float))
     slack = ROUNDING * length
     if not np.all((stations >= -slack) & (stations <= length + slack)):
@@ -324,10 +332,10 @@ def _twists(
 def warping_beam_leg(
     constants: SectionConstants, material: Material, length: float, elements: int, ends: Ends
 ) -> LegMatrices:
-    """Free Timoshenko leg of `length` (m) in `elements` beam elements, with warping.
+    """Free Timoshenko leg of `length` (m) with warping, consisting of `elements` beam elements.
 
-    Unknowns as of `beam_leg`, then χ (1/m) at the nodes and inside the elements: all of them for
-    `ends` = "free", all but those of both end faces for "rigid". Round sections have none.
+    Unknowns are those of `beam_leg`, followed by χ (1/m) at the nodes and inside the elements. If
+    `ends` is "rigid", χ is zero at both end faces. Round sections have no χ.
     """
     leg = beam_leg(beam_properties(constants, material), length, elements)
     rod = warping_rod(constants, material)
@@ -337,12 +345,16 @@ def warping_beam_leg(
 
 
 def with_warping(leg: LegMatrices, rod: WarpingRod, elements: int, ends: Ends) -> LegMatrices:
-    """A leg of `beam_leg` in as many elements with the torsion of `rod` in place of its own."""
+    """Leg of `beam_leg` in which the torsion of `rod`, with warping, replaces Saint-Venant torsion.
+
+    `elements` must be the number of elements of the leg. If `ends` is "rigid", both end faces do
+    not warp.
+    """
     basis = Basis(MeshLine(np.linspace(0.0, leg.length, elements + 1)), ElementLineP2())
     places = basis.doflocs[0]
     inside = (places > 0.0) & (places < leg.length)
     free_nodes = np.flatnonzero(inside) if ends == "rigid" else np.arange(len(places))
-    # Rotation about x at the places of the quadratic shape functions, from the leg's unknowns.
+    # Matrix from the leg's unknowns to the rotation about x at the nodes of quadratic elements.
     rotation = csr_array(leg.centreline(places))[3::6]
     gradients, coupling, products = line_products(basis)
     cross = csr_array(-rod.shear * (coupling[free_nodes] @ rotation))
@@ -375,10 +387,11 @@ def with_warping(leg: LegMatrices, rod: WarpingRod, elements: int, ends: Ends) -
 
 
 class ElementLineBeam(Element):  # type: ignore[misc]  # scikit-fem has no types
-    """Static solutions of the beam with the end values of w (m) and θ (rad) as unknowns.
+    """Beam element whose unknowns are the end values of deflection w (m) and rotation θ (rad).
 
-    `shear_length_squared` is Λ (m²). The basis is written about the element's own middle: the
-    global monomials of scikit-fem's ElementGlobal lose digits as (x/l)³ along the beam.
+    Its fields are the static solutions for loads at the ends. `shear_length_squared` is Λ (m²). The
+    basis functions are written about the middle of the element: the global monomials of
+    scikit-fem's ElementGlobal would lose digits in proportion to (x/l)³ along the beam.
     """
 
     nodal_dofs = 2
@@ -396,7 +409,7 @@ class ElementLineBeam(Element):  # type: ignore[misc]  # scikit-fem has no types
         """Fields w and θ of basis function `i` at the reference points `X`."""
         s, l = _from_middle(mapping, X, tind)
         w1, theta1, w2, theta2 = np.eye(4)[i]
-        # w = w0 + w0′ s + κ s²/2 + q s³/6, with the end conditions solved for the coefficients.
+        # w = w0 + w0′ s + κ s²/2 + q s³/6. The coefficients follow from the end values.
         phi = 12.0 * self.shear_length_squared / l**2
         q = 12.0 / l**3 * ((w1 - w2) + 0.5 * l * (theta1 + theta2)) / (1.0 + phi)
         kappa = (theta2 - theta1) / l
@@ -409,12 +422,13 @@ class ElementLineBeam(Element):  # type: ignore[misc]  # scikit-fem has no types
 
 
 class ElementLineShearBeam(ElementLineBeam):
-    """Element with two inner unknowns, which approximate M′ + V = −ω²ρI θ and V′ = −ω²μ w.
+    """Beam element with two additional unknowns inside, for vibration with shear deformation.
 
-    The first is a deflection by shear alone, a parabola, with γ linear; the second a parabola of
-    rotation with the cubic deflection that leaves γ constant. Without them γ is tied to w‴ and the
-    frequencies of a Timoshenko beam are second order in l; with them they are fourth order. Both
-    vanish at the nodes and do no work on the static solutions, which stay as they are.
+    They approximate M′ + V = −ω²ρI θ and V′ = −ω²μ w. The first is a parabolic deflection by shear
+    alone, with linear γ. The second is a parabolic rotation with the cubic deflection for which γ
+    is constant. Without them γ is coupled to w‴, and the frequencies of a Timoshenko beam converge
+    with second order in l; with them the order is four. Both vanish at the nodes and do no work on
+    the static solutions, which remain unchanged.
     """
 
     interior_dofs = 2
@@ -436,7 +450,7 @@ class ElementLineShearBeam(ElementLineBeam):
 
 
 def _from_middle(mapping: Any, X: Array, tind: Any) -> tuple[Array, Array]:
-    """Distance from the middle of the element and the element's length (m), elements × points."""
+    """Distances from the middle of the element and element lengths (m, elements × points)."""
     l = mapping.detDF(X, tind)
     return l * (X[0] - 0.5), l
 

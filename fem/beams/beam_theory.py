@@ -1,15 +1,17 @@
-"""Natural frequencies of a prismatic cantilever in closed form, as reference values.
+"""Natural frequencies of a prismatic cantilever by beam theory, as reference values.
 
-Tension, torsion and Euler–Bernoulli bending have explicit roots. Timoshenko bending (with its
-limit of rotary inertia alone, Rayleigh) has the transcendental equation of Huang, J. Appl. Mech.
-28 (1961) 579. Its roots are found here from the exact dynamic stiffness K(ω) of the beam cut into
-pieces, which has the same roots but neither two cases around the second spectrum's cut-off nor
-overflowing hyperbolic functions: with every piece below its own first clamped–clamped frequency,
-the k-th smallest eigenvalue of K falls steadily with ω and is zero at the k-th frequency alone
-(Wittrick & Williams, Q. J. Mech. Appl. Math. 24 (1971) 263). No root can be missed.
+Tension, torsion and Euler–Bernoulli bending have explicit solutions. Timoshenko bending (and its
+limit with rotary inertia only, Rayleigh) has the transcendental equation of Huang, J. Appl. Mech.
+28 (1961) 579. Its roots are found here from the exact dynamic stiffness K(ω) of the beam divided
+into pieces. This matrix has the same roots, but no case distinction at the cut-off of the second
+spectrum and no overflow of hyperbolic functions. If each piece is so short that its own first
+clamped–clamped frequency is higher, the k-th smallest eigenvalue of K decreases monotonically with
+ω and is zero only at the k-th frequency (Wittrick & Williams, Q. J. Mech. Appl. Math. 24 (1971)
+263). No root can be missed.
 
-Sections without two axes of symmetry couple bending in both planes, or bending and torsion
-(`BeamProperties`): one kind "coupled", with the same method on all deflections and rotations.
+In sections without two axes of symmetry, bending in both planes is coupled, or bending is coupled
+with torsion (`BeamProperties`). These vibrations form one kind "coupled", for which the same method
+is used with all deflections and rotations.
 """
 
 from collections.abc import Iterator
@@ -32,15 +34,18 @@ from lumped.memo import memo
 Plane: TypeAlias = Literal["y", "z"]
 Kind: TypeAlias = Literal["tension", "torsion", "bending y", "bending z", "coupled"]
 
-# Roots to a few units in the last place; brentq takes no relative tolerance below 4 eps.
+# Relative tolerance of roots. brentq does not accept a smaller one.
 _ROOT_TOLERANCE = 4.0 * np.finfo(float).eps
-# The upper bound of a frequency may be the frequency itself: a little room for the bracket.
+# Factor on the upper end of the bracket of a root, because the upper bound may be the root itself.
 _ROOM = 1.0 + 1e-6
 
 
 @dataclass(frozen=True)
 class CantileverFrequency:
-    """Frequency (Hz) number `order` (1, 2, …) of one kind of deformation of a cantilever."""
+    """Natural frequency (Hz) of a cantilever.
+
+    It is number `order` (1, 2, …) of the frequencies of one kind of deformation.
+    """
 
     frequency: float
     kind: Kind
@@ -49,7 +54,7 @@ class CantileverFrequency:
 
 @dataclass(frozen=True)
 class _Plane:
-    """Bending data in one plane: EI (N m²), 1/κGA (1/N), μ (kg/m), ρI (kg m)."""
+    """Bending data of one plane: EI (N m²), 1/κGA (1/N), μ (kg/m), ρI (kg m)."""
 
     EI: float
     shear_flexibility: float
@@ -61,14 +66,14 @@ class _Plane:
 def cantilever_frequencies(
     properties: BeamProperties, length: float, count: int
 ) -> tuple[CantileverFrequency, ...]:
-    """The lowest `count` frequencies of the clamped–free leg of `length` (m), ascending."""
-    # Of each kind no more than one is computed that is not among the lowest.
+    """The lowest `count` natural frequencies of the clamped–free leg of `length` (m), ascending."""
+    # At most one frequency per kind is computed that is not among the lowest.
     kinds = (_ascending(properties, length, kind) for kind in kinds_of(properties))
     return tuple(islice(merge(*kinds, key=lambda item: item.frequency), count))
 
 
 def kinds_of(properties: BeamProperties) -> tuple[Kind, ...]:
-    """Kinds of deformation that vibrate by themselves."""
+    """Kinds of deformation that vibrate independently of each other."""
     if properties.couples_bending or properties.couples_torsion:
         return "tension", "coupled"
     return "tension", "torsion", "bending y", "bending z"
@@ -77,14 +82,17 @@ def kinds_of(properties: BeamProperties) -> tuple[Kind, ...]:
 def _ascending(
     properties: BeamProperties, length: float, kind: Kind
 ) -> Iterator[CantileverFrequency]:
-    """All frequencies of one kind."""
+    """All frequencies of one kind of deformation, ascending."""
     for order in naturals(1):
         frequency = frequency_of_kind(properties, length, kind, order)
         yield CantileverFrequency(frequency, kind, order)
 
 
 def frequency_of_kind(properties: BeamProperties, length: float, kind: Kind, order: int) -> float:
-    """Frequency (Hz) number `order` of one kind; raises as `bending_frequencies` does."""
+    """Natural frequency (Hz) number `order` (from 1) of one kind of deformation.
+
+    `length` in m. Raises ComputationError if κGA is negative.
+    """
     match kind:
         case "tension":
             return _quarter_waves(properties.EA / properties.mu, length, order)
@@ -99,22 +107,29 @@ def frequency_of_kind(properties: BeamProperties, length: float, kind: Kind, ord
 
 
 def tension_frequencies(properties: BeamProperties, length: float, count: int) -> Array:
-    """(2k − 1)/4L √(EA/μ) in Hz, k = 1 … `count`; `length` in m."""
+    """Frequencies (Hz) of longitudinal vibration, (2k − 1)/4L √(EA/μ) for k = 1 … `count`.
+
+    `length` in m.
+    """
     return _of_kind(properties, length, "tension", count)
 
 
 def torsion_frequencies(properties: BeamProperties, length: float, count: int) -> Array:
-    """(2k − 1)/4L √(GJ/ρJ) in Hz, k = 1 … `count`; `length` in m; sections free to warp."""
+    """Frequencies (Hz) of torsion, (2k − 1)/4L √(GJ/ρJ) for k = 1 … `count`, with free warping.
+
+    `length` in m.
+    """
     return _of_kind(properties, length, "torsion", count)
 
 
 def bending_frequencies(
     properties: BeamProperties, length: float, plane: Plane, count: int
 ) -> Array:
-    """Frequencies k = 1 … `count` (Hz) of bending y (EIy, along z) or z (EIz, along y).
+    """Frequencies (Hz) of bending in one plane, for k = 1 … `count`. `length` in m.
 
-    Euler–Bernoulli where κGA is infinite and ρI zero, Rayleigh where κGA is infinite, else
-    Timoshenko with both spectra. `length` in m. Raises ComputationError where κGA is negative.
+    `plane` "y" is bending about y (EIy, deflection along z), "z" about z (EIz, deflection along y).
+    Euler–Bernoulli theory if κGA is infinite and ρI zero, Rayleigh theory if only κGA is infinite,
+    otherwise Timoshenko theory with both spectra. Raises ComputationError if κGA is negative.
     """
     return _of_kind(properties, length, "bending y" if plane == "y" else "bending z", count)
 
@@ -125,13 +140,13 @@ def _of_kind(properties: BeamProperties, length: float, kind: Kind, count: int) 
 
 
 def _plane(p: BeamProperties, plane: Plane) -> _Plane:
-    """Bending data of one plane; raises ComputationError if κGA is negative."""
+    """Bending data of one plane. Raises ComputationError if κGA is negative."""
     if plane == "y":
         beam = _Plane(p.EIy, 1.0 / p.GAz, p.mu, p.rho_Iy)
     else:
         beam = _Plane(p.EIz, 1.0 / p.GAy, p.mu, p.rho_Iz)
     if beam.shear_flexibility < 0.0:
-        # Thin-walled formulas at ν far below zero: neither bounds nor roots are those of a beam.
+        # Thin-walled formulas give a negative κ for ν far below zero. Such a beam does not exist.
         raise ComputationError(
             f"bending {plane}: the shear stiffness κGA = {1.0 / beam.shear_flexibility:.3g} N is "
             "negative; the formula of κ does not hold for this section and ν"
@@ -140,7 +155,7 @@ def _plane(p: BeamProperties, plane: Plane) -> _Plane:
 
 
 def _bending_frequency(beam: _Plane, length: float, order: int) -> float:
-    """Frequency (Hz) number `order` of bending."""
+    """Natural frequency (Hz) number `order` (from 1) of bending in one plane."""
     root = _euler_bernoulli_root(order)
     explicit = root**2 * sqrt(beam.EI / beam.mu) / length**2
     if beam.shear_flexibility == 0.0 and beam.rho_I == 0.0:
@@ -150,17 +165,18 @@ def _bending_frequency(beam: _Plane, length: float, order: int) -> float:
 
 
 def euler_bernoulli_roots(count: int) -> Array:
-    """The first `count` roots βL of cos x cosh x = −1: 1.875104, 4.694091, 7.854757."""
+    """The first `count` roots βL of cos x cosh x = −1: 1.875104, 4.694091, 7.854757 and so on."""
     return np.array([_euler_bernoulli_root(order) for order in range(1, count + 1)])
 
 
 @memo(64)
 def _euler_bernoulli_root(order: int) -> float:
     def bounded(x: float) -> float:
-        # cos x + 1/cosh x, which unlike cosh x itself never overflows.
+        # cos x + 1/cosh x, which does not overflow, unlike cosh x.
         return float(np.cos(x) + 2.0 * np.exp(-x) / (1.0 + np.exp(-2.0 * x)))
 
-    # One sign change between consecutive multiples of π, where cos is ±1 and 1/cosh below 1.
+    # The function changes its sign once between consecutive multiples of π: there cos x is ±1 and
+    # 1/cosh x is below 1.
     bracket = (order - 1) * pi, order * pi
     return float(scipy.optimize.brentq(bounded, *bracket, xtol=1e-15, rtol=_ROOT_TOLERANCE))
 
@@ -170,10 +186,11 @@ def _quarter_waves(speed_squared: float, length: float, order: int) -> float:
 
 
 def _upper_bound(beam: _Plane, length: float, order: int, euler_bernoulli: float) -> float:
-    """Upper bound of ω (rad/s) by minimax: each candidate is the beam with one more constraint.
+    """Upper bound of the angular frequency ω (rad/s) of mode `order`, by the minimax principle.
 
-    Euler–Bernoulli has no shear strain (and less inertia), the shear beam no rotation; the beam
-    whose deflection has no inertia, and no shear strain, is a bar of EI and ρI.
+    It is the smallest frequency of three beams with an additional constraint: without shear strain
+    (Euler–Bernoulli, `euler_bernoulli`), without rotation (shear beam), without inertia of the
+    deflection and shear strain (a bar of EI and ρI).
     """
     bound = euler_bernoulli
     odd = 0.5 * pi * (2.0 * order - 1.0) / length
@@ -185,7 +202,10 @@ def _upper_bound(beam: _Plane, length: float, order: int, euler_bernoulli: float
 
 
 def _root(beam: _Plane, length: float, index: int, bound: float) -> float:
-    """ω (rad/s) number `index` (from 0) of the cantilever, known to lie below `bound`."""
+    """Angular frequency ω (rad/s) with the given index (from 0) of a cantilever.
+
+    It is below `bound`.
+    """
     pieces = _pieces(beam, length, _ROOM * bound)
 
     def eigenvalue(omega: float) -> float:
@@ -197,10 +217,10 @@ def _root(beam: _Plane, length: float, index: int, bound: float) -> float:
 
 
 def _pieces(beam: _Plane, length: float, omega: float) -> int:
-    """Pieces so short that each, clamped at both ends, has its first frequency above `omega`.
+    """Number of pieces whose first clamped–clamped frequency is above `omega` (rad/s).
 
-    With ‖w‖ ≤ (l/π)‖w′‖, ‖θ‖ ≤ (l/π)‖θ′‖ and w′ = θ + γ, Rayleigh's quotient gives
-    1/ω² ≤ p² μ/EI + p (μ/κGA + ρI/EI) with p = (l/π)²; solved for p.
+    With ‖w‖ ≤ (l/π)‖w′‖, ‖θ‖ ≤ (l/π)‖θ′‖ and w′ = θ + γ, Rayleigh's quotient gives 1/ω² ≤ p² μ/EI +
+    p (μ/κGA + ρI/EI) with p = (l/π)². The inequality is solved for p.
     """
     a = beam.mu / beam.EI
     b = beam.mu * beam.shear_flexibility + beam.rho_I / beam.EI
@@ -209,7 +229,10 @@ def _pieces(beam: _Plane, length: float, omega: float) -> int:
 
 
 def _dynamic_stiffness(beam: _Plane, length: float, pieces: int, omega: float) -> Array:
-    """K(ω) of the clamped–free beam on (w/l, θ) of the cuts and the tip, in units of EI/l."""
+    """Dynamic stiffness K(ω) of the clamped–free beam, in units of EI/l.
+
+    The unknowns are (w/l, θ) at the ends of all pieces of length l except the root.
+    """
     piece = _piece_stiffness(beam, length / pieces, omega)
     assembled = np.zeros((2 * pieces + 2, 2 * pieces + 2))
     for first in range(0, 2 * pieces, 2):
@@ -218,10 +241,10 @@ def _dynamic_stiffness(beam: _Plane, length: float, pieces: int, omega: float) -
 
 
 def _piece_stiffness(beam: _Plane, l: float, omega: float) -> Array:
-    """Exact 4×4 K(ω) of a piece of length l on (w/l, θ) of both ends, in units of EI/l.
+    """Exact dynamic stiffness K(ω) (4×4, units of EI/l) of a piece of length l.
 
-    From the exponential of the state (w, θ, V, M):
-    w′ = θ + V/κGA, θ′ = M/EI, V′ = −ω²μ w, M′ = −V − ω²ρI θ.
+    The unknowns are (w/l, θ) at both ends. K follows from the matrix exponential for the state (w,
+    θ, V, M) with w′ = θ + V/κGA, θ′ = M/EI, V′ = −ω²μ w, M′ = −V − ω²ρI θ.
     """
     shear = beam.shear_flexibility * beam.EI / l**2
     translation = omega**2 * beam.mu * l**4 / beam.EI
@@ -243,10 +266,11 @@ def _piece_stiffness(beam: _Plane, l: float, omega: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Coupled:
-    """State equations of bending in both planes with torsion, in units of `size` and EI.
+    """State equations of bending in both planes with torsion, dimensionless.
 
-    Unknowns are v_s and w_s of the shear centre, φx, θ of deflection along y and along z; forces
-    are conjugate to these: with `flexibility` (5×5) and `mass` (5×5), and θ in v_s′ and w_s′.
+    Displacements are v_s and w_s of the shear centre, φx, and θ of the deflections along y and
+    along z. Forces are conjugate to these. `flexibility` and `mass` are 5×5. `unit_squared` is the
+    unit of ω².
     """
 
     flexibility: Array
@@ -255,13 +279,13 @@ class _Coupled:
 
 
 def _coupled(p: BeamProperties, size: float) -> _Coupled:
-    """The equations, lengths in `size` (m), ω² in EI/(μ size⁴)."""
+    """Dimensionless state equations: lengths in units of `size` (m), ω² in EI/(μ size⁴)."""
     EI, mu = max(p.EIy, p.EIz), p.mu
     flexibility = np.zeros((5, 5))
     flexibility[:2, :2] = p.shear_flexibility * EI / size**2
     flexibility[2, 2] = EI / p.GJ
     flexibility[3:, 3:] = EI * np.linalg.inv(p.bending)
-    # The centroid moves by v_s + z_s φx and w_s − y_s φx.
+    # The displacements of the centroid are v_s + z_s φx and w_s − y_s φx.
     arm = np.array([p.centre_z, -p.centre_y]) / size
     mass = np.zeros((5, 5))
     mass[:2, :2] = np.eye(2)
@@ -272,7 +296,7 @@ def _coupled(p: BeamProperties, size: float) -> _Coupled:
 
 
 def _coupled_frequency(p: BeamProperties, length: float, order: int) -> float:
-    """Frequency (Hz) number `order` of bending in both planes with torsion."""
+    """Natural frequency (Hz) number `order` (from 1) of bending in both planes with torsion."""
     lower, upper = 0.0, np.pi / (2.0 * length) ** 2 * sqrt(max(p.EIy, p.EIz) / p.mu)
     while _coupled_count(p, length, upper) < order:
         lower, upper = upper, 1.5 * upper
@@ -287,17 +311,18 @@ def _coupled_frequency(p: BeamProperties, length: float, order: int) -> float:
 
 
 def _coupled_count(p: BeamProperties, length: float, omega: float) -> int:
-    """Number of frequencies below ω (rad/s)."""
+    """Number of natural frequencies below `omega` (rad/s)."""
     pieces = _coupled_pieces(p, length, omega)
     stiffness = _coupled_stiffness(_coupled(p, length / pieces), pieces, omega)
     return int(np.count_nonzero(eigvalsh(stiffness) < 0.0))
 
 
 def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
-    """Pieces that have their first frequency, clamped at both ends, above ω (rad/s).
+    """Number of pieces whose first clamped–clamped frequency is above `omega` (rad/s).
 
-    From below: |v_c|² ≤ 2|v_s|² + 2 r² φx² with r the distance of the shear centre parts bending
-    and torsion, and the softer of both planes with the more inert one bounds bending.
+    A lower bound of that frequency is used: |v_c|² ≤ 2|v_s|² + 2 r² φx², with the distance r of the
+    shear centre, separates bending and torsion. Bending is bounded with the smaller stiffness and
+    the larger inertia of both planes.
     """
     bending = np.linalg.eigvalsh(p.bending)[0]
     matrices = p.shear_flexibility, p.rotary_inertia
@@ -309,15 +334,16 @@ def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
 
 
 def _coupled_stiffness(equations: _Coupled, pieces: int, omega: float) -> Array:
-    """K(ω) of the clamped–free beam on five motions of the cuts and the tip, in units of EI/l.
+    """Dynamic stiffness K(ω) of the clamped–free beam with coupled bending and torsion.
 
-    `equations` are those of a piece.
+    The unknowns are five motions at the ends of all pieces except the root, in units of EI/l.
+    `equations` are those of one piece, `pieces` is the number of pieces.
     """
     state = np.zeros((10, 10))
     state[0, 3] = state[1, 4] = 1.0
     state[:5, 5:] = equations.flexibility
     state[5:, :5] = -(omega**2) / equations.unit_squared * equations.mass
-    # M′ = −V − ω²ρIθ.
+    # Shear force in the moment equation M′ = −V − ω²ρI θ.
     state[8, 5] = state[9, 6] = -1.0
     transfer = expm(state)
     uu, uf, fu, ff = transfer[:5, :5], transfer[:5, 5:], transfer[5:, :5], transfer[5:, 5:]

@@ -1,20 +1,23 @@
-"""Uniform beams that stand for the inside of a leg of which only the 6×6 of its tip is known.
+"""Uniform beams that replace a leg known by its 6×6, for its deformation between the ends.
 
-A straight uniform beam of length L has the tip compliances c66 = L/EI, c26 = L²/2EI and
-c22 = L³/3EI + L/κGA, so that c66 gives EI. Its transverse stiffness (K = c⁻¹, all other twists
-held) is 1/K22 = L³/12EI + L/κGA: what exceeds L² c66/12 is shear. No 6×6 contains
+A straight uniform beam of length L has the tip compliances c66 = L/EI, c26 = L²/2EI and c22 =
+L³/3EI + L/κGA, so that EI follows from c66. Its transverse stiffness (K = c⁻¹, all other twists
+fixed) is 1/K22 = L³/12EI + L/κGA: the excess over L² c66/12 is attributed to shear. A 6×6 does not
+contain
 
-- whether that excess is shear along the leg or flexibility at its ends. The first has lower held
-  frequencies: a uniform load deflects the two as 1 + 4Φ to 1 + Φ, Φ = 12EI/κGAL².
-- how much of the stiffness is at the ends, where rigid faces hold contraction and warping.
-- whether torsion is Saint-Venant's, c44 = L/GJ, or resisted by warping that the ends hold,
-  c44 = L³/12EΓ + L/GI_p (`fem.sections.nonuniform_torsion` with J = 0), as in I-sections. With one
-  c44 the second has a first held frequency up to 22.37/(π√12) = 2.06 times as high.
+- whether this excess is due to shear along the leg or to compliance at its ends. With shear, the
+  frequencies with fixed ends are lower: the deflections under a uniform load have the ratio 1 + 4Φ
+  to 1 + Φ, Φ = 12EI/κGAL²;
+- how much of the stiffness is due to rigid end faces, which prevent contraction and warping;
+- whether torsion follows Saint-Venant, c44 = L/GJ, or is resisted by warping that the ends prevent,
+  c44 = L³/12EΓ + L/GI_p (`fem.sections.nonuniform_torsion` with J = 0), as in I-sections. For the
+  same c44, the latter has a first frequency with fixed ends up to 22.37/(π√12) = 2.06 times as
+  high.
 
-The held stiffness of such legs lies between that of the "soft" and of the "stiff" beam, and with it
-every frequency of their robot by its number, whatever its shape (Rayleigh), but for what the shapes
-by which the inside follows the ends do to the mass: some 1e-3 of the lowest ones. Radii of gyration
-are those of a homogeneous leg, I/A = EI/EA with the EI of c55 and c66.
+The stiffness of the leg with fixed ends lies between those of the "soft" and of the "stiff" beam,
+and with it each frequency of the robot (Rayleigh), apart from the effect on the mass of different
+shapes between the ends, about 1e-3 for the lowest frequencies. Radii of gyration are those of a
+homogeneous leg, I/A = EI/EA with the EI that follow from c55 and c66.
 """
 
 from math import sqrt
@@ -29,40 +32,42 @@ from lumped.legs import BeamProperties, GivenLeg
 from lumped.mechanism.body_model import LegMatrices
 
 Interior: TypeAlias = Literal["uniform", "soft", "stiff"]
-# Length that a rigid end face stiffens, in heights of the section, at most. Fitted to 343 modes of
-# 60 random robots of solid rectangles, tubes, boxes and I-sections, 4 to 20 times as long as high:
-# median 0.023, 95 % below 0.06, all but two below 0.1. In tension it is 0.0225 (ν = 0.3; 0.9 % of a
-# leg five times as long as high).
+# Largest length that a rigid end face stiffens, divided by the height of the section. Fitted to 343
+# modes of 60 random robots with solid rectangles, tubes, boxes and I-sections, 4 to 20 times as
+# long as high: median 0.023, 95 % below 0.06, all but two below 0.1. In tension it is 0.0225 (ν =
+# 0.3), which is 0.9 % of a leg five times as long as high.
 _HELD_LENGTH = 0.1
-# Longest stiffened end, in lengths of the leg: the height √12 i of a leg that is no prism is vague.
+# Largest length of a stiffened end, divided by the length of the leg. It limits the estimate from
+# the height √12 i, which is uncertain for a leg that is not a prism.
 _LONGEST_HELD = 1.0 / 8.0
 # E/G of isotropic metals, ν = 0.3.
 _E_OVER_G = 2.6
-# Largest share of the transverse flexibility that is shear.
+# Largest fraction of the transverse flexibility that is attributed to shear.
 _MOST_SHEAR = 0.9
 # Relative round-off of a printed 6×6.
 _ROUND_OFF = 1e-6
 
 
 class _Bending(NamedTuple):
-    """EI (N m²) and κGA (N, infinite without shear deformation) of one plane."""
+    """Bending stiffness EI (N m²) and shear stiffness κGA (N) of one plane. κGA may be infinite."""
 
     EI: float
     GA: float
 
 
 def interior_properties(leg: GivenLeg, interior: Interior) -> BeamProperties:
-    """Constants of a uniform beam with the leg's K11, K22, K33, K44 and, with shear, c55 and c66.
+    """Properties of a uniform beam with the stiffnesses K11, K22, K33 and K44 of a leg.
 
-    κGA is EA/2.6 at most. If c55 or c66 needs more (the ends of the leg give way locally), the beam
-    has K33 or K22 alone. Raises InputError if the compliance is not positive definite.
+    Except for "stiff", the beam also has c55 and c66. κGA is at most EA/2.6. If c55 or c66 would
+    require a larger κGA (because the ends of the leg are locally compliant), only K33 or K22 is
+    matched. Raises InputError if the compliance of the leg is not positive definite.
     """
     require_positive_definite(leg)
     length = leg.length
     k11, k22, k33, k44 = np.diag(np.linalg.inv(leg.compliance))[:4].tolist()
     c55, c66 = np.diag(leg.compliance)[4:].tolist()
     EA, mu = k11 * length, leg.mass / length
-    # Squared radii of gyration: K22 and K33 alone would leave out what shear takes off them.
+    # Squared radii of gyration. They are not from K22 and K33 alone, which shear reduces.
     ry2, rz2 = (max(length / c, k * length**3 / 12.0) / EA for k, c in ((k33, c55), (k22, c66)))
     elastic, about_y, about_z = [
         _between_ends(length, 12.0 * squared) if interior == "soft" else length
@@ -88,31 +93,35 @@ def interior_properties(leg: GivenLeg, interior: Interior) -> BeamProperties:
 
 
 def _between_ends(length: float, squared_height: float) -> float:
-    """Length (m) between ends that rigid faces stiffen, of a section of such a height (m²)."""
+    """Length (m) of a leg between the ends stiffened by rigid faces. `squared_height` in m²."""
     return length - 2.0 * min(_HELD_LENGTH * sqrt(squared_height), _LONGEST_HELD * length)
 
 
 def _bending(transverse: float, turning: float, axial: float, elastic: float) -> _Bending:
-    """Plane with such a `transverse` stiffness, κGA at most as of the `axial` one (N/m).
+    """Bending and shear stiffness with a given transverse stiffness (N/m, all other twists fixed).
 
-    `turning`: rotation per moment (rad/(N m)); `elastic`: the length (m) that gives way.
+    `turning` is the rotation per moment (rad/(N m)), `axial` the axial stiffness (N/m), which
+    limits κGA, `elastic` the length (m) that deforms.
     """
-    # Transverse flexibility (m/N) by shear.
+    # Transverse flexibility (m/N) due to shear.
     shear = max(1.0 / transverse - elastic**2 * turning / 12.0, _E_OVER_G / axial)
     shear = min(shear, _MOST_SHEAR / transverse)
     return _Bending(elastic**3 / 12.0 / (1.0 / transverse - shear), elastic / shear)
 
 
 def interior_beam(leg: GivenLeg, interior: Interior, elements: int) -> LegMatrices:
-    """The leg as a free uniform beam in so many elements; unknowns as of `warping_beam_leg`."""
+    """Free uniform beam with `elements` elements that replaces a leg known by its 6×6.
+
+    The unknowns are those of `warping_beam_leg`.
+    """
     properties = interior_properties(leg, interior)
     beam = beam_leg(properties, leg.length, elements)
     if interior != "stiff":
         return beam
-    # E I_p, by the radii of gyration.
+    # E I_p from the radii of gyration.
     polar = properties.EA * properties.rho_J / properties.mu
     twist = polar / _E_OVER_G
-    # A closed section resists warping with all of GI_p and does not need it.
+    # The torsional stiffness of a closed section is GI_p without warping.
     if twist * (1.0 - _ROUND_OFF) <= properties.GJ:
         return beam
     bimoment = leg.length**2 / 12.0 / (1.0 / properties.GJ - 1.0 / twist)

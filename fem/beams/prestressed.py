@@ -1,32 +1,33 @@
 """Geometric stiffness of a loaded leg.
 
-Its sections carry a force n and a moment m. To second order in displacements u and rotation vectors
-θ, x along the leg, they do the work (Simo and Vu-Quoc, Comput. Methods Appl. Mech. Eng. 58 (1986)
-79)
+The sections of the leg transmit a force n and a moment m. To second order in displacements u and
+rotation vectors θ, with x along the leg, they do the work (Simo and Vu-Quoc, Comput. Methods Appl.
+Mech. Eng. 58 (1986) 79)
 
-    ∫ −n·(θ × u′) + ½ n·(θ × (θ × eₓ)) − ½ m·(θ × θ′) + ½ ∫ σ g² dA dx
+    ∫ −n·(θ × u′) + ½ n·(θ × (θ × eₓ)) − ½ m·(θ × θ′) dx + ½ ∫ σ g² dA dx
 
-with the stress σ = N/A + My z/Iy − Mz y/Iz along the leg and the shear g of a point of a rigid
-section, (γy − φx′ z, γz + φx′ y): Green's strain along the leg is that of Reissner's beam plus
-½ g² + ½ ε², of which ε² is small beside the strain itself. If both axes are axes of symmetry,
+with the axial stress σ = N/A + My z/Iy − Mz y/Iz and the shear strain g of a point of a rigid
+section, (γy − φx′ z, γz + φx′ y): Green's axial strain is that of Reissner's beam plus ½ g² + ½ ε²,
+of which ε² is small compared with the strain itself. If both axes are axes of symmetry,
 
     ½ ∫ σ g² dA = ½ N γ² + ½ N i² φx′² − φx′ (My γy + Mz γz).
 
-The first term is Engesser's: Green's strains have the shear modulus of solids, columns buckle at
-P/(1 + P/κGA) (Bažant, J. Appl. Mech. 38 (1971) 919, on Haringx, who omits it). The second is
-Wagner's term of sections that rotate about the leg, i their polar radius of inertia. Due to the
-third, shear lowers the lateral buckling load of stout legs; without it shear would raise that load.
-A rigid rotation of the whole leg only rotates its forces.
+The first term is Engesser's: with Green's strains and the shear modulus of solids, columns buckle
+at P/(1 + P/κGA) (Bažant, J. Appl. Mech. 38 (1971) 919, on Haringx, who omits it). The second is
+Wagner's term of sections that rotate about the leg, with the polar radius of gyration i. The third
+reduces the lateral buckling load of stout legs in the presence of shear, which would otherwise
+increase it. A rigid rotation of the whole leg only rotates its forces.
 
 Bending before buckling is neglected, as in any linear theory of buckling. A leg that spins idly
 about its axis is an exception: its bent shape does not rotate with it, and the torsion due to a
-bending moment is proportional to the difference of EIy and EIz (Kirchhoff's rod). A round rod has
-none. Any other leg would turn over under the smallest load without friction. The twist of such a
-leg therefore has no work with bending moments and shear forces. Of the terms above with φx,
+bending moment is proportional to the difference of EIy and EIz (Kirchhoff's rod). For a round rod
+it is zero. Without friction, any other leg would turn over under the smallest load. For such a leg,
+the work of bending moments and shear forces on the twist is therefore omitted. Of the terms above
+with φx,
 
     φx (θ′·(eₓ × m) + γ·(eₓ × n)) − φx′ m·γ − ½ [φx θ·(eₓ × m)]′,
 
-only the last remains, which acts in the joints at both ends.
+only the last one remains, which acts in the joints at both ends.
 """
 
 from dataclasses import dataclass, replace
@@ -44,7 +45,7 @@ from lumped.legs import BeamProperties
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import skew
 
-# Number of Gauss points per element, exact for a cubic moment, due to a linearly distributed load,
+# Number of Gauss points per element: exact for a cubic moment (due to a linearly distributed load)
 # times two quadratic rotations.
 _POINTS = 4
 _ALONG = np.array([1.0, 0.0, 0.0])
@@ -53,10 +54,11 @@ _ACROSS = np.diag([0.0, 1.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class PrestressedLeg:
-    """A leg on the twists of its ends and its modes with held ends, r unknowns: `matrices`.
+    """A leg reduced to the twists of its ends and its modes with fixed ends: r unknowns.
 
-    At s stations with `weights` (m) `fields` (s×9×r) are u′, θ and θ′ from the unknowns. `gyration`
-    is i² (m²).
+    `matrices` are stiffness and mass on these unknowns. `fields` (s×9×r) is the matrix from the
+    unknowns to u′, θ and θ′ at s `stations` (m from the root), with the quadrature `weights` (m).
+    `gyration` is the squared polar radius of gyration i² (m²).
     """
 
     matrices: LegMatrices
@@ -66,11 +68,11 @@ class PrestressedLeg:
     gyration: float
 
     def geometric_stiffness(self, ends: Array, distributed: Array, *, spins: bool = False) -> Array:
-        """Geometric stiffness (r×r, SI).
+        """Geometric stiffness (r×r, SI) of the leg under forces on its ends.
 
-        `ends` (12, N and N m, leg axes) are the forces on root and tip balanced by its stiffness,
-        `distributed` the part of them that acts on its length. `spins`: the leg spins idly about
-        its axis.
+        `ends` (12, N and N m, leg axes) are the forces on root and tip that the leg's stiffness
+        balances, `distributed` the part of them that acts along the length. `spins` is True if the
+        leg spins idly about its axis.
         """
         force, moment = _resultants(ends, distributed, self.matrices.length, self.stations)
         force_cross = skew(force)
@@ -104,9 +106,10 @@ class PrestressedLeg:
 def prestressed_leg(
     properties: BeamProperties, length: float, elements: int, modes: int
 ) -> PrestressedLeg:
-    """A beam of `elements` on its ends and its lowest `modes` with held ends, at most all of them.
+    """Beam with `elements` elements, reduced to its ends and its lowest modes with fixed ends.
 
-    Buckling loads converge with the fourth power of the length of the elements.
+    `modes` is the number of these modes, limited to all of them. Buckling loads converge with the
+    fourth power of the element length.
     """
     beam = beam_leg(properties, length, elements)
     held = held_leg(beam)
@@ -139,7 +142,7 @@ def prestressed_leg(
     piece = length / elements
     stations = (piece * (np.arange(elements)[:, None] + 0.5 * (1.0 + points))).ravel()
     twists = dense(centreline(stations)).reshape(elements, _POINTS, 6, -1)
-    # Fields are cubics within an element: their slopes follow from four values.
+    # Fields are cubic within an element, so that their derivatives follow from four values.
     values = legendre.legvander(points, _POINTS - 1)
     slopes = legendre.legval(points, legendre.legder(np.eye(_POINTS))).T @ np.linalg.inv(values)
     sloping = 2.0 / piece * np.einsum("pq,eqij->epij", slopes, twists)
@@ -154,7 +157,7 @@ def prestressed_leg(
 
 
 def between(leg: PrestressedLeg, ends: Array) -> LegMatrices:
-    """The leg with its stiffness between the ends replaced by `ends` (12×12)."""
+    """Leg in which `ends` (12×12, SI, leg axes) replaces the stiffness between the two ends."""
     stiffness = dense(leg.matrices.stiffness).copy()
     stiffness[:ENDS, :ENDS] = ends
     return replace(leg.matrices, stiffness=stiffness)
@@ -163,10 +166,11 @@ def between(leg: PrestressedLeg, ends: Array) -> LegMatrices:
 def _resultants(
     ends: Array, distributed: Array, length: float, stations: Array
 ) -> tuple[Array, Array]:
-    """Section force n and moment m (s×3 each) on the part of the leg before each station.
+    """Force n and moment m (s×3 each, leg axes) of the sections at `stations`.
 
-    The distributed load is linear along the leg. It has the resultant of the loads at both ends;
-    along and about the leg it also has their shares.
+    They act on the part of the leg towards the root. The distributed load is linear along the leg
+    and has the resultant of the loads at both ends. Its components along and about the leg also
+    have the same distribution to the ends.
     """
     first, last = _density(distributed[:6], distributed[6:], length)
     at_root = ends[:6] - distributed[:6]
@@ -181,10 +185,14 @@ def _resultants(
 
 
 def _density(root: Array, tip: Array, length: float) -> tuple[Array, Array]:
-    """Forces and moments per length (6, N/m and N) at both ends, from those reduced to the ends."""
+    """Forces and moments per length (6, N/m and N) at root and tip, for a linear load.
+
+    `root` and `tip` (6 each) are the loads reduced to both ends.
+    """
     first, last = 2.0 * (2.0 * root - tip) / length, 2.0 * (2.0 * tip - root) / length
     total = root + tip
-    # Moments define the position of transverse forces; that of a force along z about y is negative.
+    # The moments determine the position of transverse forces. A force along z has a negative moment
+    # about y.
     for across, about, sign in ((1, 5, 1.0), (2, 4, -1.0)):
         lever = sign * total[about] + length * tip[across]
         last[across] = 6.0 * lever / length**2 - 2.0 * total[across] / length

@@ -1,7 +1,7 @@
 """A leg of prismatic pieces along the centre line of a part, each with the part's section there.
 
-The pieces extend between the regions held at the interfaces, which are rigid with their own mass.
-Sections are those in the middle of the pieces, which makes the error of second order in 1/k.
+The regions at the interfaces are rigid and have their own mass. Pieces extend between them. The
+section in the middle of a piece is used, so that the error is of second order in 1/k for k pieces.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,9 +18,10 @@ from lumped.screws import shift, turn
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A prism from `start` to `end` (3, m, leg axes), where the centroids of its end sections are.
+    """A prismatic piece of a stepped leg, between the centroids of its end sections.
 
-    `properties` in its own `axes` (3×3, columns), the first along it.
+    `start` and `end` (3, m) are these centroids in leg axes. `properties` are in the piece's own
+    `axes` (3×3, columns), the first of which is along the piece.
     """
 
     start: Array
@@ -30,15 +31,16 @@ class Piece:
 
     @property
     def length(self) -> float:
-        """Length (m) from start to end."""
+        """Length (m) of the piece from start to end."""
         return float(np.linalg.norm(self.end - self.start))
 
 
 @dataclass(frozen=True, eq=False)
 class SteppedLeg:
-    """Pieces from root to tip, which are `length` (m) apart along x.
+    """Pieces of a leg from root to tip, which are `length` (m) apart along x.
 
-    `root_mass`, `tip_mass` (6×6, SI, leg axes, at root and tip): mass of the rigid regions there.
+    `root_mass` and `tip_mass` (6×6, SI, leg axes) are the mass matrices of the rigid regions at
+    root and tip.
     """
 
     length: float
@@ -48,7 +50,10 @@ class SteppedLeg:
 
 
 def stepped_leg(leg: SteppedLeg, build: Callable[[Piece], LegMatrices]) -> LegMatrices:
-    """Assembly of pieces, each from `build` in its own axes, on (root 6, tip 6, inner) unknowns."""
+    """Assembled leg of prismatic pieces, each modelled by `build` in its own axes.
+
+    The unknowns are the twists of root (6) and tip (6), then those inside.
+    """
     models = [build(piece) for piece in leg.pieces]
     count = len(models)
     inner = [model.size - 12 for model in models]
@@ -84,7 +89,10 @@ def stepped_leg(leg: SteppedLeg, build: Callable[[Piece], LegMatrices]) -> LegMa
 
 
 def _node(node: int, count: int, length: float) -> tuple[int, Array | None]:
-    """First unknown of a node, and where its twist is referred to if not to the node itself."""
+    """First unknown of a node, and the point to which its twist is referred.
+
+    None if the twist is that of the node itself.
+    """
     if node == 0:
         return 0, np.zeros(3)
     if node == count:
@@ -95,7 +103,10 @@ def _node(node: int, count: int, length: float) -> tuple[int, Array | None]:
 def _twists(
     leg: SteppedLeg, models: Sequence[LegMatrices], maps: Sequence[SparseMatrix], stations: Array
 ) -> SparseMatrix:
-    """Twists (6m×n) at stations of the straight line from root to tip, sections moving with it."""
+    """Matrix (6m×n) from the unknowns to twists at `stations` (m) of the line from root to tip.
+
+    Points of the line move with the section of the piece in which they lie.
+    """
     size = maps[0].shape[1]
     starts = np.array([piece.start[0] for piece in leg.pieces])
     rows = []

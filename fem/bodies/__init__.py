@@ -1,4 +1,4 @@
-"""Solid models of one body: prisms and parts, their statics and certified modes.
+"""Solid models of one body, a prismatic leg or a part: statics and certified modes.
 
-In: legs and meshes. Out: compliances, modes, matrices on the interfaces.
+Input: legs and meshes. Output: compliances, modes, matrices on the interfaces.
 """

@@ -1,31 +1,32 @@
 """Statics of a leg of n equal slices in about log₂ n dense steps: condensation by doubling.
 
-Two equal pieces joined and their common face condensed make a piece twice as long (substructures:
-Przemieniecki, AIAA J. 1 (1963) 138; doubling of the interval: Zhong, J. Comput. Appl. Math. 163
-(2004) 59). Done on the stiffness of the end faces this loses digits with length: the stiffness
-EI/L³ that is looked for is the small difference of entries of the size of a node's. So the pieces
-have a mixed form. Displacements of a face are split into its twist, the work conjugate of
-Saint-Venant's loads B, and the deformation v that is left, u = R Bᵀu + N v with BᵀN = 0. For the
-relative twist q of the ends, the wrench w that a piece carries and the loads g = Nᵀf of the faces
+Two equal pieces are joined and their common face is condensed, which gives a piece twice as long
+(substructures: Przemieniecki, AIAA J. 1 (1963) 138; doubling of the interval: Zhong, J. Comput.
+Appl. Math. 163 (2004) 59). With the stiffness of the end faces this would lose digits in proportion
+to the length: the stiffness EI/L³ is a small difference of entries of the size of a node's
+stiffness. Therefore the pieces have a mixed form. Displacements of a face are split into its twist,
+which is work conjugate to Saint-Venant's loads B, and the remaining deformation v: u = R Bᵀu + N v
+with BᵀN = 0. For the relative twist q of the ends, the wrench w transmitted by a piece and the
+loads g = Nᵀf of the faces
 
-    q =  C w + H v        v = (v_root, v_tip), all of w and q at the middle of the piece
+    q =  C w + H v        v = (v_root, v_tip), w and q at the middle of the piece
     g = −Hᵀw + S v
 
-The force method for the six resultants, which statics alone carries through every face; the
-displacement method for deformations, which decay along the piece (Saint-Venant's principle).
-A common face has g = 0, hence v = M⁻¹(…) with M the sum of the two pieces' S on it, and
+This is the force method for the six resultants, which are determined by statics in every face, and
+the displacement method for deformations, which decay along the piece (Saint-Venant's principle). A
+common face has g = 0, hence v = M⁻¹(…) with M the sum of the two pieces' S on it, and
 
     C′ = X_a C_a X_aᵀ + X_b C_b X_bᵀ + H_m M⁻¹ H_mᵀ
 
-only adds positive terms: nothing cancels, rigid motions are exact, and M has the condition of a
-face's mesh for any length. C is the compliance with rigid ends (v = 0), C + H S⁻¹ Hᵀ with free
-ends (g = 0). Slices far thinner than the section's size h cost digits, since S holds shear between
-the faces, ~1/l, beside stretching in their planes, ~l: an error of at most (h/l)² roundings.
+is a sum of positive terms: nothing cancels, rigid motions are exact, and the condition of M is that
+of a face's mesh for any length. C is the compliance with rigid ends (v = 0), C + H S⁻¹ Hᵀ that with
+free ends (g = 0). Slices far thinner than the section's size h lose digits, because S contains
+shear between the faces, ~1/l, and stretching in their planes, ~l: the error is at most (h/l)² times
+the round-off.
 
-A piece is its own mirror image: with s (−1 on the v that are axial, +1 on those that lie in the
-face) and Q = diag(−1, 1, 1, 1, −1, −1) for twists, S_tip,tip = s S_root,root s, S_root,tip s is
-symmetric, and H_tip = −Q H_root s. In the middle of two equal pieces axial and in-face deformations
-thus do not couple.
+A piece is its own mirror image: with s (−1 for axial v, +1 for v in the face) and Q = diag(−1, 1,
+1, 1, −1, −1) for twists, S_tip,tip = s S_root,root s, S_root,tip s is symmetric, and H_tip = −Q
+H_root s. At the middle of two equal pieces, axial and in-face deformations are therefore uncoupled.
 """
 
 from dataclasses import dataclass
@@ -50,9 +51,10 @@ _TWIST_MIRROR = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
 
 @dataclass(frozen=True, eq=False)
 class _FaceDeformations:
-    """Deformations N (m×k, k = m − 6) of a face: orthonormal, and Saint-Venant's loads do no work.
+    """Deformations N (m×k, k = m − 6) of a face, on which Saint-Venant's loads do no work.
 
-    The first `axial` are along x, the others within the face.
+    The columns `fields` are orthonormal. The first `axial` of them are along x, the others within
+    the face.
     """
 
     fields: Array
@@ -60,7 +62,7 @@ class _FaceDeformations:
 
     @property
     def mirror(self) -> Array:
-        """Signs s (k) of the deformations mirrored in a plane x = constant."""
+        """Signs s (k values) of the deformations when they are mirrored at a plane x = constant."""
         return np.repeat([-1.0, 1.0], [self.axial, self.fields.shape[1] - self.axial])
 
 
@@ -68,9 +70,10 @@ class _FaceDeformations:
 class CondensedPiece:
     """A leg or a piece of it in the mixed form q = C w + H v, g = −Hᵀw + S v.
 
-    With k deformations v per face. `compliance` C (6×6, SI), wrench and relative twist at the
-    middle of the piece; `twists` the root's half of H (6×k); `own` the block S_root,root (k×k, N/m)
-    and `across` S_root,tip s (k×k, symmetric). `mirror` s (k) gives the tip's from these.
+    There are k deformations v per face. `compliance` is C (6×6, SI), with wrench and relative twist
+    at the middle of the piece. `twists` is the part of H for the root (6×k). `own` is the block
+    S_root,root (k×k, N/m), `across` is S_root,tip s (k×k, symmetric). `mirror` s (k) gives the
+    blocks of the tip from these.
     """
 
     length: float
@@ -82,26 +85,26 @@ class CondensedPiece:
 
     @property
     def tip_twists(self) -> Array:
-        """The tip's half of H (6×k)."""
+        """Part of H for the tip (6×k)."""
         return np.asarray(-_TWIST_MIRROR[:, None] * self.twists * self.mirror)
 
     @property
     def tip_own(self) -> Array:
-        """S_tip,tip (k×k)."""
+        """Block S_tip,tip (k×k, N/m)."""
         return np.asarray(self.mirror[:, None] * self.own * self.mirror)
 
     @property
     def root_tip(self) -> Array:
-        """S_root,tip (k×k)."""
+        """Block S_root,tip (k×k, N/m)."""
         return np.asarray(self.across * self.mirror)
 
 
 def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> CondensedPiece:
-    """`leg` as `slices` equal slices of hexahedra on `section` (quad9), condensed.
+    """Leg of `slices` equal slices of hexahedra on the mesh `section` (quad9), condensed.
 
     The discrete model is that of `extrude(section, stations(length, slices))`. Raises InputError
-    for an impossible leg or fewer than one slice, ComputationError for elements that
-    are folded or a slice that is not stiff.
+    for an impossible leg or fewer than one slice, ComputationError if elements are folded or the
+    stiffness of a slice is not positive definite.
     """
     with naming(leg.name):
         require_leg(leg.section, leg.length, 1)
@@ -111,7 +114,7 @@ def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> Conden
         face = _face_deformations(mesh, leg)
         slice_piece = _slice(mesh, leg, face)
     piece = slice_piece
-    # The binary digits of n after the first: double, and add one slice where the digit is 1.
+    # For each binary digit of n after the first: double, and add one slice if the digit is 1.
     for digit in f"{slices:b}"[1:]:
         piece = doubled(piece)
         if digit == "1":
@@ -120,9 +123,9 @@ def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> Conden
 
 
 def tip_compliance(piece: CondensedPiece, ends: Ends = "rigid") -> Array:
-    """6×6 compliance (SI, leg axes) at (L, 0, 0), root held.
+    """6×6 compliance (SI, leg axes) at the tip (L, 0, 0) with the root clamped.
 
-    `ends` as in `fem.bodies.solid.coupled_leg`.
+    `ends` is the condition on both end faces: "rigid", or "free" to warp and contract.
     """
     compliance = piece.compliance
     if ends == "free":
@@ -135,7 +138,7 @@ def tip_compliance(piece: CondensedPiece, ends: Ends = "rigid") -> Array:
 
 
 def joined(first: CondensedPiece, second: CondensedPiece) -> CondensedPiece:
-    """The two pieces end to end, the tip of `first` on the root of `second`, of equal slices."""
+    """Two pieces of equal slices end to end, the tip of `first` on the root of `second`."""
     length = first.length + second.length
     from_first = shift(np.array([(length - first.length) / 2.0, 0.0, 0.0]))
     from_second = shift(np.array([(second.length - length) / 2.0, 0.0, 0.0]))
@@ -160,10 +163,11 @@ def joined(first: CondensedPiece, second: CondensedPiece) -> CondensedPiece:
 
 
 def doubled(piece: CondensedPiece) -> CondensedPiece:
-    """`joined(piece, piece)` by symmetry: the middle face's axial and in-face v do not couple.
+    """Two equal pieces end to end: `joined(piece, piece)` with half the work, by symmetry.
 
-    With Y = L⁻¹ S_tip,root, M = LLᵀ: S_root,root loses Σ YᵢᵀYᵢ over both kinds of deformation, and
-    S_root,tip s is their difference.
+    Axial and in-face deformations v of the middle face are uncoupled. With Y = L⁻¹ S_tip,root, M =
+    LLᵀ, the sum of YᵢᵀYᵢ over both kinds of deformation is subtracted from S_root,root, and their
+    difference is S_root,tip s.
     """
     to_middle = shift(np.array([piece.length / 2.0, 0.0, 0.0]))
     from_middle = shift(np.array([-piece.length / 2.0, 0.0, 0.0]))
@@ -192,14 +196,17 @@ def _face_deformations(mesh: SolidMesh, leg: ConstantLeg) -> _FaceDeformations:
     loads = saint_venant_loads(mesh.root, points, np.zeros(3), leg.material)
     along = np.arange(0, len(loads), 3)
     within = np.setdiff1d(np.arange(len(loads)), along)
-    # Fx, My and Mz are axial tractions, Fy, Fz and Mx tractions within the face.
+    # Fx, My and Mz have axial tractions. Fy, Fz and Mx have tractions within the face.
     axial = _complement(loads, along, np.array([0, 4, 5]))
     in_face = _complement(loads, within, np.array([1, 2, 3]))
     return _FaceDeformations(np.hstack([axial, in_face]), axial.shape[1])
 
 
 def _complement(loads: Array, rows: IntArray, wrenches: IntArray) -> Array:
-    """Orthonormal displacements (m×(rows − 3)) of the unknowns `rows` on which no load works."""
+    """Orthonormal displacements (m×(rows − 3)) on which the given loads do no work.
+
+    Only the unknowns `rows` are not zero. `wrenches` are the columns of the loads.
+    """
     basis, _ = qr(loads[np.ix_(rows, wrenches)])
     columns = np.zeros((len(loads), len(rows) - 3))
     columns[rows] = basis[:, 3:]
@@ -207,19 +214,19 @@ def _complement(loads: Array, rows: IntArray, wrenches: IntArray) -> Array:
 
 
 def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> CondensedPiece:
-    """One slice in the mixed form, its nodes in between the faces condensed.
+    """One slice in the mixed form. The nodes between its faces are condensed.
 
-    A tip deformed as the root's mirror image (+) does not couple with one deformed in the opposite
-    sense (−): S splits into own ± across. With + the plane of nodes in the middle moves within
-    itself and the twist is of Fx, My, Mz; with − it moves along the leg. Each is summed over both
-    ends: mirrored alone, rounding in K would hold a rigid motion.
+    Deformations of the tip that mirror those of the root (+) are not coupled with those of opposite
+    sign (−): S is split into own ± across. With +, the nodes in the middle plane move within this
+    plane and the twist is that of Fx, My, Mz. With −, they move along the leg. Each is averaged
+    over both ends, because round-off in K would otherwise resist rigid motions.
     """
     K = stiffness(mesh, leg.material)
     m = len(face.fields)
     root, tip = slice(0, m), slice(K.shape[0] - m, None)
     between = np.arange(m, K.shape[0] - m)
     middle = np.array([mesh.length / 2.0, 0.0, 0.0])
-    # Half the relative twist to either end: the slice stays its own mirror image.
+    # Each end has half of the relative twist, so that the slice is its own mirror image.
     at_root = -0.5 * rigid_motions(mesh.nodes[mesh.root.nodes], middle)
     at_tip = 0.5 * rigid_motions(mesh.nodes[mesh.tip.nodes], middle)
     of_twist = K[:, root] @ at_root + K[:, tip] @ at_tip
@@ -259,14 +266,17 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> Conden
 
 
 def _by_deformations(matrix: Array | SparseMatrix, face: _FaceDeformations) -> Array:
-    """matrix·N of a matrix with a column for each unknown of a face; N is zero across its kinds."""
+    """Product of `matrix`, which has one column per unknown of a face, with the deformations N.
+
+    N has no axial components in in-face deformations and vice versa.
+    """
     along = np.arange(len(face.fields)) % 3 == 0
     axial, in_face = face.fields[along, : face.axial], face.fields[~along, face.axial :]
     return np.hstack([matrix[:, along] @ axial, matrix[:, ~along] @ in_face])
 
 
 def _deformation_stiffness(piece: CondensedPiece) -> Array:
-    """S (2k×2k, N/m) of the deformations of root and tip, no wrench carried."""
+    """Stiffness S (2k×2k, N/m) of the deformations of root and tip without a transmitted wrench."""
     across = piece.root_tip
     return np.block([[piece.own, across], [across.T, piece.tip_own]])
 

@@ -1,4 +1,4 @@
-"""A CAD part on one mesh: its matrices, coupled to its interfaces, held at the first."""
+"""A CAD part on one mesh: its matrices, coupled to its interfaces, clamped at the first."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ from lumped.legs import Material
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import Interface
 
-# Peak memory of the factorisation for 150k unknowns and its exponent in the unknowns, measured on
-# tetrahedra in parts.
+# Peak memory (bytes) of the factorisation for 150 000 unknowns, and the exponent with which it
+# grows. Measured on parts meshed with tetrahedra.
 _BYTES, _UNKNOWNS, _POWER = 1.6e9, 150e3, 1.4
 
 
 @dataclass(frozen=True)
 class MassProperties:
-    """`mass` (kg), `centre` (3, m) and `inertia` (3×3, kg m²) about it, the axes of the mesh."""
+    """Mass (kg), mass centre (3, m) and inertia (3×3, kg m², about the centre), in mesh axes."""
 
     mass: float
     centre: Array
@@ -40,7 +40,7 @@ class MeshedPart:
     scalar_mass: SparseMatrix
 
     def properties(self) -> MassProperties:
-        """Mass, centre and inertia of the mesh, curved edges included."""
+        """Mass, mass centre and inertia of the mesh, including its curved edges."""
         nodes, M = self.mesh.nodes, self.scalar_mass
         shares = M.sum(axis=0)
         mass = float(shares.sum())
@@ -50,13 +50,16 @@ class MeshedPart:
 
 
 def meshed_part(mesh: PartMesh, material: Material) -> MeshedPart:
-    """Stiffness and mass of a part; raises ComputationError for folded elements."""
+    """Stiffness and mass of a part on a mesh. Raises ComputationError for folded elements."""
     K, M = stiffness_and_mass(mesh, material)
     return MeshedPart(mesh, material, K, M)
 
 
 def require_memory(unknowns: float, part: str) -> None:
-    """Raise ComputationError if a mesh with so many `unknowns` exceeds the available memory."""
+    """Raise ComputationError if a mesh needs more than the available memory.
+
+    `unknowns` is the number of its displacement unknowns.
+    """
     needed = _BYTES * (unknowns / _UNKNOWNS) ** _POWER
     available = available_memory()
     if available is not None and needed > available:
@@ -70,7 +73,10 @@ def require_memory(unknowns: float, part: str) -> None:
 def grips_of(
     mesh: PartMesh, interfaces: Sequence[Interface], coupling: Kind | None = None
 ) -> tuple[Grip, ...]:
-    """Interfaces on the nodes of a mesh; all with one `coupling` if it is given."""
+    """Interfaces of a part as couplings of faces of its mesh.
+
+    If `coupling` is not None, it replaces the coupling of each interface.
+    """
     return tuple(
         Grip(
             coupling or interface.coupling,
@@ -87,7 +93,10 @@ def grips_of(
 
 
 def held_part(part: MeshedPart, grips: Sequence[Grip], name: str) -> RootedBody:
-    """The part held at its first interface and factorised. Raises errors like `rooted_body`."""
+    """Part clamped at its first interface, with factorised stiffness.
+
+    Raises as `rooted_body` does.
+    """
     solid = coupled_solid(
         part.stiffness, on_three_components(part.scalar_mass), part.mesh.nodes, grips
     )

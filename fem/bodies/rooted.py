@@ -1,10 +1,11 @@
-"""A solid with any number of interfaces, held at its first: what statics, modes and reduction need.
+"""A solid with any number of interfaces, clamped at its first one.
 
-The rigid motions are taken off by the first interface's twist, P = I − R̂B₀ᵀ: six springs on single
-unknowns make K̂ positive definite, and loads in equilibrium leave them without force. With the unit
-wrenches B at the other interfaces, U = P(K̂ + springs)⁻¹Pᵀ B and C = BᵀU: their compliance. Then
-Ψ = U C⁻¹ are the displacements for unit twists with the first held, and what all twists held leave
-of the flexibility G is G − U C⁻¹Uᵀ for any number of them.
+It provides the data for statics, modes and reduction. Rigid motions are removed by means of the
+twist of the first interface, P = I − R̂B₀ᵀ. Six springs on single unknowns make K̂ positive
+definite; loads in equilibrium cause no force in these springs. With the unit wrenches B at the
+other interfaces, U = P(K̂ + springs)⁻¹Pᵀ B are the displacements and C = BᵀU is the compliance.
+Then Ψ = U C⁻¹ are the displacements for unit twists of the other interfaces with the first clamped.
+If all interfaces are fixed, the flexibility G becomes G − U C⁻¹Uᵀ.
 """
 
 from dataclasses import dataclass, replace
@@ -28,10 +29,10 @@ from lumped.screws import shift
 
 @dataclass(frozen=True, eq=False)
 class _Rooting:
-    """Projection P on what moves with the first interface held, in one memory.
+    """Projection P on displacements with the first interface clamped, with arrays in one memory.
 
-    `motions` R̂ (n×6), `rows` of the unknowns that wrenches at the interface act on, and `wrenches`
-    B₀ there.
+    `motions` are the rigid motions R̂ (n×6), `rows` the indices of the unknowns on which wrenches
+    at the interface act, `wrenches` the rows of B₀ for these unknowns.
     """
 
     motions: Any
@@ -39,26 +40,27 @@ class _Rooting:
     wrenches: Any
 
     def expanded(self, x: Any) -> Any:
-        """P x."""
+        """Displacements P x with the first interface clamped."""
         return x - self.motions @ (self.wrenches.T @ x[self.rows])
 
     def equilibrated(self, forces: Any) -> Any:
-        """Pᵀf."""
+        """Forces Pᵀf, in equilibrium with the reaction of the first interface."""
         balanced = forces.copy()
         balanced[self.rows] -= self.wrenches @ (self.motions.T @ forces)
         return balanced
 
     def copy_to(self, space: Space) -> "_Rooting":
-        """Copy of the projection in another memory."""
+        """Copy of the projection in the memory `space`."""
         return _Rooting(*map(space.put, (self.motions, self.rows, self.wrenches)))
 
 
 @dataclass(frozen=True, eq=False)
 class RootedBody:
-    """A coupled solid held at its first interface, factorised; `name` in errors.
+    """A solid coupled to its interfaces, clamped at the first one, with factorised stiffness.
 
-    `pencil`: its stiffness and mass, with springs on six unknowns; `factor` of the former. Forces
-    and displacements are in the host's memory, or in that of a graphics card which has the factor.
+    `name` is used in messages. `pencil` contains stiffness and mass, with springs on six unknowns,
+    and `factor` is the factor of the stiffness. Forces and displacements are in the memory of the
+    host, or of a graphics card on which the factor is stored.
     """
 
     name: str
@@ -68,25 +70,25 @@ class RootedBody:
 
     @property
     def root(self) -> Array:
-        """B₀ (n×6)."""
+        """Unit wrenches B₀ (n×6) at the first interface."""
         return self.solid.twists[:, :6]
 
     @property
     def loads(self) -> Array:
-        """B (n×6(m−1)): unit wrenches at the other interfaces."""
+        """Unit wrenches B (n×6(m−1)) at the other interfaces."""
         return self.solid.twists[:, 6:]
 
     @property
     def space(self) -> Space:
-        """Memory in which forces need no transfer."""
+        """Memory in which forces do not have to be copied."""
         return self.pencil.symbolic.space
 
     def expanded(self, x: Any) -> Any:
-        """P x: the same deformation with the first interface where it was."""
+        """Displacements P x: the same deformation as x, with the first interface clamped."""
         return self._rooting(x).expanded(x)
 
     def equilibrated(self, forces: Any) -> Any:
-        """Pᵀf: forces together with the reaction of the first interface."""
+        """Forces Pᵀf: the forces f together with the reaction of the first interface."""
         return self._rooting(forces).equilibrated(forces)
 
     def _rooting(self, array: Any) -> _Rooting:
@@ -102,27 +104,30 @@ class RootedBody:
         return self._rooting_on_host.copy_to(self.space)
 
     def flexibility(self, forces: Any) -> Any:
-        """Displacement x (n×k) under forces (n×k) with the first interface held."""
+        """Displacements (n×k) under `forces` (n×k) with the first interface clamped."""
         flat = forces.reshape(len(forces), -1)
         return self.expanded(self.factor.solve(self.equilibrated(flat))).reshape(forces.shape)
 
     @cached_property
     def response(self) -> Array:
-        """U (n×6(m−1)) under unit wrenches at the other interfaces."""
+        """Displacements U (n×6(m−1)) under unit wrenches at the other interfaces."""
         return np.asarray(self.flexibility(self.loads))
 
     @cached_property
     def compliance(self) -> Array:
-        """C (6(m−1) × 6(m−1), SI, body axes) of the other interfaces, the first clamped.
+        """Compliance C (6(m−1) × 6(m−1), SI, body axes) of the other interfaces, the first clamped.
 
-        Raises ComputationError where rounding leaves too little of it.
+        Raises ComputationError if round-off dominates.
         """
         forces = self.solid.stiffness @ self.response
         return balanced_flexibility(self.equilibrated(self.loads), self.response, forces, self.name)
 
     @cached_property
     def relative(self) -> Array:
-        """Twists of the other interfaces less the rigid motion of the first: [−X I]."""
+        """Matrix [−X I] from the twists of all interfaces to relative twists.
+
+        These are the twists of the other interfaces relative to the rigid motion of the first.
+        """
         points = self.solid.points
         carried = [shift(point - points[0]) for point in points[1:]]
         X = np.vstack(carried) if carried else np.zeros((0, 6))
@@ -130,7 +135,7 @@ class RootedBody:
 
     @property
     def stiffness(self) -> Array:
-        """6m×6m stiffness between the interfaces: exact rigid motions, symmetric."""
+        """Stiffness (6m×6m, SI, body axes) between the interfaces, with exact rigid motions."""
         if not len(self.compliance):
             return np.zeros((6, 6))
         inner = cho_solve(cho_factor(self.compliance), self.relative)
@@ -139,7 +144,7 @@ class RootedBody:
 
     @cached_property
     def constraint_modes(self) -> Array:
-        """Ψ (n×6m): x for unit twists of all interfaces."""
+        """Displacements Ψ (n×6m) for unit twists of all interfaces."""
         if not len(self.compliance):
             return self.solid.motions
         tips = cho_solve(cho_factor(self.compliance), self.response.T).T
@@ -147,13 +152,13 @@ class RootedBody:
 
     @property
     def condensed_mass(self) -> Array:
-        """6m×6m mass ΨᵀMΨ (Guyan, 1965)."""
+        """Mass matrix ΨᵀMΨ (6m×6m, SI, body axes) on the twists of the interfaces (Guyan, 1965)."""
         modes = self.constraint_modes
         M = modes.T @ (self.solid.mass @ modes)
         return np.asarray((M + M.T) / 2.0)
 
     def held_flexibility(self, forces: Any) -> Any:
-        """Displacement x (n×k) under forces (n×k) with the twists of all interfaces held."""
+        """Displacements (n×k) under `forces` (n×k) with all interfaces fixed."""
         free = self.flexibility(forces)
         if not len(self.compliance):
             return free
@@ -167,10 +172,11 @@ class RootedBody:
         return self.space.put(self.response)
 
     def modes(self, count: int) -> CertifiedModes:
-        """The lowest `count` modes with the first interface clamped, the others free; on u.
+        """The lowest `count` modes with the first interface clamped and the others free.
 
-        The count by fem.solvers.certificate proves that none is missing. The factor is released
-        for it until it is needed again. Raises errors like `fem.solvers.modes.lowest_modes`.
+        Shapes are displacements u of the nodes. A count of eigenvalues (`fem.solvers.certificate`)
+        proves that none is missing. For the count the factor is released and recomputed later.
+        Raises errors as `fem.solvers.modes.lowest_modes` does.
         """
 
         def counted(sigma: float) -> Inertia:
@@ -183,52 +189,56 @@ class RootedBody:
         return replace(modes, shapes=fix_signs(shapes))
 
     def uncounted_frequencies(self, count: int) -> Array:
-        """Frequencies (Hz) of `modes` from the search, without proof that none is missing."""
+        """Frequencies (Hz) of `modes` without the count, hence without proof of completeness."""
         mass, space = self.solid.mass, self.space
         return searched_modes(self.flexibility, mass, count, self.name, space).frequencies
 
     def held_inertia(self, sigma: float) -> Inertia:
-        """Inertia of K − σM (σ in rad²/s²) on motions with all interfaces held."""
+        """Inertia of K − σM (σ in rad²/s²) with all interfaces fixed."""
         return self._inertia(sigma, self.solid.twists)
 
     def free_inertia(self, sigma: float) -> Inertia:
-        """Inertia of K − σM (σ in rad²/s²) of the free body, including the six rigid motions."""
+        """Inertia of K − σM (σ in rad²/s²) of the free body, including its six rigid motions."""
         return self._inertia(sigma, None)
 
     def rooted_inertia(self, sigma: float) -> Inertia:
-        """Inertia of K − σM (σ in rad²/s²) on motions with the first interface clamped."""
+        """Inertia of K − σM (σ in rad²/s²) with the first interface clamped."""
         return self._inertia(sigma, self.root)
 
     def _inertia(self, sigma: float, held: Array | None) -> Inertia:
-        """Inertia of K − σM on x with Bᵀx = 0, B (n×6k) wrenches of held interfaces, or all x."""
+        """Inertia of K − σM on displacements x with Bᵀx = 0, or on all x if `held` is None.
+
+        `held` (n×6k) is B, the unit wrenches at k fixed interfaces.
+        """
         solid, constraints = self.solid, None
         if held is not None:
-            # Forces and moments of one size, so that no twist looks like rounding beside another.
+            # Scaled so that forces and moments are comparable, and none is lost in round-off.
             size = float(np.ptp(solid.places, axis=0).max())
             constraints = held * np.tile([1.0, 1.0, 1.0, size, size, size], held.shape[1] // 6)
         return count_below(self.pencil, sigma, constraints, self.factor)
 
 
 def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
-    """Hold a coupled solid at its first interface and factorise it.
+    """Clamp a coupled solid at its first interface and factorise its stiffness.
 
-    Raises ComputationError where it cannot be held or memory will not suffice.
+    Raises ComputationError if it cannot be clamped or the memory is insufficient.
     """
     held = _statically_determinate(solid, name)
     springs = np.zeros(solid.size)
-    # Of the size of a node's own stiffness, so that the matrix is no worse conditioned for them.
+    # The springs are as stiff as the node to which they are attached, so that the condition of the
+    # matrix does not deteriorate.
     springs[held] = solid.stiffness.diagonal()[held]
     sprung = pencil(solid.stiffness, solid.mass, springs)
     factor = RenewableFactor(sprung.symbolic, name)
-    # At once, so that a part which cannot be held is refused here.
+    # The factor is computed at once, so that a part that cannot be clamped is refused here.
     _ = factor.numeric
     return RootedBody(name, solid, sprung, factor)
 
 
 def _statically_determinate(solid: CoupledSolid, name: str) -> IntArray:
-    """Six unknowns of nodes that hold every rigid motion, as far apart as can be.
+    """Six unknowns of nodes that prevent all rigid motions, as far apart as possible.
 
-    Springs at a rigid root itself would leave a digit less of a leg 87 diameters long.
+    With springs at a rigid root, the results for a leg 87 diameters long would lose one digit.
     """
     first_node_unknown = solid.size - 3 * len(solid.places)
     size = float(np.ptp(solid.places, axis=0).max())

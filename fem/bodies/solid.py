@@ -1,4 +1,4 @@
-"""One prismatic leg as a solid: mesh → stiffness and mass → compliance, modes, leg matrices."""
+"""One prismatic leg as a solid: mesh, stiffness and mass, compliance, modes, leg matrices."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,14 +26,15 @@ from meshes.solid_mesh import SolidMesh
 
 Ends: TypeAlias = Literal["rigid", "free"]
 
-# Length of a slice in elements of the section. Quadratic slices follow the cubic deflection of a
-# tip load with a relative error of 0.08 (slice²/(b L))²: 1e-5 at four divisions and L = 5b.
+# Length of a slice divided by the element size in the section. For the cubic deflection under a tip
+# load, quadratic slices have a relative error of 0.08 (slice²/(b L))²: 1e-5 at four divisions and
+# L = 5b.
 _SLICE_ASPECT = 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class SolidLeg:
-    """A leg, its mesh, and the stiffness (csr 3N×3N, N/m) and mass (csr 3N×3N, kg) on it."""
+    """A leg on a mesh: `stiffness` (csr 3N×3N, N/m) and `mass` (csr 3N×3N, kg)."""
 
     leg: ConstantLeg
     mesh: SolidMesh
@@ -44,10 +45,10 @@ class SolidLeg:
 def solid_mesh(
     leg: ConstantLeg, divisions: Divisions, section: Divisions | None = None
 ) -> SolidMesh:
-    """Extruded mesh of a leg, `divisions` elements across the smaller side of its section.
+    """Extruded mesh of a leg, with `divisions` elements across the smaller side of its section.
 
-    Slices are as long as these, even if the `section` has other divisions. Raises InputError if the
-    leg or the divisions are impossible.
+    Slices are as long as these elements, even if `section` gives other divisions for the section.
+    Raises InputError if the leg or the divisions are impossible.
     """
     with naming(leg.name):
         require_leg(leg.section, leg.length, divisions)
@@ -59,16 +60,17 @@ def solid_mesh(
 
 
 def solid_leg(leg: ConstantLeg, mesh: SolidMesh) -> SolidLeg:
-    """Stiffness and mass of `leg` on `mesh`; raises ComputationError for folded elements."""
+    """Stiffness and mass of a leg on a mesh. Raises ComputationError for folded elements."""
     with naming(leg.name):
         K, scalar_mass = stiffness_and_mass(mesh, leg.material)
     return SolidLeg(leg, mesh, K, on_three_components(scalar_mass))
 
 
 def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:
-    """The leg on the unknowns of its ends, root and tip, and of its other nodes.
+    """Solid leg on the unknowns of its ends, root and tip, and of its other nodes.
 
-    `ends` rigid, or free to warp and to contract according to Saint-Venant's theory.
+    `ends` is the condition on the end faces: "rigid", or "free" to warp and contract as in
+    Saint-Venant's theory.
     """
     mesh, material = solid.mesh, solid.leg.material
     grips = []
@@ -83,16 +85,22 @@ def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:
 
 
 def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> RootedBody:
-    """The leg with its root held, factorised. Raises ComputationError if that is impossible."""
+    """Solid leg with clamped root and factorised stiffness.
+
+    Raises ComputationError if it cannot be clamped or the memory is insufficient.
+    """
     coupled = coupled_leg(solid, ends)
     part = f"{solid.leg.name or 'leg'} as a solid, {ends} ends"
-    # A caller that keeps no reference of its own has this memory for the factor.
+    # The matrices are released for the factor, unless the caller has a reference to them.
     del solid
     return rooted_body(coupled, part)
 
 
 def solid_leg_matrices(solid: SolidLeg) -> LegMatrices:
-    """The leg with rigid end faces as free leg matrices: (root 6, tip 6, interior nodes 3 each)."""
+    """Free leg matrices of a solid leg with rigid end faces.
+
+    Unknowns: twist of root (6), twist of tip (6), displacements of the other nodes (3 each).
+    """
     coupled = coupled_leg(solid)
     return LegMatrices(
         model="solid",
@@ -104,17 +112,20 @@ def solid_leg_matrices(solid: SolidLeg) -> LegMatrices:
 
 
 def centreline_of(mesh: SolidMesh, coupled: CoupledSolid) -> Callable[[Array], SparseMatrix]:
-    """Function of k positions (m): matrix (6k×n) from n unknowns to twists of the sections."""
+    """Function that computes the matrix from the unknowns to twists of sections.
+
+    Its argument is k positions (m from the root), its result 6k×n for n unknowns.
+    """
     return lambda stations_x: csr_array(section_twists(mesh, stations_x) @ coupled.transformation)
 
 
 def section_twists(mesh: SolidMesh, stations_x: Array) -> SparseMatrix:
-    """Twists of the sections at `stations_x` (m values, m) from u: csr 6m × 3N.
+    """Matrix (csr 6m × 3N) from nodal displacements u to twists of the sections at m positions.
 
-    Translations are means over the section. Rotations follow from first moments: φy and φz from
-    those of u_x, φx from that of the displacement about the axis. Between planes of nodes the
-    elements' interpolation applies. Raises InputError for stations outside the leg and for a mesh
-    that is not extruded.
+    `stations_x` are in m from the root. Translations are means over the section. Rotations follow
+    from first moments: φy and φz from those of u_x, φx from that of the displacement about the
+    axis. Between planes of nodes the shape functions interpolate. Raises InputError for positions
+    outside the leg and for a mesh that is not extruded.
     """
     if mesh.slices is None:
         raise InputError("section twists need an extruded mesh: tetrahedra have no planes of nodes")
@@ -143,7 +154,7 @@ def section_twists(mesh: SolidMesh, stations_x: Array) -> SparseMatrix:
 
 
 def _section_twist(mesh: SectionMesh) -> Array:
-    """Twist about x (y = z = 0) of a section from the displacements of its nodes: 6 × 3n."""
+    """Matrix (6 × 3n) from the displacements of a section's n nodes to its twist at y = z = 0."""
     quad = section_quadrature(mesh)
     y, z = quad.points
     mean = quad.load(np.ones_like(y))
@@ -154,7 +165,7 @@ def _section_twist(mesh: SectionMesh) -> Array:
     twist[3, :, 1], twist[3, :, 2] = -first_z, first_y
     twist[4, :, 0], twist[5, :, 0] = first_z, -first_y
     rows = twist.reshape(6, -1)
-    # The moments of the six rigid motions are area and moments of area: dividing by them makes
-    # the twist of a rigid motion that motion itself.
+    # The moments of the six rigid motions are area and moments of area. After division by these, a
+    # rigid motion has exactly its own twist.
     points = np.column_stack([np.zeros(len(mesh.nodes)), mesh.nodes])
     return np.asarray(np.linalg.solve(rows @ rigid_motions(points, np.zeros(3)), rows))

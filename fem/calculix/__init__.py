@@ -1,4 +1,4 @@
-"""Independent solutions by CalculiX: decks, runs, a leg and the whole robot.
+"""Independent solutions by CalculiX: input decks, runs, a single leg and whole mechanisms.
 
-In: meshes and materials. Out: numbers that share no solver code with ours.
+Input: meshes and materials. Output: results computed without any solver code of this project.
 """

@@ -1,9 +1,9 @@
-"""Input decks for CalculiX (and Abaqus): a model as plain data, and its text.
+"""Input decks for CalculiX (and Abaqus): a model as plain data, and the text of its deck.
 
-Rigid faces, joints and supports are linear equations between nodal displacements: exact in a
-linear step, which *RIGID BODY, made for finite rotations, need not be. A rotation is the
-displacement of a node of its own. Nodes count from 0 here and from 1 in the text; components 0, 1,
-2 are x, y, z. Units are SI; CalculiX has no units.
+Rigid faces, joints and supports are linear equations between nodal displacements. These are exact
+in a linear step; *RIGID BODY, which is made for finite rotations, need not be. A rotation is
+represented by the displacement of a separate node. Nodes are numbered from 0 here and from 1 in the
+text. Components 0, 1, 2 are x, y, z. Units are SI.
 """
 
 from collections.abc import Iterator
@@ -17,20 +17,21 @@ from lumped.legs import Material
 from meshes.elements import ELEMENTS, SolidElement
 
 Freedom: TypeAlias = tuple[int, int]  # node, component
-# A coefficient, a spring's stiffness to the ground (N/m, N m/rad) or a force (N, N m).
+# A freedom with a coefficient, the stiffness of a spring to the ground (N/m or N m/rad), or a force
+# (N or N m).
 OnFreedom: TypeAlias = tuple[Freedom, float]
 
-# CalculiX reads the first twenty characters of a number and drops the rest, exponent included.
+# CalculiX reads only the first twenty characters of a number, even if the exponent comes later.
 _NUMBER_WIDTH = 20
 _TERMS_PER_LINE = 4
 
 
 @dataclass(frozen=True, eq=False)
 class ElementSet:
-    """Elements of one kind and one material.
+    """Elements of one type and one material.
 
-    `cells` (M×k) are node numbers in the order of `meshes.elements`; the columns of `axes` (3×3)
-    are the material's axes in those of the deck, None where they are the same.
+    `cells` (M×k) are node numbers in the order of `meshes.elements`. The columns of `axes` (3×3)
+    are the axes of the material in the axes of the deck. None if both are the same.
     """
 
     cells: IntArray
@@ -41,7 +42,10 @@ class ElementSet:
 
 @dataclass(frozen=True)
 class Equation:
-    """u_dependent = Σ coefficient · u_freedom. A dependent freedom occurs in no other equation."""
+    """Linear equation u_dependent = Σ coefficient · u_freedom.
+
+    A dependent freedom must not occur in any other equation.
+    """
 
     dependent: Freedom
     terms: tuple[OnFreedom, ...]
@@ -49,11 +53,11 @@ class Equation:
 
 @dataclass(frozen=True, eq=False)
 class Deck:
-    """A linear model, its load cases and the number of its modes wanted.
+    """A linear model with its load cases and the number of requested modes.
 
-    `nodes` (N×3, m); `held` are freedoms without displacement; `masses` (kg) without rotary inertia
-    at nodes; `load_cases` one static step each; `watched` the nodes whose displacements are
-    reported; `modes` 0 leaves the frequencies out.
+    `nodes` (N×3, m) are positions. `held` are freedoms fixed at zero. `masses` (kg) are point
+    masses at nodes. Each of the `load_cases` is one static step. Displacements are printed for the
+    `watched` nodes. If `modes` is 0, no frequencies are computed.
     """
 
     title: str
@@ -69,12 +73,12 @@ class Deck:
 
 
 def deck_text(deck: Deck) -> str:
-    """The deck as text. Raises InputError for elements that CalculiX does not have."""
+    """Text of the input deck. Raises InputError for elements that CalculiX does not have."""
     return "\n".join(_lines(deck)) + "\n"
 
 
 def _lines(deck: Deck) -> Iterator[str]:
-    # A robot may have the name of a keyword.
+    # The prefix is needed because a robot may have the name of a keyword.
     yield from ("*HEADING", f"deck of {deck.title}")
     yield "*NODE, NSET=ALL"
     for number, (x, y, z) in enumerate(deck.nodes.tolist(), start=1):
@@ -106,7 +110,7 @@ def _lines(deck: Deck) -> Iterator[str]:
         yield "*NSET, NSET=WATCHED"
         yield from (f"{node + 1}," for node in deck.watched)
     for forces in deck.load_cases:
-        # OP=NEW takes the loads of the step before away.
+        # OP=NEW removes the loads of the previous step.
         yield from ("*STEP", "*STATIC", "*CLOAD, OP=NEW")
         for (node, component), force in forces:
             yield f"{node + 1}, {component + 1}, {_number(force)}"

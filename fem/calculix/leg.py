@@ -1,11 +1,13 @@
-"""A clamped leg solved by CalculiX: the independent judge of the solid model.
+"""A clamped leg solved by CalculiX, as an independent check of the solid model.
 
-The deck is the leg with rigid end faces as in `fem.couplings.grips`: root held, tip a rigid
-body under six unit wrenches. Both programs then solve the same equations, but for one integral:
-CalculiX sums the mass of C3D10 over the four points of the stiffness, which are
-too few for N_a N_b. `mass_at_stiffness_points` is that mass; the difference to the exact one
-vanishes with the element size. Legs of a mechanism are given to it, and to other programs, as
-solid bars of their outer size, whose meshes are coarse.
+The deck is the leg with rigid end faces (`fem.couplings.grips`): clamped root, and the tip as a
+rigid body under six unit wrenches. Both programs solve the same equations except for one integral:
+CalculiX sums the mass of C3D10 over the four points of the stiffness, which are too few for N_a
+N_b. `mass_at_stiffness_points` is that mass. Its difference from the exact mass vanishes with
+decreasing element size.
+
+For the comparison of whole mechanisms with CalculiX and other programs, the legs are represented by
+solid bars of their outer dimensions, which have coarse meshes.
 """
 
 from dataclasses import replace
@@ -27,20 +29,21 @@ from meshes.prism import tetrahedra
 from meshes.shape_functions import gradients, quadrature, values
 from meshes.solid_mesh import SolidMesh, VolumeMesh
 
-# Degree for which the four stiffness points of C3D10 are exact.
+# Polynomial degree for which the four stiffness points of C3D10 are exact.
 _STIFFNESS_POINTS_DEGREE = 2
 
 
 def leg_deck(mesh: SolidMesh, material: Material, modes: int = 20) -> Deck:
-    """A leg with rigid end faces, root clamped, six unit wrenches at (L, 0, 0), then its modes.
+    """Deck of a leg with rigid end faces and clamped root: statics and `modes` modes.
 
-    The last two nodes are the tip's translation and rotation; both are watched.
+    The load cases are six unit wrenches at (L, 0, 0). The last two nodes represent translation and
+    rotation of the tip. Their displacements are printed.
     """
     point = np.array([mesh.length, 0.0, 0.0])
     translation, rotation = len(mesh.nodes), len(mesh.nodes) + 1
     twist: list[Freedom] = [(node, i) for node in (translation, rotation) for i in range(3)]
     tip = mesh.tip.nodes
-    # u = u_ref + φ × r of every node of the tip.
+    # Each node of the tip has the displacement u = u_ref + φ × r.
     motions = rigid_motions(mesh.nodes[tip], point).reshape(-1, 3, 6)
     equations = tuple(
         Equation((int(node), i), tuple((twist[k], float(row[k])) for k in np.flatnonzero(row)))
@@ -62,20 +65,21 @@ def leg_deck(mesh: SolidMesh, material: Material, modes: int = 20) -> Deck:
 def compliance_and_frequencies(
     mesh: SolidMesh, material: Material, modes: int = 20
 ) -> tuple[Array, Array]:
-    """CalculiX's 6×6 tip compliance (SI, leg axes, at (L, 0, 0)) and frequencies (Hz) of a leg.
+    """6×6 tip compliance (SI, leg axes, at (L, 0, 0)) and natural frequencies (Hz) by CalculiX.
 
-    Column j is the twist under unit wrench j, as printed: seven digits, not symmetrised. Raises
-    as `run_calculix` does.
+    Column j is the twist under unit wrench j as printed, with seven digits, not symmetrised. Raises
+    errors as `run_calculix` does.
     """
     results = run_calculix(leg_deck(mesh, material, modes))
     return results.displacements.reshape(6, 6).T, results.frequencies
 
 
 def mass_at_stiffness_points(mesh: VolumeMesh, rho: float) -> SparseMatrix:
-    """Mass matrix (csr 3N×3N, kg) of tet10 summed over the stiffness points, as CalculiX does.
+    """Mass matrix (csr 3N×3N, kg) of tet10 summed over the stiffness points, as in CalculiX.
 
-    M = Nᵀ diag(ρ w det J) N, with N (points × nodes) the shape functions at all points. Too coarse:
-    a comparison of frequencies to the last digit needs it, a model of a leg should not use it.
+    M = Nᵀ diag(ρ w det J) N with the shape functions N (points × nodes) at all points. It is too
+    inaccurate for models of legs, but needed to compare frequencies with CalculiX to the last
+    digit.
     """
     points, weights = quadrature(mesh.element, _STIFFNESS_POINTS_DEGREE)
     shapes, slopes = values(mesh.element, points), gradients(mesh.element, points)
@@ -96,7 +100,7 @@ def mass_at_stiffness_points(mesh: VolumeMesh, rho: float) -> SparseMatrix:
 
 
 def with_bars(posture: Posture) -> Posture:
-    """The posture with every prism as a solid bar of its outer size, its ends rigid."""
+    """Posture in which each prismatic leg is a solid bar of its outer dimensions."""
     bodies = {
         name: replace(body, shape=replace(shape, section=Rectangle(*shape.section.extent)))
         if isinstance(shape := body.shape, ConstantLeg)
@@ -107,10 +111,10 @@ def with_bars(posture: Posture) -> Posture:
 
 
 def bar_solids(mechanism: Mechanism) -> dict[str, SolidLeg]:
-    """Every leg by name on second-order tetrahedra, one across; alike ones are one object.
+    """Each leg meshed with second-order tetrahedra, one across the section, by name.
 
-    Legs known by a 6×6 as their equivalents; mass is summed over the points that CalculiX sums it
-    over.
+    Legs known by a 6×6 are replaced by their equivalent legs. Equal legs share one solid. Mass is
+    summed over the points that CalculiX uses.
     """
     solid_of_leg: dict[ConstantLeg, SolidLeg] = {}
     solids = {}

@@ -1,9 +1,9 @@
-"""A whole mechanism with solid legs solved by CalculiX: the independent judge of the assembly.
+"""A whole mechanism with solid legs solved by CalculiX, as an independent check of the assembly.
 
-Every rigid body and every end face has a twist; joints are linear conditions on these twists and
-on the springs in them, and Gauss–Jordan elimination expresses all twists by independent freedoms.
-End faces, masses and springs then are linear equations in those. Nothing is shared with
-`lumped.system` but the free twists of a joint.
+Each rigid body and each end face has a twist. Joints are linear conditions on these twists and on
+the deflections of springs in the joints. Gauss–Jordan elimination expresses all twists by
+independent freedoms. End faces, masses and springs are then linear equations in these freedoms.
+Only the free twists of a joint are shared with `lumped.system`.
 """
 
 from collections.abc import Mapping
@@ -23,21 +23,21 @@ from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.screws import shift, turn_matrix
 
-# Conditions without units that are met but for rounding; loops are closed to 1e-12.
+# Dimensionless residual below which a condition is satisfied. Loops are closed to 1e-12.
 _DEPENDENT = 1e-9
 _NOTHING = 1e-13
-# N m/rad: holds what idles, so that it has a place to be in; the frequencies that it makes lie far
-# below all others, which it does not move.
+# Stiffness (N m/rad) of springs that restrain idle motions, which would make the stiffness
+# singular. The resulting frequencies are far below all others and do not affect these.
 _IDLE_STIFFNESS = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class _Freedoms:
-    """Twists (6 each) of rigid bodies and end faces, then springs, from n independent freedoms.
+    """Twists and spring deflections of a mechanism in terms of n independent freedoms.
 
-    `places` (m, base axes) by (body, interface), "" for a rigid body; `twists` 6×n likewise;
-    `springs`: rows (n) with their stiffness, and the inertia that moves by them; `idle` rows (n)
-    likewise for what nothing holds.
+    `places` (m, base axes) and `twists` (6×n) are keyed by (body, interface), with "" for the
+    interface of a rigid body. Each of the `springs` is a row (n), a stiffness, and an inertia that
+    moves with it. `idle` (k×n) are rows of idle motions.
     """
 
     places: Mapping[tuple[str, str], Array]
@@ -48,7 +48,11 @@ class _Freedoms:
 
 @dataclass(frozen=True, eq=False)
 class MechanismDeck:
-    """The deck, the twist of the loaded point (6×n) from its watched freedoms, idle motions."""
+    """Deck of a mechanism, with the data to evaluate its results.
+
+    `tool` (6×n) is the matrix from the n watched freedoms to the twist of the loaded point. `idle`
+    is the number of idle motions.
+    """
 
     deck: Deck
     tool: Array
@@ -56,13 +60,13 @@ class MechanismDeck:
 
 
 class _Builder:
-    """Nodes, one after the other, and what ties them to the independent freedoms."""
+    """Nodes of a deck, added one by one, and their coupling to the independent freedoms."""
 
     def __init__(self, freedoms: _Freedoms) -> None:
         self.freedoms = freedoms
         count = freedoms.idle.shape[1]
         self.independent = [(k // 3, k % 3) for k in range(count)]
-        # Freedoms have no place; what is left over of the last node is held.
+        # Freedoms are packed into nodes, three each. Unused components of the last node are fixed.
         self.packed = -(-count // 3)
         self.held: list[Freedom] = [(k // 3, k % 3) for k in range(count, 3 * self.packed)]
         self.equations: list[Equation] = []
@@ -70,13 +74,13 @@ class _Builder:
         self.count = self.packed
 
     def add(self, points: Array) -> int:
-        """New nodes at `points` (k×3, m); the number of the first."""
+        """Add nodes at `points` (k×3, m). Return the number of the first."""
         self.nodes.append(points)
         self.count += len(points)
         return int(self.count - len(points))
 
     def tie(self, freedom: Freedom, row: Array) -> None:
-        """A freedom that follows the independent ones by `row` (n)."""
+        """Couple `freedom` to the independent freedoms by the coefficients `row` (n)."""
         terms = self.terms(row)
         if terms:
             self.equations.append(Equation(freedom, terms))
@@ -84,22 +88,25 @@ class _Builder:
             self.held.append(freedom)
 
     def carry(self, numbers: IntArray, points: Array, node: tuple[str, str]) -> None:
-        """Nodes at `points` that move with a rigid body or an end face."""
+        """Couple nodes at `points` rigidly to a rigid body or an end face."""
         motions = rigid_motions(points, self.freedoms.places[node]) @ self.freedoms.twists[node]
         for number, rows in zip(numbers.tolist(), motions.reshape(len(points), 3, -1), strict=True):
             for component, row in enumerate(rows):
                 self.tie((number, component), row)
 
     def terms(self, row: Array) -> tuple[OnFreedom, ...]:
-        """A `row` (n) by its freedoms: forces on them that do the work of a unit load, too."""
+        """Coefficients `row` (n) with their freedoms.
+
+        The same coefficients are the generalised forces of a unit load on the coupled freedom.
+        """
         significant = np.flatnonzero(np.abs(row) > _NOTHING)
         return tuple((self.independent[k], float(row[k])) for k in significant)
 
 
 def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -> MechanismDeck:
-    """A mechanism in one posture, six unit wrenches at its loaded point, then its modes.
+    """Deck of a mechanism in one posture: six unit wrenches at its loaded point, then its modes.
 
-    `legs` are the solids of all bodies that are not rigid, with rigid end faces, in body axes.
+    `legs` contains the solid of each body that is not rigid, with rigid end faces, in body axes.
     """
     mechanism = posture.mechanism
     motions = _freedoms(posture, legs)
@@ -129,7 +136,8 @@ def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -
         build.tie((number, 0), row)
         build.held += [(number, 1), (number, 2)]
         springs.append(((number, 0), stiffness))
-    # CalculiX couples freedoms by mass only where stiffness does: springs of none see to that.
+    # CalculiX couples freedoms by mass only if they are also coupled by stiffness. Springs of zero
+    # stiffness provide this coupling.
     springs += [((node, component), 0.0) for node, _ in masses for component in range(3)]
     loaded: Array = shift(tool_position - motions.places[carrier]) @ motions.twists[carrier]
     deck = Deck(
@@ -162,9 +170,10 @@ def _add_leg(build: _Builder, posture: Posture, name: str, leg: SolidLeg) -> Ele
 def compliance_and_frequencies(
     posture: Posture, legs: Mapping[str, SolidLeg], modes: int = 10
 ) -> tuple[Array, Array]:
-    """CalculiX's 6×6 compliance (SI, base axes) at the loaded point and frequencies (Hz).
+    """6×6 compliance (SI, base axes) of the loaded point and natural frequencies (Hz) by CalculiX.
 
-    As printed: seven digits, not symmetrised; idle motions are left out. Raises as `run_calculix`.
+    Results are as printed, with seven digits, not symmetrised. Idle motions are omitted. Raises
+    errors as `run_calculix` does.
     """
     model = mechanism_deck(posture, legs, modes)
     results = run_calculix(model.deck)
@@ -185,7 +194,7 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
     order = {key: 6 * i for i, key in enumerate(places)}
     elastic = [_give(posture, joint) for joint in mechanism.joints]
     size = 6 * len(order) + sum(len(stiffnesses) for _, stiffnesses in elastic)
-    # Translations in units of the mechanism's size: conditions without units.
+    # Translations are divided by the mechanism's size, so that the conditions are dimensionless.
     unit = np.array([1.0 / mechanism.size] * 3 + [1.0] * 3)
 
     def twist(side: Side, at: Array) -> Array:
@@ -201,7 +210,7 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
         relative = twist(joint.second, at) - twist(joint.first, at)
         columns = slice(first, first + len(stiffnesses))
         relative[:, columns] -= unit[:, None] * directions
-        # A drive's spring is a joint's first one.
+        # The spring of a drive, if there is one, is the first spring of its joint.
         rotor = joint.drive.inertia if joint.drive is not None and joint.drive.stiffness else 0.0
         springs += [
             (first + k, stiffness, 0.0 if k else rotor) for k, stiffness in enumerate(stiffnesses)
@@ -231,7 +240,7 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
 
 
 def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
-    """Directions (6×r) in which a joint gives way elastically, and their stiffnesses (r)."""
+    """Directions (6×r, base axes) in which a joint is elastic, and the stiffnesses (r values)."""
     directions, stiffnesses = np.zeros((6, 0)), np.zeros(0)
     if joint.drive is not None and joint.drive.stiffness is not None:
         directions = free_twists(posture, joint)[:, :1]
@@ -246,7 +255,7 @@ def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
 
 
 def _eliminated(conditions: Array) -> Array:
-    """All unknowns (N×n) from the n independent ones, by Gauss–Jordan with complete pivoting."""
+    """Matrix (N×n) from n independent unknowns to all N, by Gauss–Jordan with complete pivoting."""
     rows = conditions.copy()
     size = rows.shape[1]
     dependent: list[int] = []
@@ -269,9 +278,12 @@ def _eliminated(conditions: Array) -> Array:
 
 
 def _six_points(shape: Rigid) -> Array:
-    """Six places (6×3, body axes) whose equal masses have the body's centre and inertia."""
+    """Six points (6×3, m, body axes) that represent the mass of a body.
+
+    Equal masses at these points have the mass centre and the inertia of the body.
+    """
     moments, axes = np.linalg.eigh(shape.inertia)
-    # ∫ x² dm along each principal axis; two points at ±d with a sixth of the mass each.
+    # ∫ x² dm along each principal axis is that of two points at ±d with a sixth of the mass each.
     squares = 0.5 * moments.sum() - moments
     arms = np.sqrt(np.maximum(squares, 0.0) * 3.0 / shape.mass)
     return np.vstack([shape.centre + sign * arms[:, None] * axes.T for sign in (1.0, -1.0)])

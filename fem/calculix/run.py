@@ -1,4 +1,4 @@
-"""Running CalculiX on a deck and reading back what it printed."""
+"""Run CalculiX on a deck and read the results that it prints."""
 
 import os
 import re
@@ -18,7 +18,7 @@ from lumped.errors import ComputationError
 PROGRAMS = ("ccx", "ccx_2.20")
 
 _JOB = "deck"
-# Fortran leaves the E out of exponents of three digits.
+# Fortran omits the E of exponents with three digits.
 _NUMBER = re.compile(r"([+-]?\d+\.\d+)E?([+-]\d+)")
 
 
@@ -28,10 +28,10 @@ class CalculixMissing(Exception):  # noqa: N818  not an error: a comparison that
 
 @dataclass(frozen=True, eq=False)
 class CalculixResults:
-    """`displacements` (load cases × watched nodes × 3, m or rad), `frequencies` (Hz, ascending).
+    """Results of a deck as printed by CalculiX, with seven digits.
 
-    As printed, with seven digits: displacements are rounded by up to 5e-7, frequencies, from the
-    printed eigenvalues, by up to 2.5e-7 of their value.
+    `displacements` (load cases × watched nodes × 3, m or rad) are rounded by up to 5e-7 of their
+    value, `frequencies` (Hz, ascending), from printed eigenvalues, by up to 2.5e-7.
     """
 
     displacements: Array
@@ -39,7 +39,7 @@ class CalculixResults:
 
 
 def calculix_program() -> str:
-    """Path of CalculiX. Raises CalculixMissing if it is not installed."""
+    """Path of the CalculiX program. Raises CalculixMissing if it is not installed."""
     for name in PROGRAMS:
         path = shutil.which(name)
         if path is not None:
@@ -51,7 +51,7 @@ def calculix_program() -> str:
 
 @cache
 def calculix_version() -> str | None:
-    """Version that CalculiX prints. None if it is not installed or prints none."""
+    """Version that CalculiX prints. None if it is not installed or does not print a version."""
     try:
         output = subprocess.run(  # noqa: S603  found on the path, without arguments of others
             [calculix_program(), "-v"], capture_output=True, text=True, timeout=10.0, check=False
@@ -63,10 +63,10 @@ def calculix_version() -> str | None:
 
 
 def run_calculix(deck: Deck, timeout: float = 600.0) -> CalculixResults:
-    """Solve a deck in a temporary folder, with one thread, in at most `timeout` s.
+    """Solve a deck in a temporary folder, with one thread, in at most `timeout` seconds.
 
-    Raises CalculixMissing if CalculiX is not installed, InputError for a deck that it cannot
-    express, ComputationError if it fails or takes too long.
+    Raises CalculixMissing if CalculiX is not installed, InputError for a deck with elements that it
+    does not have, ComputationError if it fails or takes too long.
     """
     program = calculix_program()
     with TemporaryDirectory(prefix="calculix-") as folder:
@@ -83,11 +83,14 @@ def run_calculix(deck: Deck, timeout: float = 600.0) -> CalculixResults:
 
 
 def _run(program: str, job: Path, title: str, timeout: float) -> str:
-    """Run the program and return its output. Raises ComputationError with its first error."""
+    """Run the program and return its output.
+
+    Raises ComputationError with the first error it prints.
+    """
     thread_variables = ("OMP_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER", "CCX_NPROC_STIFFNESS")
     environment = os.environ | dict.fromkeys(thread_variables, "1")
     try:
-        # The program is found on the path, and its arguments are ours.
+        # The program is found on the search path, and its arguments are not from the user.
         result = subprocess.run(  # noqa: S603
             [program, "-i", job.name],
             cwd=job.parent,
@@ -111,7 +114,10 @@ def _run(program: str, job: Path, title: str, timeout: float) -> str:
 
 
 def first_error(output: str) -> str | None:
-    """The first *ERROR of CalculiX's output with its continuation lines. None if there is none."""
+    """First *ERROR message in the output of CalculiX, with continuation lines.
+
+    None if there is none.
+    """
     lines = output.splitlines()
     for start, line in enumerate(lines):
         if line.lstrip().startswith("*ERROR"):
@@ -125,9 +131,9 @@ def first_error(output: str) -> str | None:
 
 
 def read_results(printed: str, deck: Deck) -> CalculixResults:
-    """The results of a deck from the text of its .dat file.
+    """Results of a deck from the text of its .dat file.
 
-    Raises ComputationError where results are missing or not finite.
+    Raises ComputationError if results are missing or not finite.
     """
     displacements = _displacements(printed, deck)
     frequencies = _frequencies(printed, deck)
@@ -158,7 +164,7 @@ def _displacements(printed: str, deck: Deck) -> Array:
 
 
 def _frequencies(printed: str, deck: Deck) -> Array:
-    """Frequencies √λ / 2π: the root halves the rounding of what is printed."""
+    """Frequencies (Hz) √λ/2π from printed eigenvalues λ. The root halves the rounding error."""
     _, _, after = printed.partition("E I G E N V A L U E   O U T P U T")
     table, _, _ = after.partition("P A R T I C I P A T I O N")
     eigenvalues = [row[0] for row in map(_numbers, table.splitlines()) if len(row) == 4]
