@@ -185,7 +185,7 @@ def _coupling_mass(first: _Member, second: _Member, field: int, inertia: float) 
 
 
 def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]]]]:
-    """Weights (m, in m) of integration points, and there the fields of each member."""
+    """Quadrature weights (m values, in m), and the fields of each member at those points."""
     points, weights = get_quadrature(RefLine, _INTEGRATION_ORDER)
     fields = [_fields(member.element, member.mesh, points) for member in members]
     return weights * members[0].mesh.p[0, -1], fields
