@@ -233,11 +233,19 @@ def _dynamic_stiffness(beam: _Plane, length: float, pieces: int, omega: float) -
 
     The unknowns are (w/l, θ) at the ends of all pieces of length l except the root.
     """
-    piece = _piece_stiffness(beam, length / pieces, omega)
-    assembled = np.zeros((2 * pieces + 2, 2 * pieces + 2))
-    for first in range(0, 2 * pieces, 2):
-        assembled[first : first + 4, first : first + 4] += piece
-    return assembled[2:, 2:]
+    return _clamped_chain(_piece_stiffness(beam, length / pieces, omega), pieces)
+
+
+def _clamped_chain(piece: Array, pieces: int) -> Array:
+    """Stiffness of a chain of equal pieces, clamped at its start, on the motions of their ends.
+
+    `piece` (2n×2n) is the stiffness of one piece on the n motions of its start and of its end.
+    """
+    n = len(piece) // 2
+    assembled = np.zeros((n * (pieces + 1), n * (pieces + 1)))
+    for first in range(0, n * pieces, n):
+        assembled[first : first + 2 * n, first : first + 2 * n] += piece
+    return assembled[n:, n:]
 
 
 def _piece_stiffness(beam: _Plane, l: float, omega: float) -> Array:
@@ -349,8 +357,5 @@ def _coupled_stiffness(equations: _Coupled, pieces: int, omega: float) -> Array:
     uu, uf, fu, ff = transfer[:5, :5], transfer[:5, 5:], transfer[5:, :5], transfer[5:, 5:]
     flexible = np.linalg.inv(uf)
     piece = np.block([[flexible @ uu, -flexible], [fu - ff @ flexible @ uu, ff @ flexible]])
-    assembled = np.zeros((5 * pieces + 5, 5 * pieces + 5))
-    for first in range(0, 5 * pieces, 5):
-        assembled[first : first + 10, first : first + 10] += piece
-    clamped = assembled[5:, 5:]
+    clamped = _clamped_chain(piece, pieces)
     return np.asarray(0.5 * (clamped + clamped.T))
