@@ -22,7 +22,7 @@ from lumped.sections.saint_venant import (
     is_inside,
     rim_solution,
 )
-from lumped.sections.shapes import Boxed, Section
+from lumped.sections.shapes import Section, WalledProfile
 
 Points: TypeAlias = tuple[tuple[float, float], ...]
 
@@ -128,30 +128,7 @@ def _solution(section: OutlinedSection) -> tuple[RimSolution, float]:
 
 
 @dataclass(frozen=True)
-class _Profile(Boxed, OutlinedSection):
-    """An open profile in a box of `width` along y and `height` along z (m).
-
-    `flange` is the thickness (m) of the walls along y, `web` that of the wall along z.
-    """
-
-    flange: float
-    web: float
-
-    def _web_fault(self, unit: str) -> list[str]:
-        if self.web < self.width:
-            return []
-        return [f"web = {self.web!r}: must be below the width, {self.width:g} {unit}"]
-
-    def _flange_fault(self, flanges: int, unit: str) -> list[str]:
-        limit = self.height / flanges
-        if self.flange < limit:
-            return []
-        part = "the height" if flanges == 1 else "half the height"
-        return [f"flange = {self.flange!r}: leaves no web; must be below {part}, {limit:g} {unit}"]
-
-
-@dataclass(frozen=True)
-class Channel(_Profile):
+class Channel(WalledProfile, OutlinedSection):
     """Channel: a web along z at the smallest y, and flanges from its ends towards +y."""
 
     shape: ClassVar[str] = "channel"
@@ -167,7 +144,7 @@ class Channel(_Profile):
 
 
 @dataclass(frozen=True)
-class Angle(_Profile):
+class Angle(WalledProfile, OutlinedSection):
     """Angle: a flange along y at the smallest z, and a web along z at the smallest y."""
 
     shape: ClassVar[str] = "angle"
@@ -182,7 +159,7 @@ class Angle(_Profile):
 
 
 @dataclass(frozen=True)
-class Tee(_Profile):
+class Tee(WalledProfile, OutlinedSection):
     """Tee: a flange along y at the largest z, and a web along z below the middle of the flange."""
 
     shape: ClassVar[str] = "tee"

@@ -285,14 +285,32 @@ class Tube(_Round):
 
 
 @dataclass(frozen=True)
-class ISection(Boxed):
-    """Doubly symmetric I-section: `height` along z, flanges of `width` along y (m).
+class WalledProfile(Boxed):
+    """An open profile in a box of `width` along y and `height` along z (m).
 
-    `flange` and `web` are the wall thicknesses (m).
+    `flange` is the thickness (m) of the walls along y, `web` that of the wall along z.
     """
 
     flange: float
     web: float
+
+    def _web_fault(self, unit: str) -> list[str]:
+        if self.web < self.width:
+            return []
+        return [f"web = {self.web!r}: must be below the width, {self.width:g} {unit}"]
+
+    def _flange_fault(self, flanges: int, unit: str) -> list[str]:
+        limit = self.height / flanges
+        if self.flange < limit:
+            return []
+        part = "the height" if flanges == 1 else "half the height"
+        return [f"flange = {self.flange!r}: leaves no web; must be below {part}, {limit:g} {unit}"]
+
+
+@dataclass(frozen=True)
+class ISection(WalledProfile):
+    """Doubly symmetric I-section with flanges along y."""
+
     shape: ClassVar[str] = "i-section"
 
     @property
@@ -337,12 +355,4 @@ class ISection(Boxed):
         return kappa * 2.0 * self.width * self.flange / self.area
 
     def _own_faults(self, unit: str) -> list[str]:
-        faults = []
-        if 2.0 * self.flange >= self.height:
-            faults.append(
-                f"flange = {self.flange!r}: leaves no web; must be below half the height, "
-                f"{self.height / 2.0:g} {unit}"
-            )
-        if self.web >= self.width:
-            faults.append(f"web = {self.web!r}: must be below the width, {self.width:g} {unit}")
-        return faults
+        return self._flange_fault(2, unit) + self._web_fault(unit)
