@@ -2,7 +2,7 @@
 
 import json
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from difflib import get_close_matches
 
 # Unicode categories that are escaped: control characters, marks that reorder adjacent text or have
@@ -67,6 +67,12 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def unknown_name(key: str, name: str, known: Collection[str], allowed: str) -> str:
+    """Fault of a name that is not among the known ones, with the most similar known name."""
+    advice = did_you_mean(name, known, otherwise=f": {', '.join(known) or 'none'}")
+    return f"{key} = {shown(name)}: must be {allowed}{advice}"
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:

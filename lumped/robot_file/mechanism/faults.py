@@ -22,7 +22,7 @@ from lumped.robot_file.mechanism.draft import Draft
 from lumped.robot_file.rules.relations import body_faults, joint_faults, path_faults, tool_faults
 from lumped.robot_file.rules.rule import Text
 from lumped.robot_file.rules.tables import MECHANISM, rules_of
-from lumped.text import counted, did_you_mean, shown
+from lumped.text import counted, unknown_name
 
 # Number of poses of a path that are checked when a file is read. Others are checked when needed.
 _CHECKED_POSES = 32
@@ -67,7 +67,8 @@ def _unknown_names(description: Draft) -> Iterator[str]:
     for table, entries in entries_of.items():
         for key, name, among in _references(table, entries):
             known = description.names[among] + ((GROUND,) if among == "bodies" else ())
-            yield from _wrong_name(key, name, known, f"the name of one of [{among}]")
+            if name not in known:
+                yield unknown_name(key, name, known, f"the name of one of [{among}]")
 
 
 def _references(table: str, entries: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
@@ -75,13 +76,6 @@ def _references(table: str, entries: Mapping[str, Any]) -> Iterator[tuple[str, s
     for key, rule, value in MECHANISM.keys[table].kind.within(entries, table):
         if isinstance(rule, Text) and rule.among:
             yield key, value, rule.among
-
-
-def _wrong_name(key: str, name: str, known: tuple[str, ...], allowed: str) -> Iterator[str]:
-    """Fault of a name that is not among the known ones, with the most similar known name."""
-    if name not in known:
-        advice = did_you_mean(name, known, otherwise=f": {', '.join(known) or 'none'}")
-        yield f"{key} = {shown(name)}: must be {allowed}{advice}"
 
 
 def _missing_interfaces(description: Draft) -> Iterator[str]:
@@ -100,8 +94,10 @@ def _missing_interfaces(description: Draft) -> Iterator[str]:
             if body in description.bodies and body != GROUND
             else None
         )
-        if interface_points is not None and point in description.names["points"]:
-            yield from _wrong_name(key, point, interface_points, f"a point of {body}")
+        if interface_points is None or point not in description.names["points"]:
+            continue
+        if point not in interface_points:
+            yield unknown_name(key, point, interface_points, f"a point of {body}")
 
 
 def _unconnected_bodies(description: Draft) -> Iterator[str]:

@@ -19,7 +19,7 @@ from lumped.robot_file.rules.relations import NO_DIRECTION
 from lumped.robot_file.rules.rule import Text
 from lumped.robot_file.rules.tables import rules_of
 from lumped.screws import rotation_about, turn_matrix
-from lumped.text import did_you_mean, shown
+from lumped.text import shown, unknown_name
 
 Tables: TypeAlias = Mapping[str, Any]
 # Table and name of an entry.
@@ -142,9 +142,7 @@ def _pattern(tables: Tables, of: Key) -> tuple[Key, _Pattern]:
     key, given = f"{table}.{name}.{_PATTERN}", tables[table][name][_PATTERN]
     if isinstance(given, str):
         if given not in named:
-            advice = did_you_mean(given, named, otherwise=f": {', '.join(named) or 'none'}")
-            allowed = f"must be the name of one of [patterns]{advice}"
-            raise InputError(f"{key} = {shown(given)}: {allowed}")
+            raise InputError(unknown_name(key, given, named, "the name of one of [patterns]"))
         key, given = f"patterns.{given}", named[given]
     about, through = given["about"], given.get("through", [0.0, 0.0, 0.0])
     axis = np.eye(3)["xyz".index(about)] if isinstance(about, str) else np.array(about, float)
