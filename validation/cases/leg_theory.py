@@ -1,6 +1,6 @@
 """Each leg alone, root clamped: a 3-D solid against beam theory, differences with their causes."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TypeAlias
 
 import numpy as np
@@ -18,7 +18,7 @@ from fem.sections import nonuniform_torsion
 from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
 from lumped.errors import ComputationError
-from lumped.legs import ConstantLeg, tip_compliance
+from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
 from lumped.memo import memo
 from lumped.text import counted
 from validation.case import Allowance, Measurement, Relative, Skip
@@ -146,9 +146,14 @@ def computed_frequencies(
 ) -> Array:
     """Frequencies (Hz, m×k) of the beam by kind and order, for each of the solids' meshes."""
     beams = [own_properties(leg, number) for number in divisions]
-    return np.array(
-        [[frequency_of_kind(beam, leg.length, *kind) for kind in kinds] for beam in beams]
-    )
+    return frequencies_by_kind(beams, leg.length, kinds)
+
+
+def frequencies_by_kind(
+    beams: Iterable[BeamProperties], length: float, kinds: tuple[tuple[Kind, int], ...]
+) -> Array:
+    """Frequencies (Hz, m×k) of m cantilevers by the kind and order of their modes."""
+    return np.array([[frequency_of_kind(beam, length, *kind) for kind in kinds] for beam in beams])
 
 
 @_compliances.case(

@@ -21,10 +21,10 @@ import numpy as np
 from fem.beams.beam import beam_leg
 from fem.reduction.craig_bampton import CraigBampton, craig_bampton
 from fem.reduction.superelement import held_leg
-from fem.sections.section_constants import beam_properties, section_constants
+from fem.sections.section_constants import section_constants
 from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
 from lumped.arrays import Array, IntArray
-from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
+from lumped.legs import ConstantLeg, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.memo import memo
@@ -48,7 +48,7 @@ from validation.comparisons.leg_beam_vs_solid import (
     is_strip,
     limited,
 )
-from validation.comparisons.section_formulas import formula_band
+from validation.comparisons.section_formulas import Band, formula_band, leg_formula_band
 from validation.context import Context, Preset
 from validation.models.leg_models import filled
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
@@ -86,7 +86,6 @@ from validation.solids.solid_legs import (
     doubled_tips,
     face_restraint,
     has_meshes,
-    leg_constants,
     mesh_pair,
     own_beam,
     own_properties,
@@ -238,7 +237,7 @@ def robot_statics(
     def by_formula(side: int) -> Array:
         return motions(
             lambda name, leg, mesh: tip_compliance(
-                _band(leg, meshes[name][mesh][0])[side], leg.length
+                leg_formula_band(leg, meshes[name][mesh][0])[side], leg.length
             )
         )
 
@@ -258,13 +257,6 @@ def robot_statics(
 def _computed_tip(leg: ConstantLeg, divisions: int) -> Array:
     """Tip compliance (6×6, SI) of the beam with section constants computed on `divisions`."""
     return tip_compliance(own_properties(leg, divisions), leg.length)
-
-
-@memo(16)
-def _band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamProperties]:
-    """Softest and stiffest beam that correct textbook formulas allow for a leg."""
-    constants = leg_constants(leg, divisions)
-    return formula_band(leg, constants, beam_properties(constants, leg.material))
 
 
 @cases.case(
@@ -395,13 +387,13 @@ def robot_modes(
     )
 
 
-def _section_band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamProperties]:
+def _section_band(leg: ConstantLeg, divisions: int) -> Band:
     """Softest and stiffest beam by correct textbook formulas, on the section mesh of the solid."""
     material = leg.material
     constants = section_constants(
         section_mesh(leg.section, divisions), material.nu, material.G / material.E
     )
-    return formula_band(leg, constants, beam_properties(constants, material))
+    return formula_band(leg, constants)
 
 
 def _beam_vibration(

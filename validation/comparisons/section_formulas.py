@@ -26,11 +26,16 @@ elements. Their difference is one of definition, not an inaccuracy.
 """
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
-from fem.sections.section_constants import SectionConstants
+from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.legs import BeamProperties, ConstantLeg
+from lumped.memo import memo
 from lumped.sections import HollowRectangle, ISection, OutlinedSection
+from validation.solids.solid_legs import leg_constants
+
+# Softest and stiffest beam.
+Band: TypeAlias = tuple[BeamProperties, BeamProperties]
 
 
 class Limits(NamedTuple):
@@ -43,13 +48,18 @@ class Limits(NamedTuple):
 _EXACT = Limits(1.0, 1.0)
 
 
-def formula_band(
-    leg: ConstantLeg, constants: SectionConstants, exact_beam: BeamProperties
-) -> tuple[BeamProperties, BeamProperties]:
+@memo(16)
+def leg_formula_band(leg: ConstantLeg, divisions: int) -> Band:
+    """Softest and stiffest beam that correct formulas allow, on the mesh of the solid's faces."""
+    return formula_band(leg, leg_constants(leg, divisions))
+
+
+def formula_band(leg: ConstantLeg, constants: SectionConstants) -> Band:
     """Softest and stiffest beam that correct textbook formulas allow for the section.
 
-    `constants` are those by finite elements of the section, and `exact_beam` is the beam with them.
+    `constants` are those by finite elements of the section.
     """
+    exact_beam = beam_properties(constants, leg.material)
     torsion = torsion_limits(leg)
     softer, stiffer = exact_beam, exact_beam
     for name, axis in (("GAy", 0), ("GAz", 1)):
