@@ -93,13 +93,9 @@ class Run:
         >>> finished.plot().savefig("comparisons.png")
         """
         # Loads the plotting library, which only pictures need.
-        from validation.python.finished_plot import Compared, finished_plot  # noqa: PLC0415
+        from validation.python.finished_plot import finished_plot  # noqa: PLC0415
 
-        compared = [
-            Compared(outcome.case.section, outcome.verdict, outcome.share)
-            for outcome in self.outcomes
-            if outcome.measurement
-        ]
+        compared = [outcome for outcome in self.outcomes if outcome.measurement]
         if not compared:
             raise InputError("plot: the run has no comparison that was computed")
         return finished_plot(compared)

@@ -1,14 +1,13 @@
 """Figure of a finished run: used share of the tolerance of each comparison."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from textwrap import fill
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from validation.drawing.style import GREEN, VERMILLION, WIDTH, Look, plot_style
-from validation.run.outcome import Verdict
+from validation.run.outcome import Outcome, Verdict
 
 # Height of a row and of the axis with legend (in); characters per line of a row's name.
 _ROW, _AROUND, _LETTERS = 0.36, 1.1, 38
@@ -21,28 +20,19 @@ _LOOKS: Mapping[Verdict, Look] = {
 }
 
 
-@dataclass(frozen=True)
-class Compared:
-    """A comparison: the section of its report, its verdict, and difference over tolerance."""
-
-    section: str
-    verdict: Verdict
-    share: float
-
-
-def finished_plot(comparisons: Sequence[Compared]) -> Figure:
+def finished_plot(outcomes: Sequence[Outcome]) -> Figure:
     """One row for each section, a marker for each comparison, a line at the tolerance."""
-    sections = list(dict.fromkeys(comparison.section for comparison in comparisons))
+    sections = list(dict.fromkeys(outcome.case.section for outcome in outcomes))
     with plot_style():
         size = (WIDTH, _AROUND + _ROW * len(sections))
         figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots()
         for verdict, look in _LOOKS.items():
-            group = [comparison for comparison in comparisons if comparison.verdict == verdict]
+            group = [outcome for outcome in outcomes if outcome.verdict == verdict]
             if group:
                 axes.plot(
-                    np.clip([comparison.share for comparison in group], _SMALLEST, None),
-                    [sections.index(comparison.section) for comparison in group],
+                    np.clip([outcome.share for outcome in group], _SMALLEST, None),
+                    [sections.index(outcome.case.section) for outcome in group],
                     look.marker,
                     color=look.colour,
                     fillstyle="none",
