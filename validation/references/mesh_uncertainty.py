@@ -30,7 +30,7 @@ from validation.references.reference_parts import UNKNOWN, part_policy
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import MeshKind, Reading, RobotOnPath
 from validation.responses.displacement import sizes
-from validation.responses.mode_partners import amounts_by_shape, frequency_changes
+from validation.responses.mode_partners import frequency_changes, shares_by_shape
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.uncertainty.combiners import relative_sizes
 from validation.uncertainty.mesh_half_widths import MeshPolicy, half_widths_on
@@ -169,10 +169,7 @@ def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
     if robot.prisms:
         beams = solve(_section_beams(reading), reading)
         section_half_widths = _MODAL_SECTIONS.half_widths(responses, reading, solve, _all_changes)
-        amounts = np.broadcast_to(
-            section_half_widths[:, None, :], (*fine.frequencies.shape, section_half_widths.shape[1])
-        )
-        half_widths = half_widths + amounts_by_shape(fine, beams, amounts, robot.judged)
+        half_widths += shares_by_shape(fine, beams, section_half_widths, robot.judged)
     return np.where(np.isnan(half_widths), UNKNOWN, half_widths)
 
 

@@ -47,7 +47,7 @@ from validation.references.reference_parts import assembled
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Reading, RobotOnPath
 from validation.responses.displacement import sizes
-from validation.responses.mode_partners import amounts_by_shape
+from validation.responses.mode_partners import shares_by_shape
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.uncertainty.combiners import Combiner, combined
 
@@ -351,8 +351,7 @@ def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, masses: Ma
     beams, share = robot.context.get(
         modes_by_digits, robot.printed, robot.postures, robot.offered, masses
     )
-    amounts = np.broadcast_to(share[:, None, :], (*fine.frequencies.shape, share.shape[1]))
-    by_shape = amounts_by_shape(fine, beams, amounts, robot.judged)
+    by_shape = shares_by_shape(fine, beams, share, robot.judged)
     largest = share[:, : robot.judged].max(axis=1, keepdims=True)
     return np.where(np.isnan(by_shape), largest, by_shape)
 

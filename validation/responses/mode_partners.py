@@ -116,6 +116,15 @@ def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, cou
     return partner_amounts
 
 
+def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count: int) -> Array:
+    """Share (p×count) of each of the reference's first modes, that of its partner in `other`.
+
+    `shares` (p×n, ≥ 0) belong to the modes of `other`. NaN without a partner.
+    """
+    modes = reference.frequencies.shape[1]
+    return amounts_by_shape(reference, other, np.repeat(shares[:, None, :], modes, axis=1), count)
+
+
 def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
     """Lowest and highest frequency (p×m each, Hz) of each reading's modes over all readings.
 
