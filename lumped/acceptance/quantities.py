@@ -15,6 +15,8 @@ from typing import NamedTuple
 AXES = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
 # Axis about which each rotation is measured.
 ROTATIONS = {"phi_x": "x", "phi_y": "y", "phi_z": "z"}
+# Units of the diagonal of a compliance.
+DIAGONAL_UNITS = {name: "rad/(N m)" if name in ROTATIONS else "m/N" for name in AXES}
 AXIS_LABELS = {name: name.replace("phi_", "φ") for name in AXES}
 MOST_MODES = 10
 # Name of the responses of a modal test. A response in a robot file must have another name.

@@ -15,11 +15,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.beams.beam_theory import Kind, frequency_of_kind
-from fem.sections.section_constants import beam_properties
+from fem.beams.beam_theory import Kind
+from lumped.acceptance.quantities import AXIS_LABELS, DIAGONAL_UNITS
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array
-from lumped.legs import BeamProperties, ConstantLeg, Ends, tip_compliance
+from lumped.legs import ConstantLeg, Ends, tip_compliance
 from lumped.sections import Rectangle
 from meshes.section.section_blocks import WALL_ASPECT
 from validation.case import Allowance, Measurement, Relative, Skip
@@ -35,10 +35,11 @@ from validation.cases.leg_theory import (
     exact_modes,
     face_restraints,
     frequencies,
+    frequencies_by_kind,
     why_no_beam,
 )
 from validation.comparisons.element_convergence import MODES
-from validation.comparisons.section_formulas import formula_band
+from validation.comparisons.section_formulas import leg_formula_band
 from validation.context import Context
 from validation.models.leg_models import constant_leg_of, leg_compliance, leg_frequencies
 from validation.models.options import ModelName, ModelOptions
@@ -48,7 +49,6 @@ from validation.solids.solid_legs import (
     doubled_tips,
     formal_order,
     has_meshes,
-    leg_constants,
     mesh_pair,
     static_ladder,
 )
@@ -70,12 +70,7 @@ FORMULA = "section constants by formula"
 FORMULA_SOURCE = "finite elements on the section, within the known error of the textbook's formulas"
 # Diagonal entry of the tip compliance, and unit, of each motion under its own load.
 MOTIONS = {
-    "x": (0, "m/N"),
-    "y": (1, "m/N"),
-    "z": (2, "m/N"),
-    "φx": (3, "rad/(N m)"),
-    "φy": (4, "rad/(N m)"),
-    "φz": (5, "rad/(N m)"),
+    AXIS_LABELS[name]: (entry, unit) for entry, (name, unit) in enumerate(DIAGONAL_UNITS.items())
 }
 # Static models use the equivalent prism of a 6×6, as the solid does.
 _OPTIONS = ModelOptions(legs="equivalent")
@@ -262,7 +257,7 @@ def held_share(leg: ConstantLeg, divisions: int, kind: str) -> float:
 
 def compliance_band(leg: ConstantLeg, divisions: int) -> tuple[Array, Array]:
     """Tip compliances (6×6, SI) of the stiffest and softest beam by correct textbook formulas."""
-    soft, stiff = _band(leg, divisions)
+    soft, stiff = leg_formula_band(leg, divisions)
     return tip_compliance(stiff, leg.length), tip_compliance(soft, leg.length)
 
 
@@ -271,15 +266,7 @@ def frequency_band(leg: ConstantLeg, divisions: int, kinds: tuple[tuple[Kind, in
 
     `kinds` are the kind of deformation and the order of each of the k modes.
     """
-    band = _band(leg, divisions)
-    return np.array(
-        [[frequency_of_kind(beam, leg.length, *kind) for kind in kinds] for beam in band]
-    )
-
-
-def _band(leg: ConstantLeg, divisions: int) -> tuple[BeamProperties, BeamProperties]:
-    constants = leg_constants(leg, divisions)
-    return formula_band(leg, constants, beam_properties(constants, leg.material))
+    return frequencies_by_kind(leg_formula_band(leg, divisions), leg.length, kinds)
 
 
 def limited(difference: float, band: tuple[float, float], uncertainty: float) -> float:

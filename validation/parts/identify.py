@@ -21,6 +21,7 @@ from fem.bodies.part import (
     require_memory,
 )
 from fem.couplings.grips import Kind
+from lumped.acceptance.quantities import DIAGONAL_UNITS
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import Material
@@ -40,10 +41,6 @@ DEFAULT_MODES = 6
 # Largest number of unknowns to which --accuracy refines a part. One factorisation then takes some
 # ten minutes and 30 GB.
 MOST_REFINED = 800_000
-_AXES = (
-    *(("x", "m/N"), ("y", "m/N"), ("z", "m/N")),
-    *(("phi_x", "rad/(N m)"), ("phi_y", "rad/(N m)"), ("phi_z", "rad/(N m)")),
-)
 _BOUNDS: tuple[Kind, Kind] = ("rigid", "average")
 
 
@@ -190,7 +187,7 @@ class Identified:
         return [
             (f"{interface.name} {axis}" if several else axis, unit)
             for interface in self.interfaces[1:]
-            for axis, unit in _AXES
+            for axis, unit in DIAGONAL_UNITS.items()
         ]
 
     @property

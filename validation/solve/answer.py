@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import msgspec
 import numpy as np
 
+from lumped.acceptance.quantities import DIAGONAL_UNITS
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.system.joint_motion import Portion
@@ -19,11 +20,6 @@ from validation.uncertainty.refinement import Accuracy
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Diagonal of a compliance by axis, with its unit.
-_AXES = (
-    *(("x", "m/N"), ("y", "m/N"), ("z", "m/N")),
-    *(("phi_x", "rad/(N m)"), ("phi_y", "rad/(N m)"), ("phi_z", "rad/(N m)")),
-)
 Place: TypeAlias = dict[str, float | int | str | list[float]]
 
 
@@ -175,7 +171,7 @@ class Solution:
         >>> solution.table().headings[:3]
         ('at', 'x (m/N)', 'y (m/N)')
         """
-        axes = _AXES[: len(self.answers[0].compliance)]
+        axes = list(DIAGONAL_UNITS.items())[: len(self.answers[0].compliance)]
         count = max(len(answer.frequencies) for answer in self.answers)
         modes = [f"f{mode} (Hz)" for mode in range(1, count + 1)]
         return ResultTable(
@@ -242,7 +238,7 @@ class Solution:
                 )
         if not rows:
             raise InputError("load_table: the robot file has no [[loads]]")
-        axes = [f"{axis} ({unit.split('/')[0]})" for axis, unit in _AXES]
+        axes = [f"{axis} ({unit.split('/')[0]})" for axis, unit in DIAGONAL_UNITS.items()]
         return ResultTable(("at", "load", *axes, "buckling factor"), tuple(rows))
 
     def plot_loads(self) -> "Figure":
