@@ -44,6 +44,7 @@ from lumped.dense.modes import solve_modes
 from lumped.legs import BeamProperties
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import skew
+from lumped.system.line_loads import linear_load, section_forces
 
 # Number of Gauss points per element: exact for a cubic moment (due to a linearly distributed load)
 # times two quadratic rotations.
@@ -74,7 +75,9 @@ class PrestressedLeg:
         balances, `distributed` the part of them that acts along the length. `spins` is True if the
         leg spins idly about its axis.
         """
-        force, moment = _resultants(ends, distributed, self.matrices.length, self.stations)
+        load = linear_load(distributed[:6], distributed[6:], self.matrices.length)
+        at_root = ends[:6] - distributed[:6]
+        force, moment = np.hsplit(section_forces(at_root, [load], self.stations), 2)
         force_cross = skew(force)
         work = np.zeros((len(force), 9, 9))
         work[:, 3:6, :3] = force_cross
@@ -161,41 +164,3 @@ def between(leg: PrestressedLeg, ends: Array) -> LegMatrices:
     stiffness = dense(leg.matrices.stiffness).copy()
     stiffness[:ENDS, :ENDS] = ends
     return replace(leg.matrices, stiffness=stiffness)
-
-
-def _resultants(
-    ends: Array, distributed: Array, length: float, stations: Array
-) -> tuple[Array, Array]:
-    """Force n and moment m (s×3 each, leg axes) of the sections at `stations`.
-
-    They act on the part of the leg towards the root. The distributed load is linear along the leg
-    and has the resultant of the loads at both ends. Its components along and about the leg also
-    have the same distribution to the ends.
-    """
-    first, last = _density(distributed[:6], distributed[6:], length)
-    at_root = ends[:6] - distributed[:6]
-    x = stations[:, None]
-    slope = (last - first) / length
-    resultant = first * x + slope * x**2 / 2.0
-    first_moment = first * x**2 / 2.0 + slope * x**3 / 6.0
-    force = -at_root[:3] - resultant[:, :3]
-    twisted = -at_root[3:] - resultant[:, 3:]
-    lever = -at_root[:3] * x - first_moment[:, :3]
-    return force, twisted - np.cross(_ALONG, lever)
-
-
-def _density(root: Array, tip: Array, length: float) -> tuple[Array, Array]:
-    """Forces and moments per length (6, N/m and N) at root and tip, for a linear load.
-
-    `root` and `tip` (6 each) are the loads reduced to both ends.
-    """
-    first, last = 2.0 * (2.0 * root - tip) / length, 2.0 * (2.0 * tip - root) / length
-    total = root + tip
-    # The moments determine the position of transverse forces. A force along z has a negative moment
-    # about y.
-    for across, about, sign in ((1, 5, 1.0), (2, 4, -1.0)):
-        lever = sign * total[about] + length * tip[across]
-        last[across] = 6.0 * lever / length**2 - 2.0 * total[across] / length
-        first[across] = 2.0 * total[across] / length - last[across]
-        first[about] = last[about] = 0.0
-    return first, last

@@ -49,17 +49,33 @@ class AppliedWrench:
 
 
 @dataclass(frozen=True, eq=False)
+class LineLoad:
+    """A load along a leg between `start` and `stop` (m from its root), leg axes.
+
+    `first` and `last` (6, N/m and N) are forces and moments per length at both, about the line of
+    centroids; between them they vary linearly.
+    """
+
+    start: float
+    stop: float
+    first: Array
+    last: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Loading:
     """Wrenches of a load in one posture.
 
     `point_wrenches` act at points. `body_wrenches` are gravity and inertia forces, reduced to the
     interfaces of the bodies. `rotor_forces` are forces (N) or moments (N m) on the rotors of drives
-    along the coordinates of their joints, by joint name.
+    along the coordinates of their joints, by joint name. `line_loads` are those of `body_wrenches`
+    that act along legs, by name of the leg.
     """
 
     point_wrenches: Sequence[AppliedWrench]
     body_wrenches: Sequence[AppliedWrench] = ()
     rotor_forces: Mapping[str, float] = field(default_factory=dict)
+    line_loads: Mapping[str, Sequence[LineLoad]] = field(default_factory=dict)
 
     @property
     def wrenches(self) -> list[AppliedWrench]:

@@ -17,16 +17,18 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError
+from lumped.legs import ConstantLeg, GivenLeg, Leg, NoBeamTheoryError
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
 from lumped.mechanism.kinematics.postures import shown_pose
-from lumped.mechanism.load import AppliedWrench, Load, Loading
+from lumped.mechanism.load import AppliedWrench, LineLoad, Load, Loading
 from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.screws import shift, skew, turn
 from lumped.system.assembly import System, rigid_mass
 from lumped.system.joint_motion import Portion
+from lumped.system.line_loads import inertia_load, linear_load
 from lumped.system.solution import Solved, with_idle
 
 
@@ -43,6 +45,7 @@ def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loadin
     if not load.acts_on_mass:
         return Loading(point_wrenches)
     body_wrenches: list[AppliedWrench] = []
+    line_loads: dict[str, list[LineLoad]] = {}
     motions: Mapping[str, Motion] = dict.fromkeys(mechanism.bodies, REST)
     if load.moves_tool:
         motions = accelerations(posture, load.speed, load.acceleration)
@@ -57,7 +60,10 @@ def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loadin
         frame = posture.frames[name]
         axes = turn(frame.rotation)
         motion = _in_axes(frame.rotation, motions[name], load.gravity)
-        wrenches = _inertia(mass, points, motion).reshape(-1, 6) @ axes.T
+        in_body_axes = _inertia(mass, points, motion).reshape(-1, 6)
+        if isinstance(body.shape, ConstantLeg | GivenLeg):
+            line_loads[name] = [_line_load(body.shape, in_body_axes, motion)]
+        wrenches = in_body_axes @ axes.T
         if isinstance(body.shape, Rigid):
             # The point of application affects the geometric stiffness.
             points = body.shape.centre[None]
@@ -80,7 +86,18 @@ def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loadin
     point_wrenches.append(
         AppliedWrench(tool.body, tool.point, tool_position, np.append(force, np.zeros(3)))
     )
-    return Loading(point_wrenches, body_wrenches, rotor_forces)
+    return Loading(point_wrenches, body_wrenches, rotor_forces, line_loads)
+
+
+def _line_load(leg: Leg, at_ends: Array, motion: Motion) -> LineLoad:
+    """Inertia load along a leg; linear with its wrenches `at_ends` (2×6) if its mass is a 6×6's."""
+    if isinstance(leg, GivenLeg):
+        return linear_load(at_ends[0], at_ends[1], leg.length)
+    try:
+        properties = leg.timoshenko
+    except NoBeamTheoryError:
+        properties = leg.properties("euler-bernoulli")
+    return inertia_load(properties, leg.length, motion)
 
 
 def _acceleration(posture: Posture, joint: Joint, motions: Mapping[str, Motion]) -> float:

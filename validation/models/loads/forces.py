@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from lumped.errors import ComputationError
 from lumped.mechanism.load import Loading
 from lumped.mechanism.mechanism import Posture
+from lumped.models.bodies import legs_of
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.loads import loading
+from lumped.system.members import MemberForces, member_forces
 from lumped.system.reactions import InternalForces, Reaction, internal_forces, reaction
 from lumped.system.solution import Solved, solved
 from validation.models.loads.displacements import load_masses
@@ -17,9 +19,10 @@ from validation.models.robot_models import on_drives_alone, released, static_bod
 
 @dataclass(frozen=True, eq=False)
 class LoadForces:
-    """Forces under one load in one posture: `reactions` of all joints in the order of the file."""
+    """Forces under one load in one posture: of all joints and legs in the order of the file."""
 
     reactions: tuple[Reaction, ...]
+    members: tuple[MemberForces, ...]
 
 
 def load_forces(
@@ -58,4 +61,7 @@ def _assembly(model: ModelName, postures: Sequence[Posture], options: ModelOptio
 
 def _load_forces(solution: Solved, load: Loading, forces: InternalForces) -> LoadForces:
     posture = solution.system.posture
-    return LoadForces(tuple(reaction(posture, joint, load) for joint in forces.joints))
+    return LoadForces(
+        tuple(reaction(posture, joint, load) for joint in forces.joints),
+        tuple(member_forces(posture, name, forces, load) for name in legs_of(posture.mechanism)),
+    )

@@ -1,0 +1,64 @@
+"""Loads along a leg, and the forces in its sections that balance them.
+
+The forces in the section at x act on the part of the leg before it, from the part beyond. They
+follow from the equilibrium of the part before x, whatever the leg's stiffness: N = n·eₓ is tension,
+Qy and Qz are shear forces, T, My and Mz the moments about the leg's axes.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.legs import BeamProperties
+from lumped.mechanism.kinematics.accelerations import Motion
+from lumped.mechanism.load import LineLoad
+
+_ALONG = np.array([1.0, 0.0, 0.0])
+
+
+def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> Array:
+    """Forces and moments (s×6) in sections at `stations` (s, m) with a wrench on the root (6)."""
+    x = stations[:, None]
+    total, lever = np.zeros((len(x), 6)), np.zeros((len(x), 3))
+    for load in loads:
+        inside = np.clip(x - load.start, 0.0, load.stop - load.start)
+        slope = (load.last - load.first) / (load.stop - load.start)
+        resultant = load.first * inside + slope * inside**2 / 2.0
+        moment = load.first * inside**2 / 2.0 + slope * inside**3 / 3.0
+        total += resultant
+        lever += ((x - load.start) * resultant - moment)[:, :3]
+    moments = -root[3:] - total[:, 3:] + np.cross(_ALONG, root[:3] * x + lever)
+    return np.hstack([-root[:3] - total[:, :3], moments])
+
+
+def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> LineLoad:
+    """Inertia and weight of a uniform leg that moves as a rigid body, on its whole length.
+
+    `motion` is that of its root in leg axes, with gravity as an acceleration of opposite sign.
+    """
+    rotary = np.diag([properties.rho_J, properties.rho_Iy, properties.rho_Iz])
+    rotary[1, 2] = rotary[2, 1] = -properties.rho_Iyz
+    spin = motion.angular_velocity
+    couple = -rotary @ motion.angular_acceleration - np.cross(spin, rotary @ spin)
+    first, last = (
+        np.append(-properties.mu * motion.acceleration_at(arm), couple)
+        for arm in (np.zeros(3), length * _ALONG)
+    )
+    return LineLoad(0.0, length, first, last)
+
+
+def linear_load(root: Array, tip: Array, length: float) -> LineLoad:
+    """Load that varies linearly along a leg, from wrenches (6 each, N and N m) on its ends.
+
+    It has their resultant; along and about the leg it has their shares, too.
+    """
+    first, last = 2.0 * (2.0 * root - tip) / length, 2.0 * (2.0 * tip - root) / length
+    total = root + tip
+    # Moments define the position of transverse forces; that of a force along z about y is negative.
+    for across, about, sign in ((1, 5, 1.0), (2, 4, -1.0)):
+        lever = sign * total[about] + length * tip[across]
+        last[across] = 6.0 * lever / length**2 - 2.0 * total[across] / length
+        first[across] = 2.0 * total[across] / length - last[across]
+        first[about] = last[about] = 0.0
+    return LineLoad(0.0, length, first, last)

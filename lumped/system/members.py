@@ -1,0 +1,101 @@
+"""Member forces: forces and moments in the sections of the legs of a loaded mechanism."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.mechanism.free_twists import interface_position
+from lumped.mechanism.joint import Side
+from lumped.mechanism.load import Loading
+from lumped.mechanism.mechanism import Posture
+from lumped.screws import shift, turn
+from lumped.system.line_loads import linear_load, section_forces
+from lumped.system.reactions import InternalForces
+
+# Number of equally spaced stations along a leg.
+_STATIONS = 21
+# Share of the length of the mechanism or of a unit wrench below which a component is zero.
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class MemberForces:
+    """Forces N, Qy, Qz, T, My, Mz (s×6, N and N m, leg axes) in sections at `stations` (s, m).
+
+    The stations are distances from the root. Components that statics does not determine are NaN.
+    `half_width` (6) is that of their numerical uncertainty.
+    """
+
+    leg: str
+    stations: Array
+    forces: Array
+    half_width: Array
+
+
+def member_forces(
+    posture: Posture, name: str, forces: InternalForces, load: Loading
+) -> MemberForces:
+    """Forces in the sections of a leg.
+
+    Stations include the zeros of both shear forces, at which bending moments are largest. If the
+    mass of the model is not that of the line loads, the difference is spread linearly along the leg
+    and added to the half-width.
+    """
+    root, tip = posture.mechanism.bodies[name].interfaces
+    length = float(posture.mechanism.bodies[name].interfaces[tip].position[0])
+    loads = list(load.line_loads.get(name, ()))
+    if name in forces.bodies and (inertia := forces.bodies[name].inertia).any():
+        loads.append(linear_load(-inertia[:6], -inertia[6:], length))
+    at_root, at_tip = (_end_wrench(posture, name, point, forces, load) for point in (root, tip))
+    stations = np.linspace(0.0, length, _STATIONS)
+    coarse = section_forces(at_root[:, 0], loads, stations)
+    stations = np.union1d(stations, list(_zeros(stations, coarse[:, 1:3])))
+    values = section_forces(at_root[:, 0], loads, stations)
+    missing = at_tip[:, 0] - values[-1]
+    values += missing * (stations / length)[:, None]
+    for free in at_root[:, 1:].T:
+        open_forces = np.abs(section_forces(free, (), stations)) > _ROUNDING
+        values[open_forces] = np.nan
+    rounding = max((joint.rounding for joint in forces.joints), default=0.0)
+    return MemberForces(
+        name, stations, values, np.abs(missing) + rounding * np.repeat([1.0, length], 3)
+    )
+
+
+def _end_wrench(
+    posture: Posture, name: str, point: str, forces: InternalForces, load: Loading
+) -> Array:
+    """Wrenches (6×(1 + k), leg axes) of joints and loads on an interface of a leg.
+
+    Behind them are those of the k self-balanced wrenches that statics leaves undetermined.
+    """
+    position = interface_position(posture, Side(name, point))
+    count = forces.joints[0].undetermined.shape[1] if forces.joints else 0
+    total = np.zeros((6, 1 + count))
+    for transmitted in forces.joints:
+        joint = transmitted.joint
+        for side, sign in ((joint.first, -1.0), (joint.second, 1.0)):
+            if side == Side(name, point):
+                move = shift(interface_position(posture, joint.first) - position)
+                wrenches = np.column_stack([transmitted.wrench, transmitted.undetermined])
+                total += sign * move.T @ wrenches
+    for applied in load.point_wrenches:
+        if (applied.body, applied.point) == (name, point):
+            total[:, 0] += shift(applied.position - position).T @ applied.wrench
+    return np.asarray(turn(posture.frames[name].rotation).T @ total)
+
+
+def _zeros(stations: Array, shear: Array) -> Iterator[float]:
+    """Stations (m) between those given at which a column of `shear` (s×2) changes its sign.
+
+    Shear forces under linear loads are parabolas.
+    """
+    for values in shear.T:
+        for number in np.flatnonzero(values[:-1] * values[1:] < 0.0):
+            start = min(int(number), len(stations) - 3)
+            three = slice(start, start + 3)
+            roots = np.roots(np.polyfit(stations[three] - stations[number], values[three], 2))
+            step = stations[number + 1] - stations[number]
+            yield from (stations[number] + root.real for root in roots if 0.0 <= root.real <= step)
