@@ -1,6 +1,7 @@
-"""A robot against what shares nothing with its models: polynomials, waves, other programs.
+"""Cases that check a robot against computations that share no code with the judged models.
 
-In: the mechanism of a run. Out: cases whose subject is the robot, or one of its legs alone.
+Input: the mechanism of a run. Output: cases on each leg alone (3-D solid against beam theory), on
+reductions of CAD parts, against CalculiX and EXUDYN, and against Ritz's method with polynomials.
 """
 
 from lumped.mechanism.mechanism import Mechanism
@@ -10,9 +11,9 @@ from validation.references.robot_on_path import distinct_legs
 
 
 def cases(mechanism: Mechanism, mode_count: int) -> tuple[Case, ...]:
-    """All cases in the order of the report. Equal legs have the cases of the first of them.
+    """All cases in the order of the report. Equal legs have one set of cases.
 
-    `mode_count` frequencies of the robot are judged.
+    `mode_count` is the number of judged natural frequencies.
     """
     return (
         *leg_theory.cases(legs=distinct_legs(mechanism)),

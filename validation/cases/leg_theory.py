@@ -1,4 +1,12 @@
-"""Each leg alone, root clamped: a 3-D solid against beam theory, differences with their causes."""
+"""Cases on each leg alone with its root clamped: 3-D solid against Timoshenko's beam theory.
+
+Input: a leg of constant section and the meshes that the preset allows. Output: verdicts on six
+diagonal and two coupling entries of the tip compliance, with free and rigid end faces, and on six
+frequencies. Rule: the difference between solid and beam, less the allowances for restrained end
+faces and for distortion of the section in vibration, must be within the tolerance. Section
+constants of the beam are computed on the section mesh of the solid, so that the error of this mesh
+cancels.
+"""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import TypeAlias
@@ -42,7 +50,8 @@ from validation.solids.solid_legs import (
 from validation.solids.solid_size import larger_preset, why_shapeless
 
 MODES = 6
-# Row and column (from 0), meaning and unit of the entries that a straight leg's compliance has.
+# Row and column (from 0), meaning and unit of the entries that a straight leg's compliance
+# contains.
 ENTRIES = {
     "c11": ((0, 0), "tension", "m/N"),
     "c22": ((1, 1), "deflection along y", "m/N"),
@@ -55,19 +64,19 @@ ENTRIES = {
 }
 TIMOSHENKO = "S. P. Timoshenko, Phil. Mag. 41 (1921) 744; c = ∫ of unit resultants over EA … κGA"
 HUANG = "T. C. Huang, J. Appl. Mech. 28 (1961) 579, exact Timoshenko cantilever, solved here"
-# Divisions of the meshes of a leg, for a largest number of unknowns.
+# Function that returns the divisions of a leg's meshes, for a largest number of unknowns.
 Ladder: TypeAlias = Callable[[ConstantLeg, int], tuple[int, ...]]
-# Unknowns of the largest section mesh for statics by doubling, and of the largest solid for modes.
+# Largest number of unknowns: of a section mesh for statics by doubling, of a solid for modes.
 STATICS: dict[Preset, int] = {"quick": 1000, "standard": 2000, "fine": 4000}
 DYNAMICS: dict[Preset, int] = {"quick": 9_000, "standard": 30_000, "fine": 100_000}
-# Waves need dense matrices: divisions of the section that decide whether a mode follows beam
-# theory, and the largest divisions.
+# Waves need dense matrices. First number: divisions of the section mesh that decides whether beam
+# theory applies to a mode. Second number: largest divisions.
 WAVE_DIVISIONS, MOST_WAVES = 4, 8
-# Relative tolerances of compliances. Held faces have edges at which the mesh loses its order, worst
-# in I-sections (2e-5). Solid and beam with free ends share one section mesh; the residual is their
+# Relative tolerances of compliances. Rigid faces have edges at which the mesh loses its order, most
+# in I-sections (2e-5). With free ends, solid and beam share one section mesh; what remains is their
 # different treatment of curved walls (1e-7 for a circle).
 _HELD_TOLERANCE, _FREE_TOLERANCE = 2e-4, 3e-6
-# Shortest wave length, in section heights, for which beam theory is judged.
+# Shortest wavelength, in section heights, for which beam theory is judged.
 SHORTEST_WAVE = 3.0
 # Relative tolerance of frequencies: uncertainty of two meshes along a leg.
 _FREQUENCY_TOLERANCE = 2e-3
@@ -101,14 +110,14 @@ _compliances = cases.family(
 
 
 def compliances(context: Context, body: str, ends: Ends) -> Refinement:
-    """Tip compliances of a leg on the preset's meshes."""
+    """Tip compliances of a leg as a solid, on all meshes that the preset allows."""
     leg = constant_leg_of(context, body)
     divisions = _divisions(context, leg, static_ladder, STATICS, "section meshes")
     return context.get(solid_compliances, leg, divisions)[ends]
 
 
 def frequencies(context: Context, body: str, ends: Ends, count: int) -> SolidModes:
-    """First `count` frequencies of a leg on the preset's meshes."""
+    """First `count` frequencies of a leg as a solid, on all meshes that the preset allows."""
     leg = constant_leg_of(context, body)
     divisions = _divisions(context, leg, dynamic_ladder, DYNAMICS, "solid meshes")
     return context.get(solid_frequencies, leg, divisions, ends, count)
@@ -131,20 +140,29 @@ def _divisions(
 
 
 def computed_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
-    """Tip compliances (m×6×6) of the beam, section constants on each of the solids' meshes."""
+    """Tip compliances (m×6×6, SI, leg axes) of the beam with computed section constants.
+
+    The constants are those of each of m section meshes.
+    """
     beams = (own_properties(leg, number) for number in divisions)
     return np.array([tip_compliance(beam, leg.length) for beam in beams])
 
 
 def face_restraints(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
-    """Change (m×6×6, ≤ 0) of the beam's tip compliance by rigid end faces, by theory."""
+    """Change (m×6×6, ≤ 0) of the beam's tip compliance due to rigid end faces.
+
+    Computed on each of m section meshes.
+    """
     return np.array([face_restraint(leg, number) for number in divisions])
 
 
 def computed_frequencies(
     leg: ConstantLeg, divisions: tuple[int, ...], kinds: tuple[tuple[Kind, int], ...]
 ) -> Array:
-    """Frequencies (Hz, m×k) of the beam by kind and order, for each of the solids' meshes."""
+    """Frequencies (m×k, Hz) of the beam, with section constants of each of m meshes.
+
+    `kinds`: kind of deformation and order of each of k modes.
+    """
     beams = [own_properties(leg, number) for number in divisions]
     return frequencies_by_kind(beams, leg.length, kinds)
 
@@ -196,7 +214,8 @@ def _entry(
         )
         by_faces = _percent(value, float(free.values[-1][entry]))
         notes = (f"the same mesh with free ends: {by_faces} by rigid faces",)
-    # Solid and beam share the errors of one section mesh: the residuals have a smaller uncertainty.
+    # Solid and beam share the error of one section mesh, so their difference is less uncertain than
+    # each.
     residuals = Refinement(
         solid.divisions, solid.values - beam.values - restraints, formal_order(leg, ends)
     )
@@ -215,7 +234,7 @@ def _entry(
 def _require_decided(
     context: Context, body: str, residuals: Refinement, entry: tuple[int, int], tolerance: float
 ) -> None:
-    """Raise Skip if the meshes are too few for an order and their uncertainty does not decide."""
+    """Raise Skip if the meshes show no order and their uncertainty exceeds the tolerance."""
     uncertainty = residuals.uncertainty(*entry)
     undecided = abs(residuals.values[-1][entry]) <= tolerance < uncertainty
     if undecided and len(residuals.divisions) < GRIDS_FOR_ORDER:
@@ -264,7 +283,8 @@ def _mode(context: Context, body: str, index: int) -> Measurement:
     kinds = tuple((mode.kind, mode.order) for mode in modes)
     beams = context.get(computed_frequencies, leg, solid.divisions, kinds)[:, index]
     changes = context.get(distortion, leg, solid.divisions, exact)
-    # As for compliances, free solid, beam and waves share the errors of one section mesh.
+    # As for compliances, the free solid, the beam and the waves share the error of one section
+    # mesh.
     residuals = Refinement(solid.divisions, solid.values[:, index] - beams * (1.0 + changes))
     beam = Refinement(solid.divisions, beams)
     value, reference = float(solid.values[-1, index]), float(beams[-1])
@@ -285,14 +305,14 @@ def _mode(context: Context, body: str, index: int) -> Measurement:
 
 
 def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
-    """The first frequencies of the Timoshenko cantilever, ascending."""
+    """First natural frequencies of the Timoshenko cantilever, ascending."""
     return cantilever_frequencies(leg.timoshenko, leg.length, MODES)
 
 
 def beam_mode_count(context: Context, leg: ConstantLeg) -> int:
-    """Number of the last mode to which beam theory applies, at least one.
+    """Number of the highest mode to which beam theory applies, at least 1.
 
-    Raises Skip for sections too large for a solid: they are too large for their waves, too.
+    Raises Skip for sections too large to mesh as a solid, which are also too large for their waves.
     """
     _divisions(context, leg, dynamic_ladder, DYNAMICS, "solid meshes")
     follow_beam_theory = [not context.get(why_no_beam, leg, mode) for mode in exact_modes(leg)]
@@ -302,12 +322,15 @@ def beam_mode_count(context: Context, leg: ConstantLeg) -> int:
 
 
 def _wave_number(leg: ConstantLeg, order: int) -> float:
-    """Wave number (rad/m) of a clamped-free mode: 2n − 1 quarters of a wave fit the leg."""
+    """Wave number (rad/m) of a clamped-free mode of order n: 2n − 1 quarter waves fit the leg."""
     return (2 * order - 1) * np.pi / (2.0 * leg.length)
 
 
 def why_no_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
-    """Reason why beam theory does not apply to a mode, from the section alone. Empty if it does."""
+    """Reason why beam theory does not apply to a mode, judged from the section.
+
+    "" if it applies.
+    """
     if not leg.section.is_doubly_symmetric:
         return (
             "waves of 3-D elasticity are computed for sections that are symmetric about y and z, "
@@ -321,8 +344,8 @@ def why_no_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
             f"its wave is {heights_per_wave:.1f} section heights long, below {SHORTEST_WAVE:g} no "
             "beam theory is meant to hold"
         )
-    kind = _waves(leg, WAVE_DIVISIONS)[mode.kind]
-    lowest = cut_off(kind)
+    waves = _waves(leg, WAVE_DIVISIONS)[mode.kind]
+    lowest = cut_off(waves)
     if mode.frequency >= lowest:
         return f"from {lowest:.4g} Hz on its section distorts by itself, as that of no beam does"
     try:
@@ -334,13 +357,13 @@ def why_no_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
 
 @memo(16)
 def _waves(leg: ConstantLeg, divisions: int) -> dict[str, PrismWaves]:
-    """Waves of a leg's section by their kind."""
+    """Waves of 3-D elasticity in a leg's section, by kind of deformation."""
     waves = prism_waves(face_mesh(leg, divisions), leg.material)
     return {kind.fields.name: kind for kind in waves}
 
 
 def distortion(leg: ConstantLeg, divisions: tuple[int, ...], mode: CantileverFrequency) -> Array:
-    """Relative change (m) of a beam frequency by the waves, on the section meshes of the solids.
+    """Relative change (m) of a beam frequency due to 3-D waves, on each of m section meshes.
 
     Raises Skip if the wave has no beam counterpart.
     """
@@ -352,14 +375,14 @@ def distortion(leg: ConstantLeg, divisions: tuple[int, ...], mode: CantileverFre
 
 @memo(64)
 def _distorted(leg: ConstantLeg, divisions: int, mode: CantileverFrequency) -> float:
-    kind = _waves(leg, divisions)[mode.kind]
-    beam = beam_frequency(kind, leg.length, mode.order)
+    waves = _waves(leg, divisions)[mode.kind]
+    beam = beam_frequency(waves, leg.length, mode.order)
     if mode.kind == "torsion":
         estimate = beam * _warping_waves(leg, mode.order)
     else:
-        estimate = wave_frequency(kind, leg.length, mode.order, beam)
-    lowest = cut_off(kind)
-    if estimate < lowest and (prism := prism_frequency(kind, leg.length, estimate)) < lowest:
+        estimate = wave_frequency(waves, leg.length, mode.order, beam)
+    lowest = cut_off(waves)
+    if estimate < lowest and (prism := prism_frequency(waves, leg.length, estimate)) < lowest:
         return prism / beam - 1.0
     raise ComputationError(
         f"by waves of 3-D elasticity it lies above {lowest:.4g} Hz, from where on its section "
@@ -369,10 +392,10 @@ def _distorted(leg: ConstantLeg, divisions: int, mode: CantileverFrequency) -> f
 
 @memo(64)
 def _warping_waves(leg: ConstantLeg, order: int) -> float:
-    """Estimated factor of warping on a torsional frequency by Saint-Venant's theory.
+    """Estimated factor by which warping changes a torsional frequency of Saint-Venant's theory.
 
-    It is the product of two factors: that of the 3-D wave of the same length in an endless leg, and
-    that of the tip face, which is free of the normal stress of that wave, by Reissner's theory.
+    The product of two factors: that of the 3-D wave of the same length in an endless leg, and that
+    of the tip face, which is free of the normal stress of that wave (Reissner's theory).
     """
     wave_number = _wave_number(leg, order)
     constants, material = leg_constants(leg, WAVE_DIVISIONS), leg.material

@@ -1,12 +1,16 @@
-"""Changes of a mechanism's beam frequencies by waves of 3-D elasticity in the legs.
+"""Changes of a mechanism's beam frequencies due to waves of 3-D elasticity in the legs.
 
-The dynamic stiffness of the legs by waves on their section meshes (`fem.couplings.wave_stiffness`)
-replaces that of beams: Λ + Φᵀ(D(ω) − D_beam(ω))Φ has the eigenvalue ω². D is on the twists of the
-sections between the pieces of a leg; Λ and Φ are the modes by beams. D_beam is that of the
-section's Saint-Venant states and inertia (`fem.couplings.wave_cantilever`), not of the beams that
-gave Λ and Φ, so that an error of those beams remains in the frequencies. Pieces are so short that
-their frequencies with both ends held are far above ω: a leg that vibrates between ends at rest
-would not show its motion at its ends. No mesh along the legs and no solid is used.
+Input: reduced beam models of the legs and their section meshes. Output: the relative change of each
+natural frequency. Rule: the dynamic stiffness D(ω) of a leg by waves on its section mesh
+(`fem.couplings.wave_stiffness`) replaces that of the beam, so that Λ + Φᵀ(D(ω) − D_beam(ω))Φ has
+the eigenvalue ω². Λ and Φ are the modes with beams, D acts on the twists of sections between pieces
+of the leg.
+
+D_beam is that of the section's Saint-Venant states and inertia (`fem.couplings.wave_cantilever`),
+not of the beams that gave Λ and Φ, so an error of those beams remains in the frequencies. Pieces
+are so short that their frequencies with both ends fixed are far above ω: a leg vibrating between
+fixed ends would not be visible in the motion of its ends. Neither a mesh along the legs nor a solid
+is used.
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,20 +41,22 @@ NO_WAVES = (
 )
 # Share of a mode's strain energy below which waves without a beam counterpart are neglected.
 _NEGLIGIBLE_STRAIN = 1e-4
-# Relative change of a frequency in one step at which the iteration has converged, and most steps.
+# Relative change of a frequency in one iteration at which it has converged, and limit of
+# iterations.
 _CONVERGED = 1e-6
 _MOST_STEPS = 20
-# Largest ω over the lowest frequency of a piece with both ends held. Up to it, beam and waves give
-# the same lowest frequency of the piece.
+# Largest ω over the lowest frequency of a piece with both ends fixed. Up to this ratio, beam and
+# waves give the same lowest frequency of the piece.
 _SHARE_OF_LOWEST = 0.5
 
 Waves: TypeAlias = Mapping[str, tuple[PrismWaves, ...]]
 
 
 def waves_of(legs: Mapping[str, ConstantLeg], divisions: Mapping[str, int]) -> Waves:
-    """Waves by leg name, on the section mesh of the leg's solid with `divisions` (by leg name).
+    """Waves of each leg by name, on the section mesh of its solid.
 
-    Raises InputError for a section that is not symmetric about both axes.
+    `divisions` of the section mesh by leg name. Raises InputError for a section that is not
+    symmetric about both axes.
     """
     waves_by_section: dict[tuple[object, ...], tuple[PrismWaves, ...]] = {}
     waves_by_leg = {}
@@ -74,11 +80,11 @@ def wave_changes(
     offered: int,
     count: int,
 ) -> Array:
-    """Relative change (p×count) of the first frequencies by waves, in the space of `offered` modes.
+    """Relative change (p×count) of the first frequencies due to waves, in p postures.
 
-    `beams` have `elements` elements and the constants of the same section meshes; `legs` are their
-    reductions. NaN for a mode whose waves have no beam counterpart, or which needs pieces shorter
-    than elements.
+    Computed in the space of `offered` modes. `beams` have `elements` elements and the constants of
+    the same section meshes; `legs` are their reductions. NaN for a mode whose waves have no beam
+    counterpart, or which needs pieces shorter than elements.
     """
     bodies = {name: filled(leg.matrices) for name, leg in legs.items()}
     prepared = assembly(postures[0].mechanism, bodies)
@@ -101,7 +107,7 @@ def wave_changes(
 
 @dataclass(frozen=True, eq=False)
 class _LegInPieces:
-    """A leg as a beam of equal `elements`, and its `waves`."""
+    """A leg as a beam of equal `elements`, with its waves of each kind."""
 
     reduced: Superelement
     beam: LegMatrices
@@ -110,12 +116,12 @@ class _LegInPieces:
 
     @cached_property
     def saint_venant(self) -> tuple[PrismWaves, ...]:
-        """Beam of Saint-Venant states for each kind of waves."""
+        """Beam of Saint-Venant states for each kind of wave."""
         return tuple(saint_venant_beam(kind) for kind in self.waves)
 
     @cached_property
     def held_ends_omega(self) -> float:
-        """Lowest ω (rad/s) of the leg with both ends held."""
+        """Lowest angular frequency (rad/s) of the leg with both ends fixed."""
         stiffness, mass = (
             dense(matrix)[ENDS:, ENDS:] for matrix in (self.beam.stiffness, self.beam.mass)
         )
@@ -123,7 +129,7 @@ class _LegInPieces:
         return float(np.sqrt(lowest[0]))
 
     def pieces(self, omega: float) -> int:
-        """Number of equal pieces of whole elements into which the leg is divided at ω (rad/s)."""
+        """Number of equal pieces of whole elements, into which the leg is divided at ω (rad/s)."""
         # Frequencies of tension grow with 1/L, those of bending faster.
         needed = omega / (_SHARE_OF_LOWEST * self.held_ends_omega)
         for pieces in range(1, self.elements + 1):
@@ -132,14 +138,17 @@ class _LegInPieces:
         raise ComputationError("waves: shorter than the beam's elements")
 
     def sections(self, pieces: int) -> IntArray:
-        """Unknowns ((pieces + 1)×6) of the sections between them: root, inner nodes, tip."""
+        """Indices ((pieces + 1)×6) of the unknowns of sections: root, between pieces, tip."""
         inner = np.arange(1, pieces) * (self.elements // pieces) - 1
         first = np.concatenate([[0], ENDS + 6 * inner, [6]])
         return np.asarray(first[:, None] + np.arange(6))
 
 
 def _change(frequencies: Array, legs: Sequence[tuple[_LegInPieces, Array]], mode: int) -> float:
-    """Relative change of mode number `mode` of `frequencies` (Hz), for `legs` with their shapes."""
+    """Relative change of one mode's frequency due to waves in the legs.
+
+    `frequencies` (Hz) of all modes with beams; `legs` with their mode shapes; `mode` is the index.
+    """
     squares = np.square(2.0 * np.pi * frequencies)
     beam_omega = omega = float(np.sqrt(squares[mode]))
     try:
@@ -158,7 +167,7 @@ def _change(frequencies: Array, legs: Sequence[tuple[_LegInPieces, Array]], mode
 
 
 def _difference(leg: _LegInPieces, shapes: Array, mode: int, omega: float) -> Array:
-    """Φᵀ(D − D_beam)Φ (m×m) of one leg with its `shapes` Φ at ω (rad/s)."""
+    """Φᵀ(D − D_beam)Φ (m×m) of one leg at ω (rad/s), with its m mode shapes Φ."""
     pieces = leg.pieces(omega)
     sections = leg.sections(pieces).ravel()
     length = leg.beam.length / pieces

@@ -1,7 +1,9 @@
-"""A whole robot in other programs: unreduced solids by CalculiX, beams by EXUDYN.
+"""Cases of a whole robot against other programs: solids by CalculiX, beams by EXUDYN.
 
-For CalculiX, legs are bars of their outer size on coarse meshes. This program reduces the same
-meshes to their ends.
+Input: a posture of a robot whose legs are prisms. Output: verdicts on the 6×6 compliance and on
+natural frequencies. Rule: for CalculiX, legs are bars of their outer size on coarse meshes, which
+CalculiX solves unreduced and this program reduces to their ends. For EXUDYN, legs are beams,
+extrapolated over their number.
 """
 
 import numpy as np
@@ -32,17 +34,19 @@ from validation.references.robot_on_path import known_legs, path_postures
 from validation.studies_and_figures import PATH
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Frequencies compared with CalculiX, and with EXUDYN.
+# Number of frequencies compared with CalculiX, and with EXUDYN.
 SOLID_MODES, BEAM_MODES = 10, 6
-# Relative rounding of seven printed digits; frequencies are roots of the printed eigenvalues.
+# Relative round-off of seven printed digits. Frequencies are roots of the printed eigenvalues.
 _PRINTED_ROUND_OFF, _ROOT_ROUND_OFF = 5e-7, 2.5e-7
-# Ratio of the cut-off frequency of the bodies' modes to the highest frequency of the mechanism: the
-# error of the reduction is below the printed digits.
+# Cut-off frequency of the bodies' modes over the highest frequency of the mechanism: the error of
+# the reduction is below the printed digits.
 _CUTOFF = 4.0
-# Beams per leg in EXUDYN. Their order is two, so that extrapolated frequencies have order four.
+# Numbers of beams per leg in EXUDYN. They converge with order two, extrapolated frequencies with
+# order four.
 _ELEMENTS = (4, 8, 16)
-# Largest number of cubes, as long as a bar's smaller side, in all bars. CalculiX needs a minute for
-# 2000 (100,000 unknowns), and more than ten for the 9600 of strips of a 0.5 mm leaf spring.
+# Largest number of cubes, with the smaller side of a bar as edge, in all bars. CalculiX needs a
+# minute for 2000 (100,000 unknowns), and more than ten for the 9600 of strips of a 0.5 mm leaf
+# spring.
 _MOST_CUBES = 2000
 # Digits of a difference that exceed round-off.
 _DIFFERENCE_DIGITS = 8
@@ -59,7 +63,7 @@ _by_calculix = cases.family(
 
 
 def reduced_solids(posture: Posture) -> tuple[Array, Array]:
-    """Compliance (6×6, SI, base axes) at the loaded point, and first frequencies (Hz).
+    """Compliance (6×6, SI, base axes) and first frequencies (Hz) by this program.
 
     Each leg is replaced by a solid bar with its outer dimensions, coarsely meshed and reduced by
     Craig and Bampton's method. Mass is integrated at the same points as in CalculiX.
@@ -78,14 +82,14 @@ def reduced_solids(posture: Posture) -> tuple[Array, Array]:
 
 
 def calculix_solids(posture: Posture) -> tuple[Array, Array]:
-    """Compliance and frequencies as by `reduced_solids`, by CalculiX with unreduced meshes."""
+    """Compliance and frequencies of the bars of `reduced_solids` by CalculiX, unreduced."""
     calculix_program()
     bars = with_bars(posture)
     return compliance_and_frequencies(bars, bar_solids(bars.mechanism), SOLID_MODES)
 
 
 def _cube_count(leg_description: Leg) -> float:
-    """Number of cubes, as long as a bar's smaller side, that fill it: 7 to 15 nodes each."""
+    """Number of cubes that fill a bar, with its smaller side as edge. Each has 7 to 15 nodes."""
     leg = equivalent_leg(leg_description)
     width, height = leg.section.extent
     return width * height * leg.length / min(width, height) ** 3
@@ -140,15 +144,15 @@ def _solid_frequencies(context: Context) -> Measurement:
 
 
 def _compared_postures(mechanism: Mechanism) -> list[tuple[str, str]]:
-    """Postures of the comparison with their descriptions: one if the robot does not move."""
+    """Names and descriptions of the compared postures: one if the robot does not move."""
     postures = [("reference", "the reference posture"), ("start", "the first pose of the path")]
     return postures if mechanism.tool.moves else postures[:1]
 
 
 def beams_and_exudyn(posture: Posture) -> tuple[PostureAnswer, Array, Array]:
-    """Beam results of this program, and EXUDYN's frequencies (Hz) with half-widths.
+    """Beam results of this program, and EXUDYN's frequencies (Hz) with half-widths (Hz).
 
-    Idle motions, which are first in EXUDYN with frequencies due to round-off, are removed. Raises
+    Idle motions, the first in EXUDYN with frequencies due to round-off, are removed. Raises
     ExudynMissing, and InputError for a mechanism that cannot be written for EXUDYN.
     """
     (beams,) = answers("beam", [posture], BEAM_MODES)
@@ -201,10 +205,11 @@ def _side_by_side(
     headings: tuple[str, str],
     note: str = "",
 ) -> Measurement:
-    """Comparison of `computed` frequencies (Hz) with those of another program (`half_widths`).
+    """Comparison of `computed` frequencies (Hz) with those of another program.
 
-    The first one is the value, the others are further values. `headings` are those of the table's
-    columns: the other program's, then the computed one.
+    The first frequency is the value, the others are further values. `half_widths` (Hz) are those of
+    the other program; `headings` those of the table: the other program's column, then the computed
+    one.
     """
     labels = [f"mode {number}" for number in range(1, len(other_program) + 1)]
     columns = zip(headings, (other_program, computed), strict=True)
@@ -223,10 +228,10 @@ def _side_by_side(
 
 
 def farthest_entry(compliance: Array, reference: Array) -> tuple[float, float]:
-    """The entries of two compliances (6×6) that differ most, in units of √(c_ii c_jj).
+    """Entries of two compliances (6×6) that differ most, in units of √(c_ii c_jj).
 
-    The unit is the power of two next to that of the reference, so that scaling has no round-off. If
-    entries differ by round-off alone, which depends on the machine, the largest entry is returned.
+    The unit is rounded to a power of two, so that scaling has no round-off. If entries differ only
+    by round-off, which depends on the machine, the largest entry is returned.
     """
     sizes = np.sqrt(np.abs(np.diag(reference)))
     scale = np.outer(sizes, sizes)

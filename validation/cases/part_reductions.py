@@ -1,7 +1,8 @@
-"""Modes of a mechanism with CAD parts by two different reductions of the parts.
+"""Cases on modes of a mechanism with CAD parts, by two different reductions of the parts.
 
-Parts are reduced by their modes with interfaces held (Craig, Bampton), and free (MacNeal, Rubin),
-which span different spaces. Each reduction bounds its own truncation error.
+Input: a mechanism with CAD parts on their coarsest mesh. Output: verdicts on its first frequencies.
+Rule: modes with fixed interfaces (Craig, Bampton) and with free interfaces (MacNeal, Rubin) span
+different spaces, so that equal frequencies confirm both. Each reduction bounds its own error.
 """
 
 from lumped.mechanism.mechanism import Mechanism

@@ -1,8 +1,10 @@
-"""Every number of a mechanism's first screen by polynomials along its legs.
+"""Cases on compliances and frequencies of a mechanism, recomputed by Ritz's method.
 
-The numbers and poses are those of the verdicts on models. The reference uses the frames of the
-bodies and checks again that they close every joint. It shares nothing else with the models: neither
-the elimination of joints nor the assembly of chains, elements or segments.
+Input: the postures of a run and each lumped or beam model. Output: verdicts on the diagonal of the
+6×6 compliance in the pose of the largest difference, and on frequencies in the middle pose. Rule:
+the reference represents legs by polynomials (`validation.cases.ritz`). It uses the frames of the
+bodies and checks that they close every joint, and shares nothing else with the models: neither
+elimination of joints nor assembly of chains, elements or segments.
 """
 
 from collections.abc import Mapping
@@ -44,14 +46,14 @@ STATIC_QUANTITIES = (
         for name in AXES[3:]
     ),
 )
-# Degrees of polynomials, each exact in statics.
+# Degrees of polynomials, all exact in statics.
 _EXACT_DEGREES = (3, 4, 5)
-# Factor from the differences of these degrees to the round-off, which is random in each of them:
-# they seldom all differ by less than a tenth of it.
+# Factor from the differences between these degrees to the half-width of round-off. Round-off is
+# random in each, and rarely do all differ by less than a tenth of it.
 _ROUND_OFF_FACTOR = 10.0
 # Digits of a difference that exceed round-off.
 _DIFFERENCE_DIGITS = 8
-# Share of the largest compliance of the same unit below which a compliance is round-off of zero.
+# Fraction of the largest compliance of the same unit below which a compliance is round-off.
 _RIGID_SHARE = 1e-11
 _DYNAMIC = {
     "beam": (Relative(1e-4), "fourth order in 1/n: below 1e-5 with 20 elements"),
@@ -64,7 +66,7 @@ _DYNAMIC = {
 
 
 def _models(mechanism: Mechanism) -> Mapping[str, JudgedModel]:
-    """Models of the first screen. With CAD parts, which have no polynomials, only `simplified`."""
+    """Judged models. With CAD parts, which have no polynomials, only `simplified`."""
     models = judged_models(mechanism)
     return {"simplified": models["simplified"]} if mechanism.parts else models
 
@@ -89,7 +91,7 @@ cases = CaseGroup(
 def expected_statics(
     postures: tuple[Posture, ...], kind: str, theory: Theory, degree: int
 ) -> Array:
-    """Diagonal of the 6×6 (poses × 6, SI) by polynomials.
+    """Diagonal of the 6×6 compliance in p poses (p×6, SI, base axes), by polynomials.
 
     `kind` of the legs is "rigid", "given" (their 6×6), or "equivalent" (their equivalent prisms).
     """
@@ -105,7 +107,7 @@ def expected_statics(
 
 
 def expected_frequencies(posture: Posture, theory: Theory, degree: int, modes: int) -> Array:
-    """First frequencies (Hz) by polynomials of `degree`. Legs are rigid if `degree` is 0."""
+    """First frequencies (Hz) by polynomials of a `degree`. Legs are rigid if it is 0."""
     if not degree:
         return simplified_response(posture, modes)[1]
     return frequencies(posture, modes, theory, degree)
@@ -180,10 +182,10 @@ def path_round_off(postures: tuple[Posture, ...], model: ModelName, options: Mod
 
 
 def farthest_posture(values: Array, reference: Array, mobile: NDArray[np.bool_]) -> int:
-    """Number of the posture (of p) with the largest relative error among the `mobile` ones.
+    """Index of the posture (of p) with the largest relative error, among the `mobile` ones.
 
-    If errors are round-off alone, which depends on the machine, the posture with the largest
-    reference is returned. A missing value counts as the largest error.
+    If errors are only round-off, which depends on the machine, the posture with the largest
+    reference. A missing value counts as the largest error.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         errors = np.round(np.abs(values / reference - 1.0), _DIFFERENCE_DIGITS)
@@ -192,12 +194,12 @@ def farthest_posture(values: Array, reference: Array, mobile: NDArray[np.bool_])
 
 
 def _half_width(value: float, *others: float) -> float:
-    """Half-width of a value due to round-off, from `others` by further degrees of polynomials."""
+    """Half-width of a value due to round-off, from the values by `others`, further degrees."""
     return _ROUND_OFF_FACTOR * max(abs(value - other) for other in others)
 
 
 def _above_round_off(numbers: Array, size: float) -> NDArray[np.bool_]:
-    """True for compliances (poses × 6) above round-off of the largest, scaled by the size (m)."""
+    """True for compliances (p×6) above the round-off of the largest, with `size` (m) as length."""
     units = np.array([1.0] * 3 + [size**2] * 3)
     return np.asarray(numbers * units > _RIGID_SHARE * np.max(numbers * units))
 
@@ -237,7 +239,7 @@ def _frequency(context: Context, model: str, index: int, modes: int) -> Measurem
     return Measurement(
         value,
         reference,
-        # The discretisation error is judged: only the reference contributes uncertainty.
+        # The discretisation error is what is judged, so only the reference contributes uncertainty.
         judged_uncertainty=_half_width(reference, rougher_value),
         pose=tuple(middle.pose.tolist()),
     )

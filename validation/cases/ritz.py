@@ -1,10 +1,11 @@
-"""Any mechanism of prisms and rigid bodies by the method of Ritz, in a closed posture.
+"""Deflections and frequencies of any mechanism of prisms and rigid bodies by Ritz's method.
 
-An independent computation of deflections and frequencies from the robot's data alone: legs are
-polynomials, with energies by quadrature. Unknowns are the coefficients of the legs, the twists of
-the rigid bodies and the free motions of the joints; joints are linear constraints between them.
-No joint is eliminated on its own. Positions of the bodies are those of their frames, and their
-joints are checked here again. CAD parts have no polynomials: they are rigid and massless.
+Input: a closed posture of a mechanism. Output: the 6×6 compliance at the loaded point and natural
+frequencies, as an independent reference. Rule: legs are polynomials, with energies by quadrature.
+Unknowns are the coefficients of the legs, the twists of the rigid bodies and the free motions of
+the joints; joints are linear constraints between them, and no joint is eliminated on its own. Body
+positions are those of their frames, and the gaps of the joints are checked here again. CAD parts
+have no polynomials: they are rigid and massless.
 """
 
 from collections.abc import Mapping
@@ -25,16 +26,16 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 
 # Statics of Timoshenko beams are cubic; modes converge geometrically.
 STATIC_DEGREE = 3
-# Modes up to the second of a bar between its joints, to six digits.
+# Accurate to six digits for modes up to the second of a bar between its joints.
 DEGREE = 8
-# Eigenvalues of stiffness below this share of the largest are idle motions.
+# Eigenvalues of stiffness below this fraction of the largest are idle motions.
 _IDLE = 1e-15
-# Share of a joint's largest compliance below which it is rigid; rounding leaves 1e-16.
+# Fraction of a joint's largest compliance below which it is rigid. Round-off leaves 1e-16.
 _RIGID = 1e-14
-# Shares of the largest inertia over stiffness below which a motion has no mass.
+# Fraction of the largest inertia over stiffness below which a motion has no mass.
 _MASSLESS = 1e-14
-# Largest gap of a closed joint, relative to the size of the mechanism or in rad. Kinematics closes
-# loops to 1e-12.
+# Largest gap of a closed joint, over the size of the mechanism or in rad. Kinematics closes loops
+# to 1e-12.
 _CLOSED = 1e-9
 
 
@@ -43,10 +44,10 @@ _EXCHANGE = np.array([[0.0, 1.0], [1.0, 0.0]])
 
 @dataclass(frozen=True, eq=False)
 class RitzLeg:
-    """A leg on n coefficients, SI, leg axes.
+    """Energies and end motions of a leg on its n polynomial coefficients (SI, leg axes).
 
-    `stiffness` and `mass` (n×n) are the matrices of twice its energies. `root` and `tip` (6×n) are
-    the twists of its ends.
+    `stiffness` and `mass` (n×n): matrices of twice the strain and kinetic energies. `root` and
+    `tip` (6×n): twists of the ends.
     """
 
     stiffness: Array
@@ -56,18 +57,17 @@ class RitzLeg:
 
     @property
     def size(self) -> int:
-        """Number of coefficients."""
+        """Number of polynomial coefficients."""
         return len(self.stiffness)
 
 
 def ritz_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
-    """Legendre polynomials of `degree` in stretch, shear strains and rotations of a prism.
+    """Prism with Legendre polynomials of a `degree` in stretch, shear strains and rotations.
 
-    Deflections follow from the shear strains and rotations. If deflections were unknowns, shear
-    strains would be differences of them, and with a large shear stiffness bending would be lost in
-    round-off. Euler–Bernoulli beams have no shear strains. Shear strains, and the deflections from
-    which they follow, are those of the shear centre, v − z_s φx and w + y_s φx; the mass moves with
-    the centroid.
+    Deflections follow from shear strains and rotations. If deflections were unknowns, shear strains
+    would be their differences, and bending would be lost in round-off with a large shear stiffness.
+    Euler–Bernoulli beams have no shear strains. Shear strains, and the deflections from which they
+    follow, are those of the shear centre, v − z_s φx and w + y_s φx; mass moves with the centroid.
     """
     points, weights = legendre.leggauss(degree + 2)
     weights = 0.5 * length * weights
@@ -101,10 +101,10 @@ def ritz_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
 
 
 def fields(beam: BeamProperties, length: float, points: Array, degree: int) -> tuple[Array, Array]:
-    """Twist of the centreline and its slope (6×p×n) on the coefficients of `ritz_beam`.
+    """Twist of the centreline and its slope (6×p×n) on the n coefficients of `ritz_beam`.
 
-    There are p `points`, from −1 at the root to 1 at the tip. Coefficients are those of u, φx, φy,
-    φz, then v of the root with γy, then w of the root with γz.
+    `points` (p): from −1 at the root to 1 at the tip. Order of the coefficients: u, φx, φy, φz,
+    then v of the root with γy, then w of the root with γz.
     """
     unit = np.eye(degree + 1)
     values = legendre.legvander(points, degree)
@@ -136,7 +136,7 @@ def fields(beam: BeamProperties, length: float, points: Array, degree: int) -> t
 
 
 def ritz_compliance_leg(compliance: Array, length: float) -> RitzLeg:
-    """A massless leg known by its 6×6 tip compliance, on the twists of its ends."""
+    """Massless leg known by its 6×6 tip compliance, on the twists of its ends (n = 12)."""
     root, tip = np.vsplit(np.eye(12), 2)
     deformation = tip - point_transfer(np.array([length, 0.0, 0.0])) @ root
     stiffness = np.asarray(deformation.T @ np.linalg.solve(compliance, deformation))
@@ -144,13 +144,13 @@ def ritz_compliance_leg(compliance: Array, length: float) -> RitzLeg:
 
 
 def ritz_rigid_leg(length: float) -> RitzLeg:
-    """A rigid leg without mass, on the twist of its root."""
+    """Rigid leg without mass, on the twist of its root (n = 6)."""
     tip = point_transfer(np.array([length, 0.0, 0.0]))
     return RitzLeg(np.zeros((6, 6)), np.zeros((6, 6)), np.eye(6), tip)
 
 
 def padded(block: Array, first: int, total: int) -> Array:
-    """The columns of `block` from number `first` on among `total`, zeros elsewhere."""
+    """Matrix with `total` columns: those of `block` from index `first` on, zeros elsewhere."""
     wide = np.zeros((len(block), total))
     wide[:, first : first + block.shape[1]] = block
     return wide
@@ -165,11 +165,11 @@ def point_transfer(offset: Array) -> Array:
 
 
 def free_basis(stiffness: Array, conditions: Array) -> Array:
-    """Basis (n×k) of the vectors of n unknowns for which the `conditions` (c×n) vanish.
+    """Basis (n×k) of all vectors of n unknowns that satisfy homogeneous `conditions` (c×n).
 
-    Each unknown is scaled by its diagonal entry of the `stiffness` (n×n), and each condition to
-    unit size. Otherwise torsion of a thin wall would be lost in the round-off of its axial
-    stiffness, and a small lever arm would count as zero.
+    Each unknown is scaled by its diagonal entry of the `stiffness` (n×n), each condition to unit
+    size. Otherwise torsion of a thin wall would be lost in the round-off of its axial stiffness,
+    and a small lever arm would count as zero.
     """
     diagonal = np.diag(stiffness)
     # Rigid motions have no stiffness and are scaled by the softest unknown.
@@ -186,7 +186,7 @@ def _sum(parts: list[Array], size: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _System:
-    """Stiffness and mass (n×n) and twist of the loaded point (6×n, base axes), SI."""
+    """Stiffness and mass (n×n), and twist of the loaded point (6×n, base axes), in SI units."""
 
     stiffness: Array
     mass: Array
@@ -200,9 +200,9 @@ def compliance(
     *,
     given: bool = True,
 ) -> Array:
-    """6×6 compliance (SI, base axes) at the loaded point; prisms as beams of `theory`.
+    """6×6 compliance (SI, base axes) at the loaded point, with prisms as beams of `theory`.
 
-    Legs known by their 6×6 have this compliance if `given`, otherwise they are their equivalent
+    Legs known by their 6×6 have that compliance if `given`, otherwise they are their equivalent
     prisms. Raises ComputationError if a joint of the posture is open.
     """
     legs = {
@@ -217,13 +217,13 @@ def compliance(
 def frequencies(
     posture: Posture, count: int, theory: Theory = "timoshenko", degree: int = DEGREE
 ) -> Array:
-    """First natural frequencies (Hz, ascending), idle motions left out; prisms as beams."""
+    """First natural frequencies (Hz, ascending) without idle motions, with prisms as beams."""
     legs = {name: _beam(shape, theory, degree) for name, shape in _legs(posture.mechanism)}
     return _frequencies(_system(posture, legs), count)
 
 
 def simplified_response(posture: Posture, count: int) -> tuple[Array, Array]:
-    """Compliance and up to `count` frequencies with rigid legs without mass, elastic drives."""
+    """Compliance and up to `count` frequencies with rigid massless legs on elastic drives."""
     legs = {name: ritz_rigid_leg(shape.length) for name, shape in _legs(posture.mechanism)}
     system = _system(posture, legs, simplified=True)
     return _compliance(system), _frequencies(system, count)
@@ -254,7 +254,7 @@ def _frequencies(system: _System, count: int) -> Array:
     momenta = system.mass @ elastic
     mass = elastic.T @ momenta
     if idle.shape[1]:
-        # Idle motions accompany the others such that their momentum is zero.
+        # Idle motions accompany the others so that their momentum is zero.
         coupling = idle.T @ momenta
         mass -= coupling.T @ pinvh(idle.T @ system.mass @ idle) @ coupling
     inverse = np.linalg.eigvalsh(mass)[::-1]
@@ -263,7 +263,7 @@ def _frequencies(system: _System, count: int) -> Array:
 
 
 def _elastic_and_idle(system: _System) -> tuple[Array, Array]:
-    """Basis (n×k) in which the stiffness is the unit matrix, and idle motions without stiffness."""
+    """Basis (n×k) in which the stiffness is a unit matrix, and idle motions without stiffness."""
     values, vectors = eigh(system.stiffness)
     idle = values < _IDLE * len(values) * values.max(initial=0.0)
     return vectors[:, ~idle] / np.sqrt(values[~idle]), vectors[:, idle]
@@ -323,9 +323,10 @@ def _system(posture: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool =
 
 @dataclass(frozen=True, eq=False)
 class _Joint:
-    """Relative twists (`motions`, 6×k, base axes) at `position` that a joint allows.
+    """Relative twists that a joint allows, at its `position` (3, m).
 
-    `springs` and `inertias` (k each) are their stiffnesses and the inertias that they move.
+    `motions` (6×k, base axes): k independent relative twists. `springs`, `inertias` (k each):
+    stiffness of each and the inertia that it moves.
     """
 
     first: Side
@@ -351,7 +352,7 @@ class _Joint:
                 springs.append(stiffness)
                 inertias.append(inertia)
         if joint.compliance is not None and not simplified:
-            # Along eigenvectors of the joint's compliance, in series with its other motions.
+            # Along the eigenvectors of the joint's compliance, in series with its free motions.
             compliances, along = np.linalg.eigh(joint.compliance)
             twists = block_diag(rotation, rotation) @ along
             for value, twist in zip(compliances, twists.T, strict=True):
@@ -367,7 +368,10 @@ class _Joint:
 
 
 def _free_twists(posture: Posture, joint: Joint) -> Array:
-    """Free relative twists (6×k) of the kind of joint, that of the drive first."""
+    """Free relative twists (6×k, base axes) for the kind of a joint.
+
+    The driven one is the first.
+    """
     first, second = _rotations(posture, joint)
     axes = joint.axes @ first.T
     along, about = (
@@ -396,7 +400,7 @@ def _free_twists(posture: Posture, joint: Joint) -> Array:
 
 
 def _rotations(posture: Posture, joint: Joint) -> tuple[Array, Array]:
-    """Rotations of both bodies since the reference posture."""
+    """Rotation (3×3) of each of both bodies since the reference posture."""
     first, second = (
         posture.frames[side.body].rotation @ posture.mechanism.reference[side.body].rotation.T
         for side in (joint.first, joint.second)

@@ -1,4 +1,5 @@
-"""Command line: streams, progress, typed arguments, result files, extras and documentation.
+"""Command line support: output streams, progress, arguments, result files and extras.
 
-All output of the commands passes through `streams`, which handles closed or full streams.
+Input: arguments and results of commands. Output: text on stdout, messages on stderr, files. All
+output passes through `streams`, which handles closed or full streams.
 """

@@ -1,4 +1,8 @@
-"""Check of the arguments of public Python functions against their annotations."""
+"""Check of the arguments of public Python functions against their type annotations.
+
+Input: a call with its arguments. Output: the result of the function, or InputError with a line for
+each argument of a wrong type.
+"""
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
@@ -27,10 +31,9 @@ _WORDS: Mapping[Any, str] = {
 
 
 def checked(function: Callable[P, T]) -> Callable[P, T]:
-    """Wrap a function so that it raises InputError with a line for each wrong argument.
+    """Decorator that raises InputError with a line for each argument of a wrong type.
 
-    Arguments in **kwargs are not checked. The function runs with one thread of BLAS, as commands
-    and runs do.
+    Arguments in **kwargs are not checked. The function runs with one BLAS thread, as commands do.
     """
     signature = inspect.signature(function)
 
@@ -54,7 +57,7 @@ def checked(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def faults_of(name: str, value: object, hint: Any) -> list[str]:
-    """Message if the value of an argument is not of the type `hint`. Empty if it is."""
+    """Message if an argument is not of the type `hint`. [] if it is."""
     if _fits(value, hint):
         return []
     suggestion = did_you_mean(value, _choices(hint)) if isinstance(value, str) else ""
@@ -82,7 +85,7 @@ def _fits(value: object, hint: Any) -> bool:
 
 
 def _choices(hint: Any) -> list[str]:
-    """Texts that a hint allows by `Literal`."""
+    """Texts that a type annotation allows by `Literal`."""
     if get_origin(hint) is Literal:
         return list(get_args(hint))
     return [choice for part in get_args(hint) for choice in _choices(part)]

@@ -1,4 +1,8 @@
-"""Installation of packages and their dependencies in the versions of lock files."""
+"""Installation of packages and their dependencies in the versions of the lock files.
+
+Input: names of extras. Output: installed packages. Rule: a package is installed if it, or a
+dependency, is missing or has another version than in the lock; hashes are checked.
+"""
 
 import os
 import re
@@ -16,14 +20,14 @@ from packaging.utils import canonicalize_name
 
 from lumped.errors import ComputationError
 
-# Lock files that together contain all extras, and the file with the requirements of each extra.
+# Lock files that together contain all extras, and the file that lists the requirements of each.
 LOCKS, PROJECT = ("requirements-dev.lock", "requirements-gpu.lock"), "pyproject.toml"
-# Requirement and lines of each package of a lock, by name.
+# Requirement and lock-file lines of each package, by name.
 Locked: TypeAlias = Mapping[str, tuple[Requirement, str]]
 
 
 def add(root: Path, names: Iterable[str]) -> list[str]:
-    """Install the packages of extras that are missing or in another version than in the locks.
+    """Install the packages of extras that are missing or differ from the locked version.
 
     `root` is the folder of the sources. Returns the names of the installed packages. Raises
     ComputationError if a lock lacks a package or if pip fails.
@@ -57,7 +61,7 @@ def locked_packages(lock: str) -> Locked:
 
 
 def missing_packages(requirements: Iterable[Requirement], locked: Locked) -> list[str]:
-    """Packages required, directly or not, that are not installed in the locked version.
+    """Names of required packages and dependencies that are not installed in the locked version.
 
     Raises ComputationError for a package that no lock contains for this machine.
     """

@@ -1,8 +1,9 @@
-"""Marks in result files, which distinguish earlier results from files of the user.
+"""Marks in result files, by which earlier results are distinguished from files of the user.
 
-A mark is a comment in the file and contains a digest of the rest of the file. A file of the user,
-or a result that was edited, has no valid mark. CSV has no comments. A table is marked by CR LF at
-the end of its first line only. All readers accept this; editors and spreadsheets change it.
+Input: content of a result file. Output: content with a mark, and a test for it. Rule: the mark is a
+comment with a digest of the rest of the file, so a file of the user, or an edited result, has no
+valid mark. CSV has no comments: a table is marked by CR LF at the end of its first line only, which
+all readers accept, and editors and spreadsheets change.
 """
 
 import zlib
@@ -22,18 +23,18 @@ class _Format(Protocol):
     """File format with room for a mark (ASCII, fixed length)."""
 
     def plain(self, content: bytes) -> bytes:
-        """Content without the part that the mark replaces."""
+        """Content without the bytes that the mark will replace."""
 
     def with_mark(self, plain: bytes, mark: bytes) -> bytes:
         """Content with a mark."""
 
     def split(self, content: bytes) -> tuple[bytes, bytes]:
-        """Content without its mark, and the mark. b"" without a mark."""
+        """Content without its mark, and the mark. The mark is b"" if there is none."""
 
 
 @dataclass(frozen=True)
 class _Text:
-    """Text with a comment as second line: `begin`, the mark and `end`."""
+    """Text format with a comment as its second line: `begin`, the mark and `end`."""
 
     begin: bytes
     end: bytes = b""
@@ -127,7 +128,7 @@ _FORMATS: Mapping[str, _Format] = {
 
 
 def with_mark(content: bytes, kind: str) -> bytes:
-    """Content of a file of a `kind` (its ending) with a mark."""
+    """Content of a file with a mark. `kind` is the suffix of the file, such as ".svg"."""
     if kind == _TABLE:
         return content.replace(b"\n", b"\r\n", 1)
     file_format = _FORMATS[kind]
@@ -136,7 +137,7 @@ def with_mark(content: bytes, kind: str) -> bytes:
 
 
 def is_marked(path: Path, kind: str) -> bool:
-    """True if a command wrote the file and nobody changed it. False if it cannot be read."""
+    """True if a command wrote the file and it was not changed since. False if it cannot be read."""
     content = read_regular(path.resolve())
     if content is None:
         return False

@@ -1,6 +1,7 @@
-"""Progress of long work on stderr: an estimate of its time, and an animation or lines.
+"""Progress of long tasks on stderr: estimated time, and an animation or lines of text.
 
-A terminal shows an animation. Other streams receive a line per second.
+Input: name of a task and its time on a reference machine. Output: an animation on a terminal, one
+line per second on any other stream.
 """
 
 import sys
@@ -20,19 +21,20 @@ from validation.console.streams import write_message
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-# Work with a shorter estimate (s) has no estimate on stderr, and no lines before that time.
+# A shorter estimate (s) is not written, nor are lines before this time.
 _SILENT_SECONDS = 5.0
-# Time (s) from the start to the estimate. Results from the cache are ready before.
+# Delay (s) of the estimate after the start. Results from the cache are ready before.
 _ESTIMATE_DELAY = 1.0
-# Estimates from this time on (s) are in minutes.
+# Estimates (s) from this one on are written in minutes.
 _MINUTES = 120.0
-# Time (s) of the test computation on an idle core of the machine on which costs were measured.
+# Time (s) of the test computation on an idle core of the reference machine, on which costs were
+# measured.
 _REFERENCE_SECONDS = 0.03
 
 
 @contextmanager
 def stage(task: str, seconds: float = 0.0) -> Iterator[None]:
-    """Write the name of a task, and an estimate of its time, to stderr while the context lasts.
+    """Context that shows a task's name and estimated time on stderr.
 
     `seconds` is the time of the task on an idle core of the reference machine. 0 if unknown.
     """
@@ -52,9 +54,9 @@ def progress_shown(
     line: Callable[[str], str],
     display: "RenderableType | None" = None,
 ) -> Iterator[None]:
-    """Show `display` on a terminal while the context lasts. Other streams receive lines.
+    """Context that shows `display` on a terminal, or writes lines to any other stream.
 
-    `line` makes a line from a text with the remaining time. `seconds` is that of `stage`.
+    `line` makes a line of text from a text with the remaining time. `seconds` as in `stage`.
     """
     on_terminal, finished, start = sys.stderr.isatty(), Event(), perf_counter()
     estimate = seconds * slowness() if seconds > _ESTIMATE_DELAY else 0.0
@@ -89,7 +91,7 @@ def _animation(task: str, display: "RenderableType | None") -> AbstractContextMa
     from rich.text import Text  # noqa: PLC0415
 
     console = Console(stderr=True)
-    # Text, because names of files may contain characters of rich's markup.
+    # Plain text, because file names can contain markup characters of rich.
     return (
         Live(display, console=console, transient=True)
         if display
@@ -99,7 +101,7 @@ def _animation(task: str, display: "RenderableType | None") -> AbstractContextMa
 
 @lru_cache(maxsize=1)
 def slowness() -> float:
-    """Ratio of the present computing time in one thread to that on the reference machine."""
+    """Present computing time in one thread over that on the reference machine."""
     numbers = np.random.default_rng(0).random(300_000)
     start = perf_counter()
     sum(map(sqrt, range(300_000)))

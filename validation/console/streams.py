@@ -1,7 +1,8 @@
-"""Standard streams, which may be closed, full, in ASCII, or pipes whose reader has ended.
+"""Writing to stdout and stderr, which may be closed, full, ASCII only, or broken pipes.
 
-Results go to stdout, all messages to stderr. If results cannot be written, the command fails. A
-message that cannot be written is lost. A reader that ends early has no effect.
+Input: results and messages. Output: results on stdout, messages on stderr. Rule: if results cannot
+be written, the command fails; a message that cannot be written is lost; a reader that ends early
+has no effect.
 """
 
 import codecs
@@ -18,8 +19,8 @@ from lumped.errors import ComputationError
 from lumped.text import visible
 
 _HANDLER = "flexproof.plain"
-# Replacements of characters that the encoding of a stream lacks. Greek letters are replaced by
-# their names; other letters lose their accents.
+# Replacements of characters that an encoding lacks. Greek letters become their names; other letters
+# lose their accents.
 _PLAIN = {
     **dict.fromkeys("µμ", "u"),
     **dict.fromkeys("−–—", "-"),
@@ -32,17 +33,17 @@ _GREEK = re.compile("GREEK (SMALL|CAPITAL) LETTER (\\w+)")
 
 
 class ResultsLostError(ComputationError):
-    """Results could not be written to stdout."""
+    """Error if results could not be written to stdout."""
 
     def __init__(self, error: OSError) -> None:
         super().__init__(f"the results cannot be written to stdout: {error.strerror}")
 
 
 def prepare() -> None:
-    """Open closed standard streams, and set encodings with replacements of missing characters.
+    """Open closed standard streams, and set encodings in which missing characters are replaced.
 
-    Without this function the next opened file would have the number of a closed stream, and output
-    of libraries would be written to that file.
+    Otherwise the next opened file would get the number of a closed stream, and output of libraries
+    would be written to that file.
     """
     # With a width of 0 columns the wrapping of help texts would not end.
     if os.environ.get("COLUMNS", "").strip() == "0":
@@ -51,7 +52,7 @@ def prepare() -> None:
         try:
             os.fstat(number)
         except OSError:
-            # In ascending order each stream gets its own number. stdout is opened for reading, so
+            # In ascending order, each stream gets its own number. stdout is opened for reading, so
             # that writing results fails, as it must.
             os.open(os.devnull, mode)
     if sys.stdout is None:
@@ -86,7 +87,7 @@ def write_messages(lines: Iterable[str], code: int) -> int:
 
 
 def write_message(line: str) -> None:
-    """Write a message without effect on the exit code to stderr."""
+    """Write a message to stderr. It has no effect on the exit code."""
     write_messages([line], 0)
 
 
@@ -107,7 +108,7 @@ def raise_lost_results(error: OSError) -> None:
 
 
 def _discard(stream: TextIO) -> None:
-    """Redirect a stream to the null device, with the rest of its buffer."""
+    """Redirect a stream, with the remainder of its buffer, to the null device."""
     with suppress(OSError, ValueError):
         number = stream.fileno()
         null_device = os.open(os.devnull, os.O_WRONLY)
@@ -117,7 +118,10 @@ def _discard(stream: TextIO) -> None:
 
 
 def _ascii_by_locale() -> str | None:
-    """Encoding "ascii" if LC_ALL requires it, which Python would override by UTF-8, or None."""
+    """Encoding "ascii" if LC_ALL requires it, which Python would override by UTF-8.
+
+    None otherwise.
+    """
     python_settings = {"PYTHONIOENCODING", "PYTHONUTF8"} & os.environ.keys()
     ascii_locale = os.environ.get("LC_ALL") in {"C", "POSIX"}
     return "ascii" if ascii_locale and not python_settings else None
@@ -132,7 +136,7 @@ def _replace_unencodable(error: UnicodeError) -> tuple[str, int]:
 
 
 def _plain(character: str) -> str:
-    """ASCII replacement of a character, or its escape sequence if there is none."""
+    """ASCII replacement of a character. Its escape sequence if there is no replacement."""
     if character in _PLAIN:
         return _PLAIN[character]
     if greek := _GREEK.fullmatch(unicodedata.name(character, "")):

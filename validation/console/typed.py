@@ -1,9 +1,9 @@
-"""Typed arguments of commands: whole numbers, and paths of result files with their checks.
+"""Types of command-line arguments, and checked paths of result files.
 
-Paths are checked before the computation, and files are written after it. An existing file is
-replaced if it is an earlier result (`validation.console.marks`), or with `--force`. A foreign file
-is only replaced by a file of its kind (ending), so that a table never replaces a robot file or a
-CAD file.
+Input: texts from the command line. Output: whole numbers and paths. Rule: a path is checked before
+the computation and written after it. An existing file is replaced if it is an unchanged earlier
+result (`validation.console.marks`), or with `--force`; another file only by one of the same suffix,
+so that a table never replaces a robot file or a CAD file.
 """
 
 import os
@@ -78,8 +78,8 @@ Force: TypeAlias = Annotated[
 def require_writable(path: Path | None, kind: str, *, force: bool = False) -> None:
     """Raise InputError if no file can be written to `path`, before its content is computed.
 
-    Missing folders are allowed, because `write` makes them. Earlier results are replaced under any
-    name. With `force` other files are replaced if they have the ending `kind`, such as ".csv".
+    Missing folders are allowed, because `write` creates them. Earlier results are replaced under
+    any name. With `force`, other files are replaced if they have the suffix `kind`, such as ".csv".
     None stands for no file.
     """
     if path is None:
@@ -105,14 +105,14 @@ def require_writable(path: Path | None, kind: str, *, force: bool = False) -> No
 
 
 def require_distinct(*paths: Path | None) -> None:
-    """Raise InputError if two results have the same file."""
+    """Raise InputError if two results are to be written to the same file."""
     files = [path.absolute() for path in paths if path is not None]
     if len(set(files)) < len(files):
         raise InputError(f"{paths[0]}: is named for two results; each must have a file of its own")
 
 
 def write(path: Path, content: bytes, kind: str) -> None:
-    """Write a file of a `kind` (its ending) with a mark, and a message to stderr.
+    """Write a file with a mark, and a message to stderr. `kind` is the suffix of the file.
 
     An existing file is replaced after the new one is complete. A link is replaced, not its target.
     Raises InputError with the system's reason, and ComputationError if the disk is full.

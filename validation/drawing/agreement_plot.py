@@ -1,4 +1,7 @@
-"""Plot of the differences of formulations from the solid of the same legs."""
+"""Plot of the differences between formulations and the solid of the same legs.
+
+Input: differences in per cent, by panel. Output: a matplotlib figure.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,15 +12,18 @@ from matplotlib.figure import Figure
 from validation.drawing.chart import percent
 from validation.drawing.style import WIDTH, looks_of, plot_style
 
-# Range around zero (%) in which the scale is linear; height of a panel (inches); share of the
-# width of a column over which markers are spread.
+# Range around zero (%) in which the scale is linear; height of a panel (inches); fraction of a
+# column's width over which markers are spread.
 _LINEAR, _PANEL_HEIGHT, _SPREAD = 0.1, 2.2, 0.6
 _GREY, _BAND = "#999999", "#009E73"
 
 
 @dataclass(frozen=True)
 class Difference:
-    """Difference of a formulation from the solid in one quantity, in % of the solid's value."""
+    """Difference of a formulation from the solid in one quantity, in % of the solid's value.
+
+    `whole` before and `unexplained` after the allowances.
+    """
 
     quantity: str
     model: str
@@ -28,7 +34,7 @@ class Difference:
 
 
 def agreement_plot(panels: Mapping[str, Sequence[Difference]]) -> Figure:
-    """Plot differences with a panel for each title and a column for each quantity.
+    """Plot of differences: one panel for each title, one column for each quantity.
 
     Each model has a marker. Bands are the tolerances.
     """

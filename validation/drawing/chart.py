@@ -1,8 +1,8 @@
-"""Charts as data: a table, and panels of curves, bars or a matrix over one axis; scales of axes.
+"""Data records of charts: panels of curves, bars or a matrix over one axis, a table, and scales.
 
-`validation.drawing.plot` draws charts. Both modules are independent of the content of figures.
-A scale is a function of drawn axes, for example from zero, logarithmic with plain numbers, or
-percent around zero.
+Input: arrays and labels. Output: a `Chart`, which `validation.drawing.plot` draws, and its table as
+CSV. A scale is a function that changes drawn axes, for example to start at zero, to logarithmic
+with plain numbers, or to per cent around zero.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -21,20 +21,19 @@ if TYPE_CHECKING:
 
 Scale: TypeAlias = Callable[["Axes"], None]
 Column: TypeAlias = Sequence[float | str | None]
-# Number of decades of a logarithmic axis below which it has ticks at 1, 2 and 5, too.
+# Number of decades of a logarithmic axis below which ticks at 2 and 5 are added.
 _FEW_DECADES = 1.5
-# Smallest distance of two labels as a share of the axis.
+# Smallest distance of two labels, as a fraction of the axis.
 _SMALLEST_GAP = 0.07
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """One curve: `y` over `x` (n; NaN is a gap), with its `label` in the legend.
+    """One curve: `y` over `x` (n each, NaN is a gap), with its `label` in the legend.
 
-    It has the look of the model `of`, or of the model with the name `label`. `bars` (n, or 2×n for
-    down and up) are the uncertainty of its points. A star marks point number `best`. `interval`
-    (2×n, lowest and highest) is shaded. The table has a column "label: quantity (unit)" if there
-    is a `quantity`.
+    Colour and marker are those of the model `of`, or of the model named `label`. `bars` (n, or 2×n
+    for down and up): error bars. `best`: index of the point with a star. `interval` (2×n, lowest
+    and highest): shaded band. With a `quantity`, the table has a column "label: quantity (unit)".
     """
 
     label: str
@@ -48,13 +47,13 @@ class Series:
 
     @property
     def look(self) -> str:
-        """Name of the model whose look the curve has."""
+        """Name of the model whose colour and marker the curve has."""
         return self.of or self.label
 
 
 @dataclass(frozen=True, eq=False)
 class Bars:
-    """Part of each bar of a panel, of length `y` (n). Parts are stacked in order from zero."""
+    """One part of each stacked bar of a panel, with length `y` (n). Parts are stacked from zero."""
 
     label: str
     y: Array
@@ -63,9 +62,9 @@ class Bars:
 
 @dataclass(frozen=True, eq=False)
 class Contours:
-    """Values (n×m, NaN is blank) over x (n) and y (m), shaded in steps. A `star` marks (x, y).
+    """Values (n×m, NaN is blank) over x (n) and y (m), as shaded contours. A `star` marks (x, y).
 
-    `span` is the lowest and the highest value of all panels of the quantity.
+    `span`: lowest and highest value over all panels of the quantity.
     """
 
     x: Array
@@ -77,7 +76,7 @@ class Contours:
 
 @dataclass(frozen=True)
 class Note:
-    """Small text at an `offset` (pt) from a point of the axes."""
+    """Small text at an `offset` (pt) from the point (`x`, `y`) of the axes."""
 
     text: str
     x: float
@@ -87,14 +86,15 @@ class Note:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One pair of axes with curves. `below` are curves of differences in percent, in lower axes.
+    """One pair of axes with curves, bars, a matrix or contours.
 
-    Curves with equal labels, for example of several modes, share their look and their entry in the
-    legend. Their markers are `staggered`, unless each point is a result of its own. `bars` are
-    vertical at 1, 2, …, or horizontal in rows from the top (`lying`), with `names`; curves in lying
-    panels have a value for each row. A `matrix` of values from 0 to 1, or `contours`, are shaded.
-    `levels` are grey lines. `band` is a shaded stripe, with `band_label` in the legend.
-    `column_prefix` begins the headings of its columns in the table. `x_label` replaces the chart's.
+    `below`: curves of differences in per cent, in lower axes. Curves with equal labels, for example
+    of several modes, share their look and one entry in the legend. If `staggered`, markers of
+    different curves are shifted along x. `bars` are vertical at 1, 2, …, or horizontal in rows from
+    the top (`lying`), with `names`; curves in lying panels have one value for each row. `matrix`:
+    values from 0 to 1, shaded. `levels`: grey lines. `band`: shaded stripe, with `band_label` in
+    the legend. `column_prefix`: beginning of the column headings in the table. `x_label` replaces
+    the chart's.
     """
 
     series: Sequence[Series] = ()
@@ -120,9 +120,8 @@ class Panel:
 class Chart:
     """Panels over one axis, row by row in `columns`, each `high` inches high, with one legend.
 
-    `table` has the first columns of the data. Each curve with a quantity adds a column. `title` is
-    set if it contains more than that of the planned figure. `studies` are its entries in
-    results.json.
+    `table`: first columns of the data; each curve with a quantity adds a column. `title` replaces
+    that of the planned figure if it is not "". `studies`: records of the figure in results.json.
     """
 
     panels: Sequence[Panel]
@@ -136,7 +135,7 @@ class Chart:
     studies: Sequence[Mapping[str, Any]] = ()
 
     def captioned(self, *sentences: str, title: str = "") -> "Chart":
-        """The chart with a title and a caption of the sentences that are not empty."""
+        """Copy with a title, and a caption of those sentences that are not empty."""
         return replace(self, caption=" ".join(filter(None, sentences)), title=title)
 
 
@@ -149,7 +148,10 @@ def compared_with(against: str) -> str:
 
 
 def compared(panel: Panel, against: str) -> Panel:
-    """Panel with differences (%) of its curves from those of equal quantity labelled `against`."""
+    """Panel with added differences (%) of its curves from the curve labelled `against`.
+
+    Curves of the same quantity are compared.
+    """
     references = {curve.quantity: curve.y for curve in panel.series if curve.label == against}
     below = [
         replace(curve, y=_difference_in_percent(curve.y, references[curve.quantity]))
@@ -191,7 +193,7 @@ def _ticker() -> Any:
 
 
 def from_zero(axes: "Axes", *, top: float | None = None) -> None:
-    """Let the y axis start at zero and leave room above the curves, or above `top`."""
+    """Scale: y axis from zero, with room above the curves, or above `top`."""
     axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1] if top is None else 1.15 * top)
 
 
@@ -202,7 +204,7 @@ def largest(curves: Iterable[Array]) -> float:
 
 
 def plain_log(axes: "Axes", *, low: float, high: float) -> None:
-    """Logarithmic y axis from `low` to `high` with ticks 1, 2, 5 and plain numbers."""
+    """Scale: logarithmic y axis from `low` to `high` with ticks 1, 2, 5 and plain numbers."""
     axes.set(yscale="log", ylim=(low, high))
     axes.yaxis.set_major_locator(_ticker().LogLocator(10.0, subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(_ticker().FuncFormatter(lambda value, _: f"{value:g}"))
@@ -210,37 +212,37 @@ def plain_log(axes: "Axes", *, low: float, high: float) -> None:
 
 
 def powers(axes: "Axes") -> None:
-    """Logarithmic y axis with ticks at powers of ten, or at 1, 2 and 5 times these."""
+    """Scale: logarithmic y axis with ticks at powers of ten, or at 1, 2 and 5 times these."""
     axes.set_yscale("log")
     power_ticks(axes.yaxis)
 
 
 def octaves(axes: "Axes") -> None:
-    """Logarithmic x axis with ticks at powers of ten, or at 1, 2 and 5 times these."""
+    """Scale: logarithmic x axis with ticks at powers of ten, or at 1, 2 and 5 times these."""
     axes.set_xscale("log")
     power_ticks(axes.xaxis)
 
 
 def degrees(axes: "Axes") -> None:
-    """Linear y axis of phases from 0 to −180°, for a response at the point of the force."""
+    """Scale: linear y axis of phases from 0 to −180°, for a response at the point of the force."""
     axes.set_ylim(-190.0, 10.0)
     axes.set_yticks([0.0, -45.0, -90.0, -135.0, -180.0])
 
 
 def round_angles(axes: "Axes") -> None:
-    """Linear y axis of phases from −270° to 90°, for responses at other points than the force."""
+    """Scale: linear y axis of phases from −270° to 90°, for responses away from the force."""
     axes.set_ylim(-280.0, 100.0)
     axes.set_yticks([-270.0, -180.0, -90.0, 0.0, 90.0])
 
 
 def percent(axes: "Axes", *, limit: float = 1.0, steps: Sequence[float] = (1.0,)) -> None:
-    """Y axis that is linear within ± `limit` and logarithmic beyond, for differences of any size.
+    """Scale: y axis linear within ± `limit` and logarithmic beyond, for differences of any size.
 
     Ticks at zero, at the limit, and at `steps` times each power of ten beyond it.
     """
     axes.axhline(0.0, color="#999999", linewidth=0.8)
     values = np.concatenate([[0.0], *(np.asarray(line.get_ydata()) for line in axes.get_lines())])
-    # A side of zero without large values gets no more room than the linear range.
+    # If one side of zero has no large values, it gets the room of the linear range only.
     low, high = 1.6 * min(np.nanmin(values), -limit), 1.6 * max(np.nanmax(values), limit)
     axes.set_yscale("symlog", linthresh=limit, linscale=0.6)
     candidates = (step * 10.0**power for power in range(-6, 7) for step in steps)
@@ -254,19 +256,22 @@ def percent(axes: "Axes", *, limit: float = 1.0, steps: Sequence[float] = (1.0,)
 
 
 def few_ticks(axes: "Axes", *, count: int = 4, whole: bool = False) -> None:
-    """X axis with at most `count` intervals. Ticks are `whole` numbers if it counts something."""
+    """Scale: x axis with at most `count` intervals. Ticks are integers if `whole`."""
     fewest = 1 if whole else 2
     axes.xaxis.set_major_locator(_ticker().MaxNLocator(count, integer=whole, min_n_ticks=fewest))
     axes.xaxis.set_major_formatter(_ticker().FuncFormatter(lambda value, _: short_number(value)))
 
 
 def side_by_side(axes: "Axes") -> None:
-    """X axis without ticks, for items side by side."""
+    """Scale: x axis without ticks, for items side by side."""
     axes.set_xticks([])
 
 
 def refined(axes: "Axes", *, x: Array, decay: bool = False) -> None:
-    """Logarithmic x axis with ticks at `x`, labelled if there is room. Logarithmic y if `decay`."""
+    """Scale: logarithmic x axis with ticks at `x`, labelled if there is room.
+
+    The y axis is logarithmic too if `decay`.
+    """
     axes.set_xscale("log")
     if decay:
         axes.set_yscale("log")
@@ -283,14 +288,14 @@ def refined(axes: "Axes", *, x: Array, decay: bool = False) -> None:
 
 
 def around_zero(axes: "Axes", *, least: float) -> None:
-    """X axis symmetric about zero that contains all curves and reaches at least ± `least`."""
+    """Scale: x axis symmetric about zero that contains all curves and at least ± `least`."""
     values = [np.abs(np.asarray(line.get_xdata(), dtype=float)) for line in axes.get_lines()]
     limit = max(least, 1.1 * largest(values))
     axes.set_xlim(-limit, limit)
 
 
 def power_ticks(axis: "Axis") -> None:
-    """Ticks of a logarithmic axis: powers of ten, and 2 and 5 times these if there are few.
+    """Set ticks of a logarithmic axis: powers of ten, and 2 and 5 times these if there are few.
 
     Labels are plain text, because parsing formulas takes longer than the rest of a plot.
     """

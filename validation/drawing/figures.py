@@ -1,4 +1,8 @@
-"""Figures of the report, registered by the functions that make their charts and scenes."""
+"""Figures of the report, registered by the functions that compute their charts and scenes.
+
+Input: a function that returns a `Chart` or a `SceneGrid`. Output: planned figures, and drawn ones
+with picture, caption and data.
+"""
 
 import logging
 from collections.abc import Callable
@@ -19,8 +23,8 @@ def drawn_figure(
     section: str,
     computed_by: tuple[str, ...] = (),
 ) -> Figure:
-    """Draw a chart or scenes as a figure of the page."""
-    # Slow to import, and not needed to list the figures.
+    """Figure of the report, drawn from a chart or from scenes."""
+    # Imported here: slow, and not needed to list the figures.
     from validation.drawing.plot import chart_svg  # noqa: PLC0415
     from validation.drawing.rendering import pictured  # noqa: PLC0415
 
@@ -41,7 +45,10 @@ def drawn_figure(
 
 
 def attempted(draw: Callable[[], Figure | None]) -> Figure | None:
-    """Figure, or None if drawing it raises an exception, which must not prevent the report."""
+    """Figure that `draw` returns.
+
+    None if it raises an exception, which must not prevent the report.
+    """
     try:
         return draw()
     except Exception as error:  # noqa: BLE001  any error: the tables have the numbers
@@ -62,7 +69,7 @@ class FigureGroup:
     def figure(
         self, identifier: str, title: str, *, effort: float = 1.0
     ) -> Callable[[Draw], Callable[[Context], Figure]]:
-        """Register a function that returns the chart or the scenes of a figure."""
+        """Decorator that registers a function returning the chart or the scenes of a figure."""
 
         def declare(draw: Draw) -> Callable[[Context], Figure]:
             @wraps(draw)

@@ -1,7 +1,8 @@
-"""Test for usable OpenGL, which 3-D pictures need.
+"""Test whether this machine can draw 3-D pictures with OpenGL.
 
-VTK ends the whole process if it finds no usable OpenGL. Therefore the test runs in another process.
-Scenes that are turned in a browser need neither VTK nor OpenGL.
+Input: environment variables. Output: true or false, with VTK set to a window class that works.
+Rule: a sphere is drawn in another process, because VTK ends the whole process if OpenGL is not
+usable. Scenes that are turned in a browser need neither VTK nor OpenGL.
 """
 
 import os
@@ -11,7 +12,7 @@ from lumped.errors import ComputationError
 from lumped.memo import memo
 from meshes.processes import in_own_process
 
-# Environment variable that suppresses 3-D pictures if it is "off".
+# Environment variable that suppresses 3-D pictures if its value is "off".
 SWITCH = "FLEXPROOF_OPENGL"
 WINDOW = "VTK_DEFAULT_OPENGL_WINDOW"
 MESSAGE = (
@@ -22,9 +23,9 @@ _TIME_LIMIT = 60.0  # s: importing VTK from a cold disk takes up to ten
 
 
 def can_draw() -> bool:
-    """True if this machine can draw 3-D pictures. VTK is then set to draw off-screen.
+    """True if this machine can draw 3-D pictures. Sets VTK to draw off-screen.
 
-    Call this function before pyvista is imported.
+    To be called before pyvista is imported.
     """
     window = usable_window()
     if window is None:
@@ -32,13 +33,13 @@ def can_draw() -> bool:
     if window:
         os.environ[WINDOW] = window
     os.environ["PYVISTA_OFF_SCREEN"] = "true"
-    # Without this variable pyvista would repeat the test for each picture.
+    # Without this variable, pyvista would repeat the test for each picture.
     os.environ["ALLOW_PLOTTING"] = "true"
     return True
 
 
 def usable_window() -> str | None:
-    """VTK's class of window that works on this machine. "" for its default, None if none works."""
+    """VTK window class that works on this machine. "" for the default, None if none works."""
     if os.environ.get(SWITCH, "").lower() == "off":
         return None
     return _first_usable()
@@ -50,7 +51,7 @@ def _first_usable() -> str | None:
 
 
 def _windows() -> tuple[str, ...]:
-    """Classes of windows to try, first EGL, which needs no display and, unlike X, logs nothing."""
+    """Window classes to try. First EGL, which needs no display and, unlike X, logs nothing."""
     user_choice = os.environ.get(WINDOW)
     if user_choice:
         return (user_choice,)
@@ -67,7 +68,10 @@ def _draws_in_other_process(window: str) -> bool:
 
 
 def _draws(kind: str) -> bool:
-    """Draw a sphere into a window ("" for VTK's default). True if the image is not uniform."""
+    """True if a sphere drawn into a window gives an image that is not uniform.
+
+    `kind` is the window class, "" for VTK's default.
+    """
     if kind:
         os.environ[WINDOW] = kind
     from vtkmodules import (  # noqa: PLC0415

@@ -1,7 +1,7 @@
 """Drawing of charts with matplotlib: curves, bars, matrices, contours and legends.
 
-A page has dozens of plots. To save time, text is measured once, by Agg, and the axes are laid out
-once.
+Input: a `Chart`. Output: SVG, PNG or a matplotlib figure. A page has dozens of plots; to save time,
+text is measured once, by Agg, and the axes are laid out once.
 """
 
 import io
@@ -28,17 +28,18 @@ from validation.drawing.style import (
     plot_style,
 )
 
-# Heights (inches): of axes of differences, of labels above and below all axes, and between rows.
+# Heights (inches): of axes with differences, of the margins above and below, and between rows.
 _DIFFERENCE_HEIGHT, _MARGIN, _ROW_GAP = 1.1, 0.55, 0.25
-# Heights (inches) in lying panels: of a line of a name, of the gap between rows, and of a bar.
+# Heights (inches) in panels with horizontal bars: of a line of a name, of the gap between rows, of
+# a bar.
 _LINE, _ROW, _BAR = 0.13, 0.1, 0.14
-# Number of characters that fit below all axes of a row, and in a row of the legend; number of
-# characters with the width of a handle of the legend.
+# Characters that fit below all axes of a row, and in a row of the legend; characters as wide as a
+# handle of the legend.
 _LABEL_ROOM, _LEGEND_ROOM, _HANDLE = 87, 140, 12
 _GREY, _BAND, _BLANK = "#999999", "#009E73", "#e4e4e4"
 # Largest number of contour steps; smallest range of values relative to the lowest.
 _STEPS, _SMALLEST_RANGE = 8, 1e-3
-# Largest number of bars, and smallest share (%) of a part, with room for numbers.
+# Largest number of bars, and smallest part (%), with room for numbers.
 _FEW_BARS, _LABELLED = 8, 6.0
 
 
@@ -61,7 +62,7 @@ def chart_png(chart: Chart, dots: int) -> bytes:
 
 
 def drawn_chart(chart: Chart) -> Canvas:
-    """Figure of a chart. Call this function, and save the figure, inside `plot_style`."""
+    """Matplotlib figure of a chart. To be called, and saved, inside `plot_style`."""
     rows = -(-len(chart.panels) // chart.columns)
     parts = 2 if any(panel.below for panel in chart.panels) else 1
     height = max([chart.high, *(_height(panel) for panel in chart.panels if panel.lying)])
@@ -120,7 +121,7 @@ def _draw_panel(
     for level in panel.levels:
         line(level, color=_GREY, linewidth=0.8)
     if panel.lying:
-        # A margin, so that markers at the longest bars do not touch the edge.
+        # Margin for markers at the longest bars, which would otherwise touch the edge.
         axes.use_sticky_edges = False
         axes.margins(x=0.06)
     if panel.scale:
@@ -134,7 +135,7 @@ def _draw_panel(
             annotation_clip=False,
             fontsize=8.5,
         )
-    # Contours have a larger distance, so that a star in the corner does not touch the title.
+    # Larger distance for contours, so that a star in the corner does not touch the title.
     axes.set_title(panel.title, pad=12.0 if panel.contours is not None else None)
     axes.set_ylabel(panel.y_label)
     if panel.lying:
@@ -146,7 +147,7 @@ def _draw_panel(
 def _draw_series(
     axes: Axes, panel: Panel, curve: Series, look: Look, rank: tuple[int, int], rows: Array
 ) -> None:
-    """Draw a curve of `rank` (number, count). The first is the widest, so that equal ones show."""
+    """Draw a curve of `rank` (index, count). The first is the widest, so that equal curves show."""
     points = (curve.y, rows) if panel.lying else (curve.x, curve.y)
     style: dict[str, Any] = {"color": look.colour, "marker": look.marker}
     staggered = panel.staggered and look.line != "none"
@@ -197,7 +198,7 @@ def _draw_bars(axes: Axes, panel: Panel, positions: Array, fills: Mapping[str, s
 
 
 def _draw_matrix(axes: Axes, matrix: Array) -> None:
-    """Draw a matrix, dark for ones. Rows are from the top; rows and columns count from one."""
+    """Draw a matrix with dark ones. Rows run from the top; rows and columns count from one."""
     sides = [np.arange(count + 1) + 0.5 for count in matrix.shape]
     axes.pcolormesh(sides[1], sides[0], matrix, cmap="Greys", vmin=0.0, vmax=1.0)
     axes.set(aspect="equal")
@@ -206,9 +207,9 @@ def _draw_matrix(axes: Axes, matrix: Array) -> None:
 
 
 def _draw_contours(axes: Axes, contours: Contours) -> None:
-    """Draw shaded steps with a colour bar. Points with a value are dots, blanks are grey."""
+    """Draw shaded contours with a colour bar. Points with a value are dots, blanks are grey."""
     low, high = contours.span
-    # A range of zero is widened, because a constant needs a step, too.
+    # A constant needs one contour step, so a range of zero is widened.
     smallest = _SMALLEST_RANGE * abs(low) or _SMALLEST_RANGE
     levels = MaxNLocator(_STEPS).tick_values(low, max(high, low + smallest))
     finite = np.isfinite(contours.values)
@@ -243,8 +244,8 @@ def _height(panel: Panel) -> float:
 def _lay_out(picture: Canvas) -> None:
     """Lay out the axes with room for their texts, and place one legend above all of them."""
     FigureCanvasAgg(picture)
-    # The figure is enlarged by the legend's height after the layout. To lay out a part of the
-    # figure, all texts would be measured twice.
+    # The figure is enlarged by the legend's height after the layout, because laying out part of a
+    # figure would measure all texts twice.
     picture.tight_layout(pad=0.4)
     handles: dict[str, Any] = {}
     for axes in picture.axes:
@@ -278,7 +279,7 @@ def _columns(labels: Sequence[str]) -> int:
 
 
 def _shortened(label: str, columns: int) -> str:
-    """Label whose lines are at most as long as an axis. Longer lines keep their end, after "…"."""
+    """Label whose lines are at most as long as an axis. Of longer lines, the end follows "…"."""
     room = _LABEL_ROOM // columns
     lines = label.split("\n")
     return "\n".join(line if len(line) <= room else f"…{line[1 - room :]}" for line in lines)

@@ -1,4 +1,7 @@
-"""Pictures of scenes: VTK draws the bodies, matplotlib the marks, labels and colour bars."""
+"""Pictures of scenes: VTK draws the bodies, matplotlib the marks, labels and colour bars.
+
+Input: a list of `Scene`. Output: a PNG, or the reason why this machine cannot draw it.
+"""
 
 import io
 from collections.abc import Sequence
@@ -24,14 +27,14 @@ DOTS_PER_INCH = 180
 _PER_POINT = DOTS_PER_INCH / 72.0
 # Heights (inches) of a title, and of a colour bar with its label.
 _TITLE, _BAR = 0.3, 0.5
-# Smallest channel of colours that are replaced by white.
+# Colours whose channels are all at least this value are replaced by white.
 _NEARLY_WHITE = 246
 # Colours of marks and arrows.
 _MARK_COLOURS = (DARK, ORANGE, VERMILLION)
-# Number of characters of a title per inch; size (pt) of labels in a picture.
+# Characters of a title per inch; size (pt) of labels in a picture.
 _LETTERS, _TEXT = 14.0, 7.5
-# Symbol of ground: triangle with its tip a little below the point, and hatches. Corners and codes
-# of matplotlib paths (1: move, 2: line).
+# Symbol of ground: a triangle with its tip just below the point, and hatching. Corners and codes of
+# matplotlib paths (1: move, 2: line).
 _FOOT = mpl.path.Path(
     [(0.0, -0.15), (-0.5, -0.8), (0.5, -0.8), (0.0, -0.15)]
     + [end for x in (-0.3, -0.05, 0.2, 0.45) for end in ((x, -0.8), (x - 0.18, -1.0))],
@@ -43,7 +46,7 @@ _MARKS: dict[MarkKind, dict[str, Any]] = {
     "cross": {"marker": "P", "ms": 8.0, "mec": "white", "mew": 0.8},
     "ground": {"marker": _FOOT, "ms": 34.0, "mfc": "none", "mew": 0.8},
 }
-# Possible origins of the triad in order of preference (shares of width and height).
+# Possible origins of the coordinate triad, in order of preference (fractions of width and height).
 _CORNERS = ((0.08, 0.92), (0.78, 0.92), (0.08, 0.3), (0.78, 0.3))
 # Length of the triad's axes, and smallest distance of its centre from bodies (pt).
 _TRIAD, _CLEARANCE = 24.0, 26.0
@@ -66,8 +69,8 @@ def pictured(
 ) -> Picture:
     """Picture of scenes in `columns`, each `height` inches high.
 
-    None for the height gives the proportions of the first scene. The picture is left out if this
-    machine cannot draw it.
+    If the height is None, it follows from the proportions of the first scene. The picture is
+    omitted, with the reason, if this machine cannot draw it.
     """
     if not can_draw():
         return Picture(left_out=MESSAGE)
@@ -82,7 +85,10 @@ def drawn_scenes(
     width: float = WIDTH,
     title: str = "",
 ) -> Canvas:
-    """Figure of `pictured`, or one with the reason why this machine cannot draw it."""
+    """Matplotlib figure of scenes, with the arguments of `pictured`.
+
+    If this machine cannot draw scenes, a figure with the reason.
+    """
     if not can_draw():
         figure = Canvas(figsize=(width, 1.0))
         figure.text(0.02, 0.5, MESSAGE, va="center", wrap=True)
@@ -109,12 +115,12 @@ def drawn_scenes(
 
 
 def panel_size(columns: int, height: float, width: float = WIDTH) -> tuple[int, int]:
-    """Size in pixels (width, height) of one of `columns` panels. `height`, `width` in inches."""
+    """Size in pixels (width, height) of one of `columns` panels. `height` and `width` in inches."""
     return round(width / columns * DOTS_PER_INCH), round(height * DOTS_PER_INCH)
 
 
 def _shape(scene: Scene) -> float:
-    """Height over width of the scene's contents, from 0.45 to 1.2."""
+    """Height over width of a scene's contents, limited to 0.45 to 1.2."""
     view = scene.view((1000, 1000))
     points = np.vstack([*(body.surface.points for body in scene.bodies), *scene.inside])
     width, height = np.ptp(view.pixels(points), axis=0)
@@ -122,7 +128,7 @@ def _shape(scene: Scene) -> float:
 
 
 def render(scene: Scene, view: View) -> NDArray[np.uint8]:
-    """Pixels (height × width × 3) of the scene on white. Requires `can_draw`."""
+    """Pixels (height × width × 3) of a scene on white. Requires `can_draw`."""
     import pyvista  # noqa: PLC0415  VTK must not be loaded on a machine that cannot draw
 
     plotter = pyvista.Plotter(off_screen=True, window_size=list(view.size))
@@ -159,7 +165,7 @@ def _add_body(plotter: Any, body: DrawnBody, limits: tuple[float, float]) -> Non
 
 
 def _draw_scene(axes: Axes, scene: Scene, size: tuple[int, int]) -> None:
-    """Draw the scene with marks, arrows, triad and labels, without frame and ticks."""
+    """Draw a scene with marks, arrows, coordinate triad and labels, without frame and ticks."""
     view = scene.view(size)
     axes.imshow(render(scene, view), interpolation="antialiased")
     for marks in scene.marks:
@@ -182,7 +188,7 @@ def _draw_marks(axes: Axes, view: View, marks: Marks) -> None:
 
 
 def _write_labels(axes: Axes, view: View, labels: Sequence[Label]) -> None:
-    """Write each label at its point, or beside it with a line, overlapping the others least."""
+    """Write each label at its point, or beside it with a line where it overlaps others least."""
     occupied: list[Array] = []
     for label in labels:
         (point,) = view.pixels(label.point[None])
@@ -195,7 +201,7 @@ def _write_labels(axes: Axes, view: View, labels: Sequence[Label]) -> None:
                 for side in ((1, -1), (-1, -1), (1, 1), (-1, 1), (0, -1), (0, 1), (1, 0), (-1, 0))
             ]
         boxes = [np.concatenate([centre - half_size, centre + half_size]) for centre in centres]
-        # The small term prefers the first of equally good centres.
+        # The small term selects the first of equally good positions.
         costs = [_overlap(box, occupied) + 1e-3 * number for number, box in enumerate(boxes)]
         best = int(np.argmin(costs))
         occupied.append(boxes[best])
@@ -216,7 +222,7 @@ def _write_labels(axes: Axes, view: View, labels: Sequence[Label]) -> None:
 
 
 def _overlap(box: Array, boxes: Sequence[Array]) -> float:
-    """Share of the box (low, high) that other boxes cover."""
+    """Fraction of the box (low, high) that other boxes cover."""
     area = 0.0
     for other in boxes:
         sides = np.minimum(box[2:], other[2:]) - np.maximum(box[:2], other[:2])
@@ -225,9 +231,9 @@ def _overlap(box: Array, boxes: Sequence[Array]) -> float:
 
 
 def _draw_triad(axes: Axes, view: View, corner: tuple[float, float]) -> None:
-    """Draw the directions of x, y and z from `corner` (shares of width and height).
+    """Draw the directions of x, y and z from `corner` (fractions of width and height).
 
-    An axis nearly along the line of sight is left out.
+    An axis nearly along the line of sight is omitted.
     """
     origin = np.array(corner) * view.size
     for name, direction in zip("xyz", np.eye(3), strict=True):
@@ -246,7 +252,7 @@ def _draw_triad(axes: Axes, view: View, corner: tuple[float, float]) -> None:
 
 
 def clear_corner(scene: Scene, view: View) -> tuple[float, float]:
-    """First corner for the triad that no body covers, otherwise the one farthest from bodies."""
+    """First corner for the coordinate triad that no body covers. Otherwise the farthest one."""
     points = view.pixels(np.vstack([body.surface.points for body in scene.bodies]))
 
     def distance(corner: tuple[float, float]) -> float:
@@ -267,7 +273,7 @@ def _colour_bar(picture: Canvas, axes: Axes, scene: Scene) -> None:
 
 
 def _png_of(picture: Canvas) -> bytes:
-    """PNG with 256 dithered colours and without date. It is half as large as in full colour."""
+    """PNG with 256 dithered colours and without date, half as large as in full colour."""
     from PIL import Image  # noqa: PLC0415  comes with matplotlib, needed for pictures alone
 
     picture.set_dpi(DOTS_PER_INCH)
@@ -277,13 +283,13 @@ def _png_of(picture: Canvas) -> bytes:
     # The palette is chosen from a sixteenth of the pixels, which saves most of the time.
     count = 256 - len(_MARK_COLOURS)
     reduced = colours.resize((colours.width // 4, colours.height // 4)).quantize(count)
-    # Marks and arrows are too small to affect the choice: their colours are added.
+    # Marks and arrows are too small to affect the choice, so their colours are added.
     mark_colours = [
         round(255.0 * share) for colour in _MARK_COLOURS for share in mpl.colors.to_rgb(colour)
     ]
     reduced.putpalette([*(reduced.getpalette() or [])[: 3 * count], *mark_colours])
     reduced = colours.quantize(palette=reduced, dither=Image.Dither.FLOYDSTEINBERG)
-    # Tints of white become white, because a palette of means shades the background.
+    # Tints of white become white, because averaged palette colours would shade the background.
     palette = np.array(reduced.getpalette() or []).reshape(-1, 3)
     palette[palette.min(axis=1) >= _NEARLY_WHITE] = 255
     reduced.putpalette([int(value) for value in palette.ravel()])

@@ -1,7 +1,7 @@
-"""Scenes: bodies and lines in space with marks, labels and a camera.
+"""Data records of 3-D scenes: bodies, lines, marks, labels and a camera.
 
-`rendering` draws pictures of scenes. `turnable` encodes them for a browser, in which they can be
-turned.
+Input: surfaces and points (m). Output: a `Scene`, which `rendering` draws as a picture and
+`turnable` encodes for a browser.
 """
 
 from collections.abc import Sequence
@@ -26,9 +26,9 @@ MarkKind: TypeAlias = Literal["square", "dot", "cross", "ground"]
 
 @dataclass(frozen=True, eq=False)
 class DrawnBody:
-    """Surface with one colour, or coloured by `values` (n) at its points.
+    """Surface in one colour, or coloured by `values` (n) at its points.
 
-    `motion` (n×3, m) are the largest displacements of its points. None if it does not move.
+    `motion` (n×3, m): largest displacements of its points. None if it does not move.
     """
 
     surface: Surface
@@ -39,7 +39,10 @@ class DrawnBody:
 
 @dataclass(frozen=True, eq=False)
 class Wire:
-    """Straight lines between pairs (e×2) of points (n×3, m). `width` in pixels."""
+    """Straight lines between pairs (e×2 indices) of points (n×3, m). `width` in pixels.
+
+    `motion` as in `DrawnBody`.
+    """
 
     points: Array
     pairs: IntArray
@@ -59,7 +62,7 @@ class Marks:
 
 @dataclass(frozen=True, eq=False)
 class Arrow:
-    """Arrow between two points (3, m)."""
+    """Arrow from `tail` to `head` (3 each, m)."""
 
     tail: Array
     head: Array
@@ -68,7 +71,7 @@ class Arrow:
 
 @dataclass(frozen=True, eq=False)
 class Label:
-    """Text at a `point` (3, m). If `movable`, it is placed beside it to overlap others least."""
+    """Text at a `point` (3, m). If `movable`, it is placed beside the point, with least overlap."""
 
     text: str
     point: Array
@@ -79,11 +82,11 @@ class Label:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Contents of one panel, and `camera`: directions to the viewer (3) and upwards (3).
+    """Contents of one panel, with `camera`: directions to the viewer (3) and upwards (3).
 
-    `limits` are the values at both ends of the colour map, `bar` is the label of its bar. `turned`
-    are bodies and lines of the turnable scene only. `inside` (n×3, m) are further points that must
-    be within the picture.
+    `limits`: values at both ends of the colour map; `bar`: label of its colour bar. `turned`:
+    bodies and lines that only the turnable scene contains. `inside` (n×3, m): further points that
+    must lie within the picture.
     """
 
     bodies: Sequence[DrawnBody]
@@ -109,8 +112,8 @@ class Scene:
 class View:
     """Parallel projection onto a picture of `size` pixels (width, height).
 
-    Unit vectors `right`, `up` and `toward` (to the viewer). `centre` (3, m) is in the middle of the
-    picture, which extends `half_height` (m) above and below it.
+    `right`, `up`, `toward` (to the viewer): unit vectors. `centre` (3, m): point in the middle of
+    the picture, which extends `half_height` (m) above and below it.
     """
 
     right: Array
@@ -161,16 +164,16 @@ def readable_factor(largest: float, target: float) -> float:
     exact = target / largest
     decade = 10.0 ** np.floor(np.log10(exact))
     steps = np.array([1.0, 2.0, 5.0])
-    # Rounding must not turn an exact 5 into 2.
+    # Round-off must not turn an exact 5 into 2.
     return float(steps[steps * decade <= exact * (1.0 + 1e-12)][-1] * decade)
 
 
 @dataclass(frozen=True, eq=False)
 class SceneGrid:
-    """Scenes with their caption in `columns`, each of a `height`, in a picture of `width` (in).
+    """Scenes in `columns` with their caption, each of a `height`, in a picture of `width` (inches).
 
-    The height is that of what the scenes show if it is None. Each can be turned in the page if
-    `turned`. `data`: their numbers as CSV. `title` as of a chart.
+    If the height is None, it follows from the proportions of the first scene. If `turned`, each
+    scene can be turned in the page. `data`: numbers of the scenes as CSV. `title` as in `Chart`.
     """
 
     caption: str

@@ -1,7 +1,8 @@
-"""Style of all plots: a model has the same colour, marker and line in all figures.
+"""Style of all plots, in which a model has the same colour, marker and line everywhere.
 
-Colours are those of Okabe and Ito (Color Universal Design, 2008), which colour-blind readers can
-distinguish. In black and white, line style and marker distinguish the models. Text is drawn as
+Input: names of models and curves. Output: their looks, and a context that sets matplotlib. Colours
+are those of Okabe and Ito (Color Universal Design, 2008), which colour-blind readers can
+distinguish; in black and white, line style and marker distinguish the models. Text is drawn as
 outlines, so that a plot looks the same on all machines and equal plots give equal files.
 """
 
@@ -20,9 +21,9 @@ YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 COLOUR_MAP = "viridis"  # legible for colour-blind readers, and monotonic in grey
 BROWN = "#6B4226"  # dark, as orange and vermillion are not
 
-# First characters of cells that spreadsheets evaluate as formulas (OWASP, CSV injection), also in
-# the wide forms of East Asian text; pattern of such texts that are numbers, coordinates or
-# percentages and stay unchanged.
+# First characters of cells that spreadsheets evaluate as formulas (OWASP, CSV injection), including
+# the wide forms of East Asian text. The patterns match numbers, coordinates and percentages, which
+# stay unchanged.
 _FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
 _NUMBERS = re.compile(rf"{_NUMBER}(?:[, ]+{_NUMBER})*(?:\s?%)?", re.IGNORECASE)
@@ -105,8 +106,8 @@ _REFERENCES: Mapping[str, str] = {
     **{f"solid, {ends}": f"solid{free}" for ends, free in _END_CONDITIONS.items()},
     **{f"{ends}, {_MASS}": f"{_MASS}{free}" for ends, free in _END_CONDITIONS.items()},
 }
-# Looks of curves that are no models (modes, components), different from those above. Yellow is too
-# pale.
+# Looks of curves that do not belong to models (modes, components), different from those above.
+# Yellow is too pale.
 OTHERS: tuple[Look, ...] = (
     Look(BLUE, "o"),
     Look(VERMILLION, "s", "-."),
@@ -119,7 +120,7 @@ OTHERS: tuple[Look, ...] = (
 
 
 def look_key(name: str) -> str:
-    """Key in `LOOKS` of a model or of a reference under some reading. Other names are unchanged."""
+    """Key in `LOOKS` of a model, or of a reference under a reading. Other names are unchanged."""
     return _LABELS.get(name) or _REFERENCES.get(name, name)
 
 
@@ -136,7 +137,7 @@ def fills_of(names: Collection[str]) -> Mapping[str, str]:
     return {name: FILLS.get(name) or next(unused) for name in dict.fromkeys(names)}
 
 
-# Any: matplotlib's type of the settings is a list of all their names.
+# Typed as Any, since matplotlib's type of the settings is a list of all their names.
 _SETTINGS: Any = {
     "svg.fonttype": "path",
     "svg.hashsalt": "flexproof",
@@ -156,14 +157,14 @@ _SETTINGS: Any = {
     "legend.frameon": False,
     "legend.fontsize": 8.5,
     "figure.facecolor": "white",
-    # A robot's name may have dollar signs.
+    # A robot's name can contain dollar signs.
     "text.parse_math": False,
 }
 
 
 @contextmanager
 def plot_style() -> Iterator[None]:
-    """Context with the style of all plots. Create, draw and save plots inside it."""
+    """Context with the style of all plots, in which they are created, drawn and saved."""
     from matplotlib import rc_context  # noqa: PLC0415  slow to import, and makes folders
 
     with rc_context(_SETTINGS):
@@ -171,9 +172,9 @@ def plot_style() -> Iterator[None]:
 
 
 def marker_positions(points: int, rank: int, ranks: int) -> tuple[int, int]:
-    """First point with a marker, and spacing of markers, for line number `rank` of `ranks`.
+    """Index of the first point with a marker, and spacing of markers, for one of `ranks` lines.
 
-    Each line of `points` points has about four markers. If there are enough points, none has
+    Each line of `points` points has about four markers. If there are enough points, no point has
     markers of two lines.
     """
     spacing = max(ranks, (points - 1) // 4)
@@ -181,9 +182,9 @@ def marker_positions(points: int, rank: int, ranks: int) -> tuple[int, int]:
 
 
 def csv_of(columns: Mapping[str, Sequence[float | str | None]]) -> str:
-    """Columns of equal length as CSV. Numbers have all their digits; None is an empty cell.
+    """CSV text of columns of equal length. Numbers have all their digits; None is an empty cell.
 
-    A text that a spreadsheet would evaluate as a formula gets an apostrophe in front.
+    A text that a spreadsheet would evaluate as a formula gets a leading apostrophe.
     """
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")

@@ -1,4 +1,7 @@
-"""Surfaces of quadrangles: prisms, balls and plates."""
+"""Surfaces of quadrilaterals for pictures: prisms, balls and plates.
+
+Input: outlines and stations (m). Output: a `Surface` of points, faces and drawn edges.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -7,15 +10,15 @@ import numpy as np
 
 from lumped.arrays import Array, IntArray
 
-# Circles of latitude of a ball; corners of a circle.
+# Number of circles of latitude of a ball, and of corners of a circle.
 _RINGS, _FACETS = 9, 20
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Points (n×3, m), quadrangles (q×4 point numbers) and edges (e×2) that are drawn as lines.
+    """Points (n×3, m), quadrilaterals (q×4 point indices) and drawn edges (e×2 point indices).
 
-    A triangle is a quadrangle with its last corner repeated.
+    A triangle is a quadrilateral with its last corner repeated.
     """
 
     points: Array
@@ -27,17 +30,17 @@ class Surface:
         return replace(self, points=origin + self.points @ rotation.T)
 
     def moved(self, displacements: Array) -> "Surface":
-        """Surface with displaced points (n×3, m)."""
+        """Surface with displaced points. `displacements` (n×3, m)."""
         return replace(self, points=self.points + displacements)
 
 
 def prism(
     corners: Array, stations: Array, bore: Array | None = None, *, rims: bool = False
 ) -> Surface:
-    """Prism along x with an outline of k `corners` (k×2, y and z, k even), normals outwards.
+    """Prism along x with an outline of k `corners` (k×2: y, z; k even), normals outwards.
 
-    It is divided at `stations` (m). A `bore` (k×2) is open at both ends. Edges are the outlines of
-    both ends, or with `rims` of all stations, and at most four lines along the prism.
+    It is divided at `stations` (m). A `bore` (k×2) is open at both ends. Drawn edges are the
+    outlines of both ends, or of all stations with `rims`, and at most four lines along the prism.
     """
     count, last = len(corners), len(stations) - 1
     sides = _sides(count, len(stations))
@@ -51,7 +54,7 @@ def prism(
         strips = np.array([[k, k + 1, count - 2 - k, count - 1 - k] for k in range(count // 2 - 1)])
         caps = [strips[:, ::-1], strips + count * last]
     else:
-        # End faces between the outline and the bore, whose points follow all others.
+        # End faces between the outline and the bore, whose points come last.
         following, inner = np.roll(ring, -1), len(points)
         points = np.vstack([points, _along(bore, stations[[0, -1]])])
         near = np.column_stack([following, ring, inner + ring, inner + following])
@@ -61,7 +64,7 @@ def prism(
 
 
 def ball(radius: float) -> Surface:
-    """Ball of a radius (m) about the origin, normals outwards."""
+    """Ball of a `radius` (m) about the origin, normals outwards."""
     polar_angles = np.linspace(np.pi, 0.0, _RINGS)
     rings = [
         radius * np.column_stack([np.sin(angle) * circle(1.0), np.full(_FACETS, np.cos(angle))])
@@ -71,7 +74,7 @@ def ball(radius: float) -> Surface:
 
 
 def plate(rim: Array) -> Surface:
-    """Flat polygon with corners `rim` (n×3, m) that contains their mean."""
+    """Flat polygon with corners `rim` (n×3, m), which must contain their mean."""
     count = len(rim)
     ring = np.arange(count)
     edges = np.column_stack([ring, np.roll(ring, -1)])
@@ -80,7 +83,7 @@ def plate(rim: Array) -> Surface:
 
 
 def faceted(points: Array, faces: Sequence[IntArray]) -> Surface:
-    """Surface of faces, each of triangles or quadrangles (f×c point numbers), with their edges."""
+    """Surface of several faces of triangles or quadrilaterals (f×c point indices), with edges."""
     return Surface(
         points,
         np.vstack([face[:, [0, 1, 2, -1]] for face in faces]),
@@ -89,14 +92,14 @@ def faceted(points: Array, faces: Sequence[IntArray]) -> Surface:
 
 
 def _rim(corners: IntArray) -> IntArray:
-    """Edges (e×2) that belong to one facet only, of the facets (f×c) of a face."""
+    """Edges (e×2) of a face that belong to only one of its facets (f×c)."""
     sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
     edges, counts = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
     return np.asarray(edges[counts == 1])
 
 
 def joined(surfaces: Sequence[Surface]) -> Surface:
-    """One surface from several."""
+    """One surface that consists of several."""
     offsets = np.cumsum([0, *(len(surface.points) for surface in surfaces)])[:-1]
     return Surface(
         np.vstack([surface.points for surface in surfaces]),

@@ -1,4 +1,8 @@
-"""Numbers, names and files as text for the report."""
+"""Numbers, errors, names and file contents as text for the report.
+
+Input: numbers and entries of verdicts. Output: short texts with units, powers of ten and no-break
+spaces.
+"""
 
 import re
 from base64 import b64encode
@@ -16,11 +20,11 @@ from validation.verdicts import EntryRecord
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MINUS = "−"
-# Ratios below this are rounding, with meaningless digits.
+# Ratios below this are round-off, whose digits are meaningless.
 _ROUNDING = 1e-8
-# Share of the reference below which half-widths are not written.
+# Fraction of the reference below which half-widths are not written.
 _SMALLEST_SPREAD = 5e-4
-# Names of rotations in typed input, by the labels of comparisons.
+# Names of rotations on the command line, by their labels in comparisons.
 _TYPED_NAMES: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z"}
 
 
@@ -48,9 +52,9 @@ def power_of_ten(exponent: int) -> str:
 
 
 def engineering(value: float) -> tuple[float, str]:
-    """Number and SI prefix, from "n" to "", with which the number is between 1 and 1000.
+    """Number and SI prefix, from "n" to "", such that the number lies between 1 and 1000.
 
-    Values out of the range of the prefixes have smaller or larger numbers.
+    Values outside the range of the prefixes give smaller or larger numbers.
     """
     for prefix, factor in (("", 1.0), ("m", 1e3), ("µ", 1e6)):
         if abs(value) * factor >= 1.0:
@@ -59,7 +63,7 @@ def engineering(value: float) -> tuple[float, str]:
 
 
 def percent(fraction: float, *, signed: bool = True) -> str:
-    """Ratio as percentage with two significant digits: "+1.3 %", "−2 × 10⁻⁷ %", "120 %"."""
+    """Ratio in per cent with two significant digits: "+1.3 %", "−2 × 10⁻⁷ %", "120 %"."""
     if not isfinite(fraction):
         return ""
     if abs(fraction) < _ROUNDING:
@@ -69,7 +73,7 @@ def percent(fraction: float, *, signed: bool = True) -> str:
 
 
 def error_text(error: float, *, signed: bool = True) -> str:
-    """Error in percent with two significant digits, rounded to hundredths of a percent."""
+    """Error in per cent with two significant digits, rounded to hundredths of a per cent."""
     return percent(round(error, 4), signed=signed)
 
 
@@ -81,7 +85,7 @@ def spread_text(uncertainty: float | None) -> str:
 
 
 class ErrorText(Protocol):
-    """Function that formats an error in percent, with its sign if it is `signed`."""
+    """Function that formats an error in per cent, with its sign if `signed`."""
 
     def __call__(self, error: float, *, signed: bool = True) -> str:
         """Format the error."""
@@ -92,11 +96,11 @@ def error_parts(
 ) -> tuple[str, str]:
     """Texts of an entry's error and of its half-width. ("", "") without an error.
 
-    There are five forms. If readings differ by more than their half-width, the text has the lowest
-    and the highest error, with the names of the readings if `named`. Otherwise, if the interval
-    contains zero, it has the bound of the error: "below 4.4 %". If the interval is wider than the
-    half-width, it has the ends of the interval. If an end is infinite, it has the error "without
-    bound". In all other cases it has the error with the half-width. `written` formats the numbers.
+    There are five forms. If readings differ by more than their half-width: the lowest and the
+    highest error, with the names of the readings if `named`. Otherwise, if the interval contains
+    zero: the bound of the error, "below 4.4 %". If the interval is wider than the half-width: the
+    ends of the interval. If an end is infinite: the error and "without bound". In all other cases:
+    the error and the half-width. `written` formats the numbers.
     """
     error, half_width = entry.error, entry.uncertainty or 0.0
     if error is None:
@@ -110,7 +114,7 @@ def error_parts(
         return written(error, signed=entry.signed), "without bound"
     if low <= 0.0 <= high and not differ and largest - abs(error) >= _SMALLEST_SPREAD:
         return f"below {written(largest, signed=False)}", ""
-    # The interval may extend farther to one side, for example by other partners of a mode.
+    # The interval can extend farther to one side, for example with other partners of a mode.
     if max(error - low, high - error) - half_width >= _SMALLEST_SPREAD and not readings:
         return _range(low, high, written, signed=entry.signed), ""
     spread = ""
@@ -120,12 +124,12 @@ def error_parts(
 
 
 def error_with_spread(entry: EntryRecord[Any, Any], written: ErrorText = error_text) -> str:
-    """Error in one text: "+1.2 % ± 0.3 %", "below 4.4 %"; readings with their names."""
+    """Error and half-width in one text, "+1.2 % ± 0.3 %" or "below 4.4 %", readings with names."""
     return " ".join(filter(None, error_parts(entry, written=written)))
 
 
 def bound(entry: EntryRecord[Any, Any]) -> float:
-    """Largest size of the error that the reference allows."""
+    """Largest magnitude of the error that the reference allows."""
     ends = (entry.error, entry.low, entry.high)
     return max(abs(end) for end in ends if end is not None)
 
@@ -154,7 +158,7 @@ def _range(low: float, high: float, written: ErrorText, *, signed: bool) -> str:
 
 
 def share_text(share: float) -> str:
-    """Share of the tolerance that an error uses."""
+    """Difference over tolerance as a text."""
     if share < 0.0:
         return "inside the bound"
     if share > 1.0:
@@ -170,21 +174,22 @@ def tolerance(allowed: Tolerance, unit: str) -> str:
 
 
 def seconds(time: float) -> str:
-    """Time in ms, s or min."""
+    """Time in ms, s or min. The argument is in s."""
     if time < 0.05:
         return f"{1000.0 * time:.0f} ms"
     return f"{time:.1f} s" if time < 100.0 else f"{time / 60.0:.1f} min"
 
 
 def anchor(identifier: str) -> str:
-    """Identifier in the form for a link."""
+    """Identifier in the form that a link needs."""
     return re.sub(r"[^\w.+-]+", "_", identifier).rstrip("_")
 
 
 def function_name(function: Callable[..., object]) -> str:
-    """Module and name of a function. For a closure those of the outer function.
+    """Module and name of a function.
 
-    For a partial, or a wrapper made by functools.wraps, those of the wrapped function.
+    For a closure those of the enclosing function, for a partial or a wrapper of functools.wraps
+    those of the wrapped function.
     """
     function = unwrap(function)
     while isinstance(function, partial):
@@ -200,7 +205,7 @@ def base64(content: bytes) -> str:
 
 
 def data_uri(content: str | bytes, kind: str) -> str:
-    """Content as a data URI with the media type `kind`, for example "text/csv;charset=utf-8"."""
+    """Data URI of a content with the media type `kind`, for example "text/csv;charset=utf-8"."""
     data = content.encode("utf-8") if isinstance(content, str) else content
     return f"data:{kind};base64,{base64(data)}"
 
@@ -214,5 +219,5 @@ def inline_svg(figure: Figure) -> str:
 
 
 def quantity_name(label: str) -> str:
-    """Name of a quantity in typed input: "phi_x" for "φx"."""
+    """Name of a quantity on the command line: "phi_x" for "φx"."""
     return _TYPED_NAMES.get(label, label)

@@ -1,6 +1,7 @@
-"""Scenes that can be turned in a browser, as compact and reproducible data for `viewer.js`.
+"""Encoding of scenes for a browser, in which `viewer.js` draws and turns them.
 
-They need neither OpenGL nor VTK and therefore also exist on machines that cannot draw pictures.
+Input: a `Scene`. Output: compressed bytes, or an HTML page. Equal scenes give equal bytes. Neither
+OpenGL nor VTK is needed, so these scenes also exist on machines that cannot draw pictures.
 """
 
 import gzip
@@ -22,10 +23,10 @@ _SIZE = (400, 300)
 
 
 def turnable(scene: Scene) -> InteractiveScene:
-    """Encode a scene, with the bodies and lines that only the turnable scene has.
+    """Encoded scene, with the bodies and lines that only the turnable scene contains.
 
-    The first view is that of the scene's camera. The data are a header in JSON and the numbers to
-    which it refers, compressed. Equal scenes give equal bytes.
+    The first view is that of the scene's camera. The data are a JSON header and the numbers to
+    which it refers, compressed.
     """
     view, numbers = scene.view(_SIZE), _Numbers()
     header = {
@@ -48,7 +49,7 @@ def turnable(scene: Scene) -> InteractiveScene:
 
 
 def viewer() -> str:
-    """Script that draws scenes, needed once per page."""
+    """Script that draws scenes. Needed once per page."""
     return files("validation.drawing").joinpath("viewer.js").read_text(encoding="utf-8")
 
 
@@ -66,13 +67,16 @@ def page(scene: Scene, title: str) -> str:
 
 
 class _Numbers:
-    """Concatenated arrays. Each is identified by its first byte and its length."""
+    """Concatenated arrays, each identified by its first byte and its length."""
 
     def __init__(self) -> None:
         self.content = bytearray()
 
     def part(self, part: DrawnBody | Wire, limits: tuple[float, float]) -> dict[str, Any]:
-        """Header of a part for the viewer. Points are multiples of a step finer than a pixel."""
+        """Header of one body or line for the viewer.
+
+        Points are multiples of a step finer than a pixel.
+        """
         import matplotlib as mpl  # noqa: PLC0415  slow to import, and makes folders
 
         colour = [round(255.0 * share) for share in mpl.colors.to_rgb(part.colour)]
@@ -88,7 +92,7 @@ class _Numbers:
         return common | {"faces": self.add(part.surface.faces, "<u4")}
 
     def steps(self, lengths: Array) -> dict[str, Any]:
-        """Lengths (m) as 16-bit multiples of a step."""
+        """Lengths (m) encoded as 16-bit multiples of a step."""
         step = float(np.abs(lengths).max(initial=1e-300)) / np.iinfo(np.int16).max
         return {"step": step, "values": self.add(np.round(lengths / step), "<i2")}
 

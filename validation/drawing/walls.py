@@ -1,4 +1,7 @@
-"""Surfaces of prisms over any polygon with holes: walls along the edges, triangles at the ends."""
+"""Surfaces of prisms over any polygon with holes: walls along edges, triangles at the ends.
+
+Input: closed lines (m) and stations along x. Output: a `Surface`.
+"""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -9,15 +12,15 @@ from lumped.arrays import Array, IntArray
 from lumped.sections.outlined import twice_area
 from validation.drawing.surfaces import Surface, joined
 
-# Area of a triangle relative to that of the polygon's extent below which its corners are on a line.
+# Area of a triangle over that of the polygon's extent, below which its corners lie on a line.
 _FLAT = 1e-12
 
 
 def walled(loops: Sequence[Array], stations: Array, *, rims: bool = False) -> Surface:
-    """Prism along x of an outline and its holes (k×2 each, y and z), divided at `stations` (m).
+    """Prism along x of an outline and its holes (k×2 each: y, z), divided at `stations` (m).
 
-    The outline is counter-clockwise, holes are clockwise, so that normals point outwards. Edges are
-    the outlines of both ends, or with `rims` of all stations, and the lines along the prism.
+    The outline runs counter-clockwise, holes clockwise, so that normals point outwards. Drawn edges
+    are the outlines of both ends, or of all stations with `rims`, and the lines along the prism.
     """
     sides = [_wall(loop, stations, rims=rims) for loop in loops]
     corners = np.vstack(loops)
@@ -48,7 +51,7 @@ def _wall(loop: Array, stations: Array, *, rims: bool) -> Surface:
 
 
 def end_triangles(loops: Sequence[Array]) -> IntArray:
-    """Triangles (t×3, counter-clockwise) between the corners of a polygon with holes.
+    """Triangles (t×3 corner indices, counter-clockwise) that fill a polygon with holes.
 
     Holes are joined to the outline by double edges, then ears are cut off (G. H. Meisters, Amer.
     Math. Monthly 82 (1975) 648).
@@ -57,15 +60,15 @@ def end_triangles(loops: Sequence[Array]) -> IntArray:
     offsets = np.cumsum([0, *(len(loop) for loop in loops)])
     rings = [list(range(start, end)) for start, end in pairwise(offsets.tolist())]
     ring, holes = rings[0], rings[1:]
-    # The hole that extends farthest along y is first, because no other hole lies between it and
-    # the outline.
+    # The hole that extends farthest along y is joined first, because no other hole lies between it
+    # and the outline.
     for hole in sorted(holes, key=lambda indices: -float(corners[indices, 0].max())):
         ring = _joined_ring(corners, ring, hole)
     return np.array(_ears(corners, ring), dtype=np.int64).reshape(-1, 3)
 
 
 def _joined_ring(corners: Array, ring: list[int], hole: list[int]) -> list[int]:
-    """Ring joined to a hole by a double edge at the hole's farthest corner along y."""
+    """Ring of indices joined to a hole by a double edge at the hole's farthest corner along y."""
     first = int(np.argmax(corners[hole, 0]))
     from_first = hole[first:] + hole[:first]
     start = corners[from_first[0]]
@@ -85,7 +88,7 @@ def _is_visible(corners: Array, ring: list[int], start: Array, end: Array) -> bo
 
 
 def _ears(corners: Array, ring: list[int]) -> list[tuple[int, int, int]]:
-    """Triangles (corner numbers) of a ring, cut off one after the other."""
+    """Triangles (corner indices) of a ring, cut off one after the other."""
     remaining, ears = list(ring), []
     size = float(np.prod(np.ptp(corners, axis=0)))
     while len(remaining) > 2:
@@ -100,14 +103,14 @@ def _ears(corners: Array, ring: list[int]) -> list[tuple[int, int, int]]:
                 ears.append(ear)
                 break
         else:
-            # Because of rounding there is no further ear.
+            # There is no further ear because of round-off.
             break
         remaining.pop(k)
     return ears
 
 
 def _contains(a: Array, b: Array, c: Array, points: Array) -> bool:
-    """True if a point lies in a triangle or on its rim. Points at its corners do not count."""
+    """True if one of the points lies in a triangle or on its rim. Its corners do not count."""
     sides = (twice_area(p, q, points) for p, q in ((a, b), (b, c), (c, a)))
     inside = np.logical_and.reduce([side >= 0.0 for side in sides])
     corner = [(points == p).all(axis=1) for p in (a, b, c)]

@@ -1,4 +1,8 @@
-"""Figures 3 to 13 of the paper with all models in the same axes."""
+"""The paper's Figs 3 to 13, with all models in the same axes.
+
+Input: the paper's robot. Output: charts of deflections and natural frequencies over the stroke, and
+over the relative leg length α of robots with longer legs.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -41,7 +45,7 @@ from validation.studies_and_figures import FAMILY, STROKE
 T = TypeVar("T")
 _POINT_TITLES = {"centre": "centre of the stroke", "left": "left end", "right": "right end"}
 _MODES = 2
-# Postures over the stroke.
+# Number of postures over the stroke.
 _POSTURES: Mapping[Preset, int] = {"quick": 21, "standard": 41, "fine": 81}
 # Axis of the force and direction of the deflection, by field of `Deflections`.
 _LOADS = {
@@ -75,7 +79,7 @@ SEGMENTS_AS_PRINTED = PlottedModel(
     "segments, eq. (25) as printed", "segments", ModelOptions(release="printed")
 )
 BEAM = PlottedModel("beam FE", "beam")
-# Models with the same legs of constant section.
+# Models that all use the same legs of constant section.
 EQUIVALENT_LEGS = (VJM_EQUIVALENT, SEGMENTS, BEAM)
 
 
@@ -85,7 +89,7 @@ EQUIVALENT_LEGS = (VJM_EQUIVALENT, SEGMENTS, BEAM)
     effort=1.5,
 )
 def all_deflections(context: Context) -> Chart:
-    """Plot deflections over the stroke: planar under forces along x and y, and along z."""
+    """Chart of deflections over the stroke: planar under forces along x and y, and along z."""
     models = (SIMPLIFIED, VJM, *EQUIVALENT_LEGS)
     x, deflection = _over_the_stroke(context, models, _deflections)
     panels = [
@@ -119,7 +123,7 @@ def all_deflections(context: Context) -> Chart:
     effort=3.0,
 )
 def deflections_of_the_family(context: Context) -> Chart:
-    """Plot deflections over α: a column for each point of the stroke, a row for each load."""
+    """Chart of deflections over α: a column for each point of the stroke, a row for each load."""
     by_point = _over_the_family(context, (SIMPLIFIED, *EQUIVALENT_LEGS), _deflections)
     panels = []
     for name, (axis, direction) in _LOADS.items():
@@ -151,7 +155,7 @@ def deflections_of_the_family(context: Context) -> Chart:
     effort=3.0,
 )
 def frequencies_over_the_stroke(context: Context) -> Chart:
-    """Plot two frequencies of models with elastic legs, and the first by all models."""
+    """Chart of two frequencies by models with elastic legs, and of the first by all models."""
     models = (SIMPLIFIED, SEGMENTS, SEGMENTS_AS_PRINTED, BEAM)
     x, frequency = _over_the_stroke(context, models, _frequencies)
     simplified = frequency[SIMPLIFIED][:, 0]
@@ -189,7 +193,7 @@ def frequencies_over_the_stroke(context: Context) -> Chart:
     effort=4.0,
 )
 def frequencies_of_the_family(context: Context) -> Chart:
-    """Plot over α at three points two frequencies of elastic legs and the simplified first."""
+    """Chart over α, at three points of the stroke, of two frequencies and the simplified first."""
     by_point = _over_the_family(context, (SIMPLIFIED, SEGMENTS, BEAM), _frequencies)
     alphas = np.array(ALPHAS)
     series_by_point, difference = {}, 0.0
@@ -227,7 +231,7 @@ def frequencies_of_the_family(context: Context) -> Chart:
     )
 
 
-# Response of a model for robots on the stroke.
+# Function that computes a response of a model for robots on the stroke.
 _Compute: TypeAlias = Callable[[Context, PlottedModel, Sequence[RobotOnStroke]], T]
 
 
@@ -244,7 +248,7 @@ def _frequencies(context: Context, plotted: PlottedModel, robots: Sequence[Robot
 def _over_the_stroke(
     context: Context, models: Sequence[PlottedModel], compute: _Compute[T]
 ) -> tuple[Array, dict[PlottedModel, T]]:
-    """Positions x of B (m), and the response of each model there."""
+    """Positions x of point B (m), and the response of each model there."""
     mechanism = context.robot_file.mechanism
     x = cosine_spaced(*stroke_of(mechanism).ends, _POSTURES[context.preset])
     return x, {model: compute(context, model, (RobotOnStroke(mechanism, x),)) for model in models}
@@ -253,7 +257,7 @@ def _over_the_stroke(
 def _over_the_family(
     context: Context, models: Sequence[PlottedModel], compute: _Compute[T]
 ) -> dict[str, dict[PlottedModel, T]]:
-    """Responses of each model for the members of the family, by point of the stroke."""
+    """Responses of each model for robots with longer legs, by point of the stroke."""
     responses = {}
     for point, fraction in FIGURE_POINTS.items():
         members = context.get(family, context.robot_file, fraction)
@@ -273,7 +277,7 @@ def _deflection_series(
 
 
 def _frequency_series(by_model: Mapping[PlottedModel, Array], x: Array, modes: int) -> list[Series]:
-    """Curves of the first `modes` frequencies."""
+    """Curves of the first `modes` frequencies of each model."""
     return [
         Series(model.label, x, values[:, mode], f"frequency {mode + 1} (Hz)")
         for model, values in by_model.items()
@@ -296,10 +300,10 @@ def _panel(
 
 
 def _mode_numbers(x: Array, by_model: Mapping[PlottedModel, Array]) -> Iterator[Note]:
-    """Number of each mode at the right end of its curves.
+    """Notes with the mode number at the right end of each curve.
 
-    Curves of eq. (25) as printed have a number of their own if they lie 7 % of the figure's height
-    away from those of the other models, so that the two notes do not overlap.
+    Curves of eq. (25) as printed have a note of their own if they lie 7 % of the figure's height
+    away from those of the other models, so that two notes do not overlap.
     """
     heights = by_model[BEAM][-1]
     least_distance = 0.07 * max(float(values.max()) for values in by_model.values())
@@ -311,7 +315,7 @@ def _mode_numbers(x: Array, by_model: Mapping[PlottedModel, Array]) -> Iterator[
 
 
 def cosine_spaced(first: float, last: float, count: int) -> Array:
-    """Cosine-spaced positions x of B (`count`, m) over the stroke, both ends included.
+    """Positions x (`count`, m) of point B over the stroke with cosine spacing, ends included.
 
     At the ends of the stroke curves vary as √(L² − x²), which is smooth in the angle.
     """
@@ -320,12 +324,12 @@ def cosine_spaced(first: float, last: float, count: int) -> Array:
 
 
 def stroke_chart(x: Array, panels: Sequence[Panel], *, high: float = 2.0) -> Chart:
-    """Panels over the position x (m) of B, side by side."""
+    """Chart with panels side by side, over the position x (m) of point B."""
     return Chart(panels, "x of B (m)", len(panels), high, {"x (m)": x.tolist()})
 
 
 def family_chart(panels: Sequence[Panel], high: float = 2.5) -> Chart:
-    """Panels over α, a column for each point of the stroke, with titles in the first row only."""
+    """Chart with panels over α: a column for each point of the stroke, titles in the first row."""
     columns = len(FIGURE_POINTS)
     lower_rows = [replace(panel, title="") for panel in panels[columns:]]
     all_panels = [*lettered(panels[:columns]), *lower_rows]
@@ -335,9 +339,9 @@ def family_chart(panels: Sequence[Panel], high: float = 2.5) -> Chart:
 def family_panel(
     point: str, series: Sequence[Series], y_label: str, scale: Scale, notes: Sequence[Note] = ()
 ) -> Panel:
-    """Panel of curves over α at a point of the stroke. Only the leftmost has a label of its y axis.
+    """Panel of curves over α at a point of the stroke, which is a key of `FIGURE_POINTS`.
 
-    `point` is a key of `FIGURE_POINTS`.
+    Only the leftmost panel has a label of its y axis.
     """
     label = y_label if point == next(iter(FIGURE_POINTS)) else ""
     return Panel(series, _POINT_TITLES[point], label, scale, notes=notes, column_prefix=point)

@@ -1,9 +1,10 @@
 """Errata of the paper's text, captions and formulas, each with the number that proves it.
 
-The paper: S. Briot, A. Pashkevich, D. Chablat, "On the optimal design of parallel robots taking
-into account their deformations and natural frequencies". `lumped.audit` checks its data.
-The numbers are constants, because they hold for the paper's robot alone.
-tests/validation/paper/test_claims.py computes them with independent formulas.
+Input: a robot file. Output: findings if it is the paper's robot, otherwise none. The paper: S.
+Briot, A. Pashkevich, D. Chablat, "On the optimal design of parallel robots taking into account
+their deformations and natural frequencies". `lumped.audit` checks its data. The numbers are
+constants, because they hold for the paper's robot alone; tests/validation/paper/test_claims.py
+computes them with independent formulas.
 """
 
 from lumped.audit import Finding
@@ -12,7 +13,7 @@ from validation.paper.robot import is_paper_robot
 
 
 def paper_findings(robot_file: RobotFile) -> tuple[Finding, ...]:
-    """Errata of the paper, computed with its robot as corrected. Empty for any other robot."""
+    """Errata of the paper, computed with its robot as corrected. () for any other robot."""
     return _ERRATA if is_paper_robot(robot_file) else ()
 
 

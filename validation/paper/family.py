@@ -1,4 +1,9 @@
-"""Statements about robots with longer legs and the same stroke, and about the best of them."""
+"""Cases on the paper's statements about robots with longer legs and the same stroke.
+
+Input: the paper's robot with legs α times as long (α from 1 to 2). Output: a verdict on each
+statement: whether a deflection or frequency rises or falls with α, and which α is best by each
+model. Rule for trends: Spearman's rank correlation with α is +1 or −1.
+"""
 
 from typing import Literal, TypeAlias
 
@@ -29,18 +34,18 @@ _Axes: TypeAlias = tuple[int, ...]
 _PLANE: _Axes = (0, 1)
 _ALONG_Z: _Axes = (2,)
 _EQUIVALENT = ModelOptions(legs="equivalent")
-# Relative difference below which two values of a curve are equal, so that rounding alone makes no
+# Relative difference below which two values of a curve are equal, so that round-off does not make a
 # curve rise or fall.
 _EQUAL = 1e-9
 _CONCLUSIONS = "§2.3, §3.3 and conclusions"
-# Relative leg lengths of the members solved with solid legs.
+# Relative leg lengths for which solid legs are solved.
 _SOLID_ALPHAS = ALPHAS[::2]
-# Divisions of the solid legs, by preset, and those of the coarse mesh that gives the uncertainty.
+# Divisions of solid legs by preset, and those of the coarse mesh that gives the uncertainty.
 _DIVISIONS: dict[Preset, int] = {"standard": 2, "fine": 3}
 _COARSE = 1
-# Evenly spaced postures over the stroke of each member.
+# Number of evenly spaced postures over the stroke of each robot.
 _POSTURES = 21
-# Share of the kinetic energy along a direction from which a mode is attributed to it.
+# Share of kinetic energy along a direction from which on a mode is attributed to it.
 _DIRECTED = 0.95
 statements = Statements(**PAPER)
 trends = statements.family(
@@ -57,7 +62,7 @@ def _trend(
     note: str = "",
     table: dict[str, tuple[float | str, ...]] | None = None,
 ) -> Measurement:
-    """Spearman's rank correlation of a curve with α.
+    """Spearman's rank correlation of a curve with α, as a measurement.
 
     +1 if the curve rises throughout, −1 if it falls throughout, 0 if it is constant.
     """
@@ -235,7 +240,7 @@ def _shorter_is_best(
     variant: ModelOptions,
     objective: Literal["deflection", "frequency"] = "deflection",
 ) -> Measurement:
-    """Compare the best α by the refined model with one step less than the best by the simplified.
+    """Best α by the refined model, against one step less than the best by the simplified model.
 
     The best has the highest first frequency, or the smallest of the largest deflections.
     """

@@ -1,4 +1,8 @@
-"""Statements about natural frequencies and modes (paper §3.1 and §3.2)."""
+"""Cases on the paper's statements about natural frequencies and modes (§3.1 and §3.2).
+
+Input: the paper's robot in postures over its stroke. Output: a verdict on each statement. Modes are
+characterised by shares of their kinetic energy by direction and of their strain energy by part.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -38,17 +42,17 @@ from validation.paper.statement import (
 )
 
 _BENDING = Portion("leg 1", "bending z")
-# Evenly spaced postures over the stroke at which mode shapes are evaluated.
+# Number of evenly spaced postures over the stroke at which mode shapes are evaluated.
 _MODE_POSTURES = 9
 # Number of modes in the statement on the actuators (§3.2).
 _SIXTY = 60
-# Share of the strain energy above which a mode counts as due to one part alone.
+# Share of strain energy above which a mode is attributed to one part alone.
 _SINGLE_PART = 0.95
 statements = Statements(**PAPER)
 
 
 def _stroke_modes(context: Context, variant: ModelOptions) -> Sequence[ModeShares]:
-    """First two modes of the segments model at nine postures."""
+    """First two modes of the segments model in nine postures."""
     robots = over_stroke(context.robot_file.mechanism, _MODE_POSTURES)
     return context.get(mode_shares, "segments", robots, 2, variant)
 
@@ -63,7 +67,7 @@ def _centre_modes(
 
 
 def _leg1(context: Context) -> ConstantLeg:
-    """Leg 1 as its equivalent leg of constant section."""
+    """Leg 1 as its equivalent prism."""
     return equivalent_leg(legs(context.robot_file.mechanism)[0])
 
 
@@ -203,7 +207,7 @@ def _twenty_elements(context: Context, variant: ModelOptions) -> Measurement:
     exact, nearest = _leg1_first_frequency(context), []
     for layout in (variant.layout, AS_PRINTED.layout):
         options = ModelOptions(layout=layout, elements=variant.elements)
-        # The first frequencies of both planes: the statement is about the one of bending y.
+        # First frequencies of both bending planes. The statement is about bending y.
         first_two = leg_frequencies("segments", _leg1(context), 2, options)
         nearest.append(float(first_two[np.argmin(np.abs(first_two - exact))]))
     value, as_printed = nearest

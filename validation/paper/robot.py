@@ -1,6 +1,8 @@
-"""The paper's robot over its stroke, its family with longer legs, and their computed responses.
+"""Responses of the paper's robot over its stroke, and of robots with longer legs.
 
-Bodies and joints of the mechanism have the paper's names here: leg 1 and leg 2, foot 1 and foot 2.
+Input: the mechanism and positions x of point B. Output: compliances, deflections in µm under 1000
+N, frequencies, and energy shares of modes. Bodies and joints have the paper's names here: leg 1 and
+leg 2, foot 1 and foot 2.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,9 +30,9 @@ from validation.models.robot_models import answers, mechanism_modes
 from validation.report.figures.mode_names import kinetic_shares
 
 LOAD = 1000.0  # N, force of the paper's load cases (§2.1, §2.2)
-# Relative lengths of the legs of the family's members, as in Figs 6, 12 and 13.
+# Relative leg lengths α of the robots in Figs 6, 12 and 13.
 ALPHAS = tuple(np.linspace(1.0, 2.0, 11).tolist())
-# Positions of B in Figs 6, 12 and 13, as fractions of the stroke.
+# Positions of point B in Figs 6, 12 and 13, as fractions of the stroke.
 FIGURE_POINTS = {"centre": 0.5, "left": 0.0, "right": 1.0}
 FEET = (Portion("foot 1"), Portion("foot 2"))
 _MICRO = 1e6
@@ -39,7 +41,7 @@ _PAPER_NAMES = {"leg1": "leg 1", "leg2": "leg 2", "foot1": "foot 1", "foot2": "f
 
 @dataclass(frozen=True)
 class RobotOnStroke:
-    """One robot at several positions `x` (n, m) of point B on the stroke."""
+    """One robot with several positions `x` (n, m) of point B on the stroke."""
 
     mechanism: Mechanism
     x: Array
@@ -52,7 +54,7 @@ class RobotOnStroke:
 
 @dataclass(frozen=True)
 class Deflections:
-    """Deflections (µm) under 1000 N along a curve of m robots or postures.
+    """Deflections (µm) under 1000 N, for m robots or postures.
 
     `planar_x`, `planar_y`: norm of the displacement in the plane under a force along x or y.
     `along_z`: displacement along z under a force along z. NaN for the simplified model, which has
@@ -65,7 +67,7 @@ class Deflections:
 
     @property
     def largest_planar(self) -> float:
-        """Largest planar deflection (µm) under either planar load."""
+        """Largest planar deflection (µm) over both planar loads."""
         return float(max(self.planar_x.max(), self.planar_y.max()))
 
 
@@ -74,7 +76,7 @@ class ModeShares:
     """Lowest m modes in one posture: `frequencies` (Hz) and shares of energy (m values each).
 
     `kinetic`: share of kinetic energy along "x", "y" and "z", rotation of sections included.
-    `strain`: share of strain energy by part, with the paper's names.
+    `strain`: share of strain energy of each part, by the paper's names.
     """
 
     frequencies: Array
@@ -83,7 +85,7 @@ class ModeShares:
 
     @property
     def strain_in_feet(self) -> Array:
-        """Share (m) of each mode's strain energy in both feet."""
+        """Share (m) of each mode's strain energy in both feet together."""
         foot_shares = [self.strain[foot] for foot in FEET if foot in self.strain]
         share: Array = np.array(foot_shares).sum(axis=0)
         return share
@@ -95,12 +97,12 @@ def is_paper_robot(robot_file: RobotFile) -> bool:
 
 
 def family_member(robot_file: RobotFile, alpha: float) -> RobotFile:
-    """Robot with legs α times as long, stroke and sections unchanged (eqs 10, 11)."""
+    """Robot with legs α times as long, and the same stroke and sections (eqs 10, 11)."""
     return robot_file.with_values({"geometry.alpha": alpha})
 
 
 def foot_compliances(robot_file: RobotFile) -> tuple[Array, Array]:
-    """Compliance of the foot (6×6, SI) as printed, and as used."""
+    """Compliance of the foot (6×6, SI) as printed in the paper, and as corrected."""
     printed, used = (
         np.array(tables["foot"]["compliance"], dtype=float)
         for tables in (as_printed(robot_file), robot_file.tables)
@@ -109,7 +111,7 @@ def foot_compliances(robot_file: RobotFile) -> tuple[Array, Array]:
 
 
 def legs(mechanism: Mechanism) -> tuple[Leg, Leg]:
-    """Leg 1 and leg 2."""
+    """Leg 1 and leg 2 of the paper's robot."""
     legs_by_name = legs_of(mechanism)
     return legs_by_name["leg1"], legs_by_name["leg2"]
 
@@ -122,14 +124,17 @@ def stroke_of(mechanism: Mechanism) -> Stroke:
 
 @memo(8)
 def over_stroke(mechanism: Mechanism, count: int) -> tuple[RobotOnStroke]:
-    """One robot at `count` evenly spaced positions of B, both ends of the stroke included."""
+    """Robot at `count` evenly spaced positions of point B, both ends of the stroke included."""
     return (RobotOnStroke(mechanism, np.linspace(*stroke_of(mechanism).ends, count)),)
 
 
 def family(
     robot_file: RobotFile, fraction: float, alphas: Sequence[float] = ALPHAS
 ) -> tuple[RobotOnStroke, ...]:
-    """Members of the family, each with B at a fraction of its stroke (0 left end, 1 right end)."""
+    """Robots with leg lengths `alphas`, each with point B at a fraction of its stroke.
+
+    Fraction 0 is the left end, 1 the right end.
+    """
     members = [family_member(robot_file, alpha).mechanism for alpha in alphas]
     ends = [stroke_of(mechanism).ends for mechanism in members]
     x = [np.array([first + fraction * (last - first)]) for first, last in ends]
@@ -139,7 +144,7 @@ def family(
 def compliances(
     model: ModelName, robots: Sequence[RobotOnStroke], options: ModelOptions = DEFAULT_OPTIONS
 ) -> Array:
-    """Compliances at B (m×6×6, SI, base axes) of all robots in all their postures."""
+    """Compliances at point B (m×6×6, SI, base axes) of all robots in all their postures."""
     solutions = (answers(model, robot.postures, 0, options) for robot in robots)
     return np.array([solution.compliance for solution in chain(*solutions)])
 
@@ -147,7 +152,7 @@ def compliances(
 def deflections(
     model: ModelName, robots: Sequence[RobotOnStroke], options: ModelOptions = DEFAULT_OPTIONS
 ) -> Deflections:
-    """Deflections of all robots in all their postures."""
+    """Deflections (µm, 1000 N) of all robots in all their postures."""
     scale = LOAD * _MICRO
     compliance = compliances(model, robots, options)
     planar = np.linalg.norm(compliance[:, :2, :2], axis=1) * scale

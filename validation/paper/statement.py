@@ -1,9 +1,11 @@
-"""Statements of the paper, paraphrased, each with the computation that checks it in two variants.
+"""Statements of the paper as cases, each computed as printed and as corrected.
 
-As printed: eq. (25) zeroes row and column of a joint's rotation, and springs stand between the
-elements only (§3.2). As corrected: the rotation is released by condensation, and springs of half
-length stand at both ends. The foot's entry (6,6) is the corrected one in both variants, because no
-elastic foot has the printed one.
+Input: a function that computes the number of a statement. Output: a case whose measurement contains
+a `Claim`: for each curve of the statement, the number and whether the statement holds, in both
+variants. As printed: eq. (25) zeroes row and column of a joint's rotation, and springs stand
+between the elements only (§3.2). As corrected: the rotation is released by condensation, and
+springs of half length stand at both ends. The foot's entry (6,6) is the corrected one in both
+variants, because no elastic foot can have the printed one.
 """
 
 from collections.abc import Callable, Mapping
@@ -23,16 +25,16 @@ from validation.published_statements import Claim, ClaimedCurve
 from validation.run.outcome import verdict
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Postures over the stroke at which curves are compared.
+# Number of postures over the stroke at which curves are compared.
 POSTURES = 81
 AS_PRINTED = ModelOptions(release="printed", layout="literal")
 AS_CORRECTED = DEFAULT_OPTIONS
-# Printed formulas that are corrected and change a number.
+# Corrected formulas that change a number.
 FORMULAS = "release of joints (eq. 25), layout of the springs (§3.2)"
 Compute = TypeVar("Compute", bound=Callable[..., Measurement])
-# Parameters of a case's computation, by the name of the curve.
+# Arguments of a case's computation, by the name of the curve.
 Curves = Mapping[str, Mapping[str, Any]]
-# Fields that all statements share.
+# Case fields that all statements have in common.
 PAPER: CaseFields = {
     "section": "The paper's statements",
     "reference_kind": "paper-statement",
@@ -62,15 +64,16 @@ class Statements(CaseGroup):
     ) -> Callable[[Compute], Compute]:
         """Declare a statement in a `passage` of the paper and the function that computes its value.
 
-        `title` names the comparison. `sentence` is the paper's statement if it covers more than
-        the title; statements with equal sentences are counted as one. `curves` are the curves that
-        the sentence covers. If there are none, the case itself is the only curve.
+        `title` names the comparison. `sentence` is the paper's statement if it covers more than the
+        title; statements with equal sentences are counted once. `curves` are the curves that the
+        sentence covers; if None, the case itself is the only curve.
+
         A computation with a parameter `variant` receives the options as printed or as corrected;
-        the case reports its value for the options `reported`. `corrections` names the corrected
-        formulas that change the value. It is empty if none does. `circular` is the reason why the
-        sentence is not counted. `order` is the order of convergence in the element count. The
-        uncertainty of the value then follows from its change with half as many elements. Zero if
-        the value does not depend on elements.
+        the case contains its value for the options `reported`. `corrections` names the corrected
+        formulas that change the value, "" if none does. `circular` is the reason why the sentence
+        is not counted, "" if it is. `order` is the order of convergence in the element count; the
+        uncertainty of the value then follows from its change with half as many elements. 0 if the
+        value does not depend on elements.
         """
         citation = f"Briot, Pashkevich, Chablat, {passage}"
         common: CaseFields = {**self._common, "citation": citation, **fields}
@@ -145,7 +148,10 @@ class _Statement:
 def _measure(
     context: Context, case: Case, variant: ModelOptions, curve: Mapping[str, Any] | None = None
 ) -> Measurement:
-    """Compute the case for one of its curves. A computation without variants ignores `variant`."""
+    """Measurement of the case for one of its curves.
+
+    A computation without variants ignores `variant`.
+    """
     compute: Callable[..., Measurement] = case.compute
     options = {"variant": variant} if "variant" in signature(compute).parameters else {}
     return compute(context, **options, **(curve or {}))
@@ -157,10 +163,10 @@ def _holds(case: Case, measurement: Measurement) -> bool:
 
 
 def sampled(number: Callable[[int], float], reference: float) -> Measurement:
-    """Measurement of a number read off a curve at `POSTURES` of the stroke.
+    """Measurement of a number read from a curve at `POSTURES` points of the stroke.
 
-    `number` computes it for a count of postures. Two smaller counts have other postures between
-    the ends and miss a peak by other amounts. The range of the three numbers is the uncertainty.
+    `number` computes it for a count of postures. Two smaller counts have other postures between the
+    ends and miss a peak by other amounts. The range of the three numbers is the uncertainty.
     """
     numbers = [number(postures) for postures in (POSTURES, POSTURES - 10, POSTURES - 20)]
     return Measurement(numbers[0], reference, value_uncertainty=float(np.ptp(numbers)))

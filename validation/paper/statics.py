@@ -1,4 +1,8 @@
-"""Statements about deflections over the stroke (paper §2.1 and §2.2)."""
+"""Cases on the paper's statements about deflections over the stroke (§2.1 and §2.2).
+
+Input: deflections of the paper's robot under 1000 N over its stroke. Output: a verdict on each
+statement.
+"""
 
 from dataclasses import replace
 
@@ -11,9 +15,9 @@ from validation.models.options import ModelName, ModelOptions
 from validation.paper.robot import Deflections, deflections, foot_compliances, over_stroke
 from validation.paper.statement import PAPER, POSTURES, Statements, sampled
 
-# L_Tool of the appendix (m): from B to the tool's point P.
+# Distance (m) from point B to the tool's point P: L_Tool of the appendix.
 _TOOL_LENGTH = 0.155
-# Distance of neighbouring postures, in % of the stroke: uncertainty of a position on the stroke.
+# Distance of neighbouring postures in % of the stroke, which is the uncertainty of a position.
 _STEP = 100.0 / (POSTURES - 1)
 _EXTREMA = {"peak": np.argmax, "trough": np.argmin}
 statements = Statements(**PAPER)

@@ -1,4 +1,5 @@
-"""CAD parts at the command line: lists and pictures of faces, identification, tables to paste.
+"""CAD parts: faces, meshes, and identification of stiffness and mass on their interfaces.
 
-In: part files. Out: text, JSON, pictures, TOML tables for robot files.
+Input: STEP, BREP or mesh files. Output: lists and pictures of faces, identified matrices with
+uncertainties as text, JSON and arrays, and tables for robot files.
 """

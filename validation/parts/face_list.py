@@ -1,4 +1,7 @@
-"""Faces of a part as a table and as JSON, for the command `faces`."""
+"""Faces of a CAD part as a table and as JSON, for the command `faces`.
+
+Input: a `PartFile`. Output: text in the unit of the file, or JSON in SI units.
+"""
 
 import json
 from typing import Any
@@ -9,7 +12,7 @@ from meshes.part.reading.read import PartFile
 
 
 def as_text(part: PartFile) -> str:
-    """Table of faces with lengths in the unit of the file, to compare with a drawing of the part.
+    """Table of faces in the unit of the file, to be compared with a drawing of the part.
 
     The last line is an example of an interface for a robot file (lengths in m).
     """
@@ -45,7 +48,7 @@ def _row(face: Face, scale: float) -> str:
 
 
 def as_json(part: PartFile) -> str:
-    """Faces as JSON (schema 1) in SI units and the axes of the file."""
+    """Faces as JSON (schema 1), in SI units and the axes of the file."""
     document: dict[str, Any] = {
         "schema": 1,
         "part": str(part.path),

@@ -1,7 +1,8 @@
-"""Faces of a part with their numbers: a picture from two sides, and a scene that can be turned.
+"""Pictures of a CAD part's faces with their numbers, from two sides or to be turned.
 
-Each number stands on a facet of its face that is visible to the viewer. Faces that are visible from
-neither side, such as those of a cavity, are listed below the picture and visible in the scene.
+Input: a `PartFile`. Output: a PNG and an HTML page. Rule: each number stands on a facet of its face
+that is visible to the viewer. Faces that are visible from neither side, such as those of a cavity,
+are listed below the picture and appear in the turnable scene.
 """
 
 from dataclasses import replace
@@ -21,7 +22,7 @@ from validation.drawing.scene import DrawnBody, Label, Scene, View, Wire
 from validation.drawing.surfaces import Surface
 from validation.drawing.turnable import page
 
-# Light colours, on which black numbers are legible. Faces with consecutive numbers differ.
+# Light colours on which black numbers are legible. Faces with consecutive numbers differ.
 _COLOURS = ("#9ecae1", "#fdd0a2", "#a1d99b", "#dadaeb", "#fee391", "#c7c7c7", "#f4b6c2", "#8dd3c7")
 _UP = np.array([0.0, 0.0, 1.0])
 # Directions towards the viewer.
@@ -37,7 +38,7 @@ _NO_EDGES = np.zeros((0, 2), dtype=np.int64)
 
 
 def picture(part: PartFile) -> Picture:
-    """Picture of the part from two opposite sides, with faces in colours and numbers."""
+    """Picture of the part from two opposite sides, with coloured and numbered faces."""
     if not can_draw():
         return Picture(left_out=MESSAGE)
     hidden = {face.number for face in part.faces}
@@ -61,7 +62,7 @@ def picture(part: PartFile) -> Picture:
 
 
 def scene_page(part: PartFile) -> str:
-    """HTML page that opens offline: the part with numbers on its faces, to be turned."""
+    """HTML page that opens offline, with the part and its face numbers, to be turned."""
     numbers = [_number(part, face) for face in part.faces]
     scene = Scene(_bodies(part), (_SIDES[0], _UP), title=part.path.name, turned=numbers)
     return page(scene, _TITLE.format(part.path.name))
@@ -85,7 +86,7 @@ def _poly_data(part: PartFile) -> Any:
 
 
 def _facets(part: PartFile, face: Face) -> tuple[Array, Array]:
-    """Centres (F×3, m) and unit normals (F×3) of a face's facets, nearest to its centre first."""
+    """Centres (F×3, m) and unit normals (F×3) of a face's facets, closest to its centre first."""
     vectors = area_vectors(part.surface, face.facets)
     centres = part.surface[face.facets.corners].mean(axis=1)
     order = np.argsort(np.linalg.norm(centres - face.centre, axis=1), kind="stable")
@@ -94,7 +95,7 @@ def _facets(part: PartFile, face: Face) -> tuple[Array, Array]:
 
 
 def _visible_points(part: PartFile, face: Face, view: View, surface: Any) -> Array:
-    """Points (n×3, m) on the face that the viewer sees, nearest to its centre first."""
+    """Points (n×3, m) on a face that are visible to the viewer, closest to its centre first."""
     centres, normals = _facets(part, face)
     facing = np.flatnonzero(normals @ view.toward > 0.15)
     step = max(1, len(facing) // _TESTED_FACETS)
@@ -108,7 +109,7 @@ def _visible_points(part: PartFile, face: Face, view: View, surface: Any) -> Arr
 
 
 def _label_point(points: Array, labelled: list[Array], view: View) -> Array:
-    """First of `points` whose number covers none of the `labelled` points.
+    """First of `points` at which the number covers no point of `labelled`.
 
     If there is none, the point farthest from them.
     """
@@ -122,7 +123,7 @@ def _label_point(points: Array, labelled: list[Array], view: View) -> Array:
 
 
 def _number(part: PartFile, face: Face) -> Wire:
-    """Number of a face as outlines of its digits, slightly above the centre along the normal."""
+    """Outlines of the digits of a face's number, slightly above its centre along the normal."""
     centres, normals = _facets(part, face)
     size = _DIGIT_HEIGHT * max(part.extent)
     path = TextPath((0.0, 0.0), str(face.number), size=1.0)

@@ -1,4 +1,7 @@
-"""Plot of an identified part: relative uncertainty of each compliance and each frequency."""
+"""Plot of the relative uncertainty of each compliance and frequency of an identified part.
+
+Input: uncertainties in per cent. Output: a matplotlib figure.
+"""
 
 from collections.abc import Sequence
 
@@ -9,17 +12,17 @@ from lumped.arrays import Array
 from validation.drawing.style import BLUE, ORANGE, WIDTH, plot_style
 
 MESHES, BRACKET = "half-width of the meshes", "averaged less rigid interfaces"
-# Width of a bar; groups of bars are at distance 1.
+# Width of a bar. Groups of bars have distance 1.
 _BAR = 0.36
 
 
 def identified_plot(
     components: Sequence[str], compliances: Array, modes: Sequence[str], frequencies: Array
 ) -> Figure:
-    """Relative uncertainties in per cent, compliances to the left, frequencies to the right.
+    """Plot of relative uncertainties (%): compliances to the left, frequencies to the right.
 
-    `compliances` (c×2) and `frequencies` (k×2) are in per cent of the value. The columns are the
-    half-width of the meshes, and the change from rigid to averaged interfaces. NaN if unknown.
+    `compliances` (c×2) and `frequencies` (k×2): half-width due to the meshes, and change from rigid
+    to averaged interfaces. NaN if unknown.
     """
     quantities = [
         (title, names, values)

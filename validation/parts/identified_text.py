@@ -1,4 +1,8 @@
-"""Results of an identification as text, as JSON, as arrays, and as a table for a robot file."""
+"""Results of an identification as text, JSON, arrays and a table for a robot file.
+
+Input: an `Identified` part. Output: text, JSON (schema 1) or arrays, in SI units and the axes of
+the file.
+"""
 
 import json
 from dataclasses import asdict
@@ -14,14 +18,14 @@ from validation.parts.identify import Identified
 from validation.uncertainty.refinement import Accuracy
 
 _COMPONENTS = ("x", "y", "z", "φx", "φy", "φz")
-# Arrays with equal names in JSON and in .npz files, and for each uncertain one the first word of
-# the names of its uncertainties in .npz files.
+# Arrays with equal names in JSON and .npz files; for those with an uncertainty, the first word of
+# its name in .npz files.
 _ARRAYS = ("stiffness", "compliance", "frequencies", "centre", "inertia")
 _UNCERTAIN = {"compliance": "compliance", "frequencies": "frequency"}
 
 
 def as_text(identified: Identified, accuracy: Accuracy | None = None) -> str:
-    """Page with mass, diagonal compliances, frequencies, and the table for a robot file.
+    """Text with mass, diagonal compliances, frequencies, and the table for a robot file.
 
     Compliances and frequencies have uncertainties. `accuracy` describes the refinement that
     --accuracy caused.
@@ -108,7 +112,7 @@ def _frequencies(identified: Identified) -> list[str]:
 
 
 def toml(identified: Identified) -> str:
-    """Body as a table for a robot file of schema 2: a leg by its 6×6, if it has two interfaces.
+    """Table of a body for a robot file of schema 2: a leg by its 6×6, if it has two interfaces.
 
     Otherwise a comment with the alternatives.
     """
@@ -136,7 +140,7 @@ def toml(identified: Identified) -> str:
 
 
 def as_json(identified: Identified, accuracy: Accuracy | None = None) -> str:
-    """All results as JSON (schema 1) in SI units and the axes of the file. null is an unknown."""
+    """All results as JSON (schema 1), in SI units and the axes of the file. null if unknown."""
     arrays = {name: _none_if_not_finite(values) for name, values in as_arrays(identified).items()}
     document = {
         "schema": 1,

@@ -1,9 +1,10 @@
-"""Identification of a part by its interfaces, with uncertainties.
+"""Identification of a CAD part on its interfaces, with uncertainties.
 
-The results are stiffness and mass between the interfaces on the finest of three meshes, and the
-first frequencies with the first interface clamped. There are two uncertainties: that of the meshes,
-and that of the end condition of the interfaces. Rigid interfaces bound the stiffness from above,
-averaged ones from below.
+Input: a part file, its interfaces, a material and the number of unknowns. Output: `Identified`,
+with stiffness and mass between the interfaces on the finest of three meshes and the first
+frequencies with the first interface clamped. Rule: there are two uncertainties. That of the meshes
+follows from three of them. That of the end condition is the difference between averaged interfaces,
+which bound the stiffness from below, and rigid ones, which bound it from above.
 """
 
 from collections.abc import Sequence
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 
 DEFAULT_UNKNOWNS = 100_000
 DEFAULT_MODES = 6
-# Largest number of unknowns to which --accuracy refines a part. One factorisation then takes some
+# Largest number of unknowns to which --accuracy refines a part. One factorisation then takes about
 # ten minutes and 30 GB.
 MOST_REFINED = 800_000
 _BOUNDS: tuple[Kind, Kind] = ("rigid", "average")
@@ -46,7 +47,7 @@ _BOUNDS: tuple[Kind, Kind] = ("rigid", "average")
 
 @dataclass(frozen=True, eq=False)
 class MeshAnswer:
-    """Results of one mesh with one coupling (SI, axes of the file), as fields of `Identified`.
+    """Results on one mesh with one coupling (SI, axes of the file), as fields of `Identified`.
 
     `shapes` contains all nodes. `counted` is 0 if the modes are not counted.
     """
@@ -119,7 +120,7 @@ class Identified:
 
     @property
     def deviation(self) -> float | None:
-        """Relative difference of the mesh's volume from the CAD kernel's. None for a given mesh.
+        """Relative difference between the mesh's volume and the CAD kernel's. None for a mesh file.
 
         Examples
         --------
@@ -130,7 +131,7 @@ class Identified:
         return None if exact is None else self.total / self.density / exact.volume - 1.0
 
     def table(self) -> ResultTable:
-        """Diagonal compliances and frequencies, a row for each, with uncertainties.
+        """Table of diagonal compliances and frequencies with their uncertainties, one row each.
 
         Returns
         -------
@@ -213,7 +214,7 @@ class Identified:
 
 
 def _in_percent(values: Array, *parts: Array) -> Array:
-    """Parts relative to values in per cent, a column for each part (n×k)."""
+    """Parts over values in per cent, one column for each part (n×k)."""
     return 100.0 * np.column_stack([part / values for part in parts])
 
 
@@ -224,7 +225,7 @@ def identify(
     unknowns: int = DEFAULT_UNKNOWNS,
     modes: int = DEFAULT_MODES,
 ) -> Identified:
-    """Identify a part on three meshes, the finest of which has about `unknowns` unknowns.
+    """Identification of a part on three meshes, the finest with about `unknowns` unknowns.
 
     Raises InputError if no mesh can be made, and ComputationError if memory or a solver fails.
     """
@@ -238,7 +239,7 @@ def identified_entry(
     unknowns: int,
     modes: int,
 ) -> CacheEntry[Identified]:
-    """Cache entry of the result of `identify`."""
+    """Cache entry for the result of `identify`."""
     key = part_key(part, interfaces, material, "identify", unknowns, modes)
     m = 6 * len(interfaces)
 
@@ -262,9 +263,9 @@ def identified_entry(
 
 
 def largest_half_width(part: Identified) -> float:
-    """Largest relative half-width by meshes of the diagonal compliances and the frequencies.
+    """Largest relative half-width, due to meshes, of diagonal compliances and frequencies.
 
-    Infinite for a given mesh.
+    Infinite for a part given as a mesh.
     """
     compliances = np.diag(part.compliance_refinement) / np.diag(part.compliance)
     half_widths = np.concatenate([compliances, part.frequency_refinement / part.frequencies])
@@ -272,12 +273,12 @@ def largest_half_width(part: Identified) -> float:
 
 
 def more_unknowns(unknowns: int, factor: float) -> int:
-    """Unknowns of the finest mesh that reduces half-widths by `factor`.
+    """Number of unknowns of the finest mesh that reduces half-widths by `factor`.
 
     Parts converge with orders from one to two in the mesh size, which varies as the cube root of
-    the number of unknowns. The result is from two to eight times `unknowns`.
-    Raises InputError if the factor is infinite, which means a given mesh, and if the mesh would
-    have more than `MOST_REFINED` unknowns.
+    the number of unknowns. The result is two to eight times `unknowns`. Raises InputError if the
+    factor is infinite, as for a part given as a mesh, and if the mesh would have more than
+    `MOST_REFINED` unknowns.
     """
     if not np.isfinite(factor):
         raise InputError("a given mesh cannot be refined")
@@ -296,7 +297,7 @@ def _identification(
     unknowns: int,
     modes: int,
 ) -> dict[str, Any]:
-    """Fields of `Identified` except for the part and its interfaces."""
+    """Fields of `Identified` except for the part and its interfaces, by name."""
     name, is_mesh = part.path.name, part.mesh is not None
     coarse_to_fine = (FINEST,) if is_mesh else LEVELS
     by_curvature = True
@@ -325,7 +326,7 @@ def _identification(
         kind: fine if kind == common_coupling else _answer(meshed, interfaces, kind, modes, name)
         for kind in _BOUNDS
     }
-    # Frees its memory before the samples are computed.
+    # Frees memory before the samples are computed.
     del meshed
     rows, volumes = spread_over(finest)
     refinement = _refinement([*(answer for _, answer in coarser), fine])
@@ -362,14 +363,14 @@ def _answer(
     *,
     certified: bool = False,
 ) -> MeshAnswer:
-    """Results with the `coupling` of all interfaces. None for the coupling of each interface.
+    """Results on one mesh with one `coupling` of all interfaces.
 
-    `certified` modes are counted, to prove that none is missing. The frequencies of the result are
-    certified; the others only enter differences from them, in which a missing mode would show as a
-    large uncertainty.
+    If the coupling is None, each interface has its own. `certified` modes are counted, which proves
+    that none is missing. Only the frequencies of the result are certified; the others enter
+    differences, in which a missing mode would show as a large uncertainty.
     """
     body = held_part(part, grips_of(part.mesh, interfaces, coupling), name)
-    # Before the modes, because their count replaces the factorisation of the stiffness.
+    # Before the modes, because counting them replaces the factorisation of the stiffness.
     matrices = body.stiffness, body.condensed_mass, body.compliance
     shapes = body.solid.transformation @ body.constraint_modes
     frequencies, counted, below = np.zeros(0), 0, 0.0
@@ -390,9 +391,9 @@ def _bracket(rigid: MeshAnswer, average: MeshAnswer) -> dict[str, Array]:
 
 
 def _refinement(answers: Sequence[MeshAnswer]) -> tuple[Array, Array]:
-    """Half-widths of compliance and of frequencies from the `answers` of coarse to fine meshes.
+    """Half-widths of compliance and of frequencies, from results on coarse to fine meshes.
 
-    NaN for a single answer.
+    NaN for a single mesh.
     """
     if len(answers) < 3:
         (only,) = answers

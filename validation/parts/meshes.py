@@ -1,4 +1,9 @@
-"""File of a part and its three meshes, each read or made once and stored in the cache."""
+"""File and three meshes of a CAD part, each read or made once and stored in the cache.
+
+Input: the path of a part, its interfaces and the number of unknowns. Output: `PartFile` and
+`PartMesh`. Rule: the cache key covers the content of the file and the sources of the program that
+affect the result.
+"""
 
 import hashlib
 from collections.abc import Sequence
@@ -22,7 +27,7 @@ from meshes.part.volume import Grading, refined_gradings, volume_mesh
 from validation.run.cache import CacheEntry, key_of, require_shape
 from validation.run.sources import program
 
-# Sources that affect the reading and meshing of a part (MESHING), and all results computed on its
+# Sources that affect reading and meshing of a part (MESHING), and all results computed on its
 # meshes (COMPUTING).
 _CACHE = ("validation/run/cache.py", "validation/run/sources.py")
 MESHING = ("lumped", "meshes", "validation/parts/meshes.py", *_CACHE)
@@ -30,9 +35,9 @@ _ROOMS = ("validation/uncertainty", "validation/responses", "validation/parts", 
 COMPUTING = ("lumped", "meshes", "fem", *_ROOMS, *_CACHE)
 COARSE, MIDDLE, FINEST = 0, 1, 2
 LEVELS = (COARSE, MIDDLE, FINEST)
-# Fields of each face that are stored as columns. Facets are stored apart.
+# Fields of each face that are stored as columns. Facets are stored separately.
 _FACE_FIELDS = tuple(entry.name for entry in fields(Face) if entry.name != "facets")
-# Material in keys of meshes, which do not depend on it.
+# Material for the keys of meshes, which do not depend on it.
 _NO_MATERIAL = Material.isotropic(1.0, 0.0, 1.0)
 
 
@@ -53,9 +58,9 @@ def part_key(
 
 
 def part_file(path: Path, unit: str | None = None) -> PartFile:
-    """Read a part from its file, or from the cache.
+    """CAD part read from its file, or from the cache.
 
-    To find the faces of a CAD file its surface is meshed, which takes time. Raises InputError as
+    The surface of a CAD file is meshed to find its faces, which takes time. Raises InputError as
     `read_part` does.
     """
     require_file(path)
@@ -74,7 +79,7 @@ def _content(path: Path) -> str:
 def _mesh_key(part: PartFile, interfaces: Sequence[Interface], *inputs: object) -> str:
     """Cache key of a mesh, which depends neither on the material nor on the couplings.
 
-    Parts with different couplings then share one mesh. gmsh may make different meshes from equal
+    Parts with different couplings then share one mesh. gmsh can make different meshes from equal
     inputs.
     """
     faces = [replace(interface, coupling="rigid", by_default=False) for interface in interfaces]
@@ -84,9 +89,9 @@ def _mesh_key(part: PartFile, interfaces: Sequence[Interface], *inputs: object) 
 def part_mesh(
     part: PartFile, interfaces: Sequence[Interface], unknowns: int, level: int = FINEST
 ) -> PartMesh:
-    """Mesh of a part: one of three `level`s, the finest of about `unknowns` unknowns.
+    """Mesh of a part at one of three levels, the finest with about `unknowns` unknowns.
 
-    A part that is a mesh itself is returned unchanged. Raises InputError if gmsh cannot mesh it.
+    A part given as a mesh is returned unchanged. Raises InputError if gmsh cannot mesh it.
     """
     if part.mesh is not None:
         return part.mesh
@@ -97,7 +102,7 @@ def part_mesh(
 def mesh_entries(
     part: PartFile, interfaces: Sequence[Interface], unknowns: int, levels: Sequence[int]
 ) -> tuple[CacheEntry[PartMesh], ...]:
-    """Cache entries of the meshes of some levels. Empty for a part that is a mesh itself."""
+    """Cache entries for the meshes of some levels. () for a part given as a mesh."""
     if part.mesh is not None:
         return ()
     return tuple(
@@ -112,7 +117,7 @@ def mesh_entries(
 
 
 def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
-    """Gradings of the three meshes by level. Raises InputError as `part_mesh` does."""
+    """Size gradings of the three meshes, coarse to fine. Raises InputError as `part_mesh` does."""
     return _gradings_entry(part, interfaces, unknowns).value()
 
 

@@ -1,13 +1,15 @@
-"""Half-widths of a part's results from three meshes with one grading.
+"""Half-widths of a CAD part's results from three meshes with one grading.
 
-The tetrahedra of a part change at random from mesh to mesh, so that the observed order of a single
-number has little meaning. An order that is high by chance gives too small a half-width: with an
-order between one and four for each number, a quarter of random parts lay outside. Therefore all
-numbers of one answer have one order together, from the sums of their relative changes. It is
-limited to the range from one to two. One is the least order that the edges of held faces and inner
-corners leave. Beyond two it is not believed, because walls of one element converge faster at first
-than on finer meshes. With the larger safety factor the half-widths contained the error of 95 % and
-more of random parts (tests/validation/parts/test_refinement.py, calibration).
+Input: compliances or frequencies on a coarse, a middle and a fine mesh. Output: half-widths on the
+fine mesh. Rule: all numbers have one common order of convergence, from the sums of their relative
+changes and limited to the range from one to two.
+
+The tetrahedra of a part change at random from mesh to mesh, so the observed order of a single
+number means little: with an order between one and four for each number, a quarter of random parts
+lay outside their half-width. One is the lowest order that edges of rigid faces and inner corners
+cause. Orders above two are not used, because walls of one element converge faster at first than on
+finer meshes. With the larger safety factor, the half-widths contained the error of at least 95 % of
+random parts (tests/validation/parts/test_refinement.py, calibration).
 """
 
 import numpy as np
@@ -17,19 +19,19 @@ from meshes.part.volume import RATIO
 from validation.uncertainty.combiners import relative_sizes
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Relative rounding of compliances and frequencies. Changes below it have no order.
+# Relative round-off of compliances and frequencies. Smaller changes have no order.
 _ROUND_OFF = 1e-9
-# Rule of half-widths from meshes of tetrahedra whose sizes have the ratio `RATIO`.
+# Mesh policy for tetrahedra with the size ratio `RATIO` between meshes.
 TETRAHEDRA = MeshPolicy(RATIO, orders=(1.0, 2.0), safety=1.5, round_off=_ROUND_OFF)
 
 
 def refinement_uncertainty(
     coarse: Array, middle: Array, fine: Array, scale: Array | None = None
 ) -> Array:
-    """Half-widths of the values on the finest mesh, with their unit and shape.
+    """Half-widths of values on the finest mesh, in their unit and shape.
 
-    Changes are relative to `scale` (shape of the values). None for the values themselves. A number
-    with scale 0 has half-width 0. NaN stays NaN.
+    Changes are relative to `scale`, of the shape of the values, or to the values if it is None. A
+    number with scale 0 has half-width 0. NaN stays NaN.
     """
     size = np.abs(fine) if scale is None else scale
     changes = [relative_sizes(change, size) for change in (middle - coarse, fine - middle)]
@@ -37,6 +39,6 @@ def refinement_uncertainty(
 
 
 def compliance_uncertainty(coarse: Array, middle: Array, fine: Array) -> Array:
-    """Half-widths of a compliance matrix (k×k), with changes relative to √(cᵢᵢ cⱼⱼ)."""
+    """Half-widths (k×k) of a compliance matrix on the finest mesh, relative to √(cᵢᵢ cⱼⱼ)."""
     root = np.sqrt(np.diag(fine))
     return refinement_uncertainty(coarse, middle, fine, np.outer(root, root))

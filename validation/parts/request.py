@@ -1,4 +1,8 @@
-"""Interfaces and a material typed on the command line as tables of a robot file."""
+"""Interfaces and a material from the command line, written as tables of a robot file.
+
+Input: texts such as "A = { cylinder = { radius = 0.04 } }". Output: `PartInterface` and `Material`
+records. Raises InputError with all faults.
+"""
 
 import tomllib
 from collections.abc import Sequence
@@ -16,13 +20,13 @@ from lumped.robot_file.rules.relations import interface_faults, material_faults
 from lumped.robot_file.rules.tables import INTERFACE, MATERIAL
 
 FEWEST_UNKNOWNS, MOST_UNKNOWNS = 1000, 10_000_000
-# More modes than any mesh that fits into memory resolves.
+# More modes than any mesh that fits into memory can resolve.
 MOST_MODES = 100
 _EXAMPLE = "A = { cylinder = { radius = 0.04 } }"
 
 
 def faults_of_numbers(unknowns: int | None, modes: int | None) -> list[str]:
-    """Messages for numbers out of range. None stands for the default."""
+    """Messages for numbers out of range. None stands for the default value."""
     faults = []
     if unknowns is not None and not FEWEST_UNKNOWNS <= unknowns <= MOST_UNKNOWNS:
         allowed = f"from {FEWEST_UNKNOWNS} to {MOST_UNKNOWNS}"
@@ -33,7 +37,7 @@ def faults_of_numbers(unknowns: int | None, modes: int | None) -> list[str]:
 
 
 def part_of(robot_file: RobotFile, body: str) -> Body:
-    """CAD part with the name `body` in a robot file. Raises InputError if there is none."""
+    """CAD part named `body` in a robot file. Raises InputError if there is none."""
     parts = robot_file.mechanism.parts
     if body not in parts:
         names = ", ".join(parts) or "none"
@@ -44,7 +48,7 @@ def part_of(robot_file: RobotFile, body: str) -> Body:
 
 
 def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[str, Array]]:
-    """Interfaces, and the points of those that have one, from texts such as `_EXAMPLE`.
+    """Interfaces from texts, and the points of those that have one, by name.
 
     Raises InputError with the faults of all texts.
     """

@@ -1,4 +1,5 @@
-"""Results of Python functions that have no record of their own elsewhere.
+"""Result records of the Python interface: designs, finished runs, measured comparisons.
 
-In: matrices and curves of the computing packages. Out: frozen records with tables and plots.
+Input: curves, outcomes and matrices of other packages. Output: frozen records with tables and
+plots.
 """

@@ -1,4 +1,8 @@
-"""Designs compared by all models over a number of the robot file, with the choice of each model."""
+"""Result record of `vary`: robots that differ in one number, and the best value by each model.
+
+Input: curves of all models over the values of a number. Output: `Designs`, with the chosen value,
+its loss by the reference, a table and a plot.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -39,7 +43,7 @@ class Designs:
 
     @property
     def decisions(self) -> Mapping[Objective, Decision]:
-        """Values and choices of each model and of the reference, by objective.
+        """Values by each model and by the reference, by objective.
 
         Examples
         --------
@@ -49,7 +53,7 @@ class Designs:
         return {objective: curves.decision for objective, curves in self.curves.items()}
 
     def best(self, objective: Objective = "deflection", model: str | None = None) -> float:
-        """Value of the number that a model chooses.
+        """Best value of the varied number by a model.
 
         Parameters
         ----------
@@ -79,7 +83,7 @@ class Designs:
         return self.variation.values[self._choice(objective, model)]
 
     def loss(self, model: str, objective: Objective = "deflection") -> float:
-        """Loss by the choice of a model, evaluated by the reference.
+        """Relative loss of the value that a model chooses, evaluated by the reference.
 
         Parameters
         ----------
@@ -108,7 +112,7 @@ class Designs:
         return self.decisions[objective].choice(model).loss
 
     def table(self) -> ResultTable:
-        """Designs, a row for each: its value, then each objective by the reference and the models.
+        """Table of designs: the varied value, then each objective by reference and models.
 
         Returns
         -------
@@ -127,7 +131,7 @@ class Designs:
         return ResultTable(tuple(columns), tuple(zip(*columns.values(), strict=True)))
 
     def plot(self) -> "Figure":
-        """Largest deflection and smallest first frequency over the number.
+        """Plot of the largest deflection and smallest first frequency over the varied number.
 
         Returns
         -------
@@ -138,7 +142,7 @@ class Designs:
         --------
         >>> designs.plot().savefig("designs.png")
         """
-        # Loads the plotting library, which only pictures need.
+        # Imported here: plotting is slow to load, and only pictures need it.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
 
         x = np.array(self.variation.values)

@@ -1,4 +1,7 @@
-"""A finished run: its comparisons as a table and as a figure, and the path of its report."""
+"""Result record of `run`: comparisons and adequacy as tables and figures, and the report's path.
+
+Input: outcomes and matrix of a finished run. Output: `Run`.
+"""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -57,7 +60,7 @@ class Run:
         return Counter(outcome.verdict for outcome in self.outcomes)
 
     def table(self) -> ResultTable:
-        """Comparisons, one row for each: value, reference, verdict and use of the tolerance.
+        """Table of comparisons: value, reference, verdict, and difference over tolerance.
 
         Returns
         -------
@@ -74,7 +77,7 @@ class Run:
         return ResultTable(headings, tuple(map(_row, self.outcomes)))
 
     def plot(self) -> "Figure":
-        """Unexplained difference of each comparison divided by its tolerance, by verdict.
+        """Plot of each comparison's unexplained difference over its tolerance, by verdict.
 
         Beyond the line at 1 a comparison disagrees.
 

@@ -1,4 +1,7 @@
-"""Figure of a finished run: used share of the tolerance of each comparison."""
+"""Plot of a finished run: unexplained difference over tolerance of each comparison.
+
+Input: verdicts and ratios. Output: a matplotlib figure.
+"""
 
 from collections.abc import Mapping, Sequence
 from textwrap import fill
@@ -9,9 +12,9 @@ from matplotlib.figure import Figure
 from validation.drawing.style import GREEN, VERMILLION, WIDTH, Look, plot_style
 from validation.run.outcome import Outcome, Verdict
 
-# Height of a row and of the axis with legend (in); characters per line of a row's name.
+# Height of a row, and of the axis with legend (inches); characters per line of a row's name.
 _ROW, _AROUND, _LETTERS = 0.36, 1.1, 38
-# Smallest drawn share of a tolerance, also for smaller ones: round-off and zero.
+# Smallest drawn ratio to the tolerance. Smaller ones, such as round-off and zero, are drawn there.
 _SMALLEST = 1e-6
 _LOOKS: Mapping[Verdict, Look] = {
     "agree": Look(GREEN, "o"),

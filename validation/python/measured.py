@@ -1,4 +1,8 @@
-"""Models compared with measured values, in the terms of ASME V&V 20."""
+"""Result record of `compare_measured`: models against measured values (ASME V&V 20).
+
+Input: the matrix of verdicts against measured values. Output: `MeasuredComparison`, with a table
+and a plot.
+"""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -58,7 +62,7 @@ class MeasuredComparison:
         return self.matrix.known_entry(model, quantity)
 
     def table(self) -> ResultTable:
-        """Comparisons, a row for each model and quantity.
+        """Table of comparisons, one row for each model and quantity.
 
         Returns
         -------
@@ -73,7 +77,7 @@ class MeasuredComparison:
         return matrix_table(self.matrix)
 
     def plot(self) -> "Figure":
-        """Values of all models divided by the measured one, each with its 95 % interval.
+        """Plot of all models' values over the measured one, each with its 95 % interval.
 
         Returns
         -------

@@ -1,5 +1,5 @@
-"""Self-test of an installation: published benchmarks that use meshers, solvers and other programs.
+"""Self-test of an installation by published benchmarks.
 
-In: the installed packages and programs. Out: a table of known and computed numbers, and an exit
-code.
+Input: the installed packages and programs (meshers, solvers, CalculiX, EXUDYN). Output: a table of
+known and computed numbers, and an exit code.
 """

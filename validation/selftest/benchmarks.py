@@ -1,9 +1,11 @@
-"""Benchmarks with known numbers, computed on this machine.
+"""Benchmarks with known results, computed on this machine.
 
-MacNeal–Harder's cantilever and NAFEMS FV5 as solids, torsion of rectangles by finite elements, a
-hexapod and a CAD part in closed form, a leg by CalculiX and a five-bar by EXUDYN. Constraints and
-loads of solids are those of Saint-Venant's theory: averages over the end faces. Solid and beam
-theory then differ only by the approximation of beam theory.
+Input: none. Output: known and computed numbers of each benchmark. Rule: a number agrees if its
+relative difference, less the known difference of the two theories, is within the tolerance.
+MacNeal–Harder's cantilever and NAFEMS FV5 are solved as solids, torsion of rectangles by finite
+elements, a hexapod and a CAD part in closed form, a leg by CalculiX and a five-bar by EXUDYN.
+Constraints and loads of solids are those of Saint-Venant's theory, averages over the end faces, so
+that solid and beam theory differ only by the approximation of beam theory.
 """
 
 from collections.abc import Callable, Sequence
@@ -43,9 +45,9 @@ TOLERANCE = 1e-3
 
 @dataclass(frozen=True)
 class KnownNumber:
-    """Known and computed number in `unit`, equal within `tolerance` (relative).
+    """Known and computed value of one quantity, equal within `tolerance` (relative).
 
-    `explained` is the known relative difference of the two theories.
+    `explained`: known relative difference of the two theories.
     """
 
     quantity: str
@@ -57,7 +59,7 @@ class KnownNumber:
 
     @property
     def difference(self) -> float:
-        """Computed number less the known number, relative to the latter."""
+        """Computed value minus known value, relative to the known value."""
         return self.computed / self.known - 1.0
 
     @property
@@ -88,7 +90,7 @@ class BenchmarkOutcome:
 
 
 def outcome(benchmark: Benchmark) -> BenchmarkOutcome:
-    """Compute a benchmark. An exception gives an outcome as well."""
+    """Outcome of a benchmark. An exception gives an outcome as well."""
     try:
         numbers = tuple(benchmark.compare())
     except (CalculixMissing, ExudynMissing) as missing:
@@ -102,7 +104,7 @@ def outcome(benchmark: Benchmark) -> BenchmarkOutcome:
 
 @dataclass(frozen=True)
 class Cluster:
-    """Modes number `first` to `last` (from 1) with one frequency, `target` (Hz)."""
+    """Modes from number `first` to `last` (from 1) with one common frequency, `target` (Hz)."""
 
     first: int
     last: int
@@ -110,9 +112,9 @@ class Cluster:
     meaning: str
 
     def known_number(self, frequencies: Array, explained: float = 0.0) -> KnownNumber:
-        """Target, and the frequency of the cluster that is farthest from it.
+        """Target frequency, and the frequency of the cluster that is farthest from it.
 
-        `frequencies` (Hz) are those of all modes.
+        `frequencies` (Hz) of all modes.
         """
         cluster = frequencies[self.first - 1 : self.last]
         farthest = float(cluster[np.argmax(np.abs(cluster - self.target))])
@@ -123,7 +125,7 @@ class Cluster:
 
 # The density has no effect on statics.
 STRAIGHT = ConstantLeg(6.0, Rectangle(0.2, 0.1), Material.isotropic(1e7, 0.3, 1.0))
-# Component of the tip's compliance, its name, unit and target (m or rad per N or N m).
+# Component of the tip compliance, with name, unit and target (m or rad per N or N m).
 MACNEAL_TARGETS = (
     (0, "extension under a unit force", "m", 3.0e-5),
     (1, "deflection in the plane of the larger side under a unit force", "m", 0.1081),
@@ -136,7 +138,7 @@ MACNEAL_HARDER = (
 )
 FV5 = "NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV5"
 DEEP = ConstantLeg(10.0, Rectangle(2.0, 2.0), Material.isotropic(2e11, 0.3, 8000.0))
-# Modes, and the relative error of beam theory for waves of their length. A test computes the errors
+# Modes, and the relative error of beam theory for their wavelength. A test computes these errors
 # from the exact waves of the prism.
 FV5_MODES = (
     (Cluster(1, 2, 42.650, "bending 1"), 1.1453e-3),
@@ -153,7 +155,7 @@ TORSION_CONSTANTS = {
     10.0: 0.312325,
 }
 TIMOSHENKO = "S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, §109, table of k1, six digits"
-# Elements across the section, and slices along the beam for each of them, so that the errors of
+# Elements across the section, and slices along the beam for each of these, so that the errors in
 # both directions are similar.
 _STRAIGHT_DIVISIONS, _STRAIGHT_SLICES = 4, 5
 _DEEP_DIVISIONS, _DEEP_SLICES = 5, 3
@@ -168,7 +170,7 @@ _BAR, _SIZE = (0.12, 0.04, 0.024), 0.02
 
 
 def benchmarks() -> tuple[Benchmark, ...]:
-    """Benchmarks of solids and sections, a mechanism, a part, and two other programs."""
+    """All benchmarks: solids and sections, a mechanism, a CAD part, and two other programs."""
     return (
         Benchmark(
             "MacNeal–Harder's straight cantilever as a solid",
@@ -238,7 +240,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
 
 
 def straight_cantilever() -> list[KnownNumber]:
-    """Diagonal of the tip's compliance."""
+    """Diagonal of the tip compliance of MacNeal–Harder's cantilever as a solid."""
     beam = extruded(STRAIGHT, _STRAIGHT_DIVISIONS, _STRAIGHT_SLICES * _STRAIGHT_DIVISIONS)
     compliances = np.diag(solid.clamped_leg(beam, "free").compliance)
     return [
@@ -254,7 +256,7 @@ def extruded(leg: ConstantLeg, divisions: int, slices: int) -> solid.SolidLeg:
 
 
 def deep_beam() -> list[KnownNumber]:
-    """Nine modes of FV5, and their number from Sturm's count below the shift above them."""
+    """Nine modes of FV5 as a solid, and the number of modes by Sturm's count."""
     beam = extruded(DEEP, _DEEP_DIVISIONS, _DEEP_SLICES * _DEEP_DIVISIONS)
     count = FV5_MODES[-1][0].last
     modes = simply_supported(beam).modes(count)
@@ -287,7 +289,7 @@ def torsion_constant(ratio: float) -> KnownNumber:
 
 
 def hexapod() -> list[KnownNumber]:
-    """Deflections of the platform's point, known from the stiffness summed over the legs."""
+    """Deflections of the hexapod's platform, known from the stiffness summed over the legs."""
     mechanism = load_robot("hexapod").mechanism
     first_posture = posture(mechanism, mechanism.poses[0])
     (answer,) = answers("beam", [first_posture], 0, ModelOptions(elements=1))
@@ -360,7 +362,7 @@ def by_calculix() -> list[KnownNumber]:
 
 
 def by_exudyn() -> list[KnownNumber]:
-    """Frequencies of a mechanism, known from a multibody code."""
+    """Frequencies of the built-in five-bar, known from EXUDYN."""
     reference = reference_posture(load_robot("five-bar").mechanism)
     coarse, fine = (frequencies(reference, elements, _MODES) for elements in _ELEMENTS)
     (answer,) = answers("beam", [reference], _MODES)

@@ -1,4 +1,6 @@
-"""Solid legs in a run: choice of meshes, and uncertainty of their results.
+"""Solid legs: choice of meshes, and compliances and frequencies with uncertainty.
 
-In: legs. Out: compliances, modes and energies of solids with their discretisation uncertainty.
+Input: legs of constant section and limits on unknowns. Output: compliances and modes of solids on
+several meshes, with their discretisation uncertainty, and beams with section constants computed on
+the same section meshes.
 """

@@ -1,4 +1,10 @@
-"""Legs as solids on series of similar meshes and as beams of their sections, with uncertainties."""
+"""Legs as solids on geometrically similar meshes, and as beams with computed section constants.
+
+Input: a leg of constant section and limits on unknowns. Output: tip compliances (6×6, SI, leg axes)
+and frequencies on each mesh, with numerical uncertainty. Rule: compliances and frequencies converge
+with order 4 in the element size, except for singular stresses at the edges of rigid faces and at
+inward corners of sections, which have lower known orders.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -40,36 +46,37 @@ from validation.uncertainty.grid_convergence import (
 )
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Quadratic elements: energies, and with them compliances and frequencies, converge with h⁴ …
+# Order for quadratic elements: energies, and with them compliances and frequencies, converge with
+# h⁴. Singular stresses at the edges of a rigid face (`edge_order`) and at inward corners converge
+# more slowly. The corner's order is that of the shear flow about a right angle, r^(−1/3), λ = 2/3,
+# in torsion and flexure of walled sections (G. Strang, G. J. Fix, An Analysis of the Finite Element
+# Method, ch. 8).
 FORMAL_ORDER = 4.0
-# … but for the stresses at the edges of a rigid face that hold contraction (`edge_order`) …
-# … and for the shear flow about a re-entrant right angle of the section, r^(−1/3): λ = 2/3, in
-# torsion and flexure of walled sections (the Laplacian's corner; G. Strang, G. J. Fix, An Analysis
-# of the Finite Element Method, ch. 8).
 CORNER_ORDER = 4.0 / 3.0
-# Relative round-off of compliances and frequencies: smaller changes are no convergence.
+# Relative round-off of compliances and frequencies. Smaller changes are not convergence.
 ROUND_OFF = 1e-9
 GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
-# Curved and thin-walled sections keep their proportions only under doubling, from four on.
+# Curved and thin-walled sections keep their proportions only if divisions are doubled, from four
+# on.
 _RECTANGLE_LADDER = (1, 2, 3, 4, 6, 8, 12)
 COARSEST_WALLS = 4
 _DOUBLING_LADDER = (COARSEST_WALLS, 8, 16, 32)
-# Factor on the slices of `slices`: rigid faces of a box (ν = 0.3) have an error of 0.8 % without
-# it, of 6e-5 with it.
+# Factor on the number of slices: rigid faces of a box (ν = 0.3) have an error of 0.8 % without it
+# and of 6e-5 with it.
 _THINNER = 16
-# Modes in addition to the requested ones, so that each has a partner if models order them
-# differently.
+# Additional modes, so that each beam mode finds its partner if the orders of modes differ.
 _SPARE_MODES = 6
 _STATIONS = 24
 _ENDS: tuple[Ends, Ends] = ("rigid", "free")
-# Tasks of this group share the cached results of the robot's solids.
+# Group of tasks that share the cached results of the robot's solids.
 SHARED_SOLIDS = "robot.solid.modes"
-# Divisions of rectangles for modes of legs; the next coarser ones give the numerical uncertainty.
-# Up to four, walls have one element across: half of that shows the effect of their
-# length, and the error of the section mesh is the same in the section constants.
+# Divisions of rectangles, and of walls, for modes of legs; the next coarser mesh gives the
+# numerical uncertainty. Up to four divisions, walls have one element across: half of that shows the
+# effect of the element length, and the error of the section mesh is the same in the section
+# constants.
 DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 3, "fine": 4}
 WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
-# Element count of the beams that are compared with the solids.
+# Element count of the beams with which solids are compared.
 ELEMENTS = 20
 
 
@@ -77,8 +84,8 @@ ELEMENTS = 20
 class Refinement:
     """Values (m×…) on m similar meshes with `divisions` across the section, coarse to fine.
 
-    `free`: values with ends free to warp and contract, on the same meshes. They contain all errors
-    except that of the stresses at the edges of rigid end faces. None if the ends are free.
+    `free`: values with end faces free to warp and contract, on the same meshes. They contain all
+    errors except that of singular stresses at the edges of rigid faces. None if the ends are free.
     """
 
     divisions: tuple[int, ...]
@@ -87,17 +94,20 @@ class Refinement:
     free: "Refinement | None" = None
 
     def at(self, *index: int) -> Convergence:
-        """Convergence of one of the values; raises ValueError for fewer than four meshes."""
+        """Convergence of one value, given by its index.
+
+        Raises ValueError for fewer than four meshes.
+        """
         sizes = 1.0 / np.array(self.divisions, dtype=float)
         return analyse(sizes, self._curve(index), self.formal_order, ROUND_OFF)
 
     def uncertainty(self, *index: int) -> float:
-        """Numerical uncertainty of one of the finest values (its unit).
+        """Numerical uncertainty of one value on the finest mesh, in its unit.
 
-        With fewer than four meshes, which show no order, it is Roache's estimate for two meshes:
-        the change due to rigid edges by the order of the edges, the rest by that of free ends. With
-        four meshes and an order lowered by a corner, the term of the corner and the smooth term are
-        fitted with their known orders.
+        Fewer than four meshes show no order: Roache's estimate for two meshes is used, with the
+        order of the edges for the change due to rigid edges and that of free ends for the rest.
+        With four meshes and an order lowered by a corner, the term of the corner and the smooth
+        term are fitted with their known orders.
         """
         values = self._curve(index)
         if len(values) < GRIDS_FOR_ORDER:
@@ -120,9 +130,10 @@ class Refinement:
 
 @dataclass(frozen=True)
 class SolidModes:
-    """Frequencies (Hz, m×k) in the order of the beam's first k modes, and MAC with those (m×k).
+    """Frequencies (m×k, Hz) on m meshes, in the order of the beam's first k modes, and their MAC.
 
-    `unknowns` (m) of the meshes; `seconds` (m) of CPU time that mesh, factor and modes took.
+    `mac` (m×k): likeness to the beam's modes. `unknowns` (m) of the meshes. `seconds` (m): CPU time
+    for mesh, factorisation and modes.
     """
 
     frequencies: Refinement
@@ -138,18 +149,18 @@ def formal_order(leg: ConstantLeg, ends: Ends) -> float:
 
 
 def corner_order(section: Section) -> float:
-    """Order of energies 2π/α by the largest inward angle α of a section's corners."""
+    """Order 2π/α of energies, with the largest inward angle α of a section's corners."""
     if isinstance(section, OutlinedSection):
         return min(FORMAL_ORDER, 2.0 * np.pi / section.largest_angle)
     return CORNER_ORDER if isinstance(section, HollowRectangle | ISection) else FORMAL_ORDER
 
 
 def edge_order(nu: float) -> float:
-    """Order 2 Re λ of energies with stresses r^(λ − 1) where a free side meets a rigid face at 90°.
+    """Order 2 Re λ of energies, with stresses r^(λ − 1) at a free side on a rigid face at 90°.
 
     λ is a root of sin²(λπ/2) = (4 (1 − ν)² − λ²)/(3 − 4ν), plane strain (M. L. Williams, J. Appl.
     Mech. 19 (1952) 526): 0.71 for ν = 0.3, 1.04 ± 0.58i for ν = −0.9, where the face restrains
-    stretching. Without contraction nothing is restrained.
+    stretching. With ν = 0 nothing is restrained.
     """
     if nu == 0.0:
         return FORMAL_ORDER
@@ -160,7 +171,7 @@ def edge_order(nu: float) -> float:
 
     if nu < 0.0:
         return 2.0 * float(scipy.optimize.newton(misfit, 1.05 + 0.3j).real)
-    # λ = 1 is a root as well, of a uniform stress.
+    # λ = 1 is a root as well, that of a uniform stress.
     if misfit(1.0 - 1e-9).real <= 0.0:
         return 2.0
     return 2.0 * float(
@@ -171,7 +182,7 @@ def edge_order(nu: float) -> float:
 def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
     """Divisions whose section mesh has at most `most` unknowns, for studies by doubling.
 
-    Empty if not even two meshes are that small.
+    () if fewer than two meshes are that small.
     """
     return _ladder(leg, most, lambda _: 1)
 
@@ -179,7 +190,7 @@ def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
 def dynamic_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
     """Divisions whose solid mesh has at most `most` unknowns, for studies of modes.
 
-    Empty if not even two meshes are that small.
+    () if fewer than two meshes are that small.
     """
     return _ladder(leg, most, lambda divisions: 2 * slices(leg, divisions) + 1)
 
@@ -194,15 +205,15 @@ def _ladder(leg: ConstantLeg, most: int, layers: Callable[[int], int]) -> tuple[
 
 
 def divisions_across(leg: ConstantLeg, rectangle: int, walls: int) -> int:
-    """Divisions of a rectangle's smaller side, or of the walls and rims of other shapes."""
+    """Divisions of a rectangle's smaller side, or of the walls and rims of other sections."""
     return rectangle if isinstance(leg.section, Rectangle) else walls
 
 
 def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
-    """Elements of the section mesh, all inversely proportional to the mesh size.
+    """Element counts of the section mesh, all inversely proportional to the element size.
 
-    Only meshes that are similar to each other show an order. For a rectangle both counts are
-    multiples of `divisions`; the other shapes keep their proportions under doubling.
+    Only geometrically similar meshes show an order. For a rectangle both counts are multiples of
+    `divisions`; other sections keep their proportions if divisions are doubled.
     """
     section = leg.section
     if not isinstance(section, Rectangle):
@@ -212,9 +223,9 @@ def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
 
 
 def slices(leg: ConstantLeg, divisions: int) -> int:
-    """Slices along the leg, as long as a rectangle's elements are wide.
+    """Number of slices along the leg, each as long as a rectangle's elements are wide.
 
-    Slices of the other shapes, which start at four divisions, are four times as long: walls need
+    For other sections, whose divisions start at four, slices are four times as long: walls need
     divisions across, not along.
     """
     along = max(2, ceil(leg.length / element_length(leg.section, 1)))
@@ -222,10 +233,10 @@ def slices(leg: ConstantLeg, divisions: int) -> int:
 
 
 def static_slices(leg: ConstantLeg, divisions: int) -> int:
-    """Slices along the leg for doubling, whose cost is their logarithm.
+    """Number of slices along the leg for the doubling method, whose cost is their logarithm.
 
-    They are so thin that stresses at a rigid face decay over many of them: only the error of the
-    section's mesh remains.
+    Slices are so thin that stresses at a rigid face decay over many of them: only the error of the
+    section mesh remains.
     """
     return _THINNER * slices(leg, divisions)
 
@@ -236,7 +247,7 @@ def face_mesh(leg: ConstantLeg, divisions: int) -> SectionMesh:
 
 
 def doubled_unknowns(leg: ConstantLeg, divisions: int) -> int:
-    """Number of unknowns of the mesh that doubling condenses to the ends."""
+    """Number of unknowns of the mesh that the doubling method condenses to the ends."""
     return 3 * len(face_mesh(leg, divisions).nodes) * (2 * static_slices(leg, divisions) + 1)
 
 
@@ -247,13 +258,13 @@ def leg_constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
 
 
 def own_properties(leg: ConstantLeg, divisions: int) -> BeamProperties:
-    """Timoshenko beam with the constants of `leg_constants`."""
+    """Timoshenko beam with the section constants of `leg_constants`."""
     return beam_properties(leg_constants(leg, divisions), leg.material)
 
 
 @memo(32)
 def face_restraint(leg: ConstantLeg, divisions: int) -> Array:
-    """Change (6×6, ≤ 0) of the beam's tip compliance by rigid end faces, on one section mesh."""
+    """Change (6×6, ≤ 0) of the beam's tip compliance due to rigid end faces."""
     return restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length)
 
 
@@ -274,12 +285,12 @@ def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends
 
 
 def doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> Mapping[Ends, Array]:
-    """Tip compliance (6×6, SI, leg axes) of the solid leg of `along` slices by its ends."""
-    # Both end conditions are computed together, whichever the leg specifies.
+    """Tip compliance (6×6, SI, leg axes) of the solid leg with `along` slices, by end condition."""
+    # Both end conditions are computed together, whichever one the leg specifies.
     return _doubled_tips(replace(leg, ends=None), divisions, along)
 
 
-# Studies of the leg, of the robot and of the models' adequacy use the same legs.
+# In memory: studies of the leg, of the robot and of the models' adequacy use the same legs.
 @memo(64)
 def _doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> dict[Ends, Array]:
     condensed = doubling.condensed_leg(leg, face_mesh(leg, divisions), along)
@@ -289,7 +300,7 @@ def _doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> dict[Ends, Ar
 def solid_frequencies(
     leg: ConstantLeg, divisions: tuple[int, ...], ends: Ends, count: int
 ) -> SolidModes:
-    """First `count` frequencies of the clamped leg, paired with the beam's."""
+    """First `count` frequencies of the clamped leg on each mesh, paired with the beam's modes."""
     beam = beam_leg(leg.timoshenko, leg.length, ELEMENTS)
     stations, lengths = centreline_samples(leg.length, _STATIONS)
     root = np.sqrt(centreline_weights(leg.timoshenko, lengths))[:, None]
@@ -298,17 +309,17 @@ def solid_frequencies(
         beam_modes.frequencies, root * (beam.centreline(stations) @ beam_modes.shapes)
     )
     frequencies, mac, unknowns, seconds = [], [], [], []
-    for number in divisions:
+    for division_count in divisions:
         start = process_time()
-        counts = section_counts(leg, number)
-        mesh = hexahedra(leg.section, leg.length, counts, slices(leg, number))
+        counts = section_counts(leg, division_count)
+        mesh = hexahedra(leg.section, leg.length, counts, slices(leg, division_count))
         clamped = clamped_leg(solid_leg(leg, mesh), ends)
         twists = section_twists(mesh, stations)
         for mode_count in count + _SPARE_MODES * np.array([1, 2, 4, 8]):
             modes = clamped.modes(int(mode_count))
             shapes = root * (twists @ modes.shapes)
-            # Share of the unit modal mass; local modes of walls have almost none in the sections'
-            # motion.
+            # Share of the unit modal mass. Local modes of walls have almost no motion of whole
+            # sections.
             seen = np.square(shapes).sum(axis=0)
             pairs = pair_modes(target, sampled_modes(modes.frequencies, shapes, seen))
             if (pairs.partner >= 0).all():
@@ -322,9 +333,9 @@ def solid_frequencies(
 
 
 def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None = None) -> HeldLeg:
-    """The solid leg with the twists of both ends given; `ends` as in its coupling.
+    """Solid leg on the twists of both ends, with end condition `ends`.
 
-    `section`: divisions of its section. None if they are equal to `divisions`, those along it.
+    `divisions` along the leg, `section` across it. If `section` is None, both are equal.
     """
     solid = solid_leg(leg, solid_mesh(leg, divisions, section=section))
     with naming(leg.name):
@@ -332,7 +343,7 @@ def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None
 
 
 def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
-    """Timoshenko beam with the constants of the solid's own section mesh."""
+    """Timoshenko beam elements with section constants computed on the solid's section mesh."""
     material = leg.material
     mesh = section_mesh(leg.section, divisions)
     constants = section_constants(mesh, material.nu, material.G / material.E)
@@ -341,10 +352,10 @@ def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
 
 @dataclass(frozen=True)
 class TwoMeshes:
-    """Tip compliances (6×6, SI, leg axes) of a solid leg by its ends, on two similar meshes.
+    """Tip compliances (6×6, SI, leg axes) of a solid leg on two similar meshes, by end condition.
 
     Element sizes of `coarse` are `ratio` times those of `fine`. `restrained`: theoretical change of
-    a Timoshenko cantilever's compliance by rigid faces, on the finer mesh of the section.
+    a Timoshenko cantilever's compliance due to rigid faces, on the finer section mesh.
     """
 
     coarse: Mapping[Ends, Array]
@@ -354,7 +365,7 @@ class TwoMeshes:
 
 
 def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
-    """A leg by doubling, on the meshes of `mesh_pair`."""
+    """Tip compliances of a leg by the doubling method on the meshes of `mesh_pair`."""
     coarse, fine = mesh_pair(leg, most)
     with naming(leg.name):
         return TwoMeshes(
@@ -366,12 +377,12 @@ def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
 
 
 def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Divisions of the section and slices along it of the two finest meshes, coarse and fine.
+    """Divisions across the section and slices along it, of a coarse and a fine mesh.
 
-    Their section meshes have at most `most` unknowns. If only one mesh of thin walls has so
-    few, both share it and the coarser one is half as fine along the leg: the error of the section
-    mesh is the same in the section constants. Raises InputError if not even that one is small
-    enough.
+    These are the two finest whose section meshes have at most `most` unknowns. If only one mesh of
+    thin walls is that small, both use it and the coarser one is half as fine along the leg: the
+    error of the section mesh is the same in the section constants. Raises InputError if not even
+    one is small enough.
     """
     ladder = static_ladder(leg, most)
     if ladder:
@@ -388,7 +399,7 @@ def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, 
 
 
 def has_meshes(leg: ConstantLeg, most: int) -> bool:
-    """True if a leg has a `mesh_pair`."""
+    """True if a leg has a `mesh_pair` with at most `most` unknowns per section mesh."""
     return bool(static_ladder(leg, most)) or _coarsest_unknowns(leg) <= most
 
 

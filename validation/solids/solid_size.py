@@ -1,6 +1,8 @@
-"""Size of solid legs, counted from the blocks of their sections, and the limit of each preset.
+"""Number of unknowns of solid legs, and the limit of each preset.
 
-A preset sets the mesh size; the number of unknowns depends on the slenderness of the legs.
+Input: legs and divisions across their sections. Output: unknowns, counted from the blocks of the
+section meshes, and the reason if a preset refuses them. A preset sets the element size; the number
+of unknowns depends on the slenderness of the legs.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,14 +15,17 @@ from lumped.text import counted
 from meshes.section.section_blocks import element_length, section_blocks, sides_of
 from validation.context import PRESETS, Preset
 
-# Unknowns of one solid that a run factorises: some 20 s and 2 GB, 50 s and 5 GB, 7 min and 29 GB
-# (with less memory, the factorisation is refused). A hundred ordinary robots drawn at random
+# Largest number of unknowns of one solid that a run factorises: about 20 s and 2 GB, 50 s and 5 GB,
+# 7 min and 29 GB (with less memory, the factorisation is refused). A hundred random ordinary robots
 # have at most 34 000, 108 000 and 675 000.
 LARGEST: dict[Preset, int] = {"quick": 100_000, "standard": 200_000, "fine": 800_000}
 
 
 def solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
-    """Unknowns of quadratic hexahedra; nodes that blocks of the section share count twice."""
+    """Unknowns of a leg of quadratic hexahedra.
+
+    Nodes that blocks of the section share count twice.
+    """
     size = element_length(leg.section, divisions)
     slices = max(2, ceil(leg.length / size))
     try:
@@ -28,13 +33,13 @@ def solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
         sides = (sides_of(blocks, corners) for corners in blocks.corners)
         nodes = float(sum((2 * across + 1) * (2 * along + 1) for across, along in sides))
     except InputError:
-        # A shape added by a user: squares that fill its area, four nodes each.
+        # A section added by a user: squares that fill its area, four nodes each.
         nodes = 4.0 * leg.section.area / size**2
     return 3.0 * nodes * (2.0 * slices + 1.0)
 
 
 def why_shapeless(legs: Sequence[Leg]) -> str:
-    """Reason why some of `legs` cannot be meshed at all; empty if each section has a shape."""
+    """Reason why some of `legs` cannot be meshed at all. "" if each section has a shape."""
     names = [
         leg.name or "a leg"
         for leg in legs
@@ -49,7 +54,7 @@ def why_shapeless(legs: Sequence[Leg]) -> str:
 
 
 def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> str:
-    """Reason why a run refuses some of `legs` with these `divisions`. "" if it takes all."""
+    """Reason why a run refuses some of `legs` with these `divisions`. "" if it accepts all."""
     if shapeless := why_shapeless(legs):
         return shapeless
     limit = LARGEST[preset]
@@ -71,7 +76,7 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
 
 
 def larger_preset(preset: Preset, takes: Callable[[Preset], bool]) -> str:
-    """Option for the first larger preset for which `takes` is true: "--preset fine".
+    """Option for the first larger preset for which `takes` is true, "--preset fine".
 
     "no preset" if there is none.
     """
