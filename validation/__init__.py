@@ -1,1 +1,5 @@
-"""Comparisons as typed cases, the run that judges them, and the report that shows it."""
+"""Checks of lumped robot models against finite elements: comparisons, verdicts, runs and reports.
+
+Input: robot files. Output: verdicts on models and formulations, as a report, JSON or Python
+records.
+"""

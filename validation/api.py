@@ -135,7 +135,7 @@ def solve(
     Parameters
     ----------
     robot
-        As of `load`, or its result.
+        The robot, as for `load`, or the result of `load`.
     model
         ``"simplified"``, ``"vjm"``, ``"links"``, ``"segments"``, ``"beam"`` or ``"solid"``.
     poses
@@ -146,8 +146,8 @@ def solve(
     modes
         Number of natural frequencies. Six if None.
     **options
-        Options of the model, as of ``flexproof solve``: ``elements``, ``theory``, ``divisions``, …
-        ``ends="free-free"`` with `body`: its frequencies with nothing held.
+        Options of the model, as for ``flexproof solve``: ``elements``, ``theory``, ``divisions``, …
+        ``ends="free-free"`` with `body`: frequencies of the body with free ends.
 
     Returns
     -------
@@ -200,7 +200,7 @@ def converge(
     Parameters
     ----------
     robot
-        As of `load`, or its result. It stands in the middle of its path.
+        The robot, as for `load`, or the result of `load`. It stands in the middle of its path.
     model
         ``"segments"``, ``"beam"`` or ``"solid"``. Segments and beam elements if None.
     body
@@ -249,7 +249,7 @@ def cross_validate(robot: Robot, *, preset: Preset = "standard") -> CrossValidat
     Parameters
     ----------
     robot
-        As of `load`, or its result.
+        The robot, as for `load`, or the result of `load`.
     preset
         ``"quick"``, ``"standard"`` or ``"fine"``: how fine the solids are.
 
@@ -340,7 +340,7 @@ class Adequacy:
         Parameters
         ----------
         model, quantity, within
-            As of `entry`.
+            As for `entry`.
 
         Raises
         ------
@@ -364,7 +364,7 @@ class Adequacy:
         Parameters
         ----------
         accept
-            Limits by name, as of `load`.
+            Limits by name, as for `load`.
 
         Returns
         -------
@@ -412,7 +412,7 @@ class Adequacy:
 
     @property
     def _lengths(self) -> UnitOfLength:
-        """Unit in which the robot file states lengths, and limits of displacements."""
+        """Unit in which the robot file gives lengths and limits of displacements."""
         return self.subject.responses.robot.mechanism.lengths
 
     def _within(self, model: str, quantity: str, limit: float) -> Matrix:
@@ -452,7 +452,7 @@ class Adequacy:
         --------
         >>> judged.plot().savefig("errors.png")
         """
-        # Only a picture needs the library that draws it.
+        # Imported here: only a picture needs the plotting library.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
         from validation.drawing.style import plot_style  # noqa: PLC0415
         from validation.report.figures.adequacy import error_curves  # noqa: PLC0415
@@ -489,11 +489,11 @@ def adequacy(
     Parameters
     ----------
     robot
-        As of `load`, or its result.
+        The robot, as for `load`, or the result of `load`.
     preset
         ``"quick"``, ``"standard"`` or ``"fine"``: how fine the references are.
     accept
-        Limits that replace those of the file, as of `load`.
+        Limits that replace those of the file, as for `load`.
 
     Returns
     -------
@@ -535,7 +535,7 @@ def run(
     Parameters
     ----------
     robot
-        As of `load`, or its result.
+        The robot, as for `load`, or the result of `load`.
     out
         Folder for ``report.html``, ``results.json``, ``junit.xml`` and ``figures/``.
     preset
@@ -545,7 +545,7 @@ def run(
     jobs
         Number of processes. As many as there are cores if None.
     vary
-        Numbers of the robot file over ranges, ``"KEY=FROM:TO:COUNT"`` each, as of ``--vary``.
+        Numbers of the robot file over ranges, ``"KEY=FROM:TO:COUNT"`` each, as for ``--vary``.
 
     Returns
     -------
@@ -602,7 +602,7 @@ def identify(
     Parameters
     ----------
     part
-        A STEP or BREP file, a volume mesh, or with `body` a robot as of `load`.
+        A STEP or BREP file, a volume mesh, or with `body` a robot as for `load`.
     body
         A body of the robot that is a part from a file.
     interfaces
@@ -669,9 +669,9 @@ def draw(robot: Robot, *, poses: Sequence[float | Sequence[float]] = ()) -> "Fig
     Parameters
     ----------
     robot
-        As of `load`, or its result.
+        The robot, as for `load`, or the result of `load`.
     poses
-        Poses of the tool (m, rad), as of `solve`; the middle one is drawn in full. Those of the
+        Poses of the tool (m, rad), as for `solve`; the middle one is drawn in full. Those of the
         path if empty.
 
     Returns
@@ -708,7 +708,8 @@ def workspace(robot: Robot, *, preset: Preset = "standard") -> WorkspaceMaps:
     Parameters
     ----------
     robot
-        As of `load`, or its result. Its path is a grid (``counts``) in two or three directions.
+        The robot, as for `load`, or the result of `load`. Its path is a grid (``counts``) in two or
+        three directions.
     preset
         ``"quick"``, ``"standard"`` or ``"fine"``: at most 81, 400 or 2500 poses of the grid.
 
@@ -749,9 +750,9 @@ def vary(robot: Robot, number: str, *, preset: Preset = "standard") -> Designs:
     Parameters
     ----------
     robot
-        As of `load`, or its result.
+        The robot, as for `load`, or the result of `load`.
     number
-        ``"KEY=FROM:TO:COUNT"``, as of ``--vary``: ``"leg1.section.thickness=0.004:0.012:5"``.
+        ``"KEY=FROM:TO:COUNT"``, as for ``--vary``: ``"leg1.section.thickness=0.004:0.012:5"``.
     preset
         ``"quick"``, ``"standard"`` or ``"fine"``: how fine the references are.
 
@@ -789,7 +790,8 @@ def compare_measured(robot: Robot, file: str | Path | None = None) -> MeasuredCo
     Parameters
     ----------
     robot
-        As of `load`, or its result. Values in its ``[[measured]]`` are compared, too.
+        The robot, as for `load`, or the result of `load`. Values in its ``[[measured]]`` are
+        compared, too.
     file
         Measured values (CSV), or a modal test (``.uff``, ``.unv``; needs the extra ``hammer``, and
         ``[hammer]`` in the robot file). None if all values stand in the robot file.
@@ -835,7 +837,7 @@ def export(
     Parameters
     ----------
     robot
-        As of `load`, or its result.
+        The robot, as for `load`, or the result of `load`.
     to
         ``"npz"``, ``"exudyn"``, ``"statespace"``, ``"simscape"`` or ``"nastran"``; the last two
         take one `body`.
@@ -887,7 +889,7 @@ _ARGUMENTS = {"pose": "poses", "x": "poses"}
 
 @contextmanager
 def _arguments_named() -> Iterator[None]:
-    """Faults of input name the arguments of these functions, not options of the command line."""
+    """Context in which faults of input name function arguments instead of command options."""
 
     def argument(option: re.Match[str]) -> str:
         return _ARGUMENTS.get(option[1], option[1])
@@ -899,7 +901,7 @@ def _arguments_named() -> Iterator[None]:
 
 
 def _typed(poses: Sequence[float | Sequence[float]]) -> tuple[str, ...]:
-    """Poses as they are typed on the command line."""
+    """Poses as texts in the form of the command line."""
     return tuple(",".join(repr(float(number)) for number in np.atleast_1d(pose)) for pose in poses)
 
 

@@ -29,18 +29,19 @@ from validation.context import About, Preset
 
 T = TypeVar("T")
 Field: TypeAlias = T | Callable[..., T]
-# Values by the parameter's name; by several names, "name, limit", tuples of values.
+# Values of each parameter by its name. For several names in one key, "name, limit", tuples of
+# values.
 Over: TypeAlias = Mapping[str, Field[Iterable[Any]]]
 Compute = TypeVar("Compute", bound=Callable[..., Measurement])
 
 
 def numbered(modes: int) -> tuple[tuple[int, int], ...]:
-    """Indices from 0 with numbers from 1, as in `over={"index, mode": numbered(6)}`."""
+    """Pairs of index (from 0) and number (from 1), for `over={"index, mode": numbered(6)}`."""
     return tuple((index, index + 1) for index in range(modes))
 
 
 class CaseFields(TypedDict, total=False):
-    """Fields of a `Case`, or functions of parameters that make them; texts are templates."""
+    """Fields of a `Case`, or functions of parameters that return them. Texts are templates."""
 
     quantity: Field[str]
     unit: Field[str]
@@ -65,8 +66,8 @@ class CaseFields(TypedDict, total=False):
 class CaseGroup:
     """Cases with `common` fields, each declared `over` the same parameters.
 
-    The parameters of the group are the outermost: all its cases for the first value, then all for
-    the next.
+    The parameters of the group vary slowest: all its cases for the first value, then all for the
+    next.
     """
 
     def __init__(self, *, over: Over | None = None, **common: Unpack[CaseFields]) -> None:
@@ -82,7 +83,7 @@ class CaseGroup:
         over: Over | None = None,
         **fields: Unpack[CaseFields],
     ) -> Callable[[Compute], Compute]:
-        """Decorator that declares a case, or one for each combination of the parameters."""
+        """Decorator that declares a case, or one for each combination of parameters in `over`."""
 
         def declare(compute: Compute) -> Compute:
             declared_fields = {"id": identifier, "title": title, **fields}
@@ -94,16 +95,16 @@ class CaseGroup:
         return declare
 
     def family(self, *, over: Over | None = None, **fields: Unpack[CaseFields]) -> Self:
-        """Add a group within this one, whose cases have these `fields` in common as well."""
+        """Group within this group, whose cases have these `fields` in common as well."""
         common: CaseFields = {**self._common, **fields}
         group = type(self)(over=over, **common)
         self._declared.append(group)
         return group
 
     def __call__(self, **parameters: Any) -> tuple[Case, ...]:
-        """All cases; `parameters` have the values that depend on the robot file.
+        """All cases. `parameters` have the values that depend on the robot file.
 
-        Raises KeyError for a template, TypeError for a function with an unknown parameter.
+        Raises KeyError for a template, TypeError for a function, with an unknown parameter.
         """
         return tuple(
             case
@@ -135,20 +136,20 @@ def _cases(
 
 
 def _combinations(parameters: Mapping[str, Any], over: Over) -> list[dict[str, Any]]:
-    """Every combination of parameters, the last one of `over` changing fastest."""
-    rows = [dict(parameters)]
+    """All combinations of parameters. The last one of `over` varies fastest."""
+    combinations = [dict(parameters)]
     for key, values in over.items():
         names = key.split(", ")
-        rows = [
+        combinations = [
             row | dict(zip(names, value if len(names) > 1 else (value,), strict=True))
-            for row in rows
+            for row in combinations
             for value in (values(**_arguments(values, row)) if callable(values) else values)
         ]
-    return rows
+    return combinations
 
 
 def _filled(row: Mapping[str, Any], field: Any) -> Any:
-    """A field with the parameters filled in."""
+    """Field with the parameters filled in."""
     if isinstance(field, tuple):
         return tuple(_filled(row, text) for text in field)
     if isinstance(field, str):

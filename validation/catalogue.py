@@ -1,4 +1,8 @@
-"""Cases, assessments and figures that a run can compute for a robot."""
+"""List of all cases, assessments and figures that a run can compute for a robot.
+
+Input: a robot file and the variations of a request. Output: tasks. Rule: the robot decides which
+apply; the paper's statements belong to the paper's robot only.
+"""
 
 from collections.abc import Sequence
 
@@ -42,10 +46,7 @@ _MEASURED = Assessment(
 
 
 def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Sequence[Task]:
-    """All cases, assessments and figures for a robot, and those of its variations.
-
-    The paper's statements are for the paper's robot alone.
-    """
+    """All cases, assessments and figures for a robot, and those of its variations."""
     mechanism, limits = robot_file.mechanism, robot_file.agreement
     return (
         *(paper.cases() if is_paper_robot(robot_file) else ()),

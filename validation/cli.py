@@ -52,7 +52,7 @@ app = App(
     help="Holds lumped stiffness models of parallel robots against beam and solid finite elements.",
     version="",
     result_action="return_value",
-    # No --empty-x beside what may be given again, and no default where nothing is given.
+    # No option --empty-x for arguments that can be repeated, and no default in help if it is empty.
     default_parameter=Parameter(negative=(), show_default=lambda value: value or None),
 )
 app.command(converge)
@@ -99,9 +99,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def _home() -> Iterator[None]:
-    """A home for what libraries keep: for the meantime one of its own where HOME names no folder.
+    """Context with a home folder for libraries. A temporary one if HOME is not an absolute path.
 
-    An empty or relative one would be the root of all files, or wherever one is.
+    An empty or relative HOME would be the root of the file system, or a folder anywhere.
     """
     home = os.environ.get("HOME")
     if home is None or Path(home).is_absolute():
@@ -117,7 +117,7 @@ def _home() -> Iterator[None]:
 
 @contextmanager
 def _own_variable(name: str) -> Iterator[None]:
-    """A variable of the environment that a command may set, for its processes too."""
+    """Context that restores an environment variable, which a command can set for its processes."""
     before = os.environ.get(name)
     try:
         yield
@@ -126,7 +126,7 @@ def _own_variable(name: str) -> Iterator[None]:
 
 
 def _interrupted(number: int, _frame: object) -> None:
-    """Ends the command as Ctrl-C does, and lets nobody interrupt that."""
+    """Handler of SIGTERM: end the command as Ctrl-C does, without further interruption."""
     signal.signal(number, signal.SIG_IGN)
     raise KeyboardInterrupt
 
@@ -139,10 +139,10 @@ def _run(arguments: list[str]) -> int:
         returned = command(*bound.args, **bound.kwargs)
         code = returned if isinstance(returned, int) else 0
     except SystemExit:
-        # Rich, which prints help, leaves like this when the reader of a pipe has left.
+        # rich, which prints help, exits in this way when the reader of a pipe has ended.
         pass
     except OSError as error:
-        # Help and version are printed elsewhere.
+        # Help and version are printed by cyclopts.
         if command.__module__.startswith("cyclopts"):
             streams.raise_lost_results(error)
         elif error.errno in EXHAUSTED:
@@ -164,7 +164,7 @@ def _in_a_folder() -> bool:
     return True
 
 
-# Seconds of computing for which nobody presses Ctrl-C.
+# Computing time (s) during which nobody presses Ctrl-C.
 _PATIENCE = 2.0
 
 
@@ -475,7 +475,7 @@ def check(robot: RobotName) -> int:
     robot_file = load_robot(robot)
     mechanism, of_parts = robot_file.mechanism, ""
     reached = len(postures_on_path(mechanism, mechanism.poses))
-    # Only where there are parts: reading them needs gmsh.
+    # Only for CAD parts: reading them needs gmsh.
     if mechanism.parts:
         from validation.models.part_check import parts_text  # noqa: PLC0415
 

@@ -1,4 +1,8 @@
-"""Context of a case: the robot, the preset, and results that earlier cases computed."""
+"""Context of a task: robot file, preset, and a store of results that earlier tasks computed.
+
+Input: a robot file and the options of a run. Output: `Context`, whose `get` computes a function
+once for equal arguments.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
@@ -11,7 +15,7 @@ from validation.record_fields import LISTING, RESULTS
 Preset: TypeAlias = Literal["quick", "standard", "fine"]
 About: TypeAlias = Literal["robot", "leg"]
 PRESETS: tuple[Preset, ...] = ("quick", "standard", "fine")
-# The robot whose numbers the paper prints.
+# Name of the robot whose numbers the paper gives.
 BUILT_IN = "ifw"
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -19,13 +23,11 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Context:
-    """Robot file, preset and options of a run, and a memo of expensive results.
+    """Robot file, preset and options of a run, and a store of expensive results.
 
-    `finer`: preset of the references' meshes. None if the meshes of the run's preset are fine
-    enough.
-
+    `finer`: preset of the references' meshes. None if those of the run's preset are fine enough.
     `context.get(solid_leg, leg, divisions)` is `solid_leg(leg, divisions)`, computed once per
-    process for equal arguments. The function must be pure and defined at the top of a module.
+    process for equal arguments. The function must be pure and defined at the top level of a module.
     """
 
     robot_file: RobotFile
@@ -36,11 +38,11 @@ class Context:
 
     @property
     def meshes(self) -> Preset:
-        """Preset of the references' meshes."""
+        """Preset whose meshes the references use."""
         return self.finer or self.preset
 
     def get(self, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-        """The function's value for these arguments, from the memo if it has been computed."""
+        """Value of a function for these arguments, from the store if it has been computed."""
         key = memo_key(function, args, kwargs)
         if key not in self._memo:
             self._memo[key] = function(*args, **kwargs)
@@ -50,11 +52,11 @@ class Context:
 
 @dataclass(frozen=True)
 class ScheduledTask:
-    """A task of a run: a comparison, a figure or an assessment.
+    """Task of a run: a comparison, a figure or an assessment.
 
-    `section` is the heading under which the report shows the result. Tasks of one `group` share
-    expensive results and run in the same process, one after the other. `effort` is the expected
-    time in seconds, for the order of work and the time left.
+    `section`: heading under which the report lists the result. Tasks of one `group` share expensive
+    results and run in the same process, one after the other. `effort`: expected time in s, for the
+    order of tasks and the remaining time.
     """
 
     id: Annotated[str, RESULTS, LISTING]
@@ -69,7 +71,10 @@ class ScheduledTask:
 def memo_key(
     function: Callable[..., object], args: tuple[object, ...], kwargs: Mapping[str, object]
 ) -> str:
-    """Name of the function and hash of its arguments; ValueError for one without a fixed name."""
+    """Key of a stored result: name of the function and hash of its arguments.
+
+    Raises ValueError for a function without a fixed name.
+    """
     name = f"{function.__module__}.{function.__qualname__}"
     if "<" in name:
         raise ValueError(f"{name}: only functions at the top of a module have a fixed name")

@@ -1,7 +1,8 @@
-"""Cross-validation in Python: formulations of the same legs compared, and their convergence.
+"""Comparison of all formulations of a robot's legs with solids, and their convergence, in Python.
 
-The comparisons are those of the chapter "Cross-validation" of a report: legs of constant section
-by every formulation against solids of the same legs.
+Input: the context of a robot. Output: `CrossValidation`, with the verdicts of the chapter
+"Cross-validation" of a report. Rule: all formulations have the same legs of constant section, and
+are compared with solids of these legs.
 """
 
 from collections.abc import Iterable, Mapping
@@ -49,7 +50,7 @@ class CrossValidation:
 
     @property
     def sentence(self) -> str:
-        """Agreement of all formulations in one sentence.
+        """Sentence on the agreement of all formulations.
 
         Examples
         --------
@@ -60,7 +61,7 @@ class CrossValidation:
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """Legs that are compared, and ``""`` for the whole robot.
+        """Names of the compared legs, and ``""`` for the whole robot.
 
         Examples
         --------
@@ -202,7 +203,7 @@ class CrossValidation:
         self.convergence[body or ""].assert_converged(quantity, elements, within, model=model)
 
     def table(self) -> ResultTable:
-        """Comparisons, a row for each.
+        """Table of comparisons, one row each.
 
         Returns
         -------
@@ -217,7 +218,7 @@ class CrossValidation:
         return agreement_rows(self.agreement)
 
     def plot(self) -> "Figure":
-        """Differences from the solid in per cent, a panel for each leg and one for the robot.
+        """Plot of the differences from solids in per cent, by leg and for the whole robot.
 
         A marker with its half-width is the unexplained difference of a formulation, a grey diamond
         the whole difference. The shaded band is the tolerance. Beyond 0.1 % the scale is
@@ -232,7 +233,7 @@ class CrossValidation:
         --------
         >>> crossed.plot().savefig("agreement.png")
         """
-        # Only a picture needs the library that draws it.
+        # Imported here: only a picture needs the plotting library.
         from validation.drawing.agreement_plot import Difference, agreement_plot  # noqa: PLC0415
 
         panels: dict[str, list[Difference]] = {}
@@ -259,7 +260,7 @@ class CrossValidation:
 
 
 def _computed(outcome: Outcome) -> AgreementRow:
-    """Relative parts of a comparison; raises AssertionError if it was skipped or failed."""
+    """Numbers of a comparison. Raises AssertionError if it was skipped or failed."""
     shares = difference_parts(outcome)
     if shares is None:
         raise AssertionError(f"{outcome.case.id}: not compared: {outcome.message}")
@@ -272,12 +273,13 @@ def _not_computed(what: str, name: str, known: Iterable[str]) -> str:
 
 
 def cross_validation(context: Context) -> CrossValidation:
-    """All formulations of the same legs, compared as a run with this preset compares them.
+    """All formulations of the same legs, compared as in a run with this preset.
 
-    A comparison that is skipped or fails is an outcome with its reason. A leg whose elements do
-    not apply has no convergence study. Raises ComputationError, InputError if a study fails.
+    A comparison that is skipped or fails is an outcome with its reason. A leg to which beam
+    elements do not apply has no convergence study. Raises ComputationError or InputError if a study
+    fails.
     """
-    # Cases are many modules, of which tables need none.
+    # Imported here: the cases are many modules, which tables do not need.
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.comparisons.convergence_cases import study_of, subjects  # noqa: PLC0415
     from validation.run.runner import execute  # noqa: PLC0415

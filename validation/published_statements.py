@@ -1,8 +1,9 @@
-"""Statements of a source, read as printed and as corrected, and the readings in which they hold.
+"""Data records of a publication's statements, and of whether they hold as printed or corrected.
 
-A statement may concern several curves ("longer legs, smaller deflections" of six): it holds if it
-holds for all of them. A statement that was used to choose a correction is circular and is not
-counted.
+Input: values and verdicts of each curve of a statement. Output: the standing of the statement, and
+counts over all statements. Rule: a statement about several curves ("longer legs, smaller
+deflections", six curves) holds if it holds for all of them. A statement that was used to choose a
+correction is circular and not counted.
 """
 
 from collections.abc import Iterable, Mapping
@@ -33,9 +34,10 @@ _CURVE = {
 
 
 class ClaimedCurve(msgspec.Struct, frozen=True, rename=_CURVE):
-    """One number or curve of a statement: its value and its verdict in each reading.
+    """One number or curve of a statement: its value and verdict, as printed and as corrected.
 
-    A value is None if the reading has no finite number. The statement then does not hold in it.
+    `printed_holds` and `corrected_holds` are true if the statement holds for the curve. A value is
+    None if there is no finite number; the statement does not hold then.
     """
 
     name: str
@@ -47,11 +49,11 @@ class ClaimedCurve(msgspec.Struct, frozen=True, rename=_CURVE):
 
 
 class Claim(msgspec.Struct, frozen=True, rename={"sentence": "statement"}):
-    """A statement at `where` of a source, paraphrased, and the curves that confirm or refute it.
+    """A statement, paraphrased, at the place `where` of a source, with the curves that test it.
 
-    `quantity` names the values of the curves. `differs` names the correction of the printed text
-    that changes the numbers. "" if both readings agree. `circular`: reason why the statement is
-    not counted. "" if it is counted.
+    `quantity` names the values of the curves. `differs`: correction of the printed text that
+    changes the numbers, "" if there is none. `circular`: reason why the statement is not counted,
+    "" if it is.
     """
 
     sentence: str
@@ -73,7 +75,7 @@ class Claim(msgspec.Struct, frozen=True, rename={"sentence": "statement"}):
 
     @property
     def standing(self) -> Standing:
-        """Readings in which the statement holds."""
+        """Variants in which the statement holds: printed, corrected, both, in part or neither."""
         if self.circular:
             return "circular"
         match self.printed == len(self.curves), self.corrected == len(self.curves):
@@ -87,7 +89,7 @@ class Claim(msgspec.Struct, frozen=True, rename={"sentence": "statement"}):
 
 
 def merged_claims(claims: Iterable[Claim]) -> tuple[Claim, ...]:
-    """One claim for each statement, with the curves of all claims of it, in order of appearance."""
+    """One claim for each statement, with the curves of all its claims, in order of appearance."""
     merged: dict[str, Claim] = {}
     for claim in claims:
         earlier = merged.get(claim.sentence)
@@ -97,7 +99,7 @@ def merged_claims(claims: Iterable[Claim]) -> tuple[Claim, ...]:
 
 
 def summary(claims: Iterable[Claim]) -> str:
-    """Number of statements that hold in each reading, as a sentence."""
+    """Sentence with the number of statements for each standing."""
     standings = [claim.standing for claim in claims]
     counted_statements = len(standings) - standings.count("circular")
     counts = [
@@ -111,5 +113,5 @@ def summary(claims: Iterable[Claim]) -> str:
 
 
 def claim_records(claims: Iterable[Claim]) -> list[dict[str, Any]]:
-    """Entries of the claims in results.json."""
+    """Records of the claims for results.json."""
     return [msgspec.to_builtins(claim) | {"standing": claim.standing} for claim in claims]

@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from validation.comparisons.checks import Check
     from validation.context import Context
 
-# Assessments of this session by digest of the robot file, preset and number of modes.
+# Assessments of this session, by digest of the robot file, preset and number of modes.
 _ASSESSMENTS = pytest.StashKey[dict[tuple[str, str, float | None], "Adequacy"]]()
 
-# Contexts of this session's comparisons by digest of the robot file and preset.
+# Contexts of this session's comparisons, by digest of the robot file and preset.
 _CONTEXTS = pytest.StashKey[dict[tuple[str, str], "Context"]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """The options of the plugin."""
+    """Add the options of the plugin."""
     group = parser.getgroup("flexproof")
     group.addoption(
         "--flexproof",
@@ -47,9 +47,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Create the session's stores; raises UsageError with the faults of a requested robot file.
+    """Create the session's stores. Raises UsageError with the faults of a requested robot file.
 
-    Workers of pytest-xdist do not read the files: the session would end before it starts them.
+    Workers of pytest-xdist do not read the files: the session would end before starting them.
     """
     config.stash[_ASSESSMENTS] = {}
     config.stash[_CONTEXTS] = {}
@@ -60,7 +60,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.fixture
 def flexproof(request: pytest.FixtureRequest) -> Callable[..., "Adequacy"]:
-    """`flexproof(robot, accept=…)`: adequacy of a robot's models, computed once per session.
+    """Fixture `flexproof(robot, accept=…)`: adequacy of a robot's models, once per session.
 
     A relative path starts in the folder of the test.
     """
@@ -78,21 +78,21 @@ def flexproof(request: pytest.FixtureRequest) -> Callable[..., "Adequacy"]:
 def pytest_collection_modifyitems(
     session: pytest.Session, config: pytest.Config, items: list[pytest.Item]
 ) -> None:
-    """Add the requested robots."""
+    """Add tests for the requested robots."""
     for robot in config.getoption("flexproof"):
         collector = RobotCollector.from_parent(session, path=Path(robot).absolute(), robot=robot)
         items.extend(collector.collect())
 
 
 class RobotCollector(pytest.File):
-    """A robot whose models are tests."""
+    """Collector that turns a robot file into tests."""
 
     def __init__(self, *, robot: str, **node: Any) -> None:
         super().__init__(**node)
         self.robot = robot
 
     def collect(self) -> Iterator[pytest.Item]:
-        """Items by model and quantity, and by comparison.
+        """Tests for each model and quantity, and for each comparison.
 
         Raises UsageError with the faults of the file.
         """
@@ -109,14 +109,14 @@ class RobotCollector(pytest.File):
 
 
 class ModelItem(pytest.Item):
-    """One model and one quantity: passed if adequate, skipped if undefined or undecided."""
+    """Test of one model for one quantity. Passed if adequate, skipped if undefined or undecided."""
 
     def __init__(self, *, model: str, quantity: str, **node: Any) -> None:
         super().__init__(**node)
         self.model, self.quantity = model, quantity
 
     def runtest(self) -> None:
-        """Judge the entry; the assessment is computed once per session."""
+        """Judge the model for the quantity. The assessment is computed once per session."""
         assert isinstance(self.parent, RobotCollector)  # noqa: S101  for the type checker
         adequacy = _assessment(self.config, self.parent.robot, None)
         entry = adequacy.matrix.entry(self.model, self.quantity)
@@ -131,19 +131,19 @@ class ModelItem(pytest.Item):
             pytest.fail(adequacy.told(entry), pytrace=False)
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """File and name of the item."""
+        """File and name of the test."""
         return self.path, None, self.name
 
 
 class ComparisonItem(pytest.Item):
-    """Agreement with a solid or convergence: skipped if not compared, or undecided."""
+    """Test of agreement with a solid, or of convergence. Skipped if not compared, or undecided."""
 
     def __init__(self, *, check: "Check", **node: Any) -> None:
         super().__init__(**node)
         self.check = check
 
     def runtest(self) -> None:
-        """Compute the comparison; solids and studies are computed once per session."""
+        """Compute the comparison. Solids and studies are computed once per session."""
         from fem.machine import one_blas_thread  # noqa: PLC0415
         from lumped.errors import ComputationError, InputError  # noqa: PLC0415
         from validation.case import Skip  # noqa: PLC0415
@@ -163,12 +163,12 @@ class ComparisonItem(pytest.Item):
             pytest.fail(result.text, pytrace=False)
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """File and name of the item."""
+        """File and name of the test."""
         return self.path, None, self.name
 
 
 def _robot_file(robot: str) -> "RobotFile":
-    """Load a requested robot; raises UsageError with the faults of its file."""
+    """Robot file of a requested robot. Raises UsageError with the faults of the file."""
     from lumped.errors import InputError  # noqa: PLC0415  loaded only by sessions that need it
     from lumped.robot_file import load_robot  # noqa: PLC0415
 
@@ -197,7 +197,7 @@ def _assessment(
     loaded = load(robot)
     preset = config.getoption("flexproof_preset")
     assessments = config.stash[_ASSESSMENTS]
-    # Other limits need no new computation; other numbers of modes do.
+    # New limits need no new computation, a new number of modes does.
     modes = {"modes": accept["modes"]} if accept and "modes" in accept else {}
     key = loaded.sha256, preset, modes.get("modes")
     if key not in assessments:

@@ -1,7 +1,7 @@
-"""Marks of the fields of records: columns of tables and keys of JSON.
+"""Annotations of record fields, from which columns of tables and keys of JSON are made.
 
-A mark is part of the annotation of a field: `Annotated[str, COLUMN]`. A table or JSON object of
-records is made from the marks, so that the record alone lists its fields.
+Input: records whose fields are annotated, as in `Annotated[str, COLUMN]`. Output: column headings,
+and JSON objects. The record alone lists its fields.
 """
 
 from functools import lru_cache
@@ -12,9 +12,10 @@ M = TypeVar("M")
 
 
 class Column(NamedTuple):
-    """Marks a field that is a column of tables.
+    """Annotation of a field that is a column of tables.
 
-    The heading is the name of the field if it is "". `percent`: shares are written in per cent.
+    The heading is the name of the field if `heading` is "". If `percent`, ratios are written in per
+    cent.
     """
 
     heading: str = ""
@@ -22,7 +23,7 @@ class Column(NamedTuple):
 
 
 class Key(NamedTuple):
-    """Marks a field that is a key of JSON objects in `document`.
+    """Annotation of a field that is a key of JSON objects in `document`.
 
     The key is the name of the field if `name` is "".
     """
@@ -37,7 +38,7 @@ RESULTS, LISTING = Key("results.json"), Key("cases --json")
 
 
 def columns_of(record: type) -> dict[str, Column]:
-    """Columns by the names of the fields, in their order, with their headings."""
+    """Columns of a record by field name, in order, with their headings."""
     return {
         name: column._replace(heading=column.heading or name.replace("_", " "))
         for name, column in _marked(record, Column)
@@ -55,7 +56,7 @@ def json_object(record: Any, document: Document) -> dict[str, Any]:
 
 @lru_cache
 def _marked(record: type, kind: type[M]) -> tuple[tuple[str, M], ...]:
-    """Names of fields with their marks of this kind."""
+    """Names of the fields with an annotation of class `kind`, and the annotations."""
     return tuple(
         (name, mark)
         for name, hint in get_type_hints(record, include_extras=True).items()

@@ -1,8 +1,8 @@
-"""Studies and figures of a run, shown beside its verdicts.
+"""Data records of a run's convergence studies and figures, which the report displays.
 
-A *figure* stands on the page under a title, with caption and table. Its parts are defined in
-`validation.drawing`: a *chart* of curves, a *scene* of bodies that can be turned, and a *picture*
-of the scene.
+Input: curves, drawings and captions. Output: `Study`, `Figure` and `PlannedFigure`. A figure stands
+on the page with title, caption and table; drawings are defined in `validation.drawing`. SVG is
+checked, because the page embeds it unchanged.
 """
 
 import re
@@ -13,7 +13,7 @@ from typing import Annotated, Any
 from validation.context import Context, ScheduledTask
 from validation.record_fields import RESULTS, Key, json_object
 
-# Sections of the report that cases and figures share.
+# Headings of the report's sections, used by cases and figures.
 AGREEMENT = "All formulations on the same legs"
 CONVERGENCE = "Convergence with element count"
 MESHES = "Convergence with mesh"
@@ -23,10 +23,10 @@ MODES = "Modes by shape and strain energy"
 PARAMETERS = "Design parameters"
 FAMILY = "Robots with longer legs"
 
-# The picture of the robot, which stands on the first screen.
+# Id of the picture of the robot on the first screen.
 PORTRAIT = "robot.portrait"
 
-# Elements of drawings without scripts, foreign content or handlers of events, and comments.
+# Allowed elements of drawings: no scripts, foreign content, event handlers or comments with tags.
 _ELEMENTS = (
     "svg|metadata|rdf:RDF|cc:Work|cc:Agent|dc:[a-z]+|defs|style|g|path|use|clipPath|rect|circle|"
     "line|image|text|tspan|pattern"
@@ -36,7 +36,7 @@ _INERT = re.compile(
     rf'<(?:{_ELEMENTS})(?:\s+(?!on)[\w:-]+="[^"<>]*")*\s*/?>',
     re.IGNORECASE,
 )
-# Links lead to other elements of the drawing, or are pictures in it.
+# Links may lead to other elements of the drawing, or to embedded pictures.
 _LINK = re.compile(r"(?:href=\"|url\()([^\")]*)", re.IGNORECASE)
 _INTERNAL = re.compile(r"#|data:image/png;base64,")
 _FOREIGN_STYLE = re.compile(r"<style[^<>]*>[^<]*(?:@|url)[^<]*", re.IGNORECASE)
@@ -44,19 +44,18 @@ _FOREIGN_STYLE = re.compile(r"<style[^<>]*>[^<]*(?:@|url)[^<]*", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Study:
-    """Convergence: curves of values over the number of elements or divisions, or a mesh size `x`.
+    """Convergence study: curves of values over the element count, divisions or element size `x`.
 
-    `series` maps a curve's name to as many values in `unit`. `orders` maps
-    curves to observed orders and `uncertainties` to the numerical uncertainty of the finest value
-    (unit of the study); a curve without one is outside its asymptotic range, which
-    a line of `notes` states.
-    `limits` maps curves to the value they tend to (exact or extrapolated; zero for curves that are
-    relative errors). Equal studies of several cases are shown once.
+    `series`: values of each curve by name, as many as `x`, in `unit`. `orders`: observed order of
+    each curve, and `uncertainties`: numerical uncertainty of its finest value (in `unit`). A curve
+    without these is outside its asymptotic range, as a line of `notes` states. `limits`: value to
+    which each curve tends, exact or extrapolated; zero for curves that are relative errors. Equal
+    studies of several cases are displayed once.
 
-    Studies of one `family` have one x and are drawn in the same axes, under `family_title`; their
-    curves go by the `variant` of their study. If studies name a `panel`, the family has a panel for
-    each name, over an x of its own: sizes of the deviations from the limits, or plain values
-    without limits.
+    Studies of one `family` have the same x and are drawn in the same axes, under `family_title`;
+    their curves are labelled by the `variant` of their study. If studies name a `panel`, the family
+    has a panel for each name, with an x of its own: magnitudes of deviations from the limits, or
+    values without limits.
     """
 
     id: Annotated[str, RESULTS]
@@ -93,7 +92,7 @@ class Study:
 
 @dataclass(frozen=True)
 class InteractiveScene:
-    """A 3-D scene that can be turned; `state` is the packed input of the page's viewer."""
+    """A 3-D scene that can be turned. `state` is the packed input of the page's viewer."""
 
     title: str
     state: bytes
@@ -101,14 +100,12 @@ class InteractiveScene:
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture with its caption and data; `svg` (markup) or `png` (bytes), and `data` as CSV.
+    """Picture with caption and data: `svg` (markup) or `png` (bytes), and `data` as CSV.
 
-    If this machine cannot draw it, `left_out` is the reason. Data and scenes are present
-    nevertheless.
-
-    `id` is also the stem of its file names. `section` is its part of the report. `scenes` show the
-    panels of the picture in three dimensions. `computed_by` names the functions that computed its
-    numbers. `studies` are its entries in results.json, as plain data.
+    If this machine cannot draw it, `left_out` is the reason; data and scenes exist nevertheless.
+    `id` is also the stem of its file names. `section`: its part of the report. `scenes`: the panels
+    of the picture in three dimensions. `computed_by`: names of the functions that computed its
+    numbers. `studies`: its records in results.json, as plain data.
     """
 
     id: str
@@ -131,27 +128,27 @@ class Figure:
 
     @property
     def files(self) -> Mapping[str, str | bytes]:
-        """Contents of its files by file name."""
+        """Contents of the figure's files by file name."""
         contents: dict[str, str | bytes] = {"svg": self.svg, "png": self.png, "csv": self.data}
         return {f"{self.id}.{ending}": content for ending, content in contents.items() if content}
 
 
 @dataclass(frozen=True)
 class PlannedFigure(ScheduledTask):
-    """A figure to be computed in a run."""
+    """Figure that a run computes with the function `draw`."""
 
     draw: Callable[[Context], Figure]
 
 
 def study_record(study: Study) -> dict[str, Any]:
-    """Entry of the study in results.json. A number that is not finite is null there."""
+    """Record of the study for results.json. A number that is not finite is null there."""
     return {"kind": "convergence", **json_object(study, "results.json")}
 
 
 def _require_inert(svg: str, name: str) -> None:
-    """Raise ValueError if markup, which the page embeds unchanged, can do more than be drawn.
+    """Raise ValueError if SVG markup contains more than drawing elements.
 
-    Figures are also read from records of earlier runs, which anybody may have written.
+    Figures are also read from records of earlier runs, which anybody can have written.
     """
     for tag in (*re.findall(r"<[^<>]*>?", svg), *_FOREIGN_STYLE.findall(svg)):
         if not _INERT.fullmatch(tag) or any(

@@ -1,4 +1,7 @@
-"""Tables of results in Python: text at a prompt, HTML in a notebook, a data frame of pandas."""
+"""Tables of results in Python, as text, HTML, CSV or a pandas data frame.
+
+Input: headings with units, and rows of cells. Output: `ResultTable`.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +17,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 Cell: TypeAlias = str | float | None
-# Background of cells by their verdict.
+# Background colour of a cell by its verdict.
 _COLOURS: Mapping[str, str] = {
     "adequate": "#d3f0e4",
     "agree": "#d3f0e4",
@@ -66,7 +69,7 @@ class ResultTable:
         """
         if not find_spec("pandas"):
             raise InputError("to_pandas: needs pandas, not installed; pip install pandas")
-        # Optional, and slow to import.
+        # Imported here: optional and slow.
         from pandas import DataFrame  # noqa: PLC0415
 
         return DataFrame(list(self.rows), columns=list(self.headings))
@@ -113,7 +116,7 @@ def html_table(
     rows: Sequence[Sequence[str]],
     verdicts: Sequence[Sequence[str | None]] | None = None,
 ) -> str:
-    """Rows of text under headings as a notebook displays them; `verdicts` colour their cells."""
+    """Table of text rows under headings as HTML. `verdicts` colour the cells."""
     head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
     kinds = verdicts or [[None] * len(row) for row in rows]
     lines = ("".join(map(_html_cell, *row)) for row in zip(rows, kinds, strict=True))
@@ -122,7 +125,7 @@ def html_table(
 
 
 def html_paragraph(text: str) -> str:
-    """A paragraph of text as HTML."""
+    """Paragraph of text as HTML."""
     return f"<p>{escape(text)}</p>"
 
 

@@ -1,4 +1,8 @@
-"""A run from start to end: choose the cases, compute them, record and publish the results."""
+"""A run from start to end: select tasks, compute them, record the results and write the report.
+
+Input: a `Request`, with robot file and options. Output: `Results`, and a folder with report.html,
+results.json, junit.xml and figures.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
@@ -35,22 +39,21 @@ from validation.solve.cost import PER_PART
 from validation.uncertainty.refinement import accuracy_faults
 from validation.verdicts import ADEQUACY, MEASURED, MEASURED_RESPONSE
 
-# Pause between two writes of results.json, as a multiple of the time that one write takes.
+# Pause between two writes of results.json, as a multiple of the time of one write.
 _WRITE_PAUSE = 20.0
-# Seconds of an idle core for a unit of effort.
+# Time (s) of an idle core for one unit of effort.
 _SECONDS_PER_EFFORT: Mapping[Preset, float] = {"quick": 0.25, "standard": 0.4, "fine": 1.5}
 
 
 @dataclass(frozen=True)
 class Request:
-    """Request of the user, with the options of the command.
+    """Request of the user for a run, with the options of the command.
 
-    `only` is a shell-style pattern of ids. `baseline` is the folder or results.json of an earlier
-    run to be compared with. `exports`: True if meshes, fields and matrices are written to files.
-    `cluster` is the address of a Dask scheduler that computes parts and the robots of `vary`.
-    `accept`, `rely`, `accuracy` (see `Requirement`), `inputs` (see `RobotFile.supposed`) and the
-    file of `measured` values add to the contents of the robot file. `strict`: undecided counts as
-    inadequate.
+    `only`: shell-style pattern of ids. `baseline`: folder or results.json of an earlier run for
+    comparison. `exports`: True if meshes, fields and matrices are written to files. `cluster`:
+    address of a Dask scheduler for CAD parts and the robots of `vary`. `accept`, `rely`, `accuracy`
+    (see `Requirement`), `inputs` (see `RobotFile.supposed`) and the file of `measured` values
+    extend the robot file. `strict`: undecided counts as inadequate.
     """
 
     robot: RobotFile
@@ -72,7 +75,7 @@ class Request:
 
     @cached_property
     def robot_file(self) -> RobotFile:
-        """The robot file as changed by the options; raises InputError."""
+        """Robot file as changed by the options. Raises InputError."""
         robot_file = self.robot
         if self.measured:
             from validation.measured.modes import with_measured_file  # noqa: PLC0415
@@ -97,7 +100,7 @@ class Request:
 
     @cached_property
     def variations(self) -> tuple[Variation, ...]:
-        """The variations of `vary`; raises InputError if a varied robot is invalid."""
+        """Variations of `vary`. Raises InputError if a varied robot is invalid."""
         if not self.vary:
             return ()
         from validation.variations.curves import checked_variations  # noqa: PLC0415
@@ -106,7 +109,7 @@ class Request:
 
     @property
     def options(self) -> Mapping[str, str]:
-        """Options for the header of the run, as text."""
+        """Options as text, for the header of the run."""
         texts = {
             "only": self.only,
             "accept": " ".join(self.accept),
@@ -136,10 +139,10 @@ class Request:
 
 
 def validate(request: Request, catalogue: runner.Catalogue) -> Results:
-    """Run the chosen cases and write the run folder.
+    """Compute the selected tasks and write the run folder.
 
-    Raises InputError before anything is written, StoreError if the disk cannot be written,
-    and ComputationError if workers cannot start or the export fails.
+    Raises InputError before anything is written, StoreError if the disk cannot be written, and
+    ComputationError if workers cannot start or the export fails.
     """
     robot_file, preset = request.robot_file, request.preset
     if request.cluster is not None and not (request.variations or robot_file.mechanism.parts):
@@ -152,13 +155,13 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
     if request.variations:
         catalogue = partial(catalogue, variations=request.variations)
     all_tasks = catalogue(robot_file)
-    # Measured values named in the command are compared even if --only excludes them.
+    # Measured values of the command line are compared even if --only excludes them.
     always = (MEASURED, MEASURED_RESPONSE) if request.measured else ()
     tasks = runner.select(all_tasks, preset, request.only, always)
     header = provenance.header(robot_file, preset, request.options)
-    # Before the run, so that after Ctrl-C only the page is left to be written.
+    # Computed before the run, so that after Ctrl-C only the page must be written.
     findings = (*audit(robot_file), *paper_findings(robot_file))
-    # Read before anything is written: the baseline may be in the same folder.
+    # Read before anything is written, because the baseline can be in the same folder.
     baseline = _read_baseline(request)
     with ExitStack() as stack:
         executor = None
@@ -212,12 +215,13 @@ def publish(results: Results, folder: RunFolder, findings: Sequence[Finding]) ->
     folder.write({"results.json": results.as_json(), "junit.xml": junit, **figures, **page})
 
 
-# Modules that few runs need are imported when needed: the others start sooner.
+# Modules that few runs need are imported when needed, so that the other runs start sooner.
 @contextmanager
 def _executor(cluster: Executor | None, jobs: int) -> Iterator[Executor]:
-    """Executor on the cluster, which raises if the cluster is lost; without one, on local cores.
+    """Context with an executor: the cluster, or processes on local cores.
 
-    A local failure is suppressed: the caller computes the missing result and reports the error.
+    An error of the cluster is raised. A local failure is suppressed, since the caller computes the
+    missing result and reports the error.
     """
     if cluster is not None:
         yield cluster
@@ -238,7 +242,7 @@ def _solve_varied_robots(request: Request, tasks: Sequence[Task], cluster: Execu
 
 
 def _read_baseline(request: Request) -> RunRecord | None:
-    """Read the run to compare with; raises InputError if it is of another robot."""
+    """Earlier run for comparison. None without one. Raises InputError if it is of another robot."""
     if request.baseline is None:
         return None
     baseline = load_run(request.baseline)
@@ -252,10 +256,10 @@ def _read_baseline(request: Request) -> RunRecord | None:
 
 
 def _prepare_parts(request: Request, cluster: Executor | None) -> None:
-    """Mesh and reduce the parts of a mechanism, and cache the result."""
+    """Mesh and reduce the CAD parts of a mechanism, and store the results in the cache."""
     if not request.robot_file.mechanism.parts:
         return
-    # Loads meshers and solvers, which most runs do not need.
+    # Imported here: loads meshers and solvers, which most runs do not need.
     from validation.references.part_preparation import prepare_parts  # noqa: PLC0415
 
     context = Context(request.robot_file, request.preset)
@@ -288,10 +292,11 @@ def _compute_tasks(
         folder.keep(record, now - begun)
         results.add(record)
         if record["id"] == ADEQUACY and results.matrix:
-            # Long before the report is complete.
+            # Written long before the report is complete.
             write_message(sentence(results.matrix, results.rely).replace("\N{NO-BREAK SPACE}", " "))
         results.header = dict(results.header) | {"seconds": now - begun}
-        # All records are kept. This file is for readers during the run, and grows with it.
+        # All records are stored in any case. This file is for readers during the run, and grows
+        # with it.
         if now >= due:
             folder.write({"results.json": results.as_json()})
             due = now + (perf_counter() - now) * _WRITE_PAUSE

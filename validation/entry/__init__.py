@@ -1,4 +1,4 @@
-"""The entry of the command.
+"""Entry point of the command `flexproof`.
 
-In: the command line. Out: its exit code.
+Input: the command line. Output: its exit code.
 """

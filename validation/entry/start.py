@@ -1,13 +1,17 @@
-"""The entry of the command: Ctrl-C while it is still loading ends it with one line, too."""
+"""Entry point that sets BLAS to one thread and loads the command line.
+
+Input: the command line. Output: its exit code. Ctrl-C during loading ends the command with one
+line.
+"""
 
 import os
 import sys
 
 
 def main() -> int:
-    """Load and run the command line; returns the exit code."""
+    """Load and run the command line. Returns the exit code."""
     try:
-        # BLAS reads this once, when numpy is loaded.
+        # BLAS reads this setting once, when numpy is loaded.
         from fem.machine import ONE_BLAS_THREAD  # noqa: PLC0415
 
         os.environ.update(ONE_BLAS_THREAD)

@@ -1,4 +1,5 @@
 """Export of a robot's models to files for other programs.
 
-In: models of a robot. Out: VTU, VTP, npz and Matrix Market files, decks and reduced models.
+Input: a mechanism. Output: fields for ParaView, matrices as .npz and Matrix Market, decks for
+CalculiX, and reduced models for EXUDYN, Simscape and Nastran.
 """

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 Kind: TypeAlias = Literal["exudyn", "simscape", "nastran", "statespace", "npz"]
 _ENDINGS = {"exudyn": ".py", "nastran": ".bdf", "simscape": ".mat"}
-# More modes than any reduction keeps.
+# More modes than any reduction contains.
 _MOST_MODES = 200
 
 
@@ -75,7 +75,7 @@ def write_export(
     out: Path | None,
     force: bool,
 ) -> Path:
-    """Write the reduced model of a robot or of its `body`, and return the path of the file.
+    """Write the reduced model of a robot or of its `body`. Returns the path of the file.
 
     Arguments are those of `export`. Raises InputError and ComputationError.
     """
@@ -116,7 +116,7 @@ def write_export(
 
 
 def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:
-    """Estimated time (s) of the solids. Legs known by their 6×6 have none."""
+    """Estimated time (s) for the solids. Zero for legs known by their 6×6."""
     from lumped.legs import ConstantLeg  # noqa: PLC0415
     from lumped.models.bodies import legs_of  # noqa: PLC0415
     from validation.models.options import DEFAULT_OPTIONS  # noqa: PLC0415
@@ -131,7 +131,7 @@ def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:
 def _content(
     robot_file: "RobotFile", to: str, pose: str | None, body: str | None, count: int, ending: str
 ) -> bytes:
-    """Content of the file. This function runs in a process of its own."""
+    """Content of the file. Runs in a process of its own."""
     from lumped.mechanism.kinematics.postures import posture, reference_posture  # noqa: PLC0415
     from validation.export import formats, reduced  # noqa: PLC0415
     from validation.kinematics.poses import parsed_pose  # noqa: PLC0415

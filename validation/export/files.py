@@ -1,4 +1,8 @@
-"""Files with the models of a robot for other programs: VTU, VTP, npz, Matrix Market, CalculiX."""
+"""Files with all models of a robot: VTU, VTP, .npz, Matrix Market and a CalculiX deck.
+
+Input: a mechanism and a folder. Output: fields of displacements and modes, matrices of legs and CAD
+parts, and README.txt, which describes each file.
+"""
 
 from collections.abc import Mapping, Sequence
 from errno import EIO
@@ -35,17 +39,17 @@ from validation.models.reduced_parts import found_in, shape_of, unknowns_of
 from validation.models.robot_models import constant_legs, mechanism_modes
 from validation.parts.meshes import part_mesh
 
-# VTK takes seconds to load and needs system libraries. It is imported only to write VTK files.
+# VTK takes seconds to load and needs system libraries, so it is imported only to write VTK files.
 if TYPE_CHECKING:
     import pyvista
 WRENCHES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 MODES = 6
 # Quadratic elements across the smaller side of the section.
 DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 6}
-# The matrices of solids are for inspection and trials. With one element across the section they
-# have fewer than 1000 rows.
+# Divisions of solids whose matrices are written for inspection and trials. With one element across
+# the section they have fewer than 1000 rows.
 _MATRIX_DIVISIONS = 1
-# Points along a centreline.
+# Number of points along a centreline.
 _STATIONS = 41
 _HEAD = """\
 Models of {name}, SI units (m, N, kg, s, rad). Names of files begin with the name of their
@@ -55,7 +59,7 @@ legs have one set of files with the name of the first of them:
 {equal_legs}
 Leg axes: x from root to tip. A leg known by a compliance is replaced by its equivalent leg of
 constant section."""
-# Names of files of a body continue with an underscore, so that a body may be named "mechanism".
+# File names of a body contain an underscore, so that a body can be named "mechanism".
 _MECHANISM_FILES = {
     "mechanism.vtp": (
         "All legs in base axes, {pose}: displacements under unit wrenches at the loaded point, and "
@@ -76,7 +80,7 @@ _VECTORS = (
     'the tip. "mode 1" and on: mass-normalised shapes; their frequencies (Hz) are field data.'
 )
 _LINE = 'The same data along the centreline, with "rotation Fx" and on (rad).'
-# Contents of the files of legs of constant section, by pattern of their names.
+# Descriptions of the files of legs of constant section, by pattern of their names.
 _LEG_FILES: Mapping[str, str] = {
     "*_solid.vtu": (
         "The leg as a solid, {divisions} quadratic elements across the section, with clamped root "
@@ -91,7 +95,7 @@ _LEG_FILES: Mapping[str, str] = {
         "across the section, with three displacements per inner node."
     ),
 }
-# Contents of the files of CAD parts, by pattern of their names.
+# Descriptions of the files of CAD parts, by pattern of their names.
 _PART_FILES: Mapping[str, str] = {
     "*_part.vtu": (
         "The part on its finest mesh, in the axes of its file (m), with interfaces coupled as in "
@@ -111,9 +115,9 @@ _PART_FILES: Mapping[str, str] = {
 
 
 def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None:
-    """Write all different legs and CAD parts, the mechanism as beams, and its deck to `folder`.
+    """Write all distinct legs and CAD parts, the mechanism as beams, and its deck to `folder`.
 
-    The pose is in the middle of the path. A mechanism with CAD parts has neither beams nor deck.
+    The pose is the middle one of the path. A mechanism with CAD parts has neither beams nor deck.
     Raises InputError if a part cannot be meshed, ComputationError if a model cannot be solved, and
     OSError if a file cannot be written.
     """
@@ -168,7 +172,7 @@ def _write_beams(posture: Posture, path: Path) -> None:
 
 
 def _write_readme(folder: Path, head: str, texts: Mapping[str, str]) -> None:
-    """Write README.txt for all files in `folder`, each under the first pattern that it matches.
+    """Write README.txt on all files in `folder`, each under the first pattern that it matches.
 
     `texts` maps shell-style patterns to descriptions of the files.
     """
@@ -229,13 +233,13 @@ def _save(
     writer = vtkXMLPolyDataWriter() if path.suffix == ".vtp" else vtkXMLUnstructuredGridWriter()
     writer.SetFileName(str(path))
     writer.SetInputData(data)
-    # If the disk is full, VTK prints a message and returns, and leaves an incomplete file.
+    # If the disk is full, VTK prints a message, returns, and leaves an incomplete file.
     if not writer.Write() or writer.GetErrorCode():
         raise OSError(EIO, "VTK could not write it (disk full?)", str(path))
 
 
 def _write_leg(leg: ConstantLeg, stem: str, divisions: int, folder: Path) -> None:
-    """Write one leg with clamped root as solid, beam and segments to files named after `stem`.
+    """Write one leg with clamped root as solid, beam and segments, to files named after `stem`.
 
     Raises ComputationError if a model cannot be solved, and OSError if a file cannot be written.
     """
@@ -254,7 +258,7 @@ def _write_leg(leg: ConstantLeg, stem: str, divisions: int, folder: Path) -> Non
 
 
 def _write_part(body: Body, folder: Path) -> str:
-    """Write a part on the finest mesh of its identification. Returns a line with its interfaces.
+    """Write a CAD part on the finest mesh of its identification. Returns a line on its interfaces.
 
     Raises InputError if it cannot be meshed, ComputationError if it cannot be solved, and OSError
     if a file cannot be written.
@@ -302,8 +306,9 @@ def _write_centreline(leg: LegMatrices, path: Path) -> None:
 
 
 def _write_matrix(matrix: SparseMatrix | Array, path: Path) -> None:
-    """Write a symmetric matrix to `path` with the endings .npz and .mtx."""
-    # Matrix Market's symmetric form has one triangle. Both triangles must be equal to the last bit.
+    """Write a symmetric matrix to `path` with the suffixes .npz and .mtx."""
+    # Matrix Market's symmetric form stores one triangle, so both triangles must be equal to the
+    # last bit.
     full = csc_array((matrix + matrix.T) / 2.0)
     full.eliminate_zeros()
     full.sort_indices()

@@ -1,4 +1,8 @@
-"""Content of files with reduced bodies and robots, in the formats of other programs."""
+"""Contents of files with reduced bodies and robots, in the formats of other programs.
+
+Input: a `Reduced` or `ReducedRobot`. Output: bytes of a .npz, .py (EXUDYN), .mat (Simscape), .bdf
+(Nastran) or state-space file, in SI units.
+"""
 
 from collections.abc import Mapping
 from io import BytesIO, StringIO
@@ -10,11 +14,11 @@ from lumped.system.response import modal_damping
 from lumped.text import counted, visible
 from validation.export.reduced import TWIST, Reduced, ReducedRobot
 
-# Number of the first scalar point of Nastran. Scalar points are the amplitudes of modes.
+# Number of the first scalar point of Nastran. Scalar points are the modal amplitudes.
 _SCALARS = 100_001
 _WRENCH = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 # Python reads the encoding of a script from its first two lines (PEP 263), editors read settings
-# from the first five. Therefore these lines contain no text of the robot file.
+# from the first five. These lines therefore contain no text of the robot file.
 _EXUDYN = '''\
 # -*- coding: utf-8 -*-
 # Reduced model for EXUDYN, {unknowns}, SI units.
@@ -67,7 +71,10 @@ def as_npz(reduced: Reduced) -> bytes:
 
 
 def as_exudyn(reduced: Reduced) -> bytes:
-    """Script that adds the matrices to a system of EXUDYN. Run by itself it prints frequencies."""
+    """Script that adds the matrices to a system of EXUDYN.
+
+    Run on its own, it prints frequencies.
+    """
     ports = "".join(
         f"\n    {name!r}: np.array({rows.tolist()})," for name, rows in reduced.ports.items()
     )
@@ -89,8 +96,8 @@ def as_exudyn(reduced: Reduced) -> bytes:
 def as_simscape(reduced: Reduced) -> bytes:
     """Variables (.mat) of the block Reduced Order Flexible Solid.
 
-    They are origins, stiffness, mass and damping. All frames have the body's axes. Their order is
-    that of the unknowns.
+    These are origins, stiffness, mass and damping. All frames have the axes of the body, in the
+    order of the unknowns.
     """
     return _mat(
         {
@@ -129,17 +136,17 @@ def as_nastran(reduced: Reduced) -> bytes:
         text.write(f"SPOINT  {_SCALARS:8d}THRU    {_SCALARS + inner - 1:8d}\n")
     for name, matrix in (("KRED", reduced.stiffness), ("MRED", reduced.mass)):
         wtdmig(text, {name: DataFrame(matrix, index=index, columns=index)})
-    # Decks are ASCII. Names are in comments only and may be escaped.
+    # Decks are ASCII. Names occur in comments only and can be escaped.
     return text.getvalue().encode("ascii", "backslashreplace")
 
 
 def as_statespace(robot: ReducedRobot, kind: str) -> bytes:
-    """State space (A, B, C, D) of the robot about its pose, in a .npz or .mat (`kind`) file.
+    """State space (A, B, C, D) of the robot about its pose. `kind` is the suffix, .npz or .mat.
 
     States: modal amplitudes q (kg^½ m) and their rates. Inputs: forces of the elastic drives along
     their axes, then the wrench at the tool. Outputs: the tool's twist. The damping of each mode is
     its loss at its own frequency; dashpots couple the modes. D is the static compliance of all
-    modes that are left out, so that the static response is exact.
+    omitted modes, so that the static response is exact.
     """
     reduced, solution, modes = robot.matrices, robot.solution, robot.modes
     angular_frequencies = 2.0 * np.pi * modes.frequencies

@@ -1,9 +1,10 @@
-"""Reduced matrices of a body, or of a robot in one pose, with bounds on the error of frequencies.
+"""Reduced matrices of a body, or of a robot in one pose, with bounds on frequency errors.
 
-K q + M q̈ = Σ Pᵀ f. Each port P (k×n) gives the motion of a point, or along a drive, due to q, and
-Pᵀ the forces on q due to a wrench, or a drive force, f there. Prisms and CAD parts are solids,
-reduced as in `fem.reduction.craig_bampton`. A leg known by its 6×6 has this compliance, and its
-mass along the leg.
+Input: a mechanism and the number of frequencies. Output: K and M in K q + M q̈ = Σ Pᵀ f, with ports
+P. Each port P (k×n) gives the motion of a point, or along a drive, due to q, and Pᵀ the forces on q
+due to a wrench, or a drive force, f. Rule: prisms and CAD parts are solids, reduced as in
+`fem.reduction.craig_bampton`. A leg known by its 6×6 has this compliance, and its mass along the
+leg.
 """
 
 from collections.abc import Iterator, Mapping
@@ -34,23 +35,23 @@ from validation.models.options import DEFAULT_OPTIONS
 from validation.models.robot_models import CUTOFF, constant_legs, with_enough_modes
 
 TWIST = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
-# Share of the cut-off frequency up to which frequencies of a free body are exported.
+# Fraction of the cut-off frequency up to which frequencies of a free body are exported.
 _HIGHEST_SHARE = 0.8
-# Number of modes of a body with its interfaces fixed, and the frequency (Hz) below which they lie.
+# Number of modes of a body with fixed interfaces, and the frequency (Hz) below which they lie.
 Count: TypeAlias = tuple[int, float]
-# Model of a body as a solid, its reduction with error bounds, and its count of modes.
+# Solid model of a body, its reduction with error bounds, and its number of modes.
 _Solid: TypeAlias = tuple[BodyModel, Truncated, Count]
 
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """Stiffness and mass (n×n, SI, symmetric) for `unknowns` q (n names).
+    """Reduced stiffness and mass (n×n, SI, symmetric) for n named `unknowns` q.
 
-    `ports` have rows (6×n for twists, 1×n for displacements of drives), by name. `points` (3, m)
-    are the points of the twists. `about` describes the axes, and the boundary conditions of the
-    `frequencies` (m, Hz, ascending), which are at most `bounds` (m, Hz) too high. `counted` is, by
-    body, the number of modes with all interfaces fixed and the frequency (Hz) below which all of
-    them are kept.
+    `ports`: rows by name, 6×n for twists and 1×n for displacements of drives. `points` (3, m):
+    points of the twists. `about`: text on the axes and on the end conditions of the `frequencies`
+    (m, Hz, ascending), which are at most `bounds` (m, Hz) too high. `counted`: for each body, the
+    number of modes with all interfaces fixed and the frequency (Hz) below which all of them are
+    kept.
     """
 
     name: str
@@ -67,7 +68,7 @@ class Reduced:
 
 @dataclass(frozen=True, eq=False)
 class ReducedRobot:
-    """Reduced robot with its solution and modes, for the state space."""
+    """Reduced matrices of a robot, with its solution and modes for the state space."""
 
     matrices: Reduced
     solution: Solved
@@ -75,10 +76,10 @@ class ReducedRobot:
 
 
 def reduced_body(mechanism: Mechanism, name: str, highest: float) -> Reduced:
-    """Free body, accurate up to `highest` (Hz). Frequencies hold with its first interface clamped.
+    """Reduced free body, accurate up to `highest` (Hz).
 
-    Raises InputError if the body is neither a prism nor a CAD part, and ComputationError if it
-    cannot be meshed or solved.
+    Its `frequencies` have the first interface clamped. Raises InputError if the body is neither a
+    prism nor a CAD part, and ComputationError if it cannot be meshed or solved.
     """
     solids = dict(_solids(mechanism, highest, only=name))
     if name not in solids:
@@ -117,7 +118,7 @@ def reduced_body(mechanism: Mechanism, name: str, highest: float) -> Reduced:
 
 
 def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
-    """Robot about one pose, accurate for its first `count` frequencies.
+    """Reduced robot about one pose, accurate for its first `count` frequencies.
 
     There are fewer frequencies if fewer modes move mass. Raises InputError and ComputationError as
     `reduced_body` does.
@@ -150,7 +151,7 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
         for joint in mechanism.joints
         if joint.drive is not None and joint.drive.stiffness is not None
     }
-    # Drives have no rows for the inner unknowns of bodies.
+    # Drive ports are zero for the inner unknowns of bodies.
     inner_zeros = np.zeros((1, system.size - system.outer))
     pose = shown_pose(mechanism, posture.pose) or "the reference posture"
     masses = ", legs known by their 6×6 with their mass along them" if six_by_six_legs else ""
@@ -177,7 +178,10 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
 def _solids(
     mechanism: Mechanism, highest: float, only: str | None = None
 ) -> Iterator[tuple[str, _Solid]]:
-    """Prisms and CAD parts as solids accurate up to `highest` (Hz), by name, or `only` one."""
+    """Prisms and CAD parts as solids, accurate up to `highest` (Hz), by name.
+
+    Or `only` one of them.
+    """
     cutoff, legs = CUTOFF["solid"] * highest, legs_of(mechanism)
     for name, leg, options in constant_legs(mechanism, DEFAULT_OPTIONS):
         if only in {None, name} and not isinstance(legs[name], GivenLeg):

@@ -1,4 +1,8 @@
-"""Tables of the robot and of each leg by all formulations: values of the solid, and differences."""
+"""Tables and sentences on the agreement of all formulations with solids, for robot and legs.
+
+Input: outcomes of the comparisons. Output: a table for the robot, each leg and each CAD part, and
+sentences with the largest differences, their causes and the skipped comparisons.
+"""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +14,7 @@ from validation.report.words import capital, listed, pose_text
 from validation.run.outcome import Outcome, Verdict
 from validation.verdicts import Coordinate
 
-# Marks of the verdicts on comparisons.
+# Symbols of the verdicts on comparisons.
 MARKS: Mapping[Verdict, str] = {
     "agree": "✓",
     "disagree": "✗",
@@ -18,7 +22,7 @@ MARKS: Mapping[Verdict, str] = {
     "failed": "!",
     "skipped": "–",
 }
-# Smaller shares of a value read as 0.00 % and are not listed as explained.
+# Ratios below this are displayed as 0.00 % and are not listed as explained.
 _SMALLEST_SHARE = 5e-5
 MODELS: Mapping[str, str] = {
     "vjm": "VJM",
@@ -29,18 +33,18 @@ MODELS: Mapping[str, str] = {
     "beam-stepped": "Beam FE, stepped",
     "condensed": "Condensed",
 }
-# Names of formulations within a sentence.
+# Names of formulations inside a sentence.
 _IN_TEXT: Mapping[str, str] = dict(MODELS) | {"links": "links", "segments": "segments"}
 
 
 @dataclass(frozen=True)
 class AgreementCell:
-    """Difference of a formulation from the solid.
+    """Difference of a formulation from the solid, as texts of a table cell.
 
-    `text` is the difference that is judged; the whole difference is `raw` if a part of it has named
-    causes, else `raw` is empty. `spread` is the half-width, empty if it would read as zero. `case`
-    is the id of the comparison. A skipped one has its reason as text. `verdict` is None and `mark`
-    empty for a difference that is shown and not judged.
+    `text`: the difference that is judged, or the reason if the comparison was skipped. `raw`: the
+    whole difference if a part of it has named causes, otherwise "". `spread`: the half-width, "" if
+    it would be displayed as zero. `case`: id of the comparison. `verdict` is None and `mark` "" for
+    a difference without a verdict.
     """
 
     text: str
@@ -53,13 +57,13 @@ class AgreementCell:
 
 @dataclass(frozen=True)
 class AgreementTable:
-    """A leg or the robot: a row for each formulation with a cell per quantity, None without one.
+    """Differences of all formulations of a leg or the robot: one row each, one cell per quantity.
 
-    `subject` names the leg, or the robot and its pose. `solid` are the values of the solid with
-    their units. Quantities without any value have no column. `causes` are rows of the allowances by
-    cause, "" for a quantity without one; `explanations` are the same amounts in words, by quantity.
-    `missing` lists the comparisons that were skipped or failed, with the reason. `judged`: False if
-    the differences are shown without verdicts, with `notes` below them.
+    A cell is None if there is no comparison. `subject`: name of the leg, or the robot and its pose.
+    `solid`: values of the solid with units. Quantities without any value have no column. `causes`:
+    rows of allowances by cause, "" for a quantity without one; `explanations`: the same amounts in
+    words. `missing`: comparisons that were skipped or failed, with the reason. `judged` is False if
+    the differences have no verdicts; `notes` stand below them.
     """
 
     subject: str
@@ -74,16 +78,16 @@ class AgreementTable:
 
     @property
     def compared(self) -> bool:
-        """True if any formulation was compared; otherwise only the reasons are shown."""
+        """True if any formulation was compared. Otherwise only the reasons are displayed."""
         return bool(self.quantities)
 
 
 def agreement_tables(
     outcomes: Sequence[Outcome], coordinates: Sequence[Coordinate] = ()
 ) -> tuple[AgreementTable, ...]:
-    """A table for the robot and for each leg that has agreement cases, then for each CAD part.
+    """Tables for the robot and each leg with comparisons, then for each CAD part.
 
-    `coordinates` of the poses name the robot's pose; without them its table is headed "robot".
+    `coordinates` of the poses name the robot's pose in the heading. Without them it is "robot".
     """
     comparisons = [outcome for outcome in outcomes if outcome.case.kind == "agreement"]
     by_body = {
@@ -98,21 +102,21 @@ def agreement_tables(
 
 
 def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
-    """All comparisons of formulations in words; "" if there are none."""
+    """Sentences on all comparisons of formulations. "" if there are none."""
     texts = agreement_statement(outcomes), agreement_reservations(outcomes)
     return " ".join(filter(None, texts))
 
 
 def agreement_statement(outcomes: Sequence[Outcome]) -> str:
-    """Models compared and the largest differences from solid FE; "" without comparisons.
+    """Sentence on the compared models and their largest differences from solids.
 
-    Comparisons that are undecided or failed are counted.
+    It counts undecided and failed comparisons. "" without comparisons.
     """
     return " ".join(filter(None, (_judged_sentence(outcomes), _parts_sentence(outcomes))))
 
 
 def agreement_reservations(outcomes: Sequence[Outcome]) -> str:
-    """Amounts allowed for by cause, and comparisons that were skipped; "" without any."""
+    """Sentences on the amounts allowed for by cause, and on skipped comparisons. "" without any."""
     comparisons = [outcome for outcome in outcomes if outcome.case.kind == "agreement"]
     if all(outcome.verdict not in {"agree", "disagree"} for outcome in comparisons):
         return ""
@@ -121,7 +125,7 @@ def agreement_reservations(outcomes: Sequence[Outcome]) -> str:
 
 
 def _parts_sentence(outcomes: Sequence[Outcome]) -> str:
-    """Largest differences of stepped and condensed CAD parts from their solids."""
+    """Sentence on the largest differences of stepped and condensed CAD parts from their solids."""
     values = [value for outcome in outcomes for value in _unjudged_values(outcome)]
     forms = {
         "stepped beams": [value for value in values if value.elements],
@@ -176,7 +180,10 @@ def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
 
 
 def _agreement(agreeing: Sequence[Outcome]) -> str:
-    """Models that agree with the solid, and the largest differences in statics and dynamics."""
+    """Text on the models that agree with solids, and the largest differences.
+
+    Separate differences for compliances and frequencies.
+    """
     kinds = {
         "compliances": [outcome for outcome in agreeing if outcome.case.unit != "Hz"],
         "frequencies": [outcome for outcome in agreeing if outcome.case.unit == "Hz"],
@@ -196,10 +203,10 @@ def _models(outcomes: Sequence[Outcome]) -> str:
 
 
 def _bound_text(agreeing: Sequence[Outcome]) -> str:
-    """The bound of all unexplained differences: "within 0.36 % (f3 of leg1: 0.19 % ± 0.17 %)".
+    """Text with the bound of all differences: "within 0.36 % (f3 of leg1: 0.19 % ± 0.17 %)".
 
-    It is the largest sum of an unexplained difference and its half-width. A half-width that would
-    read as zero is omitted in the brackets, a bound that would read as zero is rounded up.
+    The bound is the largest sum of an unexplained difference and its half-width. In the brackets, a
+    half-width that would be displayed as zero is omitted; such a bound is rounded up.
     """
     worst, parts = _largest_part(agreeing, lambda parts: abs(parts.unexplained) + parts.half_width)
     difference, bound = abs(parts.unexplained), abs(parts.unexplained) + parts.half_width
@@ -213,15 +220,16 @@ def _bound_text(agreeing: Sequence[Outcome]) -> str:
 def _largest_part(
     outcomes: Iterable[Outcome], part: Callable[[AgreementRow], float]
 ) -> tuple[Outcome, AgreementRow]:
-    """The comparison with the largest `part`, and its parts."""
+    """Comparison for which `part` is largest, and its parts."""
     compared = [(outcome, parts) for outcome in outcomes if (parts := difference_parts(outcome))]
     return max(compared, key=lambda pair: part(pair[1]))
 
 
 def _allowances_sentence(agreeing: Sequence[Outcome]) -> str:
-    """Largest whole difference, and named causes with their largest amounts; "" without causes.
+    """Sentence on the largest whole difference and on named causes with their largest amounts.
 
     "Whole differences reach 21.27 % (φx of leg2). Explained by held end faces (up to 21.25 % …)."
+    "" without causes.
     """
     amounts: dict[str, tuple[float, str]] = {}
     for outcome in agreeing:
@@ -243,9 +251,9 @@ def _allowances_sentence(agreeing: Sequence[Outcome]) -> str:
 
 
 def _missing_sentence(comparisons: Sequence[Outcome]) -> str:
-    """Skipped comparisons: "Not compared: f1, f2 of arm1 and rod1l; VJM of the robot.".
+    """Sentence on skipped comparisons, "Not compared: f1, f2 of arm1; VJM of the robot.".
 
-    Quantities in which no formulation of a subject is compared, then formulations.
+    First the quantities in which no formulation of a subject is compared, then formulations.
     """
     quantities: dict[tuple[str, ...], list[str]] = {}
     models: dict[tuple[str, ...], list[str]] = {}
@@ -276,7 +284,10 @@ def _quantity_text(outcome: Outcome) -> str:
 
 
 def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
-    """Largest error of segments and beams with the stated element count; "" if not computed."""
+    """Sentence on the largest error with the element count of [agree].
+
+    "" if it was not computed.
+    """
     stated = [
         outcome
         for outcome in outcomes
@@ -289,7 +300,7 @@ def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
 
 
 def _robot_at_pose(outcomes: Sequence[Outcome], coordinates: Sequence[Coordinate]) -> str:
-    """The robot and the pose of its comparisons: "robot at x = 0.4975 m"."""
+    """Text with the pose of the robot's comparisons: "robot at x = 0.4975 m"."""
     poses = {outcome.measurement.pose for outcome in outcomes if outcome.measurement}
     pose = next(iter(poses), ())
     complete = pose and len(pose) == len(coordinates)
@@ -325,7 +336,7 @@ def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
 
 
 def _row_name(model: str, elements: int) -> str:
-    """The model, and its elements per leg in brackets if it has any: "Beam FE (20)"."""
+    """Name of the model, with its elements per leg in brackets if it has any: "Beam FE (20)"."""
     return f"{MODELS[model]} ({elements})" if elements else MODELS[model]
 
 
@@ -334,7 +345,7 @@ def _unjudged_values(outcome: Outcome) -> tuple[UnjudgedValue, ...]:
 
 
 def _part_table(outcome: Outcome) -> AgreementTable:
-    """Stepped and condensed forms of a CAD part beside its solid, without verdicts."""
+    """Table of stepped and condensed models of a CAD part against its solid, without verdicts."""
     values = _unjudged_values(outcome)
     quantities = {value.label: _value(value.reference, value.unit) for value in values}
     rows: dict[str, tuple[AgreementCell, ...]] = {}
@@ -358,7 +369,7 @@ def _part_table(outcome: Outcome) -> AgreementTable:
 
 
 def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:
-    """Compliance (SI with a prefix) or frequency (Hz) of the solid."""
+    """Compliance (SI with a prefix) or frequency (Hz) of the solid, as text."""
     for outcome in outcomes:
         if outcome.case.label == quantity and outcome.measurement is not None:
             return _value(outcome.measurement.reference, outcome.case.unit)
@@ -373,7 +384,7 @@ def _value(reference: float, unit: str) -> str:
 
 
 def _spread(half_width: float) -> str:
-    """Relative half-width, "" if it would read as zero."""
+    """Relative half-width as text. "" if it would be displayed as zero."""
     return f"± {_unsigned(half_width)}" if half_width >= _SMALLEST_SHARE else ""
 
 
@@ -392,21 +403,21 @@ def _cell(outcome: Outcome) -> AgreementCell:
 
 
 def _shares(outcome: Outcome) -> dict[str, float]:
-    """Relative amounts of the named differences by cause, without those that read as zero."""
+    """Relative amounts of named causes, by cause, without those displayed as zero."""
     parts = difference_parts(outcome)
     causes = parts.causes if parts else {}
     return {cause: share for cause, share in causes.items() if abs(share) >= _SMALLEST_SHARE}
 
 
 def _causes_text(outcome: Outcome) -> str:
-    """Amounts of the named differences in words: "held end faces +1.46 %"."""
+    """Text with the amounts of named causes: "held end faces +1.46 %"."""
     return ", ".join(f"{cause} {_percent(share)}" for cause, share in _shares(outcome).items())
 
 
 def _cause_rows(
     outcomes: Sequence[Outcome], quantities: Sequence[str]
 ) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Amounts by cause and quantity, all of them if they differ between formulations."""
+    """Amounts by cause and quantity. All of them if they differ between formulations."""
     amounts: dict[str, dict[str, dict[str, None]]] = {}
     for outcome in outcomes:
         for cause, share in _shares(outcome).items():
@@ -419,12 +430,12 @@ def _cause_rows(
 
 
 def _explanations(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    """A line for each set of quantities explained by the same named differences."""
+    """Lines with the quantities that the same named causes explain."""
     return _quantities_by_text((_causes_text(outcome), outcome) for outcome in outcomes)
 
 
 def _missing_reasons(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    """A line for each reason for missing comparisons, with its quantities."""
+    """Lines with the reasons for missing comparisons and their quantities."""
     return _quantities_by_text(
         (outcome.message, outcome) for outcome in outcomes if outcome.measurement is None
     )
@@ -439,11 +450,11 @@ def _quantities_by_text(pairs: Iterable[tuple[str, Outcome]]) -> tuple[str, ...]
 
 
 def _percent(share: float) -> str:
-    """A share in percent with its sign and two decimals; zero has no minus sign."""
+    """Ratio in per cent with its sign and two decimals. Zero has no minus sign."""
     text = f"{100.0 * share:+.2f}".replace("-", "−")
     return f"{'0.00' if text[1:] == '0.00' else text}\N{NO-BREAK SPACE}%"
 
 
 def _unsigned(share: float) -> str:
-    """A share that is not negative, in percent."""
+    """Ratio of at least zero, in per cent."""
     return _percent(share).lstrip("+")

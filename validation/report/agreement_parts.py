@@ -1,4 +1,8 @@
-"""Comparisons with solids of the same legs as rows of one table, each difference in its parts."""
+"""Comparisons with solids as rows of one table, each difference with its parts.
+
+Input: outcomes of comparisons. Output: `AgreementRow` records and a `ResultTable`: values,
+difference, explained and unexplained part, half-width, tolerance and verdict.
+"""
 
 from collections.abc import Iterable, Mapping
 from math import isnan, nan
@@ -12,19 +16,19 @@ from validation.record_fields import COLUMN, Column, columns_of
 from validation.run.outcome import Outcome, Verdict
 from validation.tables import Cell, ResultTable
 
-# Decimals of percentages: smaller parts are round-off.
+# Decimals of percentages. Smaller digits are round-off.
 _DECIMALS = 6
 
 
 def _percentage(name: str) -> Column:
-    """Column of a share of the solid's value."""
+    """Column of a ratio to the solid's value."""
     return Column(f"{name} (%)", percent=True)
 
 
 class AgreementRow(msgspec.Struct, frozen=True, kw_only=True):
     """A formulation compared with the solid of the same leg or robot.
 
-    The fields that are columns are those of the table and of CSV, in this order. Numbers are NaN if
+    The annotated fields are the columns of the table and of CSV, in this order. Numbers are NaN if
     the comparison was skipped or failed.
     """
 
@@ -50,7 +54,7 @@ class AgreementRow(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def detail(self) -> str:
-        """The comparison in words."""
+        """Text with all numbers of the comparison."""
         causes = ", ".join(f"{cause} {percent(share)}" for cause, share in self.causes.items())
         return (
             f"{self.value:.6g} against {self.reference:.6g} {self.unit}, "
@@ -92,9 +96,9 @@ def _unmeasured(outcome: Outcome) -> AgreementRow:
 
 
 def agreement_rows(outcomes: Iterable[Outcome]) -> ResultTable:
-    """A row for each comparison of formulations: values, difference and its parts, verdict.
+    """Table with a row for each comparison of formulations: values, difference, parts, verdict.
 
-    Forms of CAD parts that are shown beside their solids follow, without tolerance and verdict.
+    Models of CAD parts without a verdict follow, without tolerance.
     """
     outcomes = tuple(outcomes)
     judged = [
@@ -119,7 +123,7 @@ def agreement_rows(outcomes: Iterable[Outcome]) -> ResultTable:
 
 
 def percent(share: float) -> str:
-    """A share in percent with its sign and three digits."""
+    """Ratio in per cent with its sign and three digits."""
     return f"{100.0 * share:+.3g} %"
 
 

@@ -1,4 +1,8 @@
-"""Elements per leg for an error of 1 %, from the studies of convergence with element count."""
+"""Table of the elements per leg that an error of 1 % requires, by formulation.
+
+Input: convergence studies of the run's figures. Output: `ElementCounts`. Rule: the worst of f1 to
+f4 and three deflections, over all legs and the robot, decides.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,16 +12,16 @@ from validation.drawing.text import percent
 from validation.studies_and_figures import Figure
 
 _TARGET = "0.01"
-# Smaller errors are stated as below this bound.
+# Errors below this are given as below this bound.
 _SMALLEST = 1e-5
 
 
 @dataclass(frozen=True)
 class ElementCount:
-    """Elements per leg of one formulation, for the worst frequency or deflection.
+    """Elements per leg of one formulation, for its worst frequency or deflection.
 
-    `needed` for 1 %; `error` with the stated count and the quantity `worst` that has it, both empty
-    if that count was not computed.
+    `needed` for an error of 1 %. `error` with the element count of [agree], and `worst`, the
+    quantity with this error; both "" if that count was not computed.
     """
 
     formulation: str
@@ -28,17 +32,14 @@ class ElementCount:
 
 @dataclass(frozen=True)
 class ElementCounts:
-    """Formulations by Timoshenko's theory; `stated` is the element count of their errors."""
+    """Formulations by Timoshenko's theory. `stated`: element count to which their errors belong."""
 
     rows: tuple[ElementCount, ...]
     stated: int
 
 
 def element_counts(figures: Sequence[Figure]) -> ElementCounts | None:
-    """Element counts of each formulation over f1 to f4 and the deflections of legs and robot.
-
-    None without a study of convergence with element count.
-    """
+    """Element counts of each formulation. None without a study over the element count."""
     studies = [study for figure in figures for study in figure.studies if "needed" in study]
     labels = dict.fromkeys(
         label
@@ -68,7 +69,7 @@ def _row(label: str, studies: Sequence[Mapping[str, Any]]) -> ElementCount:
 
 
 def _needed(label: str, studies: Sequence[Mapping[str, Any]]) -> str:
-    """Elements for 1 %; a bound if it is beyond the counts that were computed."""
+    """Elements for 1 %, as text. A bound if they lie outside the computed counts."""
     needed = [study["needed"][label][_TARGET] for study in studies]
     computed = [
         count
@@ -83,7 +84,7 @@ def _needed(label: str, studies: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _stated_error(label: str, study: Mapping[str, Any]) -> float | None:
-    """Relative error with the stated count of elements; None if it was not computed."""
+    """Relative error with the element count of [agree]. None if it was not computed."""
     count = study["stated"]
     if count not in study["x"]:
         return None

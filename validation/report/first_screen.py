@@ -1,4 +1,8 @@
-"""The first screen put together from the matrix of adequacy."""
+"""Content of the first screen of the report, made from the matrix of verdicts.
+
+Input: a matrix. Output: `FirstScreen`: the verdict in one sentence, the table of verdicts,
+remedies, reasons of undecided entries, and the same for single legs.
+"""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -26,10 +30,10 @@ from validation.verdicts import Entry, Matrix
 class FirstScreen:
     """Top of the page: verdict with its assumptions, table of verdicts, errors over the poses.
 
-    `remedies` and `undecided` (entries by reason) are those of the unfolded models, `other_…`
-    those of the folded ones. `inputs`: each uncertain input with the error on which it has the
-    largest effect. `notes`: assumptions where the robot file has no value. `parts`: the same for
-    further matrices (legs alone, formulations), each with a `name` under a `heading`.
+    `remedies` and `undecided` (entries by reason) belong to unfolded rows of the table, `other_…`
+    to folded ones. `inputs`: each uncertain input with the error on which it has the largest
+    effect. `notes`: assumptions for values missing in the robot file. `parts`: screens of further
+    matrices (legs alone, formulations), each with a `name` under a `heading`.
     """
 
     sentence: str
@@ -54,7 +58,7 @@ def first_screen(
     """First screen of a matrix.
 
     `plotted`: True to draw the figure. `measured`: True if the references are measured values, each
-    at its own pose. `rely`: models that the user relies on.
+    in its own pose. `rely`: models on which the user relies.
     """
 
     def errors() -> Figure | None:
@@ -86,7 +90,7 @@ def first_screen(
 
 
 def _undecided_reasons(matrix: Matrix, models: Collection[str]) -> Mapping[str, str]:
-    """Quantities and models of undecided entries, by the reason that they are undecided."""
+    """Quantities and models of undecided entries as text, by reason."""
     entries_by_reason: dict[str, list[Entry]] = {}
     for entry in matrix.entries:
         if entry.verdict == "undecided" and entry.reason and entry.model in models:
@@ -99,7 +103,7 @@ def _undecided_reasons(matrix: Matrix, models: Collection[str]) -> Mapping[str, 
 
 
 def _input_texts(matrix: Matrix, models: Collection[str]) -> tuple[str, ...]:
-    """Each uncertain input with its largest effect on an error of these models (95 %)."""
+    """Texts with each uncertain input and its largest effect on an error of these models (95 %)."""
     largest: dict[str, tuple[float, str]] = {}
     for entry in (candidate for candidate in matrix.entries if candidate.model in models):
         half_width = entry.uncertainties.get("inputs", 0.0)

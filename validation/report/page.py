@@ -1,4 +1,7 @@
-"""report.html: a self-contained page of the results of a run."""
+"""The page report.html, made from the results of a run.
+
+Input: `Results` and findings of the audit. Output: self-contained HTML, tables as CSV.
+"""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -32,7 +35,7 @@ class Report:
 
     @cached_property
     def outcomes(self) -> list[Outcome]:
-        """The comparisons."""
+        """Outcomes of all comparisons."""
         return self.results.outcomes
 
     @cached_property
@@ -58,17 +61,17 @@ class Report:
 
     @property
     def answered(self) -> FirstScreen | None:
-        """First screen of the answer: with computed references, otherwise with measured values."""
+        """First screen with the verdict: by computed references, otherwise by measured values."""
         return self.first or self.measurements
 
     @property
     def sentence(self) -> str:
-        """The verdict on the models in one sentence; without models, that on the comparisons."""
+        """Sentence with the verdict on the models. Without models, on the comparisons."""
         return self.answered.sentence if self.answered else self.checks
 
     @property
     def checks(self) -> str:
-        """The comparisons in one sentence."""
+        """Sentence on the comparisons."""
         sentence, skipped_ids = self.results.standing.sentence, self.results.no_longer_compared
         if skipped_ids:
             sentence += (
@@ -79,7 +82,7 @@ class Report:
 
     @property
     def portrait(self) -> Figure | None:
-        """The picture of the robot."""
+        """Picture of the robot. None if there is none."""
         return next((figure for figure in self.results.figures if figure.id == PORTRAIT), None)
 
     @property
@@ -90,7 +93,7 @@ class Report:
 
     @property
     def verdict(self) -> Verdict:
-        """The worst verdict of the comparisons; an unfinished run has failed."""
+        """Worst verdict of the comparisons. An unfinished run counts as failed."""
         verdicts = {outcome.verdict for outcome in self.outcomes}
         if "disagree" in verdicts:
             return "disagree"
@@ -102,7 +105,7 @@ class Report:
 
     @cached_property
     def chapters(self) -> tuple[Chapter, ...]:
-        """The chapters on the robot, its legs and the paper.
+        """Chapters on the robot, its legs and the paper.
 
         An interrupted run has no plots of studies and budgets, so that Ctrl-C ends it at once.
         """
@@ -118,7 +121,7 @@ class Report:
 
     @property
     def shown(self) -> tuple[Figure, ...]:
-        """All figures of the page in its order, including those drawn from the outcomes."""
+        """All figures of the page in order, including those drawn from the outcomes."""
         screens = (self.first, self.measurements)
         first = (*(screen.errors for screen in screens if screen), self.portrait)
         sections = [section for chapter in self.chapters for section in chapter.sections]
@@ -136,21 +139,21 @@ class Report:
 
     @cached_property
     def figure_ids(self) -> Mapping[str, str]:
-        """Titles of the computed figures by id, as targets of links from comparisons."""
+        """Titles of the computed figures by id, for links from comparisons."""
         return {figure.id: figure.title for figure in self.results.figures}
 
     @property
     def viewer(self) -> str:
-        """Script that shows 3-D scenes. Empty without scenes."""
+        """Script that displays 3-D scenes. "" without scenes."""
         return viewer() if any(figure.scenes for figure in self.results.figures) else ""
 
 
 def render(report: Report) -> str:
-    """The page as HTML."""
+    """Page as HTML."""
     return _templates().get_template("report.html.j2").render(report=report)
 
 
-# Templates are compiled once, as this takes longer than filling a short page.
+# Compiled once, as this takes longer than filling a short page.
 @lru_cache(maxsize=1)
 def _templates() -> Environment:
     environment = Environment(
@@ -180,5 +183,5 @@ def _templates() -> Environment:
 
 
 def _unbroken(sentence: str) -> Markup:
-    """The text with no line break within an option such as "--parts stepped"."""
+    """Text without line breaks inside an option such as "--parts stepped"."""
     return Markup(re.sub(r"(--\w+ \w+)", r'<span class="data">\1</span>', str(escape(sentence))))  # noqa: S704

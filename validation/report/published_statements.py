@@ -1,4 +1,7 @@
-"""Statements of a source, checked as printed and as corrected: table of the page, and CSV."""
+"""Table and CSV of a publication's statements, checked as printed and as corrected.
+
+Input: `Claim` records. Output: rows of the page and CSV.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -7,7 +10,7 @@ from validation.drawing.style import csv_of
 from validation.drawing.text import number
 from validation.published_statements import Claim, Standing, summary
 
-# Standing of a statement in words of the page, and the verdict whose colour it has.
+# Text for the standing of a statement, and the verdict whose colour it has.
 _STANDINGS: Mapping[Standing, tuple[str, str]] = {
     "both": ("holds", "adequate"),
     "as printed alone": ("as printed alone", "undecided"),
@@ -21,7 +24,7 @@ _YES = {True: "yes", False: "no"}
 
 @dataclass(frozen=True)
 class StatementCell:
-    """A statement as printed or as corrected: its number, or the count of curves that hold."""
+    """Cell for a statement as printed or corrected: its number, or the count of curves."""
 
     text: str
     verdict: str
@@ -36,19 +39,19 @@ class StatementTable:
 
     @property
     def rows(self) -> Iterator[tuple[Claim, list[StatementCell], str, str]]:
-        """A statement, cells as printed and as corrected, standing in words, and its colour."""
+        """Rows: statement, cells as printed and as corrected, standing as text, and its colour."""
         for claim in self.claims:
             readings = [_cell(claim, reading) for reading in ("printed", "corrected")]
             yield claim, readings, *_STANDINGS[claim.standing]
 
     @property
     def summary(self) -> str:
-        """Counts of the statements that hold as printed and as corrected."""
+        """Sentence with the number of statements for each standing."""
         return summary(self.claims)
 
     @property
     def csv(self) -> str:
-        """One line for each curve of each statement."""
+        """CSV with one line for each curve of each statement."""
         lines = [(claim, curve) for claim in self.claims for curve in claim.curves]
         return csv_of(
             {

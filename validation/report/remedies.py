@@ -1,4 +1,7 @@
-"""Causes of inadequate models and remedies: entries with the same causes and remedy in one line."""
+"""Lines on inadequate models: entries with the same causes and remedy in one line.
+
+Input: a matrix of verdicts. Output: `RemedyLine` records.
+"""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -13,12 +16,12 @@ from validation.report.words import (
 )
 from validation.verdicts import Entry, Matrix
 
-# Causes named in a line.
+# Number of causes in a line.
 _NAMED_CAUSES = 2
 _PERCENT = "\u00a0%"
-# Smaller shares of an error are not listed.
+# Shares of an error below this are not listed.
 _SMALLEST_SHARE = 0.02
-# Share of an error along the load from which on the line states too stiff or too soft. With less,
+# Fraction of an error along the load from which on the line says too stiff or too soft. Below it,
 # the error is mainly across the load.
 _ALONG_SHARE = 0.8
 
@@ -27,7 +30,7 @@ _ALONG_SHARE = 0.8
 class RemedyLine:
     """Models and quantities with the same causes of error, and their remedy.
 
-    `without` and `with_remedy` are ranges of errors without and with the remedy, as text.
+    `without` and `with_remedy`: ranges of errors without and with the remedy, as text.
     """
 
     models: str
@@ -39,7 +42,7 @@ class RemedyLine:
 
 
 def remedies_of(matrix: Matrix, models: Collection[str]) -> tuple[RemedyLine, ...]:
-    """A line for each group of inadequate entries of the models, in the order of the matrix.
+    """Lines for groups of inadequate entries of the models, in the order of the matrix.
 
     A group has the same leading causes and the same remedy.
     """
@@ -47,7 +50,7 @@ def remedies_of(matrix: Matrix, models: Collection[str]) -> tuple[RemedyLine, ..
     for entry in matrix.entries:
         if entry.verdict == "inadequate" and entry.model in models:
             causes = tuple(sorted(cause.cause for cause in entry.causes[:_NAMED_CAUSES]))
-            # Errors of frequencies have a sign, those of displacements none.
+            # Errors of frequencies have a sign, those of displacement vectors have none.
             key = causes, entry.remedy, "" if causes else entry.reason, entry.signed
             groups.setdefault(key, []).append(entry)
     return tuple(
@@ -65,10 +68,10 @@ def remedies_of(matrix: Matrix, models: Collection[str]) -> tuple[RemedyLine, ..
 
 
 def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
-    """The leading causes with the range of their shares: "shear: 80 to 96 %".
+    """Texts with the leading causes and the range of their shares: "shear: 80 to 96 %".
 
-    If causes compensate each other, shares are meaningless. The text then has the amount by which
-    each cause changes the error, and states that they interact.
+    If causes compensate each other, shares are meaningless. The texts then contain the amount by
+    which each cause changes the error, and state that they interact.
     """
     interact = any(cause.share < -_SMALLEST_SHARE for entry in entries for cause in entry.causes)
     sizes: dict[str, list[float]] = {}
@@ -95,7 +98,7 @@ def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
 def _range(
     values: Sequence[float | None], format_error: Callable[..., str], *, signed: bool = False
 ) -> str:
-    """Smallest and largest size, formatted by `format_error`. "" without values."""
+    """Smallest and largest magnitude as text, by `format_error`. "" without values."""
     finite = sorted((value for value in values if value is not None), key=abs)
     if not finite:
         return ""
@@ -104,7 +107,10 @@ def _range(
 
 
 def _stiffness_sense(entries: Sequence[Entry]) -> str:
-    """Text " too stiff" or " too soft" if all errors lie along the load with one sign, else ""."""
+    """Text " too stiff" or " too soft" if all errors lie along the load with one sign.
+
+    "" otherwise.
+    """
     along = [
         e.along for e in entries if e.along and abs(e.along) >= _ALONG_SHARE * abs(e.error or 0.0)
     ]

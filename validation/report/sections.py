@@ -1,4 +1,9 @@
-"""Chapters and sections of the report: comparisons, plots and pictures in the order of the page."""
+"""Chapters and sections of the report, in the order of the page.
+
+Input: outcomes and figures of a run. Output: `Chapter` records with comparisons, plots and tables.
+Rule: the table `CHAPTERS` assigns sections to chapters; the subject of its cases decides for any
+other section.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -34,8 +39,7 @@ from validation.studies_and_figures import (
 )
 from validation.verdicts import Coordinate
 
-# Chapters with their sections, in the order of the page. The subject of its cases decides the
-# chapter of any other section.
+# Chapters with their sections, in the order of the page.
 LEGS = "Modes and legs in detail"
 CROSS_VALIDATION = "Cross-validation"
 CHAPTERS: Mapping[str, tuple[str, ...]] = {
@@ -45,7 +49,7 @@ CHAPTERS: Mapping[str, tuple[str, ...]] = {
     LEGS: (MODES,),
     "The paper": ("The paper's statements", STROKE, FAMILY),
 }
-# Chapters that are folded, as the verdict is understood without them.
+# Folded chapters, which are not needed to understand the verdict.
 _APPENDIX = (LEGS, "The paper")
 _BY_SEVERITY: tuple[Verdict, ...] = ("disagree", "failed", "undecided", "agree", "skipped")
 
@@ -54,8 +58,8 @@ _BY_SEVERITY: tuple[Verdict, ...] = ("disagree", "failed", "undecided", "agree",
 class PageSection:
     """A group of cases with the figures that belong to it.
 
-    `plotted`: True to draw the studies behind the comparisons, and the error budget of those with
-    named causes. A plot that fails is omitted alone. `coordinates`: those of the poses.
+    `plotted`: True to draw the studies behind the comparisons, and error budgets. A plot that fails
+    is omitted alone. `coordinates`: those of the poses.
     """
 
     title: str
@@ -66,22 +70,25 @@ class PageSection:
 
     @cached_property
     def agreement(self) -> tuple[AgreementTable, ...]:
-        """A table of all formulations for the robot and each leg, from agreement cases."""
+        """Tables of all formulations for the robot and each leg, from agreement cases."""
         return agreement_tables(self.outcomes, self.coordinates)
 
     @cached_property
     def agreement_csv(self) -> str:
-        """The comparisons of all formulations as CSV; "" without any."""
+        """Comparisons of all formulations as CSV. "" without any."""
         return agreement_rows(self.outcomes).csv() if self.agreement else ""
 
     @property
     def statement(self) -> str:
-        """Agreement of all formulations in words. "" if the section does not compare them."""
+        """Sentence on the agreement of all formulations.
+
+        "" if the section does not compare them.
+        """
         return agreement_statement(self.outcomes)
 
     @property
     def reservations(self) -> str:
-        """Amounts allowed for and missing comparisons in words; "" without any."""
+        """Sentences on amounts allowed for and on missing comparisons. "" without any."""
         return agreement_reservations(self.outcomes)
 
     @cached_property
@@ -91,7 +98,7 @@ class PageSection:
 
     @property
     def worst_first(self) -> list[Outcome]:
-        """Comparisons in the order of severity, then by the share of the tolerance used."""
+        """Comparisons by severity of the verdict, then by difference over tolerance."""
         return sorted(self.outcomes, key=_severity)
 
     @cached_property
@@ -106,7 +113,7 @@ class PageSection:
     def budget(self) -> Figure | None:
         """Error budget of comparisons with named causes.
 
-        None without such, and with agreement tables, which have the budget in rows.
+        None without such comparisons, and with agreement tables, which contain the budget as rows.
         """
         if self.agreement:
             return None
@@ -122,7 +129,7 @@ class PageSection:
 
     @property
     def skipped(self) -> tuple[str, ...]:
-        """The reasons for skipping, with their bodies, if nothing was compared."""
+        """Reasons for skipping, with the names of bodies, if nothing was compared. () otherwise."""
         if any(outcome.verdict != "skipped" for outcome in self.outcomes):
             return ()
         bodies: dict[str, dict[str, None]] = {}
@@ -136,13 +143,16 @@ class PageSection:
 
     @property
     def largest(self) -> float | None:
-        """The largest unexplained difference over its reference, see `unexplained_share`."""
+        """Largest unexplained difference over its reference, see `unexplained_share`.
+
+        None without any.
+        """
         shares = (unexplained_share(outcome) for outcome in self.outcomes)
         return max((share for share in shares if share is not None), default=None)
 
     @cached_property
     def homes(self) -> Mapping[str, str]:
-        """The family in which a study is shown, by the study's id."""
+        """Id of the family that contains a study, by the study's id."""
         return {curve.study.id: family.id for family, _ in self.plots for curve in family.curves}
 
     @property
@@ -168,7 +178,7 @@ class Chapter:
 
     @property
     def leads(self) -> bool:
-        """True if the chapter is directly below the verdict, above the matrix of the models."""
+        """True if the chapter stands directly below the verdict, above the matrix of models."""
         return self.title == CROSS_VALIDATION
 
     @property
@@ -184,7 +194,7 @@ def chapters_of(
     plotted: bool,
     coordinates: tuple[Coordinate, ...] = (),
 ) -> tuple[Chapter, ...]:
-    """Chapters that are not empty; `plotted` and `coordinates` are those of `PageSection`."""
+    """Chapters that are not empty. `plotted` and `coordinates` as in `PageSection`."""
     names = [outcome.case.section for outcome in outcomes] + [figure.section for figure in figures]
     sections_by_chapter: dict[str, list[PageSection]] = {chapter: [] for chapter in CHAPTERS}
     for name in dict.fromkeys(names):
@@ -204,10 +214,10 @@ def chapters_of(
 
 
 def unexplained_share(outcome: Outcome) -> float | None:
-    """|unexplained difference| over |reference|. None if it has no meaning.
+    """|unexplained difference| over |reference|. None if this ratio is meaningless.
 
-    It has a meaning if the case claims equality within a relative tolerance. Differences of orders,
-    ranks, counts and bounds are amounts.
+    It has a meaning for cases that claim equality within a relative tolerance. Differences of
+    orders, ranks, counts and bounds are amounts.
     """
     case, measurement = outcome.case, outcome.measurement
     if measurement is None or not measurement.reference:
@@ -224,7 +234,7 @@ def _severity(outcome: Outcome) -> tuple[int, float]:
 
 
 def _chapter_title(section: PageSection) -> str:
-    """The chapter that lists the section, otherwise that of the subject of its first case."""
+    """Title of the chapter that lists the section. Otherwise by the subject of its first case."""
     chapters = {title: chapter for chapter, titles in CHAPTERS.items() for title in titles}
     is_leg = section.outcomes and section.outcomes[0].case.subject == "leg"
     return chapters.get(section.title) or (LEGS if is_leg else "The robot")

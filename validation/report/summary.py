@@ -1,4 +1,7 @@
-"""The result of a run as lines of text, shown at its end on the terminal."""
+"""Lines on the result of a run, for the terminal.
+
+Input: `Results`. Output: lines on comparisons, models, missing figures and changes.
+"""
 
 from collections.abc import Sequence
 
@@ -15,14 +18,17 @@ def verdicts(gathered: Results) -> list[str]:
     outcomes = gathered.outcomes
     worst = [o for o in outcomes if o.verdict in {"disagree", "undecided", "failed"}]
     standing = gathered.standing
-    # A run of models alone has no comparisons to be summarised.
+    # A run without comparisons has none to summarise.
     models_alone = not outcomes and gathered.matrices and not standing.failures
     sentences = [] if models_alone else [standing.sentence]
     return [*(outcome_line(*group) for group in _grouped_by_reason(worst)), *sentences]
 
 
 def _grouped_by_reason(outcomes: Sequence[Outcome]) -> list[list[Outcome]]:
-    """Outcomes in groups of one verdict and reason, an outcome with a measurement by itself."""
+    """Outcomes grouped by verdict and reason.
+
+    An outcome with a measurement is a group of its own.
+    """
     groups: dict[tuple[str, ...], list[Outcome]] = {}
     for outcome in outcomes:
         unmeasured = outcome.measurement is None
@@ -32,7 +38,7 @@ def _grouped_by_reason(outcomes: Sequence[Outcome]) -> list[list[Outcome]]:
 
 
 def adequacy(gathered: Results) -> list[str]:
-    """Lines on models relied on that are not adequate, and the verdict of the page."""
+    """Lines on models that are relied on and not adequate, and the verdict of the page."""
     refused, rely = ", ".join(gathered.standing.refused), gathered.rely
     lines = [f"models in `rely` that are not adequate: {refused}"] if refused else []
     lines += gathered.unjudged
@@ -43,10 +49,7 @@ def adequacy(gathered: Results) -> list[str]:
 
 
 def cross_validation(gathered: Results) -> list[str]:
-    """One line on the agreement of formulations and the error with 20 elements.
-
-    Empty without comparisons.
-    """
+    """Line on the agreement of formulations and on the error with 20 elements. [] without any."""
     outcomes = gathered.outcomes
     parts = [agreement_sentence(outcomes), convergence_sentence(outcomes)]
     sentence = " ".join(part for part in parts if part)
@@ -54,13 +57,13 @@ def cross_validation(gathered: Results) -> list[str]:
 
 
 def left_out(gathered: Results) -> list[str]:
-    """Lines on the figures that could not be drawn."""
+    """Lines on figures that could not be drawn."""
     undrawn = gathered.missing_figures
     return [f"figure {planned.id} left out: {message}" for planned, message in undrawn]
 
 
 def changes(gathered: Results) -> tuple[list[str], bool]:
-    """Lines on changes since the baseline; True if the run is worse than the baseline."""
+    """Lines on changes since the baseline, and True if the run is worse than the baseline."""
     if gathered.baseline is None:
         return [], False
     lost = [

@@ -1,4 +1,8 @@
-"""The matrix model × quantity as a table of the page with sheets, as CSV, in Python, in lines."""
+"""Matrix of verdicts as a table of the page, as CSV, as a Python table and as lines of text.
+
+Input: a `Matrix`. Output: `Table` with cells and detail sheets, CSV, `ResultTable`, and one line
+per entry.
+"""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -38,19 +42,19 @@ from validation.verdicts import (
     ModelNote,
 )
 
-# A term, and its text.
+# Term and its text.
 Line: TypeAlias = tuple[str, str]
 MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
-# Loads under which the table has the robot's own deflections (N, N m).
+# Loads (N, N m) for the robot's own deflections in the table.
 FORCE, MOMENT = 1000.0, 100.0
-# From this probability on, a verdict is shown without its probability.
+# Probability from which on a verdict is displayed without it.
 _CERTAIN = 0.995
 # Headings of tables in Python.
 _HEADINGS = (
     *("model", "quantity", "verdict", "error (%)", "half-width (%)", "low (%)", "high (%)"),
     *("limit (%)", "pose", "cause", "remedy"),
 )
-# Error of a model that lacks a motion, as a share of the motion, within round-off.
+# Error of a model that lacks a motion, as a fraction of the motion, within round-off.
 _WHOLE_MOTION = 1.0 - 1e-9
 _EULER_BERNOULLI = frozenset(
     name for name, model in JUDGED.items() if model.options.theory == "euler-bernoulli"
@@ -59,9 +63,10 @@ _EULER_BERNOULLI = frozenset(
 
 @dataclass(frozen=True)
 class Cell:
-    """One entry as shown: number, verdict, and `hint` for a pointer that rests on it.
+    """One entry as displayed: number, half-width, verdict, and `hint` for the mouse pointer.
 
-    Its `anchor` leads to `title` and `sheet`, which consists of pairs of a term and its text.
+    `anchor` is the link to the detail `sheet` with its `title`. The sheet consists of pairs of a
+    term and its text.
     """
 
     entry: Entry
@@ -78,8 +83,8 @@ class Cell:
 class Row:
     """A model with its cells. A cell is None if the model does not define the quantity.
 
-    `folded`: True if it has no entries, if it is adequate for nothing and lacks whole motions, or
-    if it is another model with a second theory.
+    `folded` is true if the model has no entries, if it is adequate for nothing and lacks whole
+    motions, or if it is another model with a second theory.
     """
 
     note: ModelNote
@@ -90,9 +95,9 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of models under `headings` of quantities; `robot` are the robot's own numbers.
+    """Rows of models under `headings` of quantities. `robot` are the robot's own numbers.
 
-    These are the largest deflections (µm, µrad) under `FORCE` and `MOMENT`, and frequencies (Hz) at
+    These are the largest deflections (µm, µrad) under `FORCE` and `MOMENT`, and frequencies (Hz) in
     the pose where the best model is worst, each with its half-width. "" if unknown.
     """
 
@@ -102,14 +107,14 @@ class Table:
 
     @property
     def cells(self) -> tuple[Cell, ...]:
-        """All cells of all rows."""
+        """Cells of all rows that are not None."""
         return tuple(cell for row in self.rows for cell in row.cells if cell)
 
 
 def table_of(matrix: Matrix, unfolded: Collection[str] = ()) -> Table:
-    """The matrix as a table: models in its order, quantities with at least one entry.
+    """Table of a matrix: models in its order, quantities with at least one entry.
 
-    `unfolded`: models in the sentence above the table, which are not folded.
+    `unfolded`: models in the sentence above the table, whose rows are not folded.
     """
     quantities = [q for q in matrix.quantities if any(e.quantity == q for e in matrix.entries)]
     rows = []
@@ -126,14 +131,14 @@ def table_of(matrix: Matrix, unfolded: Collection[str] = ()) -> Table:
 
 def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
     text, spread = _error_texts(entry)
-    # If readings of the robot file differ in the order, the error is that of one of them.
+    # If readings of the robot file differ in the order of modes, the error is that of one of them.
     if entry.quantity == ORDER and entry.verdict == "undecided" and entry.error is not None:
         spread = "at most"
     if entry.chance is not None and entry.chance < _CERTAIN:
         spread = f"{spread} {percent(entry.chance, signed=False)}\u00a0sure".strip()
     if entry.mac is not None:
         spread = f"{spread} MAC\u00a0{entry.mac:.2f}".strip()
-    # Sheets of one model and quantity by different references have different anchors.
+    # Sheets of one model and quantity against different references need different anchors.
     kind = ".measured" if entry.measured else ""
     meaning, sheet = sheet_of(matrix, note, entry)
     return Cell(
@@ -152,20 +157,20 @@ def _folded(matrix: Matrix, model: str) -> bool:
     entries = matrix.of_model(model)
     if not entries:
         return True
-    # A model that is adequate for the order of modes alone has no adequate frequency.
+    # A model that is adequate for the order of modes only has no adequate frequency.
     inadequate = all(entry.verdict != "adequate" for entry in entries if entry.quantity != ORDER)
     lacking = any(entry.along is not None and entry.along <= -_WHOLE_MOTION for entry in entries)
     return model in _EULER_BERNOULLI or (inadequate and lacking)
 
 
 def _robot_number(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
-    """Value of the reference and its half-width, from the entry of the best model."""
+    """Value of the reference and its half-width as texts, from the entry of the best model."""
     entries = [
         entry
         for entry in matrix.entries
         if entry.quantity == quantity and entry.error is not None and entry.expected is not None
     ]
-    # The direction of any force differs between robots; its number is in the sheet.
+    # The worst direction of force differs between robots; its number is in the sheet.
     if not entries or quantity in {ANY_FORCE, ORDER} or entries[0].measured:
         return "", ""
     best = min(entries, key=lambda entry: abs(entry.error or 0.0))
@@ -184,14 +189,14 @@ def _robot_number(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
         scale = 1e6 if quantity.kind is QuantityKind.LOAD else scale
     spread = 0.0
     if best.expected and len(best.expected_range) == 2:
-        # The relative half-width at the pose where the model is worst is used for all poses.
+        # All poses get the relative half-width of the pose where the model is worst.
         low, high = (end / best.expected for end in best.expected_range)
         size, spread = 0.5 * (low + high) * size, (high - low) / (low + high)
     return f"{number(scale * size, 3)}\u00a0{unit}", spread_text(spread)
 
 
 def csv_of_matrix(matrix: Matrix) -> str:
-    """One line for each entry: the fields that are columns, and a column for each coordinate."""
+    """CSV with one line for each entry: annotated fields, and a column for each coordinate."""
     columns: dict[str, Sequence[float | str | None]] = {}
     for name, column in columns_of(EntryRecord).items():
         values = [getattr(entry, name) for entry in matrix.entries]
@@ -204,7 +209,10 @@ def csv_of_matrix(matrix: Matrix) -> str:
 
 
 def _csv_cell(value: Any) -> float | str | None:
-    """Value of a field in a cell: numbers of a tuple one after the other, pairs with semicolons."""
+    """Value of a field for a CSV cell.
+
+    Numbers of a tuple follow each other, pairs have semicolons.
+    """
     match value:
         case Quantity():
             return value.name
@@ -226,7 +234,7 @@ def _error_texts(entry: Entry) -> tuple[str, str]:
 
 
 def entry_line(matrix: Matrix, entry: Entry) -> str:
-    """An entry in one line: verdict, error, pose, limit, leading cause, remedy and reason."""
+    """Line on an entry: verdict, error, pose, limit, leading cause, remedy and reason."""
     parts = [f"{entry.model}, {entry.quantity}: {entry.verdict}"]
     if entry.error is not None:
         parts.append(
@@ -250,7 +258,7 @@ def entry_line(matrix: Matrix, entry: Entry) -> str:
 
 
 def matrix_table(matrix: Matrix) -> ResultTable:
-    """A row for each model and quantity, errors and limits in per cent."""
+    """Table with a row for each model and quantity, errors and limits in per cent."""
     return ResultTable(_HEADINGS, tuple(_row(matrix, entry) for entry in matrix.entries))
 
 
@@ -268,7 +276,7 @@ def _row(matrix: Matrix, entry: Entry) -> tuple[str | float | None, ...]:
 
 
 def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[Line, ...]]:
-    """Meaning of the quantity of an entry, and the entry in full."""
+    """Meaning of an entry's quantity, and all details of the entry as terms and texts."""
     lines = (("Model", note.title), *_numbers(matrix, entry), *_reasons(entry))
     return entry.quantity.meaning, lines
 

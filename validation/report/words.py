@@ -1,8 +1,8 @@
-"""Models, quantities and errors in words, and a matrix of verdicts in one sentence.
+"""Names of models and quantities in sentences, and the sentence on a matrix of verdicts.
 
-The sentence states the verdicts on the models relied on. If there are none, it recommends models.
-It has at most forty words, unless many models are relied on. Assumptions of the verdicts are a
-separate sentence.
+Input: a `Matrix` and the models relied on. Output: sentences. Rule: the sentence gives the verdicts
+on the models relied on; if there are none, it recommends models. It has at most forty words, unless
+many models are relied on. Assumptions are a separate sentence.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -22,7 +22,7 @@ _MODELS: Mapping[str, str] = {
     "segments-stepped": "stepped segments",
 }
 _KIND = QuantityKind
-# Collective words, used if all judged quantities of the kinds are listed.
+# Collective words for quantities, used if all judged quantities of these kinds are listed.
 _GROUPS: tuple[tuple[tuple[str, ...], frozenset[QuantityKind]], ...] = (
     (
         ("deflections", "rotations"),
@@ -40,12 +40,12 @@ _GROUPS: tuple[tuple[tuple[str, ...], frozenset[QuantityKind]], ...] = (
 
 
 def model_name(model: str) -> str:
-    """Name of a model within a sentence."""
+    """Name of a model inside a sentence."""
     return _MODELS.get(model, model)
 
 
 def quantities_text(matrix: Matrix, quantities: Collection[Quantity]) -> str:
-    """Quantities within a sentence, with one word for a complete group."""
+    """Quantities inside a sentence, with one word for a complete group."""
     judged = {entry.quantity for entry in matrix.entries}
     words: list[str] = []
     remaining = [quantity for quantity in matrix.quantities if quantity in quantities]
@@ -61,7 +61,7 @@ def quantities_text(matrix: Matrix, quantities: Collection[Quantity]) -> str:
 
 
 def capital(text: str) -> str:
-    """The text with a capital first letter, otherwise unchanged."""
+    """Text with a capital first letter, otherwise unchanged."""
     return f"{text[:1].upper()}{text[1:]}"
 
 
@@ -71,23 +71,23 @@ def listed(words: Sequence[str]) -> str:
 
 
 def force_text(entry: Entry) -> str:
-    """The worst direction of any force: "(0.71, −0.7, 0.02)"; "" of any other quantity."""
+    """Worst direction of any force: "(0.71, −0.7, 0.02)". "" for any other quantity."""
     return (
         f"({', '.join(number(component, 2) for component in entry.force)})" if entry.force else ""
     )
 
 
 def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
-    """Verdicts on the models of `rely` in words; without such, the adequate models."""
+    """Sentence with the verdicts on the models of `rely`. Without any, the adequate models."""
     relied = [model for model in rely if matrix.of_model(model)]
     text = _relied_text(matrix, relied) if relied else _recommendation(matrix)
     return f"{text}." if text else "No verdict on any model."
 
 
 def supposition(matrix: Matrix, rely: Sequence[str] = ()) -> str:
-    """Assumption of the decided verdicts on frequencies, of models of `rely` if any.
+    """Sentence on the assumption behind decided verdicts on frequencies.
 
-    "" without decided verdicts on frequencies, or without an assumption.
+    Of the models of `rely` if any. "" without such verdicts or without an assumption.
     """
     entries = [e for model in rely for e in matrix.of_model(model)] or matrix.entries
     decided = any(e.verdict != "undecided" and not e.quantity.static for e in entries)
@@ -95,7 +95,7 @@ def supposition(matrix: Matrix, rely: Sequence[str] = ()) -> str:
 
 
 def _relied_text(matrix: Matrix, models: Sequence[str]) -> str:
-    """Verdicts with largest errors, one text for models with the same verdicts."""
+    """Text with verdicts and largest errors, common to models with the same verdicts."""
     models_by_verdicts: dict[tuple[tuple[Quantity, Adequacy], ...], list[str]] = {}
     for model in models:
         verdicts = tuple((entry.quantity, entry.verdict) for entry in matrix.of_model(model))
@@ -123,9 +123,10 @@ def _purpose_text(matrix: Matrix, quantities: Sequence[Quantity]) -> str:
 
 
 def _largest_error_text(entries: Sequence[Entry]) -> str:
-    """The largest error of entries with one verdict; for adequate ones, its largest bound.
+    """Text with the largest error of entries with one verdict.
 
-    Errors of the order count only if there are no others, as they compare unrelated modes.
+    For adequate ones, the largest bound. Errors of the order of modes count only if there are no
+    others, as they compare unrelated modes.
     """
     adequate = entries[0].verdict == "adequate"
     with_error = [entry for entry in entries if entry.error is not None]
@@ -140,7 +141,7 @@ def _largest_error_text(entries: Sequence[Entry]) -> str:
 def models_to_use(matrix: Matrix) -> list[tuple[str, set[Quantity]]]:
     """Models that together cover all quantities with an adequate model, each with its quantities.
 
-    Greedy choice: each time the model that is adequate for most of the remaining quantities, and of
+    Greedy choice: each time the model that is adequate for most of the remaining quantities, of
     equal ones the simplest.
     """
     adequate = {
@@ -161,7 +162,7 @@ def _recommendation(matrix: Matrix) -> str:
     covered = {quantity for _, quantities in selection for quantity in quantities}
     undecided = {e.quantity for e in matrix.entries if e.verdict == "undecided"} - covered
     refused = {entry.quantity for entry in matrix.entries} - covered - undecided
-    # Solids are no remedy for legs known by a 6×6 alone, as they model equivalent legs.
+    # Solids are no remedy for legs known by a 6×6 alone, since they model equivalent prisms.
     if refused and not (matrix.supposed or any(entry.measured for entry in matrix.entries)):
         selection.append(("solid", refused))
         refused = set()
@@ -173,7 +174,7 @@ def _recommendation(matrix: Matrix) -> str:
 
 
 def pose_text(coordinates: Sequence[Coordinate], pose: Sequence[float]) -> str:
-    """Coordinates of a pose with units: "x = 0.4975 m". "the root clamped" without coordinates."""
+    """Coordinates of a pose with units, "x = 0.4975 m". "the root clamped" without coordinates."""
     if not pose:
         return "the root clamped"
     return ", ".join(

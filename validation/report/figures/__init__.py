@@ -1,5 +1,6 @@
-"""The figures of a run: curves of all models in the same axes, pictures of the robot, studies.
+"""Figures of a run: curves of all models, pictures of the robot, and plots of studies.
 
-Curves and pictures are computed in the run like cases (`PlannedFigure`); plots of studies and
-budgets are drawn with the page, from the measurements of the cases.
+Input: the context of a run, or its outcomes. Output: charts and scenes. Curves and pictures are
+computed in the run like cases (`PlannedFigure`); plots of studies and error budgets are drawn with
+the page, from the outcomes.
 """

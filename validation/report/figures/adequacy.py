@@ -1,4 +1,7 @@
-"""Charts of a matrix of verdicts, a panel for each quantity: errors, and measured values."""
+"""Charts of a matrix of verdicts, with one panel for each quantity.
+
+Input: a matrix. Output: errors of all models over the poses, or values against measured ones.
+"""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -12,14 +15,14 @@ from validation.drawing.chart import Chart, Column, Panel, Series, few_ticks, pe
 from validation.verdicts import Entry, Matrix
 
 _POSE = "pose"
-# Error panels: the deflections, and the first frequencies if the matrix has any.
+# Error panels: deflections, and the first frequencies if the matrix contains any.
 _DEFLECTIONS = tuple(quantity for quantity in UNIT_LOADS if not quantity.rotational)
 _MODES = 2
 _COLUMNS = 3
 
 
 def error_curves(matrix: Matrix) -> Chart | None:
-    """A panel for each deflection and the first frequencies. None if no error is known.
+    """Chart of the errors of deflections and first frequencies. None if no error is known.
 
     Errors within the limit lie in the shaded band, on a linear scale; beyond it the scale is
     logarithmic.
@@ -49,7 +52,7 @@ def error_curves(matrix: Matrix) -> Chart | None:
 
 
 def measured_curves(matrix: Matrix) -> Chart | None:
-    """A panel for each measured quantity: measured value with 95 % interval, and all models.
+    """Chart of measured values with their 95 % intervals, and of all models, by quantity.
 
     None if nothing was measured.
     """
@@ -89,14 +92,14 @@ def measured_curves(matrix: Matrix) -> Chart | None:
 
 
 def _chart(panels: Sequence[Panel], matrix: Matrix, table: Mapping[str, Column]) -> Chart:
-    """Chart of a panel for each quantity over the poses of a matrix, with its table."""
+    """Chart of panels over the poses of a matrix, with its table."""
     _, label = _abscissa(matrix)
     ticks = partial(few_ticks, count=5, whole=label == _POSE)
     return Chart(panels, label, min(len(panels), _COLUMNS), 1.9, table, ticks)
 
 
 def _abscissa(matrix: Matrix) -> tuple[Array, str]:
-    """Abscissa with its label: the only coordinate of the poses, or the number along the path.
+    """Abscissa (p) with its label: the only coordinate of the poses, or the number along the path.
 
     Entries of legs have no pose.
     """
@@ -107,14 +110,14 @@ def _abscissa(matrix: Matrix) -> tuple[Array, str]:
 
 
 def _numbers(values: Sequence[float | None]) -> Array:
-    """Values as an array, NaN for each None."""
+    """Values as an array. NaN for each None."""
     return np.array([np.nan if value is None else value for value in values])
 
 
 def _error_ranges(entry: Entry) -> Array:
-    """Distances of each pose's error from its lowest and highest value (2×p)."""
+    """Distances (2×p) of each pose's error from its lowest and highest value."""
     errors, lows, highs = map(_numbers, (entry.errors, entry.lows, entry.highs))
-    # Differences of numbers that are one up to rounding are never negative.
+    # Negative differences are round-off.
     return np.maximum([errors - lows, highs - errors], 0.0)
 
 
@@ -160,7 +163,7 @@ def _table(matrix: Matrix) -> Mapping[str, Column]:
 
 
 def _single_pose_series(entries: Sequence[Entry]) -> list[Series]:
-    """Points of one pose: the measured value, then the models."""
+    """Points for a single pose: the measured value, then the models."""
     bar = max((_uncertainty(entry, "measurement") for entry in entries), default=0.0)
     series = [_point("measured", 0, 1.0, bar)]
     for row, entry in enumerate(entries, start=1):
@@ -176,7 +179,7 @@ def _point(label: str, row: int, value: float, bar: float) -> Series:
 
 
 def _path_series(matrix: Matrix, entries: Sequence[Entry]) -> list[Series]:
-    """Curves over the measured poses: the models, and the measured values as one."""
+    """Curves over the measured poses: the models, then the measured values."""
     x, _ = _abscissa(matrix)
     series = []
     for entry in entries:

@@ -1,4 +1,8 @@
-"""Bodies and joints of a mechanism as surfaces displaced by its unknowns."""
+"""Surfaces of bodies and joints, displaced by the solution of an assembled mechanism.
+
+Input: a system and its unknowns (a mode shape or a deflection). Output: displaced surfaces in base
+axes, and displacements at points common to all models.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -19,12 +23,12 @@ from validation.drawing.surfaces import Surface, faceted, joined
 from validation.kinematics.solids import COLOURS, Solid, on_ground, section_prism, solids
 from validation.models.reduced_parts import coarsest_mesh, identified
 
-# Points along a leg at which outlines of another model are drawn over it, slightly larger.
+# Number of points along a leg at which another model is drawn, as slightly larger outlines.
 COMPARED_POINTS = 6
 _SHARES = (np.arange(COMPARED_POINTS) + 0.5) / COMPARED_POINTS
 _OUTSET = 1.06
-# With fewer surface pieces, arcs look like polygons, so each piece is divided. More pieces
-# would make the page too large.
+# With fewer surface pieces, arcs look like polygons, so each piece is divided. More pieces would
+# make the page too large.
 _COARSE_PIECES = 1500
 # Four triangles between the corners (0 to 2) and the mid-side nodes (3 to 5) of a tri6 face.
 _SUBTRIANGLES = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
@@ -32,23 +36,26 @@ _SUBTRIANGLES = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
 
 @dataclass(frozen=True, eq=False)
 class DisplacedSolid:
-    """Solid of a body or joint at rest, with the displacements (n×3, m) of its points."""
+    """Surface of a body or joint at rest, with the displacements (n×3, m) of its points."""
 
     solid: Solid
     displacements: Array
 
     @property
     def deforms(self) -> bool:
-        """True for a leg or part, which is coloured by its displacements."""
+        """True for a leg or CAD part, which is coloured by its displacements."""
         return self.solid.carrier is None
 
     @property
     def sizes(self) -> Array:
-        """Length of each point's displacement (n)."""
+        """Length (n, m) of each point's displacement."""
         return np.asarray(np.linalg.norm(self.displacements, axis=1))
 
     def body(self, factor: float, unit: float) -> DrawnBody:
-        """Drawing with `factor` times the displacements; legs are coloured by them in `unit`."""
+        """Drawing with displacements times `factor`.
+
+        Legs are coloured by displacement in `unit` (m).
+        """
         motion = factor * self.displacements
         values = self.sizes / unit if self.deforms else None
         return DrawnBody(
@@ -56,7 +63,7 @@ class DisplacedSolid:
         )
 
     def wire(self) -> Wire:
-        """Edges at rest."""
+        """Edges of the surface at rest."""
         return Wire(self.solid.surface.points, self.solid.surface.edges, colour="#8a8f98")
 
 
@@ -84,7 +91,7 @@ def _displaced_solid(system: System, solid: Solid, unknowns: Array) -> Displaced
 
 
 def rails(system: System) -> Iterator[Wire]:
-    """Rails on ground: lines from a joint's reference position to its present position."""
+    """Rails on the ground: lines from a joint's reference position to its present position."""
     for joint in system.posture.mechanism.joints:
         if on_ground(joint):
             ends = [
@@ -94,11 +101,10 @@ def rails(system: System) -> Iterator[Wire]:
 
 
 def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
-    """`COMPARED_POINTS` points of each leg and part (m, base axes), and their displacements.
+    """`COMPARED_POINTS` points of each leg and CAD part (m, base axes), and their displacements.
 
-    They lie on the centreline of legs, and in a row from a part's first interface to its last.
-
-    `unknowns` n or n×k, displacements m×3 or m×3×k.
+    The points lie on the centreline of legs, and in a row from a part's first interface to its
+    last. `unknowns` n or n×k give displacements m×3 or m×3×k.
     """
     mechanism = system.posture.mechanism
     points_by_body: dict[str, Array] = {}
@@ -120,7 +126,7 @@ def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
 
 
 def leg_outlines(system: System, displaced: Array) -> Wire:
-    """Outlines of legs at the compared points, and edges between the faces of parts.
+    """Outlines of legs at the compared points, and edges between the faces of CAD parts.
 
     `displaced`: unknowns (n) times the factor of the drawing.
     """
@@ -141,13 +147,13 @@ def leg_outlines(system: System, displaced: Array) -> Wire:
 
 
 def displacements(system: System, name: str, points: Array, unknowns: Array) -> Array:
-    """Displacements (base axes) of points of a leg or part (n×3, body axes).
+    """Displacements (base axes) of points (n×3, body axes) of a leg or CAD part.
 
-    `unknowns` n or n×k, displacements n×3 or n×3×k.
+    `unknowns` n or n×k give displacements n×3 or n×3×k.
     """
     model = system.models[name]
     if isinstance(model, LegMatrices):
-        # Legs equal up to rounding share a model, and no point may lie beyond its end.
+        # Legs that are equal up to round-off share a model, beyond whose end no point may lie.
         points = np.column_stack([np.clip(points[:, 0], 0.0, model.length), points[:, 1:]])
     local_motions = model.displacements(points) @ system.body_unknowns(
         name, unknowns.reshape(system.size, -1)
@@ -158,7 +164,7 @@ def displacements(system: System, name: str, points: Array, unknowns: Array) -> 
 
 
 def _part_surface(part: Body) -> Surface:
-    """Surface of a part's coarsest mesh in body axes, with fewer faces than its file's mesh."""
+    """Surface of a CAD part's coarsest mesh in body axes, with fewer faces than its file's mesh."""
     mesh = coarsest_mesh(part)
     coarse = sum(len(facets.cells) for facets in mesh.faces.values()) < _COARSE_PIECES
     pieces = [
@@ -174,14 +180,14 @@ def _part_surface(part: Body) -> Surface:
 
 
 def _points_in_a_row(mechanism: Mechanism, part: str) -> Array:
-    """Points (`COMPARED_POINTS`×3, body axes) of a part next to a line between two interfaces.
+    """Points (`COMPARED_POINTS`×3, body axes) of a CAD part next to a line between interfaces.
 
-    The line runs from the first interface to the last. Every model has the displacements of
+    The line runs from the first interface to the last. Every model provides the displacements of
     these points.
     """
     body = mechanism.parts[part]
     ends = [frame.position for frame in body.interfaces.values()]
     line = ends[0] + _SHARES[:, None] * (ends[-1] - ends[0])
-    places = identified(body).places
-    distances = np.linalg.norm(line[:, None] - places, axis=2)
-    return np.asarray(places[np.argmin(distances, axis=1)])
+    samples = identified(body).places
+    distances = np.linalg.norm(line[:, None] - samples, axis=2)
+    return np.asarray(samples[np.argmin(distances, axis=1)])

@@ -1,7 +1,8 @@
-"""The error budget as stacked bars: difference, named causes and unexplained rest.
+"""Plot of error budgets as stacked bars: difference, named causes and unexplained rest.
 
-Vocabulary of ASME V&V 20: comparison error E = value − reference; allowances for named model
-differences; the rest is unexplained and is compared with numerical uncertainty and tolerance.
+Input: outcomes with allowances. Output: a figure. In the terms of ASME V&V 20: comparison error E =
+value − reference, allowances for named model differences, and the unexplained rest, which is
+compared with numerical uncertainty and tolerance.
 """
 
 from collections.abc import Sequence
@@ -19,14 +20,14 @@ from validation.studies_and_figures import Figure
 
 # Hatches distinguish the causes in black and white.
 _HATCHES = ("", "//", "..", "\\\\", "xx", "++", "--")
-# Characters in one line of a row's name and of an entry of the legend.
+# Characters in one line of a row's name, and of an entry of the legend.
 _NAME_WIDTH, _CAUSE_WIDTH = 38, 46
 
 
 def budget_figure(
     identifier: str, title: str, section: str, outcomes: Sequence[Outcome]
 ) -> Figure | None:
-    """Budget of the measurements with allowances and a reference. None if there are none."""
+    """Figure of the error budgets of outcomes with allowances and a reference. None without any."""
     budgeted = [
         (outcome, measurement)
         for outcome in outcomes
@@ -40,7 +41,7 @@ def budget_figure(
 
 
 def budget_curves(budgeted: Sequence[tuple[Outcome, Measurement]]) -> Chart:
-    """Chart with difference and named causes on the left, unexplained/tolerance on the right."""
+    """Chart of difference and named causes (left), and unexplained part over tolerance (right)."""
     measurements = [measurement for _, measurement in budgeted]
     causes = {
         allowance.cause: np.zeros(len(budgeted))
@@ -109,7 +110,7 @@ def budget_curves(budgeted: Sequence[tuple[Outcome, Measurement]]) -> Chart:
 
 
 def _names(outcomes: Sequence[Outcome]) -> list[str]:
-    """A name for each row: its label or quantity, or its title if two rows share that name."""
+    """Name of each row: its label or quantity, or its title if two rows share that name."""
     names = [outcome.case.label or outcome.case.quantity for outcome in outcomes]
     return [
         fill(outcome.case.title if names.count(name) > 1 else name, _NAME_WIDTH)

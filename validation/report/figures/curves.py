@@ -1,4 +1,7 @@
-"""Deflections and frequencies by all models, over the path or over a number of the robot file."""
+"""Charts of deflections and frequencies by all models, over the path or over a varied number.
+
+Input: the context of a run, and a variation. Output: charts with differences from the reference.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -62,7 +65,7 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 @figures.figure("mechanism.deflections", _TITLE, effort=3.0)
 def deflections(context: Context) -> Chart:
-    """A panel for each direction, under a force or a moment along it."""
+    """Chart with a panel for each direction, under a force or a moment along it."""
     try:
         compared = compared_compliances(*compared_statics(robot_on_path(context)))
     except UNSOLVED as error:
@@ -74,7 +77,7 @@ def deflections(context: Context) -> Chart:
 
 @figures.figure("mechanism.frequencies", "Natural frequencies over the path", effort=3.0)
 def frequencies(context: Context) -> Chart:
-    """A panel for each of the first frequencies, in ascending order at each pose."""
+    """Chart with a panel for each of the first frequencies, ascending in each pose."""
     try:
         compared = compared_frequencies(robot_on_path(context))
     except UNSOLVED as error:
@@ -86,9 +89,9 @@ def frequencies(context: Context) -> Chart:
 def deflection_chart(
     compared: Compared, x: Array, label: str, abscissa: Mapping[str, Column]
 ) -> Chart:
-    """Compliances (p×6, SI) as deflections under `_FORCE` and `_MOMENT` over x (p), a panel each.
+    """Chart of compliances (p×6, SI) over x (p), as deflections under `_FORCE` and `_MOMENT`.
 
-    The columns of `abscissa` are in the table.
+    The columns of `abscissa` are added to the table.
     """
     panels = []
     for direction, name in enumerate(AXES):
@@ -102,7 +105,7 @@ def deflection_chart(
 def frequency_chart(
     compared: Compared, x: Array, label: str, abscissa: Mapping[str, Column]
 ) -> Chart:
-    """The first frequencies (p×k, Hz), a panel each."""
+    """Chart of the first frequencies (p×k, Hz) over x (p), one panel each."""
     count = min(JUDGED_MODES, next(iter(compared.values.values())).shape[1])
     panels = [_panel(compared, x, mode, f"f{mode + 1} (Hz)", 1.0) for mode in range(count)]
     return _chart(panels, label, abscissa, columns=count)
@@ -111,7 +114,7 @@ def frequency_chart(
 def _chart(
     panels: Sequence[Panel], label: str, abscissa: Mapping[str, Column], columns: int = 3
 ) -> Chart:
-    """Panels over a path or a number of the robot file; numbers of poses have whole ticks."""
+    """Panels over a path or a varied number. Numbers of poses have integer ticks."""
     ticks = partial(few_ticks, whole=label == _POSE)
     return Chart(panels, label, columns, table=abscissa, x_scale=ticks)
 
@@ -125,7 +128,7 @@ def _panel(compared: Compared, x: Array, column: int, title: str, factor: float)
 
 
 def _path_abscissa(context: Context) -> tuple[Array, str, Mapping[str, Column]]:
-    """The only coordinate that changes along the path, or the poses' numbers along it."""
+    """Abscissa (p): the only coordinate that changes along the path, or the number of the pose."""
     moves = coordinates(context.robot_file.mechanism)
     poses = np.array([posture.pose for posture in path_postures(context)])
     columns = {
@@ -138,7 +141,7 @@ def _path_abscissa(context: Context) -> tuple[Array, str, Mapping[str, Column]]:
 
 
 def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
-    """Deflections, frequencies and choices of the models over each varied number."""
+    """Figures of deflections, frequencies and chosen values over each varied number."""
     planned: list[PlannedFigure] = []
     for number, variation in enumerate(variations, start=1):
         group, effort = FigureGroup(PARAMETERS, f"vary.{number}"), float(len(variation.values))
@@ -150,7 +153,7 @@ def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
 
 
 def _deflections(context: Context, variation: Variation) -> Chart:
-    """A panel for each direction, under a force or a moment along it."""
+    """Chart with a panel for each direction, under a force or a moment along it."""
     deflection = varied_curves(context, variation)["deflection"]
     return deflection_chart(deflection.compared, *_varied_abscissa(context, variation)).captioned(
         f"{_OF_THE_POINT}, {_location(context, deflection)}.",
@@ -161,7 +164,7 @@ def _deflections(context: Context, variation: Variation) -> Chart:
 
 
 def _frequencies(context: Context, variation: Variation) -> Chart:
-    """A panel for each of the first frequencies, in ascending order at each value."""
+    """Chart with a panel for each of the first frequencies, ascending for each value."""
     frequency = varied_curves(context, variation)["frequency"]
     location = _location(context, frequency)
     return frequency_chart(frequency.compared, *_varied_abscissa(context, variation)).captioned(
@@ -172,7 +175,7 @@ def _frequencies(context: Context, variation: Variation) -> Chart:
 
 
 def _decisions(context: Context, variation: Variation) -> Chart:
-    """A panel for each objective: all models over the values, with a star at each one's best."""
+    """Chart with a panel for each objective: all models over the values, best values starred."""
     objectives = varied_curves(context, variation)
     x, label, abscissa = _varied_abscissa(context, variation)
     panels = [objective_panel(varied.decision, x) for varied in objectives.values()]
@@ -187,7 +190,10 @@ def _decisions(context: Context, variation: Variation) -> Chart:
 
 
 def objective_panel(decision: Decision, x: Array) -> Panel:
-    """An objective of n designs over their values x, by models and references, the best starred."""
+    """Panel of an objective of n designs over their values x, by models and references.
+
+    A star marks the best value of each model and of the first reference.
+    """
     objective = decision.objective
     series = []
     for name, values in {**decision.models, **decision.references}.items():
@@ -198,7 +204,7 @@ def objective_panel(decision: Decision, x: Array) -> Panel:
 
 
 def _choices_sentence(varied: VariedCurves, variation: Variation) -> str:
-    """A sentence on each model's choice by an objective, with its loss."""
+    """Sentence on the value that each model chooses by an objective, with its loss."""
     decision, values = varied.decision, variation.values
     best = decision.best
     choices = []
@@ -218,7 +224,7 @@ def _choices_sentence(varied: VariedCurves, variation: Variation) -> str:
 
 
 def _location(context: Context, varied: VariedCurves) -> str:
-    """Pose of the robots in words. They differ if the paths are varied."""
+    """Text on the pose of the robots. They differ if the paths are varied."""
     pose = shown_pose(context.robot_file.mechanism, varied.poses[0])
     same_pose = pose and np.ptp(varied.poses, axis=0).max() == 0.0
     return f"with the tool at {pose}" if same_pose else "in the middle of the path"

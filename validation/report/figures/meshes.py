@@ -1,4 +1,7 @@
-"""Figure "Convergence with mesh": errors and CPU time over unknowns, a panel for each quantity."""
+"""Chart "Convergence with mesh": errors and CPU time over unknowns, one panel each.
+
+Input: studies of a solid leg. Output: a chart with caption and data.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -13,16 +16,17 @@ from validation.studies_and_figures import Study
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Deviations below are rounding and are not drawn (%).
+# Errors (%) below this are round-off and are not drawn.
 _LOWEST = 1e-7
-# Fewer meshes show no order.
+# Smallest number of meshes that shows an order.
 GRIDS = 4
-# Remarks at the ends of curves whose last values differ by a smaller factor stand apart (pt).
+# Notes at the ends of curves are stacked, _LINE (pt) apart, if the last values differ by less than
+# the factor _NEAR.
 _NEAR, _LINE = 2.0, 9.0
 
 
 def mesh_curves(studies: Sequence[Study]) -> Chart:
-    """Studies with panels: sizes of the errors from the limits, or values if there is no order."""
+    """Chart of studies: magnitudes of errors from the limits, or values if there is no order."""
     formal = {study.variant: study.formal_order for study in studies if study.formal_order}
     titles = list(dict.fromkeys(study.panel for study in studies))
     panels = [
@@ -55,7 +59,7 @@ def mesh_curves(studies: Sequence[Study]) -> Chart:
 
 
 def _without_order(studies: Sequence[Study]) -> list[str]:
-    """A sentence on the quantities with too few meshes for an order, with a remedy."""
+    """Sentence on quantities with too few meshes for an order, with a remedy. [] without any."""
     meshes: dict[str, int] = {}
     for study in studies:
         if study.formal_order:
@@ -99,13 +103,16 @@ def _values(study: Study) -> tuple[float, ...]:
 
 
 def _error(study: Study, index: int) -> float | None:
-    """Relative error in percent. None without a limit."""
+    """Relative error in per cent. None without a limit."""
     limit = study.limits.get(study.variant)
     return None if limit is None else 100.0 * (_values(study)[index] / limit - 1.0)
 
 
 def _sizes(study: Study) -> Array:
-    """Sizes of the errors in percent, NaN below rounding. Without a formal order, the values."""
+    """Magnitudes of the errors in per cent, NaN below round-off.
+
+    The values without a formal order.
+    """
     if not study.formal_order:
         return np.array(_values(study))
     errors = [_error(study, index) for index in range(len(study.x))]
@@ -115,13 +122,13 @@ def _sizes(study: Study) -> Array:
 
 
 def _bar(study: Study, sizes: Array) -> Array | None:
-    """Half-width of the finest value in percent (2×n, down and up). None if it has none."""
+    """Half-width of the finest value in per cent (2×n, down and up). None if it is unknown."""
     width = study.uncertainties.get(study.variant)
     if width is None:
         return None
     bars = np.full((2, len(sizes)), np.nan)
     up = 100.0 * width / abs(study.limits[study.variant])
-    # A half-width beyond the error itself would reach below any logarithmic axis.
+    # A half-width larger than the error would reach below any logarithmic axis.
     bars[:, -1] = min(up, 0.9 * sizes[-1]), up
     return bars
 
@@ -134,7 +141,7 @@ def _order(study: Study) -> str:
 
 
 def _limit(study: Study) -> str:
-    """Limit, half-width and observed order of one study."""
+    """Text with limit, half-width and observed order of one study."""
     width = study.uncertainties.get(study.variant)
     spread = "" if width is None else f" ± {number(width, 2)}"
     value = number(study.limits[study.variant], 6)
@@ -142,7 +149,7 @@ def _limit(study: Study) -> str:
 
 
 def _notes(ends: Sequence[tuple[float, float, str]]) -> list[Note]:
-    """Orders at the ends (error, unknowns) of curves, above each other if the ends are close."""
+    """Notes with the order at the ends (error, unknowns) of curves, stacked if they are close."""
     notes: list[Note] = []
     height, last = -3.0, 0.0
     for size, count, text in sorted(ends):

@@ -1,8 +1,9 @@
-"""Names of modes by the deformation that stores their energy and the direction of their motion.
+"""Names of modes, such as "torsion" or "along z", for titles, captions and tables.
 
-Titles, captions and tables use the same names. Strain energy by kind of deformation identifies
-torsion. Kinetic energy by direction, with rotating sections, identifies motion in the plane of a
-planar mechanism.
+Input: mode shapes of an assembled system. Output: a name and a sentence for each mode. Rule: the
+kind of deformation with most strain energy identifies torsion; for a planar mechanism, the shares
+of kinetic energy by direction, rotation of sections included, decide between "in the plane" and
+"along z".
 """
 
 from collections.abc import Callable, Mapping
@@ -25,7 +26,7 @@ from validation.kinematics.solids import in_one_plane
 from validation.models.reduced_parts import identified
 
 IN_THE_PLANE = "in the plane"
-# Kinds of deformation of a leg about its axes y and z, or about both if its section couples them
+# Kinds of bending of a leg: about its axes y and z, or about both if its section couples them
 # (lumped.mechanism.body_model).
 _BENDING = ("bending y", "bending z", "bending")
 DRIVES, JOINTS, PARTS = "drives", "joint compliance", "parts"
@@ -36,11 +37,11 @@ _CORNERS = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 
 @dataclass(frozen=True, eq=False)
 class ModeNames:
-    """Names of m modes.
+    """Shares of energy of m modes, from which their names follow.
 
-    `strain` maps kinds of deformation to their shares (m) of each mode's strain energy, `kinetic`
-    (3×m) are the shares of kinetic energy along base x, y and z; `planar`: the joints of the
-    mechanism lie in one plane z = constant.
+    `strain`: share (m) of each mode's strain energy by kind of deformation. `kinetic` (3×m): shares
+    of kinetic energy along base x, y and z. `planar`: true if all interfaces of the mechanism lie
+    in one plane z = constant.
     """
 
     strain: Mapping[str, Array]
@@ -48,9 +49,9 @@ class ModeNames:
     planar: bool
 
     def name(self, mode: int) -> str:
-        """Name of a mode (from 0): "torsion", "in the plane", "along z"; in space e.g. "bending".
+        """Name of a mode (index from 0): "torsion", "in the plane", "along z"; in space e.g.
 
-        Empty if its kind of deformation is unknown.
+        "bending". "" if its kind of deformation is unknown.
         """
         kind = leading_kind(self._without_axes(), mode)
         if kind == "torsion":
@@ -60,7 +61,7 @@ class ModeNames:
         return "" if kind == PARTS else kind
 
     def sentence(self, mode: int) -> str:
-        """A sentence on a mode (from 0): its name, and the shares of energy that determine it."""
+        """Sentence on a mode (index from 0): its name, and the energy shares that determine it."""
         shares = self._without_axes()
         kind, name = leading_kind(shares, mode), self.name(mode)
         return (
@@ -70,26 +71,29 @@ class ModeNames:
         )
 
     def _without_axes(self) -> Mapping[str, Array]:
-        """Shares with bending about both axes summed, as the axes differ from leg to leg."""
+        """Shares with bending about both axes summed, since the axes differ from leg to leg."""
         bending = [self.strain[kind] for kind in _BENDING if kind in self.strain]
         remaining = {kind: share for kind, share in self.strain.items() if kind not in _BENDING}
         return remaining | ({"bending": np.sum(bending, axis=0)} if bending else {})
 
 
 def leading_kind(strain: Mapping[str, Array], mode: int) -> str:
-    """The kind of deformation with the largest share of a mode's strain energy."""
+    """Kind of deformation with the largest share of a mode's strain energy."""
     return max(strain, key=lambda kind: float(strain[kind][mode]))
 
 
 def mode_names(system: System, shapes: Array) -> ModeNames:
-    """Names of modes of a system (`shapes` n×m)."""
+    """Names of the modes of a system, whose shapes (n×m) are given."""
     mechanism = system.posture.mechanism
     strain = shares_by_kind(strain_shares(system, shapes), mechanism)
     return ModeNames(strain, kinetic_shares(system, shapes), in_one_plane(system.posture))
 
 
 def shares_by_kind(strain: Mapping[Portion, Array], mechanism: Mechanism) -> dict[str, Array]:
-    """Shares of strain energy by kind of deformation, drives, joints and parts each together."""
+    """Shares of strain energy by kind of deformation.
+
+    Drives, joints and parts are one kind each.
+    """
     legs = legs_of(mechanism)
 
     def kind(part: Portion) -> str:
@@ -105,7 +109,7 @@ def shares_by_kind(strain: Mapping[Portion, Array], mechanism: Mechanism) -> dic
 def sum_shares(
     strain: Mapping[Portion, Array], group: Callable[[Portion], str]
 ) -> dict[str, Array]:
-    """Shares of strain energy summed by `group`, groups with their own fill first."""
+    """Shares of strain energy summed by `group`. Groups with a colour of their own come first."""
     sums: dict[str, Array] = {}
     for part, share in strain.items():
         sums[group(part)] = sums.get(group(part), 0.0) + share
@@ -113,13 +117,13 @@ def sum_shares(
 
 
 def kinetic_shares(system: System, shapes: Array) -> Array:
-    """Shares (3×m) of the kinetic energy of `shapes` (n×m) along base x, y and z."""
+    """Shares (3×m) of the kinetic energy of mode shapes (n×m) along base x, y and z."""
     energy = kinetic_energies(system, shapes)
     return np.asarray(energy / energy.sum(axis=0))
 
 
 def kinetic_energies(system: System, shapes: Array) -> Array:
-    """∫ρ uᵢ² dV (3×m, kg m²) along base x, y and z, with all mass in points of the bodies."""
+    """∫ρ uᵢ² dV (3×m, kg m²) along base x, y and z, with the mass of bodies lumped in points."""
     mechanism, posture = system.posture.mechanism, system.posture
     energy = np.zeros((3, shapes.shape[1]))
     for name, model in system.models.items():
@@ -146,7 +150,7 @@ def kinetic_energies(system: System, shapes: Array) -> Array:
 
 
 def _mass_points(body: Body) -> tuple[Array, Array]:
-    """Points (n×3, m, body axes) with masses (n, kg) equivalent to the mass of a body."""
+    """Points (n×3, m, body axes) with masses (n, kg) that are equivalent to a body's mass."""
     if isinstance(body.shape, Rigid):
         moments = 0.5 * np.trace(body.shape.inertia) * np.eye(3) - body.shape.inertia
         squared, axes = np.linalg.eigh(moments / body.shape.mass)

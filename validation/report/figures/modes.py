@@ -1,7 +1,8 @@
-"""The first modes: shapes by two models, pairs with the reference, distribution of strain energy.
+"""Charts of the first modes: pairs with the reference by shape, and strain energy.
 
-Shapes are drawn by beams with CAD parts as solids, and by segments. Modes are paired by shape with
-those of the reference. Strain energy is given by kind of deformation, and by body.
+Input: the context of a run. Output: MAC matrices and frequency differences of beams and segments
+against the reference, and shares of strain energy by kind of deformation and by body, all in the
+middle of the path.
 """
 
 from collections.abc import Mapping, Sequence
@@ -54,9 +55,10 @@ figures = FigureGroup(MODES, SHARED_SOLIDS)
 
 
 def finite_elements(context: Context, count: int) -> PostureModes:
-    """The first `count` modes in the middle of the path, prisms as beams, parts as solids.
+    """First `count` modes in the middle of the path, with prisms as beams and CAD parts as solids.
 
-    With parts, no mode is above their cut-off frequency, which covers twice the judged modes.
+    With CAD parts, modes above their cut-off frequency are omitted; it covers twice the judged
+    modes.
     """
     postures = path_postures(context)
     if postures[0].mechanism.parts:
@@ -67,7 +69,7 @@ def finite_elements(context: Context, count: int) -> PostureModes:
 
 
 def segments(context: Context, count: int) -> PostureModes:
-    """The first modes in the middle of the path by segments, with condensed parts."""
+    """First `count` modes in the middle of the path by segments, with condensed CAD parts."""
     middle = _middle_posture(path_postures(context))
     if middle.mechanism.parts:
         return context.get(_modes_with_condensed_parts, middle, count)
@@ -80,7 +82,7 @@ def _middle_posture(postures: Sequence[Posture]) -> Posture:
 
 
 def _modes_with_solid_parts(postures: tuple[Posture, ...], offers: int, count: int) -> PostureModes:
-    """Modes with the parts of the run, under the first of its end conditions."""
+    """Modes with CAD parts as solids, under the first of the run's end conditions."""
     middle, mechanism = _middle_posture(postures), postures[0].mechanism
     parts = solid_parts(postures, offers, holding(mechanism).first)
     highest = min(part.highest for part in parts.values())
@@ -104,7 +106,7 @@ def _modes_with_condensed_parts(middle: Posture, count: int) -> PostureModes:
 
 @figures.figure("mechanism.pairs", "Modes paired by shape with those of the reference", effort=2.0)
 def pairs(context: Context) -> Chart:
-    """MAC of beams and segments with the reference, and differences of paired frequencies."""
+    """Chart of MAC of beams and segments with the reference, and of frequency differences."""
     robot = robot_on_path(context)
     responses = Responses(robot)
     reference = dynamic_reference(responses)
@@ -152,7 +154,7 @@ def pairs(context: Context) -> Chart:
 
 
 def _middle_pose_modes(modes: PathModes) -> PathModes:
-    """Modes in the middle pose alone, without absent ones."""
+    """Modes in the middle pose only, without missing ones."""
     middle = len(modes.frequencies) // 2
     finite = np.isfinite(modes.frequencies[middle])
     return PathModes(
@@ -167,7 +169,7 @@ def _middle_pose_modes(modes: PathModes) -> PathModes:
     "mechanism.strain-energy", "Distribution of the strain energy of the first modes", effort=2.0
 )
 def energies(context: Context) -> Chart:
-    """A stacked bar for each mode: by kind of deformation, and by drives, joints and bodies."""
+    """Chart with a stacked bar for each mode: by kind of deformation, and by body."""
     mechanism = context.robot_file.mechanism
     if not (known_legs(mechanism) or mechanism.parts):
         raise Skip("every body is rigid, so that only drives and joints store strain energy")
@@ -216,7 +218,10 @@ def energies(context: Context) -> Chart:
 
 
 def _shares_by_body(strain: Portions, mechanism: Mechanism) -> Shares:
-    """Shares of strain energy of drives, joints, parts and legs; legs of one shape are summed."""
+    """Shares of strain energy of drives, joints, CAD parts and legs.
+
+    Legs of one shape are summed.
+    """
     groups: dict[object, list[str]] = {name: [name] for name in mechanism.parts}
     for name, leg in known_legs(mechanism).items():
         groups.setdefault(leg if isinstance(leg, ConstantLeg) else name, []).append(name)

@@ -1,4 +1,8 @@
-"""Pictures of a mechanism: at rest beside its verdict, its first modes, and under unit loads."""
+"""Pictures of a mechanism: at rest, its first mode shapes, and under unit forces.
+
+Input: the context of a run. Output: scenes with caption and data. Shapes of beams (CAD parts as
+solids) are drawn, with the matching shapes of segments over them.
+"""
 
 from dataclasses import replace
 
@@ -31,14 +35,14 @@ from validation.studies_and_figures import PATH, PORTRAIT
 
 FORCE = 1000.0  # N
 _MODES = 4
-# Additional modes of the segments among which partners of the beams' modes are searched.
+# Additional modes of the segments, among which partners of the beams' modes are searched.
 _EXTRA_MODES = 4
-# Relative width of the space of modes in which two discretisations of a robot may mix them.
+# Relative frequency range within which two discretisations can mix modes.
 _MIX = 0.02
 _MICRO = 1e6
 # Largest drawn displacement over the size of the mechanism (half its extent).
 _DRAWN_DISPLACEMENT = 0.16
-# Inches: height of a panel in two and in three columns, width of the picture beside the errors.
+# In inches: height of a panel in two and in three columns, width of the picture beside the errors.
 _HEIGHT, _SMALL_HEIGHT, _HALF = 2.9, 2.5, 4.2
 _VIEW_FROM_ABOVE = (np.array([0.0, -0.3, 1.0]), np.array([0.0, 1.0, 0.0]))
 _VIEW_FROM_SIDE = (np.array([0.35, -0.95, 0.5]), np.array([0.0, 0.0, 1.0]))
@@ -48,7 +52,7 @@ figures = FigureGroup(PATH, "pictures")
 
 @portraits.figure(PORTRAIT, "The mechanism")
 def portrait(context: Context) -> SceneGrid:
-    """The middle pose in full, the first and the last as lines."""
+    """Scene with the middle pose as surfaces and the first and last as lines."""
     postures = path_postures(context)
     drawn_postures = [postures[0], postures[len(postures) // 2], postures[-1]]
     return SceneGrid(
@@ -63,7 +67,7 @@ def portrait(context: Context) -> SceneGrid:
 
 @figures.figure("mechanism.mode-shapes", "First mode shapes of the mechanism", effort=4.0)
 def mode_shapes(context: Context) -> SceneGrid:
-    """A panel for each mode: beams coloured by displacement, points of the segments over them."""
+    """Scenes of the first modes: beams coloured by displacement, with points of the segments."""
     beam, lumped = _compared_modes(context)
     count = min(_MODES, len(beam.modes.frequencies))
     names = mode_names(beam.system, beam.modes.shapes[:, :count])
@@ -104,7 +108,7 @@ def mode_shapes(context: Context) -> SceneGrid:
     "mechanism.deformed", f"The mechanism under {FORCE:g} N along x, y and z", effort=3.0
 )
 def deformed(context: Context) -> SceneGrid:
-    """A panel for each force along x, y and z at the loaded point, each with its own scale."""
+    """Scenes under a force along x, y and z at the loaded point, each with its own scale."""
     beam, lumped = _compared_modes(context)
     size = beam.posture.mechanism.size
     columns = _point_columns(beam.system)
@@ -141,7 +145,7 @@ def deformed(context: Context) -> SceneGrid:
 
 
 def _compared_modes(context: Context) -> tuple[PostureModes, PostureModes]:
-    """Modes by finite elements and by segments."""
+    """Modes by finite elements and by segments, in the middle of the path."""
     mechanism = context.robot_file.mechanism
     if not (legs_of(mechanism) or mechanism.parts):
         raise Skip("every body is rigid, so that no deformed shape exists")
@@ -158,7 +162,7 @@ def _model_texts(context: Context) -> tuple[str, str]:
 
 
 class _DisplacedRobot:
-    """A robot displaced by `unknowns` (n) of its system; `name` is that of the deformation."""
+    """Robot displaced by `unknowns` (n) of its system. `name` is that of the deformation."""
 
     def __init__(self, system: System, unknowns: Array, name: str) -> None:
         self.system, self.unknowns, self.name = system, unknowns, name
@@ -168,7 +172,7 @@ class _DisplacedRobot:
         self.tip = (system.tool @ unknowns)[:3]
 
     def scene(self, factor: float, unit: float) -> Scene:
-        """Scene with `factor` times the displacements, coloured by displacements in `unit` (m).
+        """Scene with displacements times `factor`, coloured by displacement in `unit` (m).
 
         Motion in the plane of the mechanism is seen from above, any other from the side.
         """
@@ -182,10 +186,10 @@ class _DisplacedRobot:
 
 
 def _matching_shape(beam: PostureModes, lumped: PostureModes, mode: int) -> Array:
-    """Unknowns of the segments in the mixture of their modes that is closest to the beam's mode.
+    """Unknowns of the segments for the combination of their modes closest to a mode of the beams.
 
-    Only modes close in frequency to the partner are mixed. The result has the sense of the beam's
-    mode, and for equal frequencies its mixture.
+    Only modes close in frequency to the partner are combined. The result has the sign of the beams'
+    mode, and its combination of modes of equal frequency.
     """
     beam_samples = compared_points(beam.system, beam.modes.shapes[:, mode])[1].ravel()
     nearest = int(np.argmin(np.abs(lumped.modes.frequencies - beam.modes.frequencies[mode])))
@@ -205,7 +209,7 @@ def _force_unknowns(system: System, direction: int) -> Array:
 
 
 def _grouped(number: float) -> str:
-    """A factor with its thousands set apart."""
+    """Factor as text, with its thousands set apart."""
     if number < 1.0:
         return f"{number:g}"
     return f"{number:,.0f}".replace(",", "\N{THIN SPACE}")

@@ -1,4 +1,8 @@
-"""Receptances of the tool or of a modal test: size and phase, measured and by all models."""
+"""Charts of receptances by all models: magnitude and phase over frequency.
+
+Input: the context of a run. Output: charts of the tool's responses with the reference's uncertainty
+band, and of a modal test's response.
+"""
 
 from collections.abc import Mapping
 from functools import partial
@@ -32,14 +36,14 @@ from validation.solids.solid_legs import SHARED_SOLIDS
 from validation.studies_and_figures import PATH, PlannedFigure
 from validation.verdicts import MEASURED_RESPONSE
 
-# Lowest end of a band over the size itself, as a logarithmic axis has no zero.
+# Lowest end of a band over the magnitude, since a logarithmic axis has no zero.
 _LOWEST_SHARE = 0.01
 # Highest drawn frequency over that of the highest measured mode.
 _FREQUENCY_FACTOR = 1.2
 
 
 def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
-    """A figure for each response that the robot file requests."""
+    """Figures of the responses that the robot file requests."""
     group = FigureGroup(PATH, SHARED_SOLIDS)
     for number, excitation in enumerate(mechanism.excitations):
         identity = (
@@ -51,7 +55,7 @@ def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
 
 
 def measured_figures(robot_file: RobotFile) -> tuple[PlannedFigure, ...]:
-    """The response of a modal test from which most values were read. Empty without responses."""
+    """Figure of the modal test's response from which most values were read. () without any."""
     group = FigureGroup(PATH, "")
     if any(value.response is not None for value in robot_file.measured):
         group.figure(
@@ -90,9 +94,9 @@ def _chart(
     phases: Scale,
     size_ranges: Mapping[str, Array] | None = None,
 ) -> Chart:
-    """Size and phase (from −270° to 90°) of receptances (m/N) over frequencies x (Hz).
+    """Chart of magnitude and phase (−270° to 90°) of receptances (m/N) over frequencies x (Hz).
 
-    `size_ranges`: smallest and largest size (2×n, µm/N) of some of them.
+    `size_ranges`: smallest and largest magnitude (2×n, µm/N) of some of them.
     """
     size, phase, intervals = "magnitude (µm/N)", "phase (°)", size_ranges or {}
     sizes = [
@@ -108,7 +112,7 @@ def _chart(
 
 
 def _response(context: Context, number: int) -> Chart:
-    """Size and phase over frequency in the middle of the path, with the band of the reference."""
+    """Chart of a response in the middle of the path, with the uncertainty band of the reference."""
     robot = robot_on_path(context)
     responses = Responses(robot)
     excitation, middle = robot.mechanism.excitations[number], len(robot.postures) // 2
@@ -116,7 +120,7 @@ def _response(context: Context, number: int) -> Chart:
         receptances_by_model = {
             name: receptances
             for name, modes in solved_modes(responses).items()
-            # Models that are rigid along the force have neither size nor phase.
+            # Models that are rigid along the force have neither magnitude nor phase.
             if (receptances := modes.receptances[number][middle]).any()
         }
         reference = dynamic_reference(responses)
@@ -138,7 +142,7 @@ def _response(context: Context, number: int) -> Chart:
     band = np.array([np.min(bands, axis=0)[0], np.max(bands, axis=0)[1]]) if bands else None
     force = ", ".join(f"{component:.3g}" for component in excitation.direction)
     pose = shown_pose(robot.mechanism, robot.postures[middle].pose)
-    # Phases from 0 to −180°: no force takes energy from where it acts.
+    # Phases lie between 0 and −180°: a force takes no energy from its own point of application.
     shaded = {} if band is None else {_REFERENCE: band}
     return _chart(excitation.frequencies, receptances_by_model, degrees, shaded).captioned(
         "Receptance: magnitude (displacement per force, µm/N) and phase over frequency. "

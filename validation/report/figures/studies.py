@@ -1,4 +1,7 @@
-"""Studies of refinement behind the comparisons: families of curves in the same axes."""
+"""Plots of the convergence studies behind the comparisons, in families with common axes.
+
+Input: outcomes with studies. Output: families, and a figure of each.
+"""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -18,9 +21,9 @@ _DEVIATION = "deviation from the limit (%)"
 
 @dataclass(frozen=True)
 class Curve:
-    """One series of a study, with its label among the series of the same family.
+    """One series of a study, with its label in the family.
 
-    `limit`, observed `order` and `uncertainty` of the finest value. Each is None if unknown.
+    `limit`, observed `order`, and `uncertainty` of the finest value. Each is None if unknown.
     """
 
     label: str
@@ -33,7 +36,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Family:
-    """Studies with the same abscissa, drawn together; `computed_by` names their functions."""
+    """Studies with the same abscissa, drawn together. `computed_by` names their functions."""
 
     id: str
     title: str
@@ -42,17 +45,17 @@ class Family:
 
     @property
     def studies(self) -> tuple[Study, ...]:
-        """The studies of the curves, each once."""
+        """Studies of the curves, each once."""
         return tuple({curve.study.id: curve.study for curve in self.curves}.values())
 
     @property
     def panels(self) -> bool:
-        """True if each study names its panel, with its own abscissa."""
+        """True if each study names its panel, with an abscissa of its own."""
         return all(curve.study.panel for curve in self.curves)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Notes of the studies, each once, with its curves unless it applies to all."""
+        """Notes of the studies, each once, with the curves concerned unless these are all."""
         remarks: dict[str, list[str]] = {}
         for curve in self.curves:
             for note in curve.study.notes:
@@ -66,7 +69,7 @@ class Family:
 
 
 def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
-    """Families of the studies of the outcomes, in the order of their first member."""
+    """Families of the studies of all outcomes, in the order of their first member."""
     studies_by_key: dict[str, dict[str, Study]] = {}
     makers: dict[str, list[str]] = {}
     for outcome in outcomes:
@@ -81,7 +84,7 @@ def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
 
 
 def family_of(studies: Iterable[Study]) -> Family:
-    """Family of studies; the label of a series is the variant of its study, if it has one."""
+    """Family of studies. A series is labelled by the variant of its study, if it has one."""
     members = tuple(studies)
     curves = tuple(
         Curve(
@@ -100,16 +103,16 @@ def family_of(studies: Iterable[Study]) -> Family:
 
 
 def study_figure(family: Family) -> Figure:
-    """The figure of `study_curves`, or of `mesh_curves` if the studies name panels."""
+    """Figure of a family: `mesh_curves` if its studies name panels, otherwise `study_curves`."""
     chart = mesh_curves(family.studies) if family.panels else study_curves(family)
     return drawn_figure(chart, family.id, family.title, "studies", family.computed_by)
 
 
 def study_curves(family: Family) -> Chart:
-    """Chart of the deviation from the limit with its uncertainty (left) and its decay (right).
+    """Chart of deviations from the limit with their uncertainty (left) and of their decay (right).
 
     If no limit is known, the finest value replaces it. A limit of zero means that the values are
-    relative errors themselves.
+    relative errors.
     """
     x = np.asarray(family.curves[0].study.x)
     deviations = []
@@ -145,7 +148,7 @@ def study_curves(family: Family) -> Chart:
 
 
 def _deviation(curve: Curve) -> tuple[Array, Array | None]:
-    """Deviation from the limit in percent, and bar of the finest value. None without a bar."""
+    """Deviations from the limit in per cent, and bar of the finest value. None without a bar."""
     values = np.asarray(curve.values)
     limit = values[-1] if curve.limit is None else curve.limit
     scale = abs(limit) or 1.0
@@ -157,23 +160,23 @@ def _deviation(curve: Curve) -> tuple[Array, Array | None]:
 
 
 def _decaying(series: Series) -> Series:
-    """Sizes of the deviations other than zero, for a logarithmic axis."""
+    """Magnitudes of the nonzero deviations, for a logarithmic axis."""
     nonzero = series.y != 0.0
     sizes = np.abs(series.y[nonzero])
     bars = None
     if series.bars is not None and series.bars[-1] > 0.0:
-        # An uncertainty beyond the deviation itself would reach below any logarithmic axis.
+        # An uncertainty larger than the deviation would reach below any logarithmic axis.
         up = series.bars[nonzero]
         bars = np.array([np.minimum(up, 0.9 * sizes), up])
     return replace(series, x=series.x[nonzero], y=sizes, bars=bars)
 
 
 def _slopes(x: Array, curves: Sequence[Series], orders: Sequence[float]) -> list[Series]:
-    """Grey lines of the formal orders below the curves."""
+    """Grey lines with the slopes of the formal orders, below the curves."""
     starts = [series.y[0] for series in curves if len(series.y) > 1]
     if not starts:
         return []
-    # Refinement means rising x for element counts, falling x for mesh sizes.
+    # Refinement means increasing x for element counts, decreasing x for element sizes.
     sign = -1.0 if x[-1] > x[0] else 1.0
     return [
         Series(f"slope {order:g}", x, 0.5 * min(starts) * (x / x[0]) ** (sign * order), of="slope")
