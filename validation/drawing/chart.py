@@ -140,7 +140,7 @@ class Chart:
 
 
 def compared_with(against: str) -> str:
-    """Sentence of a caption on panels of differences."""
+    """Sentence for the caption of panels with differences."""
     return (
         f"Lower panels: difference of each curve from the reference, “{against}”, in percent; "
         "zero is exact agreement."

@@ -24,7 +24,7 @@ _LOOKS: Mapping[Verdict, Look] = {
 
 
 def finished_plot(outcomes: Sequence[Outcome]) -> Figure:
-    """One row for each section, a marker for each comparison, a line at the tolerance."""
+    """Plot with a row for each section, a marker for each comparison, a line at the tolerance."""
     sections = list(dict.fromkeys(outcome.case.section for outcome in outcomes))
     with plot_style():
         size = (WIDTH, _AROUND + _ROW * len(sections))
