@@ -1,9 +1,9 @@
-"""Stiffness and mass matrices of solids, batched over the elements.
+"""Stiffness and mass matrices of solids, computed for many elements at once.
 
-Per chunk of elements one batched matrix product gives D_ab = ∫ ∇N_a ⊗ ∇N_b dV (3×3 for each pair of
-nodes). The material is constant in a leg, so it enters only after summation, once per node pair:
-K_ab = C_ijkl D_ab,jl. Only pairs (a, b) with a ≤ b are summed; the other half is mirrored, so that
-a matrix of symmetric element matrices comes out symmetric to the last bit.
+For a chunk of elements one batched matrix product gives D_ab = ∫ ∇N_a ⊗ ∇N_b dV (3×3 for each pair
+of nodes). The material is constant in a body, so that it is inserted after summation, once per pair
+of nodes: K_ab = C_ijkl D_ab,jl. Only pairs (a, b) with a ≤ b are summed and then mirrored, so that
+the matrix is symmetric to the last bit.
 """
 
 from collections.abc import Callable
@@ -22,17 +22,19 @@ from meshes.elements import ElementName
 from meshes.shape_functions import gradients, quadrature, values
 from meshes.solid_mesh import VolumeMesh
 
-# Stiffness: the fewest points that integrate ∇N_a·∇N_b exactly on a cell with straight, parallel
-# edges (degree 2 and 4 per coordinate on cubes, 0 and 2 on simplices). There the rank of an element
-# matrix is full (no hourglass modes), and on curved cells the error is of the order of the element.
-# These are also the points of C3D8, C3D4 and C3D10.
+# Degree of quadrature for the stiffness: the fewest points that integrate ∇N_a·∇N_b exactly on a
+# cell with straight, parallel edges (degree 2 and 4 per coordinate on cubes, 0 and 2 on simplices).
+# The rank of an element matrix is then full (no hourglass modes), and on curved cells the error is
+# of the order of the element. These are also the points of C3D8, C3D4 and C3D10.
 _STIFFNESS_DEGREE = {"hex8": 3, "hex20": 5, "hex27": 5, "tet4": 1, "tet10": 2}
-# Mass: N_a N_b det J is a polynomial on every cell, curved ones included; integrated exactly.
-# Degree 2p in N_a N_b; det J adds 3p − 1 per coordinate on cubes, 3(p − 1) on simplices.
+# Degree of quadrature for the mass: N_a N_b det J is a polynomial on each cell, also on curved
+# ones, and integrated exactly. N_a N_b has the degree 2p; det J adds 3p − 1 per coordinate on cubes
+# and 3(p − 1) on simplices.
 _MASS_DEGREE = {"hex8": 4, "hex20": 9, "hex27": 9, "tet4": 2, "tet10": 7}
 
-# Of the largest and smallest modulus. Measured on clamped legs, ν → −1 and ν → ½: the compliance
-# loses 1e-13 (thin walls 3e-11) of itself per unit of it, so that four digits stay.
+# Largest ratio of largest to smallest modulus. On clamped legs with ν → −1 and ν → ½, the relative
+# error of the compliance is 1e-13 (thin walls: 3e-11) times this ratio, so that four digits are
+# exact.
 _MOST_UNEVEN = 1e6
 
 _CHUNK_BYTES = 16_000_000
@@ -42,8 +44,9 @@ _CHUNK_BYTES = 16_000_000
 class NodePairs:
     """Pairs of nodes that share an element, sorted by (row, column), row ≤ column.
 
-    `rows`, `columns` (P); `summation` (P×(E·T)) sums the element pairs, T = k(k+1)/2 per element,
-    that fall on one node pair; `upper` (E×k×k bool) picks those T out of an element's k² pairs.
+    `rows` and `columns` (P) are the nodes of the pairs. `summation` (P×(E·T)) adds up the
+    contributions of the T = k(k+1)/2 pairs of each element. `upper` (E×k×k bool) selects these T
+    out of the k² pairs of an element.
     """
 
     node_count: int
@@ -54,12 +57,12 @@ class NodePairs:
 
     @property
     def diagonal(self) -> IntArray:
-        """Positions of the pairs (a, a)."""
+        """Indices of the pairs (a, a)."""
         return np.flatnonzero(self.rows == self.columns)
 
 
 def _stable_order(keys: NDArray[np.integer], bound: int) -> NDArray[np.integer]:
-    """Stable sorting permutation of `keys` in [0, bound) by counting, in linear time."""
+    """Stable sorting permutation of `keys` in [0, bound), by counting in linear time."""
     count = len(keys)
     pointers = np.arange(count + 1, dtype=np.int32)
     marks = csr_array((np.empty(count, dtype=np.int8), keys, pointers), shape=(count, bound))
@@ -85,13 +88,13 @@ def node_pairs(cells: IntArray, node_count: int) -> NodePairs:
 
 
 def symmetric_matrix(pairs: NodePairs, blocks: Array) -> SparseMatrix:
-    """Symmetric matrix (csr, N·c × N·c) of the `blocks` (P×c×c) on and above the diagonal."""
+    """Symmetric matrix (csr, N·c × N·c) from its `blocks` (P×c×c) on and above the diagonal."""
     count, width = pairs.node_count, blocks.shape[1]
     above = np.flatnonzero(pairs.rows != pairs.columns)
     mirrored = above[_stable_order(pairs.columns[above], count)]
     per_row_below = np.bincount(pairs.columns[above], minlength=count)
     per_row_upper = np.bincount(pairs.rows, minlength=count)
-    # Row a lists its mirrored pairs (columns < a) first: columns come out sorted.
+    # In row a the mirrored pairs (columns < a) come first, so that columns are sorted.
     below_until_row = np.cumsum(per_row_below)
     upper_before_row = np.cumsum(per_row_upper) - per_row_upper
     place_upper = np.arange(len(blocks)) + below_until_row[pairs.rows]
@@ -112,7 +115,7 @@ def symmetric_matrix(pairs: NodePairs, blocks: Array) -> SparseMatrix:
 
 @dataclass(frozen=True, eq=False)
 class _Cubature:
-    """Shape functions N (k×Q), their reference gradients (k×3×Q) and the weights (Q)."""
+    """Shape functions N (k×Q), their reference gradients (k×3×Q) and quadrature weights (Q)."""
 
     shapes: Array
     gradients: Array
@@ -139,7 +142,10 @@ def _for_each_chunk(
 
 
 def _jacobians(mesh: VolumeMesh, chunk: slice, reference_gradients: Array) -> tuple[Array, Array]:
-    """∂x_i/∂ξ_j (e×Q×3×3) and its determinant (e×Q), refused where it is not positive."""
+    """Jacobians ∂x_i/∂ξ_j (e×Q×3×3) and their determinants (e×Q).
+
+    Raises ComputationError if a determinant is not positive.
+    """
     k, _, points = reference_gradients.shape
     corners = mesh.nodes[mesh.cells[chunk]].transpose(0, 2, 1)
     jacobian = corners @ reference_gradients.transpose(0, 2, 1).reshape(k, points * 3)
@@ -159,14 +165,14 @@ def _jacobians(mesh: VolumeMesh, chunk: slice, reference_gradients: Array) -> tu
 
 
 def _inverse(jacobian: Array, determinant: Array) -> Array:
-    """Inverse of a stack of 3×3 matrices by cofactors (LAPACK one by one is ten times slower)."""
+    """Inverses of 3×3 matrices by cofactors, ten times as fast as calling LAPACK for each."""
     first, second, third = jacobian[..., 0], jacobian[..., 1], jacobian[..., 2]
     rows = [np.cross(second, third), np.cross(third, first), np.cross(first, second)]
     return np.stack(rows, axis=-2) / determinant[..., None, None]
 
 
 def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
-    """D_ab = ∫ ∂_j N_a ∂_l N_b dV (P×3×3, m) for the node pairs of a mesh."""
+    """D_ab = ∫ ∂_j N_a ∂_l N_b dV (P×3×3, m) for the pairs of nodes of a mesh."""
     cubature = _cubature(mesh.element, _STIFFNESS_DEGREE[mesh.element])
     k, _, points = cubature.gradients.shape
     reference = cubature.gradients.transpose(2, 0, 1)
@@ -191,7 +197,7 @@ def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
 
 
 def _node_blocks(products: Array, material: Material) -> Array:
-    """K_ab (P×3×3) of a material of cubic symmetry along the leg's axes from D_ab.
+    """Stiffness blocks K_ab (P×3×3) from D_ab, for cubic symmetry along the axes of the leg.
 
     K_ii = C11 D_ii + C44 (D_jj + D_kk), K_ij = C12 D_ij + C44 D_ji, with C11 = E(1−ν)/(1+ν)(1−2ν),
     C12 = C11 ν/(1−ν), C44 = G.
@@ -210,9 +216,9 @@ def _node_blocks(products: Array, material: Material) -> Array:
 
 
 def _require_resolvable(material: Material) -> None:
-    """Raise ComputationError for a material whose stiffnesses rounding would take from each other.
+    """Raise ComputationError if the moduli of a material differ by more than round-off allows.
 
-    They are the eigenvalues of its elasticity: of volume E/(1−2ν), of shape E/(1+ν) and 2G.
+    These are the eigenvalues of the elasticity matrix: E/(1−2ν) (volume), E/(1+ν) (shape) and 2G.
     """
     moduli = {
         "changes of volume": material.E / (1.0 - 2.0 * material.nu),
@@ -248,18 +254,20 @@ def _scalar_mass(mesh: VolumeMesh, rho: float, pairs: NodePairs) -> SparseMatrix
 def stiffness(mesh: VolumeMesh, material: Material) -> SparseMatrix:
     """Stiffness matrix (csr 3N×3N, N/m) of a solid, unknown 3·node + component (x, y, z).
 
-    Symmetric to the last bit; every node pair that shares an element has its nine entries, zeros
-    included, in sorted columns. Isotropic if material.G = E/2(1+ν), else cubic along the leg's
-    axes. Raises ComputationError naming the first element whose Jacobian is not positive.
+    It is symmetric to the last bit. Each pair of nodes that share an element has its nine entries,
+    including zeros, in sorted columns. The material is isotropic if material.G = E/2(1+ν), else
+    cubic along the axes of the leg. Raises ComputationError, with the first element whose Jacobian
+    is not positive.
     """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     return symmetric_matrix(pairs, _node_blocks(_gradient_products(mesh, pairs), material))
 
 
 def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatrix, SparseMatrix]:
-    """`stiffness` of a mesh, and its consistent mass ∫ ρ N_a N_b dV (csr N×N, kg), a component's.
+    """Stiffness matrix (csr 3N×3N, N/m) and consistent mass matrix of a solid.
 
-    M x is `mass @ x.reshape(N, 3)`: a ninth of the stiffness matrix's entries to read.
+    The mass matrix ∫ ρ N_a N_b dV (csr N×N, kg) applies to each displacement component: M x is
+    `mass @ x.reshape(N, 3)`, which has a ninth of the entries of the stiffness matrix.
     """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     K = symmetric_matrix(pairs, _node_blocks(_gradient_products(mesh, pairs), material))
@@ -267,5 +275,5 @@ def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatr
 
 
 def on_three_components(scalar: SparseMatrix) -> SparseMatrix:
-    """A scalar matrix (csr N×N) for each of x, y, z (csr 3N×3N): scalar ⊗ I₃."""
+    """Matrix scalar ⊗ I₃ (csr 3N×3N): a scalar matrix (csr N×N) applied to each of x, y, z."""
     return csr_array(kron(scalar, eye_array(3), format="csr"))

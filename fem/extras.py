@@ -1,4 +1,4 @@
-"""Optional packages of flexproof (extras) and their installation state."""
+"""Optional packages of flexproof (extras), and whether they are installed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,18 +9,18 @@ from lumped.errors import InputError
 
 @dataclass(frozen=True)
 class Extra:
-    """An extra: the `modules` that it brings, and what it is needed `for`."""
+    """An extra: the `modules` that it installs, and the purpose for which it is needed."""
 
     modules: tuple[str, ...]
     needed_for: str
 
     @property
     def installed(self) -> bool:
-        """True if all of its modules can be imported."""
+        """True if all modules of the extra can be imported."""
         return all(find_spec(module) for module in self.modules)
 
 
-# By the names in pyproject.toml.
+# Extras by their names in pyproject.toml.
 EXTRAS: Mapping[str, Extra] = {
     "cluster": Extra(("dask", "distributed"), "--cluster"),
     "docs": Extra(
@@ -34,7 +34,10 @@ EXTRAS: Mapping[str, Extra] = {
 
 
 def missing_message(name: str) -> str:
-    """Message with missing modules of an extra and the command to add it. "" if it is installed."""
+    """Message with the missing modules of an extra and the command to install it.
+
+    "" if the extra is installed.
+    """
     extra = EXTRAS[name]
     missing = " and ".join(module for module in extra.modules if not find_spec(module))
     if not missing:
@@ -46,6 +49,6 @@ def missing_message(name: str) -> str:
 
 
 def require_extra(name: str, wanted_by: str) -> None:
-    """Raise InputError if an extra is not installed; `wanted_by` is the option that needs it."""
+    """Raise InputError if an extra is not installed. `wanted_by` is the option that needs it."""
     if message := missing_message(name):
         raise InputError(f"{wanted_by}: {message}")

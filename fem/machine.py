@@ -8,17 +8,17 @@ from pathlib import Path
 from lumped.errors import ComputationError
 from lumped.posix import resource
 
-# Address space (bytes) of stacks, heaps and buffers of libraries for each of their threads.
+# Address space (bytes) of stacks, heaps and buffers of libraries for each thread.
 _ADDRESSES_PER_CORE = 150_000_000
-# Address space (bytes) of libraries before the first computation: of those that read and check
-# files, and of those that mesh and solve. With less they end the process, hang or crash.
+# Address space (bytes) that libraries need before the first computation: those that read and check
+# files, and those that mesh and solve. With less they end the process, hang or crash.
 TO_READ, TO_COMPUTE = 250_000_000, 1_000_000_000
-# Environment of a process whose BLAS has one thread. Sums over several threads differ by rounding,
-# up to 1e-6 of a result, and small dense matrices are slower with them.
+# Environment of a process whose BLAS has one thread. Sums over several threads differ by round-off,
+# up to 1e-6 of a result, and small dense matrices are slower with several threads.
 ONE_BLAS_THREAD: Mapping[str, str] = dict.fromkeys(
     ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"
 )
-# Number of files that a command may have open at once: its own, those of libraries, pipes.
+# Number of files that a command may have open at the same time, including libraries and pipes.
 _OPEN_FILES = 64
 
 
@@ -43,9 +43,10 @@ def available_memory() -> int | None:
 
 
 def require_room(needed: int) -> None:
-    """Raise ComputationError if limits allow less than `needed` bytes and threads, or few files.
+    """Raise ComputationError if too little memory, too few threads or files are allowed.
 
-    Libraries without these resources end the process at their start without a message.
+    `needed` is the memory (bytes), in addition to that of threads. Without these resources,
+    libraries end the process at their start without a message.
     """
     if resource is None:
         return
@@ -65,7 +66,7 @@ def require_room(needed: int) -> None:
 
 
 def _address_space() -> int | None:
-    """Address space (bytes) that a limit leaves to this process. None if there is no limit."""
+    """Address space (bytes) still available under a limit. None if there is no limit."""
     if resource is None:
         return None
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
@@ -89,11 +90,11 @@ def threads() -> int:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Limit BLAS in this process to one thread, so that numbers are those of a worker process.
+    """Context in which BLAS uses one thread, so that results are those of a worker process.
 
     The sparse solver keeps its `threads`: the bits of its factors do not depend on them.
     """
-    # Not needed by a command, whose environment sets the number before numpy is loaded.
+    # Imported here because commands do not need it: their environment sets the number of threads.
     from threadpoolctl import threadpool_limits  # noqa: PLC0415
 
     with threadpool_limits(limits=1, user_api="blas"):

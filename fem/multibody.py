@@ -1,7 +1,8 @@
-"""A mechanism in EXUDYN, a multibody code: geometrically exact beams, rigid bodies, generic joints.
+"""Natural frequencies of a mechanism by EXUDYN, a multibody code, as an independent check.
 
-The model is unstrained in its posture; its own linearisation gives the frequencies.
-J. Gerstmayr, Multibody System Dynamics 60 (2024) 617. An optional extra, imported on use.
+The model consists of geometrically exact beams, rigid bodies and generic joints. It is unstrained
+in its posture. EXUDYN's linearisation gives the frequencies. J. Gerstmayr, Multibody System
+Dynamics 60 (2024) 617. EXUDYN is an optional extra and imported when it is used.
 """
 
 from importlib.metadata import version
@@ -22,7 +23,7 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import leg_of
 from lumped.screws import rotation_vector
 
-# Singular value below which EXUDYN's projection on the joints treats it as zero.
+# Singular value below which EXUDYN's projection on the joint constraints treats it as zero.
 _TOLERANCE = 1e-6
 
 
@@ -38,7 +39,7 @@ def exudyn_version() -> str:
 
 
 def require_beams(mechanism: Mechanism) -> None:
-    """Raise InputError, one line per fault, for what EXUDYN does not take."""
+    """Raise InputError, one line per fault, for properties not supported by the EXUDYN model."""
     faults = [
         f"{name}: EXUDYN's beams need a section; this body is a {description}"
         for kind, description in ((GivenLeg, "leg given by its 6×6"), (Part, "part"))
@@ -71,15 +72,16 @@ def require_beams(mechanism: Mechanism) -> None:
 
 
 def _is_coupled(leg: ConstantLeg) -> bool:
-    """True if bending is coupled, or shear is unknown (section given by constants)."""
+    """True if bending is coupled, or if the section is given by constants only."""
     beam = leg.properties("euler-bernoulli")
     return beam.couples_bending or beam.couples_torsion or not leg.section.has_outline
 
 
 def frequencies(posture: Posture, elements: int, count: int) -> Array:
-    """The lowest `count` frequencies (Hz), idle ones included, `elements` beams a leg.
+    """The lowest `count` natural frequencies (Hz), including zeros of idle motions.
 
-    Raises ExudynMissing, and InputError under the conditions of `require_beams`.
+    `elements` is the number of beam elements per leg. Raises ExudynMissing, and InputError under
+    the conditions of `require_beams`.
     """
     exudyn_version()
     require_beams(posture.mechanism)
@@ -99,10 +101,11 @@ class _ExudynModel:
         self.posture, self.elements = posture, elements
         self.items: Any = itemInterface
         container = exudyn.SystemContainer()
-        # It ends with its container.
+        # The container is stored because the system ends with it.
         self.container, self.mbs = container, container.AddSystem()
         self.section: Any = exudyn.BeamSection
-        # Marker of each interface: item, body or node, position on it and its rotation.
+        # For each interface: type of marker, body or node, position on it, and rotation of the
+        # body.
         self.interfaces: dict[tuple[str, str], tuple[Any, dict[str, int], Array, Array]] = {}
         for name, body in posture.mechanism.bodies.items():
             if name == GROUND:
@@ -130,7 +133,7 @@ class _ExudynModel:
         self.interfaces[name, point] = self.items.MarkerBodyRigid, carrier, position, rotation
 
     def marker(self, side: Side, axes: Array) -> int:
-        """A marker at an interface with these axes (columns, base axes)."""
+        """Number of a marker at an interface, with the given axes (columns, base axes)."""
         marker, carrier, position, rotation = self.interfaces[side.body, side.point]
         transform = np.eye(4)
         transform[:3, :3], transform[:3, 3] = rotation.T @ axes, position
@@ -234,7 +237,7 @@ def _joint_axes(joint: Joint, free: Array) -> tuple[Array, list[int], int]:
 
 
 def _with_x(x: Array, across: Array | None = None) -> Array:
-    """Axes (columns) with z along `across`, or along any direction across x."""
+    """Axes (columns) with x along `x` and z along `across`, or along any direction normal to x."""
     z = np.cross(x, np.eye(3)[np.argmin(np.abs(x))]) if across is None else across
     z = z / np.linalg.norm(z)
     return np.column_stack([x, np.cross(z, x), z])

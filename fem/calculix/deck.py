@@ -164,6 +164,6 @@ def _equation(equation: Equation) -> Iterator[str]:
 
 
 def _number(value: float) -> str:
-    """All digits where they fit into the width that is read, else fourteen."""
+    """Text of a number with all digits, or with fourteen if CalculiX would not read all."""
     shortest = repr(float(value))
     return shortest if len(shortest) <= _NUMBER_WIDTH else f"{value:.{_NUMBER_WIDTH - 7}e}"

@@ -1,4 +1,5 @@
-"""Couplings of the nodes of a solid with the six components of an interface.
+"""Couplings between the nodes of a solid and the six components of an interface.
 
-In: faces of meshes. Out: matrices between nodes and twists, and their transposes for wrenches.
+Input: faces of meshes. Output: matrices between nodal displacements and twists, and their
+transposes for wrenches.
 """

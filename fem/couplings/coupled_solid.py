@@ -1,11 +1,13 @@
-"""A free solid with its interfaces as unknowns: one congruence for any mix of couplings.
+"""A free solid with its interfaces as unknowns, for any combination of couplings.
 
-Unknowns x: the own unknowns of each rigid or pinned interface (fem.couplings.grips), then the nodes
-that no rigid interface holds, three each; u = T x, K̂ = TᵀKT and M̂ = TᵀMT. A pin's nodes are
-turned to its radial, tangential and axial directions, and the radial one, which is not free, keeps
-its place with a stiffness of its own and nothing else, so that nodes stay blocks of three. The
-twist of an interface is qᵢ = Bᵢᵀx for all couplings, with BᵢᵀR̂ = I for the rigid motions R̂ about
-its point, so that loads Bᵢ are work-conjugate and have exact resultants.
+The unknowns x are those of each rigid or pinned interface (`fem.couplings.grips`), followed by
+three displacements of each node that does not belong to a rigid interface. Nodal displacements are
+u = T x, and K̂ = TᵀKT, M̂ = TᵀMT. The displacements of the nodes of a pin are in radial, tangential
+and axial directions. The radial one is determined by the interface; it remains as an unknown with a
+stiffness of its own that is coupled to nothing, so that each node has a block of three.
+
+The twist of an interface is qᵢ = Bᵢᵀx for all couplings, with BᵢᵀR̂ = I for the rigid motions R̂
+about its point. The loads Bᵢ are therefore work-conjugate and have exact resultants.
 """
 
 from collections.abc import Sequence
@@ -23,9 +25,10 @@ from lumped.screws import shift
 class CoupledSolid:
     """A free solid on the unknowns x (n), SI, body axes.
 
-    `stiffness`, `mass` (csr n×n); u (3N) = `transformation` x; `twists` (n×6m): the columns Bᵢ;
-    `motions` (n×6): x in the rigid motions about the first interface's point; `points` (m×3);
-    `places` (N'×3): of the nodes, whose unknowns come last, three each.
+    `stiffness` and `mass` are csr n×n. The nodal displacements are u (3N) = `transformation` x.
+    `twists` (n×6m) contains the columns Bᵢ, `motions` (n×6) the unknowns x in rigid motions about
+    the point of the first interface. `points` (m×3, m) are those of the interfaces, `places` (N'×3,
+    m) the positions of the nodes whose displacements are the last unknowns, three each.
     """
 
     stiffness: SparseMatrix
@@ -38,16 +41,16 @@ class CoupledSolid:
 
     @property
     def size(self) -> int:
-        """Number of unknowns n."""
+        """Number n of unknowns."""
         return int(self.stiffness.shape[0])
 
 
 def coupled_solid(
     stiffness: SparseMatrix, mass: SparseMatrix, nodes: Array, grips: Sequence[Grip]
 ) -> CoupledSolid:
-    """Couple a solid's matrices (csr 3N×3N) on `nodes` (N×3, m) to its interfaces.
+    """Couple the matrices (csr 3N×3N) of a solid on `nodes` (N×3, m) to its interfaces.
 
-    No two `grips` may share nodes.
+    No two of the `grips` may have nodes in common.
     """
     numbering = _Numbering(nodes, grips)
     motions = numbering.motions()
@@ -116,11 +119,14 @@ class _Numbering:
 
     @property
     def own(self) -> int:
-        """Number of unknowns before those of the nodes."""
+        """Number of unknowns of interfaces. They precede those of the nodes."""
         return int(self.first[-1])
 
     def _turned(self) -> SparseMatrix | None:
-        """Q (csr 3N×3N): displacements in base axes from those in the local axes of pins' nodes."""
+        """Q (csr 3N×3N): displacements in base axes from those in the local axes of pins.
+
+        None without pins.
+        """
         pins = [grip for grip in self.grips if grip.kind == "pin"]
         if not pins:
             return None
@@ -134,7 +140,10 @@ class _Numbering:
         return csr_array((blocks.ravel(), places), shape=(3 * len(self.nodes),) * 2)
 
     def _dependent(self) -> SparseMatrix:
-        """E (csc 3N×own): dependent displacements, in local axes, from the own unknowns."""
+        """Matrix E (csc 3N×own) from the unknowns of interfaces to dependent displacements.
+
+        The displacements are in local axes.
+        """
         rows, columns, entries = [], [], []
         for grip, first in zip(self.grips, self.first, strict=False):
             if not OWN[grip.kind]:
@@ -149,7 +158,7 @@ class _Numbering:
         shape = (3 * len(self.nodes), self.own)
         if not rows:
             return csc_array(shape)
-        # Indices as narrow as the matrices': scipy widens what they are multiplied with.
+        # 32-bit indices, because scipy otherwise converts the matrices with which E is multiplied.
         places = (
             np.concatenate(rows).astype(np.int32),
             np.concatenate(columns).astype(np.int32),
@@ -157,7 +166,10 @@ class _Numbering:
         return csc_array((np.concatenate(entries), places), shape=shape)
 
     def reduced(self, matrix: SparseMatrix, held: float) -> SparseMatrix:
-        """TᵀAT (csr n×n) of a symmetric matrix A; `held` on the diagonal of what is not free."""
+        """Matrix TᵀAT (csr n×n) of a symmetric matrix A.
+
+        `held` is put on the diagonal for dependent unknowns.
+        """
         if self.turned is not None:
             matrix = csr_array(self.turned.T @ matrix @ self.turned)
         if not self.own:
@@ -194,7 +206,7 @@ class _Numbering:
         return csr_array((data, columns, pointers), shape=(len(self.inner),) * 2)
 
     def transformation(self) -> SparseMatrix:
-        """T (csr 3N×n)."""
+        """Matrix T (csr 3N×n) with u = T x."""
         free = self.is_free[self.inner]
         columns = np.flatnonzero(free)
         shape = (3 * len(self.nodes), len(self.inner))
@@ -203,7 +215,7 @@ class _Numbering:
         return T if self.turned is None else csr_array(self.turned @ T)
 
     def motions(self) -> Array:
-        """R̂ (n×6), about the first interface's point."""
+        """Rigid motions R̂ (n×6) about the point of the first interface."""
         origin = self.grips[0].point
         interface_motions = [grip.own @ shift(grip.point - origin) for grip in self.grips]
         fields = rigid_motions(self.nodes, origin)
@@ -213,7 +225,7 @@ class _Numbering:
         return np.vstack([*interface_motions, inner])
 
     def twist(self, index: int, motions: Array) -> Array:
-        """Bᵢ (n×6) of one interface."""
+        """Matrix Bᵢ (n×6) of one interface. `motions` are the rigid motions R̂."""
         grip = self.grips[index]
         rows = np.zeros((6, self.own + len(self.inner)))
         own_columns = slice(int(self.first[index]), int(self.first[index + 1]))
@@ -221,7 +233,7 @@ class _Numbering:
         if grip.kind != "rigid":
             node_rows = self.own + unknowns(self.place[grip.nodes]).reshape(-1, 3)
             if grip.kind == "pin":
-                # Means of the slides along and about the axis; radii differ by rounding alone.
+                # Mean displacements along the axis and about it. The radii of all nodes are equal.
                 shares = area_weights(self.nodes, grip.facets).sum(axis=0)
                 rows[4, node_rows[:, 2]] = rows[5, node_rows[:, 1]] = shares / shares.sum()
             else:

@@ -1,17 +1,18 @@
-"""End restraint of rigid faces on a prism's compliance: Saint-Venant's end effects, exact along x.
+"""Effect of rigid end faces on the compliance of a prism (Saint-Venant's end effects).
 
-On the section's mesh a prism obeys E₀u″ + Gu′ − E₂u = 0 (semi-analytical finite elements, u the 3N
-displacements of a section). Its solutions are twelve polynomials, rigid motions and Saint-Venant's
-states of tension, torsion, bending and flexure, and fields e^{∓γx} that decay from either end
-(R. A. Toupin, Arch. Rat. Mech. Anal. 18 (1965) 83; those of a strip are Papkovich's and Fadle's,
-γc = 2.106 + 1.125i with c half its height). A face that stays plane and rigid needs these as well:
-they hold warping by torque and shear, and with ν > 0 contraction by tension and bending.
+The solution is exact along x. On the mesh of the section, a prism satisfies E₀u″ + Gu′ − E₂u = 0
+(semi-analytical finite elements, with the 3N displacements u of a section). Its solutions are
+twelve polynomials, namely rigid motions and Saint-Venant's states of tension, torsion, bending and
+flexure, and fields e^{∓γx} that decay from either end (R. A. Toupin, Arch. Rat. Mech. Anal. 18
+(1965) 83; those of a strip are Papkovich's and Fadle's, γc = 2.106 + 1.125i with half its height
+c). At a face that stays plane and rigid the decaying fields occur as well: the face prevents
+warping by torque and shear and, if ν > 0, contraction by tension and bending.
 
-The decaying fields v bear no resultant, and v = −w + a rigid motion on both faces, w the warping
-of a state of unit wrench. By Betti's theorem the compliance changes by ∮ fᵢᵀvⱼ = −∮ vᵢᵀtⱼ, with the
-tractions f of that state and t of v: twice the negative strain energy of v. Neither subtracts
-compliances of the whole length. The second is computed; the first, equal to it only if v has lost
-no digits, is the check.
+The decaying fields v have no resultant, and v = −w + a rigid motion on both faces, where w is the
+warping of a state of unit wrench. By Betti's theorem the compliance changes by ∮ fᵢᵀvⱼ = −∮ vᵢᵀtⱼ,
+with the tractions f of that state and t of v: twice the negative strain energy of v. Neither form
+is a difference of compliances of the whole length. The second one is used. The first one equals it
+only if v has not lost digits, which is checked.
 """
 
 from collections.abc import Callable
@@ -26,19 +27,19 @@ from lumped.errors import ComputationError
 from lumped.legs import Material
 from meshes.section.section_mesh import SectionMesh
 
-# Largest difference of both forms of the change, in units of √(c_ii c_jj) of the leg with held
-# faces: half the tolerance of solids with rigid faces (0.02 %). Steel walls of a hundredth of the
-# side leave 1e-5, of which the change itself loses a hundredth.
+# Largest difference of both forms of the change, in units of √(c_ii c_jj) of the leg with rigid
+# faces: half the tolerance of solids with rigid faces (0.02 %). For steel walls of a hundredth of
+# the side the difference is 1e-5, of which a hundredth is an error of the change itself.
 _LOST = 1e-4
 
 
 def restrained_compliance(mesh: SectionMesh, material: Material, length: float) -> Array:
-    """6×6 change (SI, leg axes, at the tip) of a prism's tip compliance by rigid end faces.
+    """Change (6×6, SI, leg axes, at the tip) of a prism's tip compliance by rigid end faces.
 
-    Tip compliance with plane, rigid faces at root and tip less that with Saint-Venant's tractions
-    on both, work conjugate: negative semidefinite. Exact in x for any length, so that both ends may
-    interact. Raises ComputationError if round-off dominates: moduli, or walls and sides, that
-    differ by too much.
+    It is the tip compliance with plane, rigid faces at root and tip minus that with Saint-Venant's
+    tractions on both (work conjugate), and negative semidefinite. It is exact in x for any length,
+    so that both ends may interact. Raises ComputationError if round-off dominates, because moduli,
+    or walls and sides, differ by too much.
     """
     change = np.zeros((6, 6))
     for fields in section_fields(mesh, material):
@@ -47,9 +48,10 @@ def restrained_compliance(mesh: SectionMesh, material: Material, length: float) 
 
 
 class _Squares:
-    """Solutions of L z = r and Lᵀy = r, L = [C 0; Bᵀ F] as in `SectionFields.squares_problem`.
+    """Solutions of L z = r and Lᵀy = r with L = [C 0; Bᵀ F] of `SectionFields.squares_problem`.
 
-    C and F have the unstrained rigid motions as null space. Loads have no resultant along them.
+    The null space of C and F consists of the unstrained rigid motions. Loads must have no resultant
+    along them.
     """
 
     def __init__(self, fields: SectionFields) -> None:
@@ -73,10 +75,11 @@ class _Squares:
         return np.concatenate([axial, in_plane])
 
     def zeros(self, fields: SectionFields) -> tuple[Array, Array]:
-        """Chains of γ² = 0: z of L z₀ = 0, of a deflection L z₁ = R z₀, and y of the transposes.
+        """Generalised eigenvectors for γ² = 0 of L z = γ² R z, and those of the transposed problem.
 
-        L z₁ = R z₀ has a solution if R z₀ is orthogonal to all y₀: tension and torsion, whose
-        chains end there, are taken out of the deflections.
+        The first are z₀ with L z₀ = 0, the second, for deflections only, z₁ with L z₁ = R z₀. A
+        solution z₁ exists if R z₀ is orthogonal to all y₀. Tension and torsion, for which there is
+        none, are therefore removed from the deflections.
         """
         rigid, p = fields.unstrained, self.axial
         solutions, adjoint_solutions = rigid.copy(), rigid.copy()
@@ -98,7 +101,10 @@ class _Squares:
 
 
 def _solver(block: Array, rigid: Array) -> Callable[[Array], Array]:
-    """Solution of a symmetric `block` that is positive definite across `rigid` (n×k)."""
+    """Function that solves equations with a symmetric, positive semidefinite matrix `block`.
+
+    Its null space is spanned by `rigid` (n×k).
+    """
     moving = rigid[:, np.linalg.norm(rigid, axis=0) > 0.0]
     if moving.size:
         unit = np.linalg.qr(moving)[0]
@@ -107,15 +113,16 @@ def _solver(block: Array, rigid: Array) -> Callable[[Array], Array]:
 
 
 def _decays(fields: SectionFields) -> tuple[Array, Array]:
-    """Decay rates γ (k, Re γ > 0) and the fields (n×k) of e^{γ(x − L)}, which decay from the tip.
+    """Decay rates γ (k, Re γ > 0) and fields (n×k) of e^{γ(x − L)}, which decay from the tip.
 
-    Those of e^{−γx}, from the root, have u_x of the other sign. Found from 1/γ² across the chains
-    of γ² = 0: walls of thickness t beside a side b leave the slowest γ² only (t/b)² of the fastest
-    or less, and its digits count.
+    Those of e^{−γx}, which decay from the root, have the opposite sign of u_x. They are computed
+    from 1/γ² in the space without the generalised eigenvectors of γ² = 0: for walls of thickness t
+    and a side b, the smallest γ² is only (t/b)² of the largest or less, and must not lose its
+    digits.
     """
     squares = _Squares(fields)
     chain, adjoint = squares.zeros(fields)
-    # Bi-orthogonal to the adjoint chain, as all decaying fields are.
+    # All decaying fields are bi-orthogonal to the adjoint eigenvectors of γ² = 0.
     across = adjoint.T @ squares.right
     basis = np.linalg.qr(across.T, mode="complete")[0][:, len(across) :]
     images = squares.solve(squares.right @ basis)
@@ -133,7 +140,10 @@ def _decays(fields: SectionFields) -> tuple[Array, Array]:
 
 
 def _change(fields: SectionFields, length: float) -> Array:
-    """Compliance (m×m) of the class with held faces less that with Saint-Venant's tractions."""
+    """Change of compliance (m×m) by rigid end faces, for the fields of one symmetry.
+
+    It is relative to Saint-Venant's tractions on the faces.
+    """
     root, tip = (saint_venant_states(fields, x) for x in (0.0, length))
     unit = np.linalg.inv(fields.rigid.T @ tip.forces)
     warping = np.vstack([root.warping @ unit, tip.warping @ unit])

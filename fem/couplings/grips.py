@@ -1,13 +1,13 @@
-"""Couplings of faces of a solid to an interface: rigid, averaged, pin, or Saint-Venant tractions.
+"""Couplings of faces of a solid to an interface: rigid, averaged, pin, or Saint-Venant's tractions.
 
-rigid    u = R q on the faces: they move as one body with the interface's twist q.
-average  q = (RᵀWR)⁻¹RᵀWu with the faces' consistent area weights W (∫N_a N_b dA); a wrench loads
-         the nodes by the transpose. The faces deform freely.
-pin      each point of a bore moves radially with q and slides freely along and about the axis. The
-         remaining two components of q are the bore's mean motions. Freedom of a joint along and
-         about the axis is modelled by the joint, not by the coupling.
-saint-venant  q = Bᵀu with the nodal loads B of the tractions of Saint-Venant's solution for unit
-         wrenches, BᵀR = I: an end of a prism free to warp and to contract.
+- rigid: u = R q on the faces, which move as one body with the twist q of the interface.
+- average: q = (RᵀWR)⁻¹RᵀWu with the consistent area weights W of the faces (∫N_a N_b dA). A wrench
+  is distributed to the nodes by the transpose. The faces can deform freely.
+- pin: each point of a bore moves radially with q and can slide along and about the axis. The
+  remaining two components of q are the mean motions of the bore. Freedom of a joint along and about
+  the axis is part of the joint, not of the coupling.
+- saint-venant: q = Bᵀu with the nodal loads B of Saint-Venant's tractions for unit wrenches, BᵀR =
+  I. This is an end of a prism that is free to warp and to contract.
 """
 
 from dataclasses import dataclass
@@ -27,14 +27,14 @@ from meshes.solid_mesh import EndFace
 
 Kind: TypeAlias = Literal["rigid", "average", "pin", "saint-venant"]
 
-# Twice the order of second-order facets, and two more for their curvature.
+# Degree of quadrature on faces: twice the order of second-order facets, plus two for curvature.
 _FACE_DEGREE = 6
-# Own unknowns of an interface before those of the nodes.
+# Number of unknowns that an interface adds to those of the nodes.
 OWN: dict[Kind, int] = {"rigid": 6, "average": 0, "pin": 4, "saint-venant": 0}
 
 
 def unknowns(nodes: IntArray) -> IntArray:
-    """Unknowns 3·node + component (3n) of `nodes` (n), node by node."""
+    """Indices 3·node + component (3n) of the displacements of `nodes` (n), node by node."""
     return (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()
 
 
@@ -51,10 +51,11 @@ def rigid_motions(points: Array, reference: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Grip:
-    """Faces of a solid with their coupling to one interface.
+    """Faces of a solid and their coupling to one interface.
 
-    `facets` on its nodes, reference `point` (3, m); `axis` (unit vector) of a pin's bore and a
-    point `on_axis` (3, m) of it; `tractions` (3n×6): Saint-Venant's nodal loads.
+    `facets` are the facets of the faces on the nodes of the solid, `point` (3, m) is the reference
+    point. `axis` (unit vector) and `on_axis` (3, m) are the axis of a bore and a point on it; None
+    if there is no bore. `tractions` (3n×6) are Saint-Venant's nodal loads for this coupling.
     """
 
     kind: Kind
@@ -66,15 +67,15 @@ class Grip:
 
     @property
     def nodes(self) -> IntArray:
-        """The held nodes, ascending."""
+        """Nodes of the faces, ascending."""
         return self.facets.nodes
 
     @property
     def own(self) -> Array:
-        """Its own unknowns (k×6) from the twist at its point.
+        """Matrix (k×6) from the twist at the reference point to the k unknowns of the interface.
 
-        All of it for a rigid interface; for a pin the translations and rotations across the bore's
-        axis, of a point on it.
+        For a rigid interface these are the twist itself. For a pin they are translations and
+        rotations perpendicular to the axis of the bore, at a point on the axis.
         """
         if self.kind != "pin":
             return np.eye(OWN[self.kind], 6)
@@ -82,18 +83,18 @@ class Grip:
 
     @property
     def centre(self) -> Array:
-        """A point of the bore's axis, or the reference point if there is no bore."""
+        """A point on the axis of the bore, or the reference point if there is no bore."""
         return self.point if self.on_axis is None else self.on_axis
 
     @property
     def bore_axis(self) -> Array:
-        """Axis (unit vector) of the bore. Raises ValueError if there is none."""
+        """Axis (unit vector) of the bore. Raises ValueError if there is no bore."""
         if self.axis is None:
             raise ValueError("a pin needs the axis of its bore")
         return self.axis
 
     def local_axes(self, nodes: Array) -> Array:
-        """Radial, tangential and axial unit vectors (n×3×3, columns) at a pin's nodes."""
+        """Radial, tangential and axial unit vectors (n×3×3, columns) at the nodes of a pin."""
         offsets = nodes[self.nodes] - self.centre
         offsets = offsets - np.outer(offsets @ self.bore_axis, self.bore_axis)
         radial = offsets / np.linalg.norm(offsets, axis=1)[:, None]
@@ -101,11 +102,11 @@ class Grip:
         return np.stack([radial, np.cross(axial, radial), axial], axis=2)
 
     def motions(self, nodes: Array) -> Array:
-        """Displacements (3n×6) of its nodes for unit twists at its point."""
+        """Displacements (3n×6) of the nodes of the faces for unit twists at the reference point."""
         return rigid_motions(nodes[self.nodes], self.point)
 
     def loads(self, nodes: Array) -> Array:
-        """Nodal loads (3n×6) of six independent wrenches on freely deforming faces."""
+        """Nodal loads (3n×6) of six independent wrenches on faces that can deform freely."""
         if self.tractions is not None:
             return self.tractions
         count = len(self.nodes)
@@ -113,7 +114,7 @@ class Grip:
         return np.asarray(moments.reshape(-1, 6))
 
     def radial_motions(self, nodes: Array) -> Array:
-        """Radial displacements (n×4) of a pin's nodes for its own unknowns."""
+        """Radial displacements (n×4) of the nodes of a pin for its four unknowns."""
         fields = rigid_motions(nodes[self.nodes], self.centre).reshape(-1, 3, 6)
         radial = self.local_axes(nodes)[:, :, 0]
         along = np.einsum("ni,nij->nj", radial, fields)
@@ -121,14 +122,17 @@ class Grip:
 
 
 def _across(axis: Array) -> Array:
-    """Components (4×6) of a twist along and about two directions across an axis."""
+    """Matrix (4×6) from a twist to its components normal to `axis`.
+
+    These are two translations and two rotations.
+    """
     rows = np.zeros((4, 6))
     rows[:2, :3] = rows[2:, 3:] = np.linalg.svd(axis[None])[2][1:]
     return rows
 
 
 def area_weights(nodes: Array, facets: Facets) -> SparseMatrix:
-    """W = ∫N_a N_b dA (csr n×n, m²) on the n nodes of `facets`, ascending."""
+    """Area weights W = ∫N_a N_b dA (csr n×n, m²) of the n nodes of `facets`, ascending."""
     points, weights = quadrature(facets.element, _FACE_DEGREE)
     shapes, slopes = values(facets.element, points), gradients(facets.element, points)
     tangents = np.einsum("fki,kjq->fqij", nodes[facets.cells], slopes)
@@ -144,15 +148,15 @@ def area_weights(nodes: Array, facets: Facets) -> SparseMatrix:
 def saint_venant_loads(face: EndFace, points: Array, reference: Array, material: Material) -> Array:
     """Consistent nodal loads (3n×6) of unit wrenches at `reference` (3, m) on an end face.
 
-    Tractions of Saint-Venant's solution: uniform for Fx, flexural shear for Fy and Fz, torsion's
-    shear for Mx, linear σxx for My and Mz. `points` (n×3, m) are the face's nodes, rows of the
-    result 3·(place in face.nodes) + component. BᵀR = I to rounding for the rigid motions R.
+    The tractions are those of Saint-Venant's solution: uniform for Fx, flexural shear for Fy and
+    Fz, torsional shear for Mx, linear σxx for My and Mz. `points` (n×3, m) are the nodes of the
+    face in the order of `face.nodes`. BᵀR = I to round-off for the rigid motions R.
     """
     ratio = poisson_shear_ratio(material.nu, material.G / material.E)
     section = saint_venant(face.mesh, ratio)
     quad = section.quadrature
     y, z = quad.points
-    # σxx = M·(c·s) with the bending moments Mz = −∫y σxx and My = +∫z σxx.
+    # σxx is linear in y and z, with the bending moments Mz = −∫y σxx dA and My = ∫z σxx dA.
     along_y, along_z = (slope[0] * y + slope[1] * z for slope in section.slopes)
     loads = np.zeros((len(points), 3, 6))
     axial = {0: np.full_like(y, 1.0 / section.area), 4: along_z, 5: -along_y}
@@ -163,6 +167,6 @@ def saint_venant_loads(face: EndFace, points: Array, reference: Array, material:
         for component, traction in enumerate(tractions, start=1):
             loads[:, component, wrench] = quad.load(traction)
     at_centroid = loads.reshape(-1, 6)
-    # Moves the wrenches from the mesh's own centroid to the reference point.
+    # The wrenches are transferred from the centroid of the mesh to the reference point.
     work = at_centroid.T @ rigid_motions(points, reference)
     return np.asarray(np.linalg.solve(work, at_centroid.T).T)

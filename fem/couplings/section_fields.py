@@ -1,12 +1,14 @@
-"""Fields of a prism on its section's mesh, one symmetry at a time: E₀u″ + Gu′ − E₂u + ω²Mu = 0.
+"""Displacement fields of a prism on the mesh of its section, for each symmetry separately.
 
-Semi-analytical finite elements, u the 3N displacements of a section and ′ the derivative along the
-prism. G couples axial (p) with in-plane (q) displacements alone, G = [0 B; −Bᵀ 0], E₀ = [A 0; 0 D]
-and E₂ − ω²M = [C 0; 0 F], so that with p′ = γp the squares of exponents e^{γx} solve a problem of
-size 3N, [C 0; Bᵀ F] (p′, q) = γ² [A B; 0 D] (p′, q). Sections symmetric about y and z fall into
-four problems of a quarter of the size: tension, torsion, bending z and bending y. With one axis of
-symmetry these are two problems, tension and bending along the axis, torsion and bending across it;
-without any they are one.
+They satisfy E₀u″ + Gu′ − E₂u + ω²Mu = 0 (semi-analytical finite elements), with the 3N
+displacements u of a section and the derivative ′ along the prism. G couples axial (p) with in-plane
+(q) displacements only, G = [0 B; −Bᵀ 0], E₀ = [A 0; 0 D] and E₂ − ω²M = [C 0; 0 F]. With p′ = γp,
+the squares of the exponents in e^{γx} are therefore the eigenvalues of a problem of size 3N, [C 0;
+Bᵀ F] (p′, q) = γ² [A B; 0 D] (p′, q).
+
+For sections symmetric about y and z this is split into four problems of a quarter of the size:
+tension, torsion, bending z and bending y. With one axis of symmetry there are two: tension with
+bending along the axis, torsion with bending perpendicular to it. Without symmetry there is one.
 """
 
 from collections.abc import Sequence
@@ -24,7 +26,7 @@ from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.legs import Material
 from meshes.section.section_mesh import SectionMesh
 
-# Largest distance of a node from a mirror image, relative to the section's size.
+# Largest distance between a node and the mirror image of another, relative to the section's size.
 _SAME_PLACE = 1e-6
 
 
@@ -32,8 +34,8 @@ _SAME_PLACE = 1e-6
 class _Class:
     """Fields of one symmetry in a section that is symmetric about y and z.
 
-    `parity` of u_x under y → −y and z → −z, and the `twists` (x y z φx φy φz) among its rigid
-    motions.
+    `parity` contains the signs of u_x under y → −y and z → −z, `twists` the indices (x y z φx φy
+    φz) of the rigid motions with this symmetry.
     """
 
     name: str
@@ -47,17 +49,18 @@ _CLASSES = (
     _Class("bending z", (-1, 1), (1, 5)),
     _Class("bending y", (1, -1), (2, 4)),
 )
-# Twists that strain no section by themselves: solutions of γ² = 0, of which the deflections start
-# a chain of two.
+# Twists that, constant along the prism, cause no strain: solutions for γ² = 0. Deflections have a
+# second solution in addition (bending with a linear rotation).
 _UNSTRAINED, _DEFLECTIONS = (0, 1, 2, 3), (1, 2)
 
 
 @dataclass(frozen=True, eq=False)
 class SectionFields:
-    """Matrices (n×n) of one symmetry, ∫ ε·σ = u′E₀u′ + 2u′E₁u + uE₂u; the `axial` u_x first.
+    """Matrices (n×n) of one symmetry, with ∫ ε·σ dA = u′E₀u′ + 2u′E₁u + uE₂u.
 
-    `mass`: that per length; `rigid` (n×m): its rigid motions about the centroid of a section, its
-    `twists`; `name`: of its kinds of deformation.
+    The first `axial` unknowns are u_x. `mass` is the mass matrix per length. `rigid` (n×m) are the
+    rigid motions about the centroid of a section that have this symmetry, `twists` their indices.
+    `name` describes the kinds of deformation.
     """
 
     name: str
@@ -71,26 +74,29 @@ class SectionFields:
 
     @property
     def chain(self) -> int:
-        """Number of squares γ² = 0 that one of its polynomials takes at most."""
+        """Largest number of coupled solutions for γ² = 0: 2 with deflections, else 1."""
         return 2 if any(twist in _DEFLECTIONS for twist in self.twists) else 1
 
     @property
     def unstrained(self) -> Array:
-        """Rigid motions (n×k) that strain no section by themselves."""
+        """Rigid motions (n×k) that cause no strain if they are constant along the prism."""
         return self.rigid[:, [twist in _UNSTRAINED for twist in self.twists]]
 
     @property
     def deflects(self) -> list[bool]:
-        """True for each of these that is a deflection, which starts a chain of two γ² = 0."""
+        """True for each of the unstrained rigid motions that is a deflection."""
         return [twist in _DEFLECTIONS for twist in self.twists if twist in _UNSTRAINED]
 
     @property
     def coupling(self) -> Array:
-        """G = E₁ − E₁ᵀ."""
+        """Matrix G = E₁ − E₁ᵀ."""
         return np.asarray(self.E1 - self.E1.T)
 
     def squares_problem(self, omega: float = 0.0) -> tuple[Array, Array]:
-        """Matrices L, R (n×n) of L (p′, q) = γ² R (p′, q) at an angular frequency (rad/s)."""
+        """Matrices L and R (n×n) of the eigenvalue problem L (p′, q) = γ² R (p′, q).
+
+        `omega` is the angular frequency (rad/s).
+        """
         p = self.axial
         left, right = self.E2 - omega**2 * self.mass, self.E0.copy()
         left[p:, :p] = self.coupling[:p, p:].T
@@ -102,7 +108,8 @@ class SectionFields:
 class SectionState:
     """Polynomial fields (n×m) at one section.
 
-    `warping`: these without the section's rigid motion; `forces`: nodal ones on it, E₀u′ + E₁u.
+    `warping` are the fields without the rigid motion of the section. `forces` are the nodal forces
+    on the section, E₀u′ + E₁u.
     """
 
     fields: Array
@@ -111,15 +118,15 @@ class SectionState:
 
 
 def section_fields(mesh: SectionMesh, material: Material) -> list[SectionFields]:
-    """Fields of a section in each symmetry that its mesh has.
+    """Fields of a section for each symmetry of its mesh.
 
-    "tension", "torsion", "bending y", "bending z" of a mesh with two axes of symmetry, and what
-    is coupled of these together of another one.
+    With two axes of symmetry these are "tension", "torsion", "bending y" and "bending z". With less
+    symmetry the kinds of deformation that are coupled form one entry.
     """
     quad = section_quadrature(mesh)
     in_section = strains(quad, 0.0)
     along = strains(quad, 1.0) - in_section
-    # The standing wave's axial strain is −k a: here it is u_x′.
+    # The sign is reversed because axial strain is −k a in `strains` (standing wave), but u_x′ here.
     along[:, :, 0] *= -1.0
     D = elasticity(material)
     E0, E1, E2 = (
@@ -150,7 +157,7 @@ def section_fields(mesh: SectionMesh, material: Material) -> list[SectionFields]
 
 
 def _coupled_kinds(axes: Sequence[int]) -> list[list[_Class]]:
-    """Kinds of deformation that have one parity under the mirrors of these axes."""
+    """Groups of kinds of deformation with the same parity under mirrors at the given axes."""
     groups: dict[tuple[int, ...], list[_Class]] = {}
     for kind in _CLASSES:
         groups.setdefault(tuple(kind.parity[axis] for axis in axes), []).append(kind)
@@ -160,10 +167,13 @@ def _coupled_kinds(axes: Sequence[int]) -> list[list[_Class]]:
 def _symmetric(
     count: int, mirrors: Sequence[tuple[int, IntArray]], parity: tuple[int, int]
 ) -> tuple[SparseMatrix, int]:
-    """Orthonormal basis (3N×n) of the fields of one symmetry, and how many are of u_x (first)."""
+    """Orthonormal basis (3N×n) of the fields of one symmetry, and the number of axial fields.
+
+    The axial fields come first.
+    """
     parts = []
     for component in range(3):
-        # u_y changes sign with y → −y where u_x does not, u_z likewise with z.
+        # u_y has the opposite parity of u_x under y → −y, and u_z under z → −z.
         signed = [
             (images, parity[axis] * (-1 if component == axis + 1 else 1))
             for axis, images in mirrors
@@ -173,7 +183,7 @@ def _symmetric(
 
 
 def _mirror(nodes: Array, signs: tuple[float, float]) -> IntArray | None:
-    """The node (N) at each node's mirror image; None if the mesh is not symmetric."""
+    """Index (N) of the node at the mirror image of each node. None if the mesh is not symmetric."""
     size = float(np.ptp(nodes, axis=0).max())
     distance, partner = scipy.spatial.cKDTree(nodes).query(nodes * np.array(signs))
     if distance.max() > _SAME_PLACE * size:
@@ -182,7 +192,7 @@ def _mirror(nodes: Array, signs: tuple[float, float]) -> IntArray | None:
 
 
 def _orbits(count: int, mirrors: Sequence[tuple[IntArray, int]], component: int) -> Array:
-    """Normalised sums (3N×n) over the mirror images of each node, signs of the symmetry."""
+    """Normalised sums (3N×n) over the mirror images of each node, with signs by symmetry."""
     images, weights = np.arange(count)[None], np.ones(1)
     for mirror, sign in mirrors:
         images = np.vstack([images, mirror[images]])
@@ -201,11 +211,11 @@ def _orbits(count: int, mirrors: Sequence[tuple[IntArray, int]], component: int)
 
 
 def _polynomial(fields: SectionFields, unstrained: int, degree: int) -> list[Array]:
-    """Coefficients a_k (n) of x^k/k! of a state of Saint-Venant, lowest first.
+    """Coefficients a_k (n) of x^k/k! in a Saint-Venant state, the lowest first.
 
-    From the highest, the rigid motion of this number, downwards: E₂a_k = E₀a_{k+2} + Ga_{k+1}. Mean
-    motions of a_k are none, as weighted with the moduli: sections turn about the centroid, so that
-    flexure has no axial force.
+    They are computed downwards from the highest one, the unstrained rigid motion with index
+    `unstrained`: E₂a_k = E₀a_{k+2} + Ga_{k+1}. The mean motion of each a_k, weighted with the
+    moduli, is zero: sections rotate about the centroid, so that flexure has no axial force.
     """
     null = fields.unstrained
     count = null.shape[1]
@@ -220,14 +230,14 @@ def _polynomial(fields: SectionFields, unstrained: int, degree: int) -> list[Arr
 
 
 def saint_venant_states(fields: SectionFields, x: float) -> SectionState:
-    """Saint-Venant's states at x: of each deflection pure bending and flexure, tension, torsion."""
+    """Saint-Venant's states at x (m): tension, torsion, and bending and flexure per deflection."""
     columns, warping, slopes = [], [], []
     for number, deflects in enumerate(fields.deflects):
         for degree in (2, 3) if deflects else (1,):
             terms = np.array(_polynomial(fields, number, degree))
             powers = np.array([x**k / factorial(k) for k in range(degree + 1)])
             columns.append(powers @ terms)
-            # The highest terms are rigid motions, which need no forces.
+            # The highest terms are rigid motions, which do not require forces.
             count = len(terms) - (2 if deflects else 1)
             warping.append(powers[:count] @ terms[:count])
             slopes.append(powers[:count] @ terms[1 : count + 1])

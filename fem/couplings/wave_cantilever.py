@@ -1,11 +1,11 @@
-"""Frequencies of a cantilever prism by the waves of 3-D elasticity in it, ends free to warp.
+"""Frequencies of a prismatic cantilever by waves of 3-D elasticity, with ends free to warp.
 
-Computed from the section alone, exact along the leg. The beam of Saint-Venant's states is
-Timoshenko's. The waves on the section's mesh (`prism_waves`) contract, warp by shear and bend the
-walls. Their tractions on the end faces differ from Saint-Venant's, which are the boundary
-condition, and so excite all other fields e^{γx} of the section: a section distorts at an open end.
-The ratio of the frequencies with and without these effects applies to any beam theory with the same
-constants.
+They are computed from the section alone and are exact along the leg. The beam of Saint-Venant's
+states is Timoshenko's beam. The waves on the section's mesh (`prism_waves`) also contract, warp by
+shear and bend the walls. Their tractions on the end faces differ from Saint-Venant's, which are the
+boundary condition, so that all other fields e^{γx} of the section are excited, too: a section
+distorts at a free end. The ratio of the frequencies with and without these effects applies to any
+beam theory with the same section constants.
 """
 
 from dataclasses import replace
@@ -19,40 +19,43 @@ from fem.couplings.wave_stiffness import PrismWaves, beam_wave
 from lumped.arrays import Array
 from lumped.errors import ComputationError
 
-# Phase (rad) of a travelling wave over one piece of the leg. A piece with both ends held swings
-# from π (shear, tension, torsion) to 4.73 (slender bending).
+# Phase (rad) of a travelling wave over one piece of the leg. A piece with fixed ends vibrates by
+# itself from a phase of π (shear, tension, torsion) to 4.73 (slender bending).
 _PHASE = 0.5 * np.pi
-# Relative step of the search for a change of sign, and the largest number of steps: a factor of 6.
+# Relative step of the search for a change of sign, and largest number of steps (a factor of 6).
 _STEP, _STEPS = 0.03, 60
 # Relative accuracy of a frequency between two changes of sign.
 _ACCURACY = 1e-10
-# Secant steps for the frequency with all fields (four to six are needed), the first one relative,
-# and the relative step that ends the search: long waves of slender legs keep 1e-8 of γ².
+# Largest number of secant steps for the frequency with all fields (four to six are needed),
+# relative size of the first step, and relative step that ends the search: γ² of long waves in
+# slender legs is accurate to 1e-8.
 _SECANTS, _FIRST, _CONVERGED = 20, 1e-4, 1e-7
-# Relative distance from the estimate beyond which the frequency is another mode's.
+# Relative distance from the estimate beyond which a frequency belongs to another mode.
 _ANOTHER = 0.1
 
 
 def cut_off(kind: PrismWaves) -> float:
-    """Lowest frequency (Hz) at which the section shears or distorts, all along the leg in phase.
+    """Lowest frequency (Hz) at which the section shears or distorts in phase all along the leg.
 
-    Of the symmetry of one kind of waves. Below it one wave of the kind travels, a beam's.
+    It is that of the symmetry of `kind`. Below it a single wave of this kind travels, that of a
+    beam.
     """
-    # The first is the section's rigid motion: tension, torsion or the translation of bending.
+    # The first eigenvalue is the rigid motion: tension, torsion or the translation of bending.
     squares = eigh(kind.fields.E2, kind.fields.mass, subset_by_index=[1, 1], eigvals_only=True)
     return float(np.sqrt(squares[0]) / (2.0 * np.pi))
 
 
 def wave_frequency(kind: PrismWaves, length: float, order: int, near: float) -> float:
-    """Frequency (Hz) number `order` (1, 2, …) of a cantilever of `length` (m), `near` another.
+    """Natural frequency (Hz) number `order` (1, 2, …) of a cantilever of `length` (m).
 
-    By the waves of one kind alone, with Saint-Venant's resultants at the ends. Raises
-    ComputationError if a wave is not a beam's, or if the frequency is far from `near`.
+    It is computed from the waves of one kind, with Saint-Venant's resultants at the ends. `near`
+    (Hz) is an estimate. Raises ComputationError if a wave does not resemble that of a beam, or if
+    the frequency is far from `near`.
     """
     start = 2.0 * np.pi * near
 
     def eigenvalue(omega: float) -> float:
-        """Falls with ω between the frequencies of pieces with held ends (Wittrick, Williams)."""
+        """Eigenvalue that decreases with ω between frequencies of pieces with fixed ends."""
         return float(eigvalsh(_cantilever(kind, length, omega))[order - 1])
 
     value, omega = eigenvalue(start), start
@@ -69,7 +72,7 @@ def wave_frequency(kind: PrismWaves, length: float, order: int, near: float) -> 
 
 
 def beam_frequency(kind: PrismWaves, length: float, order: int) -> float:
-    """Frequency (Hz) number `order` of a cantilever by the beam of its Saint-Venant states."""
+    """Natural frequency (Hz) number `order` of a cantilever by the beam `saint_venant_beam`."""
     beam = saint_venant_beam(kind)
     fields = beam.fields
     quarter = (2 * order - 1) * np.pi / (2.0 * length)
@@ -77,7 +80,7 @@ def beam_frequency(kind: PrismWaves, length: float, order: int) -> float:
     rod = quarter * np.sqrt(stiffness / inertia)
     if fields.chain == 1:
         return float(rod / (2.0 * np.pi))
-    # Dunkerley: the rod in shear and the slender beam in series.
+    # Estimate by Dunkerley's formula: the rod in shear and the slender beam in series.
     slender = quarter**2 * np.sqrt(beam.rigidity / inertia)
     return wave_frequency(
         beam, length, order, 1.0 / np.hypot(1.0 / rod, 1.0 / slender) / (2.0 * np.pi)
@@ -85,9 +88,9 @@ def beam_frequency(kind: PrismWaves, length: float, order: int) -> float:
 
 
 def saint_venant_beam(kind: PrismWaves) -> PrismWaves:
-    """Beam with the stiffness of the section's Saint-Venant states and its inertia.
+    """Beam with the inertia of the section and the stiffness of its Saint-Venant states.
 
-    Unknowns of bending: θ (axial) and w; ∫ε·σ = EI θ′² + κGA (w′ ∓ θ)².
+    The unknowns of bending are θ (axial) and w, with ∫ε·σ dA = EI θ′² + κGA (w′ ∓ θ)².
     """
     fields = kind.fields
     inertia = np.diag(fields.rigid.T @ fields.mass @ fields.rigid)
@@ -105,7 +108,7 @@ def saint_venant_beam(kind: PrismWaves) -> PrismWaves:
     section = replace(
         fields,
         E0=np.diag([rigidity, shear]),
-        # A rotation φ_z moves along +y, φ_y along −z.
+        # A rotation φz belongs to a slope along +y, φy to one along −z.
         E1=np.array([[0.0, 0.0], [-shear if fields.twists == (1, 5) else shear, 0.0]]),
         E2=np.diag([shear, 0.0]),
         mass=np.diag([inertia[1], inertia[0]]),
@@ -116,7 +119,7 @@ def saint_venant_beam(kind: PrismWaves) -> PrismWaves:
 
 
 def _shear_stiffness(kind: PrismWaves) -> float:
-    """Shear stiffness κGA (N), from the tip compliance L³/(3EI) + L/(κGA) of a short cantilever.
+    """Shear stiffness κGA (N) from the tip compliance L³/(3EI) + L/(κGA) of a short cantilever.
 
     Its length L is the radius of gyration of the section.
     """
@@ -131,9 +134,10 @@ def _shear_stiffness(kind: PrismWaves) -> float:
 
 
 def _cantilever(kind: PrismWaves, length: float, omega: float) -> Array:
-    """Dynamic stiffness on the motions of all sections between pieces, root held.
+    """Dynamic stiffness of the clamped–free prism on the motions at the ends of all pieces.
 
-    Translations in units of a piece's length: signs of eigenvalues are those without units.
+    Translations are in units of the length of a piece, so that signs of eigenvalues do not depend
+    on units.
     """
     pieces = int(length * kind.wave_number(omega) / _PHASE) + 1
     piece = length / pieces
@@ -150,11 +154,12 @@ def _cantilever(kind: PrismWaves, length: float, omega: float) -> Array:
 
 
 def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
-    """Frequency (Hz) of a cantilever of `length` (m) by all fields of its section, `near` another.
+    """Natural frequency (Hz) of a cantilever of `length` (m), from all fields of its section.
 
-    Saint-Venant's tractions on the root, whose mean motion is none, and no tractions on the tip.
-    The boundary conditions have a solution where the implicit determinant is zero (A. Spence, C.
-    Poulton, J. Comput. Phys. 204 (2005) 65). Raises ComputationError if none is found near.
+    Saint-Venant's tractions act on the root, whose mean motion is zero, and no tractions on the
+    tip. `near` (Hz) is an estimate. The boundary conditions have a solution where the implicit
+    determinant is zero (A. Spence, C. Poulton, J. Comput. Phys. 204 (2005) 65). Raises
+    ComputationError if there is none near the estimate.
     """
     first = 2.0 * np.pi * near
     matrix, _ = _boundary(kind, length, first)
@@ -164,7 +169,7 @@ def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
 
     def determinant(omega: float) -> complex:
         matrix, tip = _boundary(kind, length, omega)
-        # The tip moves by one: what is left of the boundary conditions, in units of `forces`.
+        # For a unit motion of the tip, the residual of the boundary conditions along `forces`.
         bordered = np.block([[matrix, forces], [tip[None], np.zeros((1, 1))]])
         return complex(np.linalg.solve(bordered, unit)[-1])
 
@@ -186,15 +191,16 @@ def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
 
 
 def _boundary(kind: PrismWaves, length: float, omega: float) -> tuple[Array, Array]:
-    """Boundary conditions on the amplitudes of all fields and the wrench on the root, and the tip.
+    """Boundary conditions on the amplitudes of all fields and the wrench on the root; tip motion.
 
-    Columns in units of their norms; the tip's row is its motion (m or rad) conjugate to a wrench.
+    Columns are normalised. The second result is the row for the motion (m or rad) of the tip that
+    is conjugate to a wrench.
     """
     fields, tractions = kind.fields, kind.tractions
     left, right = fields.squares_problem(omega)
     squares, shapes = eig(np.linalg.solve(right, left))
     squares, shapes = squares.astype(complex), shapes.astype(complex)
-    # Long waves beside fields that fade within a wall keep few digits: theirs are computed apart.
+    # Long waves lose digits beside fields that decay within a wall. They are computed separately.
     for square, shape in (beam_wave(kind, omega, sign) for sign in kind.signs):
         nearest = int(np.argmin(np.abs(squares - square)))
         squares[nearest], shapes[:, nearest] = square, shape / np.linalg.norm(shape)

@@ -1,12 +1,12 @@
-"""Dynamic stiffness of a prism by the waves of 3-D elasticity in it.
+"""Dynamic stiffness of a prism by waves of 3-D elasticity.
 
-At an angular frequency ω a beam moves in twelve fields e^{γx}: one wave of tension and one of
-torsion and two of bending in either plane, one that travels and one that fades, each to both sides.
-Among the fields of a prism on its section's mesh (`fem.couplings.section_fields`) those that move
-the section as a whole are like them. What sets both dynamic stiffnesses apart, forces over motions
-of the ends, is what beam theory leaves out between ends that are free to warp: contraction by
-Poisson's ratio and warping by shear along the wave, and walls that bend under their own inertia.
-Ends have Saint-Venant's tractions and the motions that are conjugate to them.
+At an angular frequency ω a beam moves in twelve fields e^{γx}: one wave of tension, one of torsion,
+and two of bending in either plane (one travels, one decays), each in both directions. Among the
+fields of a prism on its section's mesh (`fem.couplings.section_fields`), those that move the
+section as a whole correspond to them. The difference between both dynamic stiffnesses is the part
+that beam theory neglects between ends that are free to warp: contraction by Poisson's ratio,
+warping by shear along the wave, and walls that bend under their own inertia. The ends have
+Saint-Venant's tractions and the motions conjugate to these.
 """
 
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ from lumped.errors import ComputationError, InputError
 from lumped.legs import Material
 from meshes.section.section_mesh import SectionMesh
 
-# Tension, torsion and bending in two planes.
+# Number of kinds of waves: tension, torsion, and bending in two planes.
 _KINDS = 4
-# Factors, the second where the first iterations have led, and iterations with each.
+# Number of factorisations, each at the current estimate, and of iterations with each.
 _SHIFTS, _ITERATIONS = 2, 20
-# Relative distance of a shift from what may be an eigenvalue to the last digit.
+# Relative distance of a shift from the current estimate, which may equal an eigenvalue.
 _ASIDE = 1e-5
-# Relative change of γ² with which it is found.
+# Relative change of γ² below which the iteration has converged.
 _CONVERGED = 1e-9
 
 
@@ -34,7 +34,8 @@ _CONVERGED = 1e-9
 class PrismWaves:
     """Waves of tension, of torsion, or of bending in one plane.
 
-    `tractions` (n×m): nodal forces of unit wrenches on a section; `rigidity`: EA, GJ or EI.
+    `tractions` (n×m) are nodal forces of unit wrenches on a section. `rigidity` is EA (N), GJ or EI
+    (N m²).
     """
 
     fields: SectionFields
@@ -43,30 +44,31 @@ class PrismWaves:
 
     @property
     def signs(self) -> tuple[float, ...]:
-        """Signs of γ² of its waves: −1 travels, 1 fades."""
+        """Signs of γ² of the waves: −1 for travelling waves, 1 for decaying ones."""
         return (-1.0, 1.0) if self.fields.chain == 2 else (-1.0,)
 
     @property
     def ends(self) -> IntArray:
-        """Its motions (2m) among the twists of root and tip (12)."""
+        """Indices (2m) of the motions of this kind among the twists of root and tip (12)."""
         return np.concatenate([self.fields.twists, np.add(self.fields.twists, 6)])
 
     def stiffness(self, length: float, omega: float) -> Array:
-        """Dynamic stiffness (2m×2m, SI, leg axes) between its `ends`, at `omega` (rad/s).
+        """Dynamic stiffness (2m×2m, SI, leg axes) of a prism of `length` (m) at `omega` (rad/s).
 
-        Raises ComputationError if a wave no longer resembles that of a beam.
+        The unknowns are the motions with the indices `ends`. Raises ComputationError if a wave does
+        not resemble that of a beam.
         """
         return _stiffness(self, length, omega)
 
     def wave_number(self, omega: float) -> float:
-        """Wave number k (rad/m) of the wave that travels, at `omega` (rad/s)."""
+        """Wave number k (rad/m) of the travelling wave at `omega` (rad/s)."""
         return float(np.sqrt(-beam_wave(self, omega, -1.0)[0]))
 
 
 def prism_waves(mesh: SectionMesh, material: Material) -> tuple[PrismWaves, ...]:
-    """All kinds of the section `mesh`.
+    """Waves of tension, torsion, bending z and bending y of a section.
 
-    Raises InputError if it is not symmetric about both axes.
+    Raises InputError if the section is not symmetric about both axes.
     """
     symmetries = section_fields(mesh, material)
     if len(symmetries) != _KINDS:
@@ -75,7 +77,7 @@ def prism_waves(mesh: SectionMesh, material: Material) -> tuple[PrismWaves, ...]
     for fields in symmetries:
         forces = saint_venant_states(fields, 0.0).forces
         resultants = fields.rigid.T @ forces
-        # The first state has unit strain, twist or curvature.
+        # The first state has unit axial strain, rate of twist or curvature.
         rigidity = float(abs(resultants[-1, 0]))
         kinds.append(PrismWaves(fields, forces @ np.linalg.inv(resultants), rigidity))
     return tuple(kinds)
@@ -86,7 +88,7 @@ def _stiffness(kind: PrismWaves, length: float, omega: float) -> Array:
     rates, columns = [], []
     for square, shape in (beam_wave(kind, omega, sign) for sign in kind.signs):
         for root in (np.sqrt(complex(square)), -np.sqrt(complex(square))):
-            # γ² has both signs of γ, with u_x = p′/γ of either.
+            # Both signs of γ belong to γ², with u_x = p′/γ.
             wave_shape = shape.astype(complex)
             wave_shape[: fields.axial] /= root
             rates.append(root)
@@ -103,9 +105,10 @@ def _stiffness(kind: PrismWaves, length: float, omega: float) -> Array:
 
 
 def beam_wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array]:
-    """γ² and (p′, q) of the wave of a `sign` that moves as a slender beam does.
+    """γ² and (p′, q) of the wave that resembles the wave of a slender beam.
 
-    By inverse iteration from the beam's, γ⁴ = ω²μ/EI or γ² = −ω²μ/EA, and a plane section.
+    `sign` is that of γ²: −1 for the travelling wave, 1 for the decaying one. Inverse iteration is
+    started from the beam, γ⁴ = ω²μ/EI or γ² = −ω²μ/EA, with a plane section.
     """
     fields = kind.fields
     rigid = fields.rigid[:, 0]
@@ -113,7 +116,7 @@ def beam_wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array
     shape = rigid
     if fields.chain == 2:
         slowness = np.sqrt(slowness)
-        # w′ = ±φ, as the twist counts it; p′ = γp.
+        # The rotation is w′ with the sign of the twist, and p′ = γp.
         turned = 1.0 if fields.twists == (1, 5) else -1.0
         shape = rigid + sign * slowness * turned * fields.rigid[:, 1]
     left, right = fields.squares_problem(omega)
@@ -124,7 +127,7 @@ def beam_wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array
         for _ in range(_ITERATIONS):
             following = lu_solve(factor, right @ shape)
             if not np.isfinite(following).all():
-                # Beside the section's own stiffness nothing is left of the frequency.
+                # The term with the frequency is below the round-off of the section's stiffness.
                 raise ComputationError(
                     f"waves: {fields.name} at {omega / (2.0 * np.pi):.4g} Hz is lost in "
                     "rounding; moduli or masses of the robot's parts differ by too much"

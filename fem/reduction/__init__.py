@@ -1,4 +1,5 @@
 """Bodies reduced to their interfaces: constraint modes, fixed-interface modes, recovery.
 
-In: held and factorised bodies. Out: small dense matrices, and the way back.
+Input: bodies with fixed interfaces and factorised stiffness. Output: small dense matrices, and
+matrices that recover all displacements.
 """

@@ -1,11 +1,11 @@
-"""Modes of a body, held or free, by block Lanczos, and a count that none of them is missing.
+"""Modes of a body by block Lanczos, and a count of eigenvalues that proves that none is missing.
 
-A M φ = φ/λ with the flexibility A of the body, symmetric in the product of M. Blocks of vectors
-have two advantages: the factor is read once for all of them, and repeated modes are found. Lanczos
-cannot detect missing modes. The number of negative eigenvalues of K − σM on the displacements
-without motion of the held interfaces, σ at the cut-off, equals the number of modes below it
-(Sylvester). If the count exceeds the search, the missing modes are searched with the flexibility A
-− Φ Λ⁻¹ Φᵀ, which has only the other modes.
+With the flexibility A of the body, A M φ = φ/λ, where A M is symmetric in the inner product of M.
+Blocks of vectors have two advantages: the factor is read once for all of them, and repeated modes
+are found. Lanczos cannot detect missing modes. The number of negative eigenvalues of K − σM, on
+displacements without motion of the fixed interfaces and with σ at the cut-off, equals the number of
+modes below the cut-off (Sylvester). If it exceeds the number of modes found, the missing ones are
+searched with the flexibility A − Φ Λ⁻¹ Φᵀ, which has only the other modes.
 """
 
 from dataclasses import dataclass, replace
@@ -22,25 +22,27 @@ from lumped.arrays import fix_signs
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError
 
-# Below this number of unknowns all modes at once, dense, cost less than Lanczos.
+# Number of unknowns below which computing all modes with dense matrices is faster than Lanczos.
 _DENSE_SIZE = 400
 _BLOCK = 8
 _LARGEST_SUBSPACE = 1600
-# Residual of a mode in units of 1/λ: its shape is as good, its frequency twice as many digits.
+# Residual of a mode in units of 1/λ. The shape is that accurate, the frequency has twice the
+# digits.
 _CONVERGED = 1e-9
 _SEED = 1
 _SEARCHES = 3
-# Shares of the cut-off at which is counted: an eigenvalue may lie at one of them by chance.
+# Fractions of the cut-off at which eigenvalues are counted. One may coincide with an eigenvalue.
 _PLACES = (1.0, 0.999, 0.997)
-# A mode nearer than this to where is counted (relative) is on neither side of it.
+# Relative distance of a mode from the counting frequency below which it is not clearly on one side.
 _TOO_NEAR = 1e-6
 
 
 @dataclass(frozen=True)
 class CountedModes(Modes):
-    """All modes below `cutoff` (Hz); some may lie just above it.
+    """All modes below `cutoff` (Hz). Some may lie slightly above it.
 
-    `counted`: number of modes below it by inertia, equal to the number found. None if not counted.
+    `counted` is the number of modes below the cut-off by inertia, equal to the number found. None
+    if they were not counted.
     """
 
     cutoff: float
@@ -48,7 +50,7 @@ class CountedModes(Modes):
 
 
 def _without(held: Swinging, excluded: Modes) -> Swinging:
-    """A body whose flexibility excludes known modes."""
+    """Body whose flexibility does not contain the modes `excluded`."""
     shapes, squared = excluded.shapes, (2.0 * np.pi * excluded.frequencies[:, None]) ** 2
 
     def flexibility(forces: Any) -> Any:
@@ -59,10 +61,10 @@ def _without(held: Swinging, excluded: Modes) -> Swinging:
 
 
 def counted_modes(held: Swinging, cutoff: float) -> CountedModes:
-    """All modes below `cutoff` (Hz), counted where the body can.
+    """All modes of a body below `cutoff` (Hz), counted if the body supports it.
 
-    Raises ComputationError if the count exceeds the modes that can be found, or is below those
-    found.
+    Raises ComputationError if the count exceeds the number of modes that can be found, or is below
+    it.
     """
     modes = interface_modes(held, cutoff)
     if held.inertia is None:
@@ -82,7 +84,7 @@ def counted_modes(held: Swinging, cutoff: float) -> CountedModes:
 
 
 def _counted(held: Swinging, modes: Modes, cutoff: float) -> tuple[float, int]:
-    """Frequency (Hz) at or just below the cut-off, and the number of modes below it."""
+    """Frequency (Hz) at or slightly below the cut-off, and the number of modes below it."""
     for share in _PLACES:
         frequency = share * cutoff
         if held.inertia and (np.abs(modes.frequencies / frequency - 1.0) > _TOO_NEAR).all():
@@ -102,10 +104,10 @@ def _joined(first: Modes, second: Modes) -> Modes:
 
 
 def interface_modes(held: Swinging, cutoff: float, search: int = 0) -> Modes:
-    """All modes below `cutoff` (Hz), rigid motions left out; shapes (n×m) mass-normalised, on u.
+    """All modes below `cutoff` (Hz), without rigid motions. Shapes (n×m) have unit modal mass.
 
-    Every number of a `search` starts from noise of its own. Raises ComputationError where they are
-    too many to find.
+    `search` is the number of the search: each starts from different random vectors. Raises
+    ComputationError if there are too many modes.
     """
     modes = None if held.size <= _DENSE_SIZE else _modes_below(held, cutoff, _SEED + search)
     if modes is None:
@@ -116,7 +118,8 @@ def interface_modes(held: Swinging, cutoff: float, search: int = 0) -> Modes:
 
 def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
     """All modes below the cut-off. None if these are a large part of all modes."""
-    # Noise has a share in the modes of every symmetry; Lanczos finds none that its start lacks.
+    # Random vectors contain modes of every symmetry. Lanczos cannot find modes that its start
+    # lacks.
     start = np.random.default_rng(seed).standard_normal((held.size, _BLOCK))
     limit = min(_LARGEST_SUBSPACE, held.size // 2)
     selection = modes_below((2.0 * np.pi * cutoff) ** 2)
@@ -135,10 +138,10 @@ def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
 
 
 def _all_modes(held: Swinging, cutoff: float) -> Modes:
-    """Modes with mass below the cut-off: with A = S Sᵀ, Sᵀ M S w = w/λ and φ = √λ S w."""
+    """Modes below the cut-off by dense matrices: A = S Sᵀ, Sᵀ M S w = w/λ and φ = √λ S w."""
     flexibility = held.flexibility(np.eye(held.size))
     rounding, diagonal = np.finfo(float).eps * held.size, np.diag(flexibility)
-    # What is held moves by rounding alone, of either sign.
+    # The flexibility of fixed unknowns is round-off of either sign.
     moves = diagonal > rounding * diagonal.max(initial=0.0)
     scale = np.sqrt(np.where(moves, diagonal, 0.0))
     unit = np.divide(1.0, scale, out=np.zeros_like(scale), where=moves)

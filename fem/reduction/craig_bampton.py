@@ -1,17 +1,18 @@
-"""Craig–Bampton reduction: ends, fixed-interface modes, and the static response of the rest.
+"""Craig–Bampton reduction of a body: interfaces, fixed-interface modes, and residual modes.
 
-u = Ψ q_ends + Φ a + Z b: constraint modes Ψ, modes K Φ = M Φ Λ with both ends held up to a cut-off
-(Craig and Bampton, AIAA J. 6, 1968), and Z = A M Ψ less its share of Φ, the response of the dropped
-modes to the inertia of the ends' motion (twelve residual modes; without them the error in tension
-falls with the third power of the cut-off alone).
+u = Ψ q + Φ a + Z b with the twists q of the interfaces and constraint modes Ψ, modes K Φ = M Φ Λ
+with all interfaces fixed, up to a cut-off frequency (Craig and Bampton, AIAA J. 6, 1968), and
+residual modes Z = A M Ψ without its part in Φ: the response of the dropped modes to the inertia of
+the motion of the interfaces (twelve for a leg). Without residual modes the error in tension
+decreases only with the third power of the cut-off.
 
-Bounds. Eliminating all amplitudes gives the dynamic stiffness of the ends, λ = ω²,
-D(λ) = K − λM − λ² Σ p pᵀ/(λ_k − λ), p = ΨᵀMφ_k. Let λ_c be the cut-off and sum over dropped modes.
-Z spans Σ φ_k pᵀ/λ_k, so that Galerkin's solution misses at most the energy of its distance from
-Σ φ_k pᵀ/(λ_k − λ): for λ < λ_c the reduced D is too large by at most λ⁴/(1 − λ/λ_c) W with
-W = Σ p pᵀ/λ_k³, and W = (MZ)ᵀ A (MZ) is known without the dropped modes. So below any λ ≤ λ_j the
-true robot has no more eigenvalues than the reduced one with a mass λ_j³/(1 − λ_j/λ_c) W added at
-the ends of each leg; and it has no fewer than the reduced one (Rayleigh).
+Error bounds. Eliminating all amplitudes gives the dynamic stiffness of the interfaces, λ = ω², D(λ)
+= K − λM − λ² Σ p pᵀ/(λ_k − λ), p = ΨᵀMφ_k. Let λ_c be the cut-off and sum over the dropped modes. Z
+spans Σ φ_k pᵀ/λ_k, so that the error of Galerkin's solution is at most the energy of its distance
+from Σ φ_k pᵀ/(λ_k − λ): for λ < λ_c the reduced D is too large by at most λ⁴/(1 − λ/λ_c) W with W =
+Σ p pᵀ/λ_k³, and W = (MZ)ᵀ A (MZ) is known without the dropped modes. So, for any λ ≤ λ_j, the true
+robot has at most as many eigenvalues below λ as the reduced robot with a mass λ_j³/(1 − λ_j/λ_c) W
+added at the interfaces, and at least as many as the reduced robot (Rayleigh).
 """
 
 from collections.abc import Mapping
@@ -29,18 +30,21 @@ from lumped.errors import InputError
 from lumped.system import solution
 from lumped.system.assembly import System
 
-# The error of a frequency f falls as (f/f_cut)⁷ in tension, faster in bending. For the first twenty
-# frequencies of a robot 2.5 leaves 1e-5 at the highest (2: 3e-5, 1.5: 3e-4), and bounds it by 1e-4.
+# Ratio of the cut-off to the highest requested frequency. The error of a frequency f is
+# proportional to (f/f_cut)⁷ in tension and decreases faster in bending. For the first twenty
+# frequencies of a robot it is 1e-5 at the highest (with 2: 3e-5, with 1.5: 3e-4), and the bound is
+# 1e-4.
 CUTOFF_FACTOR = 2.5
 
 
 @dataclass(frozen=True, eq=False)
 class CraigBampton(Superelement):
-    """Superelement with all fixed-interface modes up to `cutoff` (Hz).
+    """A reduced leg with all fixed-interface modes up to `cutoff` (Hz).
 
-    Unknowns: 12 motions of the ends, then amplitudes of the fixed-interface modes and of the
-    residual modes. `frequencies` (Hz): of the fixed-interface modes. `truncated`: W = Σ p pᵀ/ω_k⁶
-    over the dropped modes (12×12, kg s⁶ for translations), p = ΨᵀMφ_k on the twists of the ends.
+    Unknowns: 12 motions of the ends, amplitudes of the fixed-interface modes, amplitudes of the
+    residual modes. `frequencies` (Hz) are those of the fixed-interface modes. `truncated` is W = Σ
+    p pᵀ/ω_k⁶ over the dropped modes (12×12, kg s⁶ for translations), p = ΨᵀMφ_k on the twists of
+    the ends.
     """
 
     cutoff: float
@@ -48,7 +52,7 @@ class CraigBampton(Superelement):
     truncated: Array
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """See `Truncated`."""
+        """Additions to stiffness and mass that bound the unreduced body, see `Truncated`."""
         return heavier_at_interfaces(self.truncated, self.cutoff, self.matrices.size, squared)
 
 
@@ -57,37 +61,38 @@ class Truncated(Protocol):
 
     @property
     def cutoff(self) -> float:
-        """Frequency (Hz) below which all its modes of the reduction's kind are kept."""
+        """Frequency (Hz) below which all modes of the kind used by the reduction are kept."""
         ...
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Additions to its stiffness and mass (n×n) that bound the unreduced body.
+        """Additions to stiffness and mass (n×n) of the reduced body that bound the unreduced body.
 
-        With them K − λM is nowhere above that of the unreduced body, for no λ up to `squared`
-        (rad²/s²), once its inner unknowns have done what they can.
+        With these, for any λ up to `squared` (rad²/s²), the dynamic stiffness K − λM of the
+        interfaces is not above that of the unreduced body, after elimination of the internal
+        unknowns.
         """
         ...
 
 
 @dataclass(frozen=True)
 class FrequencyBounds:
-    """The unreduced robot's frequencies (Hz, ascending) lie between `lower` and `upper`."""
+    """Bounds `lower` and `upper` on the frequencies (Hz, ascending) of the unreduced robot."""
 
     lower: Array
     upper: Array
 
     @property
     def relative_width(self) -> Array:
-        """Bound on the relative error of each frequency of the reduced robot, `upper`."""
+        """Bound on the relative error of each frequency of the reduced robot, which is `upper`."""
         return np.asarray(1.0 - self.lower / self.upper)
 
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """A body of any number of interfaces on (their twists, amplitudes) q: u = `recovery` q.
+    """A body with any number of interfaces, reduced to their twists and modal amplitudes q.
 
-    `stiffness`, `mass` (r×r); `cutoff`, `frequencies`, `truncated` as in `CraigBampton`; `counted`
-    as in `fem.reduction.counted_modes`.
+    Displacements are u = `recovery` q. `stiffness` and `mass` are r×r. `cutoff`, `frequencies` and
+    `truncated` are explained in `CraigBampton`, `counted` in `fem.reduction.counted_modes`.
     """
 
     recovery: Array
@@ -102,7 +107,11 @@ class Reduction:
 def heavier_at_interfaces(
     truncated: Array, cutoff: float, size: int, squared: float
 ) -> tuple[Array, Array]:
-    """Additions of `Truncated.loosened` for W (6m×6m) on n = `size` unknowns: added mass."""
+    """Additions to stiffness and mass for the bound of `Truncated.loosened`.
+
+    They are those of a Craig–Bampton reduction. `truncated` is W (6m×6m), `size` the number n of
+    unknowns. Only mass is added.
+    """
     added = np.zeros((size, size))
     outer = slice(len(truncated))
     share = squared / (2.0 * np.pi * cutoff) ** 2
@@ -111,7 +120,7 @@ def heavier_at_interfaces(
 
 
 def chosen_cutoff(highest_frequency: float, cutoff: float | None) -> float:
-    """Cut-off (Hz); by default `CUTOFF_FACTOR` times the highest frequency.
+    """Cut-off (Hz): `cutoff`, or by default `CUTOFF_FACTOR` times the highest frequency.
 
     Raises InputError if it is not above the highest frequency.
     """
@@ -129,7 +138,10 @@ def chosen_cutoff(highest_frequency: float, cutoff: float | None) -> float:
 def craig_bampton(
     held: HeldLeg, highest_frequency: float, cutoff: float | None = None
 ) -> CraigBampton:
-    """A leg reduced for frequencies up to `highest_frequency` (Hz); see `reduction`."""
+    """Leg reduced for frequencies up to `highest_frequency` (Hz).
+
+    Arguments and errors: `reduction`.
+    """
     reduced_body = reduction(held, highest_frequency, cutoff)
     superelement = reduced(held, reduced_body.recovery, reduced_body.stiffness, reduced_body.mass)
     return CraigBampton(
@@ -142,11 +154,11 @@ def craig_bampton(
 
 
 def reduction(held: Held, highest_frequency: float, cutoff: float | None = None) -> Reduction:
-    """A body reduced for frequencies up to `highest_frequency` (Hz).
+    """Body reduced by Craig and Bampton's method for frequencies up to `highest_frequency` (Hz).
 
-    `cutoff` (Hz) of the fixed-interface modes; None means `CUTOFF_FACTOR` times the highest.
-    Raises InputError for a cut-off that is not above the highest frequency, ComputationError where
-    the modes do not converge.
+    `cutoff` (Hz) is that of the fixed-interface modes. None stands for `CUTOFF_FACTOR` times the
+    highest frequency. Raises InputError if the cut-off is not above the highest frequency,
+    ComputationError if the modes do not converge.
     """
     modes = counted_modes(held, chosen_cutoff(highest_frequency, cutoff))
     momenta = held.mass @ held.constraint_modes
@@ -164,10 +176,11 @@ def reduction_on(
     modes: CountedModes,
     truncated: Array,
 ) -> Reduction:
-    """A body on the twists of its interfaces and on `shapes` (n×k), which leave these in place.
+    """Body reduced to the twists of its interfaces and to `shapes` (n×k) with fixed interfaces.
 
-    `shapes` are orthonormal in the mass, their ω² `squared` (k, rad²/s²); `momenta` MΨ (n×6m);
-    `modes` are those below the cut-off, `truncated` bounds the others.
+    `shapes` are orthonormal with respect to the mass, `squared` (k, rad²/s²) are their ω².
+    `momenta` is MΨ (n×6m). `modes` are those below the cut-off, `truncated` bounds the effect of
+    the others.
     """
     constraint = held.constraint_modes
     ends_mass = constraint.T @ momenta
@@ -184,10 +197,10 @@ def reduction_on(
 
 
 def frequency_bounds(system: System, legs: Mapping[str, Truncated], count: int) -> FrequencyBounds:
-    """Bounds on the first `count` frequencies of the robot whose legs were reduced to `legs`.
+    """Bounds on the first `count` frequencies of the robot without reduction of its bodies.
 
-    `system` is the reduced robot, assembled from the matrices of `legs` by name of the body.
-    Raises InputError if a frequency is not below the cut-off of a leg.
+    `system` is the reduced robot, assembled from the reduced bodies `legs`, by body name. Raises
+    InputError if a frequency is not below the cut-off of each body.
     """
     dense_system = replace(system, stiffness=dense(system.stiffness), mass=dense(system.mass))
     upper = solution.modes(solution.solved(dense_system), count).frequencies
@@ -207,5 +220,5 @@ def frequency_bounds(system: System, legs: Mapping[str, Truncated], count: int) 
             mass += leg_unknowns[name].T @ heavier @ leg_unknowns[name]
         loosened = replace(dense_system, stiffness=stiffness, mass=mass)
         lower[j] = solution.modes(solution.solved(loosened), j + 1).frequencies[j]
-    # If nothing is dropped, both are equal except for rounding.
+    # If no mode is dropped, both bounds are equal to round-off.
     return FrequencyBounds(lower=np.minimum(lower, upper), upper=upper)

@@ -1,17 +1,18 @@
-"""Free-interface reduction: modes of the free body, and the residual flexibility of the rest.
+"""Free-interface reduction of a body: its free modes, and the residual flexibility of the others.
 
-u = R r + Φ a + Z f: rigid motions R, elastic modes Φ of the free body up to a cut-off, and the
-static response Z = Σ φ_k pᵀ/λ_k of the dropped ones to wrenches at the interfaces, p = Bᵀφ_k, with
-its own mass (MacNeal, Comput. Struct. 1, 1971; Rubin, AIAA J. 13, 1975). The constraint modes Ψ lie
-among these u: statics are exact, and the twists of the interfaces can take the place of as many of
-the amplitudes; what is left moves with all interfaces held, as in fem.reduction.craig_bampton.
+u = R r + Φ a + Z f: rigid motions R, elastic modes Φ of the free body up to a cut-off frequency,
+and the static response Z = Σ φ_k pᵀ/λ_k of the dropped modes to wrenches at the interfaces, p =
+Bᵀφ_k, with its mass (MacNeal, Comput. Struct. 1, 1971; Rubin, AIAA J. 13, 1975). The constraint
+modes Ψ are among these u: statics are exact, and the twists of the interfaces can replace as many
+amplitudes. The remaining shapes have fixed interfaces, as in `fem.reduction.craig_bampton`.
 
-Bounds. With λ = ω² the dropped modes are a flexibility H = Σ p pᵀ/(λ_k − λ) between the body of the
-kept ones and its interfaces. Galerkin on Z has Σ P Pᵀ/(Λ − λ) in its place, of its Ritz values Λ,
-which is too small by at most the energy of the distance of Z from Σ φ_k pᵀ/(λ_k − λ): for λ below
-the cut-off λ_c by λ²/(1 − λ/λ_c) W with W = Σ p pᵀ/λ_k³. All three grow with λ. So below any
-λ ≤ λ_j the true robot has no more eigenvalues than one whose interfaces hang on the kept modes by
-springs as flexible as that at λ_j, without mass; and it has no fewer than the reduced (Rayleigh).
+Error bounds. With λ = ω² the dropped modes are a flexibility H = Σ p pᵀ/(λ_k − λ) between the body
+with the kept modes and its interfaces. Galerkin's method on Z has Σ P Pᵀ/(Λ − λ) instead, with its
+Ritz values Λ. This is too small by at most the energy of the distance of Z from Σ φ_k pᵀ/(λ_k − λ),
+that is, for λ below the cut-off λ_c, by λ²/(1 − λ/λ_c) W with W = Σ p pᵀ/λ_k³. All three grow with
+λ. So, for any λ ≤ λ_j, the true robot has at most as many eigenvalues below λ as the one whose
+interfaces are connected to the kept modes by massless springs with the flexibility at λ_j, and at
+least as many as the reduced robot (Rayleigh).
 """
 
 from dataclasses import dataclass
@@ -29,11 +30,11 @@ from lumped.errors import ComputationError
 
 @dataclass(frozen=True, eq=False)
 class FreeTruncation:
-    """Truncation of the modes of a free body above `cutoff` (Hz).
+    """Data to bound the error of a free-interface reduction with modes up to `cutoff` (Hz).
 
-    `squared` (s, rad²/s²): ω² of rigid motions, modes and residual modes; `shares` P (6m×s): twists
-    of the interfaces in them, mass-normalised, of which the last 6m are residual; `truncated` W
-    (6m×6m) on the wrenches at the interfaces.
+    `squared` (s, rad²/s²) are ω² of rigid motions, modes and residual modes. `shares` P (6m×s) are
+    the twists of the interfaces in these, with unit modal mass; the last 6m are residual modes.
+    `truncated` is W (6m×6m) on wrenches at the interfaces.
     """
 
     cutoff: float
@@ -42,9 +43,10 @@ class FreeTruncation:
     truncated: Array
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Stiffness and mass (s×s) on (twists of the interfaces, rigid motions and modes).
+        """Stiffness and mass (s×s) of a body that bounds the unreduced one.
 
-        Of a body with no more stiffness at any λ up to `squared` than the unreduced one.
+        The unknowns are twists of the interfaces, rigid motions and modes. For any λ up to
+        `squared` (rad²/s²), its dynamic stiffness is not above that of the unreduced body.
         """
         count = len(self.shares)
         kept_shares, residual = self.shares[:, :-count], self.shares[:, -count:]
@@ -64,10 +66,11 @@ class FreeTruncation:
 def free_interface(
     rooted: RootedBody, highest_frequency: float, cutoff: float | None = None
 ) -> tuple[Reduction, FreeTruncation]:
-    """A body reduced for frequencies up to `highest_frequency` (Hz), and what bounds its error.
+    """Body reduced for frequencies up to `highest_frequency` (Hz), and data to bound the error.
 
-    `cutoff` (Hz) as for `craig_bampton.reduction`, of the free body's modes, which are the
-    reduction's `frequencies`. Raises as that does, ComputationError where nothing is dropped too.
+    `cutoff` (Hz) is that of the modes of the free body, which are the `frequencies` of the result.
+    None stands for `CUTOFF_FACTOR` times the highest frequency. Raises errors as
+    `craig_bampton.reduction` does, and ComputationError if no mode is dropped.
     """
     body = free_body(rooted)
     modes = counted_modes(body, chosen_cutoff(highest_frequency, cutoff))
@@ -90,7 +93,7 @@ def free_interface(
 
 
 def _held(shares: Array, squared: Array) -> tuple[Array, Array]:
-    """Amplitudes (s×(s−6m)) that leave the interfaces where they are, orthonormal, and their ω²."""
+    """Amplitudes (s×(s−6m)) of orthonormal shapes with fixed interfaces, and ω² of these shapes."""
     sizes = np.linalg.norm(shares, axis=1)
     across = qr((shares / sizes[:, None]).T)[0][:, len(shares) :]
     values, vectors = eigh(across.T @ (squared[:, None] * across))

@@ -1,8 +1,8 @@
-"""Data of a held or free body for its reduction, and residual modes of the dropped ones.
+"""Data of a body with fixed interfaces, or of a free body, for its reduction; residual modes.
 
-Residual modes are the static response of the dropped modes to forces F: Z = A F minus its share of
-the retained modes is Σ φ_k pᵀ/λ_k over the dropped ones, p = Fᵀφ_k. The bound on their effect,
-W = (MZ)ᵀ A (MZ) = Σ p pᵀ/λ_k³, is known without them.
+Residual modes are the static response of the dropped modes to forces F: Z = A F without its part in
+the kept modes is Σ φ_k pᵀ/λ_k over the dropped modes, p = Fᵀφ_k. The bound W on their effect, W =
+(MZ)ᵀ A (MZ) = Σ p pᵀ/λ_k³, is known without computing the dropped modes.
 """
 
 from collections.abc import Callable
@@ -19,18 +19,19 @@ from fem.solvers.spaces import space_of
 from lumped.arrays import Array, SparseMatrix, fix_signs
 from lumped.dense.modes import Modes
 
-# Residual modes with less than this of the forces' work are rounding error.
+# Residual modes with less than this fraction of the work of the forces are round-off.
 _NO_RESIDUAL = 1e-11
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Swinging:
-    """A body of n unknowns u that swings, held or free of everything.
+    """A body with n unknowns u whose vibration modes are computed, with fixed interfaces or free.
 
-    `state`: what errors call it, and how it is held; `flexibility`: displacement (n×k) under
-    forces (n×k), symmetric and positive semidefinite; `mass` (n×n). `inertia`: from σ (rad²/s²) to
-    the signs of the eigenvalues of K − σM, those of rigid motions left out; None where these are
-    not counted. `space`: the memory in which forces need no transfer.
+    `state` is its name and support in messages. `flexibility` is a function that computes
+    displacements (n×k) under forces (n×k), symmetric and positive semidefinite. `mass` is n×n.
+    `inertia` is a function that computes the inertia of K − σM for σ (rad²/s²), without rigid
+    motions. None if eigenvalues cannot be counted. `space` returns the memory in which forces do
+    not have to be copied.
     """
 
     state: str
@@ -41,16 +42,16 @@ class Swinging:
 
     @property
     def size(self) -> int:
-        """Number of unknowns n."""
+        """Number n of unknowns."""
         return int(self.mass.shape[0])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Held(Swinging):
-    """A body with the twists of its interfaces held, and what these twists do themselves.
+    """A body with the twists of its interfaces fixed, and its response to these twists.
 
-    `constraint_modes` Ψ (n×6m): static displacement for unit twists of the m interfaces;
-    `stiffness` (6m×6m, SI) the condensed one, ΨᵀKΨ.
+    `constraint_modes` Ψ (n×6m) are the static displacements for unit twists of the m interfaces,
+    `stiffness` (6m×6m, SI, body axes) is the condensed stiffness ΨᵀKΨ.
     """
 
     constraint_modes: Array
@@ -59,16 +60,16 @@ class Held(Swinging):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FreeBody(Swinging):
-    """A body free of everything: its modes are the elastic ones.
+    """An unsupported body, whose modes are the elastic ones.
 
-    `rigid` (n×6): its rigid motions, mass-normalised.
+    `rigid` (n×6) are its rigid motions with unit modal mass.
     """
 
     rigid: Array
 
 
 def held_body(rooted: RootedBody) -> Held:
-    """A solid with the twists of all its interfaces held."""
+    """Solid with the twists of all its interfaces fixed."""
     return Held(
         state=f"{rooted.name}, all interfaces held",
         flexibility=rooted.held_flexibility,
@@ -81,11 +82,11 @@ def held_body(rooted: RootedBody) -> Held:
 
 
 def free_body(rooted: RootedBody) -> FreeBody:
-    """A solid with nothing held.
+    """Solid without any support.
 
-    Forces are taken together with the inertia of the rigid body that they move, displacements
-    without the share of its motions (inertia relief), so that the flexibility has all other modes
-    and these alone.
+    Forces are balanced by the inertia of the rigid motions that they cause, and the part of
+    displacements in rigid motions is removed (inertia relief). The flexibility thus has only the
+    elastic modes.
     """
     mass, motions = rooted.solid.mass, rooted.solid.motions
     mass_factor = cholesky(motions.T @ (mass @ motions))
@@ -98,7 +99,7 @@ def free_body(rooted: RootedBody) -> FreeBody:
         return displacements - motions @ (impulses.T @ displacements)
 
     def inertia(sigma: float) -> Inertia:
-        # Rigid motions lie below every σ.
+        # The eigenvalues of rigid motions are below any σ.
         signs = rooted.free_inertia(sigma)
         return signs._replace(negative=signs.negative - rigid.shape[1])
 
@@ -113,9 +114,9 @@ def free_body(rooted: RootedBody) -> FreeBody:
 
 
 def residual_modes(body: Swinging, forces: Array, modes: Modes) -> tuple[Modes, Array]:
-    """Ritz modes of the dropped modes' static response to `forces` F (n×k), and W (k×k).
+    """Ritz modes of the static response of the dropped modes to `forces` F (n×k), and W (k×k).
 
-    `modes` are those that are kept.
+    `modes` are the kept modes.
     """
     mass_shapes = body.mass @ modes.shapes
     loads = forces - mass_shapes @ (modes.shapes.T @ forces)

@@ -1,8 +1,8 @@
-"""A leg reduced to its two 6-DOF ends: constraint modes, static condensation, recovery.
+"""A leg reduced to its two ends: constraint modes, static condensation, recovery.
 
-A leg only turns from posture to posture, so it is reduced once, in its own axes. What a reduction
-needs of a leg is the same for every model and for both kinds of ends: displacements for unit
-twists of the ends (Ψ), the response to forces with both ends held (A), mass (M).
+Between postures a leg only rotates, so that it is reduced once, in leg axes. All models and both
+end conditions provide the same data for a reduction: displacements for unit twists of the ends (Ψ),
+the response to forces with both ends fixed (A), and the mass (M).
 """
 
 from collections.abc import Callable, Mapping
@@ -24,17 +24,18 @@ from meshes.solid_mesh import SolidMesh
 
 ENDS = 12
 
-# Rounding leaves 1e-10 to 1e-6 of the stiffness in the forces of a rigid motion, by the fineness of
-# the mesh and the slenderness; a support that changes the fourth digit leaves more than this.
+# Largest force in a rigid motion relative to the stiffness. Round-off causes 1e-10 to 1e-6,
+# depending on mesh and slenderness. A support that changes the fourth digit of results causes more
+# than this.
 _GROUNDED = 1e-4
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HeldLeg(Held):
-    """A leg of n unknowns u with the twists of both ends given, leg axes.
+    """A leg with n unknowns u and fixed twists of both ends, leg axes.
 
-    `centreline` and `parts` as in LegMatrices, on u. Its modes are not counted: legs are prisms,
-    whose modes are those of beams, all kinds in order.
+    `centreline` and `parts` are those of `LegMatrices`, on u. Modes are not counted: legs are
+    prisms, whose modes are those of beams.
     """
 
     model: str
@@ -47,36 +48,36 @@ class HeldLeg(Held):
 class Superelement:
     """A reduced leg: `matrices` on unknowns q (root 6, tip 6, modal amplitudes), u = `recovery` q.
 
-    `recovery` is n×r, for the n unknowns of the leg before its reduction.
+    `recovery` is n×r for the n unknowns of the leg before its reduction.
     """
 
     matrices: LegMatrices
     recovery: Array
 
     def recover(self, unknowns: Array) -> Array:
-        """Displacement (n or n×k) of the unreduced leg from q (r or r×k)."""
+        """Displacements (n or n×k) of the unreduced leg from `unknowns` q (r or r×k)."""
         return np.asarray(self.recovery @ unknowns)
 
 
 def end_motions(length: float) -> Array:
-    """Twists of root and tip (12×6) in the six rigid motions about the root."""
+    """Twists of root and tip (12×6, leg axes) in the six rigid motions about the root."""
     return np.vstack([np.eye(6), shift(np.array([length, 0.0, 0.0]))])
 
 
 def ends_stiffness(tip_stiffness: Array, length: float) -> Array:
-    """12×12 stiffness of both ends from the 6×6 of the tip, root clamped: Bᵀ S B.
+    """12×12 stiffness of both ends from the 6×6 stiffness S of the tip with clamped root: Bᵀ S B.
 
-    B = [−X I] takes the rigid motion of the root off the tip's twist, so that equilibrium and the
-    six rigid motions hold to rounding however fine the mesh.
+    B = [−X I] gives the twist of the tip relative to the rigid motion of the root, so that
+    equilibrium and the six rigid motions are exact to round-off for any mesh.
     """
     relative = np.hstack([-shift(np.array([length, 0.0, 0.0])), np.eye(6)])
     return _symmetric(relative.T @ tip_stiffness @ relative)
 
 
 def held_leg(leg: LegMatrices) -> HeldLeg:
-    """Any leg with both ends held; one sparse factorisation and twelve right-hand sides.
+    """Leg of any model with both ends fixed, by one sparse factorisation and twelve solutions.
 
-    Raises ComputationError where a part of the leg is loose or the leg is supported (grounded).
+    Raises ComputationError if a part of the leg is loose or the leg is supported elsewhere.
     """
     stiffness, mass = csr_array(leg.stiffness), csr_array(leg.mass)
     coupling = stiffness[ENDS:, :ENDS].toarray()
@@ -108,10 +109,10 @@ def held_leg(leg: LegMatrices) -> HeldLeg:
 
 
 def held_solid_leg(clamped: RootedBody, mesh: SolidMesh) -> HeldLeg:
-    """A solid leg with the twists of both ends given, whatever they are, on its own unknowns.
+    """Solid leg with the twists of both ends fixed, on its own unknowns, for any end condition.
 
-    The centreline gives section means, which differ from the twists of free ends by the warping
-    there.
+    The centreline consists of means over sections. At free ends these differ from the twists of the
+    ends because of warping.
     """
     held = held_body(clamped)
     return HeldLeg(
@@ -128,13 +129,13 @@ def held_solid_leg(clamped: RootedBody, mesh: SolidMesh) -> HeldLeg:
 
 
 def static_superelement(held: HeldLeg) -> Superelement:
-    """Static condensation: exact in statics; mass by the same congruence ΨᵀMΨ (Guyan, 1965)."""
+    """Leg condensed to its ends: exact in statics, mass ΨᵀMΨ (Guyan, 1965)."""
     modes = held.constraint_modes
     return reduced(held, modes, held.stiffness, modes.T @ (held.mass @ modes))
 
 
 def reduced(held: HeldLeg, recovery: Array, stiffness: Array, mass: Array) -> Superelement:
-    """Superelement with u = `recovery` q (n×r), its `stiffness` and `mass` (r×r) given."""
+    """Superelement with u = `recovery` q (n×r) and given `stiffness` and `mass` (r×r)."""
 
     def centreline(stations: Array) -> SparseMatrix:
         return csr_array(held.centreline(stations) @ recovery)
@@ -165,9 +166,10 @@ def _interior_factor(model: str, stiffness: SparseMatrix) -> Factor | None:
 
 
 def _refuse_unbalanced(leg: LegMatrices, stiffness: SparseMatrix, modes: Array) -> None:
-    """Raise ComputationError where rounding leaves too little of the stiffness between the ends.
+    """Raise ComputationError if round-off dominates the stiffness between the ends.
 
-    The displacements C of the tip under unit wrenches, root held, have the energy C on them.
+    The displacements of the tip under unit wrenches, with the root fixed, must have the strain
+    energy given by their compliance.
     """
     tip = modes[:, 6:]
     of_tip = tip.T @ (stiffness @ tip)
@@ -176,7 +178,7 @@ def _refuse_unbalanced(leg: LegMatrices, stiffness: SparseMatrix, modes: Array) 
     loads = np.zeros_like(tip)
     loads[6:ENDS] = np.eye(6)
     forces = stiffness @ displacements
-    # The root's forces do no work: it is held.
+    # Forces at the root do no work, because the root is fixed.
     forces[:6] = 0.0
     balanced_flexibility(loads, displacements, forces, f"{leg.model} leg")
 
@@ -184,7 +186,7 @@ def _refuse_unbalanced(leg: LegMatrices, stiffness: SparseMatrix, modes: Array) 
 def _refuse_grounded(
     leg: LegMatrices, condensed: Array, stiffness: SparseMatrix, modes: Array
 ) -> None:
-    # Rotations times the length of the leg: all entries are forces per displacement.
+    # Rotations are multiplied by the length of the leg, so that all entries are N/m.
     unit = np.array([1.0, 1.0, 1.0, *[1.0 / leg.length] * 3])
     scale = np.tile(unit, 2)
     motions = end_motions(leg.length) * unit
@@ -192,7 +194,7 @@ def _refuse_grounded(
     sizes = np.sqrt(np.diag(scale[:, None] * condensed * scale))
     if (forces <= _GROUNDED * np.outer(sizes, sizes[:6])).all():
         return
-    # Of a long thin leg, and of one stiff beside soft, rounding alone leaves more than that.
+    # Round-off exceeds this for long thin legs, and for legs with stiff next to soft parts.
     rounding = rounding_of_flexibility(stiffness, modes * scale)
     if (forces > ELIMINATION * (rounding @ np.abs(motions / scale[:, None]))).any():
         raise ComputationError(

@@ -1,4 +1,4 @@
-"""Cross-sections by finite elements: constants, Saint-Venant flexure, warping, waves.
+"""Cross-sections by finite elements: constants, Saint-Venant's flexure, warping, waves.
 
-In: section meshes and materials. Out: constants and functions of the section.
+Input: section meshes and materials. Output: section constants and fields.
 """

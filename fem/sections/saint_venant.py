@@ -1,15 +1,16 @@
 """Saint-Venant's torsion and flexure of a prism, by finite elements on its section.
 
-A prism along x carries σxx, τxy and τxz alone; its section shrinks freely. With s = (y, z) from
-the centroid, Σ = ∫ s sᵀ dA and c = Σ⁻¹F for a transverse force F at the tip (x = L):
+A prism along x has only the stresses σxx, τxy and τxz; its section contracts freely. With s = (y,
+z) from the centroid, Σ = ∫ s sᵀ dA and c = Σ⁻¹F for a transverse force F at the tip (x = L):
 
-    σxx = −(L − x) c·s        div τ = −c·s in the section,  τ·n = 0 on its rim
+    σxx = −(L − x) c·s        div τ = −c·s in the section,  τ·n = 0 on its boundary
     torsion   τ = Gθ′ (∇ω + (−z, y))
     flexure   τ = ∇Ψ − (νG/E) (c₁ (½(y² − z²), yz) + c₂ (yz, ½(z² − y²)))
 
-The ν-term is the anticlastic bending that grows along x. A cubic material along the leg's axes
-needs no other equation: only the ratio νG/E enters, ν/2(1+ν) if isotropic (Timoshenko & Goodier,
-Theory of Elasticity, §§104–118; Love, ch. XV, for the flexure functions).
+The term with ν is the anticlastic bending that increases along x. For a material with cubic
+symmetry along the axes of the leg the equations are the same: only the ratio νG/E occurs, which is
+ν/2(1+ν) for an isotropic material (Timoshenko & Goodier, Theory of Elasticity, §§104–118; Love, ch.
+XV, for the flexure functions).
 """
 
 from collections.abc import Sequence
@@ -30,10 +31,11 @@ from meshes.shape_functions import gradients, quadrature, values
 
 @dataclass(frozen=True, eq=False)
 class SectionQuadrature:
-    """Integration points of a section mesh: M cells, Q points each, k nodes per cell.
+    """Quadrature points of a section mesh: M cells, Q points each, k nodes per cell.
 
-    `shapes` (k×Q), `gradients` (M×k×2×Q, 1/m), `weights` (M×Q, m²: they sum to the area) and
-    `points` (2×M×Q, m, y and z from the section's centroid), `centroid` (2, m).
+    `shapes` (k×Q) are shape functions, `gradients` (M×k×2×Q, 1/m) their gradients, `weights` (M×Q,
+    m²) sum up to the area. `points` (2×M×Q, m) are y and z relative to the `centroid` (2, m) of the
+    section.
     """
 
     mesh: SectionMesh
@@ -44,7 +46,7 @@ class SectionQuadrature:
     centroid: Array
 
     def integral(self, field: Array) -> Array:
-        """∫ field dA over the last two axes (M×Q)."""
+        """Integral over the section of a field at the quadrature points (M×Q, last two axes)."""
         return np.asarray((field * self.weights).sum(axis=(-2, -1)))
 
     def load(self, density: Array) -> Array:
@@ -52,17 +54,17 @@ class SectionQuadrature:
         return self._gather(np.einsum("kq,mq->mk", self.shapes, density * self.weights))
 
     def gradient_load(self, field: Array) -> Array:
-        """∫ ∇N_i·g dA (N) for a vector field g (2×M×Q)."""
+        """Nodal values ∫ ∇N_i·g dA (N) of a vector field g (2×M×Q)."""
         return self._gather(
             np.einsum("mkdq,dmq->mk", self.gradients, field * self.weights, optimize=True)
         )
 
     def value(self, nodal: Array) -> Array:
-        """Nodal values (N) interpolated at the points (M×Q)."""
+        """Nodal values (N) interpolated at the quadrature points (M×Q)."""
         return np.asarray(nodal[self.mesh.cells] @ self.shapes)
 
     def gradient(self, nodal: Array) -> Array:
-        """Gradient (2×M×Q) of the interpolated nodal values (N)."""
+        """Gradient (2×M×Q) of interpolated nodal values (N) at the quadrature points."""
         by_cell = nodal[self.mesh.cells]
         return np.asarray(np.einsum("mkdq,mk->dmq", self.gradients, by_cell, optimize=True))
 
@@ -73,9 +75,10 @@ class SectionQuadrature:
 
 
 def section_quadrature(mesh: SectionMesh) -> SectionQuadrature:
-    """Integration points of `mesh`; raises ComputationError for cells turned inside out."""
-    # Exact for squared flexure stresses and warpings on straight-sided cells. In curved ones it is
-    # the solids' own rule (`fem.elasticity`): another one is 1e-5 off theirs in a thin tube.
+    """Quadrature points of a section mesh. Raises ComputationError for inverted cells."""
+    # Exact for squared flexure stresses and warping on straight-sided cells. It is the rule used
+    # for solids (`fem.elasticity`): on curved cells of a thin tube, another rule would differ by
+    # 1e-5.
     degree = 2 * ELEMENTS[mesh.element].order + 1
     reference, weights = quadrature(mesh.element, degree)
     shapes = values(mesh.element, reference)
@@ -105,12 +108,11 @@ def section_quadrature(mesh: SectionMesh) -> SectionQuadrature:
 class SaintVenant:
     """Stress fields of a section under unit loads, at the points of `quadrature`.
 
-    `moments` (2×2, m⁴) is Σ = ∫ s sᵀ dA; `slopes` (2×2, m⁻⁴) has c = Σ⁻¹F of the unit forces Fy
-    and Fz as rows. `warping` (N, m²) is ω of the rotation about the centroid, of zero mean;
-    `twist_stress` (2×M×Q, m) is τ/Gθ′. `flexure` (2×N, m⁻¹) holds Ψ and `flexure_stress`
-    (2×2×M×Q, m⁻²; force, direction, …) τ of the unit forces through the shear centre, which are
-    orthogonal to the twist's stress: their mutual work vanishes. `flexure_torque` (2, m) is the
-    moment of these stresses about the centroid.
+    `moments` (2×2, m⁴) is Σ = ∫ s sᵀ dA. The rows of `slopes` (2×2, m⁻⁴) are c = Σ⁻¹F for the unit
+    forces Fy and Fz. `warping` (N, m²) is ω for rotation about the centroid, with zero mean, and
+    `twist_stress` (2×M×Q, m) is τ/Gθ′. `flexure` (2×N, m⁻¹) are Ψ and `flexure_stress` (2×2×M×Q,
+    m⁻²; force, component, …) τ of the unit forces through the shear centre, which do no work on
+    twist. `flexure_torque` (2, m) are the moments of these stresses about the centroid.
     """
 
     quadrature: SectionQuadrature
@@ -125,18 +127,18 @@ class SaintVenant:
     flexure_torque: Array
 
     def torsion_stress(self) -> Array:
-        """τ (2×M×Q, m⁻³) of a unit torque."""
+        """Shear stress τ (2×M×Q, m⁻³) due to a unit torque."""
         return self.twist_stress / self.torsion_constant
 
     def centroid_force_stress(self) -> Array:
-        """τ (2×2×M×Q, m⁻²) of unit forces Fy and Fz without moment about the centroid."""
+        """Shear stress τ (2×2×M×Q, m⁻²) due to unit forces Fy and Fz through the centroid."""
         return self.flexure_stress - np.multiply.outer(self.flexure_torque, self.torsion_stress())
 
 
 def saint_venant(mesh: SectionMesh, poisson_shear_ratio: float) -> SaintVenant:
-    """Torsion and flexure of the section `mesh`; `poisson_shear_ratio` is νG/E.
+    """Torsion and flexure of a section. `poisson_shear_ratio` is νG/E.
 
-    Raises ComputationError if the section is not in one piece.
+    Raises ComputationError if the section is not connected.
     """
     quad = section_quadrature(mesh)
     y, z = quad.points
@@ -184,7 +186,7 @@ def _torque(quad: SectionQuadrature, stress: Array) -> Array:
 
 
 def _poisson(quad: SectionQuadrature, loads: Array) -> Array:
-    """Solutions (N×m) of zero mean of ∫∇v·∇u dA = load, for loads (N×m) in equilibrium."""
+    """Solutions (N×m) of zero mean of ∫∇v·∇u dA = load, for `loads` (N×m) in equilibrium."""
     cells = quad.mesh.cells
     blocks = np.einsum(
         "mkdq,mldq,mq->mkl", quad.gradients, quad.gradients, quad.weights, optimize=True
@@ -204,7 +206,10 @@ def _poisson(quad: SectionQuadrature, loads: Array) -> Array:
 
 
 def summed(blocks: Array, unknowns: IntArray, size: int) -> csc_matrix:
-    """Sparse sum (`size` square) of matrices of cells (M×k×k, symmetric) on `unknowns` (M×k)."""
+    """Sparse matrix (`size` square) that is the sum of symmetric matrices of cells (M×k×k).
+
+    `unknowns` (M×k) are the indices of their rows and columns.
+    """
     width = unknowns.shape[1]
     rows = np.repeat(unknowns, width, axis=1).ravel()
     columns = np.tile(unknowns, width).ravel()
@@ -212,9 +217,9 @@ def summed(blocks: Array, unknowns: IntArray, size: int) -> csc_matrix:
 
 
 def solved_with(matrix: csc_matrix, loads: Array, held: Sequence[int]) -> Array:
-    """Solutions (n×m) for `loads` (n×m) with the `held` unknowns at zero.
+    """Solutions (n×m) for `loads` (n×m) with the unknowns `held` fixed at zero.
 
-    The problem is two-dimensional with a few thousand unknowns: SuperLU is fast enough.
+    The problem is two-dimensional with a few thousand unknowns, for which SuperLU is fast enough.
     """
     free = np.setdiff1d(np.arange(len(loads)), held)
     free_block = csc_matrix(matrix[free][:, free])

@@ -1,13 +1,14 @@
-"""Constants of a section from finite elements on its mesh, without thin-wall assumptions.
+"""Constants of a section from finite elements on its mesh, without assuming thin walls.
 
-It also has the bending stiffness that a mesh adds because it cannot represent the contraction by
-Poisson's ratio. A bent prism curves its sections: with εxx = s, s = y or z from the centroid,
+They include the bending stiffness that a mesh adds because it cannot represent the contraction due
+to Poisson's ratio exactly. Bending of a prism deforms its sections: for εxx = s with s = y or z
+from the centroid,
 
     s = y   u = −ν (½(y² − z²), yz)        s = z   u = −ν (yz, ½(z² − y²))
 
-and σxx = E s is its only stress. Second-order cells with straight sides hold these fields; curved
-ones hold them to O(h²) of strain, and their prism is too stiff by O(h⁴) of EI, G/E times more where
-shear is stiff. A solid's mesh has the same error whatever the length of its elements.
+and σxx = E s is the only stress. Second-order cells with straight sides represent these fields
+exactly. Curved cells represent them with an error O(h²) of strain, so that their prism is too stiff
+by O(h⁴) of EI, times G/E. The mesh of a solid has the same error for any length of its elements.
 """
 
 from dataclasses import dataclass
@@ -27,9 +28,10 @@ from lumped.legs import BeamProperties, Material
 from lumped.memo import memo
 from meshes.section.section_mesh import SectionMesh
 
-# Share of the required strain ν s: round-off of the interpolation, below any error of a mesh.
+# Strains below this fraction of ν s are round-off of the interpolation.
 _ROUNDING = 1e-12
-# Share of a coupling's scale: round-off and the mirror images of meshes, exact to 1e-10, are below.
+# Couplings below this fraction of their scale are round-off. Mirror images in meshes are exact to
+# 1e-10.
 _SYMMETRIC = 1e-8
 
 
@@ -37,25 +39,23 @@ _SYMMETRIC = 1e-8
 class SectionConstants:
     """Constants of a section, SI units, axes y and z.
 
-    `centroid` and `shear_centre` are (y, z) in the mesh's coordinates (m); the moments of area
-    (m⁴) are about the centroid: `second_moment_y` = ∫z² dA, `second_moment_z` = ∫y² dA,
-    `product_moment` = ∫yz dA. `torsion_constant` is Saint-Venant's J (m⁴), `warping_constant`
-    Γ = ∫ω² dA (m⁶) about the shear centre. κ for shear along y and z, two definitions:
+    `centroid` and `shear_centre` are (y, z) in the coordinates of the mesh (m). The second moments
+    of area (m⁴) are about the centroid: `second_moment_y` = ∫z² dA, `second_moment_z` = ∫y² dA,
+    `product_moment` = ∫yz dA. `torsion_constant` is Saint-Venant's J (m⁴), `warping_constant` is Γ
+    = ∫ω² dA (m⁶) about the shear centre. There are two definitions of the shear coefficients κ for
+    shear along y and z:
 
-    `shear_coefficients`  from strain energy, ∫τ²/G dA = V²/κGA (Renton, Int. J. Solids Struct. 27
-                          (1991) 1901; Pilkey, Analysis and Design of Elastic Beams, ch. 6). By
-                          Clapeyron's theorem this is the κ with which Timoshenko's beam has exactly
-                          the tip compliance of the solid whose ends carry Saint-Venant's tractions
-                          and whose tip displacement is the work conjugate of the load.
-    `cowper_coefficients` from the area's mean displacement and mean rotation, G(W′ − Φ) = V/κA
-                          (Cowper, J. Appl. Mech. 33 (1966) 335): the measure of dynamics. The two
-                          are equal for ν = 0.
+    - `shear_coefficients` from strain energy, ∫τ²/G dA = V²/κGA (Renton, Int. J. Solids Struct. 27
+      (1991) 1901; Pilkey, Analysis and Design of Elastic Beams, ch. 6). By Clapeyron's theorem,
+      Timoshenko's beam with this κ has exactly the tip compliance of a solid with Saint-Venant's
+      tractions on its ends, if the tip displacement is work conjugate to the load.
+    - `cowper_coefficients` from mean displacement and mean rotation of the area, G(W′ − Φ) = V/κA
+      (Cowper, J. Appl. Mech. 33 (1966) 335), for dynamics. Both are equal for ν = 0.
 
-    `shear_coupling` is A ∫τ_y·τ_z dA of the unit forces of the first definition, through the shear
-    centre: beside 1/κ_y and 1/κ_z the coupling of both shears.
-
-    `held_contraction` (m⁴) is what a prism of this very mesh has in bending over the second moments
-    about y and z, zero but for curved cells (`fem.sections.section_constants`).
+    `shear_coupling` is A ∫τ_y·τ_z dA for the unit forces of the first definition: the off-diagonal
+    term of the matrix with 1/κ_y and 1/κ_z on its diagonal. `held_contraction` (m⁴) is added to the
+    second moments about y and z in bending by a prism of this mesh, because of contraction that the
+    mesh does not represent. It is zero except for curved cells.
     """
 
     area: float
@@ -73,7 +73,10 @@ class SectionConstants:
 
 
 def poisson_shear_ratio(nu: float, shear_to_young: float | None = None) -> float:
-    """νG/E, the material's part in Saint-Venant's flexure; isotropic without `shear_to_young`."""
+    """Ratio νG/E in Saint-Venant's flexure. `shear_to_young` is G/E.
+
+    None for an isotropic material.
+    """
     ratio = 1.0 / (2.0 * (1.0 + nu)) if shear_to_young is None else shear_to_young
     return nu * ratio
 
@@ -82,11 +85,11 @@ def poisson_shear_ratio(nu: float, shear_to_young: float | None = None) -> float
 def section_constants(
     mesh: SectionMesh, nu: float, shear_to_young: float | None = None
 ) -> SectionConstants:
-    """Constants of the section `mesh` for Poisson's ratio `nu`.
+    """Constants of a section from its mesh, for Poisson's ratio `nu`.
 
-    `shear_to_young` is G/E of a cubic material, left out for an isotropic one. Only the shear
-    coefficients and the held contraction depend on the material. Raises ComputationError for a mesh
-    that is not in one piece or turned inside out.
+    `shear_to_young` is G/E of a cubic material. None for an isotropic one. Only the shear
+    coefficients and the held contraction depend on the material. Raises ComputationError if the
+    mesh is not connected or has inverted cells.
     """
     ratio = poisson_shear_ratio(nu, shear_to_young)
     solution = saint_venant(mesh, ratio)
@@ -95,9 +98,9 @@ def section_constants(
 
 
 def constants_of(solution: SaintVenant, held: Array) -> SectionConstants:
-    """Constants of the section whose torsion and flexure are solved, with the `held` contraction.
+    """Constants of a section from its torsion and flexure.
 
-    The `held` contraction is 2×2 (m⁴), a part of the moments ∫ s sᵀ dA.
+    `held` (2×2, m⁴) is added to ∫ s sᵀ dA in bending because of prevented contraction.
     """
     quad = solution.quadrature
     kappa = [
@@ -106,7 +109,7 @@ def constants_of(solution: SaintVenant, held: Array) -> SectionConstants:
     ]
     along_y, along_z = solution.flexure_stress
     mixed = (along_y * along_z).sum(axis=0)
-    # A unit force through the shear centre has the moment −z_s (along y) or y_s (along z).
+    # A unit force through the shear centre has the moment −z_s if it is along y, y_s if along z.
     offset_z, offset_y = -solution.flexure_torque[0], solution.flexure_torque[1]
     y, z = quad.points
     about_shear_centre = quad.value(solution.warping) - y * offset_z + z * offset_y
@@ -127,9 +130,10 @@ def constants_of(solution: SaintVenant, held: Array) -> SectionConstants:
 
 
 def _cowper(solution: SaintVenant, axis: int) -> float:
-    """κ of the mean displacement along `axis`: 1/κA = G(W′ − Φ)/V.
+    """Cowper's κ from the mean displacement along `axis`: 1/κA = G(W′ − Φ)/V.
 
-    G W′ is the area mean of G ∂u/∂x = τ − ∂Ψ/∂s, G Φ that of −Ψ over the linear field c·s.
+    G W′ is the area mean of G ∂u/∂x = τ − ∂Ψ/∂s, G Φ is that of −Ψ weighted with the linear field
+    c·s.
     """
     quad = solution.quadrature
     potential = solution.flexure[axis]
@@ -142,10 +146,10 @@ def _cowper(solution: SaintVenant, axis: int) -> float:
 
 
 def beam_properties(constants: SectionConstants, material: Material) -> BeamProperties:
-    """Timoshenko beam of a section along the line of its centroids, shear by strain energy.
+    """Timoshenko beam of a section along the line of its centroids, with κ by strain energy.
 
-    It is the beam of a prism with this very mesh: bent cells that cannot contract are stiffer than
-    EI. Couplings of the size of round-off about an axis of symmetry are set to zero.
+    It is the beam of a prism with this mesh, whose curved cells are slightly stiffer than EI.
+    Couplings of the size of round-off about an axis of symmetry are set to zero.
     """
     E, G, rho = material.E, material.G, material.rho
     kappa_y, kappa_z = constants.shear_coefficients
@@ -178,10 +182,11 @@ def beam_properties(constants: SectionConstants, material: Material) -> BeamProp
 
 
 def held_contraction(quad: SectionQuadrature, nu: float, shear_to_young: float) -> Array:
-    """Symmetric 2×2 (m⁴) that this mesh adds to Σ = ∫ s sᵀ dA in bending, s = (y, z).
+    """Matrix (2×2, m⁴) that the mesh adds to Σ = ∫ s sᵀ dA in bending, s = (y, z).
 
-    With the strains δε by which the interpolated fields miss the contraction, and r = ∫ BᵀCδε, it
-    is (∫ δεᵀCδε − rᵀK⁻¹r)/E: positive semidefinite, without cancellation against Σ.
+    With the strains δε by which the interpolated fields deviate from the contraction, and r = ∫
+    BᵀCδε dA, it is (∫ δεᵀCδε dA − rᵀK⁻¹r)/E: positive semidefinite, and computed without
+    subtracting from Σ.
     """
     y, z = (quad.mesh.nodes - quad.centroid).T
     fields = -nu * np.array([[0.5 * (y**2 - z**2), y * z], [y * z, 0.5 * (z**2 - y**2)]])
@@ -201,20 +206,23 @@ def held_contraction(quad: SectionQuadrature, nu: float, shear_to_young: float) 
 
 
 def _strains(quad: SectionQuadrature, field: Array) -> Array:
-    """(εyy, εzz, γyz) (3×M×Q) of displacements (2×N) in the section's plane."""
+    """In-plane strains (εyy, εzz, γyz) (3×M×Q) of nodal displacements `field` (2×N)."""
     (yy, yz), (zy, zz) = (quad.gradient(component) for component in field)
     return np.array([yy, zz, yz + zy])
 
 
 def _forces(quad: SectionQuadrature, stress: Array) -> Array:
-    """∫ Bᵀσ dA (2N, node by node) of stresses (3×M×Q)."""
+    """Nodal forces ∫ Bᵀσ dA (2N, node by node) of in-plane stresses (3×M×Q)."""
     yy, zz, yz = stress
     along = [quad.gradient_load(np.array(row)) for row in ((yy, yz), (yz, zz))]
     return np.column_stack(along).ravel()
 
 
 def _stiffness_solution(quad: SectionQuadrature, moduli: Array, forces: Array) -> Array:
-    """Displacements (2N×m) in the plane under `forces` (2N×m) in equilibrium, K from `moduli`."""
+    """In-plane displacements (2N×m) under nodal `forces` (2N×m) in equilibrium.
+
+    `moduli` (3×3) relate stresses to strains.
+    """
     cells, nodes = quad.mesh.cells, quad.mesh.nodes
     gradients = quad.gradients
     operator = np.zeros((*gradients.shape[:2], 2, 3, gradients.shape[-1]))
@@ -226,7 +234,8 @@ def _stiffness_solution(quad: SectionQuadrature, moduli: Array, forces: Array) -
         "misq,st,mjtq,mq->mij", operator, moduli, operator, quad.weights, optimize=True
     )
     unknowns = (2 * cells[:, :, None] + np.arange(2)).reshape(len(cells), size)
-    # Two nodes far apart fix the three rigid motions, on which balanced forces do no work.
+    # Three fixed unknowns of two distant nodes prevent rigid motions, on which the forces do no
+    # work.
     far = int(np.argmax(np.abs(nodes - nodes[0]).max(axis=1)))
     across = 1 - int(np.argmax(np.abs(nodes[far] - nodes[0])))
     return solved_with(summed(blocks, unknowns, len(forces)), forces, held=[0, 1, 2 * far + across])

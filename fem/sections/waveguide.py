@@ -1,9 +1,9 @@
-"""Waves in an infinitely long leg: frequencies of beams by 3-D elasticity.
+"""Waves in an infinitely long prism by 3-D elasticity, on the mesh of its section.
 
-Standing waves u_x = a(y,z) cos kx, (u_y, u_z) = b(y,z) sin kx turn elasticity into a real
-symmetric eigenvalue problem on the section alone (semi-analytical finite elements; Gavrić, J. Sound
-Vib. 185 (1995) 531). The lowest torsional wave is Saint-Venant's, ω = k√(GJ/ρI_p), as k → 0; its
-excess at finite k is due to the stiffness and inertia of warping, relative order (k · side)².
+Standing waves u_x = a(y,z) cos kx, (u_y, u_z) = b(y,z) sin kx lead to a real symmetric eigenvalue
+problem on the section (semi-analytical finite elements; Gavrić, J. Sound Vib. 185 (1995) 531). For
+k → 0 the lowest torsional wave is Saint-Venant's, ω = k√(GJ/ρI_p). The excess at finite k is due to
+stiffness and inertia of warping, of relative order (k · side)².
 """
 
 import numpy as np
@@ -16,16 +16,16 @@ from meshes.section.section_mesh import SectionMesh
 
 
 def torsion_wave(mesh: SectionMesh, material: Material, wave_number: float) -> float:
-    """Angular frequency (rad/s) of the torsional wave of `wave_number` k (rad/m).
+    """Angular frequency (rad/s) of the torsional wave with `wave_number` k (rad/m).
 
-    The mode is distinguished from bending and tension by its share of motion in a rotation of the
-    section.
+    The wave is distinguished from bending and tension by the part of its motion that is a rotation
+    of the section.
     """
     quad = section_quadrature(mesh)
     motion = _rotation(mesh, quad)
     stiffness, mass = stiffness_matrix(quad, material, wave_number), mass_matrix(quad, material.rho)
-    # Two bendings, tension and torsion are the four lowest; two more are computed since higher ones
-    # may cross.
+    # Two waves of bending, tension and torsion are the four lowest. Two more are computed because
+    # higher waves may have lower frequencies at some k.
     values, shapes = eigh(stiffness, mass, subset_by_index=[0, 5])
     share = np.square(shapes.T @ mass @ motion) / (motion @ mass @ motion)
     return float(np.sqrt(values[np.argmax(share)]))
@@ -37,7 +37,10 @@ def _rotation(mesh: SectionMesh, quad: SectionQuadrature) -> Array:
 
 
 def stiffness_matrix(quad: SectionQuadrature, material: Material, k: float) -> Array:
-    """3N×3N matrix of twice the mean strain energy per length, unknowns (a, b_y, b_z) per node."""
+    """Matrix (3N×3N) of twice the mean strain energy per length.
+
+    The unknowns of each node are (a, b_y, b_z).
+    """
     field = strains(quad, k)
     moduli = elasticity(material)
     local = np.einsum("mqsi,st,mqtj,mq->mij", field, moduli, field, quad.weights, optimize=True)
@@ -45,7 +48,7 @@ def stiffness_matrix(quad: SectionQuadrature, material: Material, k: float) -> A
 
 
 def strains(quad: SectionQuadrature, k: float) -> Array:
-    """Amplitudes of (εxx, εyy, εzz, γyz, γxz, γxy) per unknown: M×Q×6×3n for n nodes per cell."""
+    """Amplitudes of (εxx, εyy, εzz, γyz, γxz, γxy) per unknown, M×Q×6×3n for n nodes per cell."""
     cells, points = quad.weights.shape
     count = len(quad.shapes)
     along_y, along_z = (quad.gradients[:, :, i].transpose(0, 2, 1) for i in (0, 1))
@@ -61,7 +64,7 @@ def strains(quad: SectionQuadrature, k: float) -> Array:
 
 
 def elasticity(material: Material) -> Array:
-    """6×6 elasticity matrix (Pa) with cubic symmetry."""
+    """Elasticity matrix (6×6, Pa) of a material with cubic symmetry."""
     E, nu = material.E, material.nu
     lame = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
     matrix = np.zeros((6, 6))
@@ -71,7 +74,7 @@ def elasticity(material: Material) -> Array:
 
 
 def mass_matrix(quad: SectionQuadrature, rho: float) -> Array:
-    """3N×3N mass per length (kg/m) of displacements constant along the leg."""
+    """Mass matrix per length (3N×3N, kg/m) for displacements that are constant along the leg."""
     scalar = np.einsum("iq,jq,mq->mij", quad.shapes, quad.shapes, rho * quad.weights)
     cells, count, _ = scalar.shape
     blocks = np.einsum("mij,ab->miajb", scalar, np.eye(3))
@@ -79,7 +82,7 @@ def mass_matrix(quad: SectionQuadrature, rho: float) -> Array:
 
 
 def assembled(quad: SectionQuadrature, local: Array) -> Array:
-    """Sum (3N×3N) of the cells' matrices (M×3n×3n)."""
+    """Sum (3N×3N) of the matrices of all cells (M×3n×3n)."""
     unknowns = (3 * quad.mesh.cells[:, :, None] + np.arange(3)).reshape(len(local), -1)
     matrix = np.zeros((3 * len(quad.mesh.nodes),) * 2)
     np.add.at(matrix, (unknowns[:, :, None], unknowns[:, None, :]), local)

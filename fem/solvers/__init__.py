@@ -1,5 +1,6 @@
-"""Sparse factorisations, searches for modes, and counts that prove none is missing.
+"""Sparse factorisations, searches for modes, and counts that prove that no mode is missing.
 
-Four verbs: `analyse` a matrix, `factorise` it, `solve` (factor), count what lies below a shift
-(certificate). In: symmetric matrices as arrays. Out: solutions, modes, numbers of eigenvalues.
+Input: symmetric matrices as arrays. Output: solutions, modes, numbers of eigenvalues. The steps
+are: `analyse` the pattern of a matrix, `factorise` it, `solve` with the factor, and count the
+eigenvalues below a shift (certificate).
 """

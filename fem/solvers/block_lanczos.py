@@ -1,11 +1,11 @@
-"""Search for the lowest modes of K φ = ω² M φ by block Lanczos on the flexibility of K.
+"""Search for the lowest modes of K φ = ω² M φ by block Lanczos with the flexibility K⁻¹.
 
-T = K⁻¹M is symmetric in the inner product of M, its eigenvalues are θ = 1/ω². Blocks of right-hand
-sides read a factor once for all of them. The basis is kept M-orthonormal in full, so a Ritz
-value has the residual ‖T x − θ x‖_M = ‖B s‖ with the last block's B and s: some eigenvalue lies
-that near (Krylov, Weinstein), and within residual²/gap of an isolated one (Kato, Temple); Parlett,
-The Symmetric Eigenvalue Problem, §§10–13. A search stays M-orthogonal to the
-modes already known, and thus finds those that an earlier search has missed.
+T = K⁻¹M is symmetric in the inner product of M and has the eigenvalues θ = 1/ω². With blocks of
+right-hand sides a factor is read once for all of them. The whole basis is kept M-orthonormal, so
+that a Ritz value has the residual ‖T x − θ x‖_M = ‖B s‖ with B and s of the last block: an
+eigenvalue lies within this distance (Krylov, Weinstein), and an isolated one within residual²/gap
+(Kato, Temple); Parlett, The Symmetric Eigenvalue Problem, §§10–13. A search is M-orthogonal to
+modes that are already known, and thus finds those that an earlier search has missed.
 """
 
 from collections.abc import Callable
@@ -19,21 +19,21 @@ from fem.solvers.backends.choice import announce_fallback
 from fem.solvers.backends.protocol import HOST, DeviceError, Space
 from lumped.arrays import Array, SparseMatrix
 
-# The mode after the last one only has to locate the gap.
+# Largest residual of the mode after the last requested one, which only has to locate the gap.
 _RESIDUAL_BEYOND = 1e-2
-# Modes closer than this in ω² belong together: no shift between them is far from both.
+# Relative distance in ω² below which modes form a cluster: no shift between them is far from both.
 CLUSTER = 1e-4
-# Required number of lowest modes, from the current values ω² (ascending) and their residuals
-# relative to θ. None if these do not determine it yet.
+# Function that returns the required number of lowest modes, from the current values ω² (ascending)
+# and their residuals relative to θ. None if these do not determine it yet.
 Wanted: TypeAlias = Callable[[Array, Array], int | None]
-# A direction of which only this part of its squared length remains is round-off.
+# A direction whose squared length is reduced to this fraction by orthogonalisation is round-off.
 _DEPENDENT = 1e-20
-# A pass with at most this round-off is the last one; M is then not applied again.
+# Orthogonalisation ends after a pass with at most this round-off. M is then not applied again.
 _ORTHONORMAL = 1e-12
 
 
 class NotConvergedError(Exception):
-    """Only `converged` of the required modes converged within the allowed number of vectors."""
+    """Error: only `converged` of the required modes converged with the allowed vectors."""
 
     def __init__(self, converged: int, solves: int) -> None:
         self.converged, self.solves = converged, solves
@@ -42,9 +42,9 @@ class NotConvergedError(Exception):
 
 @dataclass(frozen=True)
 class Ritz:
-    """Converged pairs: ω² (ascending, m), M-orthonormal vectors (n×m), residuals relative to θ.
+    """Converged modes: ω² (m, ascending), M-orthonormal vectors (n×m), residuals relative to θ.
 
-    `beyond` is the Ritz value after the last one, infinite if there is none.
+    `beyond` is the Ritz value ω² after the last one. Infinite if there is none.
     """
 
     values: Array
@@ -54,7 +54,7 @@ class Ritz:
 
     @property
     def errors(self) -> Array:
-        """Relative errors of frequencies from residuals: half of the smaller bound of ω²'s."""
+        """Estimated relative errors of the frequencies, from the smaller of two bounds for ω²."""
         distances = np.abs(np.append(self.values, self.beyond) - self.values[:, None])
         distances /= self.values[:, None]
         distances[distances < CLUSTER] = np.inf
@@ -63,7 +63,7 @@ class Ritz:
 
 
 def merged(first: Ritz, second: Ritz) -> Ritz:
-    """Pairs of two searches, of which `second` is M-orthogonal to those of `first`."""
+    """Modes of two searches. Those of `second` are M-orthogonal to those of `first`."""
     values = np.concatenate([first.values, second.values])
     order = np.argsort(values, kind="stable")
     last = values[order[-1]]
@@ -71,22 +71,23 @@ def merged(first: Ritz, second: Ritz) -> Ritz:
         values=values[order],
         vectors=np.hstack([first.vectors, second.vectors])[:, order],
         residuals=np.concatenate([first.residuals, second.residuals])[order],
-        # A value below the last one only means that more are missing, which the next count shows.
+        # A value below the last one means that more modes are missing, which the next count shows.
         beyond=second.beyond if second.beyond > last else np.inf,
     )
 
 
 def _orthonormal(block: Any, basis: Any, M: Any, space: Space) -> tuple[Any, Any]:
-    """Part of `block` M-orthogonal to `basis`, M-orthonormal, and M times it.
+    """M-orthonormal basis W of the part of `block` that is M-orthogonal to `basis`, and M W.
 
-    Dependent directions are dropped. Arguments and results are in `space`.
+    Dependent directions are dropped. Arguments and results are in the memory `space`.
     """
     weighted = M @ block
     size = space.get(np.einsum("ij,ij->j", block, weighted))
     moving = np.flatnonzero(size > 0.0)
     scale = space.put(1.0 / np.sqrt(size[moving]))
     block, weighted = (a[:, space.put(moving)] * scale for a in (block, weighted))
-    # A pass that removes much is repeated: its round-off is proportional to the removed part.
+    # A pass that removes a large part is repeated, because its round-off is proportional to that
+    # part.
     for _ in range(4):
         gram = space.get(block.T @ weighted)
         squares, directions = eigh((gram + gram.T) / 2.0)
@@ -105,7 +106,7 @@ def _orthonormal(block: Any, basis: Any, M: Any, space: Space) -> tuple[Any, Any
 
 
 def first_modes(count: int) -> Wanted:
-    """The first `count` modes, and the rest of the last one's cluster."""
+    """Requirement of the first `count` modes, and of the rest of the cluster of the last one."""
 
     def wanted(values: Array, _residuals: Array) -> int | None:
         if len(values) <= count:
@@ -117,7 +118,10 @@ def first_modes(count: int) -> Wanted:
 
 
 def modes_below(squared: float) -> Wanted:
-    """All modes with ω² below `squared`; one beyond it shows that none is still to come."""
+    """Requirement of all modes with ω² below `squared`.
+
+    One mode beyond it shows that no more are to come.
+    """
 
     def wanted(values: Array, residuals: Array) -> int | None:
         below = int(np.sum(values < squared * (1.0 + residuals)))
@@ -136,13 +140,13 @@ def block_lanczos(
     known: Array | None = None,
     space: Space = HOST,
 ) -> Ritz:
-    """The lowest modes, as many as are `wanted`, M-orthogonal to `known` (n×m).
+    """The lowest modes, as many as `wanted` requires, M-orthogonal to `known` (n×m).
 
-    `solve` is K⁻¹ on blocks (n×k), `start` (n×s) the first block before the first solve; at most
-    `limit` vectors are tried. The residual of each returned mode relative to θ is at most
-    `residual`. Fewer modes are returned if no more have mass. Blocks stay in `space`, as do input
-    and output of `solve`. If its device fails, the search restarts in the host's memory. Raises
-    NotConvergedError.
+    `solve` is K⁻¹ on blocks (n×k), `start` (n×s) the first block before the first solution. At most
+    `limit` vectors are used. The residual of each returned mode relative to θ is at most
+    `residual`. Fewer modes are returned if no more have mass. Blocks, and input and output of
+    `solve`, are in the memory `space`. If its device fails, the search restarts in the memory of
+    the host. Raises NotConvergedError.
     """
     known_vectors = np.zeros((len(start), 0)) if known is None else known
     if space is not HOST:
@@ -202,7 +206,7 @@ def _search(
         if count is not None and np.all(residuals[:count] <= residual):
             beyond = residuals[count : count + 1]
             if np.all(beyond <= _RESIDUAL_BEYOND):
-                # Known modes have residuals of their own, which enter those of the new modes.
+                # Residuals of the known modes add to those of the new modes.
                 along = np.linalg.norm(leak @ s[:, :count], axis=0) / theta[:count]
                 return Ritz(
                     values=values[:count],

@@ -1,11 +1,11 @@
-"""Number of eigenvalues of K x = λ M x below σ: the certificate that no mode was missed.
+"""Number of eigenvalues of K x = λ M x below σ, which certifies that no mode was missed.
 
-By Sylvester's law of inertia the signs of D in K − σM = L D Lᵀ are those of its eigenvalues. For an
-unsupported body these signs would be round-off if σ is small. It is therefore counted with springs,
-and the springs are then removed: with A = K − σM + WWᵀ Haynsworth's theorem (Linear Algebra Appl. 1
-(1968) 73) on [A W B; Wᵀ I 0; Bᵀ 0 0] gives the inertia of K − σM on the vectors with Bᵀx = 0, to
-which the bordered matrix adds a positive eigenvalue for each spring and one of either sign for each
-condition (Gould, Math. Prog. 32 (1985) 90).
+By Sylvester's law of inertia, the signs of D in K − σM = L D Lᵀ are those of its eigenvalues. For
+an unsupported body and small σ these signs would be round-off. Eigenvalues are therefore counted
+with springs, whose effect is then removed: with A = K − σM + WWᵀ, Haynsworth's theorem (Linear
+Algebra Appl. 1 (1968) 73) for [A W B; Wᵀ I 0; Bᵀ 0 0] gives the inertia of K − σM on the vectors
+with Bᵀx = 0. The bordered matrix has one additional positive eigenvalue for each spring, and one of
+either sign for each constraint (Gould, Math. Prog. 32 (1985) 90).
 """
 
 from dataclasses import dataclass
@@ -16,8 +16,8 @@ from scipy.sparse import csr_array
 from fem.solvers.factor import Inertia, RenewableFactor, Symbolic, analyse, upper_triangle
 from lumped.arrays import Array, SparseMatrix
 
-# An eigenvalue of the small matrix below this is rounding: its blocks are of the size of one, and
-# their errors, measured on a leg 87 diameters long, are some 1e-15.
+# Eigenvalues of the small matrix below this are round-off: its blocks are of order 1, and their
+# errors, observed on a leg 87 diameters long, are about 1e-15.
 _ZERO = 500.0 * np.finfo(np.float64).eps
 
 
@@ -25,8 +25,9 @@ _ZERO = 500.0 * np.finfo(np.float64).eps
 class Pencil:
     """K − σM for any σ, on one pattern that is ordered once.
 
-    `springs` (n) are stiffnesses on single unknowns, zero on most, that support a body while it
-    is factorised; `symbolic` is of K with them, `mass` has M entry by entry of its triangle.
+    `springs` (n) are stiffnesses on single unknowns, mostly zero, that support a body while it is
+    factorised. `symbolic` is that of K with the springs. `mass` contains the entries of the
+    triangle of M.
     """
 
     symbolic: Symbolic
@@ -34,18 +35,18 @@ class Pencil:
     springs: Array
 
     def shifted(self, sigma: float) -> Symbolic:
-        """K − σM with the springs."""
+        """Matrix K − σM with the springs."""
         return self.symbolic.with_values(self.symbolic.triangle.data - sigma * self.mass)
 
 
 def pencil(K: SparseMatrix, M: SparseMatrix, springs: Array | None = None) -> Pencil:
-    """K (csr n×n, symmetric) with `springs` (n) and M (symmetric, positive definite), analysed.
+    """Pencil of K (csr n×n, symmetric) with `springs` (n), and M (symmetric, positive definite).
 
-    Their upper triangles are enough.
+    The upper triangles of K and M are sufficient.
     """
     added = np.zeros(K.shape[0]) if springs is None else springs
-    # A sum of real matrices drops entries that cancel. The sum of a real and an imaginary matrix
-    # has the entries of both.
+    # A sum of two real matrices would drop entries that cancel. The sum of a real and an imaginary
+    # matrix has the entries of both.
     combined = csr_array(upper_triangle(K) + 1j * upper_triangle(csr_array(M)))
     for unknown in np.flatnonzero(added):
         combined[unknown, unknown] += added[unknown]
@@ -61,11 +62,11 @@ def count_below(
     constraints: Array | None = None,
     room: RenewableFactor | None = None,
 ) -> Inertia:
-    """Inertia of K − σM without the pencil's springs (σ in rad²/s²).
+    """Inertia of K − σM without the springs of the pencil (σ in rad²/s²).
 
-    `negative` eigenvalues of K x = λ M x lie below σ. `zero` above zero means that σ is too near an
-    eigenvalue; move it. With `constraints` B (n×c, of full rank) only vectors with Bᵀx = 0 count.
-    `room` is a factor that makes room for this one.
+    `negative` is the number of eigenvalues of K x = λ M x below σ. If `zero` is above zero, σ is
+    too near an eigenvalue and must be changed. With `constraints` B (n×c, of full rank), only
+    vectors with Bᵀx = 0 count. `room` is a factor that may be released to provide memory.
     """
     n, springs = pencil.symbolic.size, pencil.springs
     if room is not None:
@@ -79,7 +80,7 @@ def count_below(
     if factor.inertia.zero or not border.shape[1]:
         return factor.inertia
     across = border.T @ factor.solve(border)
-    # Conditions in any units are scaled to the size of the springs.
+    # Constraints, which may have any unit, are scaled to the size of the springs.
     scale = np.ones(border.shape[1])
     scale[len(sprung) :] = 1.0 / np.sqrt(np.abs(np.diag(across)[len(sprung) :]))
     remaining = -across * scale * scale[:, None]

@@ -1,8 +1,8 @@
-"""Sparse factors of symmetric matrices: order, factorise, solve, count.
+"""Sparse factors of symmetric matrices: ordering, factorisation, solution, count of signs.
 
-A library (fem.solvers.backends) factorises PᵀAP = L D Lᵀ. The signs of D are those of A's
+A library (`fem.solvers.backends`) factorises PᵀAP = L D Lᵀ. The signs of D are those of A's
 eigenvalues (Sylvester): all positive for a stiffness, and counted for K − σM. If a graphics card
-fails, the processor computes again what was on it.
+fails, its computations are repeated on the processor.
 """
 
 from dataclasses import dataclass, field, replace
@@ -18,15 +18,15 @@ from fem.solvers.backends.protocol import HOST, DeviceError, Numeric, Space
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 
-# An unknown with a stiffness below this part of its diagonal entry is supported by round-off alone.
+# If the stiffness of an unknown is below this fraction of its diagonal entry, it is round-off.
 _SINGULAR = 100.0 * np.finfo(np.float64).eps
-# Two factors at once if the free memory holds this many more; other programs share the machine.
+# Two factors are kept at once only if this many factors fit into the free memory.
 _ROOM = 4
 _SEED = 3
 
 
 class NotPositiveDefiniteError(ComputationError):
-    """A matrix that must be positive definite is not, or only to rounding."""
+    """Error: a matrix that must be positive definite is not, or not within round-off."""
 
     def __init__(self, part: str) -> None:
         super().__init__(
@@ -37,12 +37,12 @@ class NotPositiveDefiniteError(ComputationError):
         )
 
     def __reduce__(self) -> tuple[type, tuple[str]]:
-        """Made anew in another process."""
+        """Data to reconstruct the error in another process."""
         return type(self), (self.part,)
 
 
 class Inertia(NamedTuple):
-    """Numbers of negative, zero (to rounding) and positive eigenvalues."""
+    """Numbers of negative, zero (within round-off) and positive eigenvalues."""
 
     negative: int
     zero: int
@@ -50,14 +50,17 @@ class Inertia(NamedTuple):
 
 
 class Analysis:
-    """Order of elimination of one pattern, on the processor after a graphics card has failed."""
+    """Order of elimination of one pattern, moved to the processor if a graphics card fails."""
 
     def __init__(self, lower: SparseMatrix) -> None:
         self._lower = lower
         self.ordering = order(lower)
 
     def factorise(self, values: Array, part: str) -> Numeric:
-        """Factor of the matrix with these values; ComputationError if memory does not suffice."""
+        """Factor of the matrix with these values.
+
+        Raises ComputationError if memory is insufficient.
+        """
         try:
             return self.ordering.factorise(values, part)
         except DeviceError as error:
@@ -72,7 +75,7 @@ class Analysis:
 
 
 class Factor:
-    """A factorised symmetric matrix A (n×n) and the signs of its eigenvalues."""
+    """Factor of a symmetric matrix A (n×n), and the signs of A's eigenvalues."""
 
     def __init__(self, symbolic: "Symbolic", part: str) -> None:
         self._symbolic, self._part = symbolic, part
@@ -83,8 +86,8 @@ class Factor:
     def solve(self, right_hand_sides: Any) -> Any:
         """A⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape and memory.
 
-        Raises DeviceError if the right-hand sides are on a graphics card that fails. They are lost
-        with it; the same from the host are then solved on the processor.
+        Raises DeviceError if the right-hand sides are on a graphics card that fails, because they
+        are lost with it. Right-hand sides on the host are then solved on the processor.
         """
         columns = right_hand_sides.reshape(self._symbolic.size, -1)
         try:
@@ -101,7 +104,7 @@ class Factor:
 
 @dataclass(frozen=True, eq=False)
 class Symbolic:
-    """An analysed symmetric matrix."""
+    """A symmetric matrix whose pattern has been analysed."""
 
     size: int
     triangle: SparseMatrix = field(repr=False)
@@ -109,19 +112,19 @@ class Symbolic:
 
     @property
     def peak_bytes(self) -> int:
-        """Predicted peak of the host's memory during a factorisation."""
+        """Predicted peak of the host's memory (bytes) during a factorisation."""
         return self.analysis.ordering.peak_bytes
 
     @property
     def space(self) -> Space:
-        """Memory in which right-hand sides need no transfer."""
+        """Memory in which right-hand sides do not have to be copied."""
         return self.analysis.ordering.space
 
     def factorise(self, part: str = "stiffness matrix") -> Factor:
-        """The factor of a positive definite matrix, which errors call `part`.
+        """Factor of a positive definite matrix, named `part` in messages.
 
-        Raises NotPositiveDefiniteError, a ComputationError, where an eigenvalue is not positive or
-        is lost in rounding, and ComputationError, before it starts, where memory will not suffice.
+        Raises NotPositiveDefiniteError, a ComputationError, if an eigenvalue is not positive or is
+        lost in round-off. Raises ComputationError, before it starts, if memory is insufficient.
         """
         factor = self.indefinite(part)
         if factor.inertia.positive < self.size or self._held_by_rounding(factor):
@@ -129,11 +132,11 @@ class Symbolic:
         return factor
 
     def indefinite(self, part: str) -> Factor:
-        """Factor of any symmetric matrix; ComputationError if memory will not suffice."""
+        """Factor of any symmetric matrix. Raises ComputationError if memory is insufficient."""
         return Factor(self, part)
 
     def with_values(self, values: Array) -> "Symbolic":
-        """Matrix of the same pattern and order, with `values` of its triangle entry by entry."""
+        """Matrix of the same pattern and order with other `values` in its triangle."""
         lower = self.triangle
         triangle = csc_array((values, lower.indices, lower.indptr), shape=lower.shape)
         return replace(self, triangle=triangle)
@@ -141,7 +144,8 @@ class Symbolic:
     def _held_by_rounding(self, factor: Factor) -> bool:
         """True if the stiffness of the most compliant unknown is round-off.
 
-        1/(A⁻¹)ₖₖ is the pivot of unknown k if it is eliminated last: its smallest possible pivot.
+        1/(A⁻¹)ₖₖ is the pivot of unknown k if it is eliminated last, and its smallest possible
+        pivot.
         """
         if not self.size:
             return False
@@ -157,19 +161,19 @@ class Symbolic:
 def analyse(matrix: SparseMatrix) -> Symbolic:
     """Order the unknowns of a symmetric matrix (csr n×n) and predict the memory of its factor.
 
-    The upper triangle of the matrix is enough.
+    The upper triangle of the matrix is sufficient.
     """
     triangle = upper_triangle(matrix)
-    # Read by columns it is the lower one.
+    # The same arrays read by columns are the lower triangle.
     lower = csc_array((triangle.data, triangle.indices, triangle.indptr), shape=triangle.shape)
     return Symbolic(matrix.shape[0], lower, Analysis(lower))
 
 
 @dataclass(eq=False)
 class RenewableFactor:
-    """Factor that is released if another one needs its memory, and recomputed on the next use.
+    """Factor that is released if another one needs its memory, and recomputed when needed.
 
-    `part` names its matrix in errors; these are those of `Symbolic.factorise`.
+    `part` names the matrix in messages. Errors are those of `Symbolic.factorise`.
     """
 
     symbolic: Symbolic
@@ -177,19 +181,19 @@ class RenewableFactor:
 
     @cached_property
     def numeric(self) -> Factor:
-        """The factor itself."""
+        """The factor, computed if necessary."""
         return self.symbolic.factorise(self.part)
 
     def solve(self, right_hand_sides: Any) -> Any:
-        """A⁻¹ times one (n) or several (n×k) right-hand sides: see `Factor.solve`."""
+        """A⁻¹ times one (n) or several (n×k) right-hand sides, see `Factor.solve`."""
         return self.numeric.solve(right_hand_sides)
 
     def give_up(self) -> None:
-        """Free the memory of the factor."""
+        """Release the memory of the factor."""
         vars(self).pop("numeric", None)
 
     def make_room(self) -> None:
-        """Give the factor up unless a second one beside it takes a small part of the memory."""
+        """Release the factor unless there is ample memory for a second one."""
         available = available_memory()
         if available is not None and available < _ROOM * self.symbolic.peak_bytes:
             self.give_up()
@@ -198,7 +202,7 @@ class RenewableFactor:
 def upper_triangle(matrix: SparseMatrix) -> SparseMatrix:
     """Upper triangle of a symmetric matrix (csr, sorted columns, explicit zeros kept).
 
-    Read by columns, the same three arrays are the lower triangle.
+    The same three arrays read by columns are the lower triangle.
     """
     matrix = csr_array(matrix)
     if not matrix.has_canonical_format:

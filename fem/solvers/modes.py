@@ -1,8 +1,8 @@
-"""Lowest modes of K φ = ω² M φ, certified by a Sturm count.
+"""Lowest modes of K φ = ω² M φ, certified by a count of eigenvalues (Sturm).
 
-Lanczos alone (fem.solvers.block_lanczos) cannot detect a missed mode. Therefore the negative
-eigenvalues of K − σM, σ in the gap above the last mode, are counted. If there are more than modes,
-the search is continued orthogonally to the modes so far, until none is missing.
+Lanczos (`fem.solvers.block_lanczos`) cannot detect a missed mode. Therefore the negative
+eigenvalues of K − σM are counted, with σ in the gap above the last mode. If there are more than
+modes found, the search is continued orthogonally to these until none is missing.
 """
 
 from collections.abc import Callable
@@ -19,18 +19,18 @@ from lumped.dense.modes import Modes, too_few
 from lumped.errors import ComputationError, InputError
 from lumped.text import counted
 
-# Measured for 20 modes: 6 to 12 columns per block take the same time. Fewer read the factor more
-# often, more need more columns in total.
+# Number of columns per block. For 20 modes, 6 to 12 columns take the same time. With fewer, the
+# factor is read more often; with more, more columns are needed in total.
 _BLOCK = 8
 _SEED = 1
-# Residual relative to θ: bounds the relative error of a frequency by half of it without any
-# assumption, and by 5e-10 for a mode that keeps 1e-3 from its neighbours in ω².
+# Largest residual relative to θ. Half of it bounds the relative error of a frequency without any
+# assumption. The bound is 5e-10 for a mode whose distance from its neighbours in ω² is 1e-3.
 _RESIDUAL = 1e-6
-# Largest number of searches for missing modes; each starts from different noise.
+# Largest number of searches for missing modes, each from different random vectors.
 _SEARCHES = 4
-# The shift goes up to this part above the last mode, at most half way to the next one.
+# Relative distance of the shift above the last mode. It is at most half way to the next mode.
 _SHIFT_ABOVE = 1e-2
-# Positions of σ in its interval: a pivot may vanish at one of them by chance.
+# Positions of σ in its interval. Several are needed because a pivot may vanish at one of them.
 _FRACTIONS = (1.0, 0.8, 0.6)
 
 Solve: TypeAlias = Callable[[Any], Any]
@@ -41,9 +41,9 @@ Count: TypeAlias = Callable[[float], Inertia]
 class CertifiedModes(Modes):
     """Lowest modes with the proof that none is missing.
 
-    `frequency_errors`: relative, estimated by the smaller of both bounds of the residual.
-    `count` eigenvalues lie below `shift` (rad²/s²) by inertia: the returned modes and further
-    ones, such as the rest of the last one's cluster.
+    `frequency_errors` are estimated relative errors, the smaller of two bounds from the residual.
+    `count` eigenvalues lie below `shift` (rad²/s²) by inertia: those of the returned modes and
+    possibly further ones, such as the rest of the cluster of the last mode.
     """
 
     frequency_errors: Array
@@ -52,7 +52,7 @@ class CertifiedModes(Modes):
 
 
 class MissedModesError(ComputationError):
-    """The count found `missing` modes more below its shift than the search."""
+    """Error: below the shift there are `missing` more eigenvalues than modes found."""
 
     def __init__(self, message: str, missing: int, part: str = "") -> None:
         self.missing = missing
@@ -60,16 +60,17 @@ class MissedModesError(ComputationError):
 
 
 def certify(values: Array, beyond: float, count: Count, part: str) -> float:
-    """A shift σ (rad²/s²) below which exactly the eigenvalues `values` are proven to lie.
+    """Shift σ (rad²/s²) below which there are provably no other eigenvalues than `values`.
 
-    `values` are the eigenvalues found (ω², ascending), `beyond` the next one if it is known,
-    otherwise infinite; `count` the inertia of K − σM. Raises MissedModesError if the count is
-    higher, ComputationError if it is lower or cannot be made.
+    `values` are the eigenvalues found (ω², ascending), `beyond` is the next one, or infinite if it
+    is unknown. `count` computes the inertia of K − σM. Raises MissedModesError if the count is
+    higher, ComputationError if it is lower or impossible.
     """
     last, wanted = float(values[-1]), len(values)
     half_way = (beyond - last) / 2.0
     near = min(_SHIFT_ABOVE * last, half_way)
-    # The last shift is far above the last mode, with the largest margin for round-off.
+    # The last of these shifts is farthest above the last mode, with the largest margin for
+    # round-off.
     for above in [*(fraction * near for fraction in _FRACTIONS), min(half_way, last)]:
         sigma = last + above
         inertia = count(sigma)
@@ -101,13 +102,13 @@ def lowest_modes(
     part: str,
     space: Space = HOST,
 ) -> CertifiedModes:
-    """The lowest `mode_count` modes from K⁻¹ and M (csr n×n, semidefinite).
+    """The lowest `mode_count` modes, certified, from K⁻¹ and M (csr n×n, semidefinite).
 
-    `solve` is K⁻¹ on blocks (n×k), in `space` and on the host; `count` gives the inertia of
-    K − σM. Shapes are mass-normalised, on the n unknowns. If the count shows missed modes, as
-    many are searched M-orthogonally to those so far, from other noise, and the count is repeated.
-    Raises InputError for fewer than one mode, ComputationError with `part` if modes do not converge
-    or the certificate still fails.
+    `solve` is K⁻¹ on blocks (n×k), both in `space` and on the host. `count` computes the inertia of
+    K − σM. Shapes on the n unknowns have unit modal mass. If the count shows missed modes, as many
+    are searched M-orthogonally to those found, from other random vectors, and the count is
+    repeated. Raises InputError for fewer than one mode, ComputationError, with `part` in its
+    message, if modes do not converge or the certificate still fails.
     """
     n = M.shape[0]
     if mode_count < 1:
@@ -139,7 +140,7 @@ def lowest_modes(
 def searched_modes(
     solve: Solve, M: SparseMatrix, mode_count: int, part: str, space: Space = HOST
 ) -> Modes:
-    """The first search of `lowest_modes`, without its count, which takes as long."""
+    """Modes of the first search of `lowest_modes`, without the count, which takes as long."""
     block = _noise(M.shape[0], np.random.default_rng(_SEED))
     return _lowest(_converged_pairs(solve, M, block, mode_count, part, space), mode_count)
 
@@ -170,7 +171,7 @@ def _converged_pairs(
 
 
 def _noise(n: int, rng: np.random.Generator) -> Array:
-    """A block (n×s) with a share in the modes of every symmetry."""
+    """A block (n×s) of random vectors, which contain modes of every symmetry."""
     return np.asarray(rng.standard_normal((n, _BLOCK)) / np.sqrt(n))
 
 

@@ -1,4 +1,4 @@
-"""Memory that an array is in: the host's, or that of a graphics card."""
+"""Memory in which an array is stored: that of the host, or of a graphics card."""
 
 from typing import Any
 
@@ -9,5 +9,5 @@ from fem.solvers.backends.protocol import HOST, Space
 
 
 def space_of(array: Any) -> Space:
-    """Memory of an array: functions of arrays compute where these are."""
+    """Memory in which an array is stored. Computations are carried out there."""
     return HOST if type(array) is np.ndarray else cudss.space()

@@ -1,6 +1,6 @@
-"""Libraries behind the verbs of `fem.solvers`, one module each, and the choice between them.
+"""Libraries for sparse factorisation, one module each, and the choice between them.
 
-In: the lower triangle of a symmetric matrix. Out: its order of elimination, its factor, signs,
-solutions. `rslab` computes on the processor, `cudss` on a graphics card, `petsc` in processes
-outside this environment, `superlu` if rslab cannot be loaded.
+Input: the lower triangle of a symmetric matrix. Output: order of elimination, factor, signs of
+eigenvalues, solutions. `rslab` computes on the processor, `cudss` on a graphics card, `petsc` in
+processes outside this environment. `superlu` is used if rslab cannot be loaded.
 """

@@ -1,4 +1,4 @@
-"""Check of a factor whose pivots are not paired, by the backward error of a solution."""
+"""Check of a factor without paired pivots, by the backward error of a solution."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,8 +7,8 @@ import numpy as np
 
 from lumped.arrays import Array
 
-# Largest backward error ‖b − A x‖/(max|A| ‖x‖ + ‖b‖) of a factor whose signs are those of the
-# matrix. Solutions have 3e-16 to 5e-16; eigenvalues of K − σM are 1e-12 of its largest and more.
+# Largest backward error ‖b − A x‖/(max|A| ‖x‖ + ‖b‖) of a factor whose signs can be trusted.
+# Accurate solutions have 3e-16 to 5e-16. Eigenvalues of K − σM are at least 1e-12 of the largest.
 _BACKWARD_ERROR = 1e-13
 _SEED = 5
 
@@ -18,10 +18,10 @@ def is_accurate(
     solve: Callable[[Any], Any],
     put: Callable[[Array], Any] = np.asarray,
 ) -> bool:
-    """Whether the solution for random forces has a small backward error.
+    """True if the solution for random forces has a small backward error.
 
-    `triangle` (n×n) is the lower or the upper one of the matrix. It and the solutions are in the
-    memory to which `put` copies the forces (n×1).
+    `triangle` (n×n) is the lower or the upper triangle of the matrix. It and the solutions are in
+    the memory to which `put` copies the forces (n×1).
     """
     forces = np.random.default_rng(_SEED).standard_normal((triangle.shape[0], 1))
     right = put(forces)

@@ -1,6 +1,6 @@
-"""Choice of the library for a matrix: by request, number of unknowns, card and installation.
+"""Choice of the library for a matrix: by request, number of unknowns, graphics card, installation.
 
-`lumped.solver_request` has the request.
+The request is that of `lumped.solver_request`.
 """
 
 import warnings
@@ -17,23 +17,25 @@ from lumped.arrays import SparseMatrix
 from lumped.errors import ComputationError, Remark
 from lumped.solver_request import Solver, requested_solver
 
-# Unknowns from which the card (H200) gains, beside rslab on 16 cores. Its start takes 0.7 to 1.0 s.
-# Statics with modes then gain from 20k to 30k (rslab 1.3 and 2.4 s, cuDSS 0.65 and 0.9 s), statics
-# alone from about 50k: ordering, factor and loads of 134k take rslab 3.9 s, cuDSS 1.9 s.
+# Number of unknowns from which a graphics card (H200) is faster than rslab on 16 cores. The start
+# of the card takes 0.7 to 1.0 s. Statics with modes are faster from 20 000 to 30 000 unknowns
+# (rslab 1.3 and 2.4 s, cuDSS 0.65 and 0.9 s), statics alone from about 50 000: ordering, factor and
+# loads of 134 000 unknowns take 3.9 s by rslab, 1.9 s by cuDSS.
 GAIN_FROM = 50_000
-# Bytes per unknown that every solid takes on a card: legs of tetrahedra take 9 to 22 thousand, and
-# their triangle alone 500.
+# Smallest memory (bytes) per unknown on a card. Legs of tetrahedra need 9000 to 22 000, of which
+# the matrix takes 500.
 LEAST_BYTES = 1_000
 
 
 class SolverFallbackWarning(Remark):
-    """Another library computes than the one that was chosen."""
+    """Remark: another library than the chosen one computes."""
 
 
 def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:
-    """Library for a matrix: cuDSS if requested, or if it gains and may fit; petsc if requested.
+    """Library for a matrix with `unknowns` unknowns. `card` is the graphics card, if there is one.
 
-    rslab otherwise.
+    PETSc if requested. cuDSS if requested, or if it is faster and the matrix may fit. Otherwise
+    rslab.
     """
     if request is Solver.PETSC:
         return Solver.PETSC
@@ -44,16 +46,16 @@ def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:
 
 
 def order(lower: SparseMatrix) -> Ordering:
-    """Order of elimination of a lower triangle (csc n×n) by the library chosen for it.
+    """Order of elimination for a lower triangle (csc n×n), by the library chosen for it.
 
     Raises InputError if a requested library cannot be used, ComputationError if there is none.
     """
     request, unknowns = requested_solver(), int(lower.shape[0])
     require_usable(request)
     if not unknowns:
-        # MUMPS and cuDSS refuse a matrix without unknowns.
+        # MUMPS and cuDSS do not accept a matrix without unknowns.
         return order_on_host(lower)
-    # A process that solves small matrices alone does not look for a card.
+    # A process that solves only small matrices does not search for a graphics card.
     small = request is Solver.AUTO and unknowns < GAIN_FROM
     card = None if small or request not in {Solver.AUTO, Solver.CUDSS} else cudss.device()
     chosen = choose(request, unknowns, card)
@@ -68,9 +70,9 @@ def order(lower: SparseMatrix) -> Ordering:
 
 
 def order_on_host(lower: SparseMatrix) -> Ordering:
-    """Order of elimination by rslab. If it cannot be loaded, by SciPy or, for large ones, by petsc.
+    """Order of elimination by rslab. If it cannot be loaded, by SciPy or, for large ones, by PETSc.
 
-    Raises ComputationError for a large matrix if neither rslab nor petsc can be used.
+    Raises ComputationError for a large matrix if neither rslab nor PETSc can be used.
     """
     if not (reason := rslab.load_error()):
         return RslabOrdering(lower)
@@ -95,7 +97,7 @@ def _without_rslab(reason: str) -> str:
 
 
 def announce_fallback(error: DeviceError) -> None:
-    """Warn once that the processor replaces the graphics card, with the reason."""
+    """Warn once, with the reason, that the processor computes instead of the graphics card."""
     if not error.announced:
         error.announced = True
         message = f"graphics card: {error}; the processor computes instead"
@@ -103,7 +105,7 @@ def announce_fallback(error: DeviceError) -> None:
 
 
 def solver_name() -> str:
-    """Names and versions of the libraries that a request admits here."""
+    """Names and versions of the libraries that may compute under the current request."""
     request = requested_solver()
     if request is Solver.PETSC:
         return petsc.title()

@@ -1,10 +1,10 @@
 """Factors by cuDSS, on a graphics card.
 
-cuDSS factorises PᵀAP = L D Lᵀ with diagonal pivots along a nested dissection, which the host makes.
-It replaces a pivot that is too small and counts these. Pivots are not paired as in the method of
-Bunch and Kaufman: each factor of a shifted matrix is therefore checked by the backward error of a
-solution. One factor of a pattern is on the card at a time. An earlier one is computed again if it
-is needed again.
+cuDSS factorises PᵀAP = L D Lᵀ with diagonal pivots, in an order by nested dissection that is
+computed on the host. It replaces pivots that are too small and counts them. Pivots are not paired
+as in the method of Bunch and Kaufman: each factor of a shifted matrix is therefore checked by the
+backward error of a solution. Only one factor of a pattern is on the card at a time. An earlier one
+is computed again if it is needed.
 """
 
 from collections.abc import Iterator
@@ -25,20 +25,21 @@ from fem.solvers.backends.accuracy import is_accurate
 from fem.solvers.backends.protocol import DeviceError
 from lumped.arrays import Array, SparseMatrix
 
-# Right-hand sides solved together. The library's deterministic mode takes one at a time, which is
-# 20 times as long per column, and is therefore not used: bits differ from one factor to the next.
+# Number of right-hand sides solved together. The deterministic mode of the library solves one at a
+# time and is 20 times slower per column. It is not used, so that bits differ between factors.
 _COLUMNS_AT_ONCE = 32
-# Kinds of errors that the card's libraries raise; those of cuBLAS, cuSPARSE and CUDA are the first.
+# Classes of errors that the libraries of the card raise. cuBLAS, cuSPARSE and CUDA raise
+# RuntimeError.
 _FAILURES = (RuntimeError, OSError, ImportError, TypeError, ValueError, NotImplementedError)
-# Share of free memory that a factorisation may take by its estimate.
+# Fraction of the free memory that the estimate for a factorisation may reach.
 _USABLE = 0.95
-# Columns that a growing basis has more than it needs, of those that it has.
+# Number of spare columns of a growing basis, as a fraction of those in use.
 _GROWTH = 0.5
 
 
 @dataclass(frozen=True)
 class Device:
-    """A graphics card: its name and its memory (bytes)."""
+    """A graphics card with its name and memory (bytes)."""
 
     name: str
     memory: int
@@ -62,7 +63,7 @@ def _device_or_reason() -> Device | str:
 
 
 def device() -> Device | None:
-    """The graphics card that CUDA computes on; None without one or without the extra `gpu`."""
+    """Graphics card on which CUDA computes. None without a card or without the extra `gpu`."""
     found = _device_or_reason()
     return found if isinstance(found, Device) else None
 
@@ -74,7 +75,7 @@ def device_fault() -> str:
 
 
 def title() -> str:
-    """Name and version of the library, and the card that it computes on."""
+    """Name and version of the library, and name of the card."""
     card = device()
     return f"cuDSS {_version()} on {card.name if card else 'no device'}"
 
@@ -87,7 +88,7 @@ def _version() -> str:
 
 @contextmanager
 def _device_errors() -> Iterator[None]:
-    """Raise DeviceError for every error of the card and its libraries, whatever its kind."""
+    """Context that converts each error of the card and of its libraries to DeviceError."""
     import cupy  # noqa: PLC0415
     from nvmath.bindings import cudss  # noqa: PLC0415
 
@@ -100,10 +101,10 @@ def _device_errors() -> Iterator[None]:
 
 
 class DeviceSpace:
-    """Memory of the graphics card: see `Space`."""
+    """Memory of the graphics card, see `Space`."""
 
     def errors(self) -> AbstractContextManager[None]:
-        """Context in which every error of the card is a DeviceError."""
+        """Context in which each error of the card is raised as DeviceError."""
         return _device_errors()
 
     def put(self, array: Any) -> Any:
@@ -114,7 +115,7 @@ class DeviceSpace:
             return cupy.asarray(array, order="F")
 
     def get(self, array: Any) -> Array:
-        """Host copy of an array on the card."""
+        """Copy on the host of an array on the card."""
         with _device_errors():
             return np.asarray(array.get())
 
@@ -126,7 +127,10 @@ class DeviceSpace:
             return csr_matrix(matrix)
 
     def columns(self, size: int, count: int, filled: Any) -> Any:
-        """Some columns more than the filled ones: all of them would take memory."""
+        """Array that begins with the columns `filled`, with some spare columns.
+
+        Not all `count` columns are allocated, because they would take memory.
+        """
         import cupy  # noqa: PLC0415
 
         used = int(filled.shape[1])
@@ -138,13 +142,13 @@ class DeviceSpace:
 
 @cache
 def space() -> DeviceSpace:
-    """Memory of the card."""
+    """Memory of the graphics card."""
     return DeviceSpace()
 
 
 @cache
 def _handle() -> int:
-    """The library's context in this process, with threads of the host for orderings."""
+    """Context of the library in this process. Orderings are computed by threads of the host."""
     from cuda.pathfinder import load_nvidia_dynamic_lib  # noqa: PLC0415
     from nvmath.bindings import cudss  # noqa: PLC0415
 
@@ -156,14 +160,14 @@ def _handle() -> int:
 
 
 class CudssNumeric:
-    """A factor: see `Numeric`."""
+    """Factor on the graphics card, see `Numeric`."""
 
     def __init__(self, ordering: "CudssOrdering", values: Array, negative: int, zero: int) -> None:
         self._ordering, self._values = ordering, values
         self.negative, self.zero = negative, zero
 
     def solve(self, columns: Any) -> Any:
-        """Solutions (n×k) on the host or on the card, as the right-hand sides are."""
+        """Solutions (n×k), on the host or on the card like the right-hand sides `columns`."""
         self._ordering.load(self._values)
         if type(columns) is not np.ndarray:
             return self._ordering.solved(columns)
@@ -172,9 +176,10 @@ class CudssNumeric:
 
 
 class CudssOrdering:
-    """Order of elimination of a lower triangle (csc n×n): see `Ordering`.
+    """Order of elimination for a lower triangle (csc n×n), see `Ordering`.
 
-    Its three arrays, read by rows, are the upper triangle. Raises DeviceError.
+    The three arrays of the lower triangle, read by rows, are the upper triangle. Raises
+    DeviceError.
     """
 
     def __init__(self, lower: SparseMatrix) -> None:
@@ -209,7 +214,7 @@ class CudssOrdering:
                 cudss.IndexBase.ZERO,
             )
             made = self._config, self._data, self._matrix
-            # At the end of the process the card's memory is freed without it.
+            # At the end of the process the memory of the card is freed anyway.
             finalize(self, _destroy, cudss, handle, *made).atexit = False
             self._configure(cudss.ConfigParam.HOST_NTHREADS, threads())
             self._execute(cudss.Phase.ANALYSIS, self._vector, self._vector)
@@ -218,9 +223,9 @@ class CudssOrdering:
         self.device_bytes, self.peak_bytes = int(estimates[1]), int(estimates[3])
 
     def factorise(self, values: Array, part: str) -> CudssNumeric:
-        """Factor of the matrix with these values; raises DeviceError, which does not name `part`.
+        """Factor of the matrix with these values. `part` is not used. Raises DeviceError.
 
-        A factor that is not accurate has one entry without a sign.
+        A factor that is not accurate is reported with one entry of D without a sign.
         """
         del part
         self.load(values)
@@ -230,7 +235,7 @@ class CudssOrdering:
         return CudssNumeric(self, values, negative, zero)
 
     def load(self, values: Array) -> None:
-        """Factorise the matrix with these values unless the factor on the card is its own."""
+        """Factorise the matrix with these values, unless their factor is on the card already."""
         import cupy  # noqa: PLC0415
         from nvmath.bindings import cudss  # noqa: PLC0415
 
@@ -248,7 +253,7 @@ class CudssOrdering:
         self._loaded, self._factorised = values, True
 
     def solved(self, columns: Any) -> Any:
-        """Solutions (n×k, on the card) by the factor that is loaded."""
+        """Solutions (n×k, on the card) with the factor that is on the card."""
         import cupy  # noqa: PLC0415
         from nvmath.bindings import cudss  # noqa: PLC0415
 
@@ -273,7 +278,7 @@ class CudssOrdering:
             )
 
     def _signs(self) -> tuple[int, int]:
-        """Numbers of negative entries of D, and of pivots that were replaced."""
+        """Number of negative entries of D, and number of pivots that were replaced."""
         from nvmath.bindings import cudss  # noqa: PLC0415
 
         inertia, replaced = np.zeros(2, dtype=np.int32), np.zeros(1, dtype=np.int32)
@@ -287,7 +292,7 @@ class CudssOrdering:
         return negative, max(int(replaced[0]), unsigned, int(failed[0] != 0))
 
     def _is_accurate(self) -> bool:
-        """Whether a solution by the factor has a small backward error."""
+        """True if a solution with the factor has a small backward error."""
         from cupyx.scipy.sparse import csr_matrix  # noqa: PLC0415
 
         with _device_errors():
@@ -328,7 +333,7 @@ class CudssOrdering:
 
 
 def _destroy(library: ModuleType, handle: int, config: int, data: int, matrix: int) -> None:
-    """Free what the library keeps of an ordering; a card that is lost has freed it."""
+    """Free the memory of an ordering in the library. Errors of a lost card are ignored."""
     try:
         library.matrix_destroy(matrix)
         library.data_destroy(handle, data)

@@ -5,7 +5,10 @@ from lumped.errors import ComputationError
 
 
 def require_memory(peak_bytes: int, unknowns: int, part: str) -> None:
-    """Raise ComputationError, naming `part`, if a factorisation needs more than is available."""
+    """Raise ComputationError, with `part` in its message, if the available memory is insufficient.
+
+    `peak_bytes` is the predicted memory of a factorisation with `unknowns` unknowns.
+    """
     available = available_memory()
     if available is not None and peak_bytes > available:
         raise ComputationError(

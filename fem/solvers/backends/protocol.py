@@ -1,4 +1,4 @@
-"""Interface of a library of sparse factorisations, and of the memory that its arrays are in."""
+"""Interface of a library for sparse factorisation, and of the memory that contains its arrays."""
 
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any, Protocol
@@ -9,30 +9,33 @@ from lumped.arrays import Array, SparseMatrix
 
 
 class DeviceError(Exception):
-    """A device that has too little memory, fails or is lost; `announced` to the user or not yet."""
+    """Error: a device has too little memory, fails or is lost.
+
+    `announced` is True if the user has been informed.
+    """
 
     announced = False
 
 
 class Space(Protocol):
-    """Memory in which blocks of vectors are multiplied: the host's, or that of a device."""
+    """Memory in which blocks of vectors are multiplied: that of the host, or of a device."""
 
     def errors(self) -> AbstractContextManager[None]:
-        """Context in which every error of a device is a DeviceError."""
+        """Context in which each error of a device is raised as DeviceError."""
 
     def put(self, array: Any) -> Any:
         """Copy of a host array in this memory."""
 
     def get(self, array: Any) -> Array:
-        """Host copy of an array in this memory."""
+        """Copy on the host of an array in this memory."""
 
     def matrix(self, matrix: SparseMatrix) -> Any:
         """Copy of a sparse matrix, to be multiplied with blocks in this memory."""
 
     def columns(self, size: int, count: int, filled: Any) -> Any:
-        """Array (size × at least one column) that begins with `filled` (size×k).
+        """Array (size × at least one column) that begins with the columns `filled` (size×k).
 
-        It has `count` columns if unused ones take no memory, else some more than k.
+        It has `count` columns if unused ones take no memory, otherwise a few more than k.
         """
 
 
@@ -40,7 +43,7 @@ class HostSpace:
     """Memory of the host."""
 
     def errors(self) -> AbstractContextManager[None]:
-        """Context without any effect."""
+        """Context without effect."""
         return nullcontext()
 
     def put(self, array: Any) -> Any:
@@ -56,7 +59,10 @@ class HostSpace:
         return matrix
 
     def columns(self, size: int, count: int, filled: Array) -> Array:
-        """All columns at once: pages that are never reached take no memory."""
+        """Array with all `count` columns, which begins with `filled`.
+
+        Unused pages take no memory.
+        """
         columns = np.empty((size, count), order="F")
         columns[:, : filled.shape[1]] = filled
         return columns
@@ -68,14 +74,14 @@ HOST: Space = HostSpace()
 class Numeric(Protocol):
     """Factor L D Lᵀ of a symmetric matrix (n×n).
 
-    `negative`: number of negative entries of D. `zero`: number of entries without a sign.
+    `negative` is the number of negative entries of D, `zero` the number of entries without a sign.
     """
 
     negative: int
     zero: int
 
     def solve(self, columns: Any) -> Any:
-        """Solutions (n×k) for right-hand sides (n×k), in the memory that these are in.
+        """Solutions (n×k) for the right-hand sides `columns` (n×k), in the same memory.
 
         Raises DeviceError.
         """
@@ -84,17 +90,18 @@ class Numeric(Protocol):
 class Ordering(Protocol):
     """Order of elimination for all matrices of one pattern.
 
-    `peak_bytes`: predicted peak of the host's memory during a factorisation.
+    `peak_bytes` is the predicted peak of the host's memory during a factorisation.
     """
 
     peak_bytes: int
 
     @property
     def space(self) -> Space:
-        """The memory in which right-hand sides need no transfer."""
+        """Memory in which right-hand sides do not have to be copied."""
 
     def factorise(self, values: Array, part: str) -> Numeric:
-        """Factor of the matrix with `values` in its triangle; `part` names it in errors.
+        """Factor of the matrix with the given `values` of its triangle.
 
-        Raises ComputationError if the host's memory does not suffice, and DeviceError.
+        `part` names it in messages. Raises ComputationError if the memory of the host is
+        insufficient, and DeviceError.
         """

@@ -1,6 +1,7 @@
 """Request of a library by a command, checked before anything is computed.
 
-Commands import it for their help: libraries of numbers are imported only if they are requested.
+Commands import this module for their help. Numerical libraries are imported only if they are
+requested.
 """
 
 import os
@@ -19,10 +20,11 @@ REINSTALL = "install rslab again (pip install --force-reinstall rslab)"
 
 
 def request_solver(name: str | None, ranks: int | None = None) -> None:
-    """Request a library for this process and those that it starts; None leaves the environment's.
+    """Request a library for this process and for those that it starts.
 
-    `ranks` are those of petsc. Raises InputError for an unknown name, for ranks of another library,
-    and if the requested library cannot be used.
+    None keeps the request of the environment. `ranks` is the number of MPI ranks of petsc. Raises
+    InputError for an unknown name, for ranks of another library, and if the requested library
+    cannot be used.
     """
     if name is not None:
         os.environ[VARIABLE] = name
@@ -36,7 +38,7 @@ def request_solver(name: str | None, ranks: int | None = None) -> None:
 
 
 def require_usable(request: Solver) -> None:
-    """Raise InputError if the requested library, its packages or a card are missing."""
+    """Raise InputError if the requested library, one of its packages or a card is missing."""
     if request is Solver.PETSC:
         from fem.solvers.backends.petsc import client  # noqa: PLC0415
 

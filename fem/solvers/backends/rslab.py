@@ -1,6 +1,6 @@
 """Factors by rslab, on the processor.
 
-rslab factorises PᵀAP = L D Lᵀ (Bunch and Kaufman, Math. Comp. 31 (1977) 163) along a nested
+rslab factorises PᵀAP = L D Lᵀ (Bunch and Kaufman, Math. Comp. 31 (1977) 163) in an order by nested
 dissection. The bits of a factor do not depend on the number of threads.
 """
 
@@ -15,13 +15,13 @@ from fem.solvers.backends.host_memory import require_memory
 from fem.solvers.backends.protocol import HOST
 from lumped.arrays import Array, SparseMatrix
 
-# Right-hand sides solved together, for which memory is predicted.
+# Number of right-hand sides solved together, for which memory is predicted.
 _COLUMNS_AT_ONCE = 32
 
 
 @cache
 def load_error() -> str:
-    """Reason why the library cannot be loaded, in one line; "" if it can."""
+    """Reason why the library cannot be loaded, in one line. "" if it can be loaded."""
     try:
         import rslab  # noqa: F401, PLC0415
     except Exception as error:  # noqa: BLE001  a damaged wheel fails in many ways
@@ -35,16 +35,16 @@ def title() -> str:
 
 
 class RslabNumeric:
-    """A factor: see `Numeric`."""
+    """Factor by rslab, see `Numeric`."""
 
     def __init__(self, size: int, handle: Any) -> None:
         _, self.negative, zero = handle.inertia
-        # A pivot that is zero is lifted, and then counted among the others.
+        # A zero pivot is perturbed, and then counted among the positive or negative ones.
         self.zero = zero + handle.n_perturbed
         self._size, self._handle = size, handle
 
     def solve(self, columns: Array) -> Array:
-        """Solutions (n×k)."""
+        """Solutions (n×k) for the right-hand sides `columns` (n×k)."""
         solution = np.empty_like(columns, dtype=np.float64)
         for start in range(0, columns.shape[1], _COLUMNS_AT_ONCE):
             some = slice(start, start + _COLUMNS_AT_ONCE)
@@ -53,7 +53,7 @@ class RslabNumeric:
 
 
 class RslabOrdering:
-    """Order of elimination of a lower triangle (csc n×n): see `Ordering`."""
+    """Order of elimination for a lower triangle (csc n×n), see `Ordering`."""
 
     space = HOST
 
@@ -66,8 +66,11 @@ class RslabOrdering:
         self.peak_bytes = int(plan["peak_bytes"])
 
     def factorise(self, values: Array, part: str) -> RslabNumeric:
-        """Factor of the matrix with these values; ComputationError if memory does not suffice."""
+        """Factor of the matrix with these values.
+
+        Raises ComputationError if memory is insufficient.
+        """
         require_memory(self.peak_bytes, self._size, part)
-        # The values alone: given a matrix, rslab copies it and compares its pattern.
+        # Only the values are passed: rslab would copy a matrix and compare its pattern.
         handle = self._handle.factor(values, threads=threads(), force_accept=True)
         return RslabNumeric(self._size, handle)

@@ -1,9 +1,10 @@
-"""Factors by SuperLU of SciPy, for small systems where rslab cannot be loaded.
+"""Factors by SuperLU of SciPy, for small systems if rslab cannot be loaded.
 
-With SuperLU's symmetric mode and without a threshold, all pivots are on the diagonal unless one is
+In the symmetric mode of SuperLU without a threshold, all pivots are on the diagonal unless one is
 zero. Then P A Pᵀ = L U with U = D Lᵀ, and the signs of U's diagonal are those of A's eigenvalues
 (Sylvester). Pivots are not paired: as with cuDSS, a factor is checked by the backward error of a
-solution. A factor that fails, or whose pivots left the diagonal, has an entry without a sign.
+solution. A factor that fails, or with pivots that are not on the diagonal, has an entry without a
+sign.
 """
 
 from typing import Any
@@ -17,10 +18,11 @@ from fem.solvers.backends.host_memory import require_memory
 from fem.solvers.backends.protocol import HOST
 from lumped.arrays import Array, SparseMatrix
 
-# Largest number of unknowns: minimum degree fills L and U of solids much more than a dissection.
+# Largest number of unknowns. For solids, the minimum degree order causes much more fill-in than
+# nested dissection.
 LARGEST = 20_000
-# Bytes of L, U and working memory per unknown: 25 000 for a leg of second-order tetrahedra with
-# 18 000 unknowns.
+# Memory (bytes) of L, U and work space per unknown. A leg of second-order tetrahedra with 18 000
+# unknowns needs 25 000.
 _BYTES_PER_UNKNOWN = 40_000
 
 
@@ -30,21 +32,21 @@ def title() -> str:
 
 
 class SuperluNumeric:
-    """A factor: see `Numeric`. `handle` is None for a singular or an empty matrix."""
+    """Factor by SuperLU, see `Numeric`. `handle` is None for a singular or an empty matrix."""
 
     def __init__(self, handle: Any, negative: int, zero: int) -> None:
         self._handle = handle
         self.negative, self.zero = negative, zero
 
     def solve(self, columns: Array) -> Array:
-        """Solutions (n×k)."""
+        """Solutions (n×k) for the right-hand sides `columns` (n×k)."""
         if not columns.shape[1]:
             return np.zeros(columns.shape)
         return np.asarray(self._handle.solve(np.ascontiguousarray(columns)))
 
 
 class SuperluOrdering:
-    """Order of elimination of a lower triangle (csc n×n): see `Ordering`."""
+    """Order of elimination for a lower triangle (csc n×n), see `Ordering`."""
 
     space = HOST
 
@@ -53,7 +55,10 @@ class SuperluOrdering:
         self.peak_bytes = _BYTES_PER_UNKNOWN * int(lower.shape[0])
 
     def factorise(self, values: Array, part: str) -> SuperluNumeric:
-        """Factor of the matrix with these values; ComputationError if memory does not suffice."""
+        """Factor of the matrix with these values.
+
+        Raises ComputationError if memory is insufficient.
+        """
         from scipy.sparse.linalg import splu  # noqa: PLC0415  rslab computes nearly always
 
         size = int(self._lower.shape[0])

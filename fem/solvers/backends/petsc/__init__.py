@@ -1,6 +1,6 @@
-"""MUMPS through PETSc, in processes of their own.
+"""MUMPS through PETSc, in separate processes.
 
-In: the lower triangle of a symmetric matrix. Out: its factor, signs, solutions. `client` belongs to
-this program. `keeper` and `server` are programs: the server runs outside this environment, the
-keeper ends it when the client is gone.
+Input: the lower triangle of a symmetric matrix. Output: factor, signs of eigenvalues, solutions.
+`client` belongs to this program. `keeper` and `server` are programs: the server runs outside this
+environment, and the keeper ends it when the client is gone.
 """

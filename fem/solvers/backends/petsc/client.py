@@ -1,10 +1,10 @@
-"""Factors by MUMPS through PETSc, in a process of its own or in several ranks of MPI.
+"""Factors by MUMPS through PETSc, in one separate process or in several MPI ranks.
 
-MUMPS factorises PᵀAP = L D Lᵀ with pivots of one and two rows along a nested dissection by METIS
-(Amestoy, Duff, L'Excellent, Koster, SIAM J. Matrix Anal. Appl. 23 (2001) 15). It detects null
+MUMPS factorises PᵀAP = L D Lᵀ with pivots of one or two rows, in an order by nested dissection of
+METIS (Amestoy, Duff, L'Excellent, Koster, SIAM J. Matrix Anal. Appl. 23 (2001) 15). It detects null
 pivots, and the inertia of D counts eigenvalues. petsc4py belongs to another Python, of the system
-or of conda, which runs `server`. One factor of a pattern is there at a time. An earlier one is
-computed again if it is needed again.
+or of conda, which runs `server`. Only one factor of a pattern is stored at a time. An earlier one
+is computed again if it is needed.
 """
 
 import json
@@ -39,8 +39,8 @@ from lumped.text import counted
 
 # The reference BLAS of Debian takes three times as long as OpenBLAS.
 PACKAGES = "python3-petsc4py, mpi-default-bin and libopenblas0-serial"
-# Environment of the server. One thread for each rank. For Open MPI 4 and 5: any number of ranks on
-# any number of cores, which give way while they wait, also for root.
+# Environment of the server: one thread for each rank. Open MPI 4 and 5 may start more ranks than
+# cores, also as root, and ranks that wait yield their core.
 _ENVIRONMENT: Mapping[str, str] = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -54,20 +54,20 @@ _ENVIRONMENT: Mapping[str, str] = {
     "PRTE_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
 }
-# Right-hand sides solved together.
+# Number of right-hand sides solved together.
 _COLUMNS_AT_ONCE = 64
-# Seconds in which a server must start: 1 to 5 are usual.
+# Largest time (s) for a server to start. 1 to 5 s are usual.
 _PATIENCE_AT_START = 120.0
-# Seconds for a server to end by itself.
+# Largest time (s) for a server to end by itself.
 _PATIENCE_AT_END = 3.0
 
 
 class MissingPetscError(InputError):
-    """There is no Python with petsc4py, or no MPI for several ranks."""
+    """Error: there is no Python with petsc4py, or no MPI for several ranks."""
 
 
 class Server:
-    """The program `server` on a number of ranks, and its private folder."""
+    """The program `server` on a number of MPI ranks, and its private folder."""
 
     def __init__(self, interpreter: str, ranks: int, mpiexec: str) -> None:
         self._lock, self._names = Lock(), count()
@@ -79,7 +79,7 @@ class Server:
             for rank in range(ranks):
                 pipe = self._folder / f"commands-{rank}"
                 os.mkfifo(pipe, 0o600)
-                # Opened for both, so that opening does not wait for the server.
+                # Opened for reading and writing, so that opening does not wait for the server.
                 pipes.append(os.open(pipe, os.O_RDWR))
             self._keeper = self._started(interpreter, ranks, mpiexec)
         except BaseException:
@@ -96,7 +96,7 @@ class Server:
             raise
 
     def _started(self, interpreter: str, ranks: int, mpiexec: str) -> "subprocess.Popen[bytes]":
-        """The keeper, which starts the server."""
+        """Process of the keeper, which starts the server."""
         here = Path(__file__).parent
         command = [interpreter, "-I", str(here / "server.py"), str(self._folder)]
         if ranks > 1:
@@ -113,22 +113,22 @@ class Server:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=log,
-                # A line that has come is not hidden in a buffer.
+                # Without a buffer, `select` detects each line that has arrived.
                 bufsize=0,
                 start_new_session=True,
             )
 
     @property
     def alive(self) -> bool:
-        """Whether it can answer."""
+        """True if the server can answer."""
         return self.end.alive
 
     def new_name(self) -> int:
-        """A name for an ordering."""
+        """Unique name for an ordering."""
         return next(self._names)
 
     def analyse(self, name: int, lower: SparseMatrix) -> int:
-        """Order the unknowns of a lower triangle (csc n×n); predicted memory (bytes)."""
+        """Order the unknowns of a lower triangle (csc n×n). Return the predicted memory (bytes)."""
         with self._command():
             for kind, array in (
                 ("offsets", lower.indptr),
@@ -146,7 +146,7 @@ class Server:
             return int(answer["negative"]), int(answer["zero"])
 
     def solve(self, name: int, right: Array) -> Array:
-        """Solutions (n×k) by the factor of an ordering."""
+        """Solutions (n×k) with the factor of the ordering `name`."""
         with self._command():
             self._store("right", right)
             self._store("solution", np.zeros_like(right))
@@ -156,7 +156,7 @@ class Server:
     def discard(self, name: int) -> None:
         """Free the factor of an ordering, at the latest before the next command."""
         self._discarded.append(name)
-        # A finaliser may run amidst a command, in any thread.
+        # A finaliser may run during a command, in any thread.
         if self._lock.acquire(blocking=False):
             try:
                 if self.alive:
@@ -174,7 +174,10 @@ class Server:
 
     @contextmanager
     def _command(self, part: str = "") -> Iterator[None]:
-        """Context of files and commands that belong together; ComputationError if they fail."""
+        """Context of files and commands that belong together.
+
+        Raises ComputationError if they fail.
+        """
         with self._lock:
             if not self.alive:
                 raise ComputationError(f"{self._what} has ended before", part)
@@ -186,11 +189,11 @@ class Server:
                 raise ComputationError(reason, part) from error
 
     def _store(self, name: str, array: Any) -> None:
-        """Write an array to a file of the folder."""
+        """Write an array to a file in the folder of the server."""
         np.save(self._folder / f"{name}.npy", array)
 
     def _execute(self, verb: str, name: int, part: str = "") -> dict[str, Any]:
-        """Answer to a command about an ordering; ComputationError if there is none."""
+        """Answer to a command for an ordering. Raises ComputationError if the command fails."""
         self._discard_all()
         answer = self._exchange(verb, name, part)
         if "error" in answer:
@@ -208,7 +211,7 @@ class Server:
             raise
 
     def _answer(self, patience: float | None, part: str = "") -> dict[str, Any]:
-        """The next JSON object on the server's standard output."""
+        """Next JSON object on the standard output of the server."""
         output = self._keeper.stdout
         if output is None:  # pragma: no cover
             raise AssertionError("standard output is a pipe")
@@ -250,13 +253,16 @@ def _end(keeper: "subprocess.Popen[bytes]", pipes: tuple[int, ...], folder: Path
 
 
 def _mpiexec(interpreter: str) -> str:
-    """Program that starts ranks, beside the interpreter as in conda or on the path; "" if none."""
+    """Program that starts MPI ranks, next to the interpreter (conda) or on the search path.
+
+    "" if none.
+    """
     beside = Path(interpreter).parent / "mpiexec"
     return str(beside) if beside.exists() else shutil.which("mpiexec") or ""
 
 
 def _started(interpreter: str, ranks: int) -> Server:
-    """A server that has petsc4py. Raises MissingPetscError."""
+    """Server with petsc4py. Raises MissingPetscError."""
     mpiexec = _mpiexec(interpreter)
     if not hasattr(os, "mkfifo"):
         reason = "runs on Linux and macOS alone"
@@ -286,7 +292,10 @@ def _kept(interpreter: str, ranks: int) -> Server:
 
 
 def server() -> Server:
-    """The server of this process, started when it is first needed and after it has died."""
+    """Server of this process.
+
+    It is started when it is first needed, and again after it has died.
+    """
     request = petsc_python(), requested_ranks()
     if not _kept(*request).alive:
         _kept.cache_clear()
@@ -294,7 +303,7 @@ def server() -> Server:
 
 
 def installed() -> bool:
-    """Whether there is a Python with petsc4py, PETSc and MUMPS."""
+    """True if there is a Python with petsc4py, PETSc and MUMPS."""
     try:
         server()
     except MissingPetscError:
@@ -303,29 +312,30 @@ def installed() -> bool:
 
 
 def title() -> str:
-    """Name and version of the libraries, and the number of ranks. Raises MissingPetscError."""
+    """Names and versions of the libraries, and number of ranks. Raises MissingPetscError."""
     about = server().about
     mumps = f"MUMPS {about['mumps']}".rstrip()
     return f"PETSc {about['petsc']}, {mumps} (sparse LDLᵀ) on {counted(about['ranks'], 'rank')}"
 
 
 class PetscNumeric:
-    """A factor: see `Numeric`."""
+    """Factor on the server, see `Numeric`."""
 
     def __init__(self, ordering: "PetscOrdering", values: Array, negative: int, zero: int) -> None:
         self._ordering, self._values = ordering, values
         self.negative, self.zero = negative, zero
 
     def solve(self, columns: Array) -> Array:
-        """Solutions (n×k)."""
+        """Solutions (n×k) for the right-hand sides `columns` (n×k)."""
         self._ordering.load(self._values, "")
         return self._ordering.solved(columns)
 
 
 class PetscOrdering:
-    """Order of elimination of a lower triangle (csc n×n): see `Ordering`.
+    """Order of elimination for a lower triangle (csc n×n), see `Ordering`.
 
-    Its three arrays, read by rows, are the upper triangle. Raises MissingPetscError.
+    The three arrays of the lower triangle, read by rows, are the upper triangle. Raises
+    MissingPetscError.
     """
 
     space = HOST
@@ -341,9 +351,9 @@ class PetscOrdering:
         self.peak_bytes = self._server.analyse(self._name, lower)
 
     def factorise(self, values: Array, part: str) -> PetscNumeric:
-        """Factor of the matrix with these values; ComputationError if it fails.
+        """Factor of the matrix with these values. Raises ComputationError if it fails.
 
-        A factor that is not accurate has one entry without a sign.
+        A factor that is not accurate is reported with one entry of D without a sign.
         """
         if self._loaded is None:
             require_memory(self.peak_bytes, self._size, part)
@@ -355,7 +365,7 @@ class PetscOrdering:
         return PetscNumeric(self, values, negative, zero)
 
     def load(self, values: Array, part: str) -> None:
-        """Factorise the matrix with these values unless the factor on the server is its own."""
+        """Factorise the matrix with these values, unless their factor is on the server already."""
         if self._loaded is values:
             return
         self._loaded = None
@@ -363,7 +373,7 @@ class PetscOrdering:
         self._loaded = values
 
     def solved(self, columns: Array) -> Array:
-        """Solutions (n×k) by the factor that is loaded."""
+        """Solutions (n×k) with the factor that is on the server."""
         solution = np.zeros(columns.shape)
         for start in range(0, columns.shape[1], _COLUMNS_AT_ONCE):
             some = slice(start, start + _COLUMNS_AT_ONCE)

@@ -1,8 +1,8 @@
-"""Program that runs a command for as long as its client lives.
+"""Program that runs a command as long as its client lives.
 
-It is started as `keeper.py FOLDER COMMAND…`. The client holds the other end of standard input. If
-that closes, because the client ends in whatever way, the command is ended and the folder removed.
-The exit code is that of the command, 128 + n if signal n ended it.
+It is started as `keeper.py FOLDER COMMAND…`. The client has the other end of standard input. When
+that is closed, because the client has ended in any way, the command is ended and the folder is
+removed. The exit code is that of the command, or 128 + n if signal n ended it.
 """
 
 import os
@@ -11,12 +11,12 @@ import subprocess
 import sys
 from threading import Event, Thread
 
-# Seconds for the command to end on request, before it is killed.
+# Time (s) for the command to end on request, before it is killed.
 _PATIENCE = 5.0
 
 
 def keep(folder: str, command: list[str]) -> int:
-    """Run the command; its exit code, 128 + n if signal n ended it."""
+    """Run the command. Return its exit code, or 128 + n if signal n ended it."""
     child = subprocess.Popen(command, stdin=subprocess.DEVNULL)  # noqa: S603  by the client
     deserted = Event()
 

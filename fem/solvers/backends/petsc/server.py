@@ -1,9 +1,9 @@
 """Program that computes for the backend `petsc`, run by a Python that has petsc4py.
 
 It imports nothing of this project, only numpy and petsc4py of the Python that runs it. It is
-started as `server.py FOLDER`, once for each rank of MPI. Each rank reads commands, one JSON object
-a line, from the pipe `commands-RANK` in the folder. Arrays are files of numpy in the same folder.
-Rank 0 answers on standard output, one JSON object a line.
+started as `server.py FOLDER`, once for each MPI rank. Each rank reads commands, one JSON object per
+line, from the pipe `commands-RANK` in the folder. Arrays are numpy files in the same folder. Rank 0
+writes the answers to standard output, one JSON object per line.
 """
 
 import ctypes
@@ -15,23 +15,24 @@ from typing import Any
 
 import numpy as np
 
-# Folders of petsc4py in Debian: its usual path exists with the development package alone.
+# Folders of petsc4py in Debian. The usual path exists only with the development package.
 _DEBIAN = "usr/lib/petscdir/petsc*/*-real/lib/python3/dist-packages"
-# Parameters of MUMPS for symmetric matrices: ordering by METIS, no ScaLAPACK at the root, which has
-# no inertia, and detection of null pivots.
+# Parameters of MUMPS for symmetric matrices: ordering by METIS, no ScaLAPACK at the root (which
+# does not provide the inertia), and detection of null pivots.
 _MUMPS = {7: 5, 13: 1, 24: 1}
-# Parameter of MUMPS: its working memory beyond the prediction (percent), and the values in turn.
+# Parameter of MUMPS for working memory in excess of the prediction (per cent), and successive
+# values.
 _RELAXATION, _RELAXATIONS = 14, (30, 100, 400)
-# Errors of MUMPS if the predicted working memory does not suffice.
+# Error numbers of MUMPS if the predicted working memory is insufficient.
 _MORE_ROOM = {-8, -9, -14, -17, -20}
-# Doubles that the settings of a factorisation in PETSc take, and more than any version needs.
+# Size (doubles) of the settings of a factorisation in PETSc, more than any version needs.
 _SETTINGS = 64
-# Length of the version that MUMPS writes.
+# Length of the version text that MUMPS writes.
 _VERSION = 30
 
 
 class _MumpsError(Exception):
-    """An error of MUMPS on all ranks, by its number and detail (INFOG(1) and INFOG(2))."""
+    """An error of MUMPS on all ranks, with its number and detail (INFOG(1) and INFOG(2))."""
 
     def __init__(self, number: int, detail: int) -> None:
         super().__init__(f"MUMPS error {number} ({detail})")
@@ -58,7 +59,7 @@ class _Factor:
         shape = (end - first, size)
         pattern = self._offsets, self._columns, np.array(values[self._entries])
         self._matrix = petsc.Mat().createSBAIJ((shape, shape), 1, csr=pattern, comm=communicator)
-        # PETSc's preconditioner makes the empty factor.
+        # The preconditioner of PETSc creates the empty factor.
         self._owner = petsc.PC().create(communicator)
         self._owner.setOperators(self._matrix)
         self._owner.setType("cholesky")
@@ -81,11 +82,11 @@ class _Factor:
 
     @property
     def peak_bytes(self) -> int:
-        """Predicted memory of the factorisation, of all ranks together."""
+        """Predicted memory (bytes) of the factorisation, for all ranks together."""
         return 1_000_000 * int(self._factor.getMumpsInfog(17))
 
     def factorise(self, name: int) -> "tuple[int, int]":
-        """Numbers of negative and of zero eigenvalues of the matrix with the values of a file."""
+        """Numbers of negative and of zero eigenvalues of the matrix with the values in a file."""
         values = np.load(self._folder / f"{name}-values.npy", mmap_mode="r")
         own = np.array(values[self._entries])
         self._matrix.setValuesCSR(self._offsets, self._columns, own)
@@ -103,7 +104,7 @@ class _Factor:
         return int(negative), int(zero)
 
     def solve(self) -> None:
-        """Write the solutions for the right-hand sides (n×k) that are in their file."""
+        """Write the solutions for the right-hand sides (n×k) in their file."""
         right = np.load(self._folder / "right.npy", mmap_mode="r")
         solution = np.load(self._folder / "solution.npy", mmap_mode="r+")
         known = self._dense(np.array(right[self._rows], order="F"))
@@ -117,7 +118,7 @@ class _Factor:
         self._petsc.COMM_WORLD.barrier()
 
     def _dense(self, rows: Any) -> Any:
-        """Dense matrix of PETSc on an array, its rows of this rank."""
+        """Dense matrix of PETSc with the `rows` of this rank."""
         shape = (len(rows), self._size), (None, rows.shape[1])
         dense = self._petsc.Mat().createDense(shape, array=rows, comm=self._petsc.COMM_WORLD)
         dense.assemble()
@@ -134,7 +135,7 @@ class _Factor:
             raise _MumpsError(number, int(self._factor.getMumpsInfog(2)))
 
     def _call(self, name: str, *arguments: Any) -> None:
-        """Call a function of PETSc that petsc4py lacks."""
+        """Call a function of PETSc that petsc4py does not provide."""
         if code := getattr(self._library, name)(*arguments):
             raise RuntimeError(f"{name} of PETSc failed with code {code}")
 
@@ -144,7 +145,7 @@ def _handle(part: Any) -> ctypes.c_void_p:
 
 
 def _petsc() -> Any:
-    """The module PETSc of petsc4py, initialised; raises ImportError."""
+    """Module PETSc of petsc4py, initialised. Raises ImportError."""
     if sys.prefix == "/usr":
         sys.path.extend(str(folder) for folder in sorted(Path("/").glob(_DEBIAN)))
     import petsc4py  # noqa: PLC0415
@@ -167,9 +168,9 @@ def _mumps_version(library: ctypes.CDLL) -> str:
 
 
 def serve(folder: Path) -> None:
-    """Answer commands until the pipe that brings them is closed."""
+    """Answer commands until the pipe from which they are read is closed."""
     answers = os.fdopen(os.dup(1), "w", encoding="ascii")
-    # Messages of libraries go to the log.
+    # Messages that libraries print are written to the log.
     os.dup2(2, 1)
 
     def answer(content: "dict[str, Any]") -> None:
@@ -204,7 +205,7 @@ def _executed(
     library: ctypes.CDLL,
     folder: Path,
 ) -> "dict[str, Any]":
-    """Answer to a command; an error of MUMPS is one, any other error ends the process."""
+    """Answer to a command. Errors of MUMPS are part of the answer, others end the process."""
     try:
         if verb == "analyse":
             factors[name] = _Factor(petsc, library, folder, name)
