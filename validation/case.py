@@ -1,8 +1,9 @@
-"""A validation case as a typed record, and its measurement.
+"""A comparison as a typed record (case), and its result (measurement).
 
-The error of a comparison is E = value − reference. Named differences between the two models may
-be allowed for. The unexplained difference, E less the allowances, is compared with the tolerance
-(vocabulary of ASME V&V 10 and 20).
+Input: a function that computes a value and a reference, with tolerance, source and reason. Output:
+a `Measurement`. Rule: the error is E = value − reference. Named differences between the two models
+can be allowed for; the unexplained difference, E minus the allowances, is compared with the
+tolerance (terms of ASME V&V 10 and 20).
 """
 
 import sys
@@ -23,7 +24,7 @@ from validation.published_statements import Claim
 from validation.record_fields import LISTING, RESULTS
 from validation.studies_and_figures import Study
 
-# A comparison of two models, of a model with its own refinement, or of all formulations of one leg.
+# Comparison of two models, of a model with its own refinement, or of all formulations of one leg.
 CaseKind: TypeAlias = Literal["comparison", "convergence", "agreement"]
 ReferenceKind: TypeAlias = Literal[
     "closed-form", "published", "paper-statement", "finer-model", "independent-solver"
@@ -41,7 +42,10 @@ class Relation(Enum):
     AT_LEAST = "at least"
 
     def excess(self, difference: float) -> float:
-        """Violation of the relation by `difference` (value − reference). Negative if it holds."""
+        """Amount by which `difference` (value − reference) violates the relation.
+
+        Negative if it holds.
+        """
         match self:
             case Relation.EQUAL:
                 return abs(difference)
@@ -60,7 +64,7 @@ class Absolute(msgspec.Struct, frozen=True, tag="absolute", tag_field="kind"):
         _require_positive(self.amount)
 
     def at(self, reference: float) -> float:  # noqa: ARG002  independent of the reference
-        """Amount in the unit of the case."""
+        """Tolerance in the unit of the case. Independent of the reference."""
         return self.amount
 
 
@@ -73,7 +77,7 @@ class Relative(msgspec.Struct, frozen=True, tag="relative", tag_field="kind"):
         _require_positive(self.fraction)
 
     def at(self, reference: float) -> float:
-        """Amount in the unit of the case. Raises ValueError for a reference of zero."""
+        """Tolerance in the unit of the case. Raises ValueError if the reference is zero."""
         if reference == 0.0:
             raise ValueError("a relative tolerance needs a reference other than zero")
         return self.fraction * abs(reference)
@@ -84,9 +88,9 @@ Tolerance: TypeAlias = Absolute | Relative
 
 @dataclass(frozen=True)
 class Allowance:
-    """A named cause and the part of value − reference that it explains (signed, unit of the case).
+    """Named cause and the part of value − reference that it explains (signed, unit of the case).
 
-    `source`: section, equation or function that the amount is from.
+    `source`: section, equation or function from which the amount comes.
     """
 
     cause: str
@@ -96,7 +100,7 @@ class Allowance:
 
 @dataclass(frozen=True)
 class Elsewhere:
-    """A measurement's comparison repeated in another pose or mode, named by `where`.
+    """The comparison of a measurement in another pose or mode, which `where` names.
 
     `uncertainty`: half-width of the unexplained difference. None if the numbers are exact.
     """
@@ -114,10 +118,10 @@ class Elsewhere:
 
 @dataclass(frozen=True)
 class UnjudgedValue:
-    """A value and its reference in `unit`, shown without a verdict.
+    """A value and its reference in `unit`, displayed without a verdict.
 
-    `model`, `label` and `elements` have the meaning that they have in `Case`. `half_width`:
-    numerical uncertainty of the reference. None if it is unknown.
+    `model`, `label` and `elements` as in `Case`. `half_width`: numerical uncertainty of the
+    reference, None if unknown.
     """
 
     model: str
@@ -138,17 +142,18 @@ class UnjudgedValue:
 class Measurement:
     """Result of a case, in the unit of the case.
 
-    `value_uncertainty`, `reference_uncertainty` and `judged_uncertainty` are the numerical
-    uncertainties of both sides and of the unexplained difference (half-widths of a 95 % interval).
-    The last is stated if both sides have one mesh, whose errors cancel. Otherwise it follows from
-    the other two. Either one of them is stated, or the numbers are `exact`: nothing is discretised,
-    and round-off is the only error. Neither, or both, raise ValueError. `table` maps column
-    headings to equally long columns. `studies` are convergence studies and sweeps to be shown with
-    the case. `pose` is the pose of the numbers. If a case compares several poses or modes, it is
-    fixed beforehand, so that runs can be compared, and `elsewhere` contains the others, which are
-    judged as well. Values `shown` are reported beside it without a verdict.
-    `claim`: statement of a source on this result, read as printed and as corrected. `decides`:
-    action or information that would decide the case if the uncertainty is too large.
+    `value_uncertainty`, `reference_uncertainty` and `judged_uncertainty`: numerical uncertainty of
+    the value, of the reference and of the unexplained difference (half-widths, 95 %). The third is
+    given if both sides have the same mesh, whose errors cancel; otherwise it follows from the other
+    two. Either at least one of these is given, or the numbers are `exact`: nothing is discretised,
+    and round-off is the only error. Neither, or both, raise ValueError.
+
+    `table`: columns of equal length by heading. `studies`: convergence studies and sweeps to be
+    displayed with the case. `pose`: the pose of the numbers. If a case compares several poses or
+    modes, one is fixed beforehand, so that runs can be compared, and `elsewhere` contains the
+    others, which are judged as well. `shown`: values reported without a verdict. `claim`: a
+    publication's statement on this result, as printed and as corrected. `decides`: action or
+    information that would decide the case if the uncertainty is too large.
     """
 
     value: Annotated[float, RESULTS]
@@ -180,14 +185,14 @@ class Measurement:
 
     @property
     def unexplained(self) -> float:
-        """E less the allowances for named causes."""
+        """E minus the allowances for named causes."""
         return self.difference - sum(allowance.amount for allowance in self.allowances)
 
     @property
     def numerical_uncertainty(self) -> float | None:
-        """Half-width of the unexplained difference: as stated, or of both sides in quadrature.
+        """Half-width of the unexplained difference: as given, or of both sides in quadrature.
 
-        None if the numbers are exact to rounding.
+        None if the numbers are exact up to round-off.
         """
         if self.judged_uncertainty is not None:
             return self.judged_uncertainty
@@ -197,7 +202,7 @@ class Measurement:
 
 
 class Skip(Exception):  # noqa: N818  not an error: it has the reason why the case cannot be run
-    """Raised by a case that cannot be run on this machine or for this robot, with the reason."""
+    """Raised by a case that cannot be computed here or for this robot, with the reason."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,12 +210,12 @@ class Declaration(ScheduledTask):
     """A comparison without its numbers: the claim, its source and its tolerance.
 
     `id` is dotted, with parameters in brackets: "robot.beam-vjm.planar[x=0.4975]". `quantity` and
-    `unit` name the value ("largest planar deflection", "µm"; "1" for ratios), `model` the model
-    of the value ("segments", "solid"; "" if it is from no model). `subject` is the subject of the
-    case: the run's robot, or one of its legs, whose name is `body`. `label` is the quantity in the
-    few words for which an axis has room. `figure` is the id of the figure that shows its result.
-    `elements`: element count of each leg. 0 if the model has no elements or the case is about
-    several counts. `tolerance`: None if it is unknown, as in a results.json of a failed case.
+    `unit` name the value ("largest planar deflection", "µm"; "1" for ratios). `model`: model of the
+    value ("segments", "solid"; "" if it comes from no model). `subject`: the run's robot, or one of
+    its legs, whose name is `body`. `label`: the quantity in few words, for an axis. `figure`: id of
+    the figure with its result. `elements`: element count of each leg, 0 if the model has no
+    elements or the case covers several counts. `tolerance` is None if it is unknown, as in a
+    results.json of a failed case.
     """
 
     quantity: Annotated[str, RESULTS, LISTING] = ""
@@ -233,7 +238,7 @@ class Declaration(ScheduledTask):
 class Case(Declaration):
     """A declared comparison with the function that computes it.
 
-    `compute` may raise ComputationError (the case has failed) or Skip.
+    `compute` can raise ComputationError (the case has failed) or Skip.
     """
 
     compute: Callable[[Context], Measurement]
@@ -250,7 +255,7 @@ class Case(Declaration):
     def measure(self, context: Context) -> Measurement:
         """Result of `compute` in the `context` of the run.
 
-        Raises Skip also if it needs CalculiX and CalculiX is not installed.
+        Raises Skip also if the case needs CalculiX and CalculiX is not installed.
         """
         try:
             return self.compute(context)
@@ -269,14 +274,14 @@ def _require_positive(number: float) -> None:
 
 
 def failure_reason(subject: str, error: Exception) -> str:
-    """One line that gives the reason of a failure; the traceback goes to stderr, a run's log."""
+    """Reason of a failure in one line. The traceback goes to stderr, which is the log of a run."""
     if isinstance(error, ComputationError | InputError):
         message = str(error)
     elif isinstance(error, MemoryError):
         message = f"ran out of memory; {OUT_OF_MEMORY}"
     else:
         message = f"{type(error).__name__}: {error} (traceback in log.txt)"
-    # If the disk is too full for the log, the result is kept nevertheless.
+    # The result is returned even if the disk is too full for the log.
     with suppress(OSError):
         sys.stderr.write(f"\n== {subject}: {message}\n")
         traceback.print_exception(error)

@@ -1,4 +1,9 @@
-"""The adequacy of models as data: entries of a matrix model × quantity."""
+"""Data records of the adequacy of models: entries of a matrix of models by quantities.
+
+Input: errors, verdicts and causes. Output: `Entry`, `Matrix` and their form in results.json. Rule
+for the verdict of a model: inadequate if any of its entries is, adequate if all are, otherwise
+undecided.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,18 +19,18 @@ from validation.context import Context, ScheduledTask
 from validation.record_fields import COLUMN, Column
 
 Adequacy: TypeAlias = Literal["adequate", "inadequate", "undecided"]
-# Types of an entry's quantity and causes.
+# Types of the quantity and of the causes of an entry.
 Q = TypeVar("Q")
 C = TypeVar("C", bound="CauseShare")
 # Ids of the two assessments of a run: against computed and against measured references.
 ADEQUACY, MEASURED = "adequacy", "adequacy.measured"
-# The figure that shows a measured response beside those of the models.
+# Id of the figure of a measured response and those of the models.
 MEASURED_RESPONSE = "measured.response"
 
 
 @dataclass(frozen=True)
 class Coordinate:
-    """Coordinate prescribed by a pose: "x" in "m", "phi_z" in "rad"."""
+    """Coordinate that a pose prescribes: "x" in "m", "phi_z" in "rad"."""
 
     name: str
     unit: str
@@ -41,14 +46,14 @@ class Coordinate:
 
 
 class CauseShare(msgspec.Struct, frozen=True):
-    """A named cause and its share of an error (1: all of it; negative: it works against it)."""
+    """Named cause and its share of an error: 1 for all of it, negative if it reduces the error."""
 
     cause: str
     share: float
 
 
 class Cause(CauseShare, frozen=True):
-    """A cause within a run, with the computation of its amount."""
+    """Cause within a run, with the computation from which its amount comes."""
 
     source: str = ""
 
@@ -56,67 +61,68 @@ class Cause(CauseShare, frozen=True):
 class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
     """Verdict on one quantity of one model: an object of "adequacy" in results.json.
 
-    The only place that lists these fields: runs, results.json, CSV tables, `compare`, the API and
-    the page use this class. Fields marked as `COLUMN` are columns of CSV, in this order. Numbers
+    These fields are listed here only: runs, results.json, CSV tables, `compare`, the API and the
+    page use this class. Fields annotated with `COLUMN` are columns of CSV, in this order. Numbers
     are in SI units; errors, half-widths and shares are ratios. A number that is not finite is null
-    in JSON, and null is read as None. Numbers without an index of poses are those of `pose`.
+    in JSON, and null is read as None. Numbers without an index of poses belong to `pose`.
     """
 
-    # Name of the model: "vjm".
+    # Name of the model, such as "vjm".
     model: Annotated[str, COLUMN]
     # A `Quantity` within a run, its name in results.json.
     quantity: Annotated[Q, COLUMN]
     verdict: Annotated[Adequacy, COLUMN]
-    # Total error. Of frequencies (model − reference)/reference with its sign, of deflections
-    # |u − u*|/|u*| of the whole displacement, never negative. If the robot file allows several
-    # readings, it is the error against the reading from which the model is farthest. None if the
-    # model does not have the quantity, or if it is not known.
+    # Error of a frequency: (model − reference)/reference, signed. Of a displacement: |u − u*|/|u*|
+    # of the whole vector, never negative. If the robot file allows several readings, the error
+    # against the reading from which the model is farthest. None if the model does not define the
+    # quantity, or if it is unknown.
     error: Annotated[float | None, COLUMN] = None
     # Half-width of `error`.
     uncertainty: Annotated[float | None, COLUMN] = None
-    # Bounds of the errors by all readings with their half-widths; they decide the verdict. Those of
-    # a deflection end at zero.
+    # Lowest and highest error over all readings with their half-widths; they decide the verdict.
+    # Those of a displacement end at zero.
     low: Annotated[float | None, COLUMN] = None
     high: Annotated[float | None, COLUMN] = None
-    # Largest accepted size of the error. Infinite if every error is accepted.
+    # Largest accepted magnitude of the error. Infinite if any error is accepted.
     limit: Annotated[float | None, COLUMN] = None
     # Signed error of the displacement along its load. None for frequencies.
     along: Annotated[float | None, Column("error along the load")] = None
-    # Number of the model (Hz; of deflections along their load, m/N, rad/(N m), or m of loads).
+    # Value of the model: Hz; for displacements along their load, m/N, rad/(N m), or m for loads.
     value: Annotated[float | None, COLUMN] = None
-    # Number of the reference in the unit of `value`.
+    # Value of the reference, in the unit of `value`.
     expected: Annotated[float | None, Column("reference value")] = None
-    # Reference in words.
+    # Description of the reference.
     reference: Annotated[str, COLUMN] = ""
-    # Likeness of the modes (0 to 1) whose measured and computed frequencies are compared.
+    # Likeness (0 to 1) of the modes whose measured and computed frequencies are compared.
     mac: Annotated[float | None, COLUMN] = None
-    # Change of the model that reduces the error; "" if there is none.
+    # Change of the model that reduces the error. "" if there is none.
     remedy: Annotated[str, COLUMN] = ""
     # Largest error over all poses after the remedy.
     error_with_remedy: Annotated[float | None, COLUMN] = None
-    # Reason of a verdict that no number gives, or of an undecided one, with what would decide it.
+    # Reason of a verdict without numbers, or of an undecided one, with the information that would
+    # decide it.
     reason: Annotated[str, COLUMN] = ""
     # Probability (0 to 1) of an error within the limit. None unless inputs are uncertain.
     probability: Annotated[float | None, COLUMN] = None
-    # Worst direction of any force (x, y, z of the base axes); () for other quantities.
+    # Worst direction of any force (x, y, z of the base axes). () for other quantities.
     force: Annotated[tuple[float, ...], Column("worst force")] = ()
     # Deciding pose (m, rad), in the order of the robot's moves.
     pose: Annotated[tuple[float, ...], COLUMN] = ()
-    # Errors by the names of the readings; {} if there is one reading.
+    # Errors by the names of the readings. {} if there is one reading.
     readings: Annotated[Mapping[str, float], COLUMN] = {}
     # Causes of `error`, the largest first.
     causes: Annotated[tuple[C, ...], COLUMN] = ()
-    # Parts of the half-width by source, and half the distance between the readings.
+    # Half-widths by source of uncertainty, and half the distance between the readings.
     uncertainties: Mapping[str, float | None] = {}
     # True if the reference is a measured value.
     measured: bool = False
     # Probability (0 to 1) of an error beyond the limit.
     probability_beyond: float | None = None
-    # First-order Sobol' indices of the error by the keys of the uncertain inputs.
+    # Share of each uncertain input in the error's variance (first-order Sobol' index), by key.
     input_shares: Mapping[str, float] = {}
     # Half-width (95 %) of `value` due to uncertain inputs.
     value_spread: float | None = None
-    # Assumption on the reference that no computation can check; "" if there is none.
+    # Assumption on the reference that no computation can check. "" if there is none.
     assumed: str = ""
     # All poses, in results.json only, and the values of the model at each of them.
     poses: tuple[tuple[float, ...], ...] = ()
@@ -126,19 +132,19 @@ class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
 
     @property
     def signed(self) -> bool:
-        """True if errors have a sign; the error of a whole displacement has none."""
+        """True if errors have a sign. That of a displacement vector has none."""
         return self.along is None
 
 
 class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
-    """An entry within a run, with the numbers that the page shows and results.json omits."""
+    """Entry within a run, with numbers that the page displays and results.json omits."""
 
-    # Numbers that are infinite here are None in the class above, as JSON has none.
+    # Infinite numbers are None in the base class, since JSON has none.
     limit: Annotated[float, COLUMN] = inf
     uncertainties: Mapping[str, float] = {}
-    # Lowest and highest number of the reference by all readings, with half-widths.
+    # Lowest and highest value of the reference over all readings, with half-widths.
     expected_range: tuple[float, ...] = ()
-    # Error, half-width, bounds and error along the load at each pose.
+    # Error, half-width, bounds, and error along the load in each pose.
     errors: tuple[float | None, ...] = ()
     spreads: tuple[float | None, ...] = ()
     lows: tuple[float | None, ...] = ()
@@ -149,7 +155,7 @@ class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
 
     @property
     def chance(self) -> float | None:
-        """Probability of the verdict, or of the likelier one if undecided; None if unknown."""
+        """Probability of the verdict. If undecided, of the likelier verdict. None if unknown."""
         if self.probability is None or self.probability_beyond is None:
             return None
         probabilities = {"adequate": self.probability, "inadequate": self.probability_beyond}
@@ -157,7 +163,7 @@ class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
 
     @property
     def signed(self) -> bool:
-        """True if errors have a sign; the error of a whole displacement has none."""
+        """True if errors have a sign. That of a displacement vector has none."""
         return not self.quantity.whole
 
 
@@ -175,15 +181,15 @@ class ModelNote:
 
 @dataclass(frozen=True)
 class Matrix:
-    """All models by all quantities for one robot.
+    """Verdicts on all models for all quantities of one robot.
 
-    `coordinates` are prescribed by a pose; `poses` (p×n) are all poses of the path.
-    `notes` are facts that belong beside the matrix. `supposed` is the assumption of the verdicts on
-    frequencies. `parts` are matrices of each leg alone, root clamped, with the leg's name as
-    `robot`. If models use legs that differ from the robot's, `formulation` compares them with
-    solids of the legs that they model: an error in the matrix that is absent there is due to the
-    legs, not to the model. `faults` names the models, and other computations, that ended with an
-    error of the program: an entry that they leave undecided is no statement about the robot.
+    `coordinates`: prescribed by a pose. `poses` (p×n): all poses of the path. `notes`: facts to be
+    displayed with the matrix. `supposed`: assumption behind verdicts on frequencies. `parts`:
+    matrices of each leg alone with its root clamped, whose `robot` is the leg's name.
+    `formulation`: if models use legs that differ from the robot's, their comparison with solids of
+    those legs; an error of the matrix that is absent there is due to the legs, not to the model.
+    `faults`: names of the models, and other computations, that ended with an error of the program;
+    an entry left undecided by it is no statement about the robot.
     """
 
     robot: str
@@ -210,12 +216,12 @@ class Matrix:
         return (*self.parts, *((self.formulation,) if self.formulation else ()))
 
     def entry(self, model: str, name: str) -> Entry | None:
-        """Entry of a model and a quantity by its name. None if the model does not define it."""
+        """Entry of a model and a quantity by name. None if the model does not define it."""
         entries = (entry for entry in self.of_model(model) if entry.quantity.name == name)
         return next(entries, None)
 
     def known_entry(self, model: str, name: str) -> Entry:
-        """Entry of a model and a quantity by its name; raises InputError if there is none."""
+        """Entry of a model and a quantity by name. Raises InputError if there is none."""
         if entry := self.entry(model, name):
             return entry
         models = [note.model for note in self.models]
@@ -230,18 +236,18 @@ class Matrix:
         return tuple(entry for entry in self.entries if entry.model == model)
 
     def verdict(self, model: str) -> Adequacy:
-        """The worst verdict of a model, "undecided" better than "inadequate"."""
+        """Worst verdict of a model. "undecided" is better than "inadequate"."""
         return worst_of([entry.verdict for entry in self.of_model(model)] or ["undecided"])
 
     def fails(self, rely: Sequence[str], *, strict: bool) -> tuple[str, ...]:
-        """Models in `rely` that are inadequate, with `strict` also those that are undecided."""
+        """Models in `rely` that are inadequate. With `strict` also those that are undecided."""
         refused = {"inadequate", "undecided"} if strict else {"inadequate"}
         return tuple(model for model in rely if self.verdict(model) in refused)
 
 
 @dataclass(frozen=True)
 class Assessment(ScheduledTask):
-    """The matrix of a run's robot. `compute` may raise Skip."""
+    """Task that computes the matrix of a run's robot. `compute` can raise Skip."""
 
     compute: Callable[[Context], Matrix]
 
@@ -250,6 +256,9 @@ VERDICTS: tuple[Adequacy, ...] = ("adequate", "inadequate", "undecided")
 
 
 def worst_of(verdicts: Sequence[Adequacy]) -> Adequacy:
-    """Verdict on a set: inadequate if any is inadequate, adequate if all are adequate."""
+    """Common verdict: inadequate if any is inadequate, adequate if all are adequate.
+
+    Otherwise undecided.
+    """
     order: tuple[Adequacy, ...] = ("inadequate", "undecided", "adequate")
     return min(verdicts, key=order.index)

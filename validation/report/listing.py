@@ -1,4 +1,7 @@
-"""Cases and outcomes as lines of text, as JSON, and as JUnit XML for CI systems."""
+"""Cases, outcomes and audit findings as lines of text, as JSON, and as JUnit XML.
+
+Input: tasks, outcomes or findings. Output: text for the terminal, and files for CI systems.
+"""
 
 import json
 import re
@@ -16,7 +19,7 @@ from validation.run.outcome import Outcome, Task
 
 
 def as_text(tasks: Sequence[Task]) -> str:
-    """The cases as indented text, one paragraph each."""
+    """Cases as indented text, one paragraph each."""
     listed = "\n".join(
         f"{case.id}\n"
         f"    {case.title}\n"
@@ -31,7 +34,7 @@ def as_text(tasks: Sequence[Task]) -> str:
 
 
 def as_json(tasks: Sequence[Task]) -> str:
-    """The cases as a JSON array."""
+    """Cases as a JSON array."""
     return json.dumps(
         [
             {
@@ -47,7 +50,7 @@ def as_json(tasks: Sequence[Task]) -> str:
 
 
 def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding], reachable: int) -> str:
-    """Findings of an audit as text, after a line on the soundness of the data used.
+    """Findings of an audit as text, after a line on the state of the data.
 
     `reachable`: number of poses of the path within reach. Faults of a printed source that are
     corrected are listed separately from remaining doubts.
@@ -96,10 +99,9 @@ def _finding_lines(findings: Sequence[Finding]) -> list[str]:
 
 
 def outcome_line(outcome: Outcome, *others: Outcome) -> str:
-    """One line on an outcome: verdict, id, and numbers or the reason that there are none.
+    """Line on an outcome: verdict, id, and numbers or the reason why there are none.
 
-    `others` are further outcomes without numbers, with the same verdict and reason. The line has
-    their count.
+    `others`: further outcomes without numbers, with the same verdict and reason, which are counted.
     """
     case, measurement = outcome.case, outcome.measurement
     if measurement is None:
@@ -122,9 +124,9 @@ def _tolerance(allowed: Tolerance) -> dict[str, float | str]:
 
 
 def junit_xml(outcomes: Sequence[Outcome], name: str) -> str:
-    """One test suite with a test case per outcome.
+    """JUnit XML with one test suite and a test case per outcome.
 
-    "disagree" is a failure, "failed" an error, "skipped" and "undecided" are skipped.
+    "disagree" is a failure, "failed" an error; "skipped" and "undecided" are skipped.
     """
     suite = ET.Element(
         "testsuite",
@@ -179,5 +181,5 @@ def _comparison(outcome: Outcome) -> str:
 
 
 def _xml_text(text: str | None) -> str | None:
-    """The text with "?" for control characters, which are not allowed in XML. None for None."""
+    """Text with "?" for control characters, which XML does not allow. None for None."""
     return text and re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)

@@ -1,5 +1,5 @@
-"""A run: tasks computed in processes, the disk cache, the run folder, its results and records.
+"""A run: tasks computed in processes, with a cache on disk, a run folder and stored results.
 
-Cases and figures are computed in worker processes. Each result is stored before the next one is
-handled.
+Input: cases and figures. Output: records in the run folder, results.json, and the comparison of two
+runs. Each result is stored before the next one is processed.
 """

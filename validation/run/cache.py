@@ -1,11 +1,13 @@
-"""The cache on the disk: arrays that cost time to compute and depend on their key alone.
+"""Cache on disk for arrays that are expensive to compute and depend on their key only.
+
+Input: a key, a function that computes arrays, and one that converts them to a value. Output: the
+value. Rule: a file with a valid seal, a checksum over key and content, is used; a damaged, changed
+or renamed file counts as absent, and its content is computed again.
 
 The folder is $XDG_CACHE_HOME/flexproof, otherwise ~/.cache/flexproof. FLEXPROOF_CACHE sets another
-folder, or "off". Each key has a file (numpy's npz, which needs no pickle and no further library),
-written whole or not at all, with a seal over key and content. A file that is damaged, changed, or
-under another name counts as absent, and is computed again. Any number of processes share the cache:
-if several need the same entry at the same time, one computes it and the others wait. Content is
-never unpickled.
+folder, or "off". Each key has a file (numpy's npz, which needs neither pickle nor a further
+library), which appears whole or not at all. Any number of processes share the cache: if several
+need the same entry, one computes it and the others wait. Content is never unpickled.
 """
 
 import os
@@ -28,19 +30,19 @@ from lumped.posix import fcntl
 Arrays: TypeAlias = dict[str, Array]
 T = TypeVar("T")
 _CACHE_VARIABLE = "FLEXPROOF_CACHE"
-# Largest size of the cache (bytes). Beyond it, the entries with the oldest use are removed until
-# this share of the limit is left.
+# Largest size of the cache (bytes). Beyond it, the entries unused for longest are removed until
+# this fraction of the limit is left.
 _CACHE_LIMIT, _REMAINING_SHARE = 5_000_000_000, 0.8
-# Age (s) at which locks and incomplete files of dead processes are removed.
+# Age (s) from which on locks and incomplete files of dead processes are removed.
 _DAY = 86_400.0
-# Number of entries last used by this process that stay in its memory.
+# Number of entries last used by this process that it holds in memory.
 _ENTRIES_IN_MEMORY = 64
 _SEAL = b"\nflexproof "
 
 
 @dataclass(frozen=True)
 class CacheEntry(Generic[T]):
-    """A cached result: its key, the computation of its arrays, and the conversion to its value.
+    """A cached result: its key, the function that computes its arrays, and their conversion.
 
     An entry with a missing array or a wrong shape counts as absent, even if its seal is valid.
     `needs`: entries that the computation uses.
@@ -66,7 +68,7 @@ class CacheEntry(Generic[T]):
         return needed if arrays is None else needed | {self.key: arrays}
 
     def value(self) -> T:
-        """The value from the stored arrays, or from arrays that are computed now and stored."""
+        """Value from stored arrays, or from arrays that are computed now and stored."""
         value = _read(self.key, self.read)
         if value is None:
             with _key_lock(self.key):
@@ -77,9 +79,9 @@ class CacheEntry(Generic[T]):
 
 
 def cache_folder() -> Path | None:
-    """Folder of the cache. None if the cache is off or there is no home folder.
+    """Folder of the cache, which need not exist.
 
-    The folder need not exist.
+    None if the cache is off or there is no home folder.
     """
     setting = os.environ.get(_CACHE_VARIABLE)
     if setting:
@@ -96,7 +98,7 @@ def cache_folder() -> Path | None:
 
 @contextmanager
 def some_cache() -> Iterator[None]:
-    """A cache shared by processes started here: the user's, otherwise a temporary one."""
+    """Context with a cache for processes started here: the user's, otherwise a temporary one."""
     if cache_folder() is not None:
         yield
         return
@@ -112,7 +114,7 @@ def some_cache() -> Iterator[None]:
 
 
 def key_of(*inputs: object) -> str:
-    """Key of a result that depends on plain data; it covers every field of every record."""
+    """Key of a result that depends on plain data. It covers every field of every record."""
     return fingerprint(inputs)
 
 
@@ -127,7 +129,7 @@ def find(key: str) -> Arrays | None:
 
 
 def keep(key: str, arrays: Mapping[str, Any]) -> Arrays:
-    """Store arrays and numbers under a key, and return them even if the disk fails."""
+    """Store arrays and numbers under a key. Returns the arrays even if the disk fails."""
     remembered = _arrays_in_memory(key)
     remembered |= {name: np.asarray(value) for name, value in arrays.items()}
     if (path := _path(key)) is not None:
@@ -160,7 +162,7 @@ def _read(key: str, read: Callable[[Arrays], T]) -> T | None:
 
 @memo(_ENTRIES_IN_MEMORY)
 def _arrays_in_memory(_key: str) -> Arrays:
-    """Arrays of a key in this process's memory, empty at first."""
+    """Arrays of a key in the memory of this process. Empty at first."""
     return {}
 
 
@@ -177,7 +179,7 @@ def _sealed(key: str, arrays: Arrays) -> bytes:
 
 
 def _unsealed(key: str, content: bytes) -> Arrays:
-    """Arrays in a file. Empty if its seal is invalid."""
+    """Arrays in a file. {} if its seal is invalid."""
     body, _, seal = content.rpartition(_SEAL)
     if seal != digest(key.encode() + body).encode():
         return {}
@@ -190,7 +192,10 @@ def _unsealed(key: str, content: bytes) -> Arrays:
 
 @contextmanager
 def _key_lock(key: str) -> Iterator[None]:
-    """Lock of a key: wait until no other process computes it. Locks of the dead are freed."""
+    """Context with the lock of a key. Waits while another process computes it.
+
+    Locks of dead processes are free.
+    """
     path = _path(key)
     with ExitStack() as stack:
         with suppress(OSError):
@@ -205,7 +210,7 @@ def _key_lock(key: str) -> Iterator[None]:
 
 
 def _make_room(folder: Path) -> None:
-    """Remove entries with the oldest use above the limit, and files of dead processes."""
+    """Remove the entries unused for longest above the limit, and files of dead processes."""
     files = sorted(
         (entry.stat().st_mtime, entry.stat().st_size, Path(entry.path))
         for entry in os.scandir(folder)

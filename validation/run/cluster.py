@@ -1,7 +1,9 @@
-"""Units of work on a Dask cluster (optional extra `cluster`).
+"""Executor for units of work on a Dask cluster (optional extra `cluster`).
 
-A unit whose worker is lost goes to another one; results come to this process as they are
-finished, so that nothing is lost with a worker or with the scheduler.
+Input: the address of a scheduler and functions that can be pickled. Output: results in order of
+completion. Rule: workers must have the same program and libraries as this process. A unit whose
+worker is lost goes to another one; results come to this process when they are finished, so that
+nothing is lost with a worker or with the scheduler.
 """
 
 import gc
@@ -28,31 +30,31 @@ from validation.run.executor import Executor, Finished, Work
 from validation.run.provenance import versions
 from validation.run.sources import source_digest
 
-# Seconds: timeout of the scheduler's answer, and time without workers before a notice.
+# Timeout (s) for the scheduler's answer, and time (s) without workers before a notice.
 _ANSWER_TIMEOUT = 10.0
 _WORKER_TIMEOUT = 10.0
 # Interval (s) between checks of the scheduler and its workers.
 _HEARTBEAT = 0.5
-# Largest accepted length of a greeting (bytes); real ones have some hundred.
+# Largest accepted length (bytes) of a scheduler's first message; real ones have some hundred.
 _LONGEST_GREETING = 1 << 20
 _GONE = "--cluster {}: the scheduler is gone; what was finished is kept"
 _ADDRESS = re.compile(r"(?:tcp|tls)://(?P<host>\[[0-9a-fA-F:.]+\]|[\w.-]+):(?P<port>\d{1,5})")
-# A worker may have several threads, but gmsh has one model and each unit needs a core.
+# A worker can have several threads, but gmsh has one model and each unit needs a core.
 _ONE_AT_A_TIME = Lock()
 
 
 class DifferentProgram(Exception):  # noqa: N818  carried from a worker to the run, which names it
-    """Raised by a worker whose program or libraries are not those of the run."""
+    """Raised by a worker whose program or libraries differ from those of the run."""
 
 
 @contextmanager
 def on_cluster(address: str, notify: Callable[[str], object]) -> Iterator[Executor]:
-    """An executor on the Dask cluster whose scheduler is at `address` ("tcp://host:port").
+    """Context with an executor on the Dask cluster at `address` ("tcp://host:port").
 
     Waits for workers without limit, with a notice after ten seconds. Raises InputError if Dask is
-    not installed, if no scheduler answers, or if a worker has another program. The executor raises
-    errors of calls, and ComputationError if the scheduler is lost, if a worker with another program
-    joins, or if workers are lost faster than units are finished.
+    not installed, no scheduler answers, or a worker has another program. The executor raises errors
+    of calls, and ComputationError if the scheduler is lost, a worker with another program joins, or
+    workers are lost faster than units are finished.
     """
     require_extra("cluster", "--cluster")
     require_scheduler(address)
@@ -61,8 +63,8 @@ def on_cluster(address: str, notify: Callable[[str], object]) -> Iterator[Execut
     with suppress(Exception):
         client = distributed.Client(address, timeout=_ANSWER_TIMEOUT, set_as_default=False)
     if client is None:
-        # An incomplete client closes when it is collected. During the start of the next client it
-        # would wait for ever for a lock of that start.
+        # An incomplete client closes when it is collected. During the start of the next client, it
+        # would wait forever for a lock of that start.
         gc.collect()
         raise InputError(
             f"--cluster {address}: what answers there is not a Dask scheduler (or one that is busy)"
@@ -86,7 +88,7 @@ def on_cluster(address: str, notify: Callable[[str], object]) -> Iterator[Execut
 def require_scheduler(address: str) -> None:
     """Raise InputError if the address is invalid or no scheduler answers.
 
-    Dask's own client waits for ever for a service that is no scheduler.
+    Dask's own client would wait forever for a service that is not a scheduler.
     """
     match = _ADDRESS.fullmatch(address)
     if match is None or int(match["port"]) > 65535:
@@ -123,7 +125,7 @@ class _SchedulerWatch:
     def has_workers(self) -> bool:
         """True if there are workers. After ten seconds without any, a notice is written.
 
-        Raises ComputationError if the scheduler does not come back in that time.
+        Raises ComputationError if the scheduler does not return in that time.
         """
         fault, now = self._connection_fault(), monotonic()
         if fault != self._last_fault:
@@ -145,7 +147,8 @@ class _SchedulerWatch:
     def _connection_fault(self) -> str:
         if self.client.status != "running":
             return "gone"
-        # If the connection breaks during this call, the client's status has it at the next check.
+        # If the connection breaks during this call, the next check of the client's status detects
+        # it.
         with suppress(OSError):
             return "" if self.client.nthreads() else "no workers"
         return "no workers"
@@ -153,7 +156,7 @@ class _SchedulerWatch:
 
 @contextmanager
 def _connection_errors(distributed: ModuleType, address: str) -> Iterator[None]:
-    """Raise errors due to a lost scheduler as ComputationError."""
+    """Context in which errors due to a lost scheduler are raised as ComputationError."""
     try:
         yield
     except (distributed.client.FutureCancelledError, distributed.comm.CommClosedError) as error:
@@ -172,7 +175,8 @@ def _results(distributed: ModuleType, watch: _SchedulerWatch, calls: Sequence[Wo
     finished: SimpleQueue[Any] = SimpleQueue()
 
     def fetch(future: Any) -> None:
-        # In a thread: a result lost with a worker is awaited until another one has computed it.
+        # In a thread, because a result lost with a worker is awaited until another worker has
+        # computed it.
         try:
             finished.put((numbers[future.key], future.result(), None))
         except BaseException as error:  # noqa: BLE001  raised where the result is awaited
@@ -211,7 +215,7 @@ def _next(finished: SimpleQueue[Any], watch: _SchedulerWatch) -> Any:
 def _run_on_worker(call: Work, program: Mapping[str, str], request: Mapping[str, str]) -> Any:
     from distributed import get_worker  # noqa: PLC0415  an optional extra, and slow to import
 
-    # A worker may have joined after the check of all workers.
+    # A worker can have joined after the check of all workers.
     if differing := _differences(_requested_program(request), program):
         worker = get_worker()
         raise DifferentProgram(_difference_text(f"{worker.name} ({worker.address})", differing))
@@ -221,7 +225,10 @@ def _run_on_worker(call: Work, program: Mapping[str, str], request: Mapping[str,
 
 @memo(2)
 def _program(solver: str) -> dict[str, str]:
-    """Digest of the sources, versions of libraries, and `solver`: equal for equal numbers."""
+    """Digest of the sources, versions of libraries, and `solver`.
+
+    Equal programs give equal numbers.
+    """
     return {"another flexproof": source_digest()} | versions() | {"linear solver": solver}
 
 
@@ -232,7 +239,7 @@ def _requested_program(request: Mapping[str, str]) -> dict[str, str]:
 
 
 def _differences(worker_program: Mapping[str, str], program: Mapping[str, str]) -> str:
-    """Differences of a worker's program from that of this process, in words. Empty without any."""
+    """Text on differences between a worker's program and that of this process. "" without any."""
     if worker_program.get("another flexproof") != program["another flexproof"]:
         return "another flexproof, or none"
     return ", ".join(
@@ -249,7 +256,7 @@ def _difference_text(worker: str, differing: str) -> str:
 def _distributed() -> ModuleType:
     import distributed  # noqa: PLC0415  an optional extra, and slow to import
 
-    # Messages of Dask on the end of its tasks are suppressed: this module raises the errors.
+    # Messages of Dask on ending tasks are suppressed, since this module raises the errors.
     for name in ("asyncio", *logging.root.manager.loggerDict):
         if name.partition(".")[0] in {"asyncio", "distributed", "tornado"}:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)

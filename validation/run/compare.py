@@ -1,8 +1,9 @@
 """Comparison of two runs: changed verdicts, drift of values, new and removed cases.
 
-For runs of different inputs: differences of the inputs, and the adequacy of models side by side.
-Verdicts depend on independent references. An earlier value of this program is no reference: its
-change is drift, never disagreement. The text consists of plain tables.
+Input: two run records. Output: `RunComparison`, as text or JSON. Rule: verdicts depend on
+independent references. An earlier value of this program is not a reference: its change is drift,
+never disagreement. For runs of different inputs, the differences of the inputs and the adequacy of
+models are listed next to each other.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,16 +19,17 @@ from validation.drawing.text import error_with_spread
 from validation.run.outcome import Outcome, Verdict
 from validation.run.records import RunRecord, StoredEntry
 
-# Rounding differs between machines and library versions; far above it, far below any tolerance.
+# Relative round-off between machines and library versions; this is far above it, and far below any
+# tolerance.
 _ROUNDING = 1e-9
-# Drift of a value with a reference of zero is allowed up to this share of the tolerance, as there
-# is no size to be relative to.
+# For a reference of zero, drift is allowed up to this fraction of the tolerance, since no size
+# exists for a relative change.
 _TOLERANCE_SHARE = 1e-3
-# From good to bad. Skipped is worse than agree, as a skipped case detects no faults.
+# Ranks from good to bad. Skipped is worse than agree, since a skipped case detects no faults.
 _RANK: dict[Verdict, int] = {"agree": 0, "skipped": 1, "undecided": 2, "disagree": 3, "failed": 4}
-# Fields of the header that should be equal in two runs whose numbers are compared.
+# Fields of the header that should be equal if the numbers of two runs are compared.
 _CIRCUMSTANCES = ("robot", "robot_sha256", "preset", "options", "versions", "machine")
-# Number of cases listed by the change of their time; --json has all of them.
+# Number of cases listed by the change of their time. --json has all of them.
 _SLOWEST = 10
 
 
@@ -43,7 +45,7 @@ class VerdictChange:
 
 @dataclass(frozen=True)
 class Drifted:
-    """Change of a value or reference (`what`) of a case. No drift up to `allowed` (half-width)."""
+    """Change of a value or reference (`what`) of a case. Up to `allowed` it is not drift."""
 
     id: str
     what: str
@@ -61,7 +63,7 @@ class Drifted:
 
 @dataclass(frozen=True)
 class Timing:
-    """Seconds that a case took before and after."""
+    """Computing time (s) of a case in both runs."""
 
     id: str
     before: float
@@ -79,7 +81,7 @@ class InputChange:
 
 @dataclass(frozen=True)
 class ValueChange:
-    """A model's value in a pose that both runs have (SI)."""
+    """A model's value (SI) in a pose that both runs have."""
 
     pose: tuple[float, ...]
     before: float
@@ -88,7 +90,7 @@ class ValueChange:
 
 @dataclass(frozen=True)
 class AdequacyChange:
-    """Entries of a model and quantity in both runs. None if a run does not have it."""
+    """Entries of a model and quantity in both runs. None if a run does not have the entry."""
 
     model: str
     quantity: str
@@ -99,12 +101,12 @@ class AdequacyChange:
 
 @dataclass(frozen=True)
 class RunComparison:
-    """Changes from one run to the other.
+    """Changes from one run to another.
 
-    `differs`: fields of the headers that differ. `inputs`: keys of the robot file that differ, if
-    both runs have its tables. With different inputs there is no drift. `adequacy`: entries of both
-    runs. `different_robots`: names of two robots, whose cases are not compared. Empty if both runs
-    are of one robot.
+    `differs`: header fields that differ. `inputs`: keys of the robot file that differ, if both runs
+    contain its tables; there is no drift then. `adequacy`: entries of both runs.
+    `different_robots`: names of two robots, whose cases are not compared; () if both runs are of
+    one robot.
     """
 
     verdicts: tuple[VerdictChange, ...]
@@ -124,7 +126,7 @@ class RunComparison:
 
 
 def compare(before: RunRecord, after: RunRecord) -> RunComparison:
-    """Changes from `before` to `after`."""
+    """Changes from the run `before` to the run `after`."""
     robots = _different_robots(before, after)
     old, new = ({}, {}) if robots else (before.by_id, after.by_id)
     both = [(old[identifier], case) for identifier, case in new.items() if identifier in old]
@@ -149,12 +151,12 @@ def compare(before: RunRecord, after: RunRecord) -> RunComparison:
 
 
 def as_dict(comparison: RunComparison) -> dict[str, Any]:
-    """The comparison as plain data for JSON."""
+    """Comparison as plain data for JSON."""
     return {"schema": 1, "worsened": comparison.worsened, **msgspec.to_builtins(comparison)}
 
 
 def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> str:
-    """The changes as text, the most serious first."""
+    """Changes as text, the most serious first."""
     blocks = [_run_headings(before, after, comparison), sentence(comparison)]
     if comparison.inputs and not comparison.different_robots:
         blocks.append("The input differs: two robots, whose numbers may differ without any drift.")
@@ -169,8 +171,8 @@ def as_text(before: RunRecord, after: RunRecord, comparison: RunComparison) -> s
         [
             [c.model, c.quantity, *_entry_cells(c.before), *_entry_cells(c.after)]
             for c in comparison.adequacy
-            # Two robots: all entries. Variants: entries whose text differs. One input: entries
-            # whose verdict differs.
+            # Listed for two robots: all entries; for variants of a robot: entries whose text
+            # differs; for one input: entries whose verdict differs.
             if comparison.different_robots
             or (
                 _entry_cells(c.before) != _entry_cells(c.after)
@@ -226,7 +228,7 @@ def _entry_cells(entry: StoredEntry | None) -> list[str]:
 
 
 def _percent(error: float, *, signed: bool = True) -> str:
-    """An error in percent with two decimals, in which variants of a robot differ."""
+    """Error in per cent with two decimals, in which variants of a robot differ."""
     return f"{100.0 * error:{'+' if signed else ''}.2f} %"
 
 
@@ -236,7 +238,7 @@ def _verdict_changed(change: AdequacyChange) -> bool:
 
 
 def sentence(comparison: RunComparison) -> str:
-    """Counts of the changes; for two different robots, a statement that cases are not compared."""
+    """Sentence with counts of the changes, or that two different robots are not compared."""
     if comparison.different_robots:
         first, second = comparison.different_robots
         return (
@@ -273,7 +275,7 @@ def _table_block(heading: str, columns: Sequence[str], rows: Sequence[Sequence[s
 
 
 def same_pose(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
-    """True if two poses are equal up to rounding, or if one of them is unknown."""
+    """True if two poses are equal up to round-off, or if one of them is unknown."""
     if not (first and second):
         return True
     return len(first) == len(second) and all(
@@ -287,8 +289,8 @@ def drift(
 ) -> Drifted | None:
     """Drift of a case's value or reference. None if one is unknown, or belongs to another pose.
 
-    The allowed drift is the larger one of the known uncertainties of both runs, and at least a
-    relative 1e-9. If the reference is zero, it is at least a thousandth of the tolerance.
+    The allowed drift is the larger of the known uncertainties of both runs, and at least 1e-9
+    (relative). If the reference is zero, it is at least a thousandth of the tolerance.
     """
     if before.measurement is None or after.measurement is None:
         return None
@@ -320,7 +322,10 @@ def with_drift(outcome: Outcome, earlier: Outcome | None) -> Outcome:
 
 
 def _different_robots(before: RunRecord, after: RunRecord) -> tuple[str, ...]:
-    """Names of the robots of two runs if they differ. A variant has the name of its robot."""
+    """Names of the robots of two runs if they differ, otherwise ().
+
+    Variants share the robot's name.
+    """
     names = [run.run.get("robot") for run in (before, after)]
     return tuple(map(str, names)) if all(names) and names[0] != names[1] else ()
 
@@ -353,14 +358,14 @@ def _adequacy_changes(before: RunRecord, after: RunRecord) -> Iterator[AdequacyC
 
 
 def _value_changes(before: StoredEntry | None, after: StoredEntry | None) -> Iterator[ValueChange]:
-    """Values at the poses of both entries, in the order of the first."""
+    """Values in the poses that both entries have, in the order of the first."""
     from scipy.spatial import KDTree  # noqa: PLC0415
 
     old, new = _values_by_pose(before), _values_by_pose(after)
-    # An edited file may have poses of any length.
+    # An edited file can have poses of any length.
     if not (old and new) or len({len(pose) for pose, _ in (*old, *new)}) > 1:
         return
-    # A pose of a tool without moves has no coordinates; a point has at least one.
+    # A pose of a tool without moves has no coordinates, but a point needs at least one.
     points = [np.array([(0.0, *pose) for pose, _ in values]) for values in (old, new)]
     nearest = KDTree(points[1]).query(points[0])[1]
     for (pose, value), (other_pose, other_value) in zip(

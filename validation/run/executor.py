@@ -1,8 +1,9 @@
-"""Executors: they compute calls in any order and yield the results.
+"""Executors, which compute calls in any order and yield their results.
 
-Calls run in this process (`in_turn`), on the cores of this machine (`on_cores`), or on a Dask
-cluster (`validation.run.cluster`). On cores, a process that dies loses one call alone, and the
-reason is known; docs/guide/architecture.md compares other pools of processes.
+Input: functions without arguments. Output: number and result of each, in order of completion. Calls
+run in this process (`in_turn`), on the cores of this machine (`on_cores`), or on a Dask cluster
+(`validation.run.cluster`). On cores, a process that dies loses only one call, and the reason is
+known; docs/guide/architecture.md compares other process pools.
 """
 
 import os
@@ -19,16 +20,16 @@ from lumped.errors import ComputationError, InputError
 from lumped.files import read_regular
 from meshes.processes import Crashed, Process
 
-# A call without arguments that can be pickled.
+# Call without arguments that can be pickled.
 Work: TypeAlias = Callable[[], Any]
-# A call that can be pickled, with one argument if processes begin with a value.
+# Call that can be pickled. It has one argument if processes begin with a value.
 Call: TypeAlias = Callable[..., Any]
 # Number and result of each call, in order of completion.
 Finished: TypeAlias = Generator[tuple[int, Any], None, None]
-# Computes calls in any order.
+# Function that computes calls in any order.
 Executor: TypeAlias = Callable[[Sequence[Work]], Finished]
 K = TypeVar("K", bound=Hashable)
-# One thread per process, also for the sparse solver, as there are as many processes as cores.
+# One thread per process, including the sparse solver, since there are as many processes as cores.
 _SINGLE_THREADED = {"OMP_NUM_THREADS": "1", **ONE_BLAS_THREAD}
 # Interval (s) between checks of `stopped`.
 _HEARTBEAT = 0.1
@@ -44,7 +45,7 @@ def in_turn(calls: Sequence[Work]) -> Finished:
 def on_cores(
     jobs: int, log: Path = Path(os.devnull), begin: Work | None = None
 ) -> Iterator["Cores"]:
-    """Executor with `jobs` processes of one thread each, which end with the context.
+    """Context with an executor of `jobs` processes of one thread each, which end with the context.
 
     Their output is appended to the `log`. The value of `begin` is computed first in each process
     and is the argument of all its calls. If `begin` is None, calls have no argument.
@@ -74,7 +75,7 @@ class OutOfMemoryCrash(Crashed):
 
 @dataclass
 class Cores:
-    """Processes of this machine; see `on_cores`."""
+    """Executor on processes of this machine, see `on_cores`."""
 
     jobs: int
     log: Path
@@ -104,7 +105,7 @@ class Cores:
         """Yield (name, result or exception) of named calls in order of completion.
 
         Calls of a group are computed one after the other in one process. `started` is called with
-        each name. Once `stopped` returns True, or the generator is closed, unfinished calls are
+        each name. When `stopped` returns True, or the generator is closed, unfinished calls are
         abandoned. Raises ComputationError if processes cannot begin.
         """
         queue = deque(deque(group) for group in groups)
@@ -138,7 +139,7 @@ class Cores:
                 worker.process.end()
 
     def _worker(self, todo: deque[tuple[Any, Call]]) -> _Worker:
-        """A process that computes the first of these calls."""
+        """Process that computes the first of these calls."""
         if self.idle:
             worker = self.idle.pop()
             worker.todo = todo

@@ -1,18 +1,19 @@
-"""The folder of a run: written into DIR.partial beside DIR, and renamed when all is done.
+"""Folder of a run, which is written as DIR.partial next to DIR and renamed when complete.
+
+Input: header and records of a run. Output: the files below. Rule: an earlier run in DIR stays until
+the new one is complete; files that a run did not write, or that a user changed, are never removed.
 
     run.json        header of the run (robot, preset, versions), and the files that it wrote
-    results.jsonl   a line for every finished case or figure, from which a run can go on
+    results.jsonl   a line for each finished case or figure, from which a run can be resumed
     results.json    the cases and studies so far (interface of the project)
     log.txt         tracebacks and output of the computations
     export/         meshes, fields and matrices, if requested
 
-Every file is written whole under another name and then renamed, so that no link is followed.
-
-All checks are made before any file is changed. An earlier run in DIR is kept until the new one in
-DIR.partial is complete. It is then renamed DIR.partial/.earlier, DIR.partial is renamed DIR, and
-the files of the earlier run are removed. A kill between these steps leaves both runs, and the next
-run in the folder finishes the steps. Files that a run did not write, or that a user changed in a
-finished run, are moved to the new folder.
+Each file is written whole under another name and then renamed, so that no link is followed. All
+checks are made before any file is changed. When the new run is complete, the earlier one is renamed
+DIR.partial/.earlier, DIR.partial is renamed DIR, and the files of the earlier run are removed. A
+kill between these steps leaves both runs, and the next run in the folder finishes the steps.
+Foreign files are moved to the new folder.
 """
 
 import json
@@ -45,10 +46,10 @@ _FIELD_NAMES = {"robot_sha256": "robot file", "suite_sha256": "source files of f
 
 
 class Mark(msgspec.Struct, frozen=True):
-    """Fields of the header that must be equal to resume a run, so that numbers are not mixed.
+    """Header fields that must be equal to resume a run, so that all numbers fit together.
 
     `files`: files of the run, with their digests once it is complete. run.json also contains the
-    rest of the header, for people.
+    rest of the header, for readers.
     """
 
     flexproof: Literal["run"]
@@ -62,25 +63,25 @@ class Mark(msgspec.Struct, frozen=True):
 
     @property
     def run(self) -> str:
-        """Name of the run: equal for runs whose numbers may be mixed."""
+        """Identity of the run, equal for runs whose numbers can be combined."""
         without_files = msgspec.structs.replace(self, files={})
         return digest(msgspec.json.encode(without_files, order="deterministic"))
 
 
 def mark_of(header: Header) -> Mark:
-    """The mark of a run with this header."""
+    """Mark of a run with this header."""
     return msgspec.convert({"flexproof": "run", **header}, Mark)
 
 
 def mark_in(folder: Path) -> Mark | None:
-    """The mark in a folder. None if there is none, or if it cannot be read."""
+    """Mark in a folder. None if there is none, or if it cannot be read."""
     with suppress(msgspec.MsgspecError, RecursionError):
         return msgspec.json.decode(read_regular(folder / MARK) or b"", type=Mark)
     return None
 
 
 def is_run(folder: Path) -> bool:
-    """True if a folder has a mark, or a first record, of a run."""
+    """True if a folder contains the mark, or a first record, of a run."""
     records = read_regular(folder / RECORDS) or b""
     return mark_in(folder) is not None or records.lstrip().startswith(_SEAL)
 
@@ -101,7 +102,7 @@ def files_of(folder: Path) -> dict[str, str]:
 
 
 def sealed(run: str, content: bytes) -> bytes:
-    """A line of JSON with a seal over its run and content, so that changes are detected."""
+    """Line of JSON with a seal over its run and content, so that changes are detected."""
     return _SEAL + digest(run.encode() + content).encode() + b'", ' + content[1:]
 
 
@@ -116,7 +117,7 @@ def unsealed(run: str, line: bytes) -> dict[str, Any] | None:
 
 @dataclass
 class RunFolder:
-    """An open, locked run folder; `remarks` list faults found in it.
+    """An open, locked run folder. `remarks` list faults found in it.
 
     `records`: records of finished tasks by id. `begun`: start of the run and computing time so far
     (s). `complete`: set to True at the end of the run.
@@ -132,7 +133,7 @@ class RunFolder:
 
     @property
     def log(self) -> Path:
-        """File for tracebacks and stray output."""
+        """File for tracebacks and other output."""
         return self.path / LOG
 
     def begin(self, former: Path) -> None:
@@ -143,14 +144,14 @@ class RunFolder:
         self._files = dict.fromkeys(ALWAYS, "") | digests
         self._load_records(content)
         self._mark()
-        # Files to append to must not be linked elsewhere, nor end in an incomplete line.
+        # Files that are appended to must not be linked elsewhere, nor end in an incomplete line.
         self._put(RECORDS, content if content.endswith(b"\n") or not content else content + b"\n")
         self._put(LOG, read_regular(former / LOG) or b"")
         for name in digests.keys() - {RECORDS, LOG} if former != self.path else ():
             shutil.copyfile(former / name, self._clear_path(name))
 
     def write(self, contents: Mapping[str, str | bytes]) -> None:
-        """Write files by name, registered in run.json before. Raises StoreError on disk errors."""
+        """Write files by name, after listing them in run.json. Raises StoreError on disk errors."""
         with os_errors_as_store_errors(self.path):
             self._note(contents)
             for name, content in contents.items():
@@ -159,7 +160,7 @@ class RunFolder:
     def keep(self, record: Mapping[str, Any], seconds: float) -> None:
         """Append the record of a finished task, `seconds` after the start of the run."""
         data = {"started": self.header.get("started", ""), "seconds": seconds, "record": record}
-        # Records contain NaN, which standard JSON excludes: only this program reads them.
+        # Records can contain NaN, which standard JSON excludes; only this program reads them.
         line = sealed(mark_of(self.header).run, json.dumps(data).encode())
         with (
             os_errors_as_store_errors(self.path / RECORDS),
@@ -171,7 +172,7 @@ class RunFolder:
 
     @contextmanager
     def exporting(self) -> Iterator[Path]:
-        """A new folder for files, which are moved to `export` if no error is raised.
+        """Context with a new folder for files, which are moved to `export` if no error is raised.
 
         Raises StoreError on disk errors.
         """
@@ -193,7 +194,7 @@ class RunFolder:
         shutil.rmtree(self.path / UNFINISHED)
 
     def _note(self, names: Collection[str]) -> None:
-        """Write the names of new files to run.json before the files are written."""
+        """List new files in run.json before they are written."""
         if not set(names) <= self._files.keys():
             self._files |= dict.fromkeys(names, "")
             self._mark()
@@ -206,7 +207,7 @@ class RunFolder:
         write_whole(self._clear_path(name), content, self.path / UNFINISHED)
 
     def _clear_path(self, name: str) -> Path:
-        """Path for a file, after obstacles are renamed: a folder there, or a file above it."""
+        """Path for a file, after renaming obstacles: a folder there, or a file above it."""
         path = self.path / name
         for folder in reversed(path.relative_to(self.path).parents[:-1]):
             if os.path.lexists(self.path / folder) and not is_folder(self.path / folder):
@@ -222,7 +223,7 @@ class RunFolder:
 
     def _load_records(self, content: bytes) -> None:
         run = mark_of(self.header).run
-        for number, line in enumerate(content.split(b"\n"), start=1):
+        for line_number, line in enumerate(content.split(b"\n"), start=1):
             data = unsealed(run, line)
             if data is not None:
                 self.begun = {"started": data["started"], "seconds": data["seconds"]}
@@ -231,13 +232,13 @@ class RunFolder:
             elif line:
                 path = self.path / RECORDS
                 self.remarks.append(
-                    f"{path}, line {number} is damaged or of another run: passed over"
+                    f"{path}, line {line_number} is damaged or of another run: passed over"
                 )
 
 
 @contextmanager
 def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]:
-    """Lock and prepare the folder DIR.partial, which is renamed to `path` if it is `complete`.
+    """Context with the locked folder DIR.partial, which is renamed to `path` if it is `complete`.
 
     "afresh" begins a new run, "resumed" continues the last one. Raises InputError if the folder
     cannot be used: not writable, with other files, in use, or of a different run. All checks are
@@ -285,7 +286,7 @@ def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]
 def _require_ours(path: Path, target: Path, partial: Path) -> None:
     for folder in (target, partial):
         names = {entry.name for entry in folder.iterdir()} if os.path.lexists(folder) else set()
-        # A run that was killed before it wrote its mark has left a lock alone.
+        # A run that was killed before it wrote its mark has left only a lock.
         if partial.is_symlink() or (names - {LOCK, UNFINISHED} and not is_run(folder)):
             text = "the folder" if folder == target else f"{partial.name}, where runs begin,"
             raise InputError(
@@ -299,7 +300,7 @@ def _folder_to_resume(path: Path, target: Path, partial: Path, mark: Mark) -> Pa
     if former is None:
         raise InputError(f"--resume: {path} holds no run to go on with")
     former_mark = mark_in(former)
-    # The mark or one record suffices, as the seal of a record identifies its run.
+    # The mark or one record suffices, since the seal of a record identifies its run.
     lines = (read_regular(former / RECORDS) or b"").split(b"\n")
     if (former_mark is None or former_mark.run != mark.run) and not any(
         unsealed(mark.run, x) for x in lines
@@ -319,7 +320,7 @@ def _folder_to_resume(path: Path, target: Path, partial: Path, mark: Mark) -> Pa
 
 
 def _require_space(path: Path, target: Path) -> None:
-    """Raise InputError without space for a second run of the size of the earlier one."""
+    """Raise InputError without disk space for a second run as large as the earlier one."""
     needed = sum((target / name).stat().st_size for name in files_of(target))
     free_bytes = shutil.disk_usage(target).free
     if free_bytes < needed:
@@ -330,7 +331,7 @@ def _require_space(path: Path, target: Path) -> None:
 
 
 def _file_locks() -> ModuleType:
-    """The module of file locks. Raises InputError on a system without them."""
+    """Module of file locks. Raises InputError on a system without them."""
     if fcntl is None:
         raise InputError(
             "run: needs locks of files as Linux and macOS have them; on Windows run flexproof in "
@@ -341,7 +342,7 @@ def _file_locks() -> ModuleType:
 
 @contextmanager
 def _locked(path: Path, folder: Path) -> Iterator[None]:
-    """Hold the lock of a folder. It moves with the folder and is removed from a finished run."""
+    """Context with the lock of a folder. It moves with the folder; a finished run has none."""
     lock_path, locks = folder / LOCK, _file_locks()
     with _input_errors(path), ExitStack() as stack:
         is_own_file = (
@@ -356,14 +357,14 @@ def _locked(path: Path, folder: Path) -> Iterator[None]:
             if not lock_path.exists() or not os.path.samestat(
                 lock_path.stat(), os.fstat(lock.fileno())
             ):
-                # The process with the lock has finished meanwhile.
+                # The process with the lock has ended in the meantime.
                 raise BlockingIOError
         except BlockingIOError as error:
             holder = lock.read().decode(errors="replace").strip() or "unknown"
             raise InputError(
                 f"--out {path}: another run (process {holder}) is writing there"
             ) from error
-        # The number serves the message alone; the lock is valid even on a full disk.
+        # The process number is for the message only; the lock is valid even on a full disk.
         with suppress(OSError):
             lock.truncate(0)
             lock.write(str(os.getpid()).encode())
@@ -373,7 +374,7 @@ def _locked(path: Path, folder: Path) -> Iterator[None]:
 
 
 def _finish_interrupted(path: Path, target: Path, partial: Path) -> list[str]:
-    """Finish steps interrupted by a kill. Remarks on files that were moved under another name."""
+    """Finish steps interrupted by a kill. Returns remarks on renamed files."""
     if is_folder(partial / EARLIER) and not target.exists():
         with _locked(path, partial):
             partial.rename(target)
@@ -385,7 +386,10 @@ def _finish_interrupted(path: Path, target: Path, partial: Path) -> list[str]:
 
 
 def _remove_earlier_run(target: Path) -> list[str]:
-    """Remove the files of the earlier run below the new one, to which other files are moved."""
+    """Remove the files of the earlier run below the new one. Other files are moved up.
+
+    Returns remarks on renamed files.
+    """
     earlier, remarks = target / EARLIER, list[str]()
     if earlier.exists():
         for name, digest_at_end in files_of(earlier).items():
@@ -394,7 +398,7 @@ def _remove_earlier_run(target: Path) -> list[str]:
         if (earlier / LOCK).is_file():
             (earlier / LOCK).unlink()
         _merge(earlier, target, remarks)
-        # The mark is removed last, as it identifies the folder as a run.
+        # The mark is removed last, since it identifies the folder as a run.
         (earlier / MARK).unlink(missing_ok=True)
         earlier.rmdir()
     (target / LOCK).unlink(missing_ok=True)
@@ -402,7 +406,7 @@ def _remove_earlier_run(target: Path) -> list[str]:
 
 
 def _merge(source: Path, target: Path, remarks: list[str]) -> None:
-    """Move the content of a folder, except a run's mark, into another, renamed if names collide."""
+    """Move the content of a folder, except a run's mark, into another. Renamed if names collide."""
     for entry in sorted(source.iterdir()):
         destination = target / entry.name
         if entry == target / EARLIER / MARK and mark_in(source):
@@ -427,7 +431,7 @@ def _input_errors(path: Path) -> Iterator[None]:
 
 
 def unused_name(path: Path) -> Path:
-    """An unused path beside `path`, with ".kept" and a number."""
+    """An unused path next to `path`, with ".kept" and a number."""
     names = (f"{path.name}.kept{'' if number == 1 else number}" for number in count(1))
     return next(
         candidate for name in names if not os.path.lexists(candidate := path.with_name(name))
@@ -435,5 +439,5 @@ def unused_name(path: Path) -> Path:
 
 
 def is_folder(path: Path) -> bool:
-    """True for a folder that is no link."""
+    """True for a folder that is not a link."""
     return path.is_dir() and not path.is_symlink()

@@ -1,7 +1,9 @@
-"""Results of tasks, and verdicts on the measurements of cases.
+"""Results of tasks, and the verdict on the measurement of a case.
 
-The numerical uncertainty of both sides never widens the tolerance. If it exceeds the tolerance, the
-comparison is undecided and does not count as agreement.
+Input: a case and its measurement. Output: an `Outcome`. Rule: the case agrees if its unexplained
+difference is within the tolerance in all poses, and disagrees otherwise. The numerical uncertainty
+of both sides never widens the tolerance: if it exceeds the tolerance, the case is undecided, which
+does not count as agreement.
 """
 
 from collections.abc import Mapping
@@ -21,16 +23,16 @@ Verdict: TypeAlias = Literal["agree", "disagree", "undecided", "failed", "skippe
 V = TypeVar("V")
 F = TypeVar("F")
 Task: TypeAlias = Case | PlannedFigure | Assessment
-# A result as plain data, with the "id" of its task.
+# Result as plain data, with the "id" of its task.
 Record: TypeAlias = dict[str, Any]
 Completion: TypeAlias = Literal["made", "failed", "skipped"]
 
 
 class Result(msgspec.Struct, Generic[V, F], frozen=True):
-    """Result of a task: sent by a worker, stored in results.jsonl, used by the run and its page.
+    """Result of a task: returned by a worker, stored in results.jsonl, used by the page.
 
     `verdict` is that of a comparison, otherwise "made", "failed" or "skipped". `found` is a
-    measurement, figure or matrix. It is None if there is none, with the reason in `message`.
+    measurement, figure or matrix. None if there is none, with the reason in `message`.
     """
 
     id: Annotated[str, RESULTS]
@@ -45,19 +47,19 @@ AnyResult: TypeAlias = Result[Any, Any]
 
 
 class Outcome(Result[Verdict, Measurement], frozen=True, kw_only=True):
-    """A comparison: what was declared, measured and decided.
+    """Result of a comparison: its declaration, measurement and verdict.
 
-    Workers, results.jsonl, results.json, `compare`, the API and the page use this class. The fields
-    are listed here, in `Declaration` and in `Measurement` only. In results.json, an object of
-    "cases" has the marked fields of all three beside each other. Numbers are in the unit of the
-    case; one that is not finite is null in JSON.
+    Workers, results.jsonl, results.json, `compare`, the API and the page use this class. Fields are
+    listed here, in `Declaration` and in `Measurement` only. In results.json, an object of "cases"
+    contains the annotated fields of all three. Numbers are in the unit of the case; one that is not
+    finite is null in JSON.
     """
 
     case: Declaration
     # Function that computed the measurement.
     computed_by: str = ""
-    # Value of the baseline, value − earlier, and the largest size of this that is no drift. None
-    # without a baseline, and if the baseline has no value in this pose.
+    # Value of the baseline, value − earlier, and its largest magnitude that is not drift. None
+    # without a baseline, or if the baseline has no value in this pose.
     earlier: Annotated[float | None, RESULTS] = None
     drift: Annotated[float | None, RESULTS] = None
     drift_allowed: Annotated[float | None, RESULTS] = None
@@ -77,7 +79,10 @@ class Outcome(Result[Verdict, Measurement], frozen=True, kw_only=True):
 
     @property
     def share(self) -> float:
-        """Unexplained error on the wrong side over tolerance, the largest: above 1 it disagrees."""
+        """Largest violation of the relation over the tolerance, of all poses.
+
+        Above 1 it disagrees.
+        """
         tolerance, relation = self.case.tolerance, self.case.relation
         if self.found is None or tolerance is None:
             return nan
@@ -92,10 +97,11 @@ class Outcome(Result[Verdict, Measurement], frozen=True, kw_only=True):
 def verdict(
     unexplained: float, relation: Relation, tolerance: float, uncertainty: float | None = None
 ) -> Literal["agree", "disagree", "undecided"]:
-    """Agree if the unexplained difference keeps the relation within `tolerance` (same unit).
+    """Verdict "agree" if the unexplained difference keeps the relation within `tolerance`.
 
-    NaN never agrees. With a numerical `uncertainty` above the tolerance, the verdict is undecided,
-    unless the difference exceeds the tolerance by more than the uncertainty.
+    All in one unit. NaN never agrees. With a numerical `uncertainty` above the tolerance, the
+    verdict is "undecided", unless the difference exceeds the tolerance by more than the
+    uncertainty.
     """
     if not isfinite(unexplained):
         return "disagree"
@@ -107,9 +113,9 @@ def verdict(
 
 
 def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
-    """Outcome of a computed case: the worst verdict over all places of its measurement.
+    """Outcome of a computed case: the worst verdict over all poses of its measurement.
 
-    Raises ValueError for a relative tolerance about a reference of zero.
+    Raises ValueError for a relative tolerance if the reference is zero.
     """
     tolerance = case.tolerance.at(measurement.reference)
     uncertainty = measurement.numerical_uncertainty
@@ -144,7 +150,7 @@ def outcome_of(
     message: str,
     measurement: Measurement | None = None,
 ) -> Outcome:
-    """Outcome of a case with the verdict that was reached."""
+    """Outcome of a case with a given verdict."""
     return Outcome(
         case.id,
         reached,
@@ -160,7 +166,7 @@ _SEVERITY: Mapping[Verdict, int] = {"agree": 0, "undecided": 1, "disagree": 2}
 
 
 def plain(result: Result[Any, Any]) -> Record:
-    """A result as plain data. NaN and infinite numbers are kept."""
+    """Result as plain data. NaN and infinite numbers are kept."""
     record: Record = msgspec.to_builtins(result, enc_hook=_numpy_to_builtin)
     return record
 
@@ -177,10 +183,10 @@ def from_plain(task: Task, record: Mapping[str, Any]) -> AnyResult:
 
 
 def valid_result(task: Task, record: Mapping[str, Any]) -> AnyResult | None:
-    """Result of `task` recorded by an earlier process, if it is still valid, otherwise None.
+    """Result of `task` recorded by an earlier process. None if it must be computed again.
 
-    A failed task, an invalid record, and a verdict that differs from that of its numbers have to be
-    computed again.
+    That applies to a failed task, an invalid record, and a verdict that differs from that of the
+    recorded numbers.
     """
     try:
         result = from_plain(task, record)

@@ -1,4 +1,7 @@
-"""Progress of a run on stderr: running and remaining tasks, elapsed and expected time."""
+"""Progress of a run on stderr: running and remaining tasks, elapsed and expected time.
+
+Input: tasks with their efforts. Output: a bar on a terminal, otherwise lines.
+"""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -18,14 +21,14 @@ from validation.case import Case
 from validation.console.progress import progress_shown
 from validation.run.outcome import Record, Task
 
-# Seconds over which the speed is averaged: the whole run.
+# Time (s) over which the speed is averaged: the whole run.
 _WHOLE_RUN = 1e9
-# Share of the effort from which on the measured speed replaces the forecast.
+# Fraction of the effort from which on the measured speed replaces the forecast.
 _RATE_SHARE = 0.1
 
 
 class RunProgress:
-    """A bar in proportion to the effort of finished tasks, and the running tasks."""
+    """Bar in proportion to the effort of finished tasks, and list of running tasks."""
 
     def __init__(self, tasks: Sequence[Task]) -> None:
         self._whole = Progress(
@@ -45,7 +48,7 @@ class RunProgress:
         self._done, self._count, self._troubled = 0, len(tasks), 0
 
     def line(self, forecast: str = "") -> str:
-        """State of the bar in words: "12/243 done, 8 s elapsed, about 20 s left".
+        """State as text: "12/243 done, 8 s elapsed, about 20 s left".
 
         Until a tenth of the effort is done, the remaining time is `forecast`, if there is one.
         """
@@ -60,7 +63,7 @@ class RunProgress:
         return Group(self._whole, self._running)
 
     def started(self, task: Task) -> None:
-        """Show the task as running."""
+        """Display the task as running."""
         self._rows[task.id] = self._running.add_task(task.title)
 
     def finished(self, task: Task, record: Record) -> None:
@@ -75,7 +78,7 @@ class RunProgress:
 
 @contextmanager
 def showing(tasks: Sequence[Task], seconds: float) -> Iterator[RunProgress]:
-    """Progress of the tasks on stderr during the context; `seconds` is that of `stage`."""
+    """Context with the progress of the tasks on stderr. `seconds` as in `stage`."""
     progress = RunProgress(tasks)
     doing = counted(len(tasks), "comparison or figure", "comparisons, figures and verdicts")
     with progress_shown(doing, seconds, progress.line, progress):

@@ -1,7 +1,8 @@
-"""Provenance of the numbers of a run: input, program, libraries, machine, and last self-test.
+"""Provenance of the numbers of a run: input, program, libraries, machine and self-test.
 
-The result of the self-test is one line in the user's cache. It is valid for the sources, libraries
-and processor of the test alone.
+Input: robot file, preset and options. Output: the header of results.json. The result of the last
+self-test is one line in the user's cache; it is valid for the sources, libraries and processor of
+that test only.
 """
 
 import json
@@ -65,13 +66,13 @@ def versions() -> dict[str, str]:
 
 
 def machine() -> str:
-    """The machine in one line, without its name."""
+    """Description of the machine in one line, without its name."""
     cores = counted(usable_cores(), "core")
     return f"{platform.system()} {platform.machine()}, {cores}, {processor()}"
 
 
 def processor() -> str:
-    """The processor's name."""
+    """Name of the processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
@@ -81,7 +82,7 @@ def processor() -> str:
 
 
 def keep_selftest(*, passed: bool) -> None:
-    """Store the result of the self-test. Errors of the disk are ignored."""
+    """Store the result of the self-test. Disk errors are ignored."""
     path = _selftest_file()
     if path is None:
         return
@@ -93,7 +94,7 @@ def keep_selftest(*, passed: bool) -> None:
 
 
 def last_selftest(header: Mapping[str, Any]) -> str:
-    """Result such as "passed on 2026-01-31", or "not run" if unknown for a header's program."""
+    """Result such as "passed on 2026-01-31". "not run" if unknown for a header's program."""
     path = _selftest_file()
     content = read_regular(path) if path else None
     try:

@@ -1,4 +1,8 @@
-"""results.json: records that a run writes, and that later runs and other programs read."""
+"""Reading and writing of results.json, the interface to later runs and other programs.
+
+Input: outcomes, matrices and figures of a run, or a file. Output: `RunRecord`, or the text of the
+file. Raises InputError for an invalid file.
+"""
 
 from collections.abc import Mapping, Sequence
 from math import nan
@@ -19,16 +23,16 @@ from validation.studies_and_figures import Figure, Study, study_record
 from validation.verdicts import CauseShare, EntryRecord, Matrix
 
 _FILE = "results.json"
-# Bytes. Runs of large mechanisms have a few MB.
+# Largest size (bytes) of a file. Runs of large mechanisms have a few MB.
 _LARGEST = 200_000_000
-# An entry of a matrix in results.json.
+# Entry of a matrix in results.json.
 StoredEntry: TypeAlias = EntryRecord[str, CauseShare]
-# Sums, differences and squares of smaller numbers are finite.
+# Largest allowed number: sums, differences and squares of smaller ones are finite.
 _LARGEST_NUMBER = 1e150
 
 
 class RunRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """The whole file: `run` is the header, `cases` the results in the order of the catalogue."""
+    """Content of results.json. `run` is the header, `cases` the outcomes in catalogue order."""
 
     schema: int = 1
     run: Mapping[str, Any] = {}
@@ -40,7 +44,7 @@ class RunRecord(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def by_id(self) -> dict[str, Outcome]:
-        """The cases by id."""
+        """Outcomes by id."""
         return {case.id: case for case in self.cases}
 
 
@@ -70,16 +74,16 @@ def run_record(
 
 
 def run_json(run: RunRecord) -> str:
-    """The run as the text of results.json."""
+    """Text of results.json."""
     contents = asdict(run) | {"cases": [_case_object(outcome) for outcome in run.cases]}
-    # Written after every case, for which Python's own encoder would be too slow.
+    # Written after each case, for which Python's own encoder would be too slow.
     return msgspec.json.format(msgspec.json.encode(contents), indent=1).decode() + "\n"
 
 
 def _case_object(outcome: Outcome) -> dict[str, Any]:
-    """Object of "cases": the fields of declaration, measurement and outcome beside each other.
+    """Object of "cases": fields of declaration, measurement and outcome next to each other.
 
-    Without a measurement its keys are null, or empty.
+    Without a measurement, the values of its keys are null or empty.
     """
     found = outcome.measurement
     numbers = json_object(found or Measurement(nan, nan, exact=True), "results.json")
@@ -128,7 +132,7 @@ def _nan_for_null(data: Any) -> Any:
 
 
 def stored_entries(matrix: Matrix, part: str | UnsetType = UNSET) -> list[StoredEntry]:
-    """Entries of results.json from the matrix of the robot, or of a `part` of it."""
+    """Entries for results.json from the matrix of the robot, or of a `part` of it."""
     entries = (
         replace(entry, quantity=entry.quantity.name, poses=matrix.poses, part=part)
         for entry in matrix.entries
@@ -144,13 +148,13 @@ def studies_of(outcomes: Sequence[Outcome]) -> list[Study]:
 
 
 def claims_of(outcomes: Sequence[Outcome]) -> tuple[Claim, ...]:
-    """Statements of sources in the outcomes, one claim for each sentence."""
+    """Statements of publications in the outcomes, one claim for each sentence."""
     measured = [outcome.measurement for outcome in outcomes if outcome.measurement]
     return merged_claims(m.claim for m in measured if m.claim)
 
 
 def load_run(path: Path) -> RunRecord:
-    """The run in a run folder or a results.json.
+    """Record of a run, from its folder or its results.json.
 
     Raises InputError if there is none or if it is invalid.
     """
@@ -165,7 +169,7 @@ def load_run(path: Path) -> RunRecord:
 
 
 def parse_run(content: bytes | str, source: str) -> RunRecord:
-    """The run from the text of a results.json; `source` names it in messages."""
+    """Record of a run from the text of a results.json. `source` names it in messages."""
     try:
         data = msgspec.json.decode(content, type=dict[str, Any])
         cases = msgspec.convert(data.get("cases"), tuple[dict[str, Any], ...])
@@ -185,7 +189,7 @@ def parse_run(content: bytes | str, source: str) -> RunRecord:
 
 
 def _largest(data: Any) -> float:
-    """Largest size of all numbers in plain data; 0 if there are none."""
+    """Largest magnitude of all numbers in plain data. 0 if there are none."""
     match data:
         case dict():
             return max(map(_largest, data.values()), default=0.0)

@@ -1,4 +1,9 @@
-"""Results of a run so far, with verdict, exit code and results.json."""
+"""Results of a run so far, with verdict on the run, exit code and results.json.
+
+Input: records of finished tasks. Output: outcomes, figures and matrices in catalogue order. Rule:
+exit code 3 if anything failed or was not computed, 1 if a case disagrees or a model relied on is
+inadequate, otherwise 0.
+"""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -31,10 +36,10 @@ _REFERENCE_TEXTS = {ADEQUACY: "by finite elements", MEASURED: "against measured 
 class Standing:
     """Verdict on the tasks of a run.
 
-    `comparisons`: count by verdict. `figures` and `assessments`: counts of failed ones.
-    `faults`: models, and other computations within an assessment, that ended with an error of the
-    program.
-    `refused`: models relied on that are not adequate. If `strict`, undecided is not enough.
+    `comparisons`: count by verdict. `figures`, `assessments`: counts of failed ones. `faults`:
+    models, and other computations within an assessment, that ended with an error of the program.
+    `refused`: models relied on that are not adequate. If `strict`, undecided models are refused
+    too.
     """
 
     comparisons: Mapping[Verdict, int]
@@ -49,7 +54,7 @@ class Standing:
     def exit_code(self) -> int:
         """0 for success, 1 if a case disagrees or a model relied on is inadequate, 3 for a failure.
 
-        A failure is anything that failed or was not computed. If strict, undecided is 1 too.
+        A failure is anything that failed or was not computed. If strict, undecided gives 1 too.
         """
         if self.failures:
             return 3
@@ -70,7 +75,7 @@ class Standing:
 
     @property
     def sentence(self) -> str:
-        """The verdict on all comparisons, with counts of failures."""
+        """Sentence with the verdict on all comparisons and counts of failures."""
         agree = self.comparisons.get("agree", 0)
         judged = sum(self.comparisons.values()) - self.comparisons.get("skipped", 0)
         if judged == 0:
@@ -100,7 +105,7 @@ def standing_of(
     *,
     strict: bool = False,
 ) -> Standing:
-    """Verdict on the tasks, of which `done` has results by id."""
+    """Verdict on the tasks. `done` contains results by id."""
     results = [done[task.id] for task in tasks if task.id in done]
     failed = [task for task in tasks if task.id in done and done[task.id].verdict == "failed"]
     matrices = [result.found for result in done.values() if isinstance(result.found, Matrix)]
@@ -118,11 +123,12 @@ def standing_of(
 
 @dataclass
 class Results:
-    """Results of finished tasks by id (`done`).
+    """Results of finished tasks, by id in `done`.
 
-    `baseline`: earlier run from which drift is counted. None if the user names none. `path`: folder
-    of the report, which is beside the final one until the run is finished. `remarks`: faults in the
-    folder. `rely`: models that must be adequate. `strict`: True if undecided counts as inadequate.
+    `baseline`: earlier run against which drift is counted, None if the user names none. `path`:
+    folder of the report, which lies next to the final one until the run is finished. `remarks`:
+    faults in the folder. `rely`: models that must be adequate. `strict`: True if undecided counts
+    as inadequate.
     """
 
     header: Mapping[str, Any]
@@ -147,7 +153,7 @@ class Results:
 
     @property
     def outcomes(self) -> list[Outcome]:
-        """The outcomes in the order of the catalogue, with the drift from the baseline."""
+        """Outcomes in catalogue order, with the drift from the baseline."""
         earlier = self.baseline.by_id if self.baseline else {}
         results = (self.done[task.id] for task in self.tasks if task.id in self.done)
         return [
@@ -158,7 +164,7 @@ class Results:
 
     @property
     def figures(self) -> list[Figure]:
-        """The figures that were drawn, in the order of the catalogue."""
+        """Figures that were drawn, in catalogue order."""
         contents = (self.done[task.id].found for task in self.tasks if task.id in self.done)
         return [content for content in contents if isinstance(content, Figure)]
 
@@ -171,7 +177,7 @@ class Results:
 
     @property
     def unjudged(self) -> list[str]:
-        """Reasons that the models could not be judged by finite elements or by measured values."""
+        """Sentences with the reason why models could not be judged against a reference."""
         results = [(kind, self.done.get(name)) for name, kind in _REFERENCE_TEXTS.items()]
         return [
             f"No model was judged {kind}: {result.message}"
@@ -223,7 +229,7 @@ class Results:
 
     @property
     def matrices(self) -> tuple[Matrix, ...]:
-        """Matrices of the models, by computed references, then by measured values."""
+        """Matrices of the models: against computed references, then against measured values."""
         return tuple(matrix for matrix in (self.matrix, self.measured) if matrix)
 
     @property
@@ -247,6 +253,6 @@ class Results:
         return standing_of(self.tasks, self.done, self.refused, strict=self.strict)
 
     def as_json(self) -> str:
-        """The text of results.json."""
+        """Text of results.json."""
         header = dict(self.header) | {"unfinished": self.unfinished}
         return run_json(run_record(header, self.outcomes, self.matrices, self.figures))

@@ -1,9 +1,10 @@
-"""Runs cases and figures in worker processes and stores each result as it arrives.
+"""Computation of cases and figures in worker processes, with each result stored on arrival.
 
-The unit of work is a group: tasks that share expensive results run in one process, one after the
-other. All computing is in worker processes, even with one job. Numbers then do not depend on the
-number of jobs, a crash of a library ends a case and not the run, and Ctrl-C does not wait for a
-factorisation. Output of the computations goes to the run's log, never to the terminal.
+Input: a catalogue of tasks and the context of a run. Output: records, passed to `keep`. Rule: tasks
+of one group share expensive results and run in one process, one after the other. All computing
+takes place in worker processes, even with one job: numbers then do not depend on the number of
+jobs, a crash of a library ends a case and not the run, and Ctrl-C does not wait for a
+factorisation. Output of the computations goes to the log of the run, never to the terminal.
 """
 
 import signal
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     # Rich, which processes that compute do without.
     from validation.run.progress import RunProgress
 
-# A module-level function that lists the cases and figures for a robot file. It must be fast and
+# Module-level function that lists the cases and figures for a robot file. It must be fast and
 # return the same list in every process.
 Catalogue: TypeAlias = Callable[..., Sequence[Task]]
 
@@ -47,18 +48,17 @@ Catalogue: TypeAlias = Callable[..., Sequence[Task]]
 def select(
     tasks: Sequence[Task], preset: Preset, pattern: str | None = None, always: Collection[str] = ()
 ) -> list[Task]:
-    """Tasks of the preset whose id matches the shell-style pattern (brackets taken literally).
+    """Tasks of the preset whose id matches a shell-style pattern, with brackets taken literally.
 
-    Tasks with ids in `always` are added.
-
-    Raises InputError if no matching task is a comparison or an assessment.
+    Tasks with ids in `always` are added. Raises InputError if no matching task is a comparison or
+    an assessment.
     """
     if len({task.id for task in tasks}) < len(tasks):
         raise ValueError("two cases or figures have the same id")
     in_preset = [task for task in tasks if preset in task.presets]
     if pattern is None:
         return in_preset
-    # Ids have parameters in brackets, which would be read as character classes.
+    # Ids contain parameters in brackets, which would be read as character classes.
     literal = pattern.replace("[", "[[]")
     selected = {task.id for task in in_preset if fnmatchcase(task.id, literal)}
     if not selected:
@@ -85,10 +85,10 @@ def run(
     keep: Callable[[Record], None],
     progress: "RunProgress",
 ) -> None:
-    """Compute the tasks, some of the catalogue's, with `jobs` processes.
+    """Compute some of the catalogue's tasks with `jobs` processes.
 
-    `keep` is called with each record as it arrives; an exception in it ends the run. SIGINT,
-    SIGTERM and SIGHUP end the run within a second. Raises ComputationError if workers cannot start.
+    `keep` is called with each record on arrival; an exception in it ends the run. SIGINT, SIGTERM
+    and SIGHUP end the run within a second. Raises ComputationError if workers cannot start.
     """
     by_id = {task.id: task for task in tasks}
     groups = [[(name, partial(_compute, name)) for name in group] for group in _groups(tasks)]
@@ -115,7 +115,7 @@ def _failed(task: Task, error: Exception) -> Record:
 def _without_numbers(
     task: Task, reached: Literal["failed", "skipped"], seconds: float, message: str
 ) -> AnyResult:
-    """Result of a task that has no content, with the reason."""
+    """Result of a task without content, with the reason."""
     if isinstance(task, Case):
         return outcome_of(task, reached, seconds, message)
     return Result(task.id, reached, seconds, message)
@@ -138,9 +138,9 @@ def _groups(tasks: Sequence[Task]) -> list[list[str]]:
 
 @contextmanager
 def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Turn SIGINT, SIGTERM and SIGHUP into a flag, so that no file is left half-written.
+    """Context in which SIGINT, SIGTERM and SIGHUP set a flag, so that no file is half-written.
 
-    SIGHUP remains ignored if it is, as under nohup.
+    Yields a function that returns the flag. SIGHUP stays ignored if it is, as under nohup.
     """
     received: list[int] = []
 
@@ -176,7 +176,7 @@ def _compute(identifier: str, assigned: _Assigned) -> Record:
 
 
 def execute(task: Task, context: Context) -> AnyResult:
-    """The result of a task; errors become verdicts, tracebacks go to stderr."""
+    """Result of a task. Errors become verdicts, tracebacks go to stderr."""
     start = perf_counter()
     try:
         match task:

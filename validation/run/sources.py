@@ -1,8 +1,8 @@
-"""Digest of the computing code: other sources or libraries give other cache keys and runs.
+"""Digest of the computing sources, so that changed sources or libraries give new cache keys.
 
-A digest covers names and contents of files, relative to the folder of the packages, so that a wheel
-and a checkout of the same sources have the same one. Times and compiled files do not count. It is
-computed once per process, at its first use.
+Input: names of folders and files. Output: a fingerprint. Rule: it covers names and contents of
+files relative to the folder of the packages, so that a wheel and a checkout of the same sources
+have the same digest. File times and compiled files do not count. Computed once per process.
 """
 
 import os
@@ -38,7 +38,7 @@ def _program(places: tuple[str, ...], solver: str) -> str:
 @memo(8)
 def source_digest(places: tuple[str, ...] = PACKAGES) -> str:
     """Digest of the sources in these folders and files, named from the folder of the packages."""
-    # Paths as text: those of pathlib take twice as long as reading the files.
+    # Paths as text, since those of pathlib take twice as long as reading the files.
     root = str(Path(__file__).resolve().parents[2])
     digest = sha256()
     for name in places:
@@ -52,7 +52,7 @@ def source_digest(places: tuple[str, ...] = PACKAGES) -> str:
 
 
 def _files(path: str) -> Iterator[str]:
-    """A source, or the sources in a folder, in alphabetical order."""
+    """Paths of a source file, or of the source files in a folder, in alphabetical order."""
     if path.endswith(_SOURCES):
         yield path
     for folder, folders, names in os.walk(path):

@@ -1,4 +1,4 @@
-"""`flexproof solve`: one model of a robot, or of one of its legs, printed or as JSON.
+"""The command `flexproof solve`: compliance and frequencies of one model of a robot or leg.
 
-In: a robot file and the typed options. Out: answers as records, text and JSON.
+Input: a robot file and options. Output: answers as records, text and JSON.
 """

@@ -1,4 +1,8 @@
-"""Solutions of a model as records with tables and plots."""
+"""Result records of `solve`: compliance and frequencies with uncertainties, tables and plots.
+
+Input: numbers of a model in each pose. Output: `Answer` for each pose, and `Solution` with tables
+and plots of all.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -25,9 +29,9 @@ Place: TypeAlias = dict[str, float | int | str | list[float]]
 
 @dataclass(frozen=True)
 class HalfWidths:
-    """Half-widths of the diagonal of a 6×6 (SI) and of frequencies (Hz). Infinite if unknown.
+    """Half-widths of the diagonal of a 6×6 (6, SI) and of frequencies (Hz). Infinite if unknown.
 
-    `loads`: half-widths of the six components of displacements under the file's loads, by name.
+    `loads`: half-widths of the six components of displacement under each load of the file, by name.
     """
 
     compliance: Array
@@ -40,7 +44,10 @@ class HalfWidths:
         return bool(np.isfinite(self.compliance).all())
 
     def shares_of_loads(self, loads: Mapping[str, Array]) -> dict[str, float]:
-        """Half-widths of displacements under `loads` over their lengths, without zero lengths."""
+        """Half-widths of displacements under `loads` over their lengths, by name.
+
+        Zero lengths are omitted.
+        """
         lengths = {name: float(np.linalg.norm(loads[name][:3])) for name in self.loads}
         return {
             name: float(np.linalg.norm(self.loads[name][:3])) / length
@@ -51,10 +58,11 @@ class HalfWidths:
 
 @dataclass(frozen=True)
 class MeshUncertainty(HalfWidths):
-    """Half-widths of 95 % intervals, from the change to a second mesh.
+    """Half-widths of 95 % intervals, from the change to a second mesh of the prisms.
 
-    It has `divisions` elements across the section. Infinite if it is too large. `meshes`: divisions
-    of all meshes from which numbers are extrapolated. Empty if no order was observed.
+    `divisions`: elements across the section in that mesh. Infinite half-widths if it is too large.
+    `meshes`: divisions of all meshes from which numbers are extrapolated, () if no order was
+    observed.
     """
 
     divisions: int
@@ -65,10 +73,10 @@ class MeshUncertainty(HalfWidths):
 class PartUncertainty(HalfWidths):
     """Half-widths of 95 % intervals due to CAD parts, from three meshes of each part.
 
-    Infinite for a part that is a mesh. `bracket`: averaged minus rigid interfaces, zero if the
-    robot file specifies the end conditions. `reduction`: bound on the increase of frequencies by
-    dropped modes. `counted`: by part, number of modes below a frequency (Hz) with interfaces `by`
-    (fixed or free), all of them in the reduction basis.
+    Infinite for a part given as a mesh. `bracket`: change from rigid to averaged interfaces, zero
+    if the robot file specifies the end conditions. `reduction`: bound on the increase of
+    frequencies (Hz) due to omitted modes. `counted`: for each part, the number of modes below a
+    frequency (Hz) with interfaces `by` (fixed or free), all of which are in the reduction basis.
     """
 
     bracket: HalfWidths
@@ -91,9 +99,9 @@ class ModePair(msgspec.Struct, frozen=True, kw_only=True):
     seen: float
     # True for a local mode of a section, which the other model does not have.
     local: bool
-    # Lowest and highest frequency (Hz) of the modes that may be the partner if shapes mix.
+    # Lowest and highest frequency (Hz) of the modes that can be the partner if shapes mix.
     open: tuple[float, float] | None
-    # True if several modes have the shape of one.
+    # True if several modes have the shape of one mode.
     undecided: bool
 
 
@@ -106,18 +114,18 @@ class PairedModes(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class Answer:
-    """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) at one posture or of one leg.
+    """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) in one posture or of one leg.
 
-    `place` is {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}. `idle`: number of
-    mobilities of a mechanism that do not move its tool. `loads`: displacements of the tool (6, m
-    and rad, base axes) under loads of the file by name, NaN without a solution. `stability`:
-    buckling under these loads, None without a solution. `responses`: receptances of the tool.
-    `damped`: complex modes (frequencies, Hz, and loss factors), None without damping. `strain`:
-    shares of drives, joints and bodies in each mode's strain energy. `paired`: partners of the
-    modes in another model, None unless requested. `uncertainty`: half-widths due to the mesh of
-    prisms, None without such a mesh. `of_parts`: those due to CAD parts. `of_digits`: bounds due to
-    the printed digits of the 6×6 in the robot file, to first order. `rigid`: for a free body, count
-    of rigid-body motions, which are not among `frequencies`; its compliance is empty.
+    `place`: {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}. `idle`: number of
+    mobilities that do not move the tool. `loads`: displacements of the tool (6, m and rad, base
+    axes) under each load of the file, NaN without a solution. `stability`: buckling under these
+    loads, None without a solution. `responses`: receptances of the tool. `damped`: frequencies (Hz)
+    and loss factors of the complex modes, None without damping. `strain`: shares of drives, joints
+    and bodies in each mode's strain energy. `paired`: partners of the modes in another model, None
+    unless requested. `uncertainty`: half-widths due to the mesh of prisms, None without such a
+    mesh. `of_parts`: half-widths due to CAD parts. `of_digits`: bounds due to the printed digits of
+    the 6×6 in the robot file, to first order. `rigid`: for a free body, the number of rigid-body
+    motions, which are not among `frequencies`; its compliance is empty.
     """
 
     place: Place
@@ -159,7 +167,7 @@ class Solution:
     moves: tuple[str, ...] = ()
 
     def table(self) -> ResultTable:
-        """Diagonal compliances and frequencies, a row for each pose.
+        """Table of diagonal compliances and frequencies, one row for each pose.
 
         Returns
         -------
@@ -187,7 +195,7 @@ class Solution:
         )
 
     def plot(self) -> "Figure":
-        """Deflections along a force of 1000 N, and frequencies.
+        """Plot of deflections along a force of 1000 N, and of frequencies.
 
         Returns
         -------
@@ -211,7 +219,7 @@ class Solution:
         )
 
     def load_table(self) -> ResultTable:
-        """Displacement of the tool and buckling factor, a row for each pose and load.
+        """Table of tool displacements and buckling factors, one row for each pose and load.
 
         Returns
         -------
@@ -242,7 +250,7 @@ class Solution:
         return ResultTable(("at", "load", *axes, "buckling factor"), tuple(rows))
 
     def plot_loads(self) -> "Figure":
-        """Displacements of the tool under the loads of the file, and buckling factors.
+        """Plot of tool displacements under the loads of the file, and of buckling factors.
 
         Returns
         -------
@@ -278,7 +286,7 @@ class Solution:
         return loads_plot(self._abscissa(), displacements, factors)
 
     def _abscissa(self) -> tuple[Array, str]:
-        """The only coordinate that differs between the poses, or their number, with its label."""
+        """Abscissa (p): the only coordinate that differs between poses, or the pose's number."""
         poses = [
             np.atleast_1d(answer.place.get("pose", answer.place.get("x", [])))
             for answer in self.answers
@@ -291,7 +299,7 @@ class Solution:
         return np.arange(1.0, len(poses) + 1.0), "pose"
 
     def plot_responses(self) -> "Figure":
-        """Magnitude and phase of the tool's responses to the harmonic forces of the file.
+        """Plot of magnitude and phase of the tool's responses to the file's harmonic forces.
 
         Returns
         -------
@@ -344,12 +352,12 @@ class Solution:
 
 
 def _factor(stability: Stability | None) -> float:
-    """Buckling factor; NaN if there is none."""
+    """Buckling factor. NaN if there is none."""
     return np.nan if stability is None or stability.factor is None else stability.factor
 
 
 def _numbers_or_none(values: Array, count: int) -> list[float | None]:
-    """Finite numbers, None for others and for those that are missing."""
+    """Finite numbers, and None for all others up to `count`."""
     finite = [value if np.isfinite(value) else None for value in values.tolist()]
     return finite + [None] * (count - len(finite))
 
@@ -360,12 +368,12 @@ def deflection_texts(answer: Answer) -> list[str]:
 
 
 def without_round_off(micro: float) -> float:
-    """The number (µm or µrad) rounded to 1e-12, so that round-off about zero reads as zero."""
+    """Number (µm or µrad) rounded to 1e-12, so that round-off of zero is displayed as zero."""
     return round(float(micro), 12) + 0.0
 
 
 def heading_of(place: Place, *, free: bool = False) -> tuple[str, str]:
-    """Subject of an answer with its end conditions, and the point and axes of its compliance."""
+    """Texts on the body of an answer with its end conditions, and on the axes of its compliance."""
     match place:
         case {"leg": number} if free:
             return f"leg {number}, nothing held", ""

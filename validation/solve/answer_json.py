@@ -1,4 +1,7 @@
-"""Solutions as JSON (schema 1)."""
+"""Solutions of `solve` as JSON (schema 1).
+
+Input: a `Solution`. Output: text, in SI units.
+"""
 
 import json
 from dataclasses import asdict
@@ -15,7 +18,7 @@ from validation.solve.answer import Answer, HalfWidths, MeshUncertainty, Solutio
 
 
 def as_json(solution: Solution) -> str:
-    """The answers as JSON (schema 1); an infinite frequency is null."""
+    """Solution as JSON (schema 1). An infinite frequency is null."""
     document: dict[str, Any] = {
         "schema": 1,
         "robot": solution.robot,
@@ -29,7 +32,10 @@ def as_json(solution: Solution) -> str:
 
 
 def finite_json(document: Any) -> str:
-    """The document as JSON, which has no infinite numbers; raises ComputationError for one."""
+    """Document as JSON, which has no infinite numbers.
+
+    Raises ComputationError if it contains one.
+    """
     try:
         return json.dumps(document, allow_nan=False)
     except ValueError as error:
@@ -40,7 +46,7 @@ def finite_json(document: Any) -> str:
 
 
 def answer_record(answer: Answer) -> dict[str, Any]:
-    """An answer's entry in the results; an infinite frequency is null."""
+    """Record of an answer. An infinite frequency is null."""
     record: dict[str, Any] = {
         **answer.place,
         "compliance": answer.compliance.tolist(),
@@ -97,13 +103,13 @@ def _half_widths(half_widths: HalfWidths) -> dict[str, Any]:
 
 
 def _mesh_record(mesh: MeshUncertainty) -> dict[str, Any]:
-    """Half-widths with the divisions of the meshes that they are from."""
+    """Half-widths with the divisions of the meshes from which they follow."""
     extrapolation = {"extrapolated_from": list(mesh.meshes)} if mesh.meshes else {}
     return {"divisions": mesh.divisions} | _half_widths(mesh) | extrapolation
 
 
 def _response_record(response: ToolResponse) -> dict[str, Any]:
-    """Receptance (m/N) over frequencies (Hz), and its peak. None for a number that is infinite."""
+    """Receptance (m/N) over frequencies (Hz), and its peak. None for an infinite number."""
     height, frequency, *excitation_point = response.judged
     record: dict[str, Any] = {
         "frequencies": response.excitation.frequencies.tolist(),
@@ -122,7 +128,7 @@ def _response_record(response: ToolResponse) -> dict[str, Any]:
 
 
 def _stability_record(stability: Stability | None) -> dict[str, Any]:
-    """Buckling and loss of stiffness under a load. A buckled mechanism has no stiffness."""
+    """Buckling factor and loss of stiffness under a load. A buckled mechanism has no stiffness."""
     if stability is None:
         return {}
     stands = bool(np.isfinite(stability.stiffness_losses).all())

@@ -1,4 +1,7 @@
-"""Solutions as text for people."""
+"""Solutions of `solve` as text.
+
+Input: a `Solution`. Output: lines with deflections, compliance, frequencies and uncertainties.
+"""
 
 import numpy as np
 
@@ -17,14 +20,14 @@ from validation.solve.answer import (
     without_round_off,
 )
 
-# Largest number of parts listed for a mode, and smallest listed share of its energy.
+# Largest number of bodies listed for a mode, and smallest listed share of its energy.
 _LISTED_PARTS, _SMALLEST_SHARE = 3, 0.005
-# Smallest listed share of a stiffness that a load takes.
+# Smallest listed relative loss of stiffness under a load.
 _SMALLEST_LOSS = 5e-5
 
 
 def as_text(solution: Solution) -> str:
-    """The answers for people: deflections at 1000 N, the compliance, the frequencies."""
+    """Solution as text: deflections at 1000 N, compliance, frequencies."""
     options = ", ".join(f"{name} {value}" for name, value in solution.options.items())
     lines = [f"{solution.robot}, {solution.model}" + (f" ({options})" if options else "")]
     lines += [solution.accuracy.text] if solution.accuracy else []
@@ -34,7 +37,7 @@ def as_text(solution: Solution) -> str:
 
 
 def _static_lines(answer: Answer) -> list[str]:
-    """Heading with the compliance, or with the motions without deformation of a free body."""
+    """Lines with heading and compliance. For a free body, the number of rigid motions."""
     if answer.rigid is not None:
         heading, _ = heading_of(answer.place, free=True)
         return [heading, f"  motions without deformation, left out: {answer.rigid}"]
@@ -100,7 +103,7 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
 
 
 def _displacement_text(displacement: Array) -> str:
-    """Displacement, its whole length and rotation."""
+    """Text with the components of a displacement, its whole length and its rotations."""
     if not np.isfinite(displacement).all():
         return (
             "none: the mechanism cannot move that way here, or the load has no wrench for this pose"
@@ -113,7 +116,7 @@ def _displacement_text(displacement: Array) -> str:
 
 
 def _response_text(response: ToolResponse) -> str:
-    """Peak of a receptance, and its size at the requested frequency."""
+    """Text with the peak of a receptance, and its magnitude at the requested frequency."""
     height, frequency, *size_at_frequency = response.judged
     if not height:
         return f"{response.excitation.name}: none, the tool is rigid there"
@@ -127,7 +130,7 @@ def _response_text(response: ToolResponse) -> str:
 
 
 def _stability_text(stability: Stability | None) -> str:
-    """Buckling factor, bodies with the largest shares, and the tool's loss of stiffness."""
+    """Text with the buckling factor, bodies with the largest shares, and the loss of stiffness."""
     if stability is None:
         return "none, the mechanism cannot move that way here"
     buckling = "does not buckle"
@@ -151,13 +154,13 @@ def _stability_text(stability: Stability | None) -> str:
 
 
 def _mode_lines(answer: Answer) -> list[str]:
-    """Bodies with most of each mode's strain energy, and partners in another model."""
+    """Lines on the bodies with most of each mode's strain energy, and partners in another model."""
     lines = []
     if answer.strain:
         names, shares = list(answer.strain), np.array(list(answer.strain.values()))
         lines.append("  most of their strain energy in:")
         for mode, column in enumerate(shares.T, start=1):
-            # Shares that are equal but for rounding stand in the order of the file.
+            # Shares that are equal up to round-off are listed in the order of the file.
             largest = np.argsort(-column.round(6), kind="stable")[:_LISTED_PARTS]
             leading = [i for i in largest if column[i] >= _SMALLEST_SHARE]
             text = ", ".join(f"{names[i]} {100.0 * column[i]:.0f} %" for i in leading)
@@ -171,7 +174,7 @@ def _mode_lines(answer: Answer) -> list[str]:
 
 
 def _partner(pair: ModePair) -> str:
-    """The partner of a mode, or the reason that it has none."""
+    """Text on the partner of a mode, or the reason why it has none."""
     if pair.undecided:
         return "several modes have the shape of one, which of them it is is open"
     if pair.local:
@@ -187,7 +190,7 @@ def _partner(pair: ModePair) -> str:
 
 
 def _part_lines(answer: Answer, parts: PartUncertainty) -> list[str]:
-    """Uncertainty due to meshes, end conditions and reduction of CAD parts."""
+    """Lines on the uncertainty due to meshes, end conditions and reduction of CAD parts."""
     if parts.known:
         lines = ["  uncertainty of the parts' meshes (95 %, from three of each):"]
         lines += _share_lines(answer, parts)
@@ -209,7 +212,7 @@ def _part_lines(answer: Answer, parts: PartUncertainty) -> list[str]:
 
 
 def _share_lines(answer: Answer, half_widths: HalfWidths, digits: str = ".2g") -> list[str]:
-    """Shares of the diagonal of the compliance and of the frequencies, in percent."""
+    """Lines with half-widths in per cent of the diagonal compliances and of the frequencies."""
     shares = 100.0 * half_widths.compliance / np.abs(np.diag(answer.compliance))
     lines = []
     if len(shares):

@@ -1,7 +1,9 @@
 """Cost of a model, estimated before it is built: unknowns, memory and time.
 
-The counts of a solid's mesh follow from the blocks of its section. The cost of its factor was
-measured on legs of all shapes. Times are for one ordinary core, within a factor of three.
+Input: legs, divisions or elements, and the number of modes. Output: `Cost`, or InputError if it
+exceeds memory or the time limit. The unknowns of a solid follow from the blocks of its section; the
+cost of its factorisation was measured on legs of all shapes. Times are for one ordinary core,
+within a factor of three.
 """
 
 from dataclasses import dataclass
@@ -12,27 +14,28 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg
 from validation.solids.solid_size import solid_unknowns
 
-# Entries of the factor of a solid leg over n^(4/3), 9 to 14 for legs of all shapes with 3000 to
-# 120 000 unknowns; bytes for each with the copies at the height of a factorisation; its flops in
+# Entries of the factor of a solid leg over n^(4/3), 9 to 14 for legs of all shapes with 3000 to 120
+# 000 unknowns; bytes per entry at the peak of a factorisation, copies included; flops in
 # entries²/n.
 _ENTRIES, _BYTES_PER_ENTRY, _FLOPS = 12.0, 23.0, 1.7
-# Stiffness, mass and what their assembly takes at its height, for each unknown of a solid.
+# Memory (bytes) of stiffness and mass at the peak of assembly, and time (s), per unknown of a
+# solid.
 _BYTES_PER_UNKNOWN, _SECONDS_PER_UNKNOWN = 10_000.0, 8e-5
 _FLOPS_PER_SECOND = 5e9
-# Right-hand sides that modes are found with: Lanczos columns, besides some for each mode.
+# Right-hand sides for modes: Lanczos vectors, plus some for each mode.
 _SOLVES, _SOLVES_PER_MODE = 100, 10
-# Dense models: matrices alive at once, and flops of all eigenvalues in n³.
+# Dense models: number of matrices in memory at once, and flops of all eigenvalues in n³.
 _DENSE_COPIES, _DENSE_FLOPS = 6.0, 12.0
-# Estimated seconds of one answer, and of one more mesh that --accuracy makes.
+# Limits (s) on the estimated time of one answer, and of one more mesh for --accuracy.
 LONGEST, LONGEST_REFINEMENT = 3600.0, 600.0
 _HOUR = 3600.0
-# Seconds for a CAD part that is not in the cache.
+# Time (s) for a CAD part that is not in the cache.
 PER_PART = 15.0
 
 
 @dataclass(frozen=True)
 class Cost:
-    """`unknowns` of the largest system, `memory` (bytes) at its height, `seconds` in all."""
+    """Estimated cost: `unknowns` of the largest system, peak `memory` (bytes), total `seconds`."""
 
     unknowns: float
     memory: float
@@ -40,18 +43,18 @@ class Cost:
 
     @property
     def size(self) -> str:
-        """About 22 000 unknowns, 0.3 GB."""
+        """Text such as "about 22 000 unknowns, 0.3 GB"."""
         return f"about {self.unknowns:.2g} unknowns, {self.memory / 1e9:.2g} GB"
 
     def __str__(self) -> str:
-        """About 22 000 unknowns, 0.3 GB and 12 s."""
+        """Text such as "about 22 000 unknowns, 0.3 GB and 12 s"."""
         hours = self.seconds / _HOUR
         time = f"{self.seconds:.2g} s" if self.seconds < _HOUR else f"{hours:.3g} h"
         return f"{self.size} and {time}"
 
 
 def solid_cost(legs: tuple[ConstantLeg, ...], divisions: int, modes: int) -> Cost:
-    """Cost of solid legs, factorised together, each with its mass and the first `modes`."""
+    """Cost of solid legs, factorised together, with mass and the first `modes` of each."""
     sizes = [solid_unknowns(leg, divisions) for leg in legs]
     entries = [_ENTRIES * n ** (4.0 / 3.0) for n in sizes]
     memory = sum(
@@ -65,14 +68,14 @@ def solid_cost(legs: tuple[ConstantLeg, ...], divisions: int, modes: int) -> Cos
 
 
 def dense_cost(unknowns: int, postures: int) -> Cost:
-    """Cost of a model that is solved dense, compliance and modes, at some postures."""
+    """Cost of compliance and modes of a dense model in a number of postures."""
     n = float(unknowns)
     seconds = postures * _DENSE_FLOPS * n**3 / _FLOPS_PER_SECOND
     return Cost(n, 8.0 * _DENSE_COPIES * n**2, seconds)
 
 
 def require_affordable(cost: Cost, subject: str, longest: float = LONGEST) -> None:
-    """Raise InputError, with the estimate, beyond the available memory or `longest` (s)."""
+    """Raise InputError, with the estimate, above the available memory or `longest` (s)."""
     available = available_memory() or inf
     if cost.memory > available:
         raise InputError(

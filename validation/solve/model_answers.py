@@ -1,4 +1,8 @@
-"""Answers of one model of a robot in the requested poses, or of one of its bodies."""
+"""Computation of `solve`: one model of a robot in the requested poses, or of one of its bodies.
+
+Input: a `Question`. Output: a `Solution` with uncertainties. Rule: for solids, a second mesh gives
+the half-widths; with --accuracy, meshes are refined until these are small enough.
+"""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -43,14 +47,15 @@ from validation.solve.uncertainty import beside, extrapolated, with_uncertainty
 from validation.uncertainty.combiners import Combiner, combined, relative_sizes
 from validation.uncertainty.refinement import refined
 
-# Per leg: shares of six modes by these and by 20 differ by a hundredth of themselves.
+# Elements per leg for the effect of printed digits: for six modes it differs by a hundredth from
+# that with 20.
 _FEW_ELEMENTS = 6
 
 
 def checked(question: Question) -> Cost:
-    """Estimated cost of the answer.
+    """Estimated cost of the answer to a question.
 
-    Raises InputError with all faults of the question at once, or if the cost is too high.
+    Raises InputError with all faults of the question, or if the cost is too high.
     """
     if faults := question.faults():
         raise InputError(faults)
@@ -58,9 +63,9 @@ def checked(question: Question) -> Cost:
 
 
 def solve(question: Question) -> Solution:
-    """Solution of the model. Without `modes`, it has six modes, or all if there are fewer.
+    """Solution of the requested model. Without `modes`, six modes, or all if there are fewer.
 
-    Raises InputError like `checked`, and ComputationError if the drives do not hold the tool.
+    Raises InputError like `checked`, and ComputationError if the drives do not support the tool.
     """
     checked(question)
     if question.modes is not None:
@@ -100,9 +105,9 @@ def _solved(question: Question) -> Solution:
 def _answers_with_uncertainty(
     question: Question, meshes: dict[int, list[Answer]]
 ) -> tuple[Question, list[Answer]]:
-    """The answers, for solids with mesh uncertainty; `meshes` collects the answers by divisions."""
+    """Answers; for solids with mesh uncertainty. `meshes` collects answers by divisions."""
     if question.mechanism.parts:
-        # Parts have other meshes every time: no step is that of the divisions alone.
+        # CAD parts have other meshes each time, so that no change is due to the divisions alone.
         meshes = {}
     postures = question.postures()
     solved, options = _answers(question, postures), question.options
@@ -116,7 +121,7 @@ def _answers_with_uncertainty(
 
 
 def _largest_half_width(solved: tuple[Question, list[Answer]]) -> float:
-    """The largest relative half-width of all answers due to meshes."""
+    """Largest relative half-width, due to meshes, over all answers."""
     shares = [
         abs(share)
         for answer in solved[1]
@@ -134,10 +139,10 @@ def _largest_half_width(solved: tuple[Question, list[Answer]]) -> float:
 
 
 def _finer(question: Question, factor: float) -> Question:
-    """The question with meshes whose half-widths are `factor` times smaller.
+    """Question with finer meshes, whose half-widths are smaller by `factor`.
 
     Divisions grow at most by a factor of two. Raises InputError if the cost is too high, or if a
-    part is given as a mesh, which cannot be refined.
+    CAD part is given as a mesh, which cannot be refined.
     """
     if question.alone is None:
         question = _with_mechanism(question, with_finer_parts(question.mechanism, factor))
@@ -145,7 +150,8 @@ def _finer(question: Question, factor: float) -> Question:
     if not legs:
         return question
     order = min(formal_order(leg, question.options.ends) for leg in legs)
-    # The fewest divisions that promise enough; where these are too many, as many as there can be.
+    # The smallest sufficient number of divisions; if its cost is too high, the largest affordable
+    # one.
     wanted_divisions = min(
         max(ceil(divisions * factor ** (1.0 / order)), divisions + 1), 2 * divisions
     )
@@ -156,7 +162,7 @@ def _finer(question: Question, factor: float) -> Question:
 
 
 def _affordable(questions: Sequence[Question]) -> Question:
-    """First question that one more mesh may cost. Raises the first InputError if there is none."""
+    """First question with an affordable mesh. Raises the first InputError if there is none."""
     refused = []
     for question in questions:
         try:
@@ -171,7 +177,7 @@ def _affordable(questions: Sequence[Question]) -> Question:
 def _on_other_mesh(
     question: Question, postures: Sequence[Posture], divisions: int
 ) -> list[Answer] | None:
-    """The answers on a mesh of other `divisions`. None if a finer mesh is too large."""
+    """Answers on a mesh of other `divisions`. None if a finer mesh is too large."""
     other = replace(question, given={**question.given, "divisions": divisions}, against=None)
     if divisions > question.options.divisions:
         try:
@@ -184,7 +190,7 @@ def _on_other_mesh(
 def _answers(
     question: Question, postures: Sequence[Posture], *, with_parts: bool = True
 ) -> list[Answer]:
-    """The answers; with `with_parts`, solids have the uncertainty of CAD parts."""
+    """Answers in all poses. If `with_parts`, solids include the uncertainty of CAD parts."""
     if question.alone is not None:
         return [_body_answer(question, question.alone)]
     model, count, options = question.model, question.count, question.options
@@ -203,7 +209,7 @@ def _answers(
     if loads := question.mechanism.loads:
         names = [load.name for load in loads]
         displaced = displacements(model, postures, options)
-        # Frequencies of other models have a stiffness inside their legs that is not a beam's.
+        # Frequencies of other models have a stiffness inside the legs that is not that of beams.
         stability_by_posture = stabilities(
             model, postures, options, count if model == "beam" else 0
         )
@@ -218,7 +224,7 @@ def _answers(
             )
         ]
     if question.against:
-        # Rooms of the verdict, slow to load, that no other answer needs.
+        # Imported here: packages that are slow to load, which no other answer needs.
         from validation.solve.pairs import paired  # noqa: PLC0415
 
         pairs = paired(modes, question.against, options)
@@ -240,11 +246,11 @@ def _answers(
 
 
 def _damped(modes: PostureModes) -> dict[str, Any]:
-    """Responses, and frequencies (Hz) and loss factors of complex modes. Empty without damping."""
+    """Responses, and frequencies (Hz) and loss factors of complex modes. {} without damping."""
     count = len(modes.modes.frequencies)
     if not count or not modes.posture.mechanism.is_damped:
         return {}
-    # Dashpots may leave fewer motions that oscillate.
+    # With dashpots, fewer motions can oscillate.
     oscillating = np.flatnonzero(np.isfinite(modes.damped.frequencies))[:count]
     complex_modes = modes.damped.frequencies[oscillating], modes.damped.losses[oscillating]
     return {"responses": modes.responses, "damped": complex_modes}
@@ -264,23 +270,23 @@ def _body_answer(question: Question, name: str) -> Answer:
 
 
 def _shapes(question: Question) -> list[ConstantLeg]:
-    """The legs of the question, equal ones once."""
+    """Legs of the question, equal ones once."""
     legs = constant_legs(question.mechanism, question.options)
     return list({leg: None for name, leg, _ in legs if question.alone in (None, name)})
 
 
 def _with_mechanism(question: Question, mechanism: Mechanism) -> Question:
-    """The question with another robot."""
+    """Question about another robot."""
     return replace(question, robot_file=replace(question.robot_file, mechanism=mechanism))
 
 
 def _with_digits(
     question: Question, postures: Sequence[Posture], solved: Sequence[Answer]
 ) -> list[Answer]:
-    """The answers with bounds due to the printed digits of the file's 6×6, if there are any.
+    """Answers with bounds due to the printed digits of the file's 6×6, if there are any.
 
-    Computed by the model itself with few elements, and for solids by beams: a 6×6 changes a number
-    by a small share, which depends little on the model.
+    Computed by the model itself with few elements, for solids by beams: the relative effect of a
+    6×6 is small and depends little on the model.
     """
     roundings = roundings_of(question.robot_file.printed_compliances, postures)
     if not roundings:
@@ -300,7 +306,7 @@ def _with_digits(
         else:
             rows = answers(question.model, postures, question.count, question.options)
         sizes = np.array([_compliance_and_frequencies(answer) for answer in rows])
-        # Digits do not change infinite numbers.
+        # Infinite numbers do not depend on digits.
         return np.where(np.isfinite(sizes), sizes, 0.0)
 
     nominal = values(postures)
@@ -325,7 +331,7 @@ def _with_digits(
 
 
 def _compliance_and_frequencies(answer: Answer | PostureAnswer) -> Array:
-    """The diagonal of the compliance (6), then the frequencies."""
+    """Diagonal of the compliance (6), followed by the frequencies."""
     return np.concatenate([np.diag(answer.compliance), answer.frequencies])
 
 
@@ -340,14 +346,14 @@ def _defined_compliance(question: Question, compliance: Array) -> Array:
 
 
 def _cost(question: Question, longest: float = LONGEST) -> Cost:
-    """Cost of the different legs, each once, and of the parts."""
+    """Cost of the distinct legs, each once, and of the CAD parts."""
     model, options = question.model, question.options
     seconds = PER_PART * len(question.mechanism.parts)
     shapes = _shapes(question)
     if model == "solid":
         cost, option = solid_cost(tuple(shapes), options.divisions, question.count), "divisions"
     elif model in OF_ELEMENTS:
-        # Legs are reduced one by one, and small then.
+        # Legs are reduced one by one and are small then.
         cost, option = dense_cost(6 * (options.elements + 1), len(shapes)), "elements"
     else:
         return Cost(0.0, 0.0, seconds)
@@ -356,7 +362,7 @@ def _cost(question: Question, longest: float = LONGEST) -> Cost:
 
 
 def _without_end_conditions(mechanism: Mechanism) -> Mechanism:
-    """The mechanism without end conditions of its prisms, so that typed ones apply."""
+    """Mechanism without end conditions of its prisms, so that those of the command line apply."""
     bodies = {
         name: replace(body, shape=replace(body.shape, ends=None))
         if isinstance(body.shape, ConstantLeg)

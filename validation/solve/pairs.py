@@ -1,4 +1,7 @@
-"""Pairs of modes of two models of a mechanism, by their shapes."""
+"""Pairs of the modes of two models of a mechanism, by shape.
+
+Input: modes of one model in each posture, and the name of another model. Output: `PairedModes`.
+"""
 
 from collections.abc import Sequence
 
@@ -9,14 +12,14 @@ from validation.references.modes_on_path import vibration_of
 from validation.responses.mode_partners import Partners, partners
 from validation.solve.answer import ModePair, PairedModes
 
-# Additional modes of the other model, as a partner may come later in its order.
+# Additional modes of the other model, since a partner can have a higher number.
 _EXTRA_MODES = 6
 
 
 def paired(
     modes_by_posture: Sequence[PostureModes], against: ModelName, options: ModelOptions
 ) -> list[PairedModes]:
-    """Pair all modes of each posture with those of the model `against` by energy-weighted MAC."""
+    """Pairs of all modes in each posture with those of another model, by energy-weighted MAC."""
     postures = [modes.posture for modes in modes_by_posture]
     mechanism = postures[0].mechanism
     samples, count = samples_of(mechanism), len(modes_by_posture[0].modes.frequencies)
@@ -34,13 +37,13 @@ def paired(
 
 
 def _pair(pairing: Partners, posture: int, mode: int) -> ModePair:
-    """Partner of a mode in a posture (their indices)."""
-    number = int(pairing.number[posture, mode])
+    """Partner of a mode in a posture, both given by index."""
+    partner_index = int(pairing.number[posture, mode])
     low, high = float(pairing.lowest[posture, mode]), float(pairing.highest[posture, mode])
     return ModePair(
         mode=mode + 1,
-        partner=int(number) + 1 if number >= 0 else None,
-        frequency=float(pairing.frequency[posture, mode]) if number >= 0 else None,
+        partner=int(partner_index) + 1 if partner_index >= 0 else None,
+        frequency=float(pairing.frequency[posture, mode]) if partner_index >= 0 else None,
         mac=float(pairing.likeness[posture, mode]),
         seen=float(pairing.seen[posture, mode]),
         local=bool(pairing.local[posture, mode]),

@@ -19,7 +19,7 @@ from validation.console.typed import (
     write,
 )
 
-# Seconds of an idle core: reading a byte, identifying a part, and an unknown of its finest mesh.
+# Time (s) of an idle core: to read a byte, to identify a part, and per unknown of its finest mesh.
 _READING_A_BYTE, _IDENTIFYING, _EACH_UNKNOWN = 1e-5, 5.0, 2e-4
 
 

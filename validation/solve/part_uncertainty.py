@@ -1,4 +1,9 @@
-"""Numerical uncertainty of `solve` due to CAD parts: meshes, and end conditions of interfaces."""
+"""Numerical uncertainty of `solve` due to CAD parts: meshes, interfaces and reduction.
+
+Input: postures and models of the bodies. Output: `PartUncertainty` in each posture. Rule: each part
+is solved on its three meshes, and with averaged instead of rigid interfaces if the robot file does
+not specify them.
+"""
 
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -22,7 +27,7 @@ from validation.solve.answer import HalfWidths, PartUncertainty
 from validation.uncertainty.combiners import relative_sizes
 from validation.uncertainty.mesh_half_widths import half_widths_on
 
-# Cut-off frequency (Hz) of parts for statics alone, below all their modes.
+# Cut-off frequency (Hz) of CAD parts in statics, below all their modes.
 _LOWEST_CUTOFF = 1e-3
 
 
@@ -32,12 +37,11 @@ def of_parts(
     count: int,
     by: ReductionBy = "fixed",
 ) -> list[PartUncertainty]:
-    """Uncertainty due to the CAD parts of a mechanism, solids among its `models`, in each posture.
+    """Uncertainty due to the CAD parts of a mechanism, in each posture.
 
-    It covers the compliance, `count` frequencies and displacements under the loads. Each part is
-    solved on its three meshes, and with averaged instead of rigid interfaces if the robot file does
-    not specify them. Other bodies are unchanged. Parts are reduced `by` their modes with interfaces
-    fixed or free.
+    It covers the compliance, `count` frequencies and displacements under the loads. `models` of all
+    bodies contain the parts as solids; other bodies are unchanged. `by`: reduction with modes of
+    fixed or free interfaces.
     """
     mechanism = postures[0].mechanism
     bodies, names = mechanism.parts, [load.name for load in mechanism.loads]
@@ -68,7 +72,7 @@ def of_parts(
         )
         return np.broadcast_to(share, fine[:, columns].shape)
 
-    # Compliances show one order together, frequencies another, displacements a third.
+    # Compliances have one common order of convergence, frequencies another, displacements a third.
     kinds = slice(6), slice(6, 6 + count), slice(6 + count, None)
     share = np.hstack([mesh_shares(columns) for columns in kinds])
     half_widths = np.where(np.equal(share, UNKNOWN), np.inf, share * scale)
@@ -99,13 +103,13 @@ def of_parts(
 
 
 def _lengths(displacements: Array) -> Array:
-    """Lengths of translations and rotations (p×6l), one for each of their components."""
+    """Lengths of translations and of rotations (p×6l), repeated for each of their components."""
     sizes = np.linalg.norm(displacements.reshape(len(displacements), -1, 3), axis=2)
     return np.repeat(sizes, 3, axis=1)
 
 
 def _bound(system: System, solids: Mapping[str, ReducedPart], count: int) -> Array:
-    """Bounds on the increase of the first frequencies (Hz) due to modes that the parts lack."""
+    """Bounds (Hz) on the increase of the first frequencies due to modes that the parts lack."""
     if not count:
         return np.zeros(0)
     bounds = frequency_bounds(system, solids, count)

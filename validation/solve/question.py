@@ -1,4 +1,8 @@
-"""A question to `solve`: model, options, poses or body, number of modes; and its faults."""
+"""Request to `solve`, with its checks: model, options, poses or body, number of modes.
+
+Input: arguments of the command line or of Python. Output: postures and model options, or a list of
+faults. Rule: an option that would change nothing is a fault.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -14,7 +18,7 @@ from validation.kinematics.poses import parsed_pose
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.uncertainty.refinement import accuracy_faults
 
-# Options that affect each model; any other one on the command line is a fault.
+# Options that affect each model. Any other option on the command line is a fault.
 OPTIONS: dict[ModelName, tuple[str, ...]] = {
     "simplified": (),
     "vjm": ("legs", "theory", "equivalent"),
@@ -23,20 +27,20 @@ OPTIONS: dict[ModelName, tuple[str, ...]] = {
     "beam": ("theory", "elements", "equivalent", "parts"),
     "solid": ("ends", "divisions", "equivalent", "reduction"),
 }
-# Models of elements, solved dense.
+# Models with elements, which are solved with dense matrices.
 OF_ELEMENTS: tuple[ModelName, ...] = ("segments", "beam")
 DEFAULT_MODES = 6
-# Beams get elements for as many, and are solved dense.
+# Largest number of modes. Beams get enough elements for them, and are solved dense.
 _LARGEST_COUNT = 1000
-# Options of parts from files alone, and options of legs known by a 6×6.
+# Options that affect CAD parts only, and options that affect legs known by a 6×6.
 _OF_PARTS = ("parts", "reduction")
 _OF_GIVEN_LEGS = ("legs", "equivalent")
 
 
 def split_ends(model: ModelName, options: dict[str, Any]) -> tuple[dict[str, Any], bool]:
-    """Options of a model without `ends` "free-free"; True if they had it.
+    """Options of a model without `ends` "free-free", and True if they contained it.
 
-    End faces of a free solid may warp.
+    A free solid has end faces that are free to warp.
     """
     if options.get("ends") != "free-free":
         return options, False
@@ -46,13 +50,13 @@ def split_ends(model: ModelName, options: dict[str, Any]) -> tuple[dict[str, Any
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """A `model` of a robot with the typed options `given`, and the poses or body to be solved.
+    """A `model` of a robot, the options `given` by the user, and the poses or body to be solved.
 
     Positions `x` (m), or `poses` ("0.25,0.6"), or one `leg` or `body` alone; the reference posture
-    without these. `modes`: number of modes, None for six. They are paired with those of the model
-    `against`. `digits`: True to add bounds due to the printed digits of the file's 6×6. `accuracy`:
-    largest relative half-width due to meshes of solids. A body alone has its first point clamped,
-    or no support if it is `free`.
+    without these. `modes`: number of modes, None for six. `against`: model with whose modes they
+    are paired. `digits`: True to add bounds due to the printed digits of the file's 6×6.
+    `accuracy`: largest relative half-width due to meshes of solids. A body alone is clamped at its
+    first point, or unsupported if `free`.
     """
 
     robot_file: RobotFile
@@ -70,12 +74,12 @@ class Question:
 
     @property
     def mechanism(self) -> Mechanism:
-        """The robot."""
+        """Mechanism of the robot."""
         return self.robot_file.mechanism
 
     @cached_property
     def numbered(self) -> bool:
-        """True for schema 1, in which poses are positions x and bodies are legs by number."""
+        """True for schema 1, in which poses are positions x and legs have numbers."""
         return self.robot_file.schema == 1
 
     @property
@@ -85,13 +89,13 @@ class Question:
 
     @property
     def count(self) -> int:
-        """Number of frequencies."""
+        """Number of frequencies. 0 for static models."""
         requested = DEFAULT_MODES if self.modes is None else self.modes
         return 0 if self.model in STATIC else requested
 
     @property
     def options(self) -> ModelOptions:
-        """The options of the model, defaults for those that were not typed."""
+        """Options of the model, with defaults for those not given."""
         return ModelOptions(**self.given)
 
     @property
@@ -101,7 +105,7 @@ class Question:
         return tuple(name for name in self._allowed() if name not in ignored)
 
     def postures(self) -> list[Posture]:
-        """Postures of the typed poses, or the reference posture."""
+        """Postures of the given poses, or the reference posture."""
         return [self._posture(text) for text in self._typed] or [reference_posture(self.mechanism)]
 
     @property
@@ -112,7 +116,7 @@ class Question:
         return posture(self.mechanism, parsed_pose(self.mechanism, typed))
 
     def faults(self) -> list[str]:
-        """Everything that is wrong with the question, one line each."""
+        """Faults of the request, one line each."""
         if misplaced := self._place_faults():
             return misplaced
         faults = [*self._option_faults(), *self._mode_faults()]
@@ -130,11 +134,11 @@ class Question:
         return [*faults, *unreadable, *(f"{option}{fault}" for fault in unreachable)]
 
     def _allowed(self) -> tuple[str, ...]:
-        # Eq. (25) as printed is a statement about the paper's own kind of robot.
+        # Eq. (25) as printed is defined for the paper's kind of robot only.
         return tuple(n for n in OPTIONS[self.model] if self.numbered or n != "release")
 
     def _place_faults(self) -> list[str]:
-        """Places that robots of this schema do not have."""
+        """Faults of poses and legs that robots of this schema do not have."""
         faults = []
         if self.x and not self.numbered:
             faults.append("--x: poses of a mechanism are typed as --pose")
@@ -145,9 +149,9 @@ class Question:
         return faults
 
     def _option_faults(self) -> list[str]:
-        """Options that the model does not take, that change nothing, or whose value is wrong.
+        """Faults of options that the model lacks, that change nothing, or with a wrong value.
 
-        What is typed and would change nothing is refused: whoever typed it expects that it does.
+        An option that would change nothing is refused, because the user expects that it does.
         """
         allowed, ignored = self._allowed(), self._ignored()
         listed = ", ".join(f"--{name}" for name in allowed) or "none"
@@ -168,7 +172,7 @@ class Question:
         ]
 
     def _ignored(self) -> dict[str, str]:
-        """Options without effect on this question, with the reason."""
+        """Options without effect on this request, with the reason."""
         ignored: dict[str, str] = {}
         legs = {n: leg for n, leg in legs_of(self.mechanism).items() if self.alone in (None, n)}
         known_by_matrix = [isinstance(leg, GivenLeg) for leg in legs.values()]
@@ -198,7 +202,7 @@ class Question:
         return faults
 
     def _free_faults(self) -> list[str]:
-        """Faults of a question about a free body."""
+        """Faults of a request about a free body."""
         faults = []
         if self.alone is None:
             faults.append("--ends free-free: only a body alone is free; name it by --body")

@@ -1,4 +1,8 @@
-"""Plot of one model's deflections and natural frequencies, over the poses if there are several."""
+"""Plots of one model: deflections, frequencies, loads and responses.
+
+Input: numbers in one or several poses. Output: matplotlib figures, bars for one pose and curves
+over several.
+"""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -32,10 +36,11 @@ FACTOR = "buckling factor"
 def solution_plot(
     places: Sequence[str], abscissa: tuple[Array, str], deflections: Array, frequencies: Array
 ) -> Figure:
-    """Bars for a single place, curves over the `abscissa` (p values and their label) for several.
+    """Plot of deflections and frequencies: bars for a single pose, curves for several.
 
-    `deflections` (p×3, or p×2 in the plane; µm) and `frequencies` (p×m, Hz, NaN for a missing
-    mode) belong to `places` (p). Without modes there is no panel of frequencies.
+    `deflections` (p×3, or p×2 in the plane; µm) and `frequencies` (p×m, Hz, NaN for a missing mode)
+    belong to `places` (p). `abscissa`: p values and their label. Without modes there is no panel of
+    frequencies.
     """
     quantities = [(DEFLECTION, ["x", "y", "z"][: deflections.shape[1]], deflections)]
     if frequencies.shape[1]:
@@ -70,10 +75,10 @@ def _ticks(label: str) -> Scale:
 def loads_plot(
     abscissa: tuple[Array, str], displacements: Mapping[str, Array], factors: Mapping[str, Array]
 ) -> Figure:
-    """Size of the displacement (µm) under each load, and the factor at which it buckles.
+    """Plot of the displacement (µm) under each load, and of the buckling factor.
 
     Both map the load's name to a number for each of p poses (NaN if there is none). Curves over
-    the `abscissa` (p values and their label); for a single pose a mark for each load.
+    `abscissa` (p values and their label); for a single pose, a mark for each load.
     """
     x, label = abscissa
     quantities = ((DISPLACEMENT, displacements, from_zero), (FACTOR, factors, powers))
@@ -93,7 +98,10 @@ def loads_plot(
 
 
 def _marks_of_loads(quantities: Sequence[tuple[str, Mapping[str, Array], Scale]]) -> Figure:
-    """A row for each load, a logarithmic axis for each quantity; zero and NaN have no mark."""
+    """Plot with a row for each load and a logarithmic axis for each quantity.
+
+    Zero and NaN have no mark.
+    """
     names = list(quantities[0][1])
     rows = np.arange(len(names), 0, -1)
     with plot_style():
@@ -115,7 +123,7 @@ def _marks_of_loads(quantities: Sequence[tuple[str, Mapping[str, Array], Scale]]
 
 
 def responses_plot(curves: Mapping[str, tuple[Array, ComplexArray]]) -> Figure:
-    """Magnitude (µm/N) and phase of receptances (m/N) over their frequencies (Hz), by name."""
+    """Plot of magnitude (µm/N) and phase of receptances (m/N) over frequencies (Hz), by name."""
     sizes = [Series(name, x, 1e6 * np.abs(values)) for name, (x, values) in curves.items()]
     phases = [
         Series(name, x, np.degrees(np.angle(1j * values)) - 90.0)

@@ -1,4 +1,8 @@
-"""Numerical uncertainty of solids in `solve`, from other meshes of prisms."""
+"""Numerical uncertainty of solid prisms in `solve`, from a second mesh.
+
+Input: answers on two or more meshes. Output: answers with half-widths; extrapolated if at least
+four meshes show an order of convergence.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -18,16 +22,16 @@ from validation.solve.answer import Answer, MeshUncertainty
 from validation.uncertainty.grid_convergence import richardson_limits
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Elements of one mesh to those of the other, in size: walls of one element across keep that one,
-# so that half the divisions come to 1.2 (tubes) and 1.3.
+# Smallest ratio of element sizes of both meshes. Walls with one element across keep one, so that
+# half the divisions give a ratio of only 1.2 (tubes) or 1.3.
 _RATIO = 1.2
 
 
 def beside(options: ModelOptions, legs: Sequence[Leg]) -> int:
-    """Divisions of another mesh: half of them, one, or the fewest more that change enough.
+    """Divisions of a second mesh: half of the first, one, or the fewest more that change enough.
 
-    Round and thin-walled sections need so many elements as they are that fewer divisions often give
-    them the same mesh, whose answer would be called exact.
+    Round and thin-walled sections need so many elements that fewer divisions often give the same
+    mesh, whose answer would be called exact.
     """
     present = options.divisions
     candidates = (present // 2, 1, *range(present + 1, 8 * present + 1))
@@ -45,7 +49,7 @@ def _ratio(section: Section, first: int, second: int) -> float:
     try:
         coarse, fine = sorted(element_count(section, divisions) for divisions in (first, second))
     except InputError:
-        # A shape that a user has added: as its divisions say.
+        # A section added by a user: elements in proportion to divisions.
         return max(first, second) / min(first, second)
     return sqrt(fine / coarse)
 
@@ -57,11 +61,11 @@ def with_uncertainty(
     options: ModelOptions,
     divisions: int,
 ) -> list[Answer]:
-    """The answers with half-widths of 95 % intervals, from the `others` on a mesh of `divisions`.
+    """Answers with half-widths (95 %), from answers on a mesh with other `divisions`.
 
-    The step between both meshes times Roache's factor, r³ the ratio of their elements (Celik et
-    al., J. Fluids Eng. 130 (2008) 078001). The coarser one's error is rᵖ times the finer one's.
-    Half-widths are infinite if `others` is None.
+    The change between both meshes times Roache's factor, with r³ the ratio of their element counts
+    (Celik et al., J. Fluids Eng. 130 (2008) 078001). The error on the coarse mesh is rᵖ times that
+    on the fine one. Half-widths are infinite if `other_answers` is None.
     """
     if other_answers is None:
         frequencies = np.full_like(answers[0].frequencies, inf)
@@ -99,10 +103,11 @@ def extrapolated(
     legs: Sequence[Leg],
     options: ModelOptions,
 ) -> list[Answer]:
-    """The answers on the finest of the `meshes` (by divisions), extrapolated where these show it.
+    """Answers on the finest of the `meshes` (by divisions), extrapolated if an order is observed.
 
-    Number by number, by four meshes of rectangles or more: those of walls keep one element across
-    for several divisions, and would show the order of their slices alone.
+    Each number is treated on its own, if there are at least four meshes and all sections are
+    rectangles: walls keep one element across for several divisions, and would show only the order
+    of their slices along the leg.
     """
     solid = [equivalent_leg(leg, options.equivalent) for leg in legs]
     if len(meshes) < GRIDS_FOR_ORDER or not all(
@@ -127,15 +132,15 @@ def extrapolated(
         numbers = np.where(np.isnan(limits), values[-1], limits)
         compliance = np.zeros((6, 6))
         compliance[upper] = compliance.T[upper] = numbers[:count]
-        stated = answer.uncertainty
-        if stated is None:
+        mesh_uncertainty = answer.uncertainty
+        if mesh_uncertainty is None:
             return list(answers)
         uncertainty = MeshUncertainty(
-            _known(widths[:count][diagonal], stated.compliance),
-            _known(widths[count:], stated.frequencies),
-            stated.divisions,
+            _known(widths[:count][diagonal], mesh_uncertainty.compliance),
+            _known(widths[count:], mesh_uncertainty.frequencies),
+            mesh_uncertainty.divisions,
             divisions,
-            loads=stated.loads,
+            loads=mesh_uncertainty.loads,
         )
         results.append(
             replace(

@@ -1,4 +1,8 @@
-"""`solve --vary`: one model of many robots that differ in some numbers of their file."""
+"""`solve --vary`: one model of several robots that differ in some numbers of their file.
+
+Input: a request and texts such as "KEY=FROM:TO:COUNT". Output: a table, JSON, CSV or a picture of
+deflections and frequencies for each robot.
+"""
 
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -35,7 +39,7 @@ _DOTS, _LARGEST_CURVE_COUNT = 150, len(OTHERS)
 
 @dataclass(frozen=True)
 class VariedAnswers:
-    """The answers for every combination of the values of `variations`, in their order."""
+    """Answers for all combinations of the values of `variations`, in order."""
 
     variations: tuple[Variation, ...]
     values: tuple[tuple[float, ...], ...]
@@ -43,7 +47,7 @@ class VariedAnswers:
 
     @property
     def rows(self) -> list[tuple[tuple[float, ...], Answer]]:
-        """Every answer with the values that its robot has."""
+        """Each answer with the values of its robot."""
         return [
             (values, answer)
             for values, solution in zip(self.values, self.solutions, strict=True)
@@ -53,7 +57,7 @@ class VariedAnswers:
 
 @dataclass(frozen=True)
 class _Unit:
-    """One robot: plain data that can be sent to other processes and machines."""
+    """Request for one robot: plain data that can be sent to other processes and machines."""
 
     values_text: str
     question: Question
@@ -73,7 +77,7 @@ def write_varied(
     *,
     json: bool,
 ) -> None:
-    """Print the answers for the numbers that vary as typed, as text or JSON, and write files.
+    """Print the answers for all varied robots as text or JSON, and write the requested files.
 
     Raises InputError and ComputationError as `solve_varied` does.
     """
@@ -98,16 +102,16 @@ def write_varied(
 def solve_varied(
     question: Question, variations: tuple[Variation, ...], jobs: int, cluster: str | None
 ) -> VariedAnswers:
-    """Solve the question for each robot of the variations, by `jobs` processes or on a `cluster`.
+    """Answers for each robot of the variations, by `jobs` processes or on a `cluster`.
 
-    Raises InputError with the values, before any computing, if a robot is invalid or cannot reach
-    a requested pose, and ComputationError if one cannot be solved.
+    Raises InputError with the values, before any computing, if a robot is invalid or cannot reach a
+    requested pose, and ComputationError if one cannot be solved.
     """
     robots = varied(question.robot_file, variations)
     units, seconds = [], 0.0
     for values, robot in robots:
         text = assignments(variations, values)
-        # Tables of many robots have no room for what digits leave open of each.
+        # Tables of many robots have no room for the effect of digits on each.
         question_of_robot = replace(question, robot_file=robot, digits=False)
         with naming(f"--vary {text}"):
             seconds += checked(question_of_robot).seconds
@@ -127,10 +131,10 @@ def solve_varied(
 
 
 def numbers_without_effect(answers: VariedAnswers) -> list[str]:
-    """A line for each varied number that changes no answer."""
+    """Lines on varied numbers that change no answer."""
     lines = []
     for index, variation in enumerate(answers.variations):
-        # What the robots answer that differ in this number alone.
+        # Results of the robots that differ in this number alone.
         results_by_others: dict[tuple[float, ...], set[bytes]] = {}
         for values, solution in zip(answers.values, answers.solutions, strict=True):
             numbers = [
@@ -150,7 +154,10 @@ def numbers_without_effect(answers: VariedAnswers) -> list[str]:
 
 
 def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:
-    """A row for each robot and posture: values, place, deflections and frequencies."""
+    """Columns of the table, one row for each robot and posture.
+
+    Values, pose, deflections and frequencies.
+    """
     rows = answers.rows
     table: dict[str, list[float | str]] = {
         variation.key: [values[index] for values, _ in rows]
@@ -169,7 +176,7 @@ def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:
 
 
 def quantities(answers: Sequence[Answer]) -> dict[str, list[float | str]]:
-    """Deflections under their own loads and frequencies, a number for each answer."""
+    """Columns of deflections under their own loads and of frequencies, a number per answer."""
     table: dict[str, list[float | str]] = {}
     for k, name in enumerate(AXES[: len(answers[0].compliance)]):
         unit = "µrad at 100 N m" if name in ROTATIONS else "µm at 1000 N"
@@ -180,7 +187,7 @@ def quantities(answers: Sequence[Answer]) -> dict[str, list[float | str]]:
 
 
 def as_text(answers: VariedAnswers) -> str:
-    """The table for people."""
+    """Table of all answers as text."""
     numbers, first = columns(answers), answers.solutions[0]
     texts = [
         [value if isinstance(value, str) else f"{value:.6g}" for value in column]
@@ -192,7 +199,7 @@ def as_text(answers: VariedAnswers) -> str:
 
 
 def as_json(answers: VariedAnswers) -> str:
-    """The answers as JSON (schema 1): those of `solve --json`, each with its values by key."""
+    """Answers as JSON (schema 1): those of `solve --json`, each with its values by key."""
     first = answers.solutions[0]
     keys = [variation.key for variation in answers.variations]
     document = {
@@ -223,11 +230,11 @@ def require_few_curves(variations: Sequence[Variation], places: int) -> None:
 
 
 def png(robot_file: RobotFile, answers: VariedAnswers) -> bytes:
-    """PNG of curves over the first number, deflections and frequencies in a panel each.
+    """PNG of deflections and frequencies over the first varied number, one panel each.
 
-    One for each combination of what else varies.
+    One curve for each combination of the other numbers and poses.
     """
-    # Only who wants a picture waits for what draws it.
+    # Imported here: only a picture needs the plotting library.
     from validation.drawing.chart import Chart, Panel, Series, few_ticks, from_zero  # noqa: PLC0415
     from validation.drawing.plot import chart_png  # noqa: PLC0415
 
@@ -256,7 +263,7 @@ def png(robot_file: RobotFile, answers: VariedAnswers) -> bytes:
 
 
 def _curve(variations: Sequence[Variation], values: Sequence[float], answer: Answer | None) -> str:
-    """Label of a curve: values of the other numbers, and the place."""
+    """Label of a curve: values of the other numbers, and the pose."""
     texts = [assignments(variations, values)] if variations else []
     if answer is not None:
         ((name, position),) = answer.place.items()
