@@ -85,11 +85,14 @@ class Loading:
 
 @dataclass(frozen=True, eq=False)
 class Excitation:
-    """A harmonic force at the loaded point, for which the response is computed.
+    """A harmonic force, for which the response of a point is computed.
 
     It acts along `direction` (3, a unit vector, base axes) at `count` frequencies (Hz) from `first`
     to `last`, equally spaced on a logarithmic scale. The peak of the response is judged, and its
-    magnitude at the frequency `at` (Hz) unless that is None.
+    magnitude at the frequency `at` (Hz) unless that is None. The force acts at the point `loaded`
+    (body and interface), and the response is the displacement of the point `moved` along
+    `moved_direction` (3, a unit vector, base axes). None for the tool, and for the direction of the
+    force.
     """
 
     name: str
@@ -98,6 +101,24 @@ class Excitation:
     last: float
     count: int
     at: float | None = None
+    loaded: tuple[str, str] | None = None
+    moved: tuple[str, str] | None = None
+    moved_direction: Array | None = None
+
+    @property
+    def is_direct(self) -> bool:
+        """True for the response of the tool along a force that acts on it."""
+        return self.loaded is None and self.moved is None and self.moved_direction is None
+
+    @property
+    def is_driving_point(self) -> bool:
+        """True for the displacement of the loaded point along the force."""
+        return self.loaded == self.moved and self.moved_direction is None
+
+    @property
+    def displacement_direction(self) -> Array:
+        """Direction (3, a unit vector) of the displacement."""
+        return self.direction if self.moved_direction is None else self.moved_direction
 
     @property
     def frequencies(self) -> Array:

@@ -306,7 +306,9 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, di
     ]
     if not faults:
         loads = loads_of(read["loads"], complete, folder)
-        complete = replace(complete, loads=loads, excitations=excitations_of(read["responses"]))
+        complete = replace(
+            complete, loads=loads, excitations=excitations_of(read["responses"], complete)
+        )
     # The complete robot is checked, because its postures are memoised for later computations.
     if faults := (motion_faults(complete) if any_robot else []) or faults:
         raise InputError(faults)

@@ -60,16 +60,7 @@ def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Pat
         for key_name in ("at", "body"):
             if table[key_name] is not None and table["wrench"] is None and table["file"] is None:
                 yield f"{key}.{key_name}: must be left out without a wrench, which acts there"
-        if table["at"] is not None and _body_of(table, robot) is None:
-            bodies = robot.bodies if table["body"] is None else {table["body"]: None}
-            points = dict.fromkeys(
-                p for name in bodies if name in robot.bodies for p in robot.bodies[name].interfaces
-            )
-            advice = did_you_mean(table["at"], points, otherwise=f": {', '.join(points) or 'none'}")
-            owner = f"{table['body']}" if table["body"] else "a body"
-            yield f"{key}.at = {shown(table['at'])}: must be a point of {owner}{advice}"
-        elif table["body"] is not None and table["at"] is None:
-            yield f"{key}.body: must be left out without `at`, the point of it"
+        yield from _point_faults(table, key, "at", robot)
         for key_name in ("acceleration", "speed"):
             for axis, value in zip(MOVES, table[key_name] or (), strict=False):
                 if value and axis not in robot.tool.moves:
@@ -82,29 +73,84 @@ def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Pat
                     yield f"{key}.{key_name} = {list(table[key_name])}: {required}"
 
 
-def _body_of(table: Mapping[str, Any], robot: Mechanism) -> str | None:
-    """Name of the body with the point at which a load acts. None if no body has such a point.
+def _point_faults(
+    table: Mapping[str, Any], key: str, point_key: str, robot: Mechanism
+) -> Iterator[str]:
+    """Faults of a point under `point_key`, and of the `body` that has it."""
+    name, owner = table[point_key], table["body"]
+    if name is None:
+        if owner is not None:
+            yield f"{key}.body: must be left out without `{point_key}`, the point of it"
+    elif _body_of(table, robot, point_key) is None:
+        bodies = robot.bodies if owner is None else {owner: None}
+        points = dict.fromkeys(
+            p for body in bodies if body in robot.bodies for p in robot.bodies[body].interfaces
+        )
+        advice = did_you_mean(name, points, otherwise=f": {', '.join(points) or 'none'}")
+        yield f"{key}.{point_key} = {shown(name)}: must be a point of {owner or 'a body'}{advice}"
 
-    It is the body named in the table, otherwise that of the tool, otherwise the first one in the
-    file.
+
+def _body_of(table: Mapping[str, Any], robot: Mechanism, point_key: str = "at") -> str | None:
+    """Name of the body that has the point of a table. None if no body has such a point.
+
+    The body is the one named in the table, otherwise the body of the tool, otherwise the first body
+    in the file that has the point.
     """
     first = (robot.tool.body, *(name for name in robot.bodies if name != GROUND))
     names = first if table["body"] is None else (table["body"],)
-    point = table["at"] or robot.tool.point
+    point = table[point_key] or robot.tool.point
     interfaces = {name: robot.bodies[name].interfaces for name in names if name in robot.bodies}
     return next((name for name, points in interfaces.items() if point in points), None)
 
 
-def excitations_of(read: Sequence[Mapping[str, Any]]) -> tuple[Excitation, ...]:
-    """Harmonic forces described by tables [[responses]] without faults."""
-    return tuple(
-        Excitation(
-            table["name"],
-            np.array(table["direction"]) / np.linalg.norm(table["direction"]),
-            *(table[key] for key in ("from", "to", "count", "at")),
+def excitations_of(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> tuple[Excitation, ...]:
+    """Excitations described by tables without faults."""
+    excitations = []
+    for table in read:
+        force, motion = _force_of(table), _motion_of(table)
+        loaded = None if force["at"] is None else (_body_of(force, robot) or "", force["at"])
+        moved = loaded
+        if motion["point"] is not None:
+            moved = _body_of(motion, robot, "point") or "", motion["point"]
+        tool = robot.tool.body, robot.tool.point
+        direction = motion["direction"]
+        excitations.append(
+            Excitation(
+                table["name"],
+                _unit(table["direction"]),
+                table["from"],
+                table["to"],
+                table["count"],
+                at=_frequency_of(table),
+                loaded=None if loaded == tool else loaded,
+                moved=None if moved == tool else moved,
+                moved_direction=None if direction is None else _unit(direction),
+            )
         )
-        for table in read
-    )
+    return tuple(excitations)
+
+
+def _unit(direction: Sequence[float]) -> Array:
+    vector = np.array(direction)
+    return np.asarray(vector / np.linalg.norm(vector))
+
+
+def _force_of(table: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Point and body of the force of a response. A number `at` is a frequency."""
+    at = table["at"] if isinstance(table["at"], str) else None
+    return {"at": at, "body": table["body"]}
+
+
+def _motion_of(table: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Point, body and direction of the displacement of a response."""
+    of = table["of"]
+    return of if isinstance(of, Mapping) else {"point": of, "body": None, "direction": None}
+
+
+def _frequency_of(table: Mapping[str, Any]) -> float | None:
+    """Frequency (Hz) at which a response is judged, besides its peak."""
+    number = table["at"] if isinstance(table["at"], float) else None
+    return number if table["frequency"] is None else table["frequency"]
 
 
 def response_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> Iterator[str]:
@@ -114,12 +160,26 @@ def response_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> Iter
         key = f"responses[{number}]"
         if table["name"] == TEST_RESPONSE:
             yield f"{key}.name = {shown(table['name'])}: must be another; modal tests are called so"
-        if np.linalg.norm(table["direction"]) < NO_DIRECTION:
-            yield f"{key}.direction = {list(table['direction'])}: must not be zero"
+        directions = {
+            "direction": table["direction"],
+            "of.direction": _motion_of(table)["direction"],
+        }
+        for name, direction in directions.items():
+            if direction is not None and np.linalg.norm(direction) < NO_DIRECTION:
+                yield f"{key}.{name} = {list(direction)}: must not be zero"
+        yield from _point_faults(_force_of(table), key, "at", robot)
+        if isinstance(table["of"], str):
+            yield from _point_faults({"of": table["of"], "body": None}, key, "of", robot)
+        elif table["of"] is not None:
+            yield from _point_faults(table["of"], f"{key}.of", "point", robot)
+        frequency = _frequency_of(table)
+        name = "at" if table["frequency"] is None else "frequency"
+        if isinstance(table["at"], float) and table["frequency"] is not None:
+            yield f"{key}.at = {table['at']!r}: must be a point beside {key}.frequency"
         if table["to"] <= table["from"]:
             yield f"{key}.to = {table['to']!r}: must be above {key}.from, {table['from']!r} Hz"
-        elif table["at"] is not None and not table["from"] <= table["at"] <= table["to"]:
-            yield f"{key}.at = {table['at']!r}: must be between {key}.from and {key}.to"
+        elif frequency is not None and not table["from"] <= frequency <= table["to"]:
+            yield f"{key}.{name} = {frequency!r}: must be between {key}.from and {key}.to"
     if read and not robot.is_damped:
         yield (
             "responses: nothing damps them, their peaks have no bound; must have [damping] ratio, "

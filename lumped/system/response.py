@@ -1,11 +1,11 @@
-"""Harmonic response of the tool of a damped mechanism.
+"""Harmonic response of a damped mechanism, at its tool or between any two points.
 
 A part with the loss factor η has the stiffness (1 + iη) K under forces with exp(iωt): it dissipates
 2πη times its stored energy in every cycle (hysteretic damping). With K* = Σ (1 + iη) K of bodies,
 joints and drives, the receptance of the tool is H = T (K* − ω²M)⁻¹ Tᵀ, where T is the matrix from
-the unknowns to the twist of the tool. It is computed in a basis V of the real modes up to a cut-off
-frequency, and of the residual static responses to unit wrenches at the tool and to the dissipative
-forces. With A = T V, S = VᵀK*V and C = VᵀMV,
+the unknowns to the twist of the tool and the displacements of other points. It is computed in a
+basis V of the real modes up to a cut-off frequency, and of the residual static responses to unit
+loads on T and to the dissipative forces. With A = T V, S = VᵀK*V and C = VᵀMV,
 
     H = A (S − ω²C)⁻¹ Aᵀ = Σ g / (1 − ω²μ),    S⁻¹C = P diag(μ) P⁻¹
 
@@ -40,11 +40,17 @@ _CUT_OFF_RATIO = 2.0
 _FIRST_MODE_COUNT = 16
 # Values below this fraction of the compliance, or of the largest 1/ω², are round-off.
 _ROUNDING = 1e-12
+# Magnitude of a receptance beside those of its two points below which it is round-off.
+_ROUND_OFF = 1e-11
+# Ratio of a frequency beside a resonance to it: the receptance is finite there without damping.
+_BESIDE_RESONANCE = 1.05
 # A static response is linearly dependent on the other motions of the basis if the energy of its
 # independent part is below this fraction.
 _DEPENDENT = 1e-10
 # Loss factor below which a mode counts as undamped.
 _SMALLEST_LOSS = 1e-9
+# Displacement of a point by an idle motion, relative to the mechanism's size, that is round-off.
+_IDLE = 1e-9
 # Relative change of dashpots that damp a motion critically, where terms of second order degenerate.
 _OFF_CRITICAL = 1e-6
 # Number of frequencies at which the peak is searched, in addition to those of the modes.
@@ -100,12 +106,35 @@ class DampedModes:
             np.einsum("i,rij,j->r", direction, terms[:, moved, loaded], force)
             for terms in (self.residues, self.rate_residues)
         )
-        # If the point does not deflect along the direction, the residues are round-off.
-        sizes = [np.abs(self.residues[:, rows, rows]).sum() for rows in (moved, loaded)]
-        is_elastic = np.abs(residues).sum() > _ROUNDING * np.sqrt(np.prod(sizes))
-        return replace(
-            self, residues=residues * is_elastic, rate_residues=rate_residues * is_elastic
+        component = replace(self, residues=residues, rate_residues=rate_residues)
+        return component if self._moves(component, moved, loaded) else component._without_terms()
+
+    def _moves(self, component: "DampedModes", moved: slice, loaded: slice) -> bool:
+        """True if a component of the receptance is more than round-off beside those of its points.
+
+        It is compared in statics and beside all resonances. Terms of equal frequencies may cancel.
+        """
+        finite = self.frequencies[np.isfinite(self.frequencies)]
+        samples = np.append(0.0, _BESIDE_RESONANCE * finite)
+        moved_size, loaded_size = (
+            np.linalg.norm(self._rows(rows).receptance(samples), axis=(1, 2))
+            for rows in (moved, loaded)
         )
+        sizes = np.abs(component.receptance(samples))
+        return bool((sizes > _ROUND_OFF * np.sqrt(moved_size * loaded_size)).any())
+
+    def _rows(self, rows: slice) -> "DampedModes":
+        """Modes of some of the outputs."""
+        return replace(
+            self,
+            residues=self.residues[:, rows, rows],
+            rate_residues=self.rate_residues[:, rows, rows],
+        )
+
+    def _without_terms(self) -> "DampedModes":
+        """Modes of a motion that no force causes."""
+        zeros = np.zeros_like(self.residues)
+        return replace(self, residues=zeros, rate_residues=zeros)
 
     def receptance(self, frequencies: Array) -> ComplexArray:
         """Receptance (displacement per force, n×…, SI) at n `frequencies` (Hz)."""
@@ -153,8 +182,8 @@ class DampedModes:
 
 
 @dataclass(frozen=True, eq=False)
-class ToolResponse:
-    """Response of the tool to a harmonic force, measured along the force.
+class HarmonicResponse:
+    """Response of a point to a harmonic force.
 
     `receptance` (n, complex, m/N) is given at the frequencies of the `excitation`. `judged` are the
     numbers named by `Excitation.judged`: height (m/N) and frequency (Hz) of the peak, magnitude
@@ -166,21 +195,56 @@ class ToolResponse:
     judged: tuple[float, ...]
 
 
-def tool_responses(solution: Solved) -> tuple[ToolResponse, ...]:
-    """Responses of the tool to all harmonic forces of a mechanism in one posture."""
-    excitations = solution.system.motions.structure.mechanism.excitations
+def harmonic_responses(solution: Solved) -> tuple[HarmonicResponse, ...]:
+    """Responses to all harmonic forces of a mechanism in one posture.
+
+    Raises ComputationError if an idle motion moves a point along which a force acts or a
+    displacement is requested: without a spring its response has no bound at low frequencies.
+    """
+    system = solution.system
+    excitations = system.motions.structure.mechanism.excitations
     if not excitations:
         return ()
-    modes = damped_modes(solution, max(excitation.last for excitation in excitations))
-    return tuple(
-        _response(modes.along(excitation.direction), excitation) for excitation in excitations
-    )
+    ends = [end for excitation in excitations for end in (excitation.loaded, excitation.moved)]
+    points = list(dict.fromkeys(end for end in ends if end is not None))
+    rows = np.vstack([system.tool, *(_translations(solution, *point) for point in points)])
+    modes = damped_modes(solution, max(excitation.last for excitation in excitations), rows)
+
+    def rows_of(point: tuple[str, str] | None) -> slice:
+        first = 0 if point is None else len(system.tool) + 3 * points.index(point)
+        return slice(first, first + 3)
+
+    responses = []
+    for excitation in excitations:
+        modes_between = modes.between(
+            rows_of(excitation.moved),
+            excitation.displacement_direction,
+            rows_of(excitation.loaded),
+            excitation.direction,
+        )
+        responses.append(_response(modes_between, excitation))
+    return tuple(responses)
 
 
-def _response(modes: DampedModes, excitation: Excitation) -> ToolResponse:
+def _translations(solution: Solved, body: str, point: str) -> Array:
+    """Displacements (3×n, base axes) of an interface from the unknowns of a system."""
+    system = solution.system
+    position = frames_of([system.posture]).interface(body, point)[0]
+    rows = np.zeros((3, system.size))
+    rows[:, : system.outer] = system.motions.at(body, point, position)[:3]
+    idle = np.abs(rows @ solution.motions).max(initial=0.0)
+    if idle > _IDLE * system.motions.structure.length:
+        raise ComputationError(
+            f"{system.name}: an idle motion moves point {point} of {body}; a response there has no "
+            "bound at low frequencies"
+        )
+    return rows
+
+
+def _response(modes: DampedModes, excitation: Excitation) -> HarmonicResponse:
     size_at = () if excitation.at is None else (modes.size(excitation.at),)
     judged = (*modes.peak(excitation.first, excitation.last), *size_at)
-    return ToolResponse(excitation, modes.receptance(excitation.frequencies), judged)
+    return HarmonicResponse(excitation, modes.receptance(excitation.frequencies), judged)
 
 
 def modal_damping(solution: Solved, modes: Modes) -> Array:
@@ -317,9 +381,12 @@ def _with_residual_responses(solution: Solved, motions: Array, loads: Array) -> 
     static = with_idle(solution, solution.displacements(loads))
     energies = np.sum(static * (stiffness @ static), axis=0)
     static = static[:, energies > 0.0] / np.sqrt(energies[energies > 0.0])
+    # Round-off of an energy, in which the terms of stiff directions cancel.
+    terms = np.sum(np.abs(static) * (np.abs(stiffness) @ np.abs(static)), axis=0)
+    rounding = np.finfo(float).eps * terms.max(initial=0.0)
     static -= motions @ (motions.T @ (stiffness @ static))
     energy_values, combinations = np.linalg.eigh(static.T @ (stiffness @ static))
-    independent = energy_values > _DEPENDENT
+    independent = energy_values > max(_DEPENDENT, rounding)
     return np.hstack(
         [motions, static @ (combinations[:, independent] / np.sqrt(energy_values[independent]))]
     )

@@ -100,6 +100,8 @@ def _tool_quantities(
         for quantity in response_quantities(robot.judged_responses)
     }
     for excitation in robot.excitations:
+        if not excitation.is_direct:
+            continue
         alignments = np.abs(ends.directions @ excitation.direction)
         if {*ends.bodies} != {tool.body} or max(
             offsets.max(), np.ptp([*alignments, 1.0])

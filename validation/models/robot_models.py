@@ -30,7 +30,7 @@ from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, link, links, tip_compliances
 from lumped.system.assembly import Assembly, System, assembly
 from lumped.system.joint_motion import Portion, printed_release
-from lumped.system.response import DampedModes, ToolResponse, damped_modes, tool_responses
+from lumped.system.response import DampedModes, HarmonicResponse, damped_modes, harmonic_responses
 from lumped.system.solution import (
     Solved,
     compliance,
@@ -175,9 +175,9 @@ class PostureModes:
         return damped_modes(self.solution, float(self.modes.frequencies.max(initial=0.0)))
 
     @cached_property
-    def responses(self) -> tuple[ToolResponse, ...]:
-        """Harmonic responses of the tool to each excitation of the mechanism."""
-        return tool_responses(self.solution)
+    def responses(self) -> tuple[HarmonicResponse, ...]:
+        """Responses to each excitation of the mechanism."""
+        return harmonic_responses(self.solution)
 
 
 def mechanism_modes(

@@ -15,7 +15,7 @@ from lumped.acceptance.quantities import DIAGONAL_UNITS
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.system.joint_motion import Portion
-from lumped.system.response import ToolResponse
+from lumped.system.response import HarmonicResponse
 from lumped.system.stability import Stability
 from validation.models.options import ModelName, ReductionBy
 from validation.tables import Cell, ResultTable, html_paragraph, html_table
@@ -133,7 +133,7 @@ class Answer:
     frequencies: Array
     idle: int | None = None
     loads: Mapping[str, Array] = field(default_factory=dict)
-    responses: Sequence[ToolResponse] = ()
+    responses: Sequence[HarmonicResponse] = ()
     damped: tuple[Array, Array] | None = None
     stability: Mapping[str, Stability | None] = field(default_factory=dict)
     uncertainty: MeshUncertainty | None = None

@@ -12,7 +12,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError
-from lumped.system.response import ToolResponse
+from lumped.system.response import HarmonicResponse
 from lumped.system.stability import Stability
 from validation.solve.answer import Answer, HalfWidths, MeshUncertainty, Solution
 
@@ -108,7 +108,7 @@ def _mesh_record(mesh: MeshUncertainty) -> dict[str, Any]:
     return {"divisions": mesh.divisions} | _half_widths(mesh) | extrapolation
 
 
-def _response_record(response: ToolResponse) -> dict[str, Any]:
+def _response_record(response: HarmonicResponse) -> dict[str, Any]:
     """Receptance (m/N) over frequencies (Hz), and its peak. None for an infinite number."""
     height, frequency, *excitation_point = response.judged
     record: dict[str, Any] = {
@@ -120,6 +120,9 @@ def _response_record(response: ToolResponse) -> dict[str, Any]:
             for name, number in (("size", height), ("frequency", frequency))
         },
     }
+    excitation = response.excitation
+    points = {"force": excitation.loaded, "displacement": excitation.moved}
+    record |= {name: list(point) for name, point in points.items() if point is not None}
     return record | (
         {"at": {"size": excitation_point[0], "frequency": response.excitation.at}}
         if excitation_point

@@ -6,7 +6,8 @@ Input: a `Solution`. Output: lines with deflections, compliance, frequencies and
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.system.response import ToolResponse
+from lumped.mechanism.load import Excitation
+from lumped.system.response import HarmonicResponse
 from lumped.system.stability import Stability
 from validation.models.options import ModelName
 from validation.solve.answer import (
@@ -74,7 +75,7 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
         listed = ", ".join(f"{100.0 * loss:.3g}" for loss in answer.damped[1])
         lines.append(f"  loss factors of the modes (%): {listed}")
     if answer.responses:
-        lines.append("  responses of the tool (µm/N) to the harmonic forces of the robot file:")
+        lines.append("  responses (µm/N) to the harmonic forces of the robot file:")
         lines += [f"    {_response_text(response)}" for response in answer.responses]
     if answer.idle:
         lines.append(f"  idle mobilities, which do not move the tool: {answer.idle}")
@@ -115,18 +116,30 @@ def _displacement_text(displacement: Array) -> str:
     return ", ".join(texts)
 
 
-def _response_text(response: ToolResponse) -> str:
+def _excitation_text(excitation: Excitation) -> str:
+    """Name of a response, with its points unless they are the tool."""
+    if excitation.loaded is None and excitation.moved is None:
+        return excitation.name
+    force, motion = (
+        "tool" if point is None else f"{point[1]} of {point[0]}"
+        for point in (excitation.loaded, excitation.moved)
+    )
+    return f"{excitation.name} (force at {force}, displacement of {motion})"
+
+
+def _response_text(response: HarmonicResponse) -> str:
     """Text with the peak of a receptance, and its magnitude at the requested frequency."""
     height, frequency, *size_at_frequency = response.judged
+    name = _excitation_text(response.excitation)
     if not height:
-        return f"{response.excitation.name}: none, the tool is rigid there"
+        return f"{name}: none, the point is rigid there"
     peak = f"{1e6 * height:.4g}" if np.isfinite(height) else "without bound"
     suffix = (
         f", {1e6 * size_at_frequency[0]:.4g} at {response.excitation.at:.5g} Hz"
         if size_at_frequency
         else ""
     )
-    return f"{response.excitation.name}: peak {peak} at {frequency:.5g} Hz{suffix}"
+    return f"{name}: peak {peak} at {frequency:.5g} Hz{suffix}"
 
 
 def _stability_text(stability: Stability | None) -> str:

@@ -50,6 +50,9 @@ def description_faults(tables: Mapping[str, Any], description: Draft) -> list[st
         return faults
     # The topology is defined only if all joints are valid.
     loaded = {load.get("at") for load in tables.get("loads", ())}
+    for response in tables.get("responses", ()):
+        motion = response.get("of")
+        loaded |= {response.get("at"), motion["point"] if isinstance(motion, dict) else motion}
     return [
         *_unconnected_bodies(description),
         *_idle_interfaces(description, loaded),

@@ -375,15 +375,32 @@ DAMPING = TableRule(needed("ratio", _LOSS, "damping ratio of every mode"))
 # 3 kHz is ten times the first natural frequency of stiff machines. Bodies of a Delta robot that are
 # accurate up to 3 kHz are computed in half a minute, up to 10 kHz in more than three minutes.
 _FREQUENCY = Number("Hz", above=0.0, most=3e3, high="is this in 1/min?")
+_MOTION = TableRule(
+    needed("point", _POINT_NAME, "point whose displacement is computed"),
+    Key("body", _BODY_NAME, "body of `point`; default: that of the tool, else the first with it"),
+    Key("direction", _DIRECTION, "direction of the displacement; default: that of the force"),
+)
+_JUDGED_FREQUENCY = "frequency at which the response is judged, besides its peak"
 RESPONSE = TableRule(
     needed("name", _NAME, "name; judged as response:NAME"),
-    needed("direction", _DIRECTION, "direction of force and displacement at the tool, base axes"),
+    needed("direction", _DIRECTION, "direction of the force and of the displacement, base axes"),
     needed("from", _FREQUENCY, "first frequency"),
     needed("to", _FREQUENCY, "last frequency"),
     Key(
         "count", Number(least=2, most=MOST_POSES, whole=True), "number of frequencies", default=400
     ),
-    Key("at", _FREQUENCY, "frequency at which the response is judged, besides its peak"),
+    Key("frequency", _FREQUENCY, _JUDGED_FREQUENCY),
+    Key(
+        "at",
+        Either(_FREQUENCY, _POINT_NAME),
+        "point where the force acts; default: the tool. A number is the `frequency`",
+    ),
+    Key("body", _BODY_NAME, _WHOSE),
+    Key(
+        "of",
+        Either(_POINT_NAME, _MOTION),
+        "point whose displacement is computed, or a table; default: where the force acts",
+    ),
 )
 # 10 cm, because accepted tool errors are of the order of micrometres.
 _DISPLACEMENT = Number("m", above=0.0, most=0.1, high="is this in µm?")

@@ -7,7 +7,7 @@ from written_robot import described
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.system.assembly import assemble
-from lumped.system.response import damped_modes, tool_responses
+from lumped.system.response import damped_modes, harmonic_responses
 from lumped.system.solution import solved
 
 # Mass (kg), stiffness (N/m) and force of one carriage.
@@ -78,7 +78,7 @@ def test_oscillator_with_dashpot_equals_closed_form(ratio, place):
         if place == "drive"
         else {"SLIDE": f"damping = {{ along = {damping} }}"}
     )
-    (response,) = tool_responses(solution_of(CARRIAGE, **text))
+    (response,) = harmonic_responses(solution_of(CARRIAGE, **text))
 
     def receptance(frequencies):
         speeds = 2.0 * np.pi * frequencies
@@ -127,7 +127,7 @@ def test_damping_ratio_adds_to_dashpots_of_single_mode():
     """k(1 + iη) − mω² + iωc + 2iζω√(km)."""
     text = CARRIAGE + "[damping]\nratio = 0.05\n"
     solution = solution_of(text, DRIVE=", damping = 300.0, loss = 0.1", SLIDE="")
-    (response,) = tool_responses(solution)
+    (response,) = harmonic_responses(solution)
     speeds = 2.0 * np.pi * response.excitation.frequencies
     viscous = 300.0 + 2.0 * 0.05 * np.sqrt(STIFFNESS * MASS)
     expected = STIFFNESS * (1.0 + 0.1j) - MASS * speeds**2 + 1j * viscous * speeds

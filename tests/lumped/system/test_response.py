@@ -16,7 +16,7 @@ from lumped.robot_file import load_robot
 from lumped.screws import shift
 from lumped.system.assembly import assemble
 from lumped.system.joint_motion import Portion
-from lumped.system.response import damped_modes, tool_responses
+from lumped.system.response import damped_modes, harmonic_responses
 from lumped.system.solution import compliance, modes, solved, strain_shares
 
 TWO = """
@@ -73,7 +73,7 @@ def solution_of(mechanism, models=None):
 @pytest.mark.parametrize(("ratio", "loss"), [(0.0, 0.06), (0.03, 0.0)])
 def test_damped_oscillator_equals_closed_form(ratio, loss):
     """1/(k(1 + iη) − mω²), of which the peak is 1/kη at √(k/m); viscous: 1/(2kζ√(1 − ζ²))."""
-    (found,) = tool_responses(solution_of(pushed(loss, ratio)))
+    (found,) = harmonic_responses(solution_of(pushed(loss, ratio)))
     asked = found.excitation
     assert asked.judged == ("push", "push.frequency", "push.at")
     natural = np.sqrt(K / MASS)
@@ -94,7 +94,7 @@ def test_damped_oscillator_equals_closed_form(ratio, loss):
 def test_loss_factor_and_damping_ratio_add():
     """Receptance 1/(k(1 + iη) − mω² + 2iζω√(km)), written out here; its highest value on a grid."""
     loss, ratio = 0.2, 0.05
-    (response,) = tool_responses(solution_of(pushed(loss, ratio)))
+    (response,) = harmonic_responses(solution_of(pushed(loss, ratio)))
 
     def receptance(frequencies):
         speeds = 2.0 * np.pi * frequencies

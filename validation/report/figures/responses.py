@@ -48,7 +48,7 @@ def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
     for number, excitation in enumerate(mechanism.excitations):
         identity = (
             f"mechanism.response.{excitation.name}",
-            f"Response of the tool: {excitation.name}",
+            f"{'Response of the tool' if excitation.is_direct else 'Response'}: {excitation.name}",
         )
         group.figure(*identity, effort=3.0)(partial(_response, number=number))
     return group()
@@ -140,14 +140,29 @@ def _response(context: Context, number: int) -> Chart:
             )
             receptances_by_model.setdefault(_REFERENCE, receptance)
     band = np.array([np.min(bands, axis=0)[0], np.max(bands, axis=0)[1]]) if bands else None
-    force = ", ".join(f"{component:.3g}" for component in excitation.direction)
+    force, motion = (
+        ", ".join(f"{component:.3g}" for component in direction)
+        for direction in (excitation.direction, excitation.displacement_direction)
+    )
+    loaded, moved = (
+        "the loaded point" if point is None else f"{point[1]} of {point[0]}"
+        for point in (excitation.loaded, excitation.moved)
+    )
+    where = (
+        f"{loaded} along a harmonic force of 1 N in the direction ({force})"
+        if excitation.is_direct
+        else f"{moved} in the direction ({motion}) under a harmonic force of 1 N on {loaded} in "
+        f"the direction ({force})"
+    )
     pose = shown_pose(robot.mechanism, robot.postures[middle].pose)
-    # Phases lie between 0 and −180°: a force takes no energy from its own point of application.
+    # Phases of the loaded point along the force lie between 0 and −180°: a force takes no energy
+    # from its own point of application.
+    phases = degrees if excitation.is_driving_point else round_angles
     shaded = {} if band is None else {_REFERENCE: band}
-    return _chart(excitation.frequencies, receptances_by_model, degrees, shaded).captioned(
+    return _chart(excitation.frequencies, receptances_by_model, phases, shaded).captioned(
         "Receptance: magnitude (displacement per force, µm/N) and phase over frequency. "
-        "Displacement of the loaded point along a harmonic force of 1 N in the direction "
-        f"({force}){pose and f', with the tool at {pose}'}. Solid: {reference.title}. "
+        f"Displacement of {where}{pose and f', with the tool at {pose}'}. "
+        f"Solid: {reference.title}. "
         "Shaded: range of the reference over the data that the robot file leaves open, "
         "with its uncertainty. A model agrees with the reference if its curve lies in "
         "the shaded range.",
