@@ -31,7 +31,7 @@ ReferenceKind: TypeAlias = Literal[
 ]
 
 # Remedy if memory ran out.
-OUT_OF_MEMORY = "choose a smaller preset or fewer --jobs"
+OUT_OF_MEMORY = "choose a smaller preset or reduce --jobs"
 
 
 class Relation(Enum):
@@ -170,12 +170,13 @@ class Measurement:
     shown: Annotated[tuple[UnjudgedValue, ...], RESULTS] = ()
     claim: Claim | None = None
     exact: Annotated[bool, RESULTS] = False
-    decides: str = "refine the models"
+    decides: str = "refine the models until the numerical uncertainty is below the tolerance"
 
     def __post_init__(self) -> None:
         if self.exact is (self.numerical_uncertainty is not None):
             raise ValueError(
-                "a measurement states its numerical uncertainty, or that it is exact to rounding"
+                "a measurement must state its numerical uncertainty, or that it is exact "
+                "up to round-off"
             )
 
     @property

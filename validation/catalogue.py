@@ -31,7 +31,7 @@ from validation.verdicts import ADEQUACY, MEASURED, Assessment
 
 _ADEQUACY = Assessment(
     id=ADEQUACY,
-    title="Which models are adequate for what",
+    title="Adequacy of each model for each quantity",
     compute=robot_adequacy,
     group=SHARED_SOLIDS,
     effort=5.0,
@@ -39,7 +39,7 @@ _ADEQUACY = Assessment(
 
 _MEASURED = Assessment(
     id=MEASURED,
-    title="Models against measured values",
+    title="Models compared with measured values",
     compute=measured_matrix,
     effort=2.0,
 )

@@ -269,7 +269,7 @@ def _computed(outcome: Outcome) -> AgreementRow:
 
 def _not_computed(what: str, name: str, known: Iterable[str]) -> str:
     listed = ", ".join(one or "None (the robot)" for one in known) or "none"
-    return f"{what} {name}: was not computed; must be one of {listed}"
+    return f"{what} {name}: not computed; must be one of {listed}"
 
 
 def cross_validation(context: Context) -> CrossValidation:

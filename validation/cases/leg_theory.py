@@ -62,8 +62,14 @@ ENTRIES = {
     "c26": ((1, 5), "deflection along y under a moment about z", "m/(N m)"),
     "c35": ((2, 4), "deflection along z under a moment about y", "m/(N m)"),
 }
-TIMOSHENKO = "S. P. Timoshenko, Phil. Mag. 41 (1921) 744; c = ∫ of unit resultants over EA … κGA"
-HUANG = "T. C. Huang, J. Appl. Mech. 28 (1961) 579, exact Timoshenko cantilever, solved here"
+TIMOSHENKO = (
+    "S. P. Timoshenko, Phil. Mag. 41 (1921) 744; compliance c = integral of products of unit "
+    "stress resultants over EA … κGA"
+)
+HUANG = (
+    "T. C. Huang, J. Appl. Mech. 28 (1961) 579, exact Timoshenko cantilever, frequency "
+    "equation solved numerically"
+)
 # Function that returns the divisions of a leg's meshes, for a largest number of unknowns.
 Ladder: TypeAlias = Callable[[ConstantLeg, int], tuple[int, ...]]
 # Largest number of unknowns: of a section mesh for statics by doubling, of a solid for modes.
@@ -81,8 +87,8 @@ SHORTEST_WAVE = 3.0
 # Relative tolerance of frequencies: uncertainty of two meshes along a leg.
 _FREQUENCY_TOLERANCE = 2e-3
 DISTORTION = (
-    "distortion of the section: contraction, warping by shear and walls that bend along the wave "
-    "and at the free end"
+    "distortion of the section: contraction, shear warping, and walls that bend along "
+    "the wave and at the free end"
 )
 DISTORTION_SOURCE = (
     "all fields of 3-D elasticity on the section's mesh (fem.couplings.wave_cantilever)"
@@ -134,8 +140,8 @@ def _divisions(
         return divisions
     fitting_preset = larger_preset(context.preset, lambda preset: bool(ladder(leg, limits[preset])))
     raise Skip(
-        f"two {meshes} of this section have more than {largest_unknowns} unknowns, too many for "
-        f"preset {context.preset}; {fitting_preset} takes them"
+        f"two {meshes} of this section have more than {largest_unknowns} unknowns, too "
+        f"many for preset {context.preset}; {fitting_preset} allows them"
     )
 
 
@@ -176,20 +182,24 @@ def frequencies_by_kind(
 
 @_compliances.case(
     "{body}.compliance.solid-free[{name}]",
-    "{body}: {name} of the solid with free ends is the Timoshenko cantilever's",
+    "{body}: compliance {name} of the solid with free ends equals that of a Timoshenko cantilever",
     over={"ends, fraction": [("free", _FREE_TOLERANCE)]},
     tolerance=Relative(_FREE_TOLERANCE),
-    tolerance_reason="beam theory is exact for ends free to warp and contract, and both have one "
-    "section mesh: 3e-6 where its walls are curved",
+    tolerance_reason=(
+        "beam theory is exact if the ends are free to warp and contract, and both models use "
+        "the same section mesh: 3e-6 if its walls are curved"
+    ),
 )
 @_compliances.case(
     "{body}.compliance.solid[{name}]",
-    "{body}: {name} of the solid with rigid faces is the Timoshenko cantilever's less what "
-    "faces held plane take from it",
+    "{body}: compliance {name} of the solid with rigid end faces equals that of a "
+    "Timoshenko cantilever minus the effect of the rigid faces",
     over={"ends, fraction": [("rigid", _HELD_TOLERANCE)]},
     tolerance=Relative(_HELD_TOLERANCE),
-    tolerance_reason="end effects decay as Saint-Venant's theory of the prism says; what is left "
-    "is the mesh at the edges of held faces: 0.02 %",
+    tolerance_reason=(
+        "end effects decay as in Saint-Venant's theory of the prism; the rest is the mesh "
+        "error at the edges of rigid faces: 0.02 %"
+    ),
     model="solid",
 )
 def _entry(
@@ -209,11 +219,13 @@ def _entry(
             Allowance(
                 cause="end faces kept plane and rigid: warping and contraction restrained",
                 amount=float(restraints[-1][entry]),
-                source="fields that decay from held faces of the prism (fem.couplings.end_effects)",
+                source=(
+                    "fields that decay from rigid faces of the prism (fem.couplings.end_effects)"
+                ),
             ),
         )
         by_faces = _percent(value, float(free.values[-1][entry]))
-        notes = (f"the same mesh with free ends: {by_faces} by rigid faces",)
+        notes = (f"change due to rigid faces, on the same mesh: {by_faces}",)
     # Solid and beam share the error of one section mesh, so their difference is less uncertain than
     # each.
     residuals = Refinement(
@@ -245,9 +257,9 @@ def _require_decided(
         )
         meshes = counted(len(residuals.divisions), "mesh", "meshes")
         raise Skip(
-            f"affordable in preset {preset}: {meshes} of this section, too few to show an order; "
-            f"the uncertainty is {uncertainty / tolerance:.2g} times the tolerance; {finer_preset} "
-            "has finer ones"
+            f"preset {preset} allows {meshes} of this section, too few to observe an "
+            f"order of convergence; the uncertainty is {uncertainty / tolerance:.2g} "
+            f"times the tolerance; {finer_preset} has finer meshes"
         )
 
 
@@ -257,16 +269,19 @@ def _percent(changed: float, base: float) -> str:
 
 @cases.case(
     "{body}.frequency.solid[{mode}]",
-    "{body}: frequency {mode} of the solid with free ends is the Timoshenko beam's and that of "
-    "the waves in it",
+    "{body}: frequency {mode} of the solid with free ends equals that of a Timoshenko "
+    "beam corrected by waves of 3-D elasticity",
     over={"index, mode": numbered(MODES)},
     quantity="natural frequency {mode}, clamped-free",
     label="frequency {mode}",
     unit="Hz",
     citation=f"{HUANG}; section constants by finite elements",
     tolerance=Relative(_FREQUENCY_TOLERANCE),
-    tolerance_reason="what waves of 3-D elasticity change of Timoshenko's theory is allowed for; "
-    "what is left is the mesh along the leg, known to 0.17 % from two coarse ones",
+    tolerance_reason=(
+        "the difference between Timoshenko's theory and waves of 3-D elasticity is allowed "
+        "for; the rest is the mesh error along the leg, known to 0.17 % from two coarse "
+        "meshes"
+    ),
     model="solid",
     group="{body}.modes",
     effort=2.0,
@@ -277,7 +292,7 @@ def _mode(context: Context, body: str, index: int) -> Measurement:
     modes = exact_modes(leg)
     exact = modes[index]
     if reason := context.get(why_no_beam, leg, exact):
-        raise Skip(f"{exact.kind}, number {exact.order} of its kind: {reason}")
+        raise Skip(f"{exact.kind} mode {exact.order}: {reason}")
     rigid, free = (frequencies(context, body, ends, offered) for ends in ("rigid", "free"))
     solid = free.frequencies
     kinds = tuple((mode.kind, mode.order) for mode in modes)
@@ -297,8 +312,7 @@ def _mode(context: Context, body: str, index: int) -> Measurement:
         judged_uncertainty=residuals.uncertainty(),
         allowances=(Allowance(DISTORTION, float(changes[-1]) * reference, DISTORTION_SOURCE),),
         notes=(
-            f"{exact.kind}, number {exact.order} of its kind; MAC with the beam's mode "
-            f"{free.mac[-1, index]:.4f}",
+            (f"{exact.kind} mode {exact.order}; MAC with the beam mode {free.mac[-1, index]:.4f}"),
             f"with rigid end faces {rigid_frequency:.5g} Hz, {_percent(rigid_frequency, value)}",
         ),
     )
@@ -333,21 +347,23 @@ def why_no_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
     """
     if not leg.section.is_doubly_symmetric:
         return (
-            "waves of 3-D elasticity are computed for sections that are symmetric about y and z, "
-            f"not for a {leg.section.shape}"
+            "waves of 3-D elasticity are available only for sections that are symmetric "
+            f"about y and z, not for a {leg.section.shape}"
         )
     width, height = leg.section.extent
     depth = {"bending y": height, "bending z": width}.get(mode.kind, max(width, height))
     heights_per_wave = 2.0 * np.pi / _wave_number(leg, mode.order) / depth
     if heights_per_wave < SHORTEST_WAVE:
         return (
-            f"its wave is {heights_per_wave:.1f} section heights long, below {SHORTEST_WAVE:g} no "
-            "beam theory is meant to hold"
+            f"its wavelength is {heights_per_wave:.1f} section heights; beam theory is "
+            f"not valid below {SHORTEST_WAVE:g}"
         )
     waves = _waves(leg, WAVE_DIVISIONS)[mode.kind]
     lowest = cut_off(waves)
     if mode.frequency >= lowest:
-        return f"from {lowest:.4g} Hz on its section distorts by itself, as that of no beam does"
+        return (
+            f"above {lowest:.4g} Hz the section of the leg distorts, which no beam theory contains"
+        )
     try:
         _distorted(leg, WAVE_DIVISIONS, mode)
     except ComputationError as error:
@@ -370,7 +386,7 @@ def distortion(leg: ConstantLeg, divisions: tuple[int, ...], mode: CantileverFre
     try:
         return np.array([_distorted(leg, min(number, MOST_WAVES), mode) for number in divisions])
     except ComputationError as error:
-        raise Skip(f"{mode.kind}, number {mode.order} of its kind: {error}") from None
+        raise Skip(f"{mode.kind} mode {mode.order}: {error}") from None
 
 
 @memo(64)
@@ -385,8 +401,8 @@ def _distorted(leg: ConstantLeg, divisions: int, mode: CantileverFrequency) -> f
     if estimate < lowest and (prism := prism_frequency(waves, leg.length, estimate)) < lowest:
         return prism / beam - 1.0
     raise ComputationError(
-        f"by waves of 3-D elasticity it lies above {lowest:.4g} Hz, from where on its section "
-        "distorts by itself"
+        f"by waves of 3-D elasticity its frequency is above {lowest:.4g} Hz, where the "
+        "section of the leg distorts"
     )
 
 

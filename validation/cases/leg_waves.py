@@ -36,8 +36,8 @@ from validation.models.leg_models import filled
 
 WAVES_SOURCE = "waves of 3-D elasticity on the section's mesh (validation.cases.leg_waves)"
 NO_WAVES = (
-    "waves of 3-D elasticity have no number for this mode: walls of the legs move by themselves at "
-    "its frequency, or it lies so high that pieces of a leg would be shorter than its elements"
+    "waves of 3-D elasticity give no correction for this mode: walls of the legs vibrate "
+    "locally at its frequency, or its wavelength is shorter than the elements"
 )
 # Share of a mode's strain energy below which waves without a beam counterpart are neglected.
 _NEGLIGIBLE_STRAIN = 1e-4
@@ -135,7 +135,7 @@ class _LegInPieces:
         for pieces in range(1, self.elements + 1):
             if self.elements % pieces == 0 and pieces >= needed:
                 return pieces
-        raise ComputationError("waves: shorter than the beam's elements")
+        raise ComputationError("waves of 3-D elasticity: wavelength shorter than the beam elements")
 
     def sections(self, pieces: int) -> IntArray:
         """Indices ((pieces + 1)×6) of the unknowns of sections: root, between pieces, tip."""

@@ -53,8 +53,10 @@ _DIFFERENCE_DIGITS = 8
 
 cases = CaseGroup(reference_kind="independent-solver", section=PATH)
 _by_calculix = cases.family(
-    citation="CalculiX CrunchiX, C3D10, joints and rigid faces as linear equations, drives as "
-    "springs; the same meshes, not reduced",
+    citation=(
+        "CalculiX CrunchiX, C3D10 elements; joints and rigid faces as linear equations, "
+        "drives as springs; the same meshes, not reduced"
+    ),
     presets=("standard", "fine"),
     model="solid",
     group="mechanism.calculix",
@@ -100,14 +102,17 @@ def _reduced_and_calculix(context: Context) -> tuple[tuple[Array, Array], tuple[
     posture = path_postures(context)[0]
     legs = known_legs(posture.mechanism).values()
     if parts := posture.mechanism.parts:
-        raise Skip(f"{', '.join(parts)}: CalculiX solves mechanisms of prisms and rigid bodies")
+        raise Skip(
+            f"{', '.join(parts)}: the comparison with CalculiX is available only for robots "
+            "of prismatic legs and rigid bodies"
+        )
     if not legs or not all(isinstance(leg, ConstantLeg) for leg in legs):
-        raise Skip("legs known by a 6×6 have no section that could be meshed")
+        raise Skip("legs specified by a 6×6 have no section that could be meshed")
     cubes = sum(map(_cube_count, legs_of(with_bars(posture).mechanism).values()))
     if cubes > _MOST_CUBES:
         raise Skip(
-            f"legs of strips: tetrahedra as long as the legs are thick fill {cubes:.0f} cubes; "
-            f"CalculiX solves at most {_MOST_CUBES} in time"
+            "thin strips as legs: tetrahedra as large as the strip is thick fill "
+            f"{cubes:.0f} cubes; CalculiX is used up to {_MOST_CUBES}"
         )
     calculix = context.get(calculix_solids, posture)
     return context.get(reduced_solids, posture), calculix
@@ -115,11 +120,13 @@ def _reduced_and_calculix(context: Context) -> tuple[tuple[Array, Array], tuple[
 
 @_by_calculix.case(
     "mechanism.calculix.statics",
-    "CalculiX gives the mechanism's 6×6 compliance, legs as solid bars",
-    quantity="entry of the 6×6 that differs most, in units of √(c_ii c_jj), first pose",
+    "Robot with legs as solid bars: 6×6 compliance equals that of CalculiX",
+    quantity=(
+        "entry of the 6×6 with the largest difference, in units of √(c_ii c_jj), at the first pose"
+    ),
     unit="1",
     tolerance=Absolute(5e-6),
-    tolerance_reason="the same equations: ten times what seven printed digits leave",
+    tolerance_reason="the same equations; ten times the rounding of seven printed digits",
     figure="mechanism.deflections",
 )
 def _static_solids(context: Context) -> Measurement:
@@ -129,12 +136,14 @@ def _static_solids(context: Context) -> Measurement:
 
 @_by_calculix.case(
     "mechanism.calculix.frequencies",
-    f"CalculiX gives the mechanism's first {SOLID_MODES} frequencies, legs as solid bars",
-    quantity="first natural frequency, the others beside it, first pose of the path",
+    f"Robot with legs as solid bars: first {SOLID_MODES} frequencies equal those of CalculiX",
+    quantity="first natural frequency; the table has the others; first pose of the path",
     unit="Hz",
     tolerance=Relative(5e-6),
-    tolerance_reason="the printed digits, and what bodies reduced with modes up to four times the "
-    "highest frequency leave: 3e-7 and less of built-in robots",
+    tolerance_reason=(
+        "rounding of printed digits, and the reduction with modes up to four times the "
+        "highest frequency: 3e-7 and less for built-in robots"
+    ),
     figure="mechanism.frequencies",
 )
 def _solid_frequencies(context: Context) -> Measurement:
@@ -170,18 +179,22 @@ def beams_and_exudyn(posture: Posture) -> tuple[PostureAnswer, Array, Array]:
 
 @cases.case(
     "mechanism.exudyn[{place}]",
-    f"EXUDYN gives the first {BEAM_MODES} frequencies in {{said}}, legs as beams",
+    f"Robot with legs as beams, {{said}}: first {BEAM_MODES} frequencies equal those of EXUDYN",
     over={"place, said": _compared_postures},
-    quantity="first natural frequency, the others beside it, {said}",
+    quantity="first natural frequency; the table has the others; {said}",
     unit="Hz",
     group="mechanism.exudyn",
     effort=1.0,
     model="beam",
-    citation="EXUDYN, geometrically exact beams, generic joints and springs, linearised in the "
-    "posture; 8 and 16 beams a leg extrapolated by their second order",
+    citation=(
+        "EXUDYN, geometrically exact beams, generic joints and springs, linearised at the "
+        "pose; extrapolated from 8 and 16 beams per leg, second order"
+    ),
     tolerance=Relative(5e-4),
-    tolerance_reason="the step from 4 and 8 beams a leg to 8 and 16 shows what the extrapolated "
-    "frequencies leave open, 1e-4 to 3e-4",
+    tolerance_reason=(
+        "uncertainty of the extrapolated frequencies, from the extrapolation with 4 and 8 "
+        "beams per leg: 1e-4 to 3e-4"
+    ),
 )
 def _beam_frequencies(context: Context, place: str) -> Measurement:
     posture = path_postures(context)[0]

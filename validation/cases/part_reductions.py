@@ -30,13 +30,14 @@ def _judged_modes(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
 
 @cases.case(
     "mechanism.parts.frequency[{mode}]",
-    "Frequency {mode} with parts by their free modes is that with their held ones",
+    "Robot with CAD parts: frequency {mode} by free-interface modes equals that by "
+    "fixed-interface modes",
     over={"index, mode": _judged_modes},
     quantity="natural frequency {mode}, middle of the path, coarsest mesh of the parts",
-    citation="the same meshes reduced by Craig and Bampton",
+    citation="the same meshes, reduced by Craig and Bampton's method",
     group="mechanism.parts",
     tolerance=Relative(1e-5),
-    tolerance_reason="what each reduction may be too high by its own bound says, 3e-7 and less",
+    tolerance_reason="largest error of each reduction by its own bound: 3e-7 and less",
 )
 def _part_frequency(context: Context, index: int) -> Measurement:
     robot = robot_on_path(context)

@@ -40,9 +40,19 @@ LOAD = 1000.0  # N or N m
 _MICRO, _MILLI = 1e-6, 1e-3
 # Static quantities: name, description and unit.
 STATIC_QUANTITIES = (
-    *((name, f"deflection along {name} under {LOAD:g} N along it", "µm") for name in AXES[:3]),
     *(
-        (name, f"rotation about {ROTATIONS[name]} under {LOAD:g} N m about it", "mrad")
+        (name, f"deflection along {name} under a force of {LOAD:g} N along {name}", "µm")
+        for name in AXES[:3]
+    ),
+    *(
+        (
+            name,
+            (
+                f"rotation about {ROTATIONS[name]} under a moment of {LOAD:g} N m about "
+                f"{ROTATIONS[name]}"
+            ),
+            "mrad",
+        )
         for name in AXES[3:]
     ),
 )
@@ -60,7 +70,7 @@ _DYNAMIC = {
     "segments": (Relative(0.01), "second order in 1/n: below 1 % with 20 segments"),
     "simplified": (
         Relative(1e-10),
-        "rigid bodies on springs: rounding alone, grown by idle motions, 6e-12 and less",
+        "rigid bodies on springs: round-off amplified by idle mobilities, 6e-12 and less",
     ),
 }
 
@@ -81,8 +91,10 @@ cases = CaseGroup(
     reference_kind="independent-solver",
     citation="Ritz's method, Legendre polynomials along the legs (validation.cases.ritz)",
     tolerance=Relative(1e-9),
-    tolerance_reason="statics of legs are cubic polynomials: rounding alone, grown by the "
-    "condition, 2e-11 and less of robots at random",
+    tolerance_reason=(
+        "statics of legs are cubic polynomials: round-off amplified by the condition number, "
+        "2e-11 and less for random robots"
+    ),
     section=PATH,
     group="mechanism.lumped",
 )
@@ -120,9 +132,9 @@ def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
 
 @cases.case(
     "mechanism.anchor.statics[{model}, {entry}]",
-    "The mechanism: {said} by {model}, recomputed without its code",
+    "Robot, model {model}: {said} equals an independent Ritz solution",
     over={"model": _models, "entry, said, unit": STATIC_QUANTITIES},
-    quantity="{said}, pose of the largest difference",
+    quantity="{said}, at the pose with the largest difference",
     effort=0.05,
     figure="mechanism.deflections",
 )
@@ -145,7 +157,10 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
     size = postures[0].mechanism.size
     mobile = _above_round_off(expected, size) | _above_round_off(computed, size)
     if not mobile[:, index].any():
-        raise Skip(f"{model}: bodies and drives do not let the tool move that way")
+        raise Skip(
+            f"model {model} is rigid in this direction: neither bodies nor drives are elastic "
+            "along it"
+        )
     worst = farthest_posture(computed[:, index], expected[:, index], mobile[:, index])
     round_off = 0.0
     if kind != "simplified":
@@ -161,8 +176,10 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
             float(expected[worst, index]),
             *(float(values[worst, index]) for values in other_degrees),
         ),
-        decides="double precision leaves so much open where stiffnesses differ widely or legs "
-        "nearly align, and no finer model narrows it",
+        decides=(
+            "round-off in double precision is this large if stiffnesses differ widely or "
+            "legs are nearly aligned; a finer model does not reduce it"
+        ),
         pose=tuple(postures[worst].pose.tolist()),
     )
 
@@ -206,7 +223,7 @@ def _above_round_off(numbers: Array, size: float) -> NDArray[np.bool_]:
 
 @cases.case(
     "mechanism.anchor.frequencies[{model}, {mode}]",
-    "The mechanism: frequency {mode} by {model}, recomputed without its code",
+    "Robot, model {model}: frequency {mode} equals an independent Ritz solution",
     over={
         "model, tolerance, tolerance_reason": _dynamic_models,
         "index, mode": numbered,
@@ -231,7 +248,7 @@ def _frequency(context: Context, model: str, index: int, modes: int) -> Measurem
         for degree in degrees
     )
     if index >= max(len(computed), len(expected)):
-        raise Skip(f"{model} has {counted(len(computed), 'mode')}")
+        raise Skip(f"model {model} has only {counted(len(computed), 'mode')}")
     value, reference, rougher_value = (
         float(numbers[index]) if index < len(numbers) else inf
         for numbers in (computed, expected, rougher)

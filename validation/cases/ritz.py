@@ -418,7 +418,10 @@ def _require_closed(posture: Posture) -> None:
     """Raise ComputationError if the sides of a joint are apart in a direction that is not free."""
     for joint in posture.mechanism.joints:
         if (gap := max(_joint_gaps(posture, joint))) > _CLOSED:
-            raise ComputationError(f"joint {joint.name}: open by {gap:.2g} in the posture")
+            raise ComputationError(
+                f"joint {joint.name}: its two sides are {gap:.2g} apart (relative to the robot's "
+                "size, or rad); they must coincide"
+            )
 
 
 def _joint_gaps(posture: Posture, joint: Joint) -> tuple[float, float]:

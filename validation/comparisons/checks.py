@@ -92,14 +92,16 @@ def agreement_text(outcome: Outcome) -> str:
     ]
     half_width = percent((measurement.numerical_uncertainty or 0.0) / scale, signed=False)
     return _block(
-        f"{case.body or 'robot'}, {quantity_name(case.label)} by {case.model} and by the solid: "
-        f"{outcome.verdict}",
+        f"{case.body or 'robot'}, {quantity_name(case.label)}, {case.model} compared with "
+        f"solid FE: {outcome.verdict}",
         value=f"{measurement.value:.6g}{unit}",
         reference=f"{measurement.reference:.6g}{unit}",
         difference=percent(measurement.difference / scale),
         explained=", ".join(causes) or "nothing",
-        unexplained=f"{percent(measurement.unexplained / scale)}, allowed "
-        f"{percent(outcome.tolerance / scale, signed=False)}",
+        unexplained=(
+            f"{percent(measurement.unexplained / scale)} (tolerance "
+            f"{percent(outcome.tolerance / scale, signed=False)})"
+        ),
         **{"half-width": half_width},
     )
 
@@ -118,7 +120,10 @@ def convergence_check(
     series, column = study.of(model), study.column(quantity)
     if limits.elements not in series.counts:
         listed = ", ".join(map(str, series.counts))
-        raise Skip(f"agree.elements = {limits.elements}: was not computed; must be one of {listed}")
+        raise Skip(
+            f"agree.elements = {limits.elements}: not among the computed numbers of elements; "
+            f"must be one of {listed}"
+        )
     fine = series.counts.index(limits.elements)
     row = fine + int(np.argmax(np.abs(series.errors[fine:, column])))
     error, half_width = series.errors[row, column], series.limit_half_widths[column]
@@ -133,8 +138,8 @@ def convergence_check(
         f"more: {verdict}",
         value=f"{series.values[row, column]:.6g} {unit} with {series.counts[row]} elements",
         reference=f"{series.limits[column]:.6g} {unit}, {study.reference}",
-        difference=f"{percent(error)}, allowed {percent(limits.convergence, signed=False)}",
-        explained="nothing: the same legs",
+        difference=f"{percent(error)} (allowed {percent(limits.convergence, signed=False)})",
+        explained="not applicable, both sides have the same legs",
         **{"half-width": f"{percent(half_width, signed=False)} of the reference"},
     )
     return Checked(verdict, text)

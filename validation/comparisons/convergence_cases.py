@@ -70,7 +70,7 @@ def _study(mechanism: Mechanism, body: str, limits: AgreementLimits) -> Converge
             return study
         without_shear = convergence(mechanism, body=body, theory="euler-bernoulli", limits=limits)
     except (NoBeamTheoryError, NotPrismaticError) as error:
-        return f"no beam elements: {error}"
+        return f"no beam elements for this leg: {error}"
     return replace(study, series=(*study.series, *without_shear.series))
 
 
@@ -99,7 +99,7 @@ cases = CaseGroup(
     label="{model}: order",
     citation="formal order of the formulation; exact cantilever (Huang 1961) or limit of the beams",
     tolerance=lambda model: Absolute(ORDER_TOLERANCE[model]),
-    tolerance_reason="three counts above round-off determine an order to a few hundredths",
+    tolerance_reason="three element counts above round-off determine an order to a few hundredths",
 )
 def _order(context: Context, body: str, model: RefinedModel) -> Measurement:
     series = study_of(context, body).of(model)
@@ -107,13 +107,13 @@ def _order(context: Context, body: str, model: RefinedModel) -> Measurement:
     ordered = [k for k in frequencies if not np.isnan(series.orders[k])]
     if not ordered:
         behaviours = ", ".join(f"{QUANTITIES[k]} {series.behaviour(k)}" for k in frequencies)
-        raise Skip(f"no frequency shows an order: {behaviours}")
+        raise Skip(f"no frequency shows an order of convergence: {behaviours}")
     first, *other_columns = ordered
     return Measurement(
         float(series.orders[first]),
         series.formal_order,
         value_uncertainty=_order_uncertainty(series, first),
-        notes=(f"the value is that of {QUANTITIES[first]}",),
+        notes=(f"the value is the order of {QUANTITIES[first]}",),
         elsewhere=tuple(
             Elsewhere(
                 QUANTITIES[k],
@@ -139,16 +139,18 @@ def _order_uncertainty(series: ConvergenceSeries, column: int) -> float:
 @cases.case(
     "{subject_name}.converged[{model}-{limits.elements}]",
     lambda subject_name, model, limits: (
-        f"{subject_name}: the error of {model} with {limits.elements} elements or more is at most "
-        f"{100.0 * limits.convergence:g} %"
+        f"{subject_name}: error of {model} with {limits.elements} elements or more is at "
+        f"most {100.0 * limits.convergence:g} %"
     ),
     quantity="largest relative error of f1 to f4, x, y, z with {limits.elements} elements or more",
     label="error with {limits.elements} elements",
-    citation="Briot, Pashkevich and Chablat: 20 elements per leg, less than 1 %; [agree] of the "
-    "robot file may ask for another limit",
+    citation=(
+        "Briot, Pashkevich and Chablat: less than 1 % with 20 elements per leg; another "
+        "limit can be set in [agree] of the robot file"
+    ),
     relation=Relation.AT_MOST,
     tolerance=lambda limits: Absolute(1e-2 * limits.convergence),
-    tolerance_reason="the limit is meant to a hundredth of itself",
+    tolerance_reason="a hundredth of the limit",
     elements=lambda limits: limits.elements,
 )
 def _stated_error(
@@ -157,8 +159,8 @@ def _stated_error(
     series = study_of(context, body).of(model)
     if limits.elements not in series.counts:
         raise Skip(
-            f"agree.elements = {limits.elements}: CAD parts are legs of {PIECES} pieces; must be a "
-            f"multiple of {PIECES}"
+            f"agree.elements = {limits.elements}: must be a multiple of {PIECES}, the "
+            "number of pieces of a stepped CAD part"
         )
     errors = series.largest_errors[series.counts.index(limits.elements)]
     worst = int(np.argmax(errors))
@@ -166,19 +168,19 @@ def _stated_error(
         float(errors[worst]),
         limits.convergence,
         value_uncertainty=float(series.limit_half_widths[worst]),
-        notes=(f"largest of {QUANTITIES[worst]}",),
+        notes=(f"the largest value is that of {QUANTITIES[worst]}",),
     )
 
 
 @cases.case(
     "{subject_name}.converged[{model}-half-width]",
-    "{subject_name}: the half-widths of {model} contain the limit",
+    "{subject_name}: uncertainty intervals of {model} contain the limit of convergence",
     quantity="largest error over half-width of f1 to f4, x, y, z, from 5 elements on",
     label="{model}: error over half-width",
     citation="exact cantilever (Huang 1961) or limit of the beam elements",
     relation=Relation.AT_MOST,
     tolerance=Absolute(1e-9),
-    tolerance_reason="a half-width includes round-off and the uncertainty of the limit",
+    tolerance_reason="the half-width includes round-off and the uncertainty of the limit",
 )
 def _half_width(context: Context, body: str, model: RefinedModel) -> Measurement:
     series = study_of(context, body).of(model)
@@ -187,5 +189,8 @@ def _half_width(context: Context, body: str, model: RefinedModel) -> Measurement
     shares = np.abs(series.errors[asymptotic_rows]) / series.half_widths[asymptotic_rows]
     worst = int(np.argmax(shares.max(axis=0)))
     return Measurement(
-        float(shares.max()), 1.0, exact=True, notes=(f"largest of {QUANTITIES[worst]}",)
+        float(shares.max()),
+        1.0,
+        exact=True,
+        notes=(f"the largest value is that of {QUANTITIES[worst]}",),
     )

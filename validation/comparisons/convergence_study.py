@@ -118,7 +118,10 @@ class ConvergenceStudy:
             ):
                 return series
         labels = "; ".join(series.discretisation.label for series in self.series)
-        raise InputError(f"{model}, {layout}, {theory}: was not computed; there are: {labels}")
+        raise InputError(
+            f"model {model}, layout {layout}, theory {theory}: not computed; must be one of "
+            f"{labels}"
+        )
 
     def column(self, quantity: str) -> int:
         """Column of a quantity.
@@ -196,17 +199,18 @@ class ConvergenceStudy:
         if count not in series.counts:
             computed_counts = ", ".join(map(str, series.counts))
             raise InputError(
-                f"{self.refined} = {count}: was not computed; must be one of {computed_counts}"
+                f"{self.refined} = {count}: not computed; must be one of {computed_counts}"
             )
         row = series.counts.index(count)
         bound = series.largest_errors[row, column] + series.limit_half_widths[column]
         if not bound <= within:
             raise AssertionError(
-                f"{series.discretisation.label}, {self.title}, {quantity}: the error with {count} "
-                f"{self.refined} or more reaches {size_text(bound)}, allowed {size_text(within)}; "
-                f"{series.behaviour(column)}; {summary(series, column, self._stated)}".replace(
-                    "\N{NO-BREAK SPACE}", " "
-                )
+                (
+                    f"{series.discretisation.label}, {self.title}, {quantity}: the error "
+                    f"reaches {size_text(bound)} with {count} {self.refined} or more, allowed "
+                    f"{size_text(within)}; {series.behaviour(column)}; "
+                    f"{summary(series, column, self._stated)}"
+                ).replace("\N{NO-BREAK SPACE}", " ")
             )
 
     def table(self, quantity: str = "f1") -> ResultTable:

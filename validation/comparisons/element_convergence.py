@@ -87,7 +87,7 @@ def robot_convergence(
     """
     mechanism = posture.mechanism
     if not (legs_of(mechanism) or mechanism.parts):
-        raise InputError(f"{mechanism.name}: has no legs that could be divided into elements")
+        raise InputError(f"{mechanism.name}: no leg of this robot can be divided into elements")
     evaluate = partial(_robot_values, posture, highest_frequency([posture], MODES))
     limits = partial(_beam_limit, evaluate)
     pose = dict(zip(mechanism.tool.moves, posture.pose.tolist(), strict=True))
@@ -96,7 +96,7 @@ def robot_convergence(
     )
 
 
-_EXTRAPOLATED = "limit of the beam elements, extrapolated from 40 and 80"
+_EXTRAPOLATED = "limit of the beam elements, extrapolated from 40 and 80 elements"
 
 
 def _study(
@@ -138,8 +138,8 @@ def _checked_counts(discretisation: Discretisation, counts: Sequence[int]) -> tu
     )
     if not allowed_counts:
         raise InputError(
-            f"elements: {discretisation.label} needs a count of "
-            f"{discretisation.fewest_elements} or more"
+            f"elements: {discretisation.label} needs at least "
+            f"{discretisation.fewest_elements} elements"
         )
     return allowed_counts
 

@@ -57,8 +57,8 @@ from validation.studies_and_figures import AGREEMENT
 
 HELD_FACES = "held end faces"
 HELD_SOURCE = (
-    "solids with free and held ends, at most twice what fields that decay from held faces make "
-    "(fem.couplings.end_effects)"
+    "solids with free and with held end faces, at most twice the effect of fields that "
+    "decay from held faces (fem.couplings.end_effects)"
 )
 # First table: entry of the tip compliance that a kind of mode strains most. Second table: power of
 # 2n − 1 with which the share of strain energy at the ends can grow with the order n, since waves
@@ -67,7 +67,7 @@ _STRAINED = {"tension": (0, 0), "torsion": (3, 3), "bending y": (2, 2), "bending
 _GROWTH = {"tension": 1, "torsion": 1, "bending y": 2, "bending z": 2}
 DISTORTION = "distortion of the section"
 FORMULA = "section constants by formula"
-FORMULA_SOURCE = "finite elements on the section, within the known error of the textbook's formulas"
+FORMULA_SOURCE = "finite elements on the section, within the known error of textbook formulas"
 # Diagonal entry of the tip compliance, and unit, of each motion under its own load.
 MOTIONS = {
     AXIS_LABELS[name]: (entry, unit) for entry, (name, unit) in enumerate(DIAGONAL_UNITS.items())
@@ -95,20 +95,22 @@ cases = CaseGroup(
 
 @cases.case(
     "{body}.agrees[{model}-solid-{motion}]",
-    "{body}: {motion} by {model} is that of the solid of the same leg",
+    "{body}: compliance {motion} by {model} equals that of the solid leg",
     over={
         "model": STATIC_MODELS,
         "motion, entry, unit": [
             (name, *entry_and_unit) for name, entry_and_unit in MOTIONS.items()
         ],
     },
-    quantity="tip motion {motion} under its unit load, root clamped",
+    quantity="displacement of the tip, {motion}, under a unit load, root clamped",
     label="{motion}",
-    citation="the same leg as quadratic hexahedra",
+    citation="the same leg meshed with quadratic hexahedra",
     group="{body}.solid",
     tolerance=lambda limits: Relative(limits.compliance),
-    tolerance_reason="[agree] compliance, 0.1 % if left out: beam theory is exact in statics once "
-    "its differences from the solid are allowed for",
+    tolerance_reason=(
+        "[agree] compliance (default 0.1 %): in statics beam theory is exact after "
+        "subtraction of its named differences from the solid"
+    ),
 )
 def _motion(
     context: Context, body: str, model: ModelName, entry: int, limits: AgreementLimits
@@ -118,8 +120,8 @@ def _motion(
     smaller, larger = sorted(leg.section.extent)
     if entry == _TORSION and isinstance(leg.section, Rectangle) and larger > WALL_ASPECT * smaller:
         raise Skip(
-            "a strip: cells stretched along its section do not resolve the ends of its sides, on "
-            "which 0.6 times thickness over width of the torsion constant depends"
+            "thin strip: the section mesh is too coarse at the short sides, which "
+            "contribute 0.6 times thickness over width of the torsion constant"
         )
     solid, sections = _solid_statics(context, body, ends)
     computed = context.get(computed_compliances, leg, sections)
@@ -154,16 +156,15 @@ def _motion(
 
 @cases.case(
     "{body}.agrees[{model}-solid-f{mode}]",
-    "{body}: f{mode} by {model} is that of the solid of the same leg",
+    "{body}: f{mode} by {model} equals that of the solid leg",
     over={"model": DYNAMIC_MODELS, "index, mode": numbered(MODES)},
     quantity="natural frequency {mode}, clamped-free, paired by shape",
     label="f{mode}",
     unit="Hz",
-    citation="the same leg as quadratic hexahedra",
+    citation="the same leg meshed with quadratic hexahedra",
     group="{body}.modes",
     tolerance=lambda limits: Relative(limits.frequency),
-    tolerance_reason="[agree] frequency, 1 % if left out: 20 elements per leg are as near to their "
-    "limit",
+    tolerance_reason="[agree] frequency (default 1 %), the accuracy of 20 elements per leg",
 )
 def _frequency(
     context: Context, body: str, model: ModelName, index: int, limits: AgreementLimits
@@ -172,7 +173,7 @@ def _frequency(
     offered = beam_mode_count(context, leg)
     modes = exact_modes(leg)
     if reason := context.get(why_no_beam, leg, modes[index]):
-        raise Skip(f"{modes[index].kind}, number {modes[index].order}: {reason}")
+        raise Skip(f"{modes[index].kind} mode {modes[index].order}: {reason}")
     specified_ends = frequencies(context, body, limits.ends_of(leg.ends), offered)
     free_ends = frequencies(context, body, "free", offered)
     divisions = free_ends.frequencies.divisions

@@ -55,23 +55,31 @@ cases = CaseGroup(
 
 @cases.case(
     "refinement.{body}.solid.order[{name}]",
-    "{body}, quadratic solid with free ends: {name} converges with the order of energies",
+    "{body} as a solid with free ends: {name} converges with the order of strain energies",
     over={"name, ends, tolerance": [(name, "free", Absolute(1.0)) for name in ("c22", "c44")]},
     quantity="fitted order in the divisions of the section",
-    citation="twice the order of the gradients: h⁴ for smooth solutions",
-    tolerance_reason="coarse meshes show less in torsion, 3.4: between 3 and 5 the extrapolation "
-    "holds within the safety factor",
+    citation=(
+        "strain energies converge with twice the order of the gradients: h⁴ for smooth solutions"
+    ),
+    tolerance_reason=(
+        "coarse meshes have a lower order in torsion, 3.4; from 3 to 5 the extrapolation "
+        "holds within the safety factor"
+    ),
     group="{body}.solid",
 )
 @cases.case(
     "refinement.{body}.solid-held.order[{name}]",
-    "{body}, quadratic solid with held ends: {name} converges with the order of its edges",
+    "{body} as a solid with held ends: {name} converges with the order of the edge singularity",
     over={"name, ends, tolerance": [("c22", "rigid", Absolute(0.5))]},
     quantity="fitted order in the divisions of the section",
-    citation="stresses r^(λ − 1) at the edges of a rigid face leave 2λ (M. L. Williams, J. Appl. "
-    "Mech. 19 (1952) 526)",
-    tolerance_reason="on coarse meshes smooth parts of fourth order and the edges' own are mixed: "
-    "1.1 to 1.7 of 1.42 for ν = 0.3",
+    citation=(
+        "singular stresses r^(λ − 1) at the edges of a rigid face reduce the order to 2λ (M. "
+        "L. Williams, J. Appl. Mech. 19 (1952) 526)"
+    ),
+    tolerance_reason=(
+        "on coarse meshes smooth fourth-order errors mix with those of the singularity: 1.1 "
+        "to 1.7 times 1.42 for ν = 0.3"
+    ),
     group="{body}.solid",
 )
 def _order(context: Context, body: str, name: str, ends: Ends) -> Measurement:
@@ -81,8 +89,8 @@ def _order(context: Context, body: str, name: str, ends: Ends) -> Measurement:
     if len(divisions) < GRIDS_FOR_ORDER:
         meshes = counted(len(divisions), "mesh", "meshes")
         raise Skip(
-            f"affordable in preset {context.preset}: {meshes} of this section; an order needs "
-            f"{GRIDS_FOR_ORDER}"
+            f"preset {context.preset} allows {meshes} of this section; an order of "
+            f"convergence needs {GRIDS_FOR_ORDER}"
         )
     entry, meaning, unit = ENTRIES[name]
     convergence = refinement.at(*entry)
@@ -121,23 +129,25 @@ def _order(context: Context, body: str, name: str, ends: Ends) -> Measurement:
 
 @cases.case(
     "{body}.converged[solid-{condition}-half-width]",
-    "{body}, quadratic solid with {condition} ends: each half-width contains the next finer mesh",
+    "{body} as a solid with {condition} ends: each uncertainty interval contains the "
+    "value on the next finer mesh",
     over={"ends, condition": list(END_NAMES.items())},
-    quantity="largest change by the next finer mesh over the half-width, all tip motions",
+    quantity=(
+        "largest change on the next finer mesh divided by the half-width, all displacements "
+        "of the tip"
+    ),
     label="solid, {condition} ends: change over half-width",
-    citation="the next finer mesh of the same leg",
+    citation="next finer mesh of the same leg",
     relation=Relation.AT_MOST,
     tolerance=Absolute(1e-9),
-    tolerance_reason="a half-width includes round-off",
+    tolerance_reason="the half-width includes round-off",
     group="{body}.solid",
 )
 def _half_width(context: Context, body: str, ends: Ends) -> Measurement:
     refinement = compliances(context, body, ends)
     shares = half_width_shares(refinement)
     if not len(shares):
-        raise Skip(
-            "affordable: two meshes of this section, none finer than the one with a half-width"
-        )
+        raise Skip("the preset allows two meshes of this section; a third, finer one is needed")
     return Measurement(float(shares.max()), 1.0, exact=True)
 
 
@@ -164,14 +174,14 @@ def _first(refinement: Refinement, count: int) -> Refinement:
 
 @cases.case(
     "{body}.converged[solid-{condition}-f1]",
-    "{body}, quadratic solid with {condition} ends: the half-width of f1 is at most 1 %",
+    "{body} as a solid with {condition} ends: the half-width of f1 is at most 1 %",
     over={"ends, condition": list(END_NAMES.items())},
     quantity="relative half-width of f1 on the finest mesh",
     label="solid, {condition} ends: half-width of f1",
     citation="meshes of the preset",
     relation=Relation.AT_MOST,
     tolerance=Absolute(1e-4),
-    tolerance_reason="1 % is meant to a hundredth of itself",
+    tolerance_reason="a hundredth of the limit",
     group="{body}.modes",
 )
 def _first_frequency(context: Context, body: str, ends: Ends, condition: str) -> Measurement:
@@ -201,13 +211,13 @@ def _first_frequency(context: Context, body: str, ends: Ends, condition: str) ->
         0.01,
         judged_uncertainty=max(width - 0.01, 0.0),
         studies=studies,
-        decides="take a finer preset",
+        decides="use a finer preset",
     )
 
 
 @cases.case(
     "{body}.converged[tetrahedra-{condition}-f1]",
-    "{body}, {condition} ends: f1 of tetrahedra and of hexahedra differ by less than their "
+    "{body} with {condition} ends: f1 by tetrahedra equals f1 by hexahedra within their "
     "half-widths",
     over={"ends, condition": list(END_NAMES.items())},
     quantity="difference over the sum of both half-widths",
@@ -215,13 +225,13 @@ def _first_frequency(context: Context, body: str, ends: Ends, condition: str) ->
     citation="quadratic hexahedra",
     relation=Relation.AT_MOST,
     tolerance=Absolute(1e-9),
-    tolerance_reason="each half-width contains the common limit",
+    tolerance_reason="each uncertainty interval contains the common limit",
     group="{body}.modes",
 )
 def _tetrahedra(context: Context, body: str, ends: Ends, condition: str) -> Measurement:
     leg = constant_leg_of(context, body)
     if not isinstance(leg.section, Rectangle):
-        raise Skip(f"{leg.section.shape}: tetrahedra fill solid rectangles alone")
+        raise Skip(f"{leg.section.shape}: only solid rectangles are meshed with tetrahedra")
     hexahedral = frequencies(context, body, ends, beam_mode_count(context, leg)).frequencies
     meshes = context.get(tetrahedral_modes, leg)[ends]
     tetrahedral = meshes.frequencies

@@ -43,8 +43,8 @@ def leg_mesh_convergence(
     counts = tuple(sorted(set(divisions)))
     if len(counts) < 2 or counts[0] < 1:
         raise InputError(
-            f"divisions = {','.join(map(str, divisions))}: must be two or more different whole "
-            "numbers of 1 or more"
+            f"divisions = {','.join(map(str, divisions))}: must be two or more different "
+            "whole numbers, each at least 1"
         )
     return ConvergenceStudy(
         robot=robot,

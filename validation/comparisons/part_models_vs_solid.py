@@ -106,10 +106,10 @@ cases = CaseGroup(
     unit="Hz",
     label="bound",
     model="condensed",
-    citation="Rayleigh's principle; the same mesh of the part with all its modes",
+    citation="Rayleigh's principle; same mesh of the part, all modes",
     relation=Relation.AT_LEAST,
     tolerance=Relative(1e-6),
-    tolerance_reason="one mesh: rounding of two eigenvalue solvers, 1e-9 and less",
+    tolerance_reason="same mesh: round-off of two eigenvalue solvers, 1e-9 and less",
 )
 def _bound(context: Context, body: str, limits: AgreementLimits) -> Measurement:
     part = context.robot_file.mechanism.parts[body]
@@ -125,7 +125,7 @@ def _bound(context: Context, body: str, limits: AgreementLimits) -> Measurement:
     try:
         unjudged_values = [*_stepped(part, limits, solid), *unjudged_values]
     except InputError as error:
-        notes.append(f"no stepped form: {error}")
+        notes.append(f"no stepped form of this part: {error}")
     return Measurement(
         float(value),
         float(reference),

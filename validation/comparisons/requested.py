@@ -63,7 +63,8 @@ def convergence(
         counts = tuple(count for count in counts if count % PIECES == 0)
         if not counts:
             raise InputError(
-                f"elements: CAD parts are legs of {PIECES} pieces; must have a multiple of {PIECES}"
+                f"elements: must be multiples of {PIECES}, the number of pieces of a "
+                "stepped CAD part"
             )
     if body is None:
         study = robot_convergence(middle_posture(mechanism), discretisations, counts)
@@ -109,23 +110,31 @@ def _faults(
     solid = model == "solid" or divisions is not None
     if body is not None and body not in names:
         leg_list = ", ".join(names) or "none"
-        faults.append(f"body {body}: is no leg of the robot; must be one of {leg_list}")
+        faults.append(f"body {body}: not a leg of the robot; must be one of {leg_list}")
     elif solid and body is None:
-        faults.append("model solid: converges leg by leg; name one with body")
+        faults.append("model solid: needs a body, because solids converge leg by leg; add body")
     elif solid and body not in legs:
-        faults.append(f"body {body}: is a CAD part, whose meshes `identify` refines")
+        faults.append(
+            f"body {body}: is a CAD part; use the command identify, which refines its mesh"
+        )
     if solid and elements is not None:
-        faults.append("elements: solids have divisions; leave elements or the model solid out")
+        faults.append(
+            "elements: not for model solid, which has divisions; leave elements out or "
+            "choose another model"
+        )
     if solid and theory is not None:
-        faults.append("theory: solids have none; leave theory or the model solid out")
+        faults.append("theory: not for model solid; leave theory out or choose another model")
     if theory not in (None, "timoshenko", "euler-bernoulli"):
         faults.append(f"theory {theory}: must be timoshenko or euler-bernoulli")
     if divisions is not None and model not in (None, "solid"):
-        faults.append(f"divisions: {model} has elements; leave divisions out, or take model solid")
+        faults.append(
+            f"divisions: only for model solid; {model} has elements; leave divisions out or "
+            "choose model solid"
+        )
     for name, counts in (("elements", elements), ("divisions", divisions)):
         if counts is not None and (not counts or min(counts) < 1):
             listed = ", ".join(map(str, counts)) or "none"
-            faults.append(f"{name} = {listed}: must be one or more whole numbers of 1 or more")
+            faults.append(f"{name} = {listed}: must be one or more whole numbers, each at least 1")
     if elements and max(elements) > MOST_ELEMENTS:
         faults.append(f"elements = {max(elements)}: must be at most {MOST_ELEMENTS}")
     return faults

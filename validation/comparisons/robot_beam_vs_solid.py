@@ -95,8 +95,10 @@ from validation.studies_and_figures import AGREEMENT
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 # Remedies for an undecided comparison, if the cause are rigid faces, or meshes.
-_FREE_ENDS = "held end faces change this mode by more than their theory; compare with free ends"
-_REFINE = "refine the models"
+_FREE_ENDS = (
+    "held end faces change this mode by more than their theory explains; compare with free ends"
+)
+_REFINE = "refine the models until the numerical uncertainty is below the tolerance"
 # Largest decay length of warping over the length of a leg for which waves are computed, since they
 # neglect warping. With a ratio of 0.106, as leg 2 of the built-in robot, this is 3e-4 of f4.
 _WARPING = 0.2
@@ -106,8 +108,9 @@ _STILL = 1e-9
 # of the change by solids.
 _REISSNER = 1.2
 HELD_SOURCE = (
-    "solids with free and held ends, at most what beams with warping and, in bending and tension, "
-    "fields that decay from held faces make"
+    "solids with free and with held end faces, at most the effect in beams with "
+    "restrained warping and, in bending and tension, with fields that decay from held "
+    "faces"
 )
 # Row indices of the meshes in `RobotStatics` and `RobotModes`.
 _COARSE, _FINE = 0, 1
@@ -185,8 +188,8 @@ def _require_prisms(mechanism: Mechanism) -> None:
     """Raise Skip if a robot has CAD parts instead of legs of constant section."""
     if parts := ", ".join(mechanism.parts):
         raise Skip(
-            f"{parts}: CAD parts, not legs of constant section; the table of models below "
-            "compares the robot with one of solid parts"
+            f'{parts}: a CAD part is not a leg of constant section; the table "Adequacy '
+            'of the models" compares the robot with solid parts'
         )
 
 
@@ -261,19 +264,21 @@ def _computed_tip(leg: ConstantLeg, divisions: int) -> Array:
 
 @cases.case(
     "robot.agrees[{model}-solid-{motion}]",
-    "{motion} of the robot by {model} is that of the robot with solid legs",
+    "Robot: compliance {motion} by {model} equals that with solid legs",
     over={
         "model": STATIC_MODELS,
         "motion, entry, unit": [
             (name, *entry_and_unit) for name, entry_and_unit in MOTIONS.items()
         ],
     },
-    quantity="tool motion {motion} under its unit load, middle of the path",
+    quantity="displacement of the tool, {motion}, under a unit load, middle pose of the path",
     label="{motion}",
-    citation="the same legs as quadratic hexahedra",
+    citation="the same legs meshed with quadratic hexahedra",
     tolerance=lambda limits: Relative(limits.compliance),
-    tolerance_reason="[agree] compliance, 0.1 % if left out: beam theory is exact in statics once "
-    "its differences from the solid are allowed for",
+    tolerance_reason=(
+        "[agree] compliance (default 0.1 %): in statics beam theory is exact after "
+        "subtraction of its named differences from the solid"
+    ),
 )
 def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLimits) -> Measurement:
     _require_prisms(context.robot_file.mechanism)
@@ -285,13 +290,14 @@ def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLim
     for leg in _prisms(posture.mechanism).values():
         if not has_meshes(leg, most_unknowns(context.meshes, leg)):
             raise Skip(
-                f"{leg.name}: its section takes too many unknowns in preset {context.meshes}"
+                f"{leg.name}: the mesh of its section has too many unknowns for preset "
+                f"{context.meshes}"
             )
     statics = context.get(robot_statics, posture, context.meshes, limits)
     reference = float(statics.solid[_FINE, entry])
     motions_of_kind = statics.solid[_FINE, :3] if entry < 3 else statics.solid[_FINE, 3:]
     if reference <= _STILL * motions_of_kind.max():
-        raise Skip("the tool does not give way in this direction")
+        raise Skip("the tool is rigid in this direction")
     (model_response,) = context.get(answers, model, (posture,), 0, _options(limits))
     computed = float(statics.computed[_FINE, entry])
     residuals = (statics.restrained - statics.solid)[:, entry]
@@ -429,34 +435,33 @@ def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidM
     for leg, number in zip(legs, numbers, strict=True):
         if not leg.section.is_doubly_symmetric:
             raise Skip(
-                f"{leg.name}: waves of 3-D elasticity are computed for sections that are symmetric "
-                f"about y and z, not for a {leg.section.shape}"
+                f"{leg.name}: waves of 3-D elasticity are available only for sections "
+                f"that are symmetric about y and z, not for a {leg.section.shape}"
             )
         if decay_of_warping(leg, number) > _WARPING * leg.length:
             raise Skip(
-                f"{leg.name}: warping of its open section reaches over more than a fifth of its "
-                "length, where the theory of beams without warping does not hold"
+                f"{leg.name}: open section; its warping extends over more than a fifth of "
+                "the length, so that beam theory without warping does not hold"
             )
         if is_strip(leg):
             raise Skip(
-                f"{leg.name}: a strip, wider than a tenth of its length, bends as a plate near its "
-                "ends, which the waves of beams leave out (1 % of two leaves a third as wide as "
-                "long)"
+                f"{leg.name}: strip wider than a tenth of its length; it bends as a plate "
+                "near its ends, which waves of beams neglect (1 % for two leaves a third "
+                "as wide as long)"
             )
 
 
 @cases.case(
     "robot.agrees[{model}-solid-f{mode}]",
-    "f{mode} of the robot by {model} is that of the robot with solid legs",
+    "Robot: f{mode} by {model} equals that with solid legs",
     over={"model": DYNAMIC_MODELS, "index, mode": numbered(MODES)},
-    quantity="natural frequency {mode}, middle of the path, paired by shape",
+    quantity="natural frequency {mode}, middle pose of the path, modes paired by shape",
     label="f{mode}",
     unit="Hz",
-    citation="the same legs as quadratic hexahedra, reduced to their ends",
+    citation="the same legs meshed with quadratic hexahedra, reduced to their ends",
     figure="mechanism.mode-shapes",
     tolerance=lambda limits: Relative(limits.frequency),
-    tolerance_reason="[agree] frequency, 1 % if left out: 20 elements per leg are as near to their "
-    "limit",
+    tolerance_reason="[agree] frequency (default 1 %), the accuracy of 20 elements per leg",
 )
 def _frequency(
     context: Context, model: ModelName, index: int, limits: AgreementLimits

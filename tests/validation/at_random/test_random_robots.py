@@ -172,7 +172,9 @@ def test_what_rounding_hides_is_undecided_or_told(robot_file, cases, expected):
         else:
             verdicts.add(outcome.verdict)
             # Finer models have rounding as well: nobody is sent to refine them.
-            assert ("no finer model" in outcome.message) is (outcome.verdict == "undecided")
+            assert ("a finer model does not reduce it" in outcome.message) is (
+                outcome.verdict == "undecided"
+            )
     assert verdicts
     assert verdicts <= expected
 

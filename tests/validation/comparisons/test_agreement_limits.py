@@ -99,7 +99,7 @@ def test_converge_takes_limit_and_count_of_the_file(mine, capsys):
         found = main(["converge", mine(agree), "--body", "leg1", *counts])
         streams = capsys.readouterr()
         assert found == code
-        assert ("f1: the error with 8 elements or more reaches 0.055 %" in streams.err) is bool(
+        assert ("f1: the error reaches 0.055 % with 8 elements or more" in streams.err) is bool(
             code
         )
         stated = "8 elements: +0.055 %" if "8" in agree else "20 elements: +0.0089 %"

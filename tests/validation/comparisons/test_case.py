@@ -54,8 +54,8 @@ def test_what_is_no_finite_number_never_agrees(relation, value, reference):
         ),
         (lambda: Relative(0.01).at(0.0), "other than zero"),
         (lambda: replace(EQUAL, citation=" "), "citation is empty"),
-        (lambda: Measurement(1.0, 1.0), "states its numerical uncertainty"),
-        (lambda: exact(1.0, value_uncertainty=0.1), "exact to rounding"),
+        (lambda: Measurement(1.0, 1.0), "must state its numerical uncertainty"),
+        (lambda: exact(1.0, value_uncertainty=0.1), "exact up to round-off"),
     ],
 )
 def test_what_cannot_be_judged_is_refused(make, said):
@@ -68,7 +68,10 @@ def test_undecided_comparison_has_remedy(uncertainty):
     measured = Measurement(10.0, 10.0, value_uncertainty=uncertainty)
     outcome = judge(EQUAL, measured, 0.0)
     assert outcome.verdict == "undecided"
-    assert outcome.message.endswith("so nothing is decided: refine the models")
+    assert outcome.message.endswith(
+        "so nothing is decided: refine the models until "
+        "the numerical uncertainty is below the tolerance"
+    )
     rounded = replace(measured, decides="no finer model narrows it")
     assert judge(EQUAL, rounded, 0.0).message.endswith(
         "nothing is decided: no finer model narrows it"

@@ -138,7 +138,7 @@ def test_convergence_is_asserted_by_leg(crossed):
     crossed.assert_converged("f1", body="arm", within=0.0001)
     with pytest.raises(AssertionError, match=r"reaches 0\.0089 %"):
         crossed.assert_converged("f1", body="arm", within=0.00008)
-    with pytest.raises(InputError, match="body None: was not computed; must be one of arm"):
+    with pytest.raises(InputError, match="body None: not computed; must be one of arm"):
         crossed.assert_converged("f1")
 
 

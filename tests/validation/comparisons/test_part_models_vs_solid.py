@@ -99,7 +99,9 @@ def test_table_of_part_has_no_verdicts(tmp_path):
     assert row[-2:] == (None, "not judged")
     sentence = agreement_sentence([outcome])
     assert "agree" not in sentence
-    start = "Differences of CAD parts from their solid FE: stepped beams up to"
+    start = (
+        "Largest differences between simplified CAD parts and their solid FE: stepped beams up to"
+    )
     assert sentence.startswith(start)
 
 

@@ -69,7 +69,7 @@ def test_whatever_happens_in_a_case_is_its_verdict(troubled_run):
     # OpenBLAS ends the process, without a word to Python.
     starved = "ran out of memory (OpenBLAS error: Memory allocation still failed"
     assert starved in messages["toy.starved"]
-    assert "fewer --jobs" in messages["toy.starved"]
+    assert "reduce --jobs" in messages["toy.starved"]
     log = (path / "log.txt").read_text()
     for said in ("Traceback", "Segmentation fault", "this belongs into the log"):
         assert said in log
