@@ -65,14 +65,16 @@ class Material:
 class BeamProperties:
     """Stiffnesses and inertias of a prismatic leg, referred to the line of its centroids.
 
-    EA (N). GAy and GAz (N): κGA for shear along y and z, infinite without shear deformation. EIy,
-    EIz, GJ (N m²). `mu`: mass per length (kg/m). `rho_J`, `rho_Iy`, `rho_Iz` (kg m): rotary inertia
-    per length about x, y and z, the latter two zero in Euler–Bernoulli theory.
+        EA (N). GAy and GAz (N): κGA for shear along y and z, infinite without shear deformation. EIy,
+        EIz, GJ (N m²). `mu`: mass per length (kg/m). `rho_J`, `rho_Iy`, `rho_Iz` (kg m): rotary inertia
+        per length about x, y and z, the latter two zero in Euler–Bernoulli theory.
 
-    The remaining fields are zero for a section with two axes of symmetry: EIyz = E∫yz dA (N m²),
-    `rho_Iyz` = ρ∫yz dA (kg m), `shear_yz` (1/N), the shear strain along z for a unit force along y,
-    and the position (`centre_y`, `centre_z`) (m) of the shear centre relative to the centroid.
-    Forces through the shear centre do not twist the leg.
+    The remaining fields are zero for a section of one material with two axes of symmetry: EIyz =
+    E∫yz dA (N m²), `rho_Iyz` = ρ∫yz dA (kg m), `shear_yz` (1/N), the shear strain along z for a
+    unit force along y, the position (`centre_y`, `centre_z`) (m) of the shear centre relative to
+    the centroid, and that of the centre of mass (`mass_y`, `mass_z`). Forces through the shear
+    centre do not twist the leg. The centroid is that of the stiffness. Rotary inertias are about
+    it.
     """
 
     EA: float
@@ -90,6 +92,8 @@ class BeamProperties:
     shear_yz: float = 0.0
     centre_y: float = 0.0
     centre_z: float = 0.0
+    mass_y: float = 0.0
+    mass_z: float = 0.0
 
     @property
     def couples_bending(self) -> bool:
@@ -100,6 +104,27 @@ class BeamProperties:
     def couples_torsion(self) -> bool:
         """True if forces through the centroid twist the leg."""
         return bool(self.centre_y or self.centre_z)
+
+    @property
+    def is_eccentric(self) -> bool:
+        """True if the centre of mass lies beside the centroid."""
+        return bool(self.mass_y or self.mass_z)
+
+    @property
+    def section_mass(self) -> Array:
+        """6×6 mass per length (kg/m, kg, kg m) of a section, for the twist of its centroid.
+
+        Euler–Bernoulli beams, which have no rotary inertia of bending, also lack the coupling of
+        axial motion and bending rotation by an eccentric mass.
+        """
+        mass = np.diag([self.mu] * 3 + [self.rho_J, self.rho_Iy, self.rho_Iz])
+        mass[4, 5] = mass[5, 4] = -self.rho_Iyz
+        mass[1, 3] = mass[3, 1] = -self.mu * self.mass_z
+        mass[2, 3] = mass[3, 2] = self.mu * self.mass_y
+        if self.rho_Iy or self.rho_Iz:
+            mass[0, 4] = mass[4, 0] = self.mu * self.mass_z
+            mass[0, 5] = mass[5, 0] = -self.mu * self.mass_y
+        return mass
 
     @property
     def bending(self) -> Array:
@@ -210,6 +235,8 @@ class ConstantLeg:
         kappa_y, kappa_z = kappas
         area, iy, iz = section.area, section.second_moment_y, section.second_moment_z
         product, (centre_y, centre_z) = section.product_moment, section.shear_centre
+        inertia_y, inertia_z, inertia_yz = section.inertia_moments
+        mass_y, mass_z = section.mass_centre
         coupling = section.shear_coupling(material.shear_nu) / (material.G * area)
         return BeamProperties(
             EA=material.E * area,
@@ -219,14 +246,16 @@ class ConstantLeg:
             GAy=kappa_y * material.G * area,
             GAz=kappa_z * material.G * area,
             mu=material.rho * area,
-            rho_J=material.rho * (iy + iz),
-            rho_Iy=material.rho * iy,
-            rho_Iz=material.rho * iz,
+            rho_J=material.rho * (inertia_y + inertia_z),
+            rho_Iy=material.rho * inertia_y,
+            rho_Iz=material.rho * inertia_z,
             EIyz=material.E * product,
-            rho_Iyz=material.rho * product,
+            rho_Iyz=material.rho * inertia_yz,
             shear_yz=coupling,
             centre_y=centre_y,
             centre_z=centre_z,
+            mass_y=mass_y,
+            mass_z=mass_z,
         )
 
     def properties(self, theory: Theory) -> BeamProperties:

@@ -25,9 +25,9 @@ nodal loads: the element is exact at the nodes and free of shear locking. Λ = 0
 
 If the section does not have two axes of symmetry, both planes are coupled by EIyz θy′θz′, by the
 shear strains and by ρIyz θyθz. The deflections v_s and w_s that are associated with bending and
-shear are those of the shear centre (y_s, z_s), which a torque does not move. The mass moves with
-the centroid, v = v_s + z_s φx and w = w_s − y_s φx, along the whole element. The nodes have the
-twists of the centroid.
+shear are those of the shear centre (y_s, z_s), which a torque does not move. The displacements of
+the centre of mass (y_m, z_m) are u + z_m φy − y_m φz, v_s − (z_m − z_s) φx and w_s + (y_m − y_s) φx
+along the whole element. The nodes have the twists of the centroid.
 """
 
 from collections.abc import Callable
@@ -107,8 +107,9 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
     mesh = MeshLine(np.array([0.0, length / elements]))
     p = properties
     GAy, GAz, GAyz = _shear_stiffnesses(p)
-    # Rotary inertia about the shear centre.
-    rho_J = p.rho_J + p.mu * (p.centre_y**2 + p.centre_z**2)
+    # Rotary inertia about the shear centre. The centre of mass is `arm_y` and `arm_z` away from it.
+    arm_y, arm_z = p.mass_y - p.centre_y, p.mass_z - p.centre_z
+    rho_J = p.rho_J + p.mu * (arm_y**2 + arm_z**2 - p.mass_y**2 - p.mass_z**2)
     members = {
         "tension": _bar(mesh, p.EA, p.mu, component=0),
         "torsion": _bar(mesh, p.GJ, rho_J, component=3),
@@ -138,12 +139,20 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
     if p.couples_bending:
         both = coupled(_coupling_stiffness(y, z, p.EIyz, GAyz), "bending z", "bending y")
         parts["bending"] = csr_matrix(parts.pop("bending y") + parts.pop("bending z") + both)
-        mass += coupled(_coupling_mass(y, z, 1, p.rho_Iyz), "bending z", "bending y")
-    if p.couples_torsion:
+        mass += coupled(_coupling_mass(y, z, (1, 1), p.rho_Iyz), "bending z", "bending y")
+    if p.couples_torsion or p.is_eccentric:
         turned = members["torsion"]
-        along_y = _coupling_mass(y, turned, 0, p.mu * p.centre_z)
-        along_z = _coupling_mass(z, turned, 0, -p.mu * p.centre_y)
+        along_y = _coupling_mass(y, turned, (0, 0), -p.mu * arm_z)
+        along_z = _coupling_mass(z, turned, (0, 0), p.mu * arm_y)
         mass += coupled(along_y, "bending z", "torsion") + coupled(along_z, "bending y", "torsion")
+    if p.is_eccentric:
+        # Zero without rotary inertia of bending.
+        first_z, first_y = p.section_mass[0, 4], -p.section_mass[0, 5]
+        # φy turns against θ of the deflection along z.
+        stretched = members["tension"]
+        about_z = _coupling_mass(y, stretched, (1, 0), -first_y)
+        about_y = _coupling_mass(z, stretched, (1, 0), -first_z)
+        mass += coupled(about_z, "bending z", "tension") + coupled(about_y, "bending y", "tension")
 
     def centreline(stations: Array) -> SparseMatrix:
         return sum(
@@ -178,10 +187,13 @@ def _coupling_stiffness(first: _Member, second: _Member, EI: float, GA: float) -
     return np.asarray(EI * (theta1[1] * weights) @ theta2[1].T + GA * (gamma1 * weights) @ gamma2.T)
 
 
-def _coupling_mass(first: _Member, second: _Member, field: int, inertia: float) -> Array:
-    """∫ `inertia` u₁u₂ dx (k₁×k₂) for the field with index `field` of each of two members."""
+def _coupling_mass(
+    first: _Member, second: _Member, fields: tuple[int, int], inertia: float
+) -> Array:
+    """∫ `inertia` u₁u₂ dx (k₁×k₂) for the fields with the indices `fields` of two members."""
     weights, (first_fields, second_fields) = _integrated(first, second)
-    return np.asarray(inertia * (first_fields[field][0] * weights) @ second_fields[field][0].T)
+    one, other = first_fields[fields[0]][0], second_fields[fields[1]][0]
+    return np.asarray(inertia * (one * weights) @ other.T)
 
 
 def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]]]]:

@@ -74,6 +74,8 @@ def cantilever_frequencies(
 
 def kinds_of(properties: BeamProperties) -> tuple[Kind, ...]:
     """Kinds of deformation that vibrate independently of each other."""
+    if properties.is_eccentric:
+        return ("coupled",)
     if properties.couples_bending or properties.couples_torsion:
         return "tension", "coupled"
     return "tension", "torsion", "bending y", "bending z"
@@ -276,9 +278,9 @@ def _piece_stiffness(beam: _Plane, l: float, omega: float) -> Array:
 class _Coupled:
     """State equations of bending in both planes with torsion, dimensionless.
 
-    Displacements are v_s and w_s of the shear centre, φx, and θ of the deflections along y and
-    along z. Forces are conjugate to these. `flexibility` and `mass` are 5×5. `unit_squared` is the
-    unit of ω².
+    The n displacements are v_s and w_s of the shear centre, φx, θ of the deflections along y and
+    along z, and u if the centre of mass lies beside the centroid. Forces are conjugate to these.
+    `flexibility` and `mass` are n×n. `unit_squared` is the unit of ω².
     """
 
     flexibility: Array
@@ -289,17 +291,25 @@ class _Coupled:
 def _coupled(p: BeamProperties, size: float) -> _Coupled:
     """Dimensionless state equations: lengths in units of `size` (m), ω² in EI/(μ size⁴)."""
     EI, mu = max(p.EIy, p.EIz), p.mu
-    flexibility = np.zeros((5, 5))
+    count = 6 if p.is_eccentric else 5
+    flexibility = np.zeros((count, count))
     flexibility[:2, :2] = p.shear_flexibility * EI / size**2
     flexibility[2, 2] = EI / p.GJ
-    flexibility[3:, 3:] = EI * np.linalg.inv(p.bending)
-    # The displacements of the centroid are v_s + z_s φx and w_s − y_s φx.
-    arm = np.array([p.centre_z, -p.centre_y]) / size
-    mass = np.zeros((5, 5))
+    flexibility[3:5, 3:5] = EI * np.linalg.inv(p.bending)
+    # The displacements of the centre of mass are v_s + (z_s − z_m) φx and w_s − (y_s − y_m) φx.
+    arm = np.array([p.centre_z - p.mass_z, p.mass_y - p.centre_y]) / size
+    mass = np.zeros((count, count))
     mass[:2, :2] = np.eye(2)
     mass[:2, 2] = mass[2, :2] = arm
-    mass[2, 2] = p.rho_J / (mu * size**2) + arm @ arm
-    mass[3:, 3:] = p.rotary_inertia / (mu * size**2)
+    own_polar = p.rho_J - mu * (p.mass_y**2 + p.mass_z**2)
+    mass[2, 2] = own_polar / (mu * size**2) + arm @ arm
+    mass[3:5, 3:5] = p.rotary_inertia / (mu * size**2)
+    if p.is_eccentric:
+        flexibility[5, 5] = EI / (p.EA * size**2)
+        mass[5, 5] = 1.0
+        # u + z_m φy − y_m φz; φy turns against θ of the deflection along z.
+        mass[3, 5] = mass[5, 3] = p.section_mass[0, 5] / (mu * size)
+        mass[4, 5] = mass[5, 4] = -p.section_mass[0, 4] / (mu * size)
     return _Coupled(flexibility, mass, EI / (mu * size**4))
 
 
@@ -328,33 +338,38 @@ def _coupled_count(p: BeamProperties, length: float, omega: float) -> int:
 def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
     """Number of pieces whose first clamped–clamped frequency is above `omega` (rad/s).
 
-    A lower bound of that frequency is used: |v_c|² ≤ 2|v_s|² + 2 r² φx², with the distance r of the
-    shear centre, separates bending and torsion. Bending is bounded with the smaller stiffness and
-    the larger inertia of both planes.
+    A lower bound of that frequency is used: |v_m|² ≤ 2|v_s|² + 2 r² φx², with the distance r of the
+    shear centre from the centre of mass, separates bending and torsion, and tension is separated
+    alike. Bending is bounded with the smaller stiffness and the larger inertia of both planes.
     """
     bending = np.linalg.eigvalsh(p.bending)[0]
-    matrices = p.shear_flexibility, p.rotary_inertia
-    largest = (float(np.linalg.eigvalsh(matrix)[-1]) for matrix in matrices)
-    plane = _Plane(float(bending), next(largest), 2.0 * p.mu, next(largest))
-    polar = p.rho_J + 2.0 * p.mu * (p.centre_y**2 + p.centre_z**2)
-    by_torsion = int(length * omega / (np.pi * sqrt(p.GJ / polar))) + 1
-    return max(_pieces(plane, length, omega), by_torsion)
+    beside = p.mu * (p.mass_y**2 + p.mass_z**2)
+    shear, rotary = (
+        float(np.linalg.eigvalsh(matrix)[-1]) for matrix in (p.shear_flexibility, p.rotary_inertia)
+    )
+    plane = _Plane(float(bending), shear, 2.0 * p.mu, rotary + beside)
+    squared = (p.mass_y - p.centre_y) ** 2 + (p.mass_z - p.centre_z) ** 2
+    polar = p.rho_J - beside + 2.0 * p.mu * squared
+    speeds = [sqrt(p.GJ / polar), sqrt(p.EA / (2.0 * p.mu))]
+    by_waves = int(length * omega / (np.pi * min(speeds))) + 1
+    return max(_pieces(plane, length, omega), by_waves)
 
 
 def _coupled_stiffness(equations: _Coupled, pieces: int, omega: float) -> Array:
     """Dynamic stiffness K(ω) of the clamped–free beam with coupled bending and torsion.
 
-    The unknowns are five motions at the ends of all pieces except the root, in units of EI/l.
+    The unknowns are the motions at the ends of all pieces except the root, in units of EI/l.
     `equations` are those of one piece, `pieces` is the number of pieces.
     """
-    state = np.zeros((10, 10))
+    n = len(equations.mass)
+    state = np.zeros((2 * n, 2 * n))
     state[0, 3] = state[1, 4] = 1.0
-    state[:5, 5:] = equations.flexibility
-    state[5:, :5] = -(omega**2) / equations.unit_squared * equations.mass
+    state[:n, n:] = equations.flexibility
+    state[n:, :n] = -(omega**2) / equations.unit_squared * equations.mass
     # Shear force in the moment equation M′ = −V − ω²ρI θ.
-    state[8, 5] = state[9, 6] = -1.0
+    state[n + 3, n] = state[n + 4, n + 1] = -1.0
     transfer = expm(state)
-    uu, uf, fu, ff = transfer[:5, :5], transfer[:5, 5:], transfer[5:, :5], transfer[5:, 5:]
+    uu, uf, fu, ff = transfer[:n, :n], transfer[:n, n:], transfer[n:, :n], transfer[n:, n:]
     flexible = np.linalg.inv(uf)
     piece = np.block([[flexible @ uu, -flexible], [fu - ff @ flexible @ uu, ff @ flexible]])
     clamped = _clamped_chain(piece, pieces)

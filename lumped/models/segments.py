@@ -164,20 +164,8 @@ def _spring(properties: BeamProperties, piece: float) -> Array:
 
 def _element_mass(properties: BeamProperties, piece: float) -> Array:
     """6×6 mass matrix of a rigid prismatic element of length `piece` (m) at its centre."""
-    mass = properties.mu * piece
-    slender = mass * piece**2 / 12.0
-    inertia = np.diag(
-        [
-            mass,
-            mass,
-            mass,
-            properties.rho_J * piece,
-            properties.rho_Iy * piece + slender,
-            properties.rho_Iz * piece + slender,
-        ]
-    )
-    inertia[4, 5] = inertia[5, 4] = -properties.rho_Iyz * piece
-    return inertia
+    slender = properties.mu * piece**3 / 12.0
+    return np.asarray(properties.section_mass * piece + np.diag([0.0] * 4 + [slender] * 2))
 
 
 def with_printed_tip_joint(chain: SegmentChain) -> SegmentChain:

@@ -4,6 +4,7 @@ Input: dimensions in m. Output: area, second moments of area, torsion constant, 
 shear coefficients.
 """
 
+from lumped.sections.composite import Composite, CompositePart, outline
 from lumped.sections.constants import SectionProperties
 from lumped.sections.fourth_moments import fourth_moments
 from lumped.sections.outlined import (
@@ -38,6 +39,7 @@ SHAPES: dict[str, type[Section]] = {
         Tee,
         Polygon,
         SectionProperties,
+        Composite,
     )
 }
 
@@ -46,6 +48,8 @@ __all__ = [
     "Angle",
     "Channel",
     "Circle",
+    "Composite",
+    "CompositePart",
     "HollowRectangle",
     "ISection",
     "OutlinedSection",
@@ -58,5 +62,6 @@ __all__ = [
     "distances_to_edges",
     "fourth_moments",
     "is_inside",
+    "outline",
     "rectangle_torsion_constant",
 ]

@@ -15,7 +15,9 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.memo import memo
 from lumped.sections.saint_venant import (
+    TOUCHING,
     Loop,
+    Region,
     RimSolution,
     area_moments,
     inner_angles,
@@ -26,8 +28,6 @@ from lumped.sections.shapes import Section, WalledProfile
 
 Points: TypeAlias = tuple[tuple[float, float], ...]
 
-# Parts of the boundary that are closer than this fraction of the section's size touch.
-_TOUCHING = 1e-6
 # A product moment below this fraction of Iy + Iz is round-off: there is an axis of symmetry.
 _SYMMETRIC = 1e-9
 # A distance of shear centre and centroid below this fraction of the section's size is an error of
@@ -124,7 +124,7 @@ def _moments(section: OutlinedSection) -> tuple[float, Array, Array]:
 def _solution(section: OutlinedSection) -> tuple[RimSolution, float]:
     """Torsion and flexure of the section scaled to size 1, and the size (m)."""
     size = max(section.extent)
-    return rim_solution([loop / size for loop in section.centred_loops]), size
+    return rim_solution([Region([loop / size for loop in section.centred_loops])]), size
 
 
 @dataclass(frozen=True)
@@ -200,7 +200,7 @@ class Polygon(OutlinedSection):
         size = float(np.ptp(loops[0], axis=0).max())
         if not size > 0.0:
             return ["outline: all points are one; must enclose an area"]
-        gap = _TOUCHING * size
+        gap = TOUCHING * size
         named_loops = list(zip(names, loops, strict=True))
         faults = [fault for name, loop in named_loops for fault in _loop_faults(name, loop, gap)]
         return faults or _hole_faults(named_loops, gap)
@@ -239,7 +239,7 @@ def _loop_faults(name: str, loop: Loop, gap: float) -> list[str]:
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     back = (before * after).sum(axis=1) < 0.0
     sizes = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
-    for i in np.flatnonzero(back & (np.abs(cross) <= _TOUCHING * sizes)):
+    for i in np.flatnonzero(back & (np.abs(cross) <= TOUCHING * sizes)):
         return [f"{name}[{i + 1}]: the line turns back on itself; must enclose an area"]
     return []
 

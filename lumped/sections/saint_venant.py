@@ -17,14 +17,22 @@ A harmonic function u satisfies c(p) u(p) = ∮ (G ∂u/∂n − u ∂G/∂n) ds
 equation is solved on quadratic elements whose integrals are evaluated in closed form. Element
 lengths decrease geometrically towards corners, where u has a term r^(π/α) with the interior angle
 α. The same constants are computed by finite elements in `fem.sections`.
+
+A section may consist of regions whose moduli E and G are w times those of a reference material, of
+one r. Then Σ, c and the integrals over the section are weighted by w, u is continuous across edges
+between regions and w times its flux has a given jump. The sum of the regions' boundary integral
+equations, each times its w, has u as its only unknown; integrals over the rim become integrals over
+all edges, weighted by the jump of w from the right of an edge to its left.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
 from numpy.polynomial import legendre
+from numpy.typing import NDArray
 
 from lumped.arrays import Array, IntArray
 
@@ -49,16 +57,42 @@ _SMALLEST_WEAK, _SHARE = 0.3, 0.5
 _POINTS, _NEAR = 6, 3.0
 # A point closer to the line of an element than this fraction of its length lies on the line.
 _ON_LINE = 1e-12
+# Share of a section's size: vertices closer to each other are one.
+TOUCHING = 1e-6
+# Share of the largest weight: a smaller jump is between parts of one material.
+_EQUAL_WEIGHTS = 1e-9
 # Number of rows of the matrix that are integrated at a time.
 _CHUNK = 256
 
 
 @dataclass(frozen=True, eq=False)
+class Region:
+    """Part of a section within `loops`, its moduli `weight` times those of the reference."""
+
+    loops: Sequence[Loop]
+    weight: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Edges:
+    """Edges (e×2, numbers of `vertices`, V×2) of regions.
+
+    `jumps` (e): weight to the left of each edge less that to its right; `smallest` (V): length of
+    the elements at each vertex.
+    """
+
+    vertices: Array
+    ends: IntArray
+    jumps: Array
+    smallest: Array
+
+
+@dataclass(frozen=True, eq=False)
 class _Rim:
-    """Mesh of the boundary: E quadratic elements with N nodes.
+    """Mesh of all edges: E quadratic elements with N nodes.
 
     `nodes` (N×2), `cells` (E×3: start, middle, end), unit vectors `along` and `outward` (E×2),
-    `lengths` (E).
+    `lengths` (E), and the `jumps` (E) of the weight.
     """
 
     nodes: Array
@@ -66,15 +100,16 @@ class _Rim:
     along: Array
     outward: Array
     lengths: Array
+    jumps: Array
 
     def on(self, values: Array) -> Array:
         """Values at the Gauss points of all elements (E×q×m) from nodal values (N×m)."""
         return np.asarray(np.einsum("qk,ekm->eqm", _shapes(_GAUSS), values[self.cells]))
 
     def integral(self, values: Array) -> Array:
-        """Integral ∮ … ds over the boundary of `values` at the Gauss points (E×q×…)."""
+        """Integral ∮ … ds over all edges of `values` at the Gauss points (E×q×…) times the jumps."""
         weighted = np.einsum("eq...,q->e...", values, _WEIGHTS)
-        return np.asarray(np.einsum("e...,e->...", weighted, self.lengths))
+        return np.asarray(np.einsum("e...,e->...", weighted, self.lengths * self.jumps))
 
     @property
     def points(self) -> Array:
@@ -101,8 +136,9 @@ class RimSolution:
     """Torsion and flexure of a polygon whose sides are of order 1.
 
     `area`, `torsion_constant` J, `shear_centre` (2) relative to the centroid. `shear_energies`
-    (3×2×2) are the coefficients of 1, r, r² in the integrals ∫ τ_f·τ_g dA of the stresses due to
+    (3×2×2) are the coefficients of 1, r, r² in the integrals ∫ τ_f·τ_g/w dA of the stresses due to
     unit forces f and g (along y, z) through the shear centre. These forces do no work on twist.
+    All are weighted by the w of the regions.
     """
 
     area: float
@@ -123,11 +159,27 @@ def area_moments(loops: Sequence[Loop]) -> tuple[float, Array, Array]:
     return area, centroid, np.array([[yy, yz], [yz, zz]])
 
 
-def rim_solution(loops: Sequence[Loop]) -> RimSolution:
-    """Torsion and flexure of a polygon: `loops` are its outline and its holes (clockwise)."""
-    area, centroid, moments = area_moments(loops)
-    centred = [loop - centroid for loop in loops]
-    rim = _rim(centred)
+def weighted_moments(regions: Sequence[Region]) -> tuple[float, Array, Array]:
+    """Area, centroid (2) and Σ (2×2) about it, weighted by the regions' w."""
+    weights = np.array([region.weight for region in regions])
+    areas, centroids, moments = zip(
+        *(area_moments(region.loops) for region in regions), strict=True
+    )
+    shares = weights * np.array(areas)
+    total = float(shares.sum())
+    centroid = shares @ np.array(centroids) / total
+    offsets = np.array(centroids) - centroid
+    steiner = np.einsum("r,ri,rj->ij", shares, offsets, offsets)
+    return total, centroid, np.einsum("r,rij->ij", weights, np.array(moments)) + steiner
+
+
+def rim_solution(regions: Sequence[Region]) -> RimSolution:
+    """Torsion and flexure of the polygon within the loops of `regions`, holes clockwise."""
+    area, centroid, moments = weighted_moments(regions)
+    centred = [
+        Region([loop - centroid for loop in region.loops], region.weight) for region in regions
+    ]
+    rim = _rim(_edges(centred))
     slopes: Array = np.asarray(np.linalg.inv(moments), dtype=float)
     y, z = rim.points.transpose(2, 0, 1)
     n_y, n_z = rim.outward.T[:, :, None]
@@ -147,7 +199,7 @@ def rim_solution(loops: Sequence[Loop]) -> RimSolution:
         for flux, value in zip(g_flux, g, strict=True)
     ]
 
-    torques = _polygon_integral(
+    torques = _weighted_integral(
         centred,
         lambda y, z: np.einsum("fpdq,dq->fpq", _polynomials(slopes, y, z), np.array([-z, y])),
     )
@@ -164,7 +216,7 @@ def rim_solution(loops: Sequence[Loop]) -> RimSolution:
     energies = np.zeros((3, 2, 2))
     energies[:2] += of_divergence.transpose(1, 0, 2) + of_divergence.transpose(1, 2, 0)
     on_rim = rim.integral(np.einsum("eqgp,eqfs->eqpsfg", chi, fluxes))
-    inside = _polygon_integral(
+    inside = _weighted_integral(
         centred,
         lambda y, z: np.einsum(
             "fpdq,gsdq->psfgq", _polynomials(slopes, y, z), _polynomials(slopes, y, z)
@@ -210,34 +262,147 @@ def _polygon_integral(loops: Sequence[Loop], of: _Integrand) -> Array:
     return np.asarray(total)
 
 
-def _rim(loops: Sequence[Loop]) -> _Rim:
-    """Boundary elements on all edges, with lengths graded towards the corners of all lines."""
-    corners = np.vstack(loops)
-    smallest = np.concatenate([_smallest_elements(loop) for loop in loops])
-    nodes, cells, along, lengths = [], [], [], []
-    begun = 0
-    for loop in loops:
-        starts = []
-        for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):
-            way = end - start
-            starts += [start + share * way for share in _graded(start, way, corners, smallest)]
-        places = np.array(starts)
-        count = len(places)
-        ends = np.roll(places, -1, axis=0)
-        first = begun + 2 * np.arange(count)
-        cells.append(np.column_stack([first, first + 1, begun + np.roll(first - begun, -1)]))
-        nodes.append(np.stack([places, 0.5 * (places + ends)], axis=1).reshape(-1, 2))
-        length = np.linalg.norm(ends - places, axis=1)
-        along.append((ends - places) / length[:, None])
-        lengths.append(length)
-        begun += 2 * count
-    tangents = np.vstack(along)
+def _weighted_integral(regions: Sequence[Region], of: _Integrand) -> Array:
+    """Sum of `_polygon_integral` over the regions, each times its weight."""
+    integrals = [region.weight * _polygon_integral(region.loops, of) for region in regions]
+    return np.asarray(sum(integrals))
+
+
+def _edges(regions: Sequence[Region]) -> _Edges:
+    """Edges of all regions, those between two of them once, split at the vertices of others."""
+    if len(regions) == 1:
+        loops = regions[0].loops
+        ends, begun = [], 0
+        for loop in loops:
+            numbers = np.arange(len(loop))
+            ends.append(begun + np.column_stack([numbers, np.roll(numbers, -1)]))
+            begun += len(loop)
+        smallest = np.concatenate([_smallest_elements(loop) for loop in loops])
+        pairs = np.vstack(ends)
+        jumps = np.full(len(pairs), regions[0].weight)
+        return _Edges(np.vstack(loops), pairs, jumps, smallest)
+    partition = partition_edges([region.loops for region in regions])
+    weights = np.append([region.weight for region in regions], 0.0)
+    jumps = weights[partition.left] - weights[partition.right]
+    # Edges between parts of one material are none.
+    kept = np.abs(jumps) > _EQUAL_WEIGHTS * weights.max()
+    smallest = _smallest_at_vertices(partition, kept)
+    return _Edges(partition.vertices, partition.ends[kept], jumps[kept], smallest)
+
+
+@dataclass(frozen=True, eq=False)
+class Partition:
+    """Edges (e×2, numbers of `vertices`, V×2) of regions, shared ones once.
+
+    `left` and `right` (e): number of the region on either side, −1 for none.
+    """
+
+    vertices: Array
+    ends: IntArray
+    left: IntArray
+    right: IntArray
+
+
+def partition_edges(regions: Sequence[Sequence[Loop]]) -> Partition:
+    """Edges of regions that do not overlap, split at all vertices on them.
+
+    Vertices nearer to each other than `TOUCHING` of the section's size are one.
+    """
+    corners = np.vstack([loop for loops in regions for loop in loops])
+    gap = TOUCHING * float(np.ptp(corners, axis=0).max())
+    vertices: list[Array] = []
+    for corner in corners:
+        if all(np.abs(corner - vertex).max() > gap for vertex in vertices):
+            vertices.append(corner)
+    places = np.array(vertices)
+    sides: dict[tuple[int, int], list[int]] = {}
+    for number, loops in enumerate(regions):
+        for loop in loops:
+            for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):
+                way = end - start
+                length = float(np.linalg.norm(way))
+                along = (places - start) @ way / length
+                across = np.abs((places - start) @ np.array([-way[1], way[0]])) / length
+                on_edge = (across <= gap) & (along >= -gap) & (along <= length + gap)
+                passed = np.flatnonzero(on_edge)
+                passed = passed[np.argsort(along[passed])].tolist()
+                for a, b in pairwise(passed):
+                    pair = sides.setdefault((min(a, b), max(a, b)), [-1, -1])
+                    pair[int(a > b)] = number
+    ends = np.array(list(sides))
+    beside = np.array(list(sides.values()))
+    return Partition(places, ends, beside[:, 0], beside[:, 1])
+
+
+def _smallest_at_vertices(partition: Partition, kept: NDArray[np.bool_]) -> Array:
+    """Length of the elements at each vertex of several regions.
+
+    Where edges of two regions meet, stresses have a term r^λ with λ above ½ in all but extreme
+    contrasts of moduli. Edges that go on straight, with at most a square branch, have none.
+    """
+    smallest = np.full(len(partition.vertices), np.inf)
+    for number, vertex in enumerate(partition.vertices):
+        at_vertex = kept & (partition.ends == number).any(axis=1)
+        if not at_vertex.any():
+            continue
+        ends = partition.ends[at_vertex]
+        ways = partition.vertices[ends.sum(axis=1) - number] - vertex
+        angles = np.arctan2(ways[:, 1], ways[:, 0])
+        order = np.argsort(angles)
+        openings = np.diff(np.append(angles[order], angles[order[0]] + 2.0 * np.pi))
+        # The region counter-clockwise from an edge lies on its left if the edge starts here.
+        begins = ends[:, 0] == number
+        beside = np.where(begins, partition.left[at_vertex], partition.right[at_vertex])
+        opening = _sharpest_opening(openings, beside[order] >= 0)
+        share = min(_LEFT ** (opening / (2.0 * np.pi)), _SMALLEST_WEAK)
+        smallest[number] = share * np.linalg.norm(ways, axis=1).min()
+    return smallest
+
+
+def _sharpest_opening(openings: Array, filled: NDArray[np.bool_]) -> float:
+    """Inner angle (rad) of a corner with a term as strong as that between sectors of regions.
+
+    The sectors have these `openings` (rad) and may be `filled`.
+    """
+    if np.count_nonzero(filled) == 1:
+        inner = float(openings[filled][0])
+        return 0.0 if abs(inner - np.pi) < _WEAK else inner
+    straight = np.abs(openings - np.pi) < _WEAK
+    square = np.abs(openings - 0.5 * np.pi) < _WEAK
+    weak = straight.any() and (straight | square).all()
+    return 0.0 if weak else 2.0 * np.pi
+
+
+def _rim(edges: _Edges) -> _Rim:
+    """Elements on all edges, graded towards all vertices."""
+    vertices = edges.vertices
+    nodes, cells, along, lengths, jumps = [vertices], [], [], [], []
+    begun = len(vertices)
+    for (first, last), jump in zip(edges.ends.tolist(), edges.jumps.tolist(), strict=True):
+        start, way = vertices[first], vertices[last] - vertices[first]
+        shares = np.append(_graded(start, way, vertices, edges.smallest), 1.0)
+        count = len(shares) - 1
+        # Middle nodes, then the nodes between elements.
+        middles = begun + np.arange(count)
+        between = np.concatenate([[first], begun + count + np.arange(count - 1), [last]])
+        inner = np.concatenate([0.5 * (shares[:-1] + shares[1:]), shares[1:-1]])
+        nodes.append(start + inner[:, None] * way)
+        cells.append(np.column_stack([between[:-1], middles, between[1:]]))
+        length = float(np.linalg.norm(way))
+        along.append(np.tile(way / length, (count, 1)))
+        lengths.append(np.diff(shares) * length)
+        jumps.append(np.full(count, jump))
+        begun += len(inner)
+    tangents, all_cells = np.vstack(along), np.vstack(cells)
+    # Vertices between edges of one material have no element.
+    used, numbers = np.unique(all_cells, return_inverse=True)
     return _Rim(
-        nodes=np.vstack(nodes),
-        cells=np.vstack(cells),
+        nodes=np.vstack(nodes)[used],
+        cells=numbers.reshape(all_cells.shape),
         along=tangents,
         outward=np.column_stack([tangents[:, 1], -tangents[:, 0]]),
         lengths=np.concatenate(lengths),
+        jumps=np.concatenate(jumps),
     )
 
 
@@ -294,10 +459,10 @@ def _graded(start: Array, way: Array, corners: Array, smallest: Array) -> list[f
 def _potentials(rim: _Rim, fluxes: Array) -> Array:
     """Harmonic functions (N×m, mean zero) on the boundary for given normal derivatives ∂u/∂n.
 
-    `fluxes` (E×q×m) are the normal derivatives at the Gauss points. They are quadratic on each
-    element.
+    Fluxes are quadratic along each element; the jump of w ∂u/∂n is the element's jump times them.
     """
     fit = np.linalg.pinv(_shapes(_GAUSS))
+    fluxes = fluxes * rim.jumps[:, None, None]
     nodal = np.einsum("kq,eqm->ekm", fit, fluxes).reshape(-1, fluxes.shape[-1])
     count, elements = len(rim.nodes), len(rim.cells)
     places = rim.cells.ravel()
@@ -307,7 +472,7 @@ def _potentials(rim: _Rim, fluxes: Array) -> Array:
         rows = slice(first, min(first + _CHUNK, count))
         single, double = _layers(rim, rim.nodes[rows])
         load[rows] = single.reshape(-1, 3 * elements) @ nodal
-        columns = double.reshape(-1, 3 * elements)
+        columns = (double * rim.jumps[:, None]).reshape(-1, 3 * elements)
         block = matrix[rows]
         np.add.at(block.T, places, columns.T)
     # A constant has no normal derivative, so the diagonal is minus the sum of the other entries.

@@ -54,7 +54,7 @@ class Section(ABC):
 
     @property
     def has_outline(self) -> bool:
-        """True if the outline is known, False if only constants are known."""
+        """True if solids are made of the section: an outline of one material."""
         return True
 
     @property
@@ -82,6 +82,16 @@ class Section(ABC):
         an axis of symmetry.
         """
         return 0.0
+
+    @property
+    def inertia_moments(self) -> tuple[float, float, float]:
+        """∫z², ∫y² and ∫yz (m⁴) about the centroid, weighted by the density over its mean."""
+        return self.second_moment_y, self.second_moment_z, self.product_moment
+
+    @property
+    def mass_centre(self) -> tuple[float, float]:
+        """Centre of mass (y, z, m) from the centroid; zero in a section of one material."""
+        return 0.0, 0.0
 
     def faults(self, unit: str = "m") -> list[str]:
         """Reasons why such a shape is impossible, one line each. Empty if the shape is valid.

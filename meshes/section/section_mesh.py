@@ -182,12 +182,12 @@ def symmetrised(nodes: Array, part: str) -> Array:
 def require_section(section: Section, divisions: Divisions) -> None:
     """Raise InputError with all faults of the shape of a section and of its divisions.
 
-    A section given by its constants has no shape and is refused.
+    Sections given by constants or of several materials have no mesh.
     """
     if not section.has_outline:
         raise InputError(
-            f"{section.shape}: a section given by its constants has no shape that could be meshed; "
-            "solids need one of the other shapes, a polygon for instance"
+            f"{section.shape}: solids are not made of this section; they need the outline of one "
+            "material, a polygon for instance"
         )
     faults = section.faults() + _division_faults(section, divisions)
     if faults:

@@ -89,7 +89,15 @@ def ritz_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
     ]
     inertias = (beam.mu, beam.mu, beam.mu, beam.rho_J, beam.rho_Iy, beam.rho_Iz)
     products = [(m, f, f) for m, f in zip(inertias, q, strict=True)]
-    products += [(-beam.rho_Iyz, q[4], q[5]), (-beam.rho_Iyz, q[5], q[4])]
+    # Kinetic energy of mass beside the centroid, u + z φy − y φz, v − z φx, w + y φx.
+    couplings = [
+        (-beam.rho_Iyz, 4, 5),
+        (-beam.mu * beam.mass_z, 1, 3),
+        (beam.mu * beam.mass_y, 2, 3),
+    ]
+    if beam.rho_Iy or beam.rho_Iz:
+        couplings += [(beam.mu * beam.mass_z, 0, 4), (-beam.mu * beam.mass_y, 0, 5)]
+    products += [(m, q[i], q[j]) for m, a, b in couplings for i, j in ((a, b), (b, a))]
     size = q.shape[2]
     ends, _ = fields(beam, length, np.array([-1.0, 1.0]), degree)
     return RitzLeg(

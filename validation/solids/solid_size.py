@@ -39,17 +39,17 @@ def solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
 
 
 def why_shapeless(legs: Sequence[Leg]) -> str:
-    """Reason why some of `legs` cannot be meshed at all. "" if each section has a shape."""
+    """Reason why some of `legs` cannot be meshed at all; empty if each can be."""
     names = [
-        leg.name or "a leg"
+        f"{leg.name or 'a leg'} ({leg.section.shape})"
         for leg in legs
         if isinstance(leg, ConstantLeg) and not leg.section.has_outline
     ]
     if not names:
         return ""
     return (
-        f"{', '.join(names)}: a section given by its constants has no shape, so that there is no "
-        "solid to compare with"
+        f"{', '.join(names)}: solids are not made of such a section, so that there is none to "
+        "compare with"
     )
 
 

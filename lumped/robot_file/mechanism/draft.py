@@ -14,6 +14,7 @@ from lumped.mechanism.joint import AXES
 from lumped.mechanism.length_unit import UnitOfLength
 from lumped.robot_file.rules.relations import NO_DIRECTION, Entry
 from lumped.robot_file.rules.rule import Named
+from lumped.robot_file.rules.several_materials import CompositeTable
 from lumped.robot_file.rules.tables import MECHANISM, length_unit_of, rules_of
 
 _KIND_OF_KEY = {"from": "leg", "to": "leg", "points": "rigid body", "step": "part", "mesh": "part"}
@@ -60,6 +61,7 @@ def draft(tables: Mapping[str, Any]) -> Draft:
             name: entry
             | {"lengths": unit}
             | _material_values(entry["material"], materials, f"bodies.{name}")
+            | _section_values(entry["section"], materials)
             | _body_values(entry, points, names["points"])
             for name, entry in bodies.items()
         },
@@ -100,6 +102,10 @@ def _material_values(material: Any, materials: Mapping[str, Entry], key: str) ->
         table = materials.get(material, material)
         return {"key": key, "material": table, "material_key": f"materials.{material}"}
     return {"key": key}
+
+
+def _section_values(section: Any, materials: Mapping[str, Entry]) -> dict[str, Any]:
+    return {"section": section.resolved(materials)} if isinstance(section, CompositeTable) else {}
 
 
 def _body_values(

@@ -15,8 +15,9 @@ from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE
 from lumped.mechanism.length_unit import METRE, UnitOfLength
 from lumped.mechanism.mechanism import GROUND
 from lumped.robot_file.rules.rule import too_many
+from lumped.robot_file.rules.several_materials import CompositeTable
 from lumped.robot_file.rules.tables import BODY, MOST_POSES
-from lumped.sections import Polygon
+from lumped.sections import Composite, Polygon
 from lumped.text import counted, shown
 
 # A table without faults, with a value for every key. The value is None if the key is omitted.
@@ -41,6 +42,9 @@ def leg_faults(leg: Entry) -> Iterator[str]:
     key, mass, material = leg["key"], leg["mass"], leg["material"]
     compliance, length = leg["compliance"], leg["length"]
     unit: UnitOfLength = leg["lengths"]
+    if isinstance(leg["section"], CompositeTable):
+        yield from _composite_faults(leg)
+        return
     present_keys = _present_keys(leg, "compliance", "section", "material")
     if present_keys not in (["compliance"], ["section", "material"]):
         reason = (
@@ -80,6 +84,23 @@ def leg_faults(leg: Entry) -> Iterator[str]:
             )
 
 
+def _composite_faults(leg: Entry) -> Iterator[str]:
+    """Faults of a leg with a section of several materials."""
+    key, section = leg["key"], leg["section"]
+    reasons = {
+        "compliance": "does not belong to a leg with a section",
+        "material": "must be left out beside a composite, whose parts have materials",
+        "mass": "must be left out beside a composite, whose materials have densities",
+    }
+    for name in _present_keys(leg, *reasons):
+        yield f"{key}.{name}: {reasons[name]}"
+    faults = list(section.material_faults(f"{key}.section"))
+    yield from faults
+    length = leg["length"]
+    if not faults and length is not None and length >= _TOGETHER:
+        yield from _size_faults(section.section, length, key, leg["lengths"])
+
+
 def _doubt(unit: UnitOfLength) -> str:
     """Question that follows a length which is too large."""
     return "is this in mm?" if unit == METRE else "is this in µm?"
@@ -87,9 +108,11 @@ def _doubt(unit: UnitOfLength) -> str:
 
 def _size_faults(section: Any, length: float, key: str, unit: UnitOfLength) -> Iterator[str]:
     """Faults of a section that is larger than the leg of `length` (m) to which it belongs."""
-    if isinstance(section, Polygon) and (largest := max(section.extent)) >= length:
+    outlined = isinstance(section, Polygon | Composite)
+    name = "parts" if isinstance(section, Composite) else "outline"
+    if outlined and (largest := max(section.extent)) >= length:
         yield (
-            f"{key}.section.outline: {unit.shown(largest)} from side to side; must be below the "
+            f"{key}.section.{name}: {unit.shown(largest)} from side to side; must be below the "
             f"leg's length, {unit.shown(length)}; {_doubt(unit)}"
         )
     for name in ("width", "height", "diameter"):

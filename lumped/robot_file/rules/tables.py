@@ -39,7 +39,8 @@ from lumped.robot_file.rules.rule import (
     Text,
     needed,
 )
-from lumped.sections import SHAPES, Section
+from lumped.robot_file.rules.several_materials import CompositeTable
+from lumped.sections import SHAPES, Composite, Section
 from lumped.text import did_you_mean, shown
 
 _MM, _GPA, _DIAMOND = "is this in mm?", "is this in GPa or MPa?", "above diamond"
@@ -104,6 +105,7 @@ class SectionRule(Rule):
 
     written = (dict,)
     unit: UnitOfLength = METRE
+    shapes: tuple[str, ...] = tuple(SHAPES)
 
     @property
     def allowed(self) -> str:
@@ -111,25 +113,26 @@ class SectionRule(Rule):
 
     @property
     def schema(self) -> dict[str, Any]:
-        return {"oneOf": [_shape_table(shape, self.unit).schema for shape in SHAPES]}
+        return {"oneOf": [_shape_table(shape, self.unit).schema for shape in self.shapes]}
 
     def faults(self, value: object, key: str) -> list[str]:
         if not isinstance(value, dict):
             return [self.refused(value, key)]
-        shape, shapes = value.get("shape"), f"must be one of {', '.join(SHAPES)}"
+        shape, shapes = value.get("shape"), f"must be one of {', '.join(self.shapes)}"
         if shape is None:
             return [f"{key}.shape: missing; {shapes}"]
-        if not isinstance(shape, str) or shape not in SHAPES:
-            advice = did_you_mean(str(shape), SHAPES)
+        if not isinstance(shape, str) or shape not in self.shapes:
+            advice = did_you_mean(str(shape), self.shapes)
             return [f"{key}.shape = {shown(shape)}: {shapes}{advice}"]
         faults = _shape_table(shape, self.unit).faults(value, key)
         # The dimensions are used as typed, because the faults of a shape do not depend on the unit.
         typed = faults or SectionRule().read(value).faults(self.unit.name)
         return faults or [f"{key}.{fault}" for fault in typed]
 
-    def read(self, value: Any) -> Section:
+    def read(self, value: Any) -> Section | CompositeTable:
         sizes = _shape_table(value["shape"], self.unit).read(value)
-        return SHAPES[sizes.pop("shape")](**sizes)
+        shape = sizes.pop("shape")
+        return CompositeTable(**sizes) if shape == Composite.shape else SHAPES[shape](**sizes)
 
     def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
         if isinstance(value, dict):
@@ -148,6 +151,8 @@ _AREA = Number("m²", least=1e-12, most=100.0, high=_MM)
 _MOMENT = Number("m⁴", least=1e-24, most=1e4, high=_MM)
 _PRODUCT = Number("m⁴", least=-1e4, most=1e4, low=_MM, high=_MM)
 _OF_CENTRE = Number("m", least=-10.0, most=10.0, low=_MM, high=_MM)
+# Shapes with an outline of one material.
+_PLAIN_SHAPES = tuple(shape for shape in SHAPES if shape not in {"properties", "composite"})
 # Rules of the shapes whose keys are not all outer dimensions or wall thicknesses.
 _OWN_KEYS: dict[str, tuple[Key, ...]] = {
     "properties": (
@@ -175,6 +180,8 @@ def _shape_table(shape: str, unit: UnitOfLength) -> TableRule:
         needed(field.name, _SIZE, "outer dimension or wall thickness") for field in fields(kind)
     )
     own = _OWN_KEYS.get(shape) or tuple(sizes)
+    if shape == Composite.shape:
+        own = (needed("parts", _PARTS, "parts that touch along edges, each of one material"),)
     table = TableRule(needed("shape", OneOf((shape,)), "kind of section"), *own)
     return table.in_unit(unit, ())
 
@@ -202,6 +209,12 @@ INTERFACE = TableRule(
 )
 
 _MATERIAL = Either(_MATERIAL_NAME, MATERIAL)
+_COMPOSITE_PART = TableRule(
+    needed("section", SectionRule(shapes=_PLAIN_SHAPES), "shape of the part"),
+    needed("material", _MATERIAL, "a name in [materials], or a table"),
+    Key("at", _CORNER, "position [y, z] of the shape's own origin", default=(0.0, 0.0)),
+)
+_PARTS = Several(_COMPOSITE_PART, most=20, least=2)
 _LEG, _RIGID, _PART = ("leg",), ("rigid body",), ("part",)
 _PLACE = TableRule(
     needed("at", Either(_POINT_NAME, _POINT), "origin of the file's axes"),
@@ -233,7 +246,12 @@ BODY = TableRule(
     Key("material", _MATERIAL, "a name in [materials], or a table", owners=_LEG + _PART),
     Key("mass", _MASS_OR_NONE, "mass; replaces a density", owners=_LEG + _RIGID),
     Key("compliance", _COMPLIANCE, _TIP, owners=_LEG),
-    Key("loss", _LOSS, "loss factor for a `compliance`; prisms: that of the material", owners=_LEG),
+    Key(
+        "loss",
+        _LOSS,
+        "loss factor for a `compliance` or a composite; other prisms: that of the material",
+        owners=_LEG,
+    ),
     Key("ends", OneOf(get_args(Ends)), _ENDS, owners=_LEG),
     Key(
         "mass_centre",

@@ -14,14 +14,21 @@ from fem.sections.section_constants import beam_properties, section_constants
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.models.bodies import clamped_modes, tip_compliance_of
 from lumped.models.segments import segment_chain, segment_leg, static_leg
-from lumped.sections import Angle, Channel, Polygon, Rectangle, Tee
+from lumped.sections import Angle, Channel, Composite, CompositePart, Polygon, Rectangle, Tee
 from meshes.section.section_mesh import section_mesh
 from validation.cases.ritz import ritz_beam
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CHANNEL = Channel(0.05, 0.1, 0.006, 0.005)
 ANGLE = Angle(0.06, 0.1, 0.006, 0.005)
-SECTIONS = [CHANNEL, ANGLE, Tee(0.06, 0.1, 0.006, 0.005)]
+# Its centre of mass lies beside its centroid, which is that of the stiffness.
+COMPOSITE = Composite(
+    (
+        CompositePart(Rectangle(0.05, 0.02), E=2.1e11, nu=0.3, rho=2000.0),
+        CompositePart(Rectangle(0.03, 0.04), E=3.5e10, nu=0.3, rho=7000.0, at=(-0.01, 0.03)),
+    )
+)
+SECTIONS = [CHANNEL, ANGLE, Tee(0.06, 0.1, 0.006, 0.005), COMPOSITE]
 LENGTH = 1.0
 # Statics of a few elements: sums of 1e5 times smaller terms, exact but for rounding.
 ROUNDING = 1e-10
@@ -98,6 +105,64 @@ def test_coupled_frequencies_converge_to_exact(section, theory):
     assert fine.max() < 2e-5
     coarse, fine = errors(segment_leg(segment_chain(beam, LENGTH, n)) for n in (16, 32))
     assert np.log2(coarse / fine) == pytest.approx(np.full(4, 2.0), abs=0.1)
+
+
+def test_weight_beside_shear_centre_twists_composite():
+    """A weight μg along y at the mass centre: μg (z_s − z_m) L²/2GJ."""
+    beam = ConstantLeg(LENGTH, COMPOSITE, STEEL).timoshenko
+    leg = beam_leg(beam, LENGTH, 3)
+    gravity = np.zeros(leg.size)
+    # All nodes, root and tip first, move together.
+    gravity[1 : 6 * 4 : 6] = 9.81
+    weights = leg.mass @ gravity
+    clamped = leg.stiffness.toarray()[6:, 6:]
+    tip = np.linalg.solve(clamped, weights[6:])[:6]
+    arm = beam.centre_z - beam.mass_z
+    assert abs(arm) > 1e-3
+    assert tip[3] == pytest.approx(beam.mu * 9.81 * arm * LENGTH**2 / (2.0 * beam.GJ), rel=1e-9)
+
+
+@pytest.mark.parametrize("make", [beam_leg, lambda p, L, n: segment_leg(segment_chain(p, L, n))])
+def test_rigid_motion_has_the_mass_of_composite(make):
+    """Mass, first moments and inertia about the root, of the parts as boxes."""
+    beam = ConstantLeg(LENGTH, COMPOSITE, Material.isotropic(*COMPOSITE.mean_material)).timoshenko
+    leg = make(beam, LENGTH, 8)
+    motions = rigid_nodes(leg, 8)
+    # Centroid of the stiffness: E A = 2.1e8 and 4.2e7, 0.03 m and 0.01 m apart.
+    share = 4.2e7 / (4.2e7 + 2.1e8)
+    expected = np.zeros((6, 6))
+    for part in COMPOSITE.parts:
+        width, height = part.section.extent
+        sizes = np.array([LENGTH, width, height])
+        mass = part.rho * sizes.prod()
+        centre = np.array([LENGTH / 2.0, part.at[0] + 0.01 * share, part.at[1] - 0.03 * share])
+        inertia = np.diag(mass / 12.0 * ((sizes**2).sum() - sizes**2))
+        cross = np.cross(np.eye(3), centre)
+        expected[:3, :3] += mass * np.eye(3)
+        expected[:3, 3:] += mass * cross.T
+        expected[3:, :3] += mass * cross
+        expected[3:, 3:] += inertia + mass * cross.T @ cross
+    computed = motions.T @ (leg.mass @ motions)
+    assert scaled(computed - expected, expected) < 1e-9
+
+
+def rigid_nodes(leg, elements):
+    """Twists (n×6) of all nodes in rigid motions about the root."""
+    tip_last = np.r_[0.0, LENGTH, np.linspace(0.0, LENGTH, elements + 1)[1:-1]]
+    if leg.model == "segments":
+        tip_last = np.r_[0.0, LENGTH, (np.arange(elements) + 0.5) * LENGTH / elements]
+    motions = np.zeros((leg.size, 6))
+    for number, x in enumerate(tip_last):
+        twist = np.eye(6)
+        twist[1, 5], twist[2, 4] = x, -x
+        motions[6 * number : 6 * number + 6] = twist
+    # Unknowns inside elements follow without force.
+    nodal = 6 * len(tip_last)
+    stiffness = leg.stiffness.toarray()
+    if nodal < leg.size:
+        inner = stiffness[nodal:, nodal:]
+        motions[nodal:] = -np.linalg.solve(inner, stiffness[nodal:, :nodal] @ motions[:nodal])
+    return motions
 
 
 def test_coupled_theory_reduces_to_planes():

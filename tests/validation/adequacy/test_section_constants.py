@@ -65,11 +65,11 @@ def test_constants_have_no_solid_and_no_verdict(tmp_path):
     robot_file = robot_of(ARM.format(section=METRES, length=0.6, units=""), tmp_path)
     (leg,) = legs_of(robot_file.mechanism).values()
     reason = why_shapeless([leg])
-    assert reason.startswith("arm: a section given by its constants has no shape")
-    with pytest.raises(InputError, match="has no shape that could be meshed"):
+    assert reason.startswith("arm (properties): solids are not made of such a section")
+    with pytest.raises(InputError, match="properties: solids are not made of this section"):
         clamped_solid(leg, 2, "rigid")
     context = Context(robot_file, "quick")
-    with pytest.raises(Skip, match="has no shape"):
+    with pytest.raises(Skip, match="solids are not made of such a section"):
         compliances(context, "arm", "free")
     matrix = robot_adequacy(context)
     of_beams = [entry for entry in matrix.entries if entry.model in {"vjm", "beam", "segments"}]

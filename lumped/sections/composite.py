@@ -1,0 +1,313 @@
+"""Sections of several materials, bonded along the edges of their parts.
+
+The leg's axis goes through the centroid weighted by Young's moduli, Σ E_i ∫ s dA = 0: an axial
+force there does not bend the leg. EA and EI are sums over the parts. GJ, shear centre and shear
+stiffness are computed on the edges of all parts (`lumped.sections.saint_venant`): GJ with the shear
+modulus of each part, shear with one mean Poisson's ratio EA/2GA − 1.
+
+Parts of different Poisson's ratios restrain each other's contraction. That makes EA and EI larger
+by an amount of second order in the difference, which is left out here.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from math import pi, sin, sqrt
+from typing import ClassVar
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.memo import memo
+from lumped.sections.outlined import OutlinedSection
+from lumped.sections.saint_venant import (
+    TOUCHING,
+    Loop,
+    Region,
+    RimSolution,
+    is_inside,
+    partition_edges,
+    rim_solution,
+    weighted_moments,
+)
+from lumped.sections.shapes import Circle, HollowRectangle, ISection, Rectangle, Section, Tube
+
+# Sides of the polygon of equal area that stands for a circle: J differs by 1e-5.
+_SIDES = 64
+# Share of Iy + Iz, and of the section's size: smaller products of inertia and offsets are round-off
+# and the boundary elements' error about an axis of symmetry.
+_SYMMETRIC, _OFF_CENTRE = 1e-9, 1e-7
+# Share of the size by which a point beside an edge lies inside its part.
+_BESIDE = 10.0 * TOUCHING
+
+
+@dataclass(frozen=True)
+class CompositePart:
+    """A shape of one isotropic material: E (Pa), ν, ρ (kg/m³).
+
+    `at` (y, z, m) is the position of the shape's own origin: the middle of shapes with two axes of
+    symmetry, the corner at the smaller y and z of a channel or an angle, the lower end of a tee's
+    middle line, and the origin of a polygon's coordinates.
+    """
+
+    section: Section
+    E: float
+    nu: float
+    rho: float
+    at: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def loops(self) -> tuple[Loop, ...]:
+        """Outline counter-clockwise and holes clockwise, in the composite's coordinates."""
+        return tuple(loop + np.array(self.at) for loop in outline(self.section))
+
+    @property
+    def G(self) -> float:
+        """Shear modulus (Pa)."""
+        return self.E / (2.0 * (1.0 + self.nu))
+
+
+def outline(section: Section) -> tuple[Loop, ...]:
+    """Outline (counter-clockwise) and holes (clockwise) of a shape in its own coordinates."""
+    match section:
+        case OutlinedSection():
+            return section.loops
+        case Rectangle():
+            return (_box(section.width, section.height),)
+        case HollowRectangle():
+            inner = section.inner
+            return _box(section.width, section.height), _box(inner.width, inner.height)[::-1]
+        case Circle():
+            return (_ring(section.diameter),)
+        case Tube():
+            return _ring(section.diameter), _ring(section.inner_diameter)[::-1]
+        case ISection():
+            return (_i_outline(section),)
+    raise TypeError(f"{section.shape}: no outline")
+
+
+def _box(width: float, height: float) -> Loop:
+    return np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * [width / 2.0, height / 2.0]
+
+
+def _ring(diameter: float) -> Loop:
+    """Regular polygon with the area of a circle."""
+    angles = 2.0 * pi * np.arange(_SIDES) / _SIDES
+    radius = diameter / 2.0 * sqrt(2.0 * pi / (_SIDES * sin(2.0 * pi / _SIDES)))
+    return np.asarray(radius * np.column_stack([np.cos(angles), np.sin(angles)]))
+
+
+def _i_outline(section: ISection) -> Loop:
+    b, h, w = section.width / 2.0, section.height / 2.0, section.web / 2.0
+    f = h - section.flange
+    right = [(b, -h), (b, -f), (w, -f), (w, f), (b, f), (b, h)]
+    return np.array(right + [(-y, z) for y, z in reversed(right)])
+
+
+@dataclass(frozen=True)
+class Composite(Section):
+    """Parts of different materials that touch along edges and do not overlap.
+
+    Its constants are those of a section of the `mean_material`: E times `second_moment_y` is EIy,
+    G times `torsion_constant` is GJ, ρ times `inertia_moments` are the rotary inertias per length.
+    """
+
+    parts: tuple[CompositePart, ...]
+    shape: ClassVar[str] = "composite"
+
+    @property
+    def has_outline(self) -> bool:
+        return False
+
+    @property
+    def is_doubly_symmetric(self) -> bool:
+        return False
+
+    @property
+    def mean_material(self) -> tuple[float, float, float]:
+        """E (Pa), ν and ρ (kg/m³) with the section's EA, GA and mass per length: E = EA/A."""
+        areas = np.array([_area(part) for part in self.parts])
+        E, G, rho = (
+            float(areas @ [getattr(part, name) for part in self.parts] / areas.sum())
+            for name in ("E", "G", "rho")
+        )
+        return E, E / (2.0 * G) - 1.0, rho
+
+    @property
+    def area(self) -> float:
+        return float(sum(_area(part) for part in self.parts))
+
+    @property
+    def second_moment_y(self) -> float:
+        return float(_stiffness_moments(self)[1][1, 1])
+
+    @property
+    def second_moment_z(self) -> float:
+        return float(_stiffness_moments(self)[1][0, 0])
+
+    @property
+    def product_moment(self) -> float:
+        return _coupling(_stiffness_moments(self)[1])
+
+    @property
+    def inertia_moments(self) -> tuple[float, float, float]:
+        _, moments = _mass_moments(self)
+        return float(moments[1, 1]), float(moments[0, 0]), _coupling(moments)
+
+    @property
+    def mass_centre(self) -> tuple[float, float]:
+        offset = _mass_moments(self)[0] - _stiffness_moments(self)[0]
+        y, z = np.where(np.abs(offset) > _OFF_CENTRE * max(self.extent), offset, 0.0)
+        return float(y), float(z)
+
+    @property
+    def torsion_constant(self) -> float:
+        return _torsion_constant(self)
+
+    @property
+    def shear_centre(self) -> tuple[float, float]:
+        solution, size = _solution(self, "E")
+        y, z = np.where(np.abs(solution.shear_centre) > _OFF_CENTRE, solution.shear_centre, 0.0)
+        return float(y * size), float(z * size)
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        corners = np.vstack([loop for part in self.parts for loop in part.loops])
+        width, height = np.ptp(corners, axis=0)
+        return float(width), float(height)
+
+    def shear_coefficients(self, nu: float) -> tuple[float, float]:
+        """κ for shear along y and along z by strain energy."""
+        flexibility = self._shear_flexibility(nu)
+        return 1.0 / float(flexibility[0, 0]), 1.0 / float(flexibility[1, 1])
+
+    def shear_coupling(self, nu: float) -> float:
+        flexibility = self._shear_flexibility(nu)
+        coupling = float(flexibility[0, 1])
+        return coupling if abs(coupling) > _OFF_CENTRE * np.trace(flexibility) else 0.0
+
+    def _shear_flexibility(self, nu: float) -> Array:
+        """GA/V² times twice the strain energy per length (2×2), unit forces along y and z."""
+        solution, _ = _solution(self, "E")
+        ratio = nu / (2.0 * (1.0 + nu))
+        powers = np.array([1.0, ratio, ratio**2])
+        return np.asarray(solution.area * np.tensordot(powers, solution.shear_energies, axes=1))
+
+    def faults(self, unit: str = "m") -> list[str]:
+        faults = [
+            f"parts[{number}].section.{fault}"
+            for number, part in enumerate(self.parts, start=1)
+            for fault in part.section.faults(unit)
+        ]
+        return faults or part_faults([part.loops for part in self.parts])
+
+
+def _area(part: CompositePart) -> float:
+    return part.section.area
+
+
+def _coupling(moments: Array) -> float:
+    product = float(moments[0, 1])
+    return product if abs(product) > _SYMMETRIC * float(np.trace(moments)) else 0.0
+
+
+@memo(64)
+def _stiffness_moments(section: Composite) -> tuple[Array, Array]:
+    """Centroid (2, m) and Σ (2×2, m⁴) about it, weighted by E over its mean."""
+    E, _, _ = section.mean_material
+    _, centroid, moments = weighted_moments(_regions(section, "E", E))
+    return centroid, moments
+
+
+@memo(64)
+def _mass_moments(section: Composite) -> tuple[Array, Array]:
+    """Centre of mass (2, m), and Σ (2×2, m⁴) about the centroid weighted by ρ over its mean."""
+    _, _, rho = section.mean_material
+    area, centre, moments = weighted_moments(_regions(section, "rho", rho))
+    offset = centre - _stiffness_moments(section)[0]
+    return centre, moments + area * np.outer(offset, offset)
+
+
+@memo(64)
+def _torsion_constant(section: Composite) -> float:
+    """J (m⁴) of the mean shear modulus."""
+    one_ratio = len({part.nu for part in section.parts}) == 1
+    solution, size = _solution(section, "E" if one_ratio else "G")
+    return solution.torsion_constant * size**4
+
+
+@memo(64)
+def _solution(section: Composite, modulus: str) -> tuple[RimSolution, float]:
+    """Torsion and flexure in units of the section's size, and the size (m).
+
+    Weights are a `modulus` of the parts over its mean.
+    """
+    E, nu, _ = section.mean_material
+    mean = E if modulus == "E" else E / (2.0 * (1.0 + nu))
+    size = max(section.extent)
+    regions = _regions(section, modulus, mean)
+    scaled = [Region([loop / size for loop in region.loops], region.weight) for region in regions]
+    return rim_solution(scaled), size
+
+
+def _regions(section: Composite, constant: str, mean: float) -> list[Region]:
+    """Regions of the parts, weighted by one of their constants over its mean."""
+    return [Region(part.loops, getattr(part, constant) / mean) for part in section.parts]
+
+
+def part_faults(regions: Sequence[Sequence[Loop]]) -> list[str]:
+    """Faults of parts that overlap, or that are not in one piece along edges."""
+    names = [f"parts[{number}]" for number in range(1, len(regions) + 1)]
+    corners = np.vstack([loop for loops in regions for loop in loops])
+    size = float(np.ptp(corners, axis=0).max())
+    faults = [
+        f"{names[j]}: overlaps {names[i]}; parts must lie beside each other (a core within a part "
+        "with a hole of its size)"
+        for i, j in combinations(range(len(regions)), 2)
+        if _overlap(regions[i], regions[j], size)
+    ]
+    if faults:
+        return faults
+    partition = partition_edges(regions)
+    joined, waiting = {0}, set(range(1, len(regions)))
+    neighbours = [{int(a), int(b)} for a, b in zip(partition.left, partition.right, strict=True)]
+    while reached := {n for pair in neighbours if pair & joined for n in pair} & waiting:
+        joined |= reached
+        waiting -= reached
+    return [
+        f"{names[number]}: has no common edge with the other parts; must touch one of them"
+        for number in sorted(waiting)
+    ]
+
+
+def _overlap(first: Sequence[Loop], second: Sequence[Loop], size: float) -> bool:
+    """True if two regions have more than edges in common."""
+    partition = partition_edges([first, second])
+    starts, ends = (partition.vertices[partition.ends[:, i]] for i in (0, 1))
+    if _crossing(starts, ends, TOUCHING * size):
+        return True
+    ways = ends - starts
+    left = np.column_stack([-ways[:, 1], ways[:, 0]])
+    left *= _BESIDE * size / np.linalg.norm(left, axis=1)[:, None]
+    middles = 0.5 * (starts + ends)
+    for number, other in ((0, second), (1, first)):
+        for side, sign in ((partition.left, 1.0), (partition.right, -1.0)):
+            inside = middles[side == number] + sign * left[side == number]
+            if any(is_inside(other, point) for point in inside):
+                return True
+    return False
+
+
+def _crossing(starts: Array, ends: Array, gap: float) -> bool:
+    """True if two edges cross between their ends."""
+    ways = ends - starts
+
+    def sides(points: Array) -> Array:
+        """Distance (e×e) of each point to the left of the line of each edge."""
+        away = points[None] - starts[:, None]
+        cross = ways[:, None, 0] * away[..., 1] - ways[:, None, 1] * away[..., 0]
+        return np.asarray(cross / np.linalg.norm(ways, axis=1)[:, None])
+
+    of_starts, of_ends = sides(starts), sides(ends)
+    apart = (np.minimum(np.abs(of_starts), np.abs(of_ends)) > gap) & (of_starts * of_ends < 0.0)
+    return bool((apart & apart.T).any())
