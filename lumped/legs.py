@@ -65,9 +65,9 @@ class Material:
 class BeamProperties:
     """Stiffnesses and inertias of a prismatic leg, referred to the line of its centroids.
 
-        EA (N). GAy and GAz (N): κGA for shear along y and z, infinite without shear deformation. EIy,
-        EIz, GJ (N m²). `mu`: mass per length (kg/m). `rho_J`, `rho_Iy`, `rho_Iz` (kg m): rotary inertia
-        per length about x, y and z, the latter two zero in Euler–Bernoulli theory.
+    EA (N). GAy and GAz (N): κGA for shear along y and z, infinite without shear deformation. EIy,
+    EIz, GJ (N m²). `mu`: mass per length (kg/m). `rho_J`, `rho_Iy`, `rho_Iz` (kg m): rotary inertia
+    per length about x, y and z, the latter two zero in Euler–Bernoulli theory.
 
     The remaining fields are zero for a section of one material with two axes of symmetry: EIyz =
     E∫yz dA (N m²), `rho_Iyz` = ρ∫yz dA (kg m), `shear_yz` (1/N), the shear strain along z for a

@@ -7,6 +7,7 @@ shear coefficients.
 from lumped.sections.composite import Composite, CompositePart, outline
 from lumped.sections.constants import SectionProperties
 from lumped.sections.fourth_moments import fourth_moments
+from lumped.sections.laminate import Laminate, LaminateBox, LaminateTube, Layer
 from lumped.sections.outlined import (
     Angle,
     Channel,
@@ -40,6 +41,8 @@ SHAPES: dict[str, type[Section]] = {
         Polygon,
         SectionProperties,
         Composite,
+        LaminateTube,
+        LaminateBox,
     )
 }
 
@@ -52,6 +55,10 @@ __all__ = [
     "CompositePart",
     "HollowRectangle",
     "ISection",
+    "Laminate",
+    "LaminateBox",
+    "LaminateTube",
+    "Layer",
     "OutlinedSection",
     "Polygon",
     "Rectangle",

@@ -124,14 +124,14 @@ class Composite(Section):
         return False
 
     @property
-    def mean_material(self) -> tuple[float, float, float]:
-        """E (Pa), ν and ρ (kg/m³) with the section's EA, GA and mass per length: E = EA/A."""
+    def mean_material(self) -> tuple[float, float, float, float]:
+        """E, G (Pa), ν and ρ (kg/m³) with the section's EA, GA and mass per length: E = EA/A."""
         areas = np.array([_area(part) for part in self.parts])
         E, G, rho = (
             float(areas @ [getattr(part, name) for part in self.parts] / areas.sum())
             for name in ("E", "G", "rho")
         )
-        return E, E / (2.0 * G) - 1.0, rho
+        return E, G, E / (2.0 * G) - 1.0, rho
 
     @property
     def area(self) -> float:
@@ -214,7 +214,7 @@ def _coupling(moments: Array) -> float:
 @memo(64)
 def _stiffness_moments(section: Composite) -> tuple[Array, Array]:
     """Centroid (2, m) and Σ (2×2, m⁴) about it, weighted by E over its mean."""
-    E, _, _ = section.mean_material
+    E, *_ = section.mean_material
     _, centroid, moments = weighted_moments(_regions(section, "E", E))
     return centroid, moments
 
@@ -222,7 +222,7 @@ def _stiffness_moments(section: Composite) -> tuple[Array, Array]:
 @memo(64)
 def _mass_moments(section: Composite) -> tuple[Array, Array]:
     """Centre of mass (2, m), and Σ (2×2, m⁴) about the centroid weighted by ρ over its mean."""
-    _, _, rho = section.mean_material
+    *_, rho = section.mean_material
     area, centre, moments = weighted_moments(_regions(section, "rho", rho))
     offset = centre - _stiffness_moments(section)[0]
     return centre, moments + area * np.outer(offset, offset)
@@ -242,8 +242,8 @@ def _solution(section: Composite, modulus: str) -> tuple[RimSolution, float]:
 
     Weights are a `modulus` of the parts over its mean.
     """
-    E, nu, _ = section.mean_material
-    mean = E if modulus == "E" else E / (2.0 * (1.0 + nu))
+    E, G, *_ = section.mean_material
+    mean = E if modulus == "E" else G
     size = max(section.extent)
     regions = _regions(section, modulus, mean)
     scaled = [Region([loop / size for loop in region.loops], region.weight) for region in regions]

@@ -107,7 +107,7 @@ class _Rim:
         return np.asarray(np.einsum("qk,ekm->eqm", _shapes(_GAUSS), values[self.cells]))
 
     def integral(self, values: Array) -> Array:
-        """Integral ∮ … ds over all edges of `values` at the Gauss points (E×q×…) times the jumps."""
+        """Integral ∮ … ds over all edges of `values` (E×q×…, Gauss points) times the jumps."""
         weighted = np.einsum("eq...,q->e...", values, _WEIGHTS)
         return np.asarray(np.einsum("e...,e->...", weighted, self.lengths * self.jumps))
 

@@ -27,7 +27,7 @@ def composite(*parts):
 
 
 def beam_of(section, length=1.0):
-    leg = ConstantLeg(length, section, Material.isotropic(*section.mean_material))
+    leg = ConstantLeg(length, section, Material(*section.mean_material))
     return leg.timoshenko
 
 

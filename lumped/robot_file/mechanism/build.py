@@ -30,7 +30,7 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import axes_along, place_leg, place_rigid_body
 from lumped.robot_file.mechanism.draft import Draft
 from lumped.robot_file.rules.relations import Entry
-from lumped.robot_file.rules.several_materials import CompositeTable
+from lumped.robot_file.rules.several_materials import CompositeTable, LaminateTable
 
 
 def mechanism_of(description: Draft, name: str, folder: Path) -> Mechanism:
@@ -159,10 +159,9 @@ def leg_of(table: Entry, name: str) -> Leg:
     if table["compliance"] is not None:
         mass_properties = table["inertia"], table["mass_centre"]
         return GivenLeg(length, mass, table["compliance"], *mass_properties, name)
-    if isinstance(section, CompositeTable):
-        composite = section.section
-        mean = Material.isotropic(*composite.mean_material)
-        return ConstantLeg(length, composite, mean, table["ends"], name)
+    if isinstance(section, CompositeTable | LaminateTable):
+        mean = Material(*section.section.mean_material)
+        return ConstantLeg(length, section.section, mean, table["ends"], name)
     density = material_table["rho"] if mass is None else mass / (section.area * length)
     material = isotropic_of(material_table | {"rho": density})
     if material_table["G"] is not None:

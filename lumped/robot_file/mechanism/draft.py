@@ -14,7 +14,7 @@ from lumped.mechanism.joint import AXES
 from lumped.mechanism.length_unit import UnitOfLength
 from lumped.robot_file.rules.relations import NO_DIRECTION, Entry
 from lumped.robot_file.rules.rule import Named
-from lumped.robot_file.rules.several_materials import CompositeTable
+from lumped.robot_file.rules.several_materials import CompositeTable, LaminateTable
 from lumped.robot_file.rules.tables import MECHANISM, length_unit_of, rules_of
 
 _KIND_OF_KEY = {"from": "leg", "to": "leg", "points": "rigid body", "step": "part", "mesh": "part"}
@@ -105,7 +105,11 @@ def _material_values(material: Any, materials: Mapping[str, Entry], key: str) ->
 
 
 def _section_values(section: Any, materials: Mapping[str, Entry]) -> dict[str, Any]:
-    return {"section": section.resolved(materials)} if isinstance(section, CompositeTable) else {}
+    return (
+        {"section": section.resolved(materials)}
+        if isinstance(section, CompositeTable | LaminateTable)
+        else {}
+    )
 
 
 def _body_values(

@@ -15,7 +15,7 @@ from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE
 from lumped.mechanism.length_unit import METRE, UnitOfLength
 from lumped.mechanism.mechanism import GROUND
 from lumped.robot_file.rules.rule import too_many
-from lumped.robot_file.rules.several_materials import CompositeTable
+from lumped.robot_file.rules.several_materials import CompositeTable, LaminateTable
 from lumped.robot_file.rules.tables import BODY, MOST_POSES
 from lumped.sections import Composite, Polygon
 from lumped.text import counted, shown
@@ -42,8 +42,8 @@ def leg_faults(leg: Entry) -> Iterator[str]:
     key, mass, material = leg["key"], leg["mass"], leg["material"]
     compliance, length = leg["compliance"], leg["length"]
     unit: UnitOfLength = leg["lengths"]
-    if isinstance(leg["section"], CompositeTable):
-        yield from _composite_faults(leg)
+    if isinstance(leg["section"], CompositeTable | LaminateTable):
+        yield from _own_material_faults(leg)
         return
     present_keys = _present_keys(leg, "compliance", "section", "material")
     if present_keys not in (["compliance"], ["section", "material"]):
@@ -84,13 +84,13 @@ def leg_faults(leg: Entry) -> Iterator[str]:
             )
 
 
-def _composite_faults(leg: Entry) -> Iterator[str]:
-    """Faults of a leg with a section of several materials."""
+def _own_material_faults(leg: Entry) -> Iterator[str]:
+    """Faults of a leg with a section that has materials of its own."""
     key, section = leg["key"], leg["section"]
     reasons = {
         "compliance": "does not belong to a leg with a section",
-        "material": "must be left out beside a composite, whose parts have materials",
-        "mass": "must be left out beside a composite, whose materials have densities",
+        "material": "must be left out beside a section whose parts or layers have materials",
+        "mass": "must be left out beside a section whose materials have densities",
     }
     for name in _present_keys(leg, *reasons):
         yield f"{key}.{name}: {reasons[name]}"

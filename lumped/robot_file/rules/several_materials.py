@@ -1,10 +1,10 @@
-"""Sections of several materials as a robot file describes them, before they are built."""
+"""Sections with materials of their own as a robot file describes them, before they are built."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeAlias
 
-from lumped.sections import Composite, CompositePart
+from lumped.sections import Composite, CompositePart, Laminate, LaminateBox, LaminateTube, Layer
 from lumped.text import shown
 
 
@@ -41,7 +41,8 @@ class CompositeTable:
             name, material = f"{key}.parts[{number}].material", part["material"]
             if isinstance(material, str):
                 yield (
-                    f"{name} = {shown(material)}: must be the name of one of [materials], or a table"
+                    f"{name} = {shown(material)}: must be the name of one of [materials], or a "
+                    "table"
                 )
                 continue
             if material["rho"] is None:
@@ -60,3 +61,53 @@ class CompositeTable:
 def _part(part: Mapping[str, Any]) -> CompositePart:
     E, nu, rho = (float(part["material"][name]) for name in ("E", "nu", "rho"))
     return CompositePart(part["section"], E, nu, rho, part["at"])
+
+
+@dataclass(frozen=True)
+class LaminateTable:
+    """Wall of a laminate tube or box.
+
+    `layers` (from the inside) are angles, or tables with an `angle` whose other keys replace those
+    of `ply`.
+    """
+
+    shape: type[LaminateTube] | type[LaminateBox]
+    ply: Mapping[str, Any]
+    layers: tuple[Any, ...]
+    sizes: Mapping[str, float]
+
+    def resolved(self, materials: Mapping[str, Any]) -> "LaminateTable":  # noqa: ARG002
+        """The same wall, which names no materials."""
+        return self
+
+    def faults(self, unit: str = "m") -> list[str]:
+        """Faults of the layers and of the shape."""
+        missing = [
+            f"layers[{number}].{name}: missing; must be given there or in ply"
+            for number, layer in enumerate(self._layers, start=1)
+            for name, value in layer.items()
+            if value is None
+        ]
+        return missing[:1] or self.section.faults(unit)
+
+    def material_faults(self, key: str) -> Iterator[str]:  # noqa: ARG002
+        """No faults: those of layers are faults of the section."""
+        yield from ()
+
+    @property
+    def _layers(self) -> list[dict[str, Any]]:
+        """Keys of each layer with their values, None if they are given nowhere."""
+        tables = [x if isinstance(x, Mapping) else {"angle": x} for x in self.layers]
+        names = [field.name for field in fields(Layer)]
+        return [
+            {name: self.ply.get(name) if table.get(name) is None else table[name] for name in names}
+            for table in tables
+        ]
+
+    @property
+    def section(self) -> Laminate:
+        """The section. Its layers lack no key."""
+        return self.shape(tuple(Layer(**layer) for layer in self._layers), **self.sizes)
+
+
+OwnMaterials: TypeAlias = CompositeTable | LaminateTable

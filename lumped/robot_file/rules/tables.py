@@ -39,8 +39,20 @@ from lumped.robot_file.rules.rule import (
     Text,
     needed,
 )
-from lumped.robot_file.rules.several_materials import CompositeTable
-from lumped.sections import SHAPES, Composite, Section
+from lumped.robot_file.rules.several_materials import (
+    CompositeTable,
+    LaminateTable,
+    OwnMaterials,
+)
+from lumped.sections import (
+    SHAPES,
+    Composite,
+    Laminate,
+    LaminateBox,
+    LaminateTube,
+    Section,
+    SectionProperties,
+)
 from lumped.text import did_you_mean, shown
 
 _MM, _GPA, _DIAMOND = "is this in mm?", "is this in GPa or MPa?", "above diamond"
@@ -129,10 +141,15 @@ class SectionRule(Rule):
         typed = faults or SectionRule().read(value).faults(self.unit.name)
         return faults or [f"{key}.{fault}" for fault in typed]
 
-    def read(self, value: Any) -> Section | CompositeTable:
-        sizes = _shape_table(value["shape"], self.unit).read(value)
-        shape = sizes.pop("shape")
-        return CompositeTable(**sizes) if shape == Composite.shape else SHAPES[shape](**sizes)
+    def read(self, value: Any) -> Section | OwnMaterials:
+        keys = _shape_table(value["shape"], self.unit).read(value)
+        match SHAPES[keys.pop("shape")]:
+            case kind if kind is Composite:
+                return CompositeTable(**keys)
+            case kind if kind is LaminateTube or kind is LaminateBox:
+                return LaminateTable(kind, keys.pop("ply") or {}, keys.pop("layers"), keys)
+            case kind:
+                return kind(**keys)
 
     def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
         if isinstance(value, dict):
@@ -152,7 +169,31 @@ _MOMENT = Number("m⁴", least=1e-24, most=1e4, high=_MM)
 _PRODUCT = Number("m⁴", least=-1e4, most=1e4, low=_MM, high=_MM)
 _OF_CENTRE = Number("m", least=-10.0, most=10.0, low=_MM, high=_MM)
 # Shapes with an outline of one material.
-_PLAIN_SHAPES = tuple(shape for shape in SHAPES if shape not in {"properties", "composite"})
+_PLAIN_SHAPES = tuple(
+    shape
+    for shape, kind in SHAPES.items()
+    if not issubclass(kind, Composite | Laminate | SectionProperties)
+)
+# From the leg's axis; fibres at 90 run around it.
+_ANGLE = Number("degrees", least=-180.0, most=180.0)
+_PLY_KEYS = (
+    Key("E1", _YOUNGS_MODULUS, "Young's modulus along the fibres"),
+    Key("E2", _YOUNGS_MODULUS, "Young's modulus across the fibres"),
+    Key("G12", _SHEAR_MODULUS, "shear modulus in the layer"),
+    # √(E1/E2) of the stiffest and the softest fibres in a soft matrix is the limit.
+    Key("nu12", Number(above=-10.0, below=10.0), "contraction across over strain along the fibres"),
+    Key("rho", _DENSITY, "density"),
+    Key("thickness", _SIZE, "thickness"),
+)
+_LAYER = TableRule(needed("angle", _ANGLE, "from the leg's axis to the fibres"), *_PLY_KEYS)
+_LAMINATE_KEYS = (
+    Key("ply", TableRule(*_PLY_KEYS), "keys of all layers that do not give their own"),
+    needed(
+        "layers",
+        Several(Either(_ANGLE, _LAYER), most=200, least=1),
+        "angles (degrees) of the layers from the inside, or tables with an angle and own keys",
+    ),
+)
 # Rules of the shapes whose keys are not all outer dimensions or wall thicknesses.
 _OWN_KEYS: dict[str, tuple[Key, ...]] = {
     "properties": (
@@ -180,7 +221,9 @@ def _shape_table(shape: str, unit: UnitOfLength) -> TableRule:
         needed(field.name, _SIZE, "outer dimension or wall thickness") for field in fields(kind)
     )
     own = _OWN_KEYS.get(shape) or tuple(sizes)
-    if shape == Composite.shape:
+    if issubclass(kind, Laminate):
+        own = (*(key for key in own if key.name != "layers"), *_LAMINATE_KEYS)
+    if kind is Composite:
         own = (needed("parts", _PARTS, "parts that touch along edges, each of one material"),)
     table = TableRule(needed("shape", OneOf((shape,)), "kind of section"), *own)
     return table.in_unit(unit, ())
@@ -249,7 +292,7 @@ BODY = TableRule(
     Key(
         "loss",
         _LOSS,
-        "loss factor for a `compliance` or a composite; other prisms: that of the material",
+        "loss factor for a `compliance`, composite or laminate; other prisms: that of the material",
         owners=_LEG,
     ),
     Key("ends", OneOf(get_args(Ends)), _ENDS, owners=_LEG),

@@ -125,7 +125,7 @@ def test_weight_beside_shear_centre_twists_composite():
 @pytest.mark.parametrize("make", [beam_leg, lambda p, L, n: segment_leg(segment_chain(p, L, n))])
 def test_rigid_motion_has_the_mass_of_composite(make):
     """Mass, first moments and inertia about the root, of the parts as boxes."""
-    beam = ConstantLeg(LENGTH, COMPOSITE, Material.isotropic(*COMPOSITE.mean_material)).timoshenko
+    beam = ConstantLeg(LENGTH, COMPOSITE, Material(*COMPOSITE.mean_material)).timoshenko
     leg = make(beam, LENGTH, 8)
     motions = rigid_nodes(leg, 8)
     # Centroid of the stiffness: E A = 2.1e8 and 4.2e7, 0.03 m and 0.01 m apart.

@@ -28,6 +28,15 @@ FILES = [
 ]
 
 
+def sections_of(section):
+    """The tables of a section that have lengths, with their keys."""
+    yield section, {*section} - {"shape", "parts", "ply", "layers"}
+    yield section.get("ply", {}), ("thickness",)
+    for part in section.get("parts", []):
+        yield part, ("at",)
+        yield from sections_of(part["section"])
+
+
 def in_millimetres(tables):
     """The tables of a robot file with its lengths in mm, written key by key from the guide."""
     new = deepcopy(tables) | {"units": "mm"}
@@ -46,7 +55,8 @@ def in_millimetres(tables):
     scale(new.get("accept", {}), "displacement")
     for body in (*new.get("bodies", {}).values(), new.get("leg1", {}), new.get("leg2", {})):
         scale(body, "length", "mass_centre", "centre")
-        scale(body.get("section", {}), *({*body.get("section", {})} - {"shape"}))
+        for section, keys in sections_of(body.get("section", {})):
+            scale(section, *keys)
         scale(body.get("place", {}), "at")
         for interface in body.get("interfaces", {}).values():
             for how in ("cylinder", "plane"):

@@ -1,0 +1,276 @@
+"""Tubes and boxes with thin walls of fibre layers, by classical laminate theory.
+
+Each layer is orthotropic in plane stress, its fibres (direction 1) at an angle θ from the leg's
+axis. Its reduced stiffness Q̄(θ) acts on the strains (εx, εs, γxs) along the axis and along the wall
+(R. M. Jones, Mechanics of Composite Materials, §2.6, eqs 2.84-2.85). All layers of a wall have the
+same strains. The wall carries no stress along its circumference, so that with the sums A = Σ Q̄ t
+
+    E t = A11 − A12²/A22        G t = A66
+
+are its stiffnesses in tension and shear. The layup must be balanced, A16 = A26 = 0: otherwise
+tension and twist are coupled, which the models do not have. Layers at +θ and −θ lie at different
+radii; the coupling that this leaves is of the order of the wall's thickness over its radius, and is
+left out.
+
+EA and EI, and GJ of a tube, are sums over the layers as sections of their own, which are exact for
+layers of one stiffness. GJ of a box is Bredt's. Shear stiffness follows from the shear flow.
+"""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from math import cos, radians, sin
+from typing import ClassVar
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.sections.shapes import HollowRectangle, Section, Tube
+
+# |A16| and |A26| of a balanced layup over A66: angles are typed with ten digits at most.
+_BALANCED = 1e-9
+# Largest thickness of a wall over the section's smaller side. The stresses of a bent tube then
+# differ by a fifth across the wall, and those that laminate theory leaves out are of second order.
+_THICKEST = 0.1
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Orthotropic layer: E1 along the fibres, E2, G12 (Pa), ν12, ρ (kg/m³), thickness (m).
+
+    `angle` (degrees): from the leg's axis to the fibres, positive towards the wall's circumference.
+    """
+
+    E1: float
+    E2: float
+    G12: float
+    nu12: float
+    rho: float
+    thickness: float
+    angle: float
+
+    @property
+    def stiffness(self) -> Array:
+        """Q̄ (3×3, Pa): stresses (σx, σs, τxs) from strains (εx, εs, γxs)."""
+        share = 1.0 - self.nu12**2 * self.E2 / self.E1
+        q11, q22 = self.E1 / share, self.E2 / share
+        own = np.array([[q11, self.nu12 * q22, 0.0], [self.nu12 * q22, q22, 0.0], [0, 0, self.G12]])
+        c, s = cos(radians(self.angle)), sin(radians(self.angle))
+        # Strains along and across the fibres from those along the axis and along the wall.
+        strains = np.array(
+            [
+                [c * c, s * s, c * s],
+                [s * s, c * c, -c * s],
+                [-2.0 * c * s, 2.0 * c * s, c * c - s * s],
+            ]
+        )
+        return np.asarray(strains.T @ own @ strains)
+
+    def faults(self) -> list[str]:
+        """Faults of the constants."""
+        limit = self.E1 / self.E2
+        if self.nu12**2 < limit:
+            return []
+        return [
+            f"nu12 = {self.nu12!r}: must be below √(E1/E2) in size, {limit**0.5:.4g}; no material "
+            "has such constants"
+        ]
+
+
+@dataclass(frozen=True)
+class Laminate(Section):
+    """Thin wall of `layers` from the inside outwards.
+
+    Its constants are those of a section of the `mean_material`.
+    """
+
+    layers: tuple[Layer, ...]
+
+    @property
+    def has_outline(self) -> bool:
+        return False
+
+    @property
+    def thickness(self) -> float:
+        """Thickness (m) of the wall."""
+        return float(sum(layer.thickness for layer in self.layers))
+
+    @property
+    @abstractmethod
+    def shells(self) -> tuple[Section, ...]:
+        """The layers as sections of their own."""
+
+    @property
+    @abstractmethod
+    def torsion_stiffness(self) -> float:
+        """GJ (N m²)."""
+
+    @property
+    @abstractmethod
+    def shear_stiffnesses(self) -> tuple[float, float]:
+        """κGA (N) along y and along z by strain energy of the shear flow."""
+
+    @property
+    def mean_material(self) -> tuple[float, float, float, float]:
+        """E, G (Pa), ν and ρ (kg/m³) of the wall: EA/A, its shear modulus, A12/A22, density."""
+        areas = self._of_shells("area")
+        sums = self._sum(areas)
+        return (
+            _tension(sums) / float(areas.sum()),
+            float(sums[2, 2] / areas.sum()),
+            float(sums[0, 1] / sums[1, 1]),
+            float(self._of_layers("rho") @ areas / areas.sum()),
+        )
+
+    def _of_shells(self, name: str) -> Array:
+        return np.array([getattr(shell, name) for shell in self.shells])
+
+    def _of_layers(self, name: str) -> Array:
+        return np.array([getattr(layer, name) for layer in self.layers])
+
+    def _sum(self, weights: Array) -> Array:
+        """Sum (3×3) of the layers' Q̄, each times its weight."""
+        stiffnesses = np.array([layer.stiffness for layer in self.layers])
+        return np.asarray(np.tensordot(weights, stiffnesses, axes=1))
+
+    @property
+    def area(self) -> float:
+        return float(self._of_shells("area").sum())
+
+    @property
+    def second_moment_y(self) -> float:
+        return _tension(self._sum(self._of_shells("second_moment_y"))) / self.mean_material[0]
+
+    @property
+    def second_moment_z(self) -> float:
+        return _tension(self._sum(self._of_shells("second_moment_z"))) / self.mean_material[0]
+
+    @property
+    def torsion_constant(self) -> float:
+        return self.torsion_stiffness / self.mean_material[1]
+
+    @property
+    def inertia_moments(self) -> tuple[float, float, float]:
+        density = self._of_layers("rho") / self.mean_material[3]
+        about_y, about_z = (
+            float(density @ self._of_shells(name))
+            for name in ("second_moment_y", "second_moment_z")
+        )
+        return about_y, about_z, 0.0
+
+    def shear_coefficients(self, nu: float) -> tuple[float, float]:  # noqa: ARG002
+        along_y, along_z = self.shear_stiffnesses
+        whole = self.mean_material[1] * self.area
+        return along_y / whole, along_z / whole
+
+    @property
+    def wall(self) -> Array:
+        """A (3×3, N/m) of the wall: forces per width from strains."""
+        return self._sum(self._of_layers("thickness"))
+
+    def faults(self, unit: str = "m") -> list[str]:
+        faults = [
+            f"layers[{number}].{fault}"
+            for number, layer in enumerate(self.layers, start=1)
+            for fault in layer.faults()
+        ]
+        return faults or self._own_faults(unit)
+
+    def _own_faults(self, unit: str) -> list[str]:
+        smaller = min(self.extent)
+        if self.thickness > _THICKEST * smaller:
+            return [
+                f"layers: together {self.thickness:.4g} {unit} thick; laminate theory is for thin "
+                f"walls; must be at most a tenth of the smaller side, {_THICKEST * smaller:.4g} "
+                f"{unit}"
+            ]
+        wall = self.wall
+        if np.abs(wall[:2, 2]).max() <= _BALANCED * wall[2, 2]:
+            return []
+        return [
+            "layers: not balanced, so that tension twists the leg, which no model has; must have "
+            "as much thickness at -θ as at +θ for each angle θ between 0 and 90 degrees"
+        ]
+
+
+def _tension(sums: Array) -> float:
+    """Stiffness in tension along the axis with a free circumference, of sums of Q̄."""
+    return float(sums[0, 0] - sums[0, 1] ** 2 / sums[1, 1])
+
+
+@dataclass(frozen=True)
+class LaminateTube(Laminate):
+    """Round tube of outer `diameter` (m)."""
+
+    diameter: float
+    shape: ClassVar[str] = "laminate-tube"
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        return self.diameter, self.diameter
+
+    @property
+    def shells(self) -> tuple[Section, ...]:
+        thicknesses = self._of_layers("thickness").tolist()
+        outer = self.diameter - 2.0 * (self.thickness - np.cumsum(thicknesses))
+        return tuple(Tube(d, t) for d, t in zip(outer.tolist(), thicknesses, strict=True))
+
+    @property
+    def torsion_stiffness(self) -> float:
+        return float(self._sum(self._of_shells("torsion_constant"))[2, 2])
+
+    @property
+    def shear_stiffnesses(self) -> tuple[float, float]:
+        # Flow V sin φ/πr on a circumference of 2πr: κ = ½.
+        half = 0.5 * float(self._sum(self._of_shells("area"))[2, 2])
+        return half, half
+
+
+@dataclass(frozen=True)
+class LaminateBox(Laminate):
+    """Rectangular tube of outer `width` along y and `height` along z (m)."""
+
+    width: float
+    height: float
+    shape: ClassVar[str] = "laminate-box"
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        return self.width, self.height
+
+    @property
+    def shells(self) -> tuple[Section, ...]:
+        thicknesses = self._of_layers("thickness").tolist()
+        less = 2.0 * (self.thickness - np.cumsum(thicknesses))
+        return tuple(
+            HollowRectangle(self.width - inside, self.height - inside, t)
+            for inside, t in zip(less.tolist(), thicknesses, strict=True)
+        )
+
+    @property
+    def _middle(self) -> tuple[float, float]:
+        """Width and height (m) of the wall's middle line."""
+        return self.width - self.thickness, self.height - self.thickness
+
+    @property
+    def torsion_stiffness(self) -> float:
+        b, h = self._middle
+        return float(2.0 * (b * h) ** 2 / (b + h) * self.wall[2, 2])
+
+    @property
+    def shear_stiffnesses(self) -> tuple[float, float]:
+        b, h = self._middle
+        shear = float(self.wall[2, 2])
+        return shear * _box_shear_length(h, b), shear * _box_shear_length(b, h)
+
+
+def _box_shear_length(flange: float, web: float) -> float:
+    """κA/t (m) of a thin box: V² over ∮ q² ds of the shear flow q by a force along its webs.
+
+    q I/V t = s h/2 in the flanges, from their middles, and b h/4 + h²/8 − z²/2 in the webs.
+    """
+    b, h = flange, web
+    moment = b * h**2 / 2.0 + h**3 / 6.0
+    top = b * h / 4.0 + h**2 / 8.0
+    flanges = b**3 * h**2 / 24.0
+    webs = 2.0 * (top**2 * h - top * h**3 / 12.0 + h**5 / 320.0)
+    return moment**2 / (flanges + webs)
