@@ -41,11 +41,14 @@ def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> L
     rotary[1, 2] = rotary[2, 1] = -properties.rho_Iyz
     spin = motion.angular_velocity
     couple = -rotary @ motion.angular_acceleration - np.cross(spin, rotary @ spin)
-    first, last = (
-        np.append(-properties.mu * motion.acceleration_at(arm), couple)
-        for arm in (np.zeros(3), length * _ALONG)
-    )
-    return LineLoad(0.0, length, first, last)
+    centre = np.array([0.0, properties.mass_y, properties.mass_z])
+
+    def per_length(arm: Array) -> Array:
+        force = -properties.mu * motion.acceleration_at(arm + centre)
+        moment = -properties.mu * np.cross(centre, motion.acceleration_at(arm))
+        return np.append(force, couple + moment)
+
+    return LineLoad(0.0, length, per_length(np.zeros(3)), per_length(length * _ALONG))
 
 
 def linear_load(root: Array, tip: Array, length: float) -> LineLoad:

@@ -12,9 +12,11 @@ from fem.bodies import doubling
 from fem.couplings.end_effects import restrained_compliance
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.mechanism.kinematics.accelerations import Motion
 from lumped.models.bodies import clamped_modes, tip_compliance_of
 from lumped.models.segments import segment_chain, segment_leg, static_leg
 from lumped.sections import Angle, Channel, Composite, CompositePart, Polygon, Rectangle, Tee
+from lumped.system.line_loads import inertia_load
 from meshes.section.section_mesh import section_mesh
 from validation.cases.ritz import ritz_beam
 
@@ -144,6 +146,24 @@ def test_rigid_motion_has_the_mass_of_composite(make):
         expected[3:, 3:] += inertia + mass * cross.T @ cross
     computed = motions.T @ (leg.mass @ motions)
     assert scaled(computed - expected, expected) < 1e-9
+
+
+def test_inertia_loads_of_composite_are_its_mass_matrix():
+    """Resultant at the root of forces along an accelerated leg: −M (a, α) of its rigid motion."""
+    beam = ConstantLeg(LENGTH, COMPOSITE, Material(*COMPOSITE.mean_material)).timoshenko
+    leg = beam_leg(beam, LENGTH, 2)
+    motions = rigid_nodes(leg, 2)
+    acceleration = np.array([1.0, -2.0, 3.0, 0.5, -0.7, 0.9])
+    motion = Motion(acceleration[:3], acceleration[3:], np.zeros(3))
+    load = inertia_load(beam, LENGTH, motion)
+    # Moments of a linear load are quadratic: Simpson's rule is exact.
+    total = np.zeros(6)
+    for x, weight in zip((0.0, 0.5, 1.0), np.array([1.0, 4.0, 1.0]) / 6.0, strict=True):
+        wrench = (1.0 - x) * load.first + x * load.last
+        lever = np.cross([x * LENGTH, 0.0, 0.0], wrench[:3])
+        total += LENGTH * weight * (wrench + np.append(np.zeros(3), lever))
+    expected = -(motions.T @ (leg.mass @ motions)) @ acceleration
+    assert total == pytest.approx(expected, rel=1e-9)
 
 
 def rigid_nodes(leg, elements):
