@@ -113,6 +113,7 @@ class SaintVenant:
     `twist_stress` (2×M×Q, m) is τ/Gθ′. `flexure` (2×N, m⁻¹) are Ψ and `flexure_stress` (2×2×M×Q,
     m⁻²; force, component, …) τ of the unit forces through the shear centre, which do no work on
     twist. `flexure_torque` (2, m) are the moments of these stresses about the centroid.
+    `twist_shares` (2) are the shares of ω and of the twist's stress that are subtracted for this.
     """
 
     quadrature: SectionQuadrature
@@ -125,6 +126,7 @@ class SaintVenant:
     flexure: Array
     flexure_stress: Array
     flexure_torque: Array
+    twist_shares: Array
 
     def torsion_stress(self) -> Array:
         """Shear stress τ (2×M×Q, m⁻³) due to a unit torque."""
@@ -158,10 +160,11 @@ def saint_venant(mesh: SectionMesh, poisson_shear_ratio: float) -> SaintVenant:
 
     twist = quad.gradient(warping) + turning
     torsion_constant = float(quad.integral(_torque(quad, twist)))
-    potentials, stresses = [], []
+    potentials, stresses, shares = [], [], []
     for potential, extra in zip(flexure, anticlastic, strict=True):
         stress = quad.gradient(potential) - extra
         share = quad.integral((stress * twist).sum(axis=0)) / torsion_constant
+        shares.append(share)
         potentials.append(potential - share * warping)
         stresses.append(stress - share * twist)
     flexure_stress = np.stack(stresses)
@@ -176,6 +179,7 @@ def saint_venant(mesh: SectionMesh, poisson_shear_ratio: float) -> SaintVenant:
         flexure=np.stack(potentials),
         flexure_stress=flexure_stress,
         flexure_torque=np.array([quad.integral(_torque(quad, s)) for s in flexure_stress]),
+        twist_shares=np.array(shares),
     )
 
 

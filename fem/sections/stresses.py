@@ -1,0 +1,136 @@
+"""Stresses of beam theory in a section, at the nodes of its mesh.
+
+    σxx = N/A + b·s,   Σ b = (−Mz, My),   s = (y, z) from the centroid,  Σ = ∫ s sᵀ dA
+    τ = T τ_T + Qy τ_y + Qz τ_z        (Saint-Venant's torsion and flexure)
+    σ_v = √(σxx² + 3 (τxy² + τxz²))
+
+The shear stresses of Qy and Qz have no moment about the centroid. In walls they are Jourawski's
+QS/(It), in stout sections they vary across the wall. Not included are the stresses of restrained
+warping at end faces and the local ones at joints. The shear stress at a sharp re-entrant corner is
+unbounded. Real corners have a fillet, whose notch factor belongs there. The largest stress is that
+of all nodes farther from such corners than half the mean thickness of the walls.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from fem.sections.saint_venant import saint_venant
+from fem.sections.section_constants import poisson_shear_ratio
+from lumped.arrays import Array, IntArray
+from lumped.legs import Material
+from lumped.memo import memo
+from meshes.elements import ELEMENTS
+from meshes.section.section_mesh import SectionMesh
+from meshes.shape_functions import gradients
+
+# Angle (rad) above π from which a corner is re-entrant: meshes of arcs have π within 1e-3.
+_REENTRANT = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class SectionStresses:
+    """Stresses under unit section forces at the nodes of `mesh`.
+
+    `normal` (N×6) is σxx and `shear` (2×N×6) τxy and τxz (Pa) of N, Qy, Qz (1 N), T, My and Mz (1 N
+    m). `regular` (N) is False near re-entrant corners.
+    """
+
+    mesh: SectionMesh
+    normal: Array
+    shear: Array
+    regular: Array
+
+    def von_mises(self, forces: Array) -> Array:
+        """Von Mises stress (s×N, Pa) at all nodes under section forces (s×6)."""
+        normal = forces @ self.normal.T
+        shear = self.shear @ forces.T
+        return np.asarray(np.sqrt(normal**2 + 3.0 * (shear**2).sum(axis=0).T))
+
+
+@memo(64)
+def section_stresses(mesh: SectionMesh, material: Material) -> SectionStresses:
+    """Stresses under unit section forces on a section `mesh` of one material.
+
+    Raises ComputationError for a mesh that is not in one piece or turned inside out.
+    """
+    ratio = poisson_shear_ratio(material.nu, material.G / material.E)
+    solution = saint_venant(mesh, ratio)
+    quad = solution.quadrature
+    y, z = places = mesh.nodes.T - quad.centroid[:, None]
+    slope = _NodalGradient(mesh)
+    turning = np.stack([-z, y])
+    twist = slope(solution.warping) + turning
+    anticlastic = np.array([[(y**2 - z**2) / 2.0, y * z], [y * z, (z**2 - y**2) / 2.0]])
+    shear = np.zeros((2, len(mesh.nodes), 6))
+    shear[:, :, 3] = twist / solution.torsion_constant
+    for axis in (0, 1):
+        flexure = slope(solution.flexure[axis])
+        flexure -= ratio * np.tensordot(solution.slopes[axis], anticlastic, axes=1)
+        flexure -= solution.twist_shares[axis] * turning
+        shear[:, :, 1 + axis] = flexure - solution.flexure_torque[axis] * shear[:, :, 3]
+    normal = np.zeros((len(mesh.nodes), 6))
+    normal[:, 0] = 1.0 / solution.area
+    about_y, about_z = np.linalg.solve(solution.moments, [[0.0, -1.0], [1.0, 0.0]]).T
+    normal[:, 4], normal[:, 5] = about_y @ places, about_z @ places
+    return SectionStresses(mesh, normal, shear, _regular(mesh, solution.area))
+
+
+class _NodalGradient:
+    """Gradient (2×N, per m) of nodal values (N) at the nodes: the mean of the adjacent cells."""
+
+    def __init__(self, mesh: SectionMesh) -> None:
+        self._mesh = mesh
+        local = gradients(mesh.element, ELEMENTS[mesh.element].nodes.T)
+        jacobian = np.einsum("mki,kjq->mqij", mesh.nodes[mesh.cells], local, optimize=True)
+        self._gradients = np.einsum("kjq,mqji->mkiq", local, np.linalg.inv(jacobian), optimize=True)
+        self._counts = np.bincount(mesh.cells.ravel(), minlength=len(mesh.nodes))
+
+    def __call__(self, nodal: Array) -> Array:
+        cells = self._mesh.cells
+        by_cell = np.einsum("mkiq,mk->imq", self._gradients, nodal[cells], optimize=True)
+        return np.array(
+            [
+                np.bincount(cells.ravel(), row.ravel(), minlength=len(self._counts)) / self._counts
+                for row in by_cell
+            ]
+        )
+
+
+def _regular(mesh: SectionMesh, area: float) -> Array:
+    """False for nodes (N) within half the mean wall thickness of a re-entrant corner."""
+    rim = _rim(mesh)
+    on_rim = np.zeros(len(mesh.nodes), dtype=bool)
+    on_rim[rim.ravel()] = True
+    reentrant = mesh.nodes[on_rim & (_angles(mesh) > pi + _REENTRANT)]
+    if not len(reentrant):
+        return np.ones(len(mesh.nodes), dtype=bool)
+    perimeter = float(np.linalg.norm(np.diff(mesh.nodes[rim], axis=1), axis=2).sum())
+    distances = np.linalg.norm(mesh.nodes[:, None] - reentrant, axis=2).min(axis=1)
+    # Twice the area over the perimeter is the thickness of thin walls.
+    return np.asarray(distances > area / perimeter)
+
+
+def _rim(mesh: SectionMesh) -> IntArray:
+    """Corner nodes (e×2) of the edges that belong to one cell only."""
+    corners = mesh.cells[:, list(ELEMENTS[mesh.element].corner_nodes)]
+    edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2))
+    unique, counts = np.unique(edges, axis=0, return_counts=True)
+    return np.asarray(unique[counts == 1])
+
+
+def _angles(mesh: SectionMesh) -> Array:
+    """Angle (N, rad) of the section about each node that is a corner of cells, zero for others."""
+    kind = ELEMENTS[mesh.element]
+    corners = list(kind.corner_nodes)
+    places = kind.nodes[corners]
+    local = gradients(mesh.element, places.T)
+    jacobian = np.einsum("mki,kjq->mqij", mesh.nodes[mesh.cells], local, optimize=True)
+    following, before = (np.roll(places, shift, axis=0) - places for shift in (-1, 1))
+    first = np.einsum("mqij,qj->mqi", jacobian, following)
+    last = np.einsum("mqij,qj->mqi", jacobian, before)
+    cross = first[..., 0] * last[..., 1] - first[..., 1] * last[..., 0]
+    angles = np.zeros(len(mesh.nodes))
+    np.add.at(angles, mesh.cells[:, corners], np.arctan2(cross, (first * last).sum(axis=2)))
+    return angles
