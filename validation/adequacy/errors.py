@@ -39,6 +39,8 @@ class DisplacementErrors:
     displacement of the model minus that of the reference, over `length` (R×P, m/N or rad/(N m)),
     the length of the reference's displacement. `between` (R×P, equal for all R): smallest error
     against any displacement between two interpretations. Infinite if there is one interpretation.
+    `impossible` (R×P): true where the tool cannot move as the load requires. Such poses are not
+    compared; their errors are zero, or NaN if the load is impossible in all poses.
     """
 
     wrench: Array
@@ -46,6 +48,7 @@ class DisplacementErrors:
     difference: Array
     length: Array
     between: Array
+    impossible: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +83,8 @@ class Errors:
     `value` and `expected` along the load, `error` of the whole vector, never negative, with details
     in `displacement`. NaN if model and reference have no number to compare. `names`: of the
     interpretations. `unknown`: true if the reference has fewer modes than are judged or no damped
-    one, or if shapes do not show whether the model has the mode. `budget`: half-width of the error
+    one, if shapes do not show whether the model has the mode, or if the tool cannot move as a load
+    of the file requires in any pose. `budget`: half-width of the error
     by source of uncertainty, that of meshes included in any case. `pairing`: for modes only.
     `numbers` (R×P×m), for the order of modes only: index from 0 of the model's mode with the shape
     of each mode of the reference, −1 if there is none.
@@ -115,6 +119,17 @@ class Errors:
     def missing(self) -> NDArray[np.bool_]:
         """True (R×P) for errors that do not exist because there is no number to compare."""
         return np.isnan(self.error)
+
+    @property
+    def compared(self) -> NDArray[np.bool_]:
+        """True (P) for poses that count: all but those in which a load is impossible.
+
+        All of them if the load is impossible everywhere.
+        """
+        if self.displacement is None:
+            return np.ones(self.error.shape[1], dtype=bool)
+        possible = ~self.displacement.impossible.all(axis=0)
+        return np.asarray(possible | ~possible.any())
 
     @property
     def spread(self) -> Array:
@@ -451,7 +466,8 @@ class ModelErrors:
             return None
         reference, model_statics = both_statics
         errors = relative(model_statics - reference, reference, quantity)
-        size, length = errors.size, errors.length
+        impossible, length = np.isnan(errors.size), errors.length
+        size = errors.size if impossible.all() else np.nan_to_num(errors.size, posinf=np.inf)
         model_displacements, reference_displacements = (
             statics.displacements(quantity, errors.wrench) for statics in (model_statics, reference)
         )
@@ -481,13 +497,14 @@ class ModelErrors:
             expected=np.einsum("pi,pi->p", errors.direction, reference_displacements),
             error=np.where(np.isinf(size), np.nan, size),
             budget={Source.MESHES: np.zeros_like(size)} | budget,
-            unknown=np.zeros(len(size), bool),
+            unknown=np.full(len(size), bool(impossible.all())),
             displacement=DisplacementErrors(
                 wrench=errors.wrench,
                 along=errors.along,
                 difference=difference,
                 length=length,
                 between=np.full(len(size), np.inf),
+                impossible=impossible,
             ),
         )
 

@@ -104,14 +104,14 @@ def _entry(
     if errors is None:
         return _unsolved_entry(subject, model, quantity, requirement.limit(quantity))
     limits = _pose_limits(errors, quantity, requirement)
-    verdicts = verdicts_of(errors, limits)
-    verdict = worst_of(verdicts)
-    pose = _deciding_pose(verdicts, verdict, errors.bound / limits)
+    verdicts, compared = verdicts_of(errors, limits), errors.compared
+    verdict = worst_of([one for one, counts in zip(verdicts, compared, strict=True) if counts])
+    pose = _deciding_pose(verdicts, verdict, np.where(compared, errors.bound / limits, np.nan))
     limit = float(limits[pose])
     path = np.arange(len(limits))
     rows = _interpretation_rows(errors, pose)
     position = int(rows[pose]), pose
-    missing = np.asarray(errors.missing.any(axis=0))
+    missing = np.asarray(errors.missing.any(axis=0) | ~compared)
     error, spread, low, high = (
         _optional(np.where(missing, np.nan, numbers))
         for numbers in (errors.error[rows, path], errors.spread[rows, path], *errors.interval)
@@ -275,6 +275,8 @@ def _reason(
     unknown, harmonic = errors.unknown[:, pose], quantity.harmonic
     if errors.missing[:, pose].all() and not unknown.any():
         return f"{model.name} {_reason_without_number(errors, quantity, pose)}"
+    if unknown.any() and quantity.kind is QuantityKind.LOAD:
+        return "the tool cannot move as the load requires in any pose, so that nothing is compared"
     if verdict == "inadequate":
         rigid = errors.displacement is not None and not errors.value[:, pose].any()
         return model.rigid if rigid else ""

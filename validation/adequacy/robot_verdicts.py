@@ -27,6 +27,7 @@ from validation.adequacy.judged_models import JUDGED, LEGS_AS_GIVEN, judged_mode
 from validation.adequacy.judgement import verdict_matrix
 from validation.case import failure_reason
 from validation.context import PRESETS, Context, Preset
+from validation.models.loads.displacements import impossible_poses
 from validation.models.loads.stability import stabilities, stability_notes
 from validation.models.reduced_parts import unknowns_of, with_finer_parts
 from validation.references.modal_reference import dynamic_reference, mass_notes, modal_steps
@@ -277,6 +278,12 @@ def _notes(robot: RobotOnPath) -> list[str]:
             f"{counted_mobilities} not move the tool; the corresponding zero frequencies are "
             "omitted"
         )
+    notes += [
+        f"Load {load.name} is not compared in {counted(count, 'pose', 'poses')} of "
+        f"{len(robot.postures)}: the tool cannot move there as the load requires"
+        for load in robot.mechanism.loads
+        if (count := impossible_poses(robot.postures, load))
+    ]
     with suppress(*UNSOLVED):
         notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
     return notes

@@ -58,7 +58,7 @@ Spring: TypeAlias = Callable[[RobotOnPath, Leg, Ends], Array]
 def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Statics:
     """Statics (compliances and load displacements) of a lumped or beam model in each posture."""
     compliances = np.array([answer.compliance for answer in answers(model, postures, 0, options)])
-    return Statics.of(compliances, displacements(model, postures, options))
+    return Statics(compliances, displacements(model, postures, options))
 
 
 def formulation(name: str, kind: ModelName, options: ModelOptions) -> Model:
@@ -141,7 +141,7 @@ def _summed(postures: Sequence[Posture], springs: Springs) -> Statics:
     """Statics by the virtual joint method along serial chains, each leg by its tip compliance."""
     compliances = np.array([serial_chains.compliance(posture, springs) for posture in postures])
     masses = masses_of(postures[0].mechanism)
-    return Statics.of(compliances, displacements_by(by_chains(springs), postures, masses))
+    return Statics(compliances, displacements_by(by_chains(springs), postures, masses))
 
 
 def _given(_robot: RobotOnPath, leg: Leg, _ends: Ends) -> Array:

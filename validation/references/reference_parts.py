@@ -159,7 +159,7 @@ def assembled(
         postures,
         masses_of(mechanism, masses, part_models),
     )
-    return Statics.of(
+    return Statics(
         np.array([compliance(solution) for solution in solutions.values()]), load_displacements
     )
 

@@ -50,7 +50,8 @@ class RelativeDisplacement(NamedTuple):
     for loads of the robot file. `direction` (P×3): direction of the wrench, or of the reference's
     displacement for loads of the file. `length` (P): length of the reference's displacement in m/N
     or rad/(N m), in m for loads of the file. It is 0 if the reference is rigid, and `size` is then
-    0 or infinite.
+    0 or infinite. If the tool cannot move as a load of the file requires, `size` is NaN and
+    `length` 0.
     """
 
     size: Array
@@ -86,6 +87,10 @@ def relative(difference: Statics, reference: Statics, quantity: Quantity) -> Rel
     displacement, deviation = (
         statics.displacements(quantity, wrench) for statics in (reference, difference)
     )
+    impossible = np.asarray(np.isnan(displacement + deviation).any(axis=1))
+    displacement, deviation = (
+        np.where(impossible[:, None], 0.0, vectors) for vectors in (displacement, deviation)
+    )
     largest = (
         np.linalg.norm(displacement, axis=1) if is_load else np.linalg.norm(block, axis=(1, 2))
     )
@@ -102,7 +107,7 @@ def relative(difference: Statics, reference: Statics, quantity: Quantity) -> Rel
     )
     reference_along = np.maximum(reference_along, floor)
     return RelativeDisplacement(
-        np.divide(size, length, out=infinite, where=yields),
+        np.where(impossible, np.nan, np.divide(size, length, out=infinite, where=yields)),
         np.divide(
             difference_along,
             reference_along,

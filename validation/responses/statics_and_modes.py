@@ -30,16 +30,12 @@ class Statics:
     """Compliance of the loaded point and its displacements under the file's loads, in base axes.
 
     `compliances` (P×6×6, SI): twist by wrench at that point; zeros mean rigid. `load_displacements`
-    (P×L×6, m and rad): twists under the L loads of the robot file, in its order.
+    (P×L×6, m and rad): twists under the L loads of the robot file, in its order. NaN in poses where
+    the tool cannot move as the load requires.
     """
 
     compliances: Array
     load_displacements: Array
-
-    @classmethod
-    def of(cls, compliances: Array, load_displacements: Array) -> "Statics":
-        """Statics with a displacement of zero for loads that the mechanism cannot follow (NaN)."""
-        return cls(compliances, np.nan_to_num(load_displacements))
 
     def __sub__(self, other: "Statics") -> "Statics":
         return Statics(

@@ -17,7 +17,7 @@ from validation.adequacy.robot_verdicts import robot_subject, static_subject
 from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.measured.matrix import measured_matrix
-from validation.models.loads.displacements import displacements
+from validation.models.loads.displacements import displacements, impossible_poses
 from validation.models.loads.stability import stabilities, stability_notes
 from validation.models.options import ModelOptions
 from validation.models.robot_models import mechanism_modes
@@ -104,6 +104,33 @@ def test_errors_match_displacements_and_peaks_of_solve(arm, subject):
     assert "--theory timoshenko" in hit.remedy
 
 
+def test_pose_of_impossible_load_is_not_compared(tmp_path):
+    """At its dead centre the arm moves along y alone and cannot accelerate along x, as `stop` does.
+
+    The displacement there was taken as zero for model and reference.
+    """
+    robot = robot_of(HELD + "[path]\nposes = [[0.1], [0.5]]\n" + LOADS, tmp_path)
+    at = robot_on_path(Context(robot, "quick"))
+    assert [impossible_poses(at.postures, load) for load in robot.mechanism.loads] == [0, 0, 1]
+
+    def entries(poses):
+        path = replace(at, postures=[at.postures[pose] for pose in poses])
+        beam = judged_model(path, "beam", judged_models(robot.mechanism)["beam"])
+        matrix = verdict_matrix(static_subject(path, [beam]), robot.requirement)
+        return [matrix.entry("beam", name) for name in ("load:stop", "load:weight")]
+
+    stop, weight = entries([0, 1])
+    assert (stop.verdict, weight.verdict) == ("adequate", "adequate")
+    assert (stop.pose, stop.errors[1]) == ((0.1,), None)
+    assert 0.0 < stop.error == stop.errors[0]
+    # Without a pose that can follow, nothing is compared: this was adequate with an error of zero.
+    stop, weight = entries([1])
+    assert (stop.verdict, stop.error, weight.verdict) == ("undecided", None, "adequate")
+    assert stop.reason == (
+        "the tool cannot move as the load requires in any pose, so that nothing is compared"
+    )
+
+
 def test_limits_in_metres_replace_relative_limits(arm, subject):
     wanted = replace(arm.requirement, deflection=1e-6, limits={OF_HIT[0]: 0.3}, response=0.01)
     matrix = verdict_matrix(subject, wanted)
@@ -188,8 +215,8 @@ def test_mass_distribution_widens_weight_interval_only(tmp_path):
     assert Source.MASSES not in push.uncertainties
     assert weight.verdict == "undecided"
     assert weight.reason == robot.say_masses
-    # At both ends of its stroke nothing can stop: there is nothing to be wrong about.
-    assert stop.errors[0] == 0.0 == stop.errors[-1]
+    # At both ends of its stroke the robot cannot accelerate along x.
+    assert stop.errors[0] is None is stop.errors[-1]
     assert stop.uncertainty > 0.0
 
 

@@ -18,7 +18,8 @@ from lumped.arrays import Array, dense
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, GivenLeg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
-from lumped.mechanism.load import Loading
+from lumped.mechanism.kinematics.accelerations import accelerations
+from lumped.mechanism.load import Load, Loading
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of
@@ -104,6 +105,19 @@ def displacements_by(
         if solvable:
             by_load[solvable] = solve(posture, loadings)
     return displacements
+
+
+def impossible_poses(postures: Sequence[Posture], load: Load) -> int:
+    """Number of postures in which the tool cannot move as a load requires."""
+
+    def is_possible(posture: Posture) -> bool:
+        try:
+            accelerations(posture, load.speed, load.acceleration)
+        except ComputationError:
+            return False
+        return True
+
+    return sum(not is_possible(posture) for posture in postures) if load.moves_tool else 0
 
 
 def masses_of(
