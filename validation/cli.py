@@ -77,6 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             remarks_to(lambda remark: streams.write_message(str(remark))),
             _own_variable(VARIABLE),
             _own_variable(RANKS_VARIABLE),
+            _own_variable(streams.QUIET),
         ):
             return _run(list(sys.argv[1:] if arguments is None else arguments))
     except CycloptsError as error:
@@ -189,6 +190,7 @@ def run(
     vary: tuple[str, ...] = (),
     solver: SolverName = None,
     ranks: RankCount = None,
+    quiet: bool = False,
 ) -> int:
     """Validate a robot's lumped models and write a report.
 
@@ -235,6 +237,8 @@ def run(
         A number of the robot file over a range, bodies.rod1.section.diameter=0.02:0.06:9 say: all
         models over it, as figures, and what each of them would choose; a * in the key stands for
         any part of a name. May be given again for another number.
+    quiet
+        Write errors and the results alone, no progress; also FLEXPROOF_QUIET=1, for all commands.
     """
     from lumped.files import StoreError  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
@@ -244,6 +248,8 @@ def run(
 
     require_room(TO_COMPUTE)
     request_solver(solver, ranks)
+    if quiet:
+        os.environ[streams.QUIET] = "1"
     if cluster is not None:
         require_extra("cluster", "--cluster")
     request = Request(

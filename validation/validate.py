@@ -21,7 +21,7 @@ from lumped.robot_file import RobotFile
 from lumped.robot_file.evidence import with_options
 from lumped.robot_file.variation import Variation
 from validation.console.progress import stage
-from validation.console.streams import write_message
+from validation.console.streams import is_quiet, write_message
 from validation.context import Context, Preset
 from validation.paper.errata import paper_findings
 from validation.report.listing import junit_xml
@@ -291,7 +291,7 @@ def _compute_tasks(
         now = perf_counter()
         folder.keep(record, now - begun)
         results.add(record)
-        if record["id"] == ADEQUACY and results.matrix:
+        if record["id"] == ADEQUACY and results.matrix and not is_quiet():
             # Written long before the report is complete.
             write_message(sentence(results.matrix, results.rely).replace("\N{NO-BREAK SPACE}", " "))
         results.header = dict(results.header) | {"seconds": now - begun}

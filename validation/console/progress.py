@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lumped.text import visible
-from validation.console.streams import write_message
+from validation.console.streams import is_quiet, write_message
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -58,6 +58,9 @@ def progress_shown(
 
     `line` makes a line of text from a text with the remaining time. `seconds` as in `stage`.
     """
+    if is_quiet():
+        yield
+        return
     on_terminal, finished, start = sys.stderr.isatty(), Event(), perf_counter()
     estimate = seconds * slowness() if seconds > _ESTIMATE_DELAY else 0.0
 

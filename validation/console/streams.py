@@ -75,6 +75,15 @@ def write_results(text: str) -> None:
         raise_lost_results(error)
 
 
+# Variable of the environment that switches progress off, in this process and those that it starts.
+QUIET = "FLEXPROOF_QUIET"
+
+
+def is_quiet() -> bool:
+    """True if no progress shall be written to stderr."""
+    return bool(os.environ.get(QUIET))
+
+
 def write_messages(lines: Iterable[str], code: int) -> int:
     """Write messages to stderr, one line each, and return the exit code."""
     try:

@@ -13,6 +13,7 @@ from toy_runs import refusing, run_here
 
 from lumped.files import os_errors_as_store_errors
 from validation import cli
+from validation.console import streams
 from validation.run import runner
 from validation.run.folder import RunFolder
 
@@ -40,6 +41,20 @@ def test_run_prints_verdict_and_report_path(with_catalogue, tmp_path, capsys):
     assert "All 3 comparisons agree, 1 skipped." in printed.out
     assert printed.out.rstrip().endswith(str(tmp_path / "out" / "report.html"))
     assert printed.err == "flexproof: figure toy.undrawn left out: no OpenGL\n"
+
+
+def test_quiet_run_requests_no_progress(with_catalogue, tmp_path):
+    """For the run and its processes, and not beyond the command."""
+    seen = []
+
+    def catalogue(robot_file):
+        seen.append(streams.is_quiet())
+        return toys.sound(robot_file)
+
+    with_catalogue(catalogue)
+    for options in ((), ("--quiet",), ()):
+        assert cli.main(["run", "--out", str(tmp_path / f"{len(seen)}"), *options]) == 0
+    assert seen == [False, True, False]
 
 
 def test_cases_are_listed_as_text_and_as_json(with_catalogue, command):

@@ -14,6 +14,7 @@ from toy_runs import lines, run_here
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from validation.console import progress as telling
+from validation.console import streams
 from validation.report.listing import junit_xml
 from validation.run import progress, runner
 from validation.run.folder import open_folder
@@ -186,3 +187,12 @@ def test_long_work_is_forecast_by_machine_speed(monkeypatch, capsys):
         time.sleep(0.2)
     line = capsys.readouterr().err.splitlines()[1]
     assert line == f"flexproof: 0/{len(tasks)} done, 0 s elapsed, about 100 s left"
+
+
+def test_quiet_command_writes_no_progress(monkeypatch, capsys):
+    monkeypatch.setattr(telling, "_ESTIMATE_DELAY", 0.02)
+    for variable, written in (("", True), ("1", False)):
+        monkeypatch.setenv(streams.QUIET, variable)
+        with telling.stage("meshing", 1e4):
+            time.sleep(0.1)
+        assert bool(capsys.readouterr().err) is written
