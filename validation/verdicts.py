@@ -144,9 +144,8 @@ class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
     uncertainties: Mapping[str, float] = {}
     # Lowest and highest value of the reference over all readings, with half-widths.
     expected_range: tuple[float, ...] = ()
-    # Error, half-width, bounds, and error along the load in each pose.
+    # Error, bounds, and error along the load in each pose.
     errors: tuple[float | None, ...] = ()
-    spreads: tuple[float | None, ...] = ()
     lows: tuple[float | None, ...] = ()
     highs: tuple[float | None, ...] = ()
     alongs: tuple[float | None, ...] = ()

@@ -154,7 +154,6 @@ def _entry(
         if defined
         else {},
         errors=error,
-        spreads=spread,
         lows=low,
         highs=high,
         # Empty if the force, or the mode, differs from pose to pose, since such numbers are not a

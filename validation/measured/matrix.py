@@ -386,7 +386,6 @@ def _entry(
         value=deciding.value,
         uncertainties=deciding.uncertainties,
         errors=tuple(comparison.error if comparison else None for comparison in by_pose),
-        spreads=tuple(comparison.uncertainty if comparison else None for comparison in by_pose),
         lows=tuple(
             comparison.error - comparison.uncertainty if comparison else None
             for comparison in by_pose

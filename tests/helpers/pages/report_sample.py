@@ -62,7 +62,6 @@ def entry(model, name, *curve, **fields):
             "verdict": "adequate" if abs(worst) <= 0.05 else "inadequate",
             "pose": POSES[errors.index(worst)],
             "errors": errors,
-            "spreads": (0.001,) * len(errors),
             "value": 1e-8 * (1.0 + worst),
             "expected": 1e-8,
             "computed_by": (f"validation.models.robot_compliance({model!r})",),

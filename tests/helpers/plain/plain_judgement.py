@@ -250,10 +250,8 @@ class Rule:
         for one in path:
             place = None if one.missing else next(places)
             known = not one.missing
-            rows.append(
-                (one.errors[place], one.halves[place], one.low, one.high) if known else [None] * 4
-            )
-        names = ("errors", "spreads", "lows", "highs")
+            rows.append((one.errors[place], one.low, one.high) if known else [None] * 3)
+        names = ("errors", "lows", "highs")
         return dict(zip(names, zip(*rows, strict=True), strict=True))
 
     def causes(self, pose):

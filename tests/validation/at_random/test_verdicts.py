@@ -65,7 +65,8 @@ def contradictions(subject, errors):
         )
         for (model, quantity), error in errors.items():
             entry, size = matrix.entry(model, quantity), np.abs(error)
-            left = np.array([0.0 if one is None else one for one in entry.spreads])
+            pairs = zip(entry.highs, entry.errors, strict=True)
+            left = np.array([0.0 if high is None else high - error for high, error in pairs])
             # A finer mesh leaves less open than is stated. The largest over directions that were
             # tried is the largest of all, less a percent.
             wrong = {

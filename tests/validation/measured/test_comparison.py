@@ -87,7 +87,6 @@ def test_measured_values_are_reference_of_own_entries():
     assert entry.errors == pytest.approx([there / wrong.value - 1.0, 0.0])
     # Every pose has its own interval, of 95 %: the gauge alone is uncertain.
     halves = [1.959964 * 1e-3 * truth / abs(one.value) for one in (wrong, good)]
-    assert entry.spreads == pytest.approx(halves, rel=1e-6)
     assert entry.lows == pytest.approx(np.subtract(entry.errors, halves), rel=1e-6)
     assert entry.highs == pytest.approx(np.add(entry.errors, halves), rel=1e-6)
     assert entry.values == pytest.approx([there, truth])

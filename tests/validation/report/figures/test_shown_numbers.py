@@ -114,7 +114,6 @@ def measured_entry(poses):
         expected=1e-6,
         uncertainties={"numerics": 0.024, "inputs": 0.032, "measurement": 0.03},
         errors=many,
-        spreads=tuple(0.05 for _ in poses),
         lows=tuple(0.05 for _ in poses),
         highs=tuple(0.15 for _ in poses),
         measured=True,
