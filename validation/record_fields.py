@@ -7,6 +7,9 @@ and JSON objects. The record alone lists its fields.
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar, get_args, get_type_hints
 
+import msgspec
+import numpy as np
+
 Document: TypeAlias = Literal["results.json", "cases --json"]
 M = TypeVar("M")
 
@@ -52,6 +55,17 @@ def json_object(record: Any, document: Document) -> dict[str, Any]:
         for name, key in _marked(record.__class__, Key)
         if key.document == document
     }
+
+
+def plain_data(record: Any) -> Any:
+    """Records and arrays as dictionaries, lists and numbers. NaN and infinite numbers are kept."""
+    return msgspec.to_builtins(record, enc_hook=_of_numpy)
+
+
+def _of_numpy(value: object) -> object:
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    raise NotImplementedError(f"{type(value).__name__} cannot be stored")
 
 
 @lru_cache

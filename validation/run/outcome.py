@@ -11,11 +11,10 @@ from math import isfinite, nan
 from typing import Annotated, Any, Generic, Literal, TypeAlias, TypeVar
 
 import msgspec
-import numpy as np
 
 from validation.case import Case, Declaration, Measurement, Relation
 from validation.drawing.text import function_name
-from validation.record_fields import RESULTS
+from validation.record_fields import RESULTS, plain_data
 from validation.studies_and_figures import Figure, PlannedFigure
 from validation.verdicts import Assessment, Matrix
 
@@ -167,7 +166,7 @@ _SEVERITY: Mapping[Verdict, int] = {"agree": 0, "undecided": 1, "disagree": 2}
 
 def plain(result: Result[Any, Any]) -> Record:
     """Result as plain data. NaN and infinite numbers are kept."""
-    record: Record = msgspec.to_builtins(result, enc_hook=_numpy_to_builtin)
+    record: Record = plain_data(result)
     return record
 
 
@@ -199,9 +198,3 @@ def valid_result(task: Task, record: Mapping[str, Any]) -> AnyResult | None:
     except (msgspec.ValidationError, ValueError):
         return None
     return result
-
-
-def _numpy_to_builtin(value: object) -> object:
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
-    raise NotImplementedError(f"{type(value).__name__} cannot be stored")

@@ -6,7 +6,7 @@ and plots of all.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
@@ -24,7 +24,52 @@ from validation.uncertainty.refinement import Accuracy
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Place: TypeAlias = dict[str, float | int | str | list[float]]
+
+class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
+    """Subject of an answer: the robot in a pose, or one of its bodies alone.
+
+    One field is given, the others are None.
+    """
+
+    # Position (m) of a robot of schema 1.
+    x: float | None = None
+    # Pose (m, rad) of a mechanism, () for a structure.
+    pose: tuple[float, ...] | None = None
+    # Number of a leg of a robot of schema 1.
+    leg: int | None = None
+    # Name of a body of a mechanism.
+    body: str | None = None
+
+    @property
+    def coordinates(self) -> tuple[float, ...]:
+        """Coordinates of the pose. () for a body alone."""
+        return (self.x,) if self.x is not None else self.pose or ()
+
+    @property
+    def title(self) -> str:
+        """Pose, or body with its end conditions."""
+        if self.leg is not None:
+            return f"leg {self.leg}, root clamped"
+        if self.body is not None:
+            return f"{self.body}, clamped at its first point"
+        if self.x is not None:
+            return f"x = {self.x:.6g} m"
+        listed = ", ".join(f"{value:.6g}" for value in self.coordinates)
+        return f"pose ({listed})" if listed else "reference posture"
+
+    @property
+    def free_title(self) -> str:
+        """Body that nothing holds."""
+        return f"{self.body or f'leg {self.leg}'}, nothing held"
+
+    @property
+    def axes(self) -> str:
+        """Point and axes of the compliance."""
+        if self.leg is not None:
+            return "leg axes"
+        if self.body is not None:
+            return "at its second, body axes"
+        return f"at the loaded point, {'base' if self.x is None else 'robot'} axes"
 
 
 @dataclass(frozen=True)
@@ -116,16 +161,15 @@ class PairedModes(msgspec.Struct, frozen=True):
 class Answer:
     """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) in one posture or of one leg.
 
-    `place`: {"x": m}, {"pose": [m or rad]}, {"leg": 1 or 2} or {"body": name}. `idle`: number of
-    mobilities that do not move the tool. `loads`: displacements of the tool (6, m and rad, base
-    axes) under each load of the file, NaN without a solution. `stability`: buckling under these
-    loads, None without a solution. `responses`: receptances of the tool. `damped`: frequencies (Hz)
-    and loss factors of the complex modes, None without damping. `strain`: shares of drives, joints
-    and bodies in each mode's strain energy. `paired`: partners of the modes in another model, None
-    unless requested. `uncertainty`: half-widths due to the mesh of prisms, None without such a
-    mesh. `of_parts`: half-widths due to CAD parts. `of_digits`: bounds due to the printed digits of
-    the 6×6 in the robot file, to first order. `rigid`: for a free body, the number of rigid-body
-    motions, which are not among `frequencies`; its compliance is empty.
+    `idle`: number of mobilities that do not move the tool. `loads`: displacements of the tool (6, m
+    and rad, base axes) under each load of the file, NaN without a solution. `stability`: buckling
+    under these loads, None without a solution. `responses`: receptances of the tool. `damped`:
+    frequencies (Hz) and loss factors of the complex modes, None without damping. `strain`: shares
+    of drives, joints and bodies in each mode's strain energy. `paired`: partners of the modes in
+    another model, None unless requested. `uncertainty`: half-widths due to the mesh of prisms, None
+    without such a mesh. `of_parts`: half-widths due to CAD parts. `of_digits`: bounds due to the
+    printed digits of the 6×6 in the robot file, to first order. `rigid`: for a free body, the
+    number of rigid-body motions, which are not among `frequencies`; its compliance is empty.
     """
 
     place: Place
@@ -186,7 +230,7 @@ class Solution:
             ("at", *(f"{axis} ({unit})" for axis, unit in axes), *modes),
             tuple(
                 (
-                    heading_of(answer.place)[0],
+                    answer.place.title,
                     *np.diag(answer.compliance).tolist(),
                     *_numbers_or_none(answer.frequencies, count),
                 )
@@ -210,7 +254,7 @@ class Solution:
         # Only a picture needs the library that draws it.
         from validation.solve.solution_plot import solution_plot  # noqa: PLC0415
 
-        places = [heading_of(answer.place)[0] for answer in self.answers]
+        places = [answer.place.title for answer in self.answers]
         deflections = np.array([np.diag(answer.compliance)[:3] * 1e9 for answer in self.answers])
         count = max(len(answer.frequencies) for answer in self.answers)
         frequencies = [_numbers_or_none(answer.frequencies, count) for answer in self.answers]
@@ -241,9 +285,7 @@ class Solution:
             for name, displacement in answer.loads.items():
                 stability = answer.stability.get(name)
                 factor = stability.factor if stability else None
-                rows.append(
-                    (heading_of(answer.place)[0], name, *_numbers_or_none(displacement, 6), factor)
-                )
+                rows.append((answer.place.title, name, *_numbers_or_none(displacement, 6), factor))
         if not rows:
             raise InputError("load_table: the robot file has no [[loads]]")
         axes = [f"{axis} ({unit.split('/')[0]})" for axis, unit in DIAGONAL_UNITS.items()]
@@ -287,10 +329,7 @@ class Solution:
 
     def _abscissa(self) -> tuple[Array, str]:
         """Abscissa (p): the only coordinate that differs between poses, or the pose's number."""
-        poses = [
-            np.atleast_1d(answer.place.get("pose", answer.place.get("x", [])))
-            for answer in self.answers
-        ]
+        poses = [np.array(answer.place.coordinates) for answer in self.answers]
         same_length = len({len(pose) for pose in poses}) == 1
         changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0) if same_length else np.zeros(0)
         if len(changing) == 1 and len(self.moves) == len(poses[0]):
@@ -320,7 +359,7 @@ class Solution:
 
         several = len(self.answers) > 1
         curves = {
-            f"{response.excitation.name}{f', {heading_of(answer.place)[0]}' if several else ''}": (
+            f"{response.excitation.name}{f', {answer.place.title}' if several else ''}": (
                 response.excitation.frequencies,
                 response.receptance,
             )
@@ -332,7 +371,7 @@ class Solution:
         return responses_plot(curves)
 
     def __repr__(self) -> str:
-        places = [heading_of(answer.place)[0] for answer in self.answers]
+        places = [answer.place.title for answer in self.answers]
         where = places[0] if len(places) == 1 else f"{len(places)} poses"
         return f"Solution({self.robot}, {self.model}: {where})"
 
@@ -340,7 +379,7 @@ class Solution:
         """Deflections under their own load of 1000 N, and frequencies, as a notebook shows them."""
         rows = [
             [
-                heading_of(answer.place)[0],
+                answer.place.title,
                 *deflection_texts(answer),
                 ", ".join(f"{frequency:.5g}" for frequency in answer.frequencies),
             ]
@@ -370,24 +409,3 @@ def deflection_texts(answer: Answer) -> list[str]:
 def without_round_off(micro: float) -> float:
     """Number (µm or µrad) rounded to 1e-12, so that round-off of zero is displayed as zero."""
     return round(float(micro), 12) + 0.0
-
-
-def heading_of(place: Place, *, free: bool = False) -> tuple[str, str]:
-    """Texts on the body of an answer with its end conditions, and on the axes of its compliance."""
-    match place:
-        case {"leg": number} if free:
-            return f"leg {number}, nothing held", ""
-        case {"body": name} if free:
-            return f"{name}, nothing held", ""
-        case {"leg": number}:
-            return f"leg {number}, root clamped", "leg axes"
-        case {"body": name}:
-            return f"{name}, clamped at its first point", "at its second, body axes"
-        case {"pose": list(pose)}:
-            where = ", ".join(f"{value:.6g}" for value in pose)
-            return (
-                f"pose ({where})" if pose else "reference posture",
-                "at the loaded point, base axes",
-            )
-        case _:
-            return f"x = {place['x']:.6g} m", "at the loaded point, robot axes"

@@ -1,24 +1,138 @@
-"""Solutions of `solve` as JSON (schema 1).
+"""Solutions as JSON (schema 1): the records that list its keys, and their making from answers.
 
-Input: a `Solution`. Output: text, in SI units.
+Keys without a value are omitted. Numbers have the units of the answers.
 """
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
 import msgspec
 import numpy as np
+from msgspec import UNSET, UnsetType
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError
 from lumped.system.response import HarmonicResponse
 from lumped.system.stability import Stability
-from validation.solve.answer import Answer, HalfWidths, MeshUncertainty, Solution
+from validation.record_fields import plain_data
+from validation.solve.answer import (
+    Answer,
+    HalfWidths,
+    MeshUncertainty,
+    PairedModes,
+    PartUncertainty,
+    Place,
+    Solution,
+)
+
+
+class HalfWidthRecord(msgspec.Struct, frozen=True, omit_defaults=True):
+    """`HalfWidths`. Those of a displacement are None if one of them is unknown."""
+
+    compliance: Array
+    frequencies: Array
+    loads: Mapping[str, Array | None] = {}
+
+
+class MeshRecord(HalfWidthRecord, frozen=True, omit_defaults=True, kw_only=True):
+    """`MeshUncertainty`."""
+
+    divisions: int
+    extrapolated_from: tuple[int, ...] = ()
+
+
+class CountRecord(msgspec.Struct, frozen=True):
+    """Number of modes of a part below a frequency (Hz)."""
+
+    count: int
+    below: float
+
+
+class PartRecord(msgspec.Struct, frozen=True):
+    """`PartUncertainty`. `uncertainty`: half-widths due to meshes, None if unknown."""
+
+    uncertainty: HalfWidthRecord | None
+    averaged_less_rigid: HalfWidthRecord
+    reduction: Array
+    modes_counted: Mapping[str, CountRecord]
+
+
+class BucklingRecord(msgspec.Struct, frozen=True):
+    """Buckling of `Stability`. `body` has the largest share of the buckling mode's energy."""
+
+    factor: float | None
+    reversed: float | None
+    body: str | None
+    shares: Mapping[str, float]
+
+
+class LoadRecord(msgspec.Struct, frozen=True):
+    """Displacement under a load, None without a solution, and `Stability` near it.
+
+    A buckled mechanism has no stiffness: what depends on it is None.
+    """
+
+    displacement: Array | None
+    buckling: BucklingRecord | UnsetType = UNSET
+    stiffness_lost: Array | UnsetType | None = UNSET
+    farther: float | UnsetType | None = UNSET
+    frequencies: Array | UnsetType = UNSET
+
+
+class SizeRecord(msgspec.Struct, frozen=True):
+    """Magnitude of a receptance (m/N) at a frequency (Hz). None for an infinite number."""
+
+    size: float | None
+    frequency: float | None
+
+
+class ResponseRecord(msgspec.Struct, frozen=True):
+    """`HarmonicResponse`: receptance (m/N) over frequencies (Hz), and its peak.
+
+    `force` and `displacement` are points of the robot file (body and point).
+    """
+
+    frequencies: Array
+    real: Array
+    imaginary: Array
+    peak: SizeRecord
+    at: SizeRecord | UnsetType = UNSET
+    force: tuple[str, ...] | UnsetType = UNSET
+    displacement: tuple[str, ...] | UnsetType = UNSET
+
+
+class DampedRecord(msgspec.Struct, frozen=True):
+    """Frequencies (Hz) and loss factors of complex modes."""
+
+    frequencies: Array
+    losses: Array
+
+
+class AnswerRecord(Place, frozen=True, omit_defaults=True, kw_only=True):
+    """An `Answer`: an object of "results", with the keys of its place.
+
+    An infinite frequency is None. `uncertainty` is None if the mesh that would show it is too
+    large.
+    """
+
+    compliance: Array | UnsetType = UNSET
+    frequencies: tuple[float | None, ...]
+    idle: int | None = None
+    rigid: int | None = None
+    loads: Mapping[str, LoadRecord] = {}
+    damped: DampedRecord | None = None
+    responses: Mapping[str, ResponseRecord] = {}
+    uncertainty: MeshRecord | UnsetType | None = UNSET
+    parts: PartRecord | None = None
+    digits: HalfWidthRecord | None = None
+    strain: Mapping[str, Array] = {}
+    partners: PairedModes | None = None
 
 
 def as_json(solution: Solution) -> str:
-    """Solution as JSON (schema 1). An infinite frequency is null."""
+    """Solution as JSON (schema 1)."""
     document: dict[str, Any] = {
         "schema": 1,
         "robot": solution.robot,
@@ -37,7 +151,7 @@ def finite_json(document: Any) -> str:
     Raises ComputationError if it contains one.
     """
     try:
-        return json.dumps(document, allow_nan=False)
+        return json.dumps(plain_data(document), allow_nan=False)
     except ValueError as error:
         raise ComputationError(
             "a result is no finite number: a mass or a stiffness of the robot is extremely small "
@@ -45,110 +159,97 @@ def finite_json(document: Any) -> str:
         ) from error
 
 
-def answer_record(answer: Answer) -> dict[str, Any]:
-    """Record of an answer. An infinite frequency is null."""
-    record: dict[str, Any] = {
-        **answer.place,
-        "compliance": answer.compliance.tolist(),
-        "frequencies": [f if np.isfinite(f) else None for f in answer.frequencies.tolist()],
-    }
-    if answer.idle is not None:
-        record["idle"] = answer.idle
-    if answer.rigid is not None:
-        del record["compliance"]
-        record["rigid"] = answer.rigid
-    if answer.loads:
-        record["loads"] = {
-            name: {"displacement": _numbers(displacement)}
-            | _stability_record(answer.stability.get(name))
+def answer_record(answer: Answer) -> AnswerRecord:
+    """Record of an answer."""
+    mesh, parts, digits = answer.uncertainty, answer.of_parts, answer.of_digits
+    return AnswerRecord(
+        **msgspec.structs.asdict(answer.place),
+        compliance=answer.compliance if answer.rigid is None else UNSET,
+        frequencies=tuple(map(_finite, answer.frequencies.tolist())),
+        idle=answer.idle,
+        rigid=answer.rigid,
+        loads={
+            name: _load_record(displacement, answer.stability.get(name))
             for name, displacement in answer.loads.items()
-        }
-    if answer.damped:
-        frequencies, losses = (values.tolist() for values in answer.damped)
-        record["damped"] = {"frequencies": frequencies, "losses": losses}
-    if answer.responses:
-        record["responses"] = {
-            values.excitation.name: _response_record(values) for values in answer.responses
-        }
-    if (mesh := answer.uncertainty) is not None:
-        record["uncertainty"] = _mesh_record(mesh) if mesh.known else None
-    if (parts := answer.of_parts) is not None:
-        record["parts"] = {
-            "uncertainty": _half_widths(parts) if parts.known else None,
-            "averaged_less_rigid": _half_widths(parts.bracket),
-            "reduction": parts.reduction.tolist(),
-            "modes_counted": {
-                name: {"count": count, "below": below}
-                for name, (count, below) in parts.counted.items()
-            },
-        }
-    if (digits := answer.of_digits) is not None:
-        record["digits"] = _half_widths(digits)
-    if answer.strain:
-        record["strain"] = {str(part): share.tolist() for part, share in answer.strain.items()}
-    if answer.paired:
-        record["partners"] = msgspec.to_builtins(answer.paired)
-    return record
-
-
-def _half_widths(half_widths: HalfWidths) -> dict[str, Any]:
-    """Half-widths of the diagonal of a compliance, of frequencies and of displacements."""
-    record: dict[str, Any] = {
-        "compliance": half_widths.compliance.tolist(),
-        "frequencies": half_widths.frequencies.tolist(),
-    }
-    if half_widths.loads:
-        record["loads"] = {name: _numbers(sizes) for name, sizes in half_widths.loads.items()}
-    return record
-
-
-def _mesh_record(mesh: MeshUncertainty) -> dict[str, Any]:
-    """Half-widths with the divisions of the meshes from which they follow."""
-    extrapolation = {"extrapolated_from": list(mesh.meshes)} if mesh.meshes else {}
-    return {"divisions": mesh.divisions} | _half_widths(mesh) | extrapolation
-
-
-def _response_record(response: HarmonicResponse) -> dict[str, Any]:
-    """Receptance (m/N) over frequencies (Hz), and its peak. None for an infinite number."""
-    height, frequency, *excitation_point = response.judged
-    record: dict[str, Any] = {
-        "frequencies": response.excitation.frequencies.tolist(),
-        "real": response.receptance.real.tolist(),
-        "imaginary": response.receptance.imag.tolist(),
-        "peak": {
-            name: number if np.isfinite(number) else None
-            for name, number in (("size", height), ("frequency", frequency))
         },
-    }
-    excitation = response.excitation
-    points = {"force": excitation.loaded, "displacement": excitation.moved}
-    record |= {name: list(point) for name, point in points.items() if point is not None}
-    return record | (
-        {"at": {"size": excitation_point[0], "frequency": response.excitation.at}}
-        if excitation_point
-        else {}
+        damped=DampedRecord(*answer.damped) if answer.damped else None,
+        responses={values.excitation.name: _response_record(values) for values in answer.responses},
+        uncertainty=UNSET if mesh is None else _mesh_record(mesh),
+        parts=None if parts is None else _part_record(parts),
+        digits=None if digits is None else _half_width_record(digits),
+        strain={str(part): share for part, share in answer.strain.items()},
+        partners=answer.paired,
     )
 
 
-def _stability_record(stability: Stability | None) -> dict[str, Any]:
-    """Buckling factor and loss of stiffness under a load. A buckled mechanism has no stiffness."""
+def _half_width_record(half_widths: HalfWidths) -> HalfWidthRecord:
+    return HalfWidthRecord(
+        half_widths.compliance, half_widths.frequencies, _known_loads(half_widths)
+    )
+
+
+def _mesh_record(mesh: MeshUncertainty) -> MeshRecord | None:
+    if not mesh.known:
+        return None
+    return MeshRecord(
+        mesh.compliance,
+        mesh.frequencies,
+        _known_loads(mesh),
+        divisions=mesh.divisions,
+        extrapolated_from=mesh.meshes,
+    )
+
+
+def _known_loads(half_widths: HalfWidths) -> dict[str, Array | None]:
+    return {name: _known(sizes) for name, sizes in half_widths.loads.items()}
+
+
+def _part_record(parts: PartUncertainty) -> PartRecord:
+    return PartRecord(
+        uncertainty=_half_width_record(parts) if parts.known else None,
+        averaged_less_rigid=_half_width_record(parts.bracket),
+        reduction=parts.reduction,
+        modes_counted={name: CountRecord(*count) for name, count in parts.counted.items()},
+    )
+
+
+def _load_record(displacement: Array, stability: Stability | None) -> LoadRecord:
     if stability is None:
-        return {}
-    stands = bool(np.isfinite(stability.stiffness_losses).all())
-    record: dict[str, Any] = {
-        "buckling": {
-            "factor": stability.factor,
-            "reversed": stability.reversed,
-            "body": next(iter(stability.shares), None),
-            "shares": stability.shares,
-        },
-        "stiffness_lost": stability.stiffness_losses.tolist() if stands else None,
-        "farther": stability.extra_displacement if stands else None,
-    }
-    if len(stability.frequencies):
-        record["frequencies"] = stability.frequencies.tolist()
-    return record
+        return LoadRecord(_known(displacement))
+    losses = _known(stability.stiffness_losses)
+    return LoadRecord(
+        displacement=_known(displacement),
+        buckling=BucklingRecord(
+            stability.factor,
+            stability.reversed,
+            next(iter(stability.shares), None),
+            stability.shares,
+        ),
+        stiffness_lost=losses,
+        farther=None if losses is None else stability.extra_displacement,
+        frequencies=stability.frequencies if len(stability.frequencies) else UNSET,
+    )
 
 
-def _numbers(values: Array) -> list[float] | None:
-    return values.tolist() if np.isfinite(values).all() else None
+def _response_record(response: HarmonicResponse) -> ResponseRecord:
+    excitation = response.excitation
+    height, frequency, *size_at = response.judged
+    return ResponseRecord(
+        frequencies=excitation.frequencies,
+        real=response.receptance.real,
+        imaginary=response.receptance.imag,
+        peak=SizeRecord(_finite(height), _finite(frequency)),
+        at=SizeRecord(size_at[0], excitation.at) if size_at else UNSET,
+        force=excitation.loaded or UNSET,
+        displacement=excitation.moved or UNSET,
+    )
+
+
+def _finite(number: float) -> float | None:
+    """The number. None if it is infinite or NaN."""
+    return number if np.isfinite(number) else None
+
+
+def _known(values: Array) -> Array | None:
+    """The values. None if any of them is infinite or NaN."""
+    return values if np.isfinite(values).all() else None

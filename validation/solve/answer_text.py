@@ -17,7 +17,6 @@ from validation.solve.answer import (
     PartUncertainty,
     Solution,
     deflection_texts,
-    heading_of,
     without_round_off,
 )
 
@@ -40,12 +39,12 @@ def as_text(solution: Solution) -> str:
 def _static_lines(answer: Answer) -> list[str]:
     """Lines with heading and compliance. For a free body, the number of rigid motions."""
     if answer.rigid is not None:
-        heading, _ = heading_of(answer.place, free=True)
-        return [heading, f"  motions without deformation, left out: {answer.rigid}"]
+        motions = f"  motions without deformation, left out: {answer.rigid}"
+        return [answer.place.free_title, motions]
     size = len(answer.compliance)
     deflections = zip("xyz", deflection_texts(answer), strict=False)
     return [
-        ", ".join(heading_of(answer.place)),
+        f"{answer.place.title}, {answer.place.axes}",
         "  deflection (µm) along a force of 1000 N:",
         "    " + ", ".join(f"{axis} {text}" for axis, text in deflections),
         f"  compliance {size}×{size} (m/N, rad/N, rad/(N m)):",

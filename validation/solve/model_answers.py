@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, replace
 from math import ceil
-from typing import Any
+from typing import TypeGuard
 
 import numpy as np
 
@@ -202,7 +202,8 @@ def _answers(
             answer.modes.frequencies if isinstance(answer, PostureModes) else answer.frequencies,
             answer.idle,
             strain=answer.strain if isinstance(answer, PostureModes) else {},
-            **(_damped(answer) if isinstance(answer, PostureModes) else {}),
+            responses=answer.responses if _is_damped(answer) else (),
+            damped=_damped(answer) if _is_damped(answer) else None,
         )
         for answer in modes or answers(model, postures, 0, options)
     ]
@@ -245,15 +246,19 @@ def _answers(
     return solved
 
 
-def _damped(modes: PostureModes) -> dict[str, Any]:
-    """Responses, and frequencies (Hz) and loss factors of complex modes. {} without damping."""
-    count = len(modes.modes.frequencies)
-    if not count or not modes.posture.mechanism.is_damped:
-        return {}
+def _is_damped(answer: PostureModes | PostureAnswer) -> TypeGuard[PostureModes]:
+    """True for modes of a robot with damping."""
+    if not isinstance(answer, PostureModes):
+        return False
+    return len(answer.modes.frequencies) > 0 and answer.posture.mechanism.is_damped
+
+
+def _damped(modes: PostureModes) -> tuple[Array, Array]:
+    """Frequencies (Hz) and loss factors of complex modes."""
     # With dashpots, fewer motions can oscillate.
+    count = len(modes.modes.frequencies)
     oscillating = np.flatnonzero(np.isfinite(modes.damped.frequencies))[:count]
-    complex_modes = modes.damped.frequencies[oscillating], modes.damped.losses[oscillating]
-    return {"responses": modes.responses, "damped": complex_modes}
+    return modes.damped.frequencies[oscillating], modes.damped.losses[oscillating]
 
 
 def _body_answer(question: Question, name: str) -> Answer:
@@ -261,7 +266,7 @@ def _body_answer(question: Question, name: str) -> Answer:
     leg = leg_of(question.mechanism.bodies[name])
     if isinstance(leg, ConstantLeg) and leg.ends is not None:
         options = replace(options, ends=leg.ends)
-    place: Place = {"body": name} if question.leg is None else {"leg": question.leg}
+    place = Place(body=name) if question.leg is None else Place(leg=question.leg)
     if question.free:
         frequencies = free_leg_frequencies(model, leg, count, options)
         return Answer(place, np.zeros((0, 0)), frequencies, rigid=RIGID_MOTIONS)
@@ -336,7 +341,8 @@ def _compliance_and_frequencies(answer: Answer | PostureAnswer) -> Array:
 
 
 def _place(question: Question, posture: Posture) -> Place:
-    return {"x": float(posture.pose[0])} if question.numbered else {"pose": posture.pose.tolist()}
+    pose = tuple(posture.pose.tolist())
+    return Place(x=pose[0]) if question.numbered else Place(pose=pose)
 
 
 def _defined_compliance(question: Question, compliance: Array) -> Array:

@@ -7,7 +7,6 @@ not specify them.
 
 from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -80,24 +79,23 @@ def of_parts(
     bracket = np.zeros_like(fine) if all_specified else again(FINEST, "average") - fine
     prepared = assembly(mechanism, models)
 
-    def split(values: Array) -> dict[str, Any]:
-        loads = zip(names, values[6 + count :].reshape(-1, 6), strict=True)
-        return {
-            "compliance": values[:6],
-            "frequencies": values[6 : 6 + count],
-            "loads": dict(loads),
-        }
+    def split(values: Array) -> HalfWidths:
+        diagonal, frequencies, displacements = np.split(values, [6, 6 + count])
+        loads = dict(zip(names, displacements.reshape(-1, 6), strict=True))
+        return HalfWidths(diagonal, frequencies, loads=loads)
 
     return [
         PartUncertainty(
-            **split(mesh_half_widths),
-            bracket=HalfWidths(**split(interface_change)),
+            of_meshes.compliance,
+            of_meshes.frequencies,
+            loads=of_meshes.loads,
+            bracket=of_ends,
             reduction=_bound(prepared.at(posture), solids, count),
             counted={name: (part.counted, part.cutoff) for name, part in solids.items()},
             by=by,
         )
-        for posture, mesh_half_widths, interface_change in zip(
-            postures, half_widths, bracket, strict=True
+        for posture, of_meshes, of_ends in zip(
+            postures, map(split, half_widths), map(split, bracket), strict=True
         )
     ]
 

@@ -23,6 +23,7 @@ from validation.console.progress import stage
 from validation.console.streams import write_message, write_messages, write_results
 from validation.console.typed import write
 from validation.drawing.style import OTHERS, csv_of
+from validation.record_fields import plain_data
 from validation.run.cluster import on_cluster
 from validation.run.executor import Executor, in_turn, on_cores
 from validation.solve.answer import Answer, Solution
@@ -163,15 +164,14 @@ def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:
         variation.key: [values[index] for values, _ in rows]
         for index, variation in enumerate(answers.variations)
     }
-    for name, value in rows[0][1].place.items():
-        places = [answer.place[name] for _, answer in rows]
-        if isinstance(value, list):
+    places = [plain_data(answer.place) for _, answer in rows]
+    for name, value in places[0].items():
+        if name == "pose":
             table |= {
-                f"{name}[{k + 1}]": [index[k] for index in places if isinstance(index, list)]
-                for k in range(len(value))
+                f"pose[{k + 1}]": [place["pose"][k] for place in places] for k in range(len(value))
             }
         else:
-            table[name] = [index for index in places if not isinstance(index, list)]
+            table[name] = [place[name] for place in places]
     return table | quantities([answer for _, answer in rows])
 
 
@@ -212,7 +212,7 @@ def as_json(answers: VariedAnswers) -> str:
             for variation in answers.variations
         ],
         "results": [
-            {"vary": dict(zip(keys, values, strict=True)), **answer_record(answer)}
+            {"vary": dict(zip(keys, values, strict=True)), **plain_data(answer_record(answer))}
             for values, answer in answers.rows
         ],
     }
@@ -266,7 +266,7 @@ def _curve(variations: Sequence[Variation], values: Sequence[float], answer: Ans
     """Label of a curve: values of the other numbers, and the pose."""
     texts = [assignments(variations, values)] if variations else []
     if answer is not None:
-        ((name, position),) = answer.place.items()
-        numbers = position if isinstance(position, list) else [position]
+        name = "x" if answer.place.pose is None else "pose"
+        numbers = answer.place.coordinates
         texts.append(f"{name} {', '.join(f'{value:.4g}' for value in numbers)}")
     return "; ".join(texts)

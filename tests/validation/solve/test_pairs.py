@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lumped.robot_file import load_robot
+from validation.record_fields import plain_data
 from validation.solve import pairs
 from validation.solve.answer_json import answer_record
 from validation.solve.answer_text import as_text
@@ -41,5 +42,5 @@ def test_partner_or_its_lack_is_shown_with_the_reason(monkeypatch, seen, line):
     assert (second.partner is None) == second.local == (seen < 0.5)
     assert np.isfinite([pair.frequency or 0.0 for pair in answer.paired.pairs]).all()
     names = ["mode", "partner", "frequency", "mac", "seen", "local", "open", "undecided"]
-    assert list(answer_record(answer)["partners"]["pairs"][1]) == names
+    assert list(plain_data(answer_record(answer))["partners"]["pairs"][1]) == names
     assert f"    2: {line.format(second=answer.frequencies[1])}" in as_text(solution)

@@ -1,5 +1,6 @@
 """`flexproof solve`: what is typed is heard or refused, and what costs too much as well."""
 
+import json
 import re
 import sys
 from dataclasses import replace
@@ -32,6 +33,7 @@ from validation.solve.answer import (
     HalfWidths,
     MeshUncertainty,
     PartUncertainty,
+    Place,
     Solution,
 )
 from validation.solve.answer_json import answer_record, finite_json
@@ -232,7 +234,7 @@ def test_every_number_of_an_answer_has_its_own_name():
     bracket = HalfWidths(take(6), take(2))
     parts = PartUncertainty(take(6), take(2), bracket, take(2), {"arm": (7, 811.0)}, "fixed")
     answer = Answer(
-        {"pose": [0.1]},
+        Place(pose=(0.1,)),
         take(36).reshape(6, 6),
         take(2),
         idle=3,
@@ -240,7 +242,7 @@ def test_every_number_of_an_answer_has_its_own_name():
         of_parts=parts,
         strain={Portion("rod", "tension"): take(2)},
     )
-    record = answer_record(answer)
+    record = json.loads(finite_json(answer_record(answer)))
     assert record == {
         "pose": [0.1],
         "compliance": np.arange(19.0, 55.0).reshape(6, 6).tolist(),
@@ -377,7 +379,7 @@ def test_models_with_mass_have_responses_and_losses(tmp_path, command):
 def test_round_off_about_zero_is_shown_as_zero():
     compliance, moved = np.zeros((6, 6)), np.array([1.8e-52, -1.57e-5, 0.0, 0.0, 0.0, 0.0])
     np.fill_diagonal(compliance, [5e-7, 2e-7, 3e-71])
-    answer = Answer({"pose": []}, compliance, np.zeros(0), loads={"weight": moved})
+    answer = Answer(Place(pose=()), compliance, np.zeros(0), loads={"weight": moved})
     text = as_text(Solution("gantry", "beam", {}, (answer,)))
     assert "reference posture, at the loaded point" in text
     assert "x 500, y 200, z 0\n" in text
