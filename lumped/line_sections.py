@@ -21,7 +21,7 @@ The mass of the longer fibres moves the mass centre off the line, by I/AR.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
@@ -41,33 +41,43 @@ FOURTH = ("EIyyyy", "EIzzzz", "EIyyzz")
 NODES: Array = np.asarray(0.5 * (1.0 + chebyshev.chebpts1(12)))
 # Gauss points per element. A taper 2 : 1 in one element has an error of 5.8^-24.
 GAUSS = 12
-_POINTS, _WEIGHTS = legendre.leggauss(GAUSS)
-# Values of the Legendre polynomials at the Gauss points, for interpolation.
-_VALUES = legendre.legvander(_POINTS, GAUSS - 1)
-# ∫ from the start of [−1, 1] to each Gauss point, of functions by their values there.
-_CUMULATIVE = np.column_stack(
-    [
-        legendre.legval(_POINTS, antiderivative) - legendre.legval(-1.0, antiderivative)
-        for antiderivative in (legendre.legint(row) for row in np.eye(GAUSS))
-    ]
-) @ np.linalg.inv(_VALUES)
 # Share of the line's length: ends of spans closer than this are one.
 TOGETHER = 1e-9
 
 
+# Computed when first needed: many processes import this module and solve no curved leg.
+@cache
 def gauss_points() -> tuple[Array, Array]:
     """Points on [−1, 1] and weights of the integrals along elements."""
-    return _POINTS, _WEIGHTS
+    points, weights = legendre.leggauss(GAUSS)
+    return points, weights
+
+
+@cache
+def _interpolation() -> Array:
+    """Coefficients of Legendre polynomials by the values of a function at the Gauss points."""
+    return np.asarray(np.linalg.inv(legendre.legvander(gauss_points()[0], GAUSS - 1)))
+
+
+@cache
+def _cumulative_weights() -> Array:
+    """∫ from the start of [−1, 1] to each Gauss point, of functions by their values there."""
+    points, _ = gauss_points()
+    integrals = [
+        legendre.legval(points, antiderivative) - legendre.legval(-1.0, antiderivative)
+        for antiderivative in (legendre.legint(row) for row in np.eye(GAUSS))
+    ]
+    return np.asarray(np.column_stack(integrals) @ _interpolation())
 
 
 def cumulative(values: Array, lengths: Array) -> Array:
     """∫ from the start of each element to its Gauss points, of `values` there (e×GAUSS×…)."""
-    return np.asarray(np.einsum("pq,eq...,e->ep...", _CUMULATIVE, values, 0.5 * lengths))
+    return np.asarray(np.einsum("pq,eq...,e->ep...", _cumulative_weights(), values, 0.5 * lengths))
 
 
 def interpolation(coordinates: Array) -> Array:
     """n×GAUSS: values at `coordinates` (n) of [−1, 1] from those at the Gauss points."""
-    return np.asarray(legendre.legvander(coordinates, GAUSS - 1) @ np.linalg.inv(_VALUES))
+    return np.asarray(legendre.legvander(coordinates, GAUSS - 1) @ _interpolation())
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +145,7 @@ class LineSections:
     def along(self, edges: Array) -> SectionField:
         """Sections at the Gauss points (e×GAUSS) of elements within one span each."""
         middles, halves = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
-        positions = (middles[:, None] + halves[:, None] * _POINTS).ravel()
+        positions = (middles[:, None] + halves[:, None] * gauss_points()[0]).ravel()
         spans = np.repeat(self.span_at(middles), GAUSS)
         field = self.at(spans, positions)
         shape = (len(middles), GAUSS)
@@ -232,7 +242,7 @@ class LineSections:
         else:
             levers = shift(-offsets)
             values = levers @ field.flexibility @ np.swapaxes(levers, -1, -2)
-        weights = 0.5 * np.diff(all_edges)[:, None] * _WEIGHTS
+        weights = 0.5 * np.diff(all_edges)[:, None] * gauss_points()[1]
         totals = np.zeros((len(origins), 6, 6))
         np.add.at(totals, owner, np.einsum("eg,egij->eij", weights, values))
         return totals
