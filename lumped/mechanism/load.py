@@ -9,13 +9,48 @@ from lumped.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
+class LineLoad:
+    """A load along a leg between `start` and `stop` (m from its root), leg axes.
+
+    `first` and `last` (6, N/m and N) are forces and moments per length at both, about the line of
+    centroids; between them they vary linearly.
+    """
+
+    start: float
+    stop: float
+    first: Array
+    last: Array
+
+    def per_length(self, stations: Array) -> Array:
+        """Forces and moments per length (s×6) at stations (s, m) between `start` and `stop`."""
+        share = (stations[:, None] - self.start) / (self.stop - self.start)
+        return self.first + share * (self.last - self.first)
+
+    def in_axes(self, rotation: Array) -> "LineLoad":
+        """The load in other axes, the columns of `rotation` (3×3) in its own."""
+        first, last = (
+            (wrench.reshape(2, 3) @ rotation).ravel() for wrench in (self.first, self.last)
+        )
+        return LineLoad(self.start, self.stop, first, last)
+
+
+@dataclass(frozen=True, eq=False)
+class AppliedLine:
+    """A load of the robot file along the leg `leg`, in its axes, or in base axes if `in_base`."""
+
+    leg: str
+    load: LineLoad
+    in_base: bool
+
+
+@dataclass(frozen=True, eq=False)
 class Load:
     """A static load of a robot file, in base axes and SI units.
 
     `wrench` (6) acts at the interface `point` of `body`. If `path_wrenches` (p×6, one for each pose
     of the path) is not None, it replaces `wrench`. `gravity` (3, m/s²) acts on the mass of all
     bodies. If the tool's point moves with `speed` (3, m/s) and `acceleration` (3, m/s²), so do
-    inertia forces.
+    inertia forces. `lines` act along legs.
     """
 
     name: str
@@ -26,6 +61,7 @@ class Load:
     acceleration: Array = field(default_factory=lambda: np.zeros(3))
     speed: Array = field(default_factory=lambda: np.zeros(3))
     path_wrenches: Array | None = None
+    lines: Sequence[AppliedLine] = ()
 
     @property
     def acts_on_mass(self) -> bool:
@@ -49,25 +85,11 @@ class AppliedWrench:
 
 
 @dataclass(frozen=True, eq=False)
-class LineLoad:
-    """A load along a leg between `start` and `stop` (m from its root), leg axes.
-
-    `first` and `last` (6, N/m and N) are forces and moments per length at both, about the line of
-    centroids; between them they vary linearly.
-    """
-
-    start: float
-    stop: float
-    first: Array
-    last: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Loading:
     """Wrenches of a load in one posture.
 
-    `point_wrenches` act at points. `body_wrenches` are gravity and inertia forces, reduced to the
-    interfaces of the bodies. `rotor_forces` are forces (N) or moments (N m) on the rotors of drives
+    `point_wrenches` act at points. `body_wrenches` are gravity, inertia forces and loads along
+    legs, reduced to the interfaces of the bodies. `rotor_forces` are forces (N) or moments (N m) on the rotors of drives
     along the coordinates of their joints, by joint name. `line_loads` are those of `body_wrenches`
     that act along legs, by name of the leg.
     """

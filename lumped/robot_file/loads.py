@@ -13,8 +13,9 @@ import numpy as np
 from lumped.acceptance.quantities import TEST_RESPONSE
 from lumped.arrays import Array
 from lumped.errors import InputError, collect_faults
+from lumped.legs import ConstantLeg, GivenLeg, Leg
 from lumped.mechanism.kinematics.postures import shown_pose
-from lumped.mechanism.load import Excitation, Load
+from lumped.mechanism.load import AppliedLine, Excitation, LineLoad, Load
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism
 from lumped.robot_file.reading import TableRow, number_or_text, table_rows
 from lumped.robot_file.rules.relations import NO_DIRECTION, named_twice
@@ -27,6 +28,8 @@ _SMALLEST = 1e-12
 _LOAD_KEYS = ("wrench", "gravity", "acceleration", "speed")
 _COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 _NUMBER = "pose"
+# Excess over the length of a leg that is rounding of its points.
+_ROUND_OFF = 1e-9
 
 
 def loads_of(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Path) -> tuple[Load, ...]:
@@ -38,6 +41,7 @@ def loads_of(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Path) 
             table["at"] or robot.tool.point,
             **{key: np.array(table[key]) for key in _LOAD_KEYS if table[key] is not None},
             path_wrenches=_wrenches_over(folder / table["file"], robot) if table["file"] else None,
+            lines=tuple(_line_of(line, robot) for line in table["lines"] or ()),
         )
         for table in read
     )
@@ -48,8 +52,10 @@ def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Pat
     yield from _names_twice(read, "loads")
     for number, table in enumerate(read, start=1):
         key = f"loads[{number}]"
-        if all(table[key_name] is None for key_name in (*_LOAD_KEYS, "file")):
-            yield f"{key}: has no load; must have one of {', '.join(_LOAD_KEYS)}, file"
+        if all(table[key_name] is None for key_name in (*_LOAD_KEYS, "file", "lines")):
+            yield f"{key}: has no load; must have one of {', '.join(_LOAD_KEYS)}, file, lines"
+        for line_number, line in enumerate(table["lines"] or (), start=1):
+            yield from _line_faults(line, f"{key}.lines[{line_number}]", robot)
         if table["file"] is not None:
             if table["wrench"] is not None:
                 yield f"{key}.wrench: must be left out beside a file of wrenches"
@@ -71,6 +77,48 @@ def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Pat
                 elif 0.0 < abs(value) < _SMALLEST:
                     required = f"must be 0 or at least {_SMALLEST:g} in size along {axis}"
                     yield f"{key}.{key_name} = {list(table[key_name])}: {required}"
+
+
+def _line_of(table: Mapping[str, Any], robot: Mechanism) -> AppliedLine:
+    """Load along a leg from a table without faults."""
+    length = float(_loaded_legs(robot)[table["leg"]].length)
+    first = np.array(table["wrench"])
+    last = first if table["end_wrench"] is None else np.array(table["end_wrench"])
+    start, stop = table["from"] or 0.0, length if table["to"] is None else table["to"]
+    return AppliedLine(
+        table["leg"], LineLoad(start, min(stop, length), first, last), table["axes"] == "base"
+    )
+
+
+def _loaded_legs(robot: Mechanism) -> dict[str, Leg]:
+    """Legs that may be loaded along their length, by name."""
+    return {
+        name: body.shape
+        for name, body in robot.bodies.items()
+        if isinstance(body.shape, ConstantLeg | GivenLeg)
+    }
+
+
+def _line_faults(table: Mapping[str, Any], key: str, robot: Mechanism) -> Iterator[str]:
+    """Faults of a load along a leg."""
+    legs = _loaded_legs(robot)
+    leg = legs.get(table["leg"])
+    if leg is None:
+        advice = did_you_mean(table["leg"], legs, otherwise=f": {', '.join(legs) or 'none'}")
+        yield (
+            f"{key}.leg = {shown(table['leg'])}: must be a leg of constant section, or with a "
+            f"6×6{advice}"
+        )
+        return
+    start, stop = table["from"] or 0.0, leg.length if table["to"] is None else table["to"]
+    lengths = robot.lengths
+    if stop > leg.length * (1.0 + _ROUND_OFF):
+        yield (
+            f"{key}.to = {lengths.of(stop)!r}: must be at most the leg's length, "
+            f"{lengths.shown(leg.length)}"
+        )
+    elif start >= stop:
+        yield f"{key}.from = {lengths.of(start)!r}: must be below {lengths.shown(stop)}, its end"
 
 
 def _point_faults(

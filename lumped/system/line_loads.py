@@ -10,11 +10,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import BeamProperties
+from lumped.legs import BeamProperties, tip_compliance
 from lumped.mechanism.kinematics.accelerations import Motion
 from lumped.mechanism.load import LineLoad
+from lumped.screws import shift
 
 _ALONG = np.array([1.0, 0.0, 0.0])
+# Number of Gauss points: exact for the cubic displacement of the tip times a linear load.
+_POINTS = 3
 
 
 def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> Array:
@@ -30,6 +33,25 @@ def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> A
         lever += ((x - load.start) * resultant - moment)[:, :3]
     moments = -root[3:] - total[:, 3:] + np.cross(_ALONG, root[:3] * x + lever)
     return np.hstack([-root[:3] - total[:, :3], moments])
+
+
+def end_wrenches(properties: BeamProperties, length: float, load: LineLoad) -> Array:
+    """Consistent wrenches (2×6) of a load on root and tip of a uniform leg: work on any motion.
+
+    They are opposite to the reactions of clamped ends. With the root clamped, a wrench w at x moves
+    the tip by X C(x) w with the compliance C of the part before x, and X for the rigid part beyond;
+    the wrench on the tip moves it as far as the load does. Displacements of the ends are exact.
+    """
+    points, shares = np.polynomial.legendre.leggauss(_POINTS)
+    half = 0.5 * (load.stop - load.start)
+    stations = load.start + half * (1.0 + points)
+    root, displacement = np.zeros(6), np.zeros(6)
+    for x, share, wrench in zip(stations, half * shares, load.per_length(stations), strict=True):
+        moved = tip_compliance(properties, x) @ wrench
+        displacement += share * shift((length - x) * _ALONG) @ moved
+        root += share * shift(x * _ALONG).T @ wrench
+    tip = np.linalg.solve(tip_compliance(properties, length), displacement)
+    return np.array([root - shift(length * _ALONG).T @ tip, tip])
 
 
 def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> LineLoad:

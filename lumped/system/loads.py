@@ -16,24 +16,30 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import ComputationError
-from lumped.legs import ConstantLeg, GivenLeg, Leg, NoBeamTheoryError
+from lumped.equivalent_leg import equivalent_leg
+from lumped.errors import ComputationError, InputError
+from lumped.legs import ConstantLeg, GivenLeg, Leg, NoBeamTheoryError, Theory
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
 from lumped.mechanism.kinematics.postures import shown_pose
-from lumped.mechanism.load import AppliedWrench, LineLoad, Load, Loading
+from lumped.mechanism.load import AppliedLine, AppliedWrench, LineLoad, Load, Loading
 from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.screws import shift, skew, turn
 from lumped.system.assembly import System, rigid_mass
 from lumped.system.joint_motion import Portion
-from lumped.system.line_loads import inertia_load, linear_load
+from lumped.system.line_loads import end_wrenches, inertia_load, linear_load
 from lumped.system.solution import Solved, with_idle
 
 
-def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loading:
-    """Wrenches of a load in one posture.
+def loading(
+    posture: Posture,
+    load: Load,
+    masses: Mapping[str, Array],
+    theory: Theory = "timoshenko",
+) -> Loading:
+    """Wrenches of a load in one posture. Beam theory `theory` reduces loads along legs to ends.
 
     `masses` contains the mass matrices (6m×6m, SI, body axes) of deformable bodies on the twists of
     their m interfaces. Raises ComputationError if the tool cannot perform the motion of the load,
@@ -42,10 +48,14 @@ def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loadin
     mechanism = posture.mechanism
     load_position = interface_position(posture, Side(load.body, load.point))
     point_wrenches = [AppliedWrench(load.body, load.point, load_position, _wrench(posture, load))]
-    if not load.acts_on_mass:
-        return Loading(point_wrenches)
     body_wrenches: list[AppliedWrench] = []
     line_loads: dict[str, list[LineLoad]] = {}
+    for line in load.lines:
+        along = _along_leg(posture, line)
+        line_loads.setdefault(line.leg, []).append(along)
+        body_wrenches += _on_ends(posture, line.leg, along, theory)
+    if not load.acts_on_mass:
+        return Loading(point_wrenches, body_wrenches, line_loads=line_loads)
     motions: Mapping[str, Motion] = dict.fromkeys(mechanism.bodies, REST)
     if load.moves_tool:
         motions = accelerations(posture, load.speed, load.acceleration)
@@ -62,7 +72,8 @@ def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loadin
         motion = _in_axes(frame.rotation, motions[name], load.gravity)
         in_body_axes = _inertia(mass, points, motion).reshape(-1, 6)
         if isinstance(body.shape, ConstantLeg | GivenLeg):
-            line_loads[name] = [_line_load(body.shape, in_body_axes, motion)]
+            line_load = _line_load(body.shape, in_body_axes, motion)
+            line_loads.setdefault(name, []).append(line_load)
         wrenches = in_body_axes @ axes.T
         if isinstance(body.shape, Rigid):
             # The point of application affects the geometric stiffness.
@@ -87,6 +98,33 @@ def loading(posture: Posture, load: Load, masses: Mapping[str, Array]) -> Loadin
         AppliedWrench(tool.body, tool.point, tool_position, np.append(force, np.zeros(3)))
     )
     return Loading(point_wrenches, body_wrenches, rotor_forces, line_loads)
+
+
+def _along_leg(posture: Posture, line: AppliedLine) -> LineLoad:
+    """Load along a leg in leg axes."""
+    rotation = posture.frames[line.leg].rotation
+    return line.load.in_axes(rotation) if line.in_base else line.load
+
+
+def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> list[AppliedWrench]:
+    """Wrenches on both ends of a leg of a load along it (leg axes)."""
+    body = posture.mechanism.bodies[name]
+    if not isinstance(body.shape, ConstantLeg | GivenLeg):
+        raise InputError(f"bodies.{name}: loads act along legs of constant section, or with a 6×6")
+    leg = equivalent_leg(body.shape)
+    try:
+        properties = leg.properties(theory)
+    except NoBeamTheoryError:
+        properties = leg.properties("euler-bernoulli")
+    axes = turn(posture.frames[name].rotation)
+    return [
+        AppliedWrench(name, point, interface_position(posture, Side(name, point)), axes @ wrench)
+        for point, wrench in zip(
+            body.interfaces,
+            end_wrenches(properties, leg.length, line),
+            strict=True,
+        )
+    ]
 
 
 def _line_load(leg: Leg, at_ends: Array, motion: Motion) -> LineLoad:

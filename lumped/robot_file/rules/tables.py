@@ -422,12 +422,24 @@ _PER_SECOND_SQUARED = Several(Number("m/s²", least=-1e5, most=1e5), 3)
 _SPEED = Several(Number("m/s", least=-1e3, most=1e3, low=_MM, high=_MM), 3)
 _THERE = "point of a body where the wrench acts; default: the tool"
 _WHOSE = "body of `at`; default: that of the tool, else the first with that point"
+# 1e9 N/m: beyond any load of a robot.
+_PER_LENGTH = Several(Number("N/m or N m/m", least=-1e9, most=1e9), 6)
+_STATION = Number("m", least=0.0, most=100.0, high=_MM)
+_LINE = TableRule(
+    needed("leg", _BODY_NAME, "leg of constant section, or with a 6×6"),
+    needed("wrench", _PER_LENGTH, "forces and moments per length at `from`"),
+    Key("end_wrench", _PER_LENGTH, "the same at `to`, linear between; default: as `wrench`"),
+    Key("from", _STATION, "distance from the root where it begins; default: the root"),
+    Key("to", _STATION, "distance from the root where it ends; default: the tip"),
+    Key("axes", OneOf(("base", "leg")), "axes of the forces and moments", default="base"),
+)
 LOAD = TableRule(
     needed("name", _NAME, "name; judged as load:NAME"),
     Key("wrench", Several(FORCE, 6), "forces and moments, base axes"),
     Key("file", _FILE, "CSV file with a wrench for each pose of the path, instead of `wrench`"),
     Key("at", _POINT_NAME, _THERE),
     Key("body", _BODY_NAME, _WHOSE),
+    Key("lines", Several(_LINE, most=100), "loads along legs"),
     Key("gravity", _PER_SECOND_SQUARED, "acceleration of gravity on all bodies, base axes"),
     Key("acceleration", _PER_SECOND_SQUARED, "acceleration of the tool; inertia of all bodies"),
     Key("speed", _SPEED, "speed of the tool; inertia forces with its square"),

@@ -16,7 +16,7 @@ from fem.beams.stepped import SteppedLeg
 from fem.reduction.superelement import held_leg, static_superelement
 from lumped.arrays import Array, dense
 from lumped.errors import ComputationError
-from lumped.legs import ConstantLeg, GivenLeg
+from lumped.legs import ConstantLeg, GivenLeg, Theory
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.kinematics.accelerations import accelerations
 from lumped.mechanism.load import Load, Loading
@@ -55,13 +55,13 @@ def displacements(
     masses = load_masses(model, mechanism, options)
     if model == "vjm":
         springs = springs_of(mechanism, options)
-        return displacements_by(by_chains(springs), postures, masses)
+        return displacements_by(by_chains(springs), postures, masses, options.theory)
     if model == "simplified":
         prepared = assembly(on_drives_alone(mechanism), {})
     else:
         ready = released(postures, options)[0].mechanism
         prepared = assembly(ready, static_bodies(model, mechanism, options))
-    return displacements_by(_assembled(prepared), postures, masses)
+    return displacements_by(_assembled(prepared), postures, masses, options.theory)
 
 
 def displacements_of(bodies: Mapping[str, BodyModel], postures: Sequence[Posture]) -> Array:
@@ -87,9 +87,11 @@ def displacements_by(
     solve: Callable[[Posture, list[Loading]], Array],
     postures: Sequence[Posture],
     masses: BodyMasses,
+    theory: Theory = "timoshenko",
 ) -> Array:
     """Displacements (p×l×6) of the tool under all loads in each posture, by `solve`.
 
+    Beam theory `theory` reduces loads along legs to their ends.
     NaN if the mechanism cannot move as a load requires.
     """
     loads = postures[0].mechanism.loads
@@ -98,7 +100,7 @@ def displacements_by(
         solvable, loadings = [], []
         for number, load in enumerate(loads):
             try:
-                loadings.append(loading(posture, load, masses))
+                loadings.append(loading(posture, load, masses, theory))
             except ComputationError:
                 continue
             solvable.append(number)

@@ -41,7 +41,7 @@ def load_forces(
         row: list[LoadForces | None] = []
         for load in mechanism.loads:
             try:
-                acting = loading(posture, load, masses)
+                acting = loading(posture, load, masses, options.theory)
             except ComputationError:
                 row.append(None)
                 continue

@@ -64,7 +64,7 @@ def stabilities(
         row: list[Stability | None] = []
         for load in mechanism.loads:
             try:
-                loadings = loading(posture, load, masses)
+                loadings = loading(posture, load, masses, options.theory)
             except ComputationError:
                 row.append(None)
                 continue
