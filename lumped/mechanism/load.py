@@ -89,9 +89,9 @@ class Loading:
     """Wrenches of a load in one posture.
 
     `point_wrenches` act at points. `body_wrenches` are gravity, inertia forces and loads along
-    legs, reduced to the interfaces of the bodies. `rotor_forces` are forces (N) or moments (N m) on the rotors of drives
-    along the coordinates of their joints, by joint name. `line_loads` are those of `body_wrenches`
-    that act along legs, by name of the leg.
+    legs, reduced to the interfaces of the bodies. `rotor_forces` are forces (N) or moments (N m) on
+    the rotors of drives along the coordinates of their joints, by joint name. `line_loads` are
+    those of `body_wrenches` that act along legs, by name of the leg.
     """
 
     point_wrenches: Sequence[AppliedWrench]
