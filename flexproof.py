@@ -15,6 +15,7 @@ from validation.api import (
     draw,
     export,
     identify,
+    identify_free,
     load,
     run,
     solve,
@@ -24,6 +25,7 @@ from validation.api import (
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.cross_validation import CrossValidation
 from validation.maps.figure import WorkspaceMaps
+from validation.parts.free_modes import FreePart
 from validation.parts.identify import Identified
 from validation.python.designs import Designs
 from validation.python.finished import Run
@@ -37,6 +39,7 @@ __all__ = [
     "ConvergenceStudy",
     "CrossValidation",
     "Designs",
+    "FreePart",
     "Identified",
     "InputError",
     "MeasuredComparison",
@@ -51,6 +54,7 @@ __all__ = [
     "draw",
     "export",
     "identify",
+    "identify_free",
     "load",
     "run",
     "solve",

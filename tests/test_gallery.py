@@ -169,3 +169,44 @@ def test_exudyn_finds_frequencies_of_exported_header(example):
     assert found["exudyn"] == pytest.approx([float(words[1]) for words in header], rel=1e-6)
     # Legs of prismatic tubes: beams are within the 2 % of held end faces.
     assert found["beam"] == pytest.approx(found["exudyn"], rel=0.025)
+
+
+def test_arms_of_several_materials_have_sums_of_stiffness(example):
+    """EI of cantilevers, L³/3EI + L/κGA, from sums over the parts; shear adds up to 3 %.
+
+    The filled box: steel of E I about the common centroid, and concrete; the tube: Q̄ of Tsai and
+    Hahn's table 1.7 by hand, half of the layers at 0° (E1) and half at ±45° (25.05 GPa).
+    """
+    found = example(14)
+    length = 0.6
+    second = (0.06 * 0.08**3 - 0.052 * 0.072**3) / 12.0
+    core, rail = 0.052 * 0.072**3 / 12.0, 0.02 * 0.015**3 / 12.0
+    stiffnesses = {"box": 2.1e11, "core": 3.5e10}
+    areas = {"box": 0.06 * 0.08 - 0.052 * 0.072, "core": 0.052 * 0.072, "rail": 0.02 * 0.015}
+    EA = 2.1e11 * (areas["box"] + areas["rail"]) + 3.5e10 * areas["core"]
+    centre = 2.1e11 * areas["rail"] * 0.0475 / EA
+    filled = (
+        stiffnesses["box"] * (second + areas["box"] * centre**2)
+        + stiffnesses["core"] * (core + areas["core"] * centre**2)
+        + 2.1e11 * (rail + areas["rail"] * (0.0475 - centre) ** 2)
+    )
+    radius, wall = 0.029, 0.002
+    # Strains around the tube are common to all layers: between the sum of both and 5 % above it.
+    carbon = np.pi * radius**3 * wall * (181e9 + 25.05e9) / 2.0
+    for name, EI, slack in (
+        ("steel box", 2.1e11 * second, 0.05),
+        ("filled box", filled, 0.05),
+        ("carbon tube", carbon, 0.12),
+    ):
+        bending = length**3 / (3.0 * EI)
+        assert found["compliances"][name] == pytest.approx(bending, rel=slack)
+    assert found["frequencies"]["carbon tube"] > 1.5 * found["frequencies"]["filled box"]
+
+
+@pytest.mark.exhaustive
+def test_free_rocker_counts_six_rigid_motions(example):
+    """The kernel's volume times the density, bores of a coarse mesh are polygons (0.5 %)."""
+    rocker = example(15)["rocker"]
+    assert rocker.rigid == 6
+    assert rocker.total == pytest.approx(rocker.part.exact.volume * 7850.0, rel=0.005)
+    assert rocker.counted >= 4

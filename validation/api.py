@@ -53,7 +53,8 @@ from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
 from validation.measured.modes import with_measured_file
 from validation.models.options import ModelName, ModelOptions
-from validation.models.reduced_parts import identified
+from validation.models.reduced_parts import free_body_part, identified
+from validation.parts.free_modes import FreePart, free_entry
 from validation.parts.identify import DEFAULT_MODES, DEFAULT_UNKNOWNS, Identified
 from validation.parts.identify import identify as identified_between
 from validation.parts.meshes import part_file
@@ -660,6 +661,74 @@ def identify(
         file = part_file(Path(str(part)), unit)
         faces = find_interfaces(file, wanted, points)
         return identified_between(file, faces, chosen, unknowns, modes)
+
+
+@checked
+def identify_free(
+    part: Robot,
+    *,
+    body: str | None = None,
+    material: Mapping[str, Any] | None = None,
+    unit: LengthUnit | None = None,
+    unknowns: int = DEFAULT_UNKNOWNS,
+    modes: int = DEFAULT_MODES,
+) -> FreePart:
+    """Frequencies of a CAD part without supports, as ``flexproof identify --free``.
+
+    Parameters
+    ----------
+    part
+        A STEP or BREP file, a volume mesh, or with `body` a robot as for `load`.
+    body
+        A body of the robot that is a part from a file.
+    material
+        For a file: ``{"E": 2.1e11, "nu": 0.3, "rho": 7850.0}`` (Pa, –, kg/m³).
+    unit
+        Unit of length of a file that names none: ``"m"``, ``"mm"``, ``"cm"`` or ``"inch"``.
+    unknowns
+        Unknowns of the finest of the three meshes.
+    modes
+        Number of elastic frequencies; the six rigid-body motions are counted and left out.
+
+    Returns
+    -------
+    FreePart
+        Frequencies (Hz) with the half-widths of the meshes, and the mass properties.
+
+    Raises
+    ------
+    InputError
+        For wrong arguments, or if the part cannot be meshed.
+    ComputationError
+        If memory or a solver fails.
+
+    Examples
+    --------
+    >>> found = identify_free(
+    ...     "examples/tapered-biglide/leg1.step",
+    ...     material={"E": 2.1e11, "nu": 0.3, "rho": 7850.0},
+    ...     unknowns=5000,
+    ...     modes=1,
+    ... )
+    >>> found.rigid, found.frequencies.shape
+    (6, (1,))
+    """
+    faults = faults_of_numbers(unknowns, modes)
+    if modes == 0:
+        faults.append("modes = 0: a free part has frequencies alone; must be 1 or more")
+    if body is not None and (material or unit):
+        faults.append("body: its material and unit stand in the robot file")
+    if body is None and not isinstance(part, str | Path):
+        faults.append("body: missing; must name a part of the robot")
+    if body is None and not material:
+        faults.append("material: missing; must be given, {'E': 2.1e11, 'nu': 0.3, 'rho': 7850.0}")
+    with _arguments_named():
+        if faults:
+            raise InputError(faults)
+        if body is not None:
+            return free_body_part(part_of(_loaded(part), body), unknowns, modes)
+        chosen = material_of(toml_value(material))
+        return free_entry(part_file(Path(str(part)), unit), chosen, unknowns, modes).value()
 
 
 @checked

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array, eye_array
 
 from fem.bodies.rooted import RootedBody, rooted_body
-from fem.couplings.coupled_solid import coupled_solid
-from fem.couplings.grips import Grip, Kind
+from fem.couplings.coupled_solid import CoupledSolid, coupled_solid
+from fem.couplings.grips import Grip, Kind, rigid_motions
 from fem.elasticity import on_three_components, stiffness_and_mass
 from fem.machine import available_memory
 from lumped.arrays import Array, SparseMatrix
@@ -90,6 +91,28 @@ def grips_of(
         )
         for interface in interfaces
     )
+
+
+def free_part(part: MeshedPart, name: str) -> RootedBody:
+    """Part without interfaces, held in its mean motion, with factorised stiffness.
+
+    The mean motion is that of its mass: Bᵀu = (RᵀMR)⁻¹ RᵀMu with the rigid motions R. Raises as
+    `rooted_body` does.
+    """
+    nodes, mass = part.mesh.nodes, on_three_components(part.scalar_mass)
+    centre = part.properties().centre
+    motions = rigid_motions(nodes, centre)
+    momenta = np.asarray(mass @ motions)
+    solid = CoupledSolid(
+        stiffness=part.stiffness,
+        mass=mass,
+        transformation=csr_array(eye_array(3 * len(nodes), format="csr")),
+        twists=np.linalg.solve(motions.T @ momenta, momenta.T).T,
+        motions=motions,
+        points=centre[None],
+        places=nodes,
+    )
+    return rooted_body(solid, name)
 
 
 def held_part(part: MeshedPart, grips: Sequence[Grip], name: str) -> RootedBody:

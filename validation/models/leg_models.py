@@ -9,24 +9,20 @@ from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
-import numpy as np
-
 from fem.beams.beam import beam_leg
 from fem.beams.stepped import Piece, SteppedLeg, stepped_leg
 from fem.bodies import solid
 from fem.bodies.rooted import RootedBody
-from fem.reduction.counted_modes import counted_modes
 from fem.reduction.craig_bampton import CraigBampton, craig_bampton
-from fem.reduction.held import free_body
+from fem.reduction.free_modes import free_modes
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array, dense
 from lumped.equivalent_leg import equivalent_leg
-from lumped.errors import ComputationError, InputError
+from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, given_compliance, tip_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.memo import memo
 from lumped.models.bodies import (
-    RIGID_MOTIONS,
     clamped_modes,
     free_frequencies,
     legs_of,
@@ -44,8 +40,6 @@ from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, 
 from validation.solids.solid_legs import held_solid
 
 Model = TypeVar("Model", bound=BodyModel)
-# Factor by which the cut-off frequency is raised if too few modes lie below it.
-_CUTOFF_STEP = 1.3
 
 
 # Holds all models of the family of longer legs, a hundred kilobytes each.
@@ -196,19 +190,7 @@ def free_leg_frequencies(
     if model != "solid":
         return free_frequencies(leg_matrices(model, constant, options), count)
     rooted = clamped_solid(constant, options.divisions, "free")
-    body = free_body(rooted)
-    # Beam modes give the first cut-off frequency. Sections that distort have more modes.
-    beams = free_frequencies(leg_matrices("beam", constant, DEFAULT_OPTIONS), count)
-    cutoff = _CUTOFF_STEP * float(beams[-1])
-    while len(frequencies := counted_modes(body, cutoff).frequencies) < count:
-        cutoff *= _CUTOFF_STEP
-    rigid = rooted.free_inertia((np.pi * frequencies[0]) ** 2).negative
-    if rigid != RIGID_MOTIONS:
-        raise ComputationError(
-            f"{rigid} motions without deformation were counted; a free body has {RIGID_MOTIONS}",
-            part=body.state,
-        )
-    return frequencies[:count]
+    return free_modes(rooted, count).frequencies
 
 
 def constant_leg_of(context: Context, body: str) -> ConstantLeg:

@@ -33,6 +33,7 @@ from meshes.part.interfaces import Interface, find_interfaces
 from meshes.part.reading.read import PartFile
 from validation.models.options import ReductionBy
 from validation.parts import identify
+from validation.parts.free_modes import FreePart, free_entry
 from validation.parts.identify import Identified, more_unknowns
 from validation.parts.meshes import COARSE, FINEST, mesh_entries, part_file, part_key, part_mesh
 from validation.run.cache import Arrays, CacheEntry, require_shape
@@ -189,6 +190,12 @@ def identified_entry(
     return identify.identified_entry(
         file, interfaces, material, unknowns or unknowns_of(body), modes
     )
+
+
+def free_body_part(body: Body, unknowns: int | None = None, modes: int = _MODES) -> FreePart:
+    """Frequencies of a CAD part without supports; `unknowns` as for `identified`."""
+    file, _ = found_in(body)
+    return free_entry(file, shape_of(body).material, unknowns or unknowns_of(body), modes).value()
 
 
 def coarsest_mesh(body: Body) -> PartMesh:

@@ -1,6 +1,6 @@
-"""Plot of the relative uncertainty of each compliance and frequency of an identified part.
+"""Plots of an identified part: its relative uncertainties, or frequencies without supports.
 
-Input: uncertainties in per cent. Output: a matplotlib figure.
+Input: uncertainties in per cent, or frequencies in Hz. Output: a matplotlib figure.
 """
 
 from collections.abc import Sequence
@@ -45,4 +45,16 @@ def identified_plot(
             axes.grid(visible=False, axis="x")
             axes.set_title(title)
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
+    return figure
+
+
+def free_plot(frequencies: Array, half_widths: Array) -> Figure:
+    """Bars of the frequencies (Hz) of a part without supports, with their half-widths (Hz)."""
+    modes = [f"f{mode}" for mode in range(1, len(frequencies) + 1)]
+    with plot_style():
+        figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
+        axes = figure.subplots()
+        axes.bar(modes, frequencies, yerr=half_widths, color=BLUE)
+        axes.grid(visible=False, axis="x")
+        axes.set_title("natural frequency without supports (Hz)")
     return figure

@@ -85,8 +85,9 @@ class HalfWidths:
 
     @property
     def known(self) -> bool:
-        """True if the half-widths of the compliance are known."""
-        return bool(np.isfinite(self.compliance).all())
+        """True if the half-widths of the compliance are known, or of a free body's frequencies."""
+        decisive = self.compliance if self.compliance.size else self.frequencies
+        return bool(np.isfinite(decisive).all())
 
     def shares_of_loads(self, loads: Mapping[str, Array]) -> dict[str, float]:
         """Half-widths of displacements under `loads` over their lengths, by name.

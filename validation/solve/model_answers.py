@@ -21,7 +21,7 @@ from lumped.models.bodies import RIGID_MOTIONS, leg_of
 from validation.models.leg_models import free_leg_frequencies, leg_compliance, leg_frequencies
 from validation.models.loads.displacements import displacements
 from validation.models.loads.stability import stabilities
-from validation.models.reduced_parts import with_finer_parts
+from validation.models.reduced_parts import free_body_part, with_finer_parts
 from validation.models.robot_models import (
     PostureAnswer,
     PostureModes,
@@ -32,7 +32,7 @@ from validation.models.robot_models import (
 )
 from validation.models.roundings import roundings_of
 from validation.solids.solid_legs import formal_order
-from validation.solve.answer import Answer, HalfWidths, Place, Solution
+from validation.solve.answer import Answer, HalfWidths, PartUncertainty, Place, Solution
 from validation.solve.cost import (
     LONGEST,
     LONGEST_REFINEMENT,
@@ -263,6 +263,8 @@ def _damped(modes: PostureModes) -> tuple[Array, Array]:
 
 def _body_answer(question: Question, name: str) -> Answer:
     model, count, options = question.model, question.count, question.options
+    if name in question.mechanism.parts:
+        return _free_part_answer(question, name)
     leg = leg_of(question.mechanism.bodies[name])
     if isinstance(leg, ConstantLeg) and leg.ends is not None:
         options = replace(options, ends=leg.ends)
@@ -272,6 +274,27 @@ def _body_answer(question: Question, name: str) -> Answer:
         return Answer(place, np.zeros((0, 0)), frequencies, rigid=RIGID_MOTIONS)
     frequencies = leg_frequencies(model, leg, count, options) if count else np.zeros(0)
     return Answer(place, leg_compliance(model, leg, options), frequencies)
+
+
+def _free_part_answer(question: Question, name: str) -> Answer:
+    """Frequencies of a CAD part without supports, with the half-widths of its meshes."""
+    part = free_body_part(question.mechanism.bodies[name], modes=question.count)
+    half_widths = np.nan_to_num(part.frequency_refinement, nan=np.inf)
+    unchanged = HalfWidths(np.zeros(0), np.zeros(len(half_widths)))
+    return Answer(
+        Place(body=name),
+        np.zeros((0, 0)),
+        part.frequencies,
+        rigid=part.rigid,
+        of_parts=PartUncertainty(
+            np.zeros(0),
+            half_widths,
+            bracket=unchanged,
+            reduction=unchanged.frequencies,
+            counted={},
+            by=question.options.reduction,
+        ),
+    )
 
 
 def _shapes(question: Question) -> list[ConstantLeg]:

@@ -79,6 +79,7 @@ def identify(
     material: str | None = None,
     unit: LengthUnit | None = None,
     body: str | None = None,
+    free: bool = False,
     unknowns: WholeNumber | None = None,
     modes: WholeNumber | None = None,
     accuracy: float | None = None,
@@ -103,6 +104,9 @@ def identify(
         Unit of length of a file that names none.
     body
         A body of the robot that is a part from a file.
+    free
+        Frequencies of the part without supports, its six rigid-body motions counted and left out.
+        Interfaces are not needed.
     unknowns
         Unknowns of the finest of the three meshes; 100000 if left out.
     modes
@@ -131,12 +135,18 @@ def identify(
     faults += request.faults_of_numbers(unknowns, modes)
     if body is None and material is None:
         faults.append("--material: missing; must be given, { E = 2.1e11, nu = 0.3, rho = 7850.0 }")
+    if free and interface:
+        faults.append("--interface: a free part is held nowhere; leave it out")
+    if free and modes == 0:
+        faults.append("--modes 0: a free part has frequencies alone; must be 1 or more")
     if body is not None and (interface or material or unit):
         faults.append("--body: its interfaces, material and unit stand in the robot file")
     if faults:
         raise InputError(faults)
     size = identifying.DEFAULT_UNKNOWNS if unknowns is None else unknowns
     count = identifying.DEFAULT_MODES if modes is None else modes
+    if free:
+        return _identify_free(part, material, unit, body, size, count, accuracy, out, json=json)
     if body is None:
         definitions, points = request.interfaces_of(interface)
         properties = request.material_of(material or "")
@@ -158,9 +168,60 @@ def identify(
         )
     text = identified_text.as_json if json else identified_text.as_text
     write_results(text(identified_part, accuracy_text if accuracy else None))
-    if out is not None:
-        buffer = BytesIO()
-        arrays: Any = identified_text.as_arrays(identified_part)
-        np.savez(buffer, **arrays)
-        write(out, buffer.getvalue(), ".npz")
+    _write_arrays(out, identified_text.as_arrays(identified_part))
     return 0
+
+
+def _identify_free(
+    part: str,
+    material: str | None,
+    unit: LengthUnit | None,
+    body: str | None,
+    unknowns: int,
+    modes: int,
+    accuracy: float | None,
+    out: Path | None,
+    *,
+    json: bool,
+) -> int:
+    """Frequencies of a part without supports, for the valid options of `identify`."""
+    import numpy as np  # noqa: PLC0415
+
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation.console.progress import stage  # noqa: PLC0415
+    from validation.models.reduced_parts import free_body_part  # noqa: PLC0415
+    from validation.parts import free_modes, free_text, request  # noqa: PLC0415
+    from validation.parts.identify import more_unknowns  # noqa: PLC0415
+    from validation.parts.meshes import part_file  # noqa: PLC0415
+    from validation.uncertainty.refinement import refined  # noqa: PLC0415
+
+    if body is None:
+        file, properties = part_file(Path(part), unit), request.material_of(material or "")
+
+        def at(size: int) -> free_modes.FreePart:
+            return free_modes.free_entry(file, properties, size, modes).value()
+    else:
+        shape = request.part_of(load_robot(part), body)
+
+        def at(size: int) -> free_modes.FreePart:
+            return free_body_part(shape, size, modes)
+
+    with stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * unknowns):
+        solution, reached = refined(
+            unknowns, at, free_modes.largest_half_width, more_unknowns, accuracy or np.inf
+        )
+    text = free_text.as_json if json else free_text.as_text
+    write_results(text(solution, reached if accuracy else None))
+    _write_arrays(out, free_text.as_arrays(solution))
+    return 0
+
+
+def _write_arrays(out: Path | None, arrays: Any) -> None:
+    """Write arrays by name to an .npz file, if one is wanted."""
+    import numpy as np  # noqa: PLC0415
+
+    if out is None:
+        return
+    buffer = BytesIO()
+    np.savez(buffer, **arrays)
+    write(out, buffer.getvalue(), ".npz")

@@ -222,7 +222,10 @@ class Question:
             reason = "is rigid" if rigid else "no such body"
             if body in mechanism.parts:
                 reason = "is a part from a file, see flexproof identify ROBOT --body"
-            faults.append(f"--body {body}: {reason}; must be one of {', '.join(names)}")
+                if self.free:
+                    reason = "is a part from a file, which is a solid; take --model solid"
+            if not (self.free and self.model == "solid" and body in mechanism.parts):
+                faults.append(f"--body {body}: {reason}; must be one of {', '.join(names)}")
         pose, body_option = ("--x", "--leg") if self.numbered else ("--pose", "--body")
         if self._typed:
             faults.append(f"{pose}: a body alone has no pose; leave out {pose} or {body_option}")

@@ -16,7 +16,8 @@ from lumped.models.bodies import free_frequencies
 from lumped.robot_file.written import toml_of
 from lumped.sections import Rectangle
 from validation import api, cli
-from validation.models.leg_models import clamped_solid, leg_matrices
+from validation.models.leg_models import clamped_solid, free_leg_frequencies, leg_matrices
+from validation.models.options import ModelOptions
 
 E, NU, RHO = 2.1e11, 0.3, 7850.0
 G = E / 2.0 / (1.0 + NU)
@@ -152,3 +153,20 @@ def test_digits_of_free_leg_concern_frequencies_alone():
     assert answer.rigid == 6
     assert answer.of_digits.compliance.size == 0
     assert np.all(answer.of_digits.frequencies > 0.0)
+
+
+def test_free_plate_has_frequencies_of_nafems_fv12():
+    """NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV12, free square plate.
+
+    10 × 10 × 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³: 1.622, 2.360, 2.922 Hz after the six
+    rigid-body motions, with one quadratic element across the thickness (1e-3). A. W. Leissa (J.
+    Sound Vib. 31 (1973) 257) has upper bounds λ = ωa²√(ρh/D) of the first five, within 1 %.
+    """
+    plate = ConstantLeg(10.0, Rectangle(10.0, 0.05), Material.isotropic(200e9, 0.3, 8000.0))
+    found = free_leg_frequencies("solid", plate, 5, ModelOptions(divisions=1))
+    assert found[:3] == pytest.approx([1.622, 2.360, 2.922], rel=1.2e-3)
+    assert found[4] == pytest.approx(found[3], rel=1e-6)
+    unit = sqrt(200e9 * 0.05**2 / (12.0 * (1.0 - 0.3**2) * 8000.0)) / (2.0 * pi * 10.0**2)
+    bounds = unit * np.array([13.489, 19.789, 24.432, 35.024, 35.024])
+    assert (found < bounds).all()
+    assert found == pytest.approx(bounds, rel=0.01)

@@ -1,0 +1,162 @@
+"""Natural frequencies of a part that nothing holds, with their uncertainty.
+
+Input: a part file, a material and the number of unknowns. Output: `FreePart`, with the elastic
+frequencies on the finest of three meshes. Rule: the six rigid-body motions are counted below the
+first frequency and left out; the half-widths are those of the meshes, since nothing is coupled.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.bodies.part import free_part, meshed_part, require_memory
+from fem.reduction.free_modes import free_modes
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import Material
+from lumped.models.bodies import RIGID_MOTIONS
+from meshes.part.reading.read import PartFile
+from validation.parts.meshes import FINEST, LEVELS, mesh_entries, part_key, part_mesh
+from validation.parts.refinement import refinement_uncertainty
+from validation.run.cache import CacheEntry, require_shape
+from validation.tables import ResultTable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class FreePart:
+    """Part without supports: mass and elastic frequencies, with uncertainties (SI, file axes).
+
+    `density` (kg/m³) of the material; `total` mass (kg), `centre` of mass (3, m) and `inertia`
+    about it (3×3, kg m²) of the finest mesh. `frequencies` (Hz) are the elastic ones; `rigid`
+    motions without deformation lie below them. `frequency_refinement` (Hz) are half-widths of the
+    meshes, NaN for a given mesh. `counted` is the number of elastic modes below `counted_below`
+    (Hz) from the inertia of the shifted stiffness, and proves that no mode is missing.
+    `unknowns` of the meshes from coarse to fine. `elements` and `straightened` elements of the
+    finest.
+
+    Examples
+    --------
+    >>> part = identify_free(
+    ...     "examples/tapered-biglide/leg1.step",
+    ...     material={"E": 2.1e11, "nu": 0.3, "rho": 7850.0},
+    ...     unknowns=5000,
+    ...     modes=1,
+    ... )
+    >>> part.rigid
+    6
+    """
+
+    part: PartFile
+    density: float
+    total: float
+    centre: Array
+    inertia: Array
+    frequencies: Array
+    frequency_refinement: Array
+    counted: int
+    counted_below: float
+    unknowns: tuple[int, ...]
+    elements: int
+    straightened: int
+    rigid: int = RIGID_MOTIONS
+
+    def table(self) -> ResultTable:
+        """Table of frequencies with their half-widths, one row each.
+
+        Examples
+        --------
+        >>> len(part.table().rows)
+        1
+        """
+        shares = 100.0 * self.frequency_refinement / self.frequencies
+        rows = zip(self.frequencies.tolist(), shares.tolist(), strict=True)
+        return ResultTable(
+            ("quantity", "unit", "value", "± meshes (%)"),
+            tuple((f"f{mode}", "Hz", *row) for mode, row in enumerate(rows, start=1)),
+        )
+
+    def plot(self) -> "Figure":
+        """Bars of the frequencies with the half-widths of the meshes.
+
+        Examples
+        --------
+        >>> part.plot().savefig("part.png")
+        """
+        # Only a plot needs matplotlib, which is slow to import.
+        from validation.parts.identified_plot import free_plot  # noqa: PLC0415
+
+        return free_plot(self.frequencies, np.nan_to_num(self.frequency_refinement))
+
+    def __repr__(self) -> str:
+        return f"FreePart({self.total:.4g} kg, {len(self.frequencies)} frequencies)"
+
+    def _repr_html_(self) -> str:
+        return self.table().html()
+
+
+def free_entry(
+    part: PartFile, material: Material, unknowns: int, modes: int
+) -> CacheEntry[FreePart]:
+    """Cache entry for the free part; its value raises as `identify_free` does."""
+    key = part_key(part, (), material, "free", unknowns, modes)
+
+    def read(arrays: dict[str, Array]) -> FreePart:
+        require_shape(arrays, frequencies=(None,), frequency_refinement=(None,), inertia=(3, 3))
+        names = [entry.name for entry in fields(FreePart) if entry.name in arrays]
+        # numpy stores scalars as arrays without axes.
+        values: dict[str, Any] = {
+            name: arrays[name] if arrays[name].ndim else arrays[name].item() for name in names
+        }
+        values["unknowns"] = tuple(int(count) for count in arrays["unknowns"])
+        return FreePart(part=part, **values)
+
+    needs = mesh_entries(part, (), unknowns, LEVELS)
+    return CacheEntry(key, lambda: _free_modes(part, material, unknowns, modes), read, needs)
+
+
+def largest_half_width(part: FreePart) -> float:
+    """Largest relative half-width of the frequencies. Infinite for a part given as a mesh."""
+    shares = np.abs(part.frequency_refinement / part.frequencies)
+    return float(np.max(np.nan_to_num(shares, nan=np.inf), initial=0.0))
+
+
+def _free_modes(part: PartFile, material: Material, unknowns: int, modes: int) -> dict[str, Any]:
+    """Fields of `FreePart` except for the part, by name."""
+    if modes < 1:
+        raise InputError("--modes 0: a free part has frequencies alone; must be 1 or more")
+    name, is_mesh = part.path.name, part.mesh is not None
+    if not is_mesh:
+        require_memory(unknowns, name)
+    frequencies, counts = [], []
+    for level in (FINEST,) if is_mesh else LEVELS:
+        mesh = part_mesh(part, (), unknowns, level)
+        meshed = meshed_part(mesh, material)
+        certified = free_modes(free_part(meshed, name), modes)
+        frequencies.append(certified.frequencies)
+        counts.append(mesh.unknowns)
+    properties = meshed.properties()
+    return {
+        "density": material.rho,
+        "total": properties.mass,
+        "centre": properties.centre,
+        "inertia": properties.inertia,
+        "frequencies": certified.frequencies,
+        "frequency_refinement": _refinement(frequencies),
+        "counted": certified.count,
+        "counted_below": float(np.sqrt(certified.shift) / (2.0 * np.pi)),
+        "unknowns": tuple(counts),
+        "elements": len(mesh.cells),
+        "straightened": mesh.straightened,
+    }
+
+
+def _refinement(frequencies: Sequence[Array]) -> Array:
+    """Half-widths from coarse to fine meshes. NaN for a single mesh."""
+    if len(frequencies) < len(LEVELS):
+        return np.full_like(frequencies[-1], np.nan)
+    return refinement_uncertainty(*frequencies)
