@@ -19,7 +19,7 @@ RESULTS = [n for n in fp.__all__ if inspect.isclass(vars(fp)[n]) and vars(fp)[n]
 INTERNAL = {
     "ConvergenceStudy": {
         *("chart", "column", "panel", "picture", "record", "short_summary", "stated_count"),
-        *("study_records", "title"),
+        *("studies", "title"),
     },
     "WorkspaceMaps": {"chart"},
 }

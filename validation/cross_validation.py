@@ -19,8 +19,8 @@ from validation.drawing.text import quantity_name
 from validation.report.agreement import agreement_sentence
 from validation.report.agreement_parts import (
     AgreementRow,
+    agreement_row,
     agreement_rows,
-    difference_parts,
     percent,
 )
 from validation.run.outcome import Outcome
@@ -238,7 +238,8 @@ class CrossValidation:
 
         panels: dict[str, list[Difference]] = {}
         for outcome in self.agreement:
-            if shares := difference_parts(outcome):
+            if outcome.measurement:
+                shares = agreement_row(outcome)
                 title = outcome.case.body or f"{self.robot}, whole robot"
                 panels.setdefault(title, []).append(
                     Difference(
@@ -261,10 +262,9 @@ class CrossValidation:
 
 def _computed(outcome: Outcome) -> AgreementRow:
     """Numbers of a comparison. Raises AssertionError if it was skipped or failed."""
-    shares = difference_parts(outcome)
-    if shares is None:
+    if outcome.measurement is None:
         raise AssertionError(f"{outcome.case.id}: not compared: {outcome.message}")
-    return shares
+    return agreement_row(outcome)
 
 
 def _not_computed(what: str, name: str, known: Iterable[str]) -> str:

@@ -8,7 +8,9 @@ checked, because the page embeds it unchanged.
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeAlias
+
+import msgspec
 
 from validation.context import Context, ScheduledTask
 from validation.record_fields import RESULTS, Key, json_object
@@ -90,6 +92,60 @@ class Study:
                 raise ValueError(f"study {self.id}: {name} has {len(values)} of {len(self.x)} x")
 
 
+class ElementStudy(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="convergence"):
+    """Convergence of one quantity with the element count `x`, by formulation: entry of "studies".
+
+    Fields with the names of `Study` have its meaning. A value of `series` is None if the count was
+    not computed. `needed`: smallest counts for relative errors, by the error as text. None if it
+    exceeds the largest count. `stated`: element count of the agreement limits. `body`: None for the
+    robot.
+    """
+
+    id: str
+    body: str | None
+    quantity: str
+    title: str = ""
+    x_label: str = ""
+    y_label: str = ""
+    unit: str = "1"
+    x: tuple[int, ...]
+    series: Mapping[str, tuple[float | None, ...]]
+    formal_order: Mapping[str, float] = {}
+    order: Mapping[str, float] = {}
+    uncertainty: Mapping[str, float] = {}
+    limit: Mapping[str, float]
+    theory: Mapping[str, str]
+    needed: Mapping[str, Mapping[str, int | None]]
+    stated: int
+    notes: tuple[str, ...] = ()
+
+
+class WorstValue(msgspec.Struct, frozen=True):
+    """Worst value of a map, and its pose."""
+
+    pose: tuple[float, ...]
+    value: float
+
+
+class MapStudy(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="map"):
+    """Quantity of a model over a grid of poses: entry of "studies".
+
+    `x`: coordinates along each of the `moves`. `values` are nested by them, None out of reach.
+    """
+
+    id: str
+    title: str
+    unit: str
+    model: str
+    moves: tuple[str, ...]
+    x: tuple[tuple[float, ...], ...]
+    values: tuple[Any, ...]
+    worst: WorstValue
+
+
+FigureStudy: TypeAlias = ElementStudy | MapStudy
+
+
 @dataclass(frozen=True)
 class InteractiveScene:
     """A 3-D scene that can be turned. `state` is the packed input of the page's viewer."""
@@ -105,7 +161,7 @@ class Figure:
     If this machine cannot draw it, `left_out` is the reason; data and scenes exist nevertheless.
     `id` is also the stem of its file names. `section`: its part of the report. `scenes`: the panels
     of the picture in three dimensions. `computed_by`: names of the functions that computed its
-    numbers. `studies`: its records in results.json, as plain data.
+    numbers. `studies`: its entries in results.json.
     """
 
     id: str
@@ -118,7 +174,7 @@ class Figure:
     left_out: str = ""
     scenes: tuple[InteractiveScene, ...] = ()
     computed_by: tuple[str, ...] = ()
-    studies: tuple[Mapping[str, Any], ...] = ()
+    studies: tuple[FigureStudy, ...] = ()
 
     def __post_init__(self) -> None:
         _require_file_name(self.id)

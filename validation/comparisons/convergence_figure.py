@@ -38,7 +38,7 @@ def element_convergence(context: Context) -> Chart:
     limits = context.robot_file.agreement
     chart = convergence_chart(panels, X_LABELS["elements"], limits, columns=len(studies))
     captioned = chart.captioned(*_caption(studies, len(bodies) - 1 - len(legs)))
-    records = [record for body in bodies for record in study_of(context, body).study_records()]
+    records = [record for body in bodies for record in study_of(context, body).studies()]
     return replace(captioned, studies=records)
 
 

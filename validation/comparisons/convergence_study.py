@@ -31,6 +31,7 @@ from validation.comparisons.discretisations import RefinedModel
 from validation.drawing.chart import Chart
 from validation.drawing.style import csv_of, plot_style
 from validation.drawing.text import number
+from validation.studies_and_figures import ElementStudy
 from validation.tables import ResultTable
 from validation.uncertainty.grid_convergence import COARSE_COUNT
 
@@ -308,63 +309,51 @@ class ConvergenceStudy:
             ],
         }
 
-    def study_records(self) -> tuple[dict[str, Any], ...]:
-        """Records for `studies` in results.json, one for each quantity.
-
-        None at counts not computed.
-        """
+    def studies(self) -> tuple[ElementStudy, ...]:
+        """Entries of "studies" in results.json, one for each quantity."""
         counts = sorted({count for series in self.series for count in series.counts})
+        by_label = {series.discretisation.label: series for series in self.series}
         return tuple(
-            {
-                "id": f"convergence.{self.subject or 'robot'}.{quantity}",
-                "kind": "convergence",
-                "body": self.subject or None,
-                "quantity": quantity,
-                "title": f"{self.title}: {quantity}, convergence with {REFINED[self.refined]}",
-                "x_label": X_LABELS[self.refined],
-                "y_label": quantity,
-                "unit": self.units[k],
-                "x": counts,
-                "series": {
-                    series.discretisation.label: [
+            ElementStudy(
+                id=f"convergence.{self.subject or 'robot'}.{quantity}",
+                body=self.subject or None,
+                quantity=quantity,
+                title=f"{self.title}: {quantity}, convergence with {REFINED[self.refined]}",
+                x_label=X_LABELS[self.refined],
+                y_label=quantity,
+                unit=self.units[k],
+                x=tuple(counts),
+                series={
+                    label: tuple(
                         float(series.values[series.counts.index(count), k])
                         if count in series.counts
                         else None
                         for count in counts
-                    ]
-                    for series in self.series
+                    )
+                    for label, series in by_label.items()
                 },
-                "formal_order": {
-                    series.discretisation.label: series.formal_order for series in self.series
-                },
-                "order": {
-                    series.discretisation.label: float(series.orders[k])
-                    for series in self.series
+                formal_order={label: series.formal_order for label, series in by_label.items()},
+                order={
+                    label: float(series.orders[k])
+                    for label, series in by_label.items()
                     if not np.isnan(series.orders[k])
                 },
-                "uncertainty": {
-                    series.discretisation.label: float(
-                        series.half_widths[-1, k] * abs(series.values[-1, k])
-                    )
-                    for series in self.series
+                uncertainty={
+                    label: float(series.half_widths[-1, k] * abs(series.values[-1, k]))
+                    for label, series in by_label.items()
                 },
-                "limit": {
-                    series.discretisation.label: float(series.limits[k]) for series in self.series
-                },
-                "theory": {
-                    series.discretisation.label: series.discretisation.theory
-                    for series in self.series
-                },
-                "needed": {
-                    series.discretisation.label: {
+                limit={label: float(series.limits[k]) for label, series in by_label.items()},
+                theory={label: series.discretisation.theory for label, series in by_label.items()},
+                needed={
+                    label: {
                         f"{target:g}": int(row[k]) or None
                         for target, row in zip(TARGETS, series.needed, strict=True)
                     }
-                    for series in self.series
+                    for label, series in by_label.items()
                 },
-                "stated": self.agreement.elements,
-                "notes": [self.reference],
-            }
+                stated=self.agreement.elements,
+                notes=(self.reference,),
+            )
             for k, quantity in enumerate(self.quantities)
         )
 

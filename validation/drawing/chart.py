@@ -14,6 +14,7 @@ import numpy as np
 from lumped.arrays import Array
 from validation.drawing.style import csv_of
 from validation.drawing.text import power_of_ten
+from validation.studies_and_figures import FigureStudy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -132,7 +133,7 @@ class Chart:
     x_scale: Scale | None = None
     caption: str = ""
     title: str = ""
-    studies: Sequence[Mapping[str, Any]] = ()
+    studies: Sequence[FigureStudy] = ()
 
     def captioned(self, *sentences: str, title: str = "") -> "Chart":
         """Copy with a title, and a caption of those sentences that are not empty."""

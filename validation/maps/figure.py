@@ -35,7 +35,7 @@ from validation.maps.workspace import (
 from validation.references.robot_on_path import coordinates
 from validation.report.words import capital
 from validation.solids.solid_legs import SHARED_SOLIDS
-from validation.studies_and_figures import PATH
+from validation.studies_and_figures import PATH, MapStudy, WorstValue
 from validation.tables import ResultTable
 
 if TYPE_CHECKING:
@@ -256,19 +256,18 @@ def _table(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> dict[
 
 def _study(
     space: Workspace, mapped: MappedQuantity, values: Array, worst: WorstPosture
-) -> dict[str, Any]:
-    """Record of a map for `studies` in results.json."""
-    return {
-        "id": mapped.id,
-        "kind": "map",
-        "title": mapped.title,
-        "unit": mapped.unit,
-        "model": mapped.model,
-        "moves": [space.mechanism.tool.moves[move] for move in space.moves],
-        "x": [axis.tolist() for axis in space.axes],
-        "values": _none_if_nan(values).tolist(),
-        "worst": {"pose": worst.pose.tolist(), "value": worst.value},
-    }
+) -> MapStudy:
+    """Entry of a map in results.json."""
+    return MapStudy(
+        id=mapped.id,
+        title=mapped.title,
+        unit=mapped.unit,
+        model=mapped.model,
+        moves=tuple(space.mechanism.tool.moves[move] for move in space.moves),
+        x=tuple(tuple(axis.tolist()) for axis in space.axes),
+        values=tuple(_none_if_nan(values).tolist()),
+        worst=WorstValue(tuple(worst.pose.tolist()), worst.value),
+    )
 
 
 def _none_if_nan(values: Array) -> Any:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from validation.case import UnjudgedValue
 from validation.drawing.text import engineering, number, percent
-from validation.report.agreement_parts import AgreementRow, difference_parts
+from validation.report.agreement_parts import AgreementRow, agreement_row
 from validation.report.words import capital, listed, pose_text
 from validation.run.outcome import Outcome, Verdict
 from validation.verdicts import Coordinate
@@ -221,7 +221,7 @@ def _largest_part(
     outcomes: Iterable[Outcome], part: Callable[[AgreementRow], float]
 ) -> tuple[Outcome, AgreementRow]:
     """Comparison for which `part` is largest, and its parts."""
-    compared = [(outcome, parts) for outcome in outcomes if (parts := difference_parts(outcome))]
+    compared = [(outcome, agreement_row(outcome)) for outcome in outcomes if outcome.measurement]
     return max(compared, key=lambda pair: part(pair[1]))
 
 
@@ -389,8 +389,8 @@ def _spread(half_width: float) -> str:
 
 
 def _cell(outcome: Outcome) -> AgreementCell:
-    parts, mark = difference_parts(outcome), MARKS[outcome.verdict]
-    if parts is None:
+    parts, mark = agreement_row(outcome), MARKS[outcome.verdict]
+    if outcome.measurement is None:
         return AgreementCell(outcome.message, "", "", mark, outcome.verdict, outcome.case.id)
     return AgreementCell(
         text=_percent(parts.unexplained),
@@ -404,9 +404,8 @@ def _cell(outcome: Outcome) -> AgreementCell:
 
 def _shares(outcome: Outcome) -> dict[str, float]:
     """Relative amounts of named causes, by cause, without those displayed as zero."""
-    parts = difference_parts(outcome)
-    causes = parts.causes if parts else {}
-    return {cause: share for cause, share in causes.items() if abs(share) >= _SMALLEST_SHARE}
+    causes = agreement_row(outcome).causes.items()
+    return {cause: share for cause, share in causes if abs(share) >= _SMALLEST_SHARE}
 
 
 def _causes_text(outcome: Outcome) -> str:

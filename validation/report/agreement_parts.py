@@ -64,15 +64,22 @@ class AgreementRow(msgspec.Struct, frozen=True, kw_only=True):
         )
 
 
-def difference_parts(outcome: Outcome) -> AgreementRow | None:
-    """Row of a comparison. None if it was skipped or failed."""
-    measurement = outcome.measurement
+def agreement_row(outcome: Outcome) -> AgreementRow:
+    """Row of a comparison, without numbers if it was skipped or failed."""
+    case, measurement = outcome.case, outcome.measurement
+    row = AgreementRow(
+        body=case.body or "robot",
+        model=case.model,
+        quantity=quantity_name(case.label),
+        unit=case.unit,
+        verdict=outcome.verdict,
+    )
     if measurement is None:
-        return None
+        return row
     scale = abs(measurement.reference)
     difference, unexplained = measurement.difference / scale, measurement.unexplained / scale
     return msgspec.structs.replace(
-        _unmeasured(outcome),
+        row,
         value=measurement.value,
         reference=measurement.reference,
         difference=difference,
@@ -84,28 +91,13 @@ def difference_parts(outcome: Outcome) -> AgreementRow | None:
     )
 
 
-def _unmeasured(outcome: Outcome) -> AgreementRow:
-    case = outcome.case
-    return AgreementRow(
-        body=case.body or "robot",
-        model=case.model,
-        quantity=quantity_name(case.label),
-        unit=case.unit,
-        verdict=outcome.verdict,
-    )
-
-
 def agreement_rows(outcomes: Iterable[Outcome]) -> ResultTable:
     """Table with a row for each comparison of formulations: values, difference, parts, verdict.
 
     Models of CAD parts without a verdict follow, without tolerance.
     """
     outcomes = tuple(outcomes)
-    judged = [
-        difference_parts(outcome) or _unmeasured(outcome)
-        for outcome in outcomes
-        if outcome.case.kind == "agreement"
-    ]
+    judged = [agreement_row(outcome) for outcome in outcomes if outcome.case.kind == "agreement"]
     unjudged = [
         _unjudged_row(outcome.case.body, value)
         for outcome in outcomes

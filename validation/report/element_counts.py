@@ -4,12 +4,11 @@ Input: convergence studies of the run's figures. Output: `ElementCounts`. Rule: 
 f4 and three deflections, over all legs and the robot, decides.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from validation.drawing.text import percent
-from validation.studies_and_figures import Figure
+from validation.studies_and_figures import ElementStudy, Figure
 
 _TARGET = "0.01"
 # Errors below this are given as below this bound.
@@ -40,22 +39,22 @@ class ElementCounts:
 
 def element_counts(figures: Sequence[Figure]) -> ElementCounts | None:
     """Element counts of each formulation. None without a study over the element count."""
-    studies = [study for figure in figures for study in figure.studies if "needed" in study]
+    studies = [
+        study for figure in figures for study in figure.studies if isinstance(study, ElementStudy)
+    ]
     labels = dict.fromkeys(
         label
         for study in studies
-        for label, theory in study["theory"].items()
+        for label, theory in study.theory.items()
         if theory == "timoshenko"
     )
-    rows = [
-        _row(label, [study for study in studies if label in study["series"]]) for label in labels
-    ]
-    return ElementCounts(tuple(rows), studies[0]["stated"]) if rows else None
+    rows = [_row(label, [study for study in studies if label in study.series]) for label in labels]
+    return ElementCounts(tuple(rows), studies[0].stated) if rows else None
 
 
-def _row(label: str, studies: Sequence[Mapping[str, Any]]) -> ElementCount:
+def _row(label: str, studies: Sequence[ElementStudy]) -> ElementCount:
     errors = {
-        f"{study['quantity']} of {study['body'] or 'the robot'}": abs(error)
+        f"{study.quantity} of {study.body or 'the robot'}": abs(error)
         for study in studies
         if (error := _stated_error(label, study)) is not None
     }
@@ -68,25 +67,26 @@ def _row(label: str, studies: Sequence[Mapping[str, Any]]) -> ElementCount:
     return ElementCount(label, needed, percent(errors[worst], signed=False), worst)
 
 
-def _needed(label: str, studies: Sequence[Mapping[str, Any]]) -> str:
+def _needed(label: str, studies: Sequence[ElementStudy]) -> str:
     """Elements for 1 %, as text. A bound if they lie outside the computed counts."""
-    needed = [study["needed"][label][_TARGET] for study in studies]
+    counts = [study.needed[label][_TARGET] for study in studies]
+    needed = [count for count in counts if count is not None]
     computed = [
         count
         for study in studies
-        for count, value in zip(study["x"], study["series"][label], strict=True)
+        for count, value in zip(study.x, study.series[label], strict=True)
         if value is not None
     ]
-    if None in needed:
+    if len(needed) < len(counts):
         return f"more than {max(computed)}"
     largest = max(needed)
     return f"at most {largest}" if largest == min(computed) > 1 else str(largest)
 
 
-def _stated_error(label: str, study: Mapping[str, Any]) -> float | None:
+def _stated_error(label: str, study: ElementStudy) -> float | None:
     """Relative error with the element count of [agree]. None if it was not computed."""
-    count = study["stated"]
-    if count not in study["x"]:
+    count = study.stated
+    if count not in study.x:
         return None
-    value = study["series"][label][study["x"].index(count)]
-    return None if value is None else float(value / study["limit"][label] - 1.0)
+    value = study.series[label][study.x.index(count)]
+    return None if value is None else float(value / study.limit[label] - 1.0)

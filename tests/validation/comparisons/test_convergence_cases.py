@@ -24,6 +24,7 @@ from validation.comparisons.convergence_figure import element_convergence as fig
 from validation.comparisons.convergence_series import fitted_orders
 from validation.comparisons.discretisations import EULER_BERNOULLI, FORMULATIONS
 from validation.context import Context, memo_key
+from validation.record_fields import plain_data
 from validation.run.outcome import judge
 
 PATH = """
@@ -200,7 +201,7 @@ def test_figure_and_studies_show_every_subject():
     assert "+0.0089\N{NO-BREAK SPACE}% (2, 6, 19)" in figure.caption
     # The robot's literal layout: the paper's statement holds at 20 elements and not before.
     assert "+0.97\N{NO-BREAK SPACE}% (20, over 80, over 80)" in figure.caption
-    identifiers = {study["id"] for study in figure.studies}
+    identifiers = {study.id for study in figure.studies}
     assert identifiers == {
         f"convergence.{body}.{quantity}"
         for body in ("leg1", "leg2", "robot")
@@ -209,7 +210,7 @@ def test_figure_and_studies_show_every_subject():
     for body in ("leg1", ""):
         own = study_of(context, body)
         for study, (k, quantity) in zip(
-            own.study_records(), enumerate(own.quantities), strict=True
+            plain_data(own.studies()), enumerate(own.quantities), strict=True
         ):
             assert study["id"] == f"convergence.{body or 'robot'}.{quantity}"
             for series in own.series:
@@ -219,7 +220,7 @@ def test_figure_and_studies_show_every_subject():
                 assert study["uncertainty"][label] == pytest.approx(width * value, rel=1e-12)
                 assert study["limit"][label] == series.limits[k]
                 assert (label in study["order"]) is bool(np.isfinite(series.orders[k]))
-    study = next(one for one in figure.studies if one["id"] == "convergence.leg1.f2")
+    study = next(one for one in plain_data(figure.studies) if one["id"] == "convergence.leg1.f2")
     values = study["series"]["segments, half-length end springs"]
     at = study["x"].index(20)
     assert values[at] == pytest.approx(181.822, abs=6e-4)
@@ -250,7 +251,7 @@ def test_figure_of_a_leg_is_read_back():
     """Curves of f1 from JSON, CSV, page and caption: one set of numbers, orders and counts."""
     figure = figure_of(Context(BIGLIDE))
     rows = list(csv.DictReader(io.StringIO(figure.data)))
-    study = next(one for one in figure.studies if one["id"] == "convergence.leg1.f1")
+    study = next(one for one in plain_data(figure.studies) if one["id"] == "convergence.leg1.f1")
     caption = figure.caption.replace("\N{NO-BREAK SPACE}", " ").partition("leg1: ")[2]
     assert set(study["series"]) == {one.label for one in (*FORMULATIONS, *EULER_BERNOULLI)}
     for label, values in study["series"].items():

@@ -26,6 +26,7 @@ from validation.kinematics.poses import postures_of
 from validation.maps.figure import _MAX_POSES, _panels, maps
 from validation.maps.quantities import _error
 from validation.maps.workspace import evenly, grid_values, workspace, worst_posture
+from validation.record_fields import plain_data
 from validation.references.robot_on_path import robot_on_path
 from validation.run.outcome import Result, from_plain, plain
 from validation.run.records import run_record
@@ -63,7 +64,7 @@ def lowest_stiffness(x: float, y: float) -> float:
 
 
 def studies_by_id(figure) -> dict:
-    return {study["id"]: study for study in figure.studies}
+    return {study["id"]: study for study in plain_data(figure.studies)}
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +80,7 @@ def test_maps_of_bipod_match_closed_form(bipod):
     frequencies = np.sqrt(stiffness / MASS) / (2.0 * np.pi)
     np.testing.assert_allclose(studies["map.f1"]["values"], frequencies, rtol=1e-6)
     assert studies["map.stiffness"]["unit"] == "N/µm"
-    assert studies["map.stiffness"]["moves"] == ["x", "y"]
+    assert studies["map.stiffness"]["moves"] == ("x", "y")
     # With rigid bodies all models are equal, and the file relies on links.
     assert studies["map.error"]["model"] == "links"
     assert np.abs(studies["map.error"]["values"]).max() < 1e-9

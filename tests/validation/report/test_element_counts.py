@@ -3,7 +3,7 @@
 import pytest
 
 from validation.report.element_counts import ElementCount, element_counts
-from validation.studies_and_figures import Figure
+from validation.studies_and_figures import ElementStudy, Figure
 
 LABELS = ("rigid segments", "beam elements", "beam elements, Euler–Bernoulli")
 TIMOSHENKO = ("timoshenko", "timoshenko", "euler-bernoulli")
@@ -16,20 +16,19 @@ def figure(*studies):
 def study(needed, errors, *, body="leg1", quantity="f1", x=(10, 20, 40)):
     """`errors` at 20 of 40 elements and `needed` counts for 1 %, by formulation; limits are 50."""
     at_twenty = [50.0 * (1.0 + error) for error in errors]
-    return {
-        "body": body,
-        "quantity": quantity,
-        "x": list(x),
-        "stated": 20,
-        "series": {
-            label: [0.0, value, 0.0] for label, value in zip(LABELS, at_twenty, strict=False)
-        },
-        "limit": dict.fromkeys(LABELS, 50.0),
-        "theory": dict(zip(LABELS, TIMOSHENKO, strict=True)),
-        "needed": {
+    return ElementStudy(
+        id=f"convergence.{body}.{quantity}",
+        body=body,
+        quantity=quantity,
+        x=x,
+        stated=20,
+        series={label: (0.0, value, 0.0) for label, value in zip(LABELS, at_twenty, strict=False)},
+        limit=dict.fromkeys(LABELS, 50.0),
+        theory=dict(zip(LABELS, TIMOSHENKO, strict=True)),
+        needed={
             label: {"0.01": count, "0.001": 99} for label, count in zip(LABELS, needed, strict=True)
         },
-    }
+    )
 
 
 def rows(*studies):
@@ -70,6 +69,6 @@ def test_error_is_empty_without_twenty_elements():
     assert (first.error, first.worst) == ("", "")
 
 
-@pytest.mark.parametrize("figures", [[], [figure({"x": [1], "series": {}})]])
+@pytest.mark.parametrize("figures", [[], [figure()]])
 def test_no_study_gives_no_table(figures):
     assert element_counts(figures) is None
