@@ -1,4 +1,4 @@
-"""Every misprint of the data is found with its number, every check is silent on sound data."""
+"""Audit of data: every misprint of the paper is reported, and valid data give no finding."""
 
 from dataclasses import replace
 
@@ -11,8 +11,8 @@ from lumped.robot_file import as_printed, load_robot
 from lumped.sections import Rectangle
 
 IFW = load_robot("ifw")
-# The paper's data, from an independent computation, to half a unit of the digits that it gave.
-# By place and check: severity and numbers.
+# Findings on the paper's data by key and check: severity, and numbers of an independent
+# computation, to half a unit of their last digit.
 PRINTED = {
     ("foot.compliance", "definiteness"): (
         "error",
@@ -45,7 +45,7 @@ PRINTED = {
     # 7.22e-7 · 0.775² / (3 · 1.07e-9), by hand.
     ("leg2.compliance", "tip rotation c55"): ("note", {"ratio": pytest.approx(135.1, abs=0.05)}),
 }
-# Words of what is used in place of errors; all else is used as it is printed.
+# Value that the paper's robot uses in place of a misprint; all other values are used as printed.
 USED = {
     "foot.compliance": "foot.compliance[6,6] = 3.16e-07 in place of 3.16e-09",
     "tool.compliance": "tool.compliance[2,1] = -9.7e-11",
@@ -53,31 +53,32 @@ USED = {
 }
 
 
-def test_misprints_are_reported_with_numbers():
-    found = {(one.where, one.check): one for one in audit(IFW)}
-    assert found.keys() == PRINTED.keys()
+def test_paper_misprints_are_reported():
+    findings = {(finding.where, finding.check): finding for finding in audit(IFW)}
+    assert findings.keys() == PRINTED.keys()
     for key, (severity, numbers) in PRINTED.items():
-        assert found[key].severity == severity, key
-        assert USED.get(key[0], "as printed") in found[key].used, key
-        assert numbers.items() <= dict(found[key].numbers).items(), key
-    assert found["tool.compliance", "symmetry"].printed == "(2,1) = 9.7e-11, (1,2) = -9.7e-11"
-    assert "smallest moment of inertia about z" in found["leg2.inertia", "slender axis"].wrong
-    assert {one.used for one in audit(replace(IFW, corrections=()))} == {"as given"}
+        assert findings[key].severity == severity, key
+        assert USED.get(key[0], "as printed") in findings[key].used, key
+        assert numbers.items() <= dict(findings[key].numbers).items(), key
+    assert findings["tool.compliance", "symmetry"].printed == "(2,1) = 9.7e-11, (1,2) = -9.7e-11"
+    assert "smallest moment of inertia about z" in findings["leg2.inertia", "slender axis"].wrong
+    assert {finding.used for finding in audit(replace(IFW, corrections=()))} == {"as given"}
 
 
-def test_corrections_remove_all_data_errors():
+def test_corrected_paper_data_has_no_errors():
     for tables, count in ((as_printed(IFW), 3), (IFW.tables, 0)):
-        severities = [one.severity for part in parts(tables) for one in data_findings(part)]
+        findings = [finding for part in parts(tables) for finding in data_findings(part)]
+        severities = [finding.severity for finding in findings]
         assert severities.count("error") == count
 
 
 def checks(name, **data):
-    """The checks of which a part's data have findings."""
+    """Return the names of the checks that report a finding on one part with these data."""
     return [finding.check for finding in data_findings(DescribedPart(name, **data))]
 
 
 def with_entries(matrix, **entries):
-    """The symmetric matrix with entries, "c26" say, times a factor."""
+    """Return the symmetric matrix with some entries scaled: `c26=-1.0` reverses the sign of c26."""
     changed = matrix.copy()
     for name, factor in entries.items():
         i, j = int(name[1]) - 1, int(name[2]) - 1
@@ -89,26 +90,27 @@ def with_entries(matrix, **entries):
     ("length", "width", "height", "nu"),
     [(0.8, 0.2, 0.02, 0.0), (1.3, 0.1, 0.16, 0.3), (2.0, 0.02, 0.2, 0.45)],
 )
-def test_wrong_coupling_or_rotation_is_found(length, width, height, nu):
+def test_wrong_coupling_sign_or_tip_rotation_is_found(length, width, height, nu):
     leg = ConstantLeg(length, Rectangle(width, height), Material.isotropic(2e11, nu, 7850.0))
     beam = tip_compliance(leg.timoshenko, length)
     inertia = np.diag([0.01, 1.0, 1.0]) * leg.mass * length**2 / 12.0
     assert checks("leg1", compliance=beam, inertia=inertia, length=length, mass_centre=0.4) == []
-    # A foot may look either way, but not both; a tool has no arm.
+    # A foot of unknown direction may have both couplings reversed but not one; the tool's
+    # compliance has no lever arm and may have any couplings.
     assert checks("foot", compliance=with_entries(beam, c26=-1.0, c35=-1.0)) == []
-    for one in ("c26", "c35"):
-        wrong = with_entries(beam, **{one: -1.0})
+    for entry in ("c26", "c35"):
+        wrong = with_entries(beam, **{entry: -1.0})
         assert checks("leg1", compliance=wrong, length=length) == ["couplings"]
         assert checks("foot", compliance=wrong) == ["couplings"]
         assert checks("tool", compliance=wrong) == []
-    for one in ("c55", "c66"):
-        # At least 0.9 of a beam's rotation remains after shear at these slendernesses.
-        turning = with_entries(beam, **{one: 20.0})
-        assert checks("leg1", compliance=turning, length=length) == [f"tip rotation {one}"]
+    for entry in ("c55", "c66"):
+        # 20 times the tip rotation of a beam; shear changes it by less than a tenth here.
+        wrong = with_entries(beam, **{entry: 20.0})
+        assert checks("leg1", compliance=wrong, length=length) == [f"tip rotation {entry}"]
 
 
 @pytest.mark.parametrize(
-    ("data", "found"),
+    ("data", "findings"),
     [
         ({"inertia": np.diag([1.0, 3.0, 1.9])}, ["triangle inequality"]),
         ({"inertia": np.diag([1.0, 2.8, 1.9])}, []),
@@ -118,13 +120,14 @@ def test_wrong_coupling_or_rotation_is_found(length, width, height, nu):
         ({"length": 0.85, "mass_centre": -0.1}, ["mass centre"]),
     ],
 )
-def test_impossible_inertias_are_found(data, found):
-    assert checks("leg1", **data) == found
+def test_impossible_inertia_is_found(data, findings):
+    assert checks("leg1", **data) == findings
 
 
-def test_mechanism_findings_carry_their_keys():
+def test_mechanism_findings_have_keys():
     beam = np.diag([1e-9, 1e-7, 1e-7, 1e-6, 6e-7, 6e-7])
-    # A leg of 0.5 m whose tip turns the wrong way under a force along y, a body that is none.
+    # A leg of 0.5 m with couplings of the wrong sign, a body with an impossible inertia, and a
+    # joint with a negative compliance.
     beam[1, 5] = beam[5, 1] = beam[2, 4] = beam[4, 2] = -1.5e-7
     tables = {
         "points": {"A": [0.0, 0.0, 0.0], "B": [0.3, 0.4, 0.0]},
@@ -134,13 +137,13 @@ def test_mechanism_findings_carry_their_keys():
         },
         "joints": {"a": {"compliance": np.diag([1e-9, 1e-9, -1e-9, 1e-8, 1e-8, 1e-8])}},
     }
-    found = {(one.where, one.check): one for part in parts(tables) for one in data_findings(part)}
-    assert found.keys() == {
+    findings = {(f.where, f.check): f for part in parts(tables) for f in data_findings(part)}
+    assert findings.keys() == {
         ("bodies.rod.compliance", "couplings"),
         ("bodies.platform.inertia", "triangle inequality"),
         ("joints.a.compliance", "definiteness"),
     }
-    # 3 · 1e-7 / (2 · 0.5), by hand: the length is that between the points.
-    numbers = found["bodies.rod.compliance", "couplings"].numbers
+    # 3 · 1e-7 / (2 · 0.5) by hand, with the distance of 0.5 m between points A and B.
+    numbers = findings["bodies.rod.compliance", "couplings"].numbers
     assert numbers["c26 of a beam"] == pytest.approx(3e-7)
     assert all(audit(load_robot(robot)) == () for robot in ("biglide", "five-bar", "delta"))

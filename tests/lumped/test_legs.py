@@ -1,4 +1,4 @@
-"""Sections by textbook and steel tables, legs by the strength of materials and the paper."""
+"""Sections against textbooks and steel tables; legs against beam formulas and the paper."""
 
 from dataclasses import replace
 
@@ -34,54 +34,54 @@ BEAM = ConstantLeg(1.2, Rectangle(width=0.05, height=0.10), STEEL)
         (LEG1, "compliance", (3.025e8, 1.157e6, 6.417e6, 4.913e6), 0.5046, 0.2142),
     ],
 )
-def test_equivalent_legs(leg, by, expected, height, width):
-    """Known values, EA, EIz, EIy, GJ to the four printed digits, and sides from these."""
-    found = equivalent_leg(leg, by)
-    beam = found.timoshenko
+def test_equivalent_legs_of_paper(leg, by, expected, height, width):
+    """EA, EIz, EIy and GJ to the paper's four printed digits, and the sides of the section in m."""
+    computed = equivalent_leg(leg, by)
+    beam = computed.timoshenko
     assert_allclose((beam.EA, beam.EIz, beam.EIy, beam.GJ), expected, rtol=5e-4)
-    assert_allclose((found.section.height, found.section.width), (height, width), atol=1e-4)
-    assert (found.mass, found.material.nu) == (pytest.approx(leg.mass, rel=1e-14), 0.0)
+    assert_allclose((computed.section.height, computed.section.width), (height, width), atol=1e-4)
+    assert (computed.mass, computed.material.nu) == (pytest.approx(leg.mass, rel=1e-14), 0.0)
 
 
 @pytest.mark.parametrize("by", ["stiffness", "compliance"])
-def test_euler_bernoulli_compliance_recovers_beam(by):
-    """EI = L³/3k22 undoes c22 = L³/3EI; K22 L³/12 undoes the clamped-clamped 12EI/L³."""
+def test_equivalent_leg_recovers_beam_stiffness(by):
+    """Inverse of c22 = L³/3EI (by compliance) and of K22 = 12EI/L³ (by stiffness, clamped tip)."""
     beam = BEAM.timoshenko
     given = GivenLeg(1.2, 47.1, tip_compliance(beam.as_euler_bernoulli(), 1.2))
-    found = equivalent_leg(given, by).timoshenko
+    computed = equivalent_leg(given, by).timoshenko
     for name in ("EA", "EIy", "EIz", "GJ"):
-        # inverting a leg of slenderness 12 costs four of sixteen digits
-        assert getattr(found, name) == pytest.approx(getattr(beam, name), rel=1e-11)
+        # Inverting the 6×6 of a leg of slenderness 12 loses four of sixteen digits.
+        assert getattr(computed, name) == pytest.approx(getattr(beam, name), rel=1e-11)
 
 
-def test_an_indefinite_compliance_has_no_equivalent():
+def test_indefinite_compliance_has_no_equivalent():
     with pytest.raises(InputError, match="not positive definite"):
         equivalent_leg(GivenLeg(1.0, 10.0, np.diag([1.0, 1.0, 1.0, 1.0, 1.0, -1e-3])))
 
 
-def test_cantilever_by_textbook():
-    """50×100 mm steel, 1.2 m: PL³/3EI + PL/κGA, ML²/2EI, ML/EI, TL/GJ, NL/EA; signs of c26, c35."""
+def test_cantilever_compliance_equals_textbook():
+    """Steel 50×100 mm, 1.2 m: PL³/3EI + PL/κGA, ML²/2EI, ML/EI, TL/GJ, NL/EA, signs of c26, c35."""
     L, E, G = 1.2, 2.1e11, 2.1e11 / 2.6
     A, Iy, Iz = 0.005, 0.05 * 0.1**3 / 12.0, 0.1 * 0.05**3 / 12.0
     J = 0.229 * 0.1 * 0.05**3  # Timoshenko & Goodier §109, side ratio 2, three digits
     shear = L / (13.0 / 15.3 * G * A)  # Cowper 10(1+ν)/(12+11ν)
-    found = tip_compliance(BEAM.timoshenko, L)
-    assert found[3, 3] == pytest.approx(L / (G * J), rel=2e-3)
+    computed = tip_compliance(BEAM.timoshenko, L)
+    assert computed[3, 3] == pytest.approx(L / (G * J), rel=2e-3)
     bent_z, bent_y = (L**3 / (3.0 * E * I) for I in (Iz, Iy))
-    turned = [found[3, 3], L / (E * Iy), L / (E * Iz)]
+    turned = [computed[3, 3], L / (E * Iy), L / (E * Iz)]
     expected = np.diag([L / (E * A), bent_z + shear, bent_y + shear, *turned])
     expected[1, 5] = expected[5, 1] = L**2 / (2.0 * E * Iz)
     expected[2, 4] = expected[4, 2] = -(L**2) / (2.0 * E * Iy)
-    assert_allclose(found, expected, rtol=1e-12, atol=1e-22)
+    assert_allclose(computed, expected, rtol=1e-12, atol=1e-22)
     bending = tip_compliance(BEAM.properties("euler-bernoulli"), L)
     assert bending[1, 1] == pytest.approx(bent_z, rel=1e-12)
 
 
 def test_shear_and_rotary_inertia_differ_by_plane():
-    """A tall box shears most along z, where its long walls lie, and turns hardest about y."""
+    """A tall box is stiffest in shear along z, where its long walls lie; ρI is largest about y."""
     box = ConstantLeg(1.0, HollowRectangle(0.05, 0.2, 0.005), Material.isotropic(2e11, 0.3, 7800.0))
     beam, section = box.timoshenko, box.section
-    # The walls along a direction, of the middle line, take nearly all of its shear.
+    # The two walls along z, as high as the middle line, take nearly all of the shear along z.
     assert beam.GAz == pytest.approx(box.material.G * 2 * 0.195 * 0.005, rel=0.1)
     assert beam.GAy < 0.3 * beam.GAz
     iy, iz = section.second_moment_y, section.second_moment_z
@@ -92,19 +92,19 @@ def test_shear_and_rotary_inertia_differ_by_plane():
 @pytest.mark.parametrize(
     ("shape", "nu", "shear"), [(Rectangle(0.05, 0.10), 0.3, 1e-5), (Circle(0.1), -0.5, 2.0)]
 )
-def test_shear_with_a_shear_modulus_of_its_own(shape, nu, shear):
-    """Cowper's mean displacement from Saint-Venant's flexure by finite elements, cubic material.
+def test_shear_coefficient_with_independent_modulus(shape, nu, shear):
+    """Cowper's coefficient against Saint-Venant's flexure by finite elements, for cubic material.
 
-    Linear elasticity: 1/κGA = α/G + β ν/E, so that κ with ν′ of the same νG/E; with ν it would be
-    3 % too large for G ≪ E.
+    By linear elasticity 1/κGA = α/G + β ν/E: κ is Cowper's κ for the ν′ that has the same νG/E.
+    With ν itself it would be 3 % too large for G ≪ E.
     """
     leg = ConstantLeg(1.0, shape, Material(E=1e11, G=shear * 1e11, nu=nu, rho=1.0))
     constants = section_constants(section_mesh(shape, 8), nu, shear)
-    found = leg.timoshenko.GAy / (leg.material.G * shape.area)
-    assert found == pytest.approx(constants.cowper_coefficients[0], rel=2e-3)
+    computed = leg.timoshenko.GAy / (leg.material.G * shape.area)
+    assert computed == pytest.approx(constants.cowper_coefficients[0], rel=2e-3)
 
 
-def test_negative_shear_stiffness_is_refused_by_name():
+def test_negative_shear_stiffness_is_refused():
     wide = ISection(width=6.9e-5, height=1.0e-5, flange=1.0e-6, web=1.0e-6)
     leg = ConstantLeg(0.07, wide, Material.isotropic(2.1e11, -0.9, 7850.0))
     with pytest.raises(ComputationError, match=r"i-section: .* κGA = -.* N is negative"):
@@ -112,7 +112,7 @@ def test_negative_shear_stiffness_is_refused_by_name():
     assert pytest.approx(2.1e11 * wide.area) == leg.properties("euler-bernoulli").EA
 
 
-def test_failing_leg_is_named_and_names_do_not_compare():
+def test_leg_name_is_in_messages_only():
     first, second = replace(BEAM, name="leg 1"), replace(BEAM, name="leg 2")
     assert {first} == {second}
     short = GivenLeg(1.0, 1.0, np.diag([1e-7, 1e-9, 1e-9, 1e-9, 3e-9, 3e-9]), name="leg 2")
@@ -124,23 +124,23 @@ def test_failing_leg_is_named_and_names_do_not_compare():
     with pytest.raises(InputError) as error, naming("leg 1"), naming("leg 1"):
         raise InputError(["length: too short", "width: too wide"])
     assert error.value.faults == ("leg 1: length: too short", "leg 1: width: too wide")
-    # The text of a message decides nothing: a section may be called as its leg is.
+    # The name is put in front of a message even if the message begins with the same word.
     with pytest.raises(InputError) as error, naming("leg"):
         raise InputError("leg: is no section")
     assert error.value.faults == ("leg: leg: is no section",)
 
 
 def test_torsion_constants_of_rectangles():
-    """J/(b h³) by b/h: Timoshenko & Goodier §109, table of k1."""
-    known = {1.0: 0.140577, 1.2: 0.166119, 1.5: 0.195761, 2.0: 0.228682, 2.5: 0.249365}
-    known |= {3.0: 0.263317, 4.0: 0.280813, 5.0: 0.291317, 10.0: 0.312325}
-    found = {ratio: rectangle_torsion_constant(ratio, 1.0) / ratio for ratio in known}
-    assert found == pytest.approx(known, abs=1e-6)
+    """J/(b h³) for side ratios b/h (Timoshenko & Goodier, Theory of Elasticity, §109, table)."""
+    table = {1.0: 0.140577, 1.2: 0.166119, 1.5: 0.195761, 2.0: 0.228682, 2.5: 0.249365}
+    table |= {3.0: 0.263317, 4.0: 0.280813, 5.0: 0.291317, 10.0: 0.312325}
+    computed = {ratio: rectangle_torsion_constant(ratio, 1.0) / ratio for ratio in table}
+    assert computed == pytest.approx(table, abs=1e-6)
     assert rectangle_torsion_constant(1.0, 100.0) == rectangle_torsion_constant(100.0, 1.0)
 
 
 def plates(*each):
-    """Area, Iy and Iz of plates of such widths, heights and places y, z by parallel axes."""
+    """Return area, Iy and Iz of rectangles (width, height, y, z) by the parallel-axis theorem."""
     b, h, y, z = np.array(each).T
     area = b * h
     return [sum(area), sum(area * (h**2 / 12 + z**2)), sum(area * (b**2 / 12 + y**2))]
@@ -150,20 +150,20 @@ def constants(section):
     return [section.area, section.second_moment_y, section.second_moment_z]
 
 
-def test_hollow_rectangle_by_its_four_walls():
+def test_hollow_rectangle_equals_four_walls():
     b, h, t = 0.10, 0.16, 0.008
     section = HollowRectangle(b, h, t)
     across, along = (b - t) / 2.0, (h - t) / 2.0
     flanges = [(b, t, 0.0, z) for z in (-along, along)]
     webs = [(t, h - 2.0 * t, y, 0.0) for y in (-across, across)]
     assert constants(section) == pytest.approx(plates(*flanges, *webs), rel=1e-12)
-    # Bredt 4 Am² t / s.
+    # Bredt: J = 4 A² t / s with area A and length s of the middle line.
     bredt = 4.0 * ((b - t) * (h - t)) ** 2 * t / (2.0 * (b - t + h - t))
     assert section.torsion_constant == pytest.approx(bredt, rel=1e-12)
 
 
-def test_i_section_by_its_three_plates():
-    """IPE 300 without its fillets: h 300, b 150, tf 10.7, tw 7.1 mm."""
+def test_i_section_equals_three_plates():
+    """IPE 300 without its fillets: h = 300, b = 150, tf = 10.7, tw = 7.1 mm."""
     b, h, tf, tw = 0.150, 0.300, 0.0107, 0.0071
     section = ISection(width=b, height=h, flange=tf, web=tw)
     flanges = [(b, tf, 0.0, z) for z in ((tf - h) / 2.0, (h - tf) / 2.0)]
@@ -171,12 +171,12 @@ def test_i_section_by_its_three_plates():
     assert constants(section) == pytest.approx(expected, rel=1e-12)
     thin = (2.0 * b * tf**3 + (h - tf) * tw**3) / 3.0
     assert section.torsion_constant == pytest.approx(thin, rel=1e-12)
-    # EN 10365 IPE 300: 53.81 cm², 8356 cm⁴, 603.8 cm⁴; the fillets are 4 % of the area.
+    # IPE 300 in EN 10365: 53.81 cm², 8356 cm⁴, 603.8 cm⁴ with fillets, 4 % of the area.
     assert constants(section) == pytest.approx([53.81e-4, 8356e-8, 603.8e-8], rel=0.045)
 
 
-def test_tube_by_its_middle_line():
-    """A = π m t and I = π m t (m² + t²)/8, exact with the mean diameter m; J = 2 I."""
+def test_tube_constants_from_middle_line():
+    """A = π m t and I = π m t (m² + t²)/8 are exact with the mean diameter m; J = 2 I."""
     t, m = 0.004, 0.046
     section, bending = Tube(0.05, t), np.pi * m * t * (m**2 + t**2) / 8.0
     assert constants(section) == pytest.approx([np.pi * m * t, bending, bending], rel=1e-12)
@@ -185,6 +185,6 @@ def test_tube_by_its_middle_line():
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
 def test_cowper_shear_coefficients(nu):
-    """Cowper 1966: thin square tube; finite elements have those of other shapes."""
+    """Thin square tube: Cowper 1966; other shapes are compared with finite elements elsewhere."""
     cowper = 20.0 * (1.0 + nu) / (48.0 + 39.0 * nu)
     assert HollowRectangle(0.1, 0.1, 0.002).shear_coefficients(nu) == pytest.approx([cowper] * 2)

@@ -20,25 +20,27 @@ from lumped.sections import (
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 UP = (0.0, 0.0, 1.0)
 LENGTH = 1.2
-# Closed forms and Gauss quadrature differ by round-off and, for tapers up to 3:1, by less than it.
+# Gauss quadrature differs from closed forms by rounding errors; its truncation error is smaller for
+# tapers up to 3:1.
 EXACT = 1e-11
 
 
 def straight(*stations, material=STEEL, length=LENGTH):
+    """Return a straight leg of `length` (m) with sections at distances (m) along it."""
     line = CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), UP)
     return LineLeg(line, stations, material)
 
 
 def arc(radius, angle, section, material=STEEL):
-    """Arc of `angle` in the plane of the leg's x and y axes, bulging along y."""
+    """Return a leg on an arc of `angle` (rad) in its x-y plane, bulging along y."""
     chord, rise = 2.0 * radius * np.sin(angle / 2.0), radius * (1.0 - np.cos(angle / 2.0))
     piece = LinePiece((0.0, 0.0, 0.0), (chord, 0.0, 0.0), (chord / 2.0, rise, 0.0))
     line = CentreLine((piece,), UP)
     return LineLeg(line, ((0.0, section), (line.length, section)), material)
 
 
-def test_cone_has_closed_tip_compliance():
-    """∫ x²/EI, ∫ 1/κGA, ∫ 1/GJ, ∫ 1/EA over d(x) linear (Roark's Formulas, table of tapers)."""
+def test_cone_tip_compliance_equals_closed_form():
+    """∫ x²/EI, ∫ 1/κGA, ∫ 1/GJ and ∫ 1/EA with d(x) linear (Roark's Formulas, tapered beams)."""
     root, tip = 0.12, 0.05
     leg = straight((0.0, Circle(root)), (LENGTH, Circle(tip)))
     compliance = leg.sections("timoshenko").tip_compliance
@@ -54,8 +56,8 @@ def test_cone_has_closed_tip_compliance():
     assert np.diag(compliance)[:4] == pytest.approx(expected, rel=EXACT)
 
 
-def test_wedge_has_closed_tip_compliance():
-    """h(x) linear, b constant: integrals of x²/h³ and of 1/h are logarithms."""
+def test_wedge_tip_compliance_equals_closed_form():
+    """With h(x) linear and b constant, ∫ x²/h³ and ∫ 1/h are logarithms."""
     width, root, tip = 0.04, 0.1, 0.035
     leg = straight((0.0, Rectangle(width, root)), (LENGTH, Rectangle(width, tip)))
     ratio, slope, log = tip / root, (root - tip) / LENGTH, np.log(root / tip)
@@ -68,7 +70,7 @@ def test_wedge_has_closed_tip_compliance():
     assert stout[2, 2] == pytest.approx(bending + shear, rel=EXACT)
 
 
-def test_constant_section_is_prism():
+def test_constant_line_leg_equals_prism():
     section = Angle(0.05, 0.1, 0.005, 0.008)
     leg = straight((0.0, section), (LENGTH, section))
     prism = ConstantLeg(LENGTH, section, STEEL)
@@ -79,7 +81,7 @@ def test_constant_section_is_prism():
     assert leg.mass == pytest.approx(prism.mass, rel=EXACT)
 
 
-def test_step_is_two_prisms_in_series():
+def test_stepped_leg_equals_two_prisms():
     stout, slender, step = Circle(0.08), Circle(0.05), 0.4
     leg = straight((0.0, stout), (step, stout), (step, slender), (LENGTH, slender))
     first = tip_compliance(ConstantLeg(step, stout, STEEL).timoshenko, step)
@@ -90,8 +92,8 @@ def test_step_is_two_prisms_in_series():
     assert np.abs(compliance - expected).max() < EXACT * np.abs(expected).max()
 
 
-def test_corner_is_two_prisms_in_series():
-    """From (0, 0) to (0.3, 0.4) and on to (0.8, 0.4), in axes turned so that the tip is on x."""
+def test_bent_leg_equals_two_prisms():
+    """Corner from (0, 0) over (0.3, 0.4) to (0.8, 0.4) m; the leg's x axis points at the tip."""
     section = Tube(0.06, 0.008)
     corner, end = np.array([0.3, 0.4, 0.0]), np.array([0.8, 0.4, 0.0])
     x = end / np.linalg.norm(end)
@@ -110,20 +112,20 @@ def test_corner_is_two_prisms_in_series():
         direction = (stop - start) / length
         axes = np.column_stack([direction, np.cross([0, 0, 1], direction), [0, 0, 1]])
         block = np.kron(np.eye(2), axes)
-        own = tip_compliance(ConstantLeg(length, section, STEEL).timoshenko, length)
-        expected += move_compliance(block @ own @ block.T, end - stop)
+        prism = tip_compliance(ConstantLeg(length, section, STEEL).timoshenko, length)
+        expected += move_compliance(block @ prism @ block.T, end - stop)
     block = np.kron(np.eye(2), to_leg)
     expected = block @ expected @ block.T
     compliance = leg.sections("timoshenko").tip_compliance
     assert np.abs(compliance - expected).max() < EXACT * np.abs(expected).max()
 
 
-def test_curved_cantilever_is_elasticity_solution():
-    """Radial load on a quarter ring: Timoshenko and Goodier, Theory of Elasticity, §33.
+def test_curved_cantilever_equals_elasticity():
+    """Radial load on a quarter ring: Timoshenko & Goodier, Theory of Elasticity, §33.
 
-    MacNeal and Harder (Finite Elem. Anal. Des. 1 (1985) 3) list 0.08734 for this beam, 1.4 % below
-    it and below pure bending of the centre line, πPR³/4EI = 0.08854; out of plane 0.5022, where
-    solids converge to 0.498.
+    MacNeal and Harder (Finite Elem. Anal. Des. 1 (1985) 3) give 0.08734 for this beam, 1.4 % less
+    than the elastic solution and than bending of the centre line, πPR³/4EI = 0.08854. Out of plane
+    they give 0.5022; solid elements converge to 0.498.
     """
     inner, outer, thickness = 4.12, 4.32, 0.1
     material = Material.isotropic(E=1e7, nu=0.25, rho=1.0)
@@ -134,25 +136,25 @@ def test_curved_cantilever_is_elasticity_solution():
     squares = inner**2 + outer**2
     denominator = inner**2 - outer**2 + squares * np.log(outer / inner)
     elastic = np.pi * squares / (material.E * thickness * denominator)
-    # Shear is 5.5e-4 of it, and depends on how the root is held: 1.2e-4 was seen.
+    # Shear contributes 5.5e-4 and depends on how the root is held; the difference was 1.2e-4.
     assert in_plane == pytest.approx(elastic, rel=2e-4)
     assert in_plane == pytest.approx(0.08734, rel=0.015)
     assert compliance[2, 2] == pytest.approx(0.5022, rel=0.004)
 
 
 def test_thick_arc_bends_as_winkler_bar():
-    """End moment on an arc h/R = 0.4: φ = M α/(A e E), e = R − h/ln(b/a) (Winkler)."""
+    """End moment on an arc with h/R = 0.4: φ = M α/(A e E) with e = R − h/ln(b/a) (Winkler)."""
     radius, height, width, angle = 0.25, 0.1, 0.03, 1.1
     leg = arc(radius, angle, Rectangle(height, width))
     turn = leg.sections("timoshenko").tip_compliance[5, 5]
     eccentricity = radius - height / np.log((radius + height / 2.0) / (radius - height / 2.0))
     expected = angle / (height * width * eccentricity * STEEL.E)
-    # Next term of the series: 3/112 (h/R)⁴ = 7e-4.
+    # The first term of the series that the program omits is 3/112 (h/R)⁴ = 7e-4.
     assert turn / expected - 1.0 == pytest.approx(3.0 / 112.0 * 0.4**4, rel=0.2)
 
 
-def test_fourth_moments_are_integrals():
-    """By summation over a fine grid of the bounding box, whose steps leave 1 % of thin walls."""
+def test_fourth_moments_equal_grid_sums():
+    """Sums over a fine grid of the bounding box; its cells give an error of 1 % for thin walls."""
     shapes = (
         Rectangle(0.03, 0.05),
         HollowRectangle(0.06, 0.04, 0.006),
@@ -182,21 +184,21 @@ def test_fourth_moments_are_integrals():
     assert fourth_moments(Angle(0.05, 0.1, 0.005, 0.008)) is None
 
 
-def test_thin_ring_half_opens_by_castigliano():
-    """Half ring under opposite forces at its ends: ∫ (R sin θ)²/EI + cos²θ/EA … R dθ, slender."""
+def test_half_ring_opening_equals_castigliano():
+    """Slender half ring, opposite forces at its ends: ∫ (R sin θ)²/EI R dθ without tension."""
     radius, diameter = 1.0, 0.002
     leg = arc(radius, np.pi, Circle(diameter))
     opening = leg.sections("euler-bernoulli").tip_compliance
     relative = opening[0, 0]
     bending = np.pi / 2.0 * radius**3 / (STEEL.E * np.pi * diameter**4 / 64.0)
-    # Tension and its coupling to bending are (d/R)²/16 of it.
+    # Tension and its coupling to bending add (d/R)²/16 of the bending term.
     assert relative == pytest.approx(bending, rel=1e-6)
 
 
 @pytest.mark.parametrize("elements", [1, 4, 7])
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
-def test_segments_of_any_number_are_exact_in_statics(elements, theory):
-    """A curved taper: the springs hold the flexibility integral, whatever is between them."""
+def test_curved_segment_statics_are_exact(elements, theory):
+    """Curved, tapered leg: for any number of segments the tip compliance is the exact integral."""
     line = CentreLine((LinePiece((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.3, 0.1)),), UP)
     leg = LineLeg(line, ((0.0, Rectangle(0.05, 0.1)), (line.length, Rectangle(0.03, 0.04))), STEEL)
     sections = leg.sections(theory)
@@ -208,7 +210,7 @@ def test_segments_of_any_number_are_exact_in_statics(elements, theory):
 
 
 @pytest.mark.parametrize("layout", ["half", "literal"])
-def test_segments_have_mass_of_the_line(layout):
+def test_curved_segments_have_mass_of_leg(layout):
     leg = arc(0.5, 2.0, Tube(0.05, 0.004))
     sections = leg.sections("timoshenko")
     chain = line_segment_chain(sections, 6, layout)

@@ -1,4 +1,4 @@
-"""Twists and wrenches: rigid-body kinematics by hand, the work that must not change, and words."""
+"""Twists and wrenches: rigid-body kinematics by hand, invariance of work, and descriptions."""
 
 import numpy as np
 import pytest
@@ -19,27 +19,27 @@ X, Y, Z = np.eye(3)
 
 
 @pytest.mark.parametrize(("rotation", "velocity"), [(Z, 2.0 * Y), (Y, -2.0 * Z), (X, np.zeros(3))])
-def test_rotation_moves_point_in_front(rotation, velocity):
-    """B lies 2 m along x of A: about z it goes to +y, about y to −z, about x nowhere."""
+def test_rotation_moves_distant_point(rotation, velocity):
+    """B lies 2 m from A along x: rotating about z moves it along +y, about y along −z."""
     moved = shift(2.0 * X) @ np.concatenate([np.zeros(3), rotation])
     assert_allclose(moved, np.concatenate([velocity, rotation]), atol=1e-15)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-150, 1e-9, 0.7, 2.0, np.pi - 1e-9, np.pi])
-def test_rotations_equal_scipy_and_invert(angle):
+def test_rotation_vectors_equal_scipy(angle):
     axes = np.random.default_rng(0).normal(size=(50, 3))
     vectors = angle * axes / np.linalg.norm(axes, axis=1, keepdims=True)
     rotations = Rotation.from_rotvec(vectors).as_matrix()
     assert_allclose(rotation_about(vectors), rotations, atol=1e-14)
-    found = rotation_vector(rotations)
-    assert_allclose(np.linalg.norm(found, axis=1), angle, rtol=1e-14)
-    # At half a turn an axis and its opposite are one rotation.
-    assert_allclose(rotation_about(found), rotations, atol=1e-14)
+    recovered = rotation_vector(rotations)
+    assert_allclose(np.linalg.norm(recovered, axis=1), angle, rtol=1e-14)
+    # Compared as matrices, because half a turn about an axis and about its opposite is the same.
+    assert_allclose(rotation_about(recovered), rotations, atol=1e-14)
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_transformed_compliance_keeps_energy(seed):
-    """The energy f·C·f is that of the same load carried back to the first point and axes."""
+    """The energy f·C·f is the same for the load at the new point and at the first, in its axes."""
     rng = np.random.default_rng(seed)
     factor, wrench, offset = rng.normal(size=(6, 6)), rng.normal(size=6), rng.normal(size=3)
     compliance, R = factor @ factor.T, Rotation.random(random_state=rng).as_matrix()
@@ -53,7 +53,7 @@ def test_transformed_compliance_keeps_energy(seed):
     ("name", "screws", "words"),
     [
         (name_twists, [[0, 0, -3, 0, 0, 0]], "translate along z"),
-        # The loaded point moves along +y when the robot turns about z at 0.5 m on its −x side.
+        # Rotation about a z axis through x = −0.5 m moves the loaded point along +y.
         (name_twists, [[0, 0.5, 0, 0, 0, 1]], "turn about z through (-0.5, 0, 0) m from B"),
         (name_twists, [[0, 0, 0.02, 0, 0, 1]], "turn about z through B with a pitch of 0.02 m/rad"),
         (
@@ -67,6 +67,6 @@ def test_transformed_compliance_keeps_energy(seed):
         (name_wrenches, [[0, 1, 0, 0, 0, 0.5]], "a force along y through (0.5, 0, 0) m from B"),
     ],
 )
-def test_twists_and_wrenches_in_words(name, screws, words):
-    named = name(np.array(screws, dtype=float), 0.8)
-    assert named.replace("the loaded point", "B") == words
+def test_twist_and_wrench_descriptions(name, screws, words):
+    description = name(np.array(screws, dtype=float), 0.8)
+    assert description.replace("the loaded point", "B") == words

@@ -1,4 +1,4 @@
-"""Sections within outlines: exact moments of area, torsion and flexure on the rim."""
+"""Sections by their outline: exact moments of area; torsion and flexure by boundary elements."""
 
 from dataclasses import astuple, replace
 from math import cos, pi, sin, sqrt, tau
@@ -17,12 +17,13 @@ from lumped.sections import (
     rectangle_torsion_constant,
 )
 
-# Boundary elements: J of walls is the difference of I_p and a term as large; 1e-5 at most.
-ON_RIM = 2e-5
+# Relative error of the boundary elements, at most 1e-5: J of thin walls is the small difference of
+# the polar moment and a term nearly as large.
+BOUNDARY_ERROR = 2e-5
 
 
 def box(width, height, y=0.0, z=0.0):
-    """Corners of a rectangle from (y, z) on."""
+    """Return the corners of a rectangle of `width` and `height` with one corner at (y, z)."""
     return ((y, z), (y + width, z), (y + width, z + height), (y, z + height))
 
 
@@ -31,36 +32,38 @@ def transformed(points, move):
 
 
 @pytest.mark.parametrize("thickness", [1.0, 0.3, 0.05, 0.01])
-def test_rectangle_on_its_rim_is_that_of_the_series(thickness):
-    """J by Timoshenko's series; κ by energy, 5/6 exactly without contraction."""
+def test_polygon_rectangle_equals_series(thickness):
+    """J by Timoshenko's series; κ by energy is exactly 5/6 for ν = 0."""
     outlined, exact = Polygon(box(1.0, thickness)), Rectangle(1.0, thickness)
     assert outlined.torsion_constant == pytest.approx(
-        rectangle_torsion_constant(1.0, thickness), rel=ON_RIM
+        rectangle_torsion_constant(1.0, thickness), rel=BOUNDARY_ERROR
     )
     for name in ("area", "second_moment_y", "second_moment_z"):
         assert getattr(outlined, name) == pytest.approx(getattr(exact, name), rel=1e-12)
-    assert outlined.shear_coefficients(0.0) == pytest.approx((5.0 / 6.0, 5.0 / 6.0), rel=ON_RIM)
+    assert outlined.shear_coefficients(0.0) == pytest.approx(
+        (5.0 / 6.0, 5.0 / 6.0), rel=BOUNDARY_ERROR
+    )
     assert outlined.shear_centre == (0.0, 0.0)
     assert outlined.product_moment == 0.0
     assert outlined.shear_coupling(0.3) == 0.0
 
 
-def test_triangle_twists_as_saint_venant_has_it():
-    """Equilateral: J = √3 a⁴/80 (Timoshenko & Goodier, Theory of Elasticity, §109)."""
+def test_triangle_torsion_constant():
+    """Equilateral triangle: J = √3 a⁴/80 (Timoshenko & Goodier, Theory of Elasticity, §109)."""
     a = 0.1
     triangle = Polygon(((0.0, 0.0), (a, 0.0), (a / 2.0, a * sqrt(3.0) / 2.0)))
-    assert triangle.torsion_constant == pytest.approx(sqrt(3.0) * a**4 / 80.0, rel=ON_RIM)
+    assert triangle.torsion_constant == pytest.approx(sqrt(3.0) * a**4 / 80.0, rel=BOUNDARY_ERROR)
     assert np.allclose(triangle.shear_centre, 0.0, atol=1e-5 * a)
-    # Isosceles with a right angle: 0.0261 a⁴ (W. C. Young, R. G. Budynas, Roark's Formulas for
-    # Stress and Strain, table 10.1).
+    # Right-angled isosceles triangle: J = 0.0261 a⁴ (W. C. Young, R. G. Budynas, Roark's Formulas
+    # for Stress and Strain, table 10.1).
     right = Polygon(((0.0, 0.0), (a, 0.0), (0.0, a)))
     assert right.torsion_constant == pytest.approx(0.0261 * a**4, rel=2e-3)
 
 
-def test_polygon_of_many_corners_becomes_the_tube():
-    """Inner and outer circle as polygons of equal areas: bending and torsion of the tube."""
+def test_polygon_with_many_corners_equals_tube():
+    """Bending and torsion of a tube whose two circles are polygons of the same areas."""
     count, outer, inner = 48, 0.05, 0.04
-    # The polygon's corners lie farther out, so that its area is the circle's.
+    # The corners lie outside the circle, so that the polygon has the area of the circle.
     wider = sqrt(2.0 * pi / (count * sin(tau / count)))
 
     def ring(radius):
@@ -69,18 +72,18 @@ def test_polygon_of_many_corners_becomes_the_tube():
 
     tube = Polygon(ring(outer), (ring(inner),))
     assert tube.area == pytest.approx(pi * (outer**2 - inner**2), rel=1e-12)
-    # Second moments and J differ by the corners, by 1/count² of themselves.
+    # Second moments and J differ from those of circles by a relative 1/count².
     polar = pi / 2.0 * (outer**4 - inner**4)
     assert tube.torsion_constant == pytest.approx(polar, rel=4.0 / count**2)
     assert 2.0 * tube.second_moment_y == pytest.approx(polar, rel=4.0 / count**2)
 
 
-def test_channel_has_the_shear_centre_of_thin_walls():
+def test_channel_shear_centre_equals_thin_wall():
     """e = 3b²f/(h w + 6 b f) behind the web's middle line (Timoshenko, Strength of Materials).
 
-    Walls between middle lines; what is left is of the second order in the thickness.
+    b and h are measured between middle lines; the difference is of second order in the thickness.
     """
-    left = []
+    differences = []
     for wall in (0.02, 0.01):
         section = Channel(width=0.5, height=1.0, flange=wall, web=wall)
         b, h = section.width - wall / 2.0, section.height - wall
@@ -88,14 +91,14 @@ def test_channel_has_the_shear_centre_of_thin_walls():
         centroid = (section.width**2 * wall + (section.height - 2.0 * wall) * wall**2 / 2.0) / (
             section.area
         )
-        left.append(section.shear_centre[0] + centroid - (wall / 2.0 - e))
+        differences.append(section.shear_centre[0] + centroid - (wall / 2.0 - e))
         assert section.shear_centre[1] == 0.0
-    assert abs(left[1]) < 1e-4
-    assert left[0] / left[1] == pytest.approx(4.0, abs=1.0)
+    assert abs(differences[1]) < 1e-4
+    assert differences[0] / differences[1] == pytest.approx(4.0, abs=1.0)
 
 
 def test_angle_has_principal_axes_at_45_degrees():
-    """Equal legs; thin: J = Σ b t³/3, shear centre where the walls' middle lines meet."""
+    """Equal legs; if thin, J = Σ b t³/3 and the shear centre is where the middle lines meet."""
     t, b = 0.01, 1.0
     angle = Angle(width=b, height=b, flange=t, web=t)
     assert angle.second_moment_y == pytest.approx(angle.second_moment_z, rel=1e-12)
@@ -107,27 +110,27 @@ def test_angle_has_principal_axes_at_45_degrees():
     )
     values, axes = np.linalg.eigh(moments)
     assert np.abs(axes) == pytest.approx(np.full((2, 2), sqrt(0.5)), rel=1e-9)
-    # Of thin legs: I_max = t b³/3, I_min = t b³/12, in the second order with b between middles.
+    # Thin legs of middle-line length b: I_max = t b³/3 and I_min = t b³/12 up to a relative t/b.
     middle = b - t / 2.0
     assert values == pytest.approx([t * middle**3 / 12.0, t * middle**3 / 3.0], rel=2.0 * t / b)
     assert angle.torsion_constant == pytest.approx(2.0 * middle * t**3 / 3.0, rel=t / b)
     centroid = (b**2 * t / 2.0 + (b - t) * t**2 / 2.0) / angle.area
-    place = np.array(angle.shear_centre) + centroid
-    assert place == pytest.approx([t / 2.0, t / 2.0], abs=0.02 * t)
+    from_corner = np.array(angle.shear_centre) + centroid
+    assert from_corner == pytest.approx([t / 2.0, t / 2.0], abs=0.02 * t)
 
 
-def test_zed_has_the_product_of_inertia_of_its_walls():
-    """By the parallel-axis theorem, flanges about the web's middle: ±A_f y z each."""
+def test_zed_product_moment_equals_walls():
+    """By the parallel-axis theorem each flange of area A_f at (y, z) contributes A_f y z."""
     b, h, t = 0.05, 0.1, 0.005
     points = [(0, 0), (b, 0), (b, t), (t, t), (t, h), (t - b, h), (t - b, h - t), (0, h - t)]
     zed = Polygon(tuple(points))
     by_walls = 2.0 * (b - t) * t * -(b / 2.0) * (h - t) / 2.0
     assert zed.product_moment == pytest.approx(-abs(by_walls), rel=1e-12)
-    # Point-symmetric: both centres are its middle.
+    # By symmetry centroid and shear centre coincide.
     assert zed.shear_centre == (0.0, 0.0)
 
 
-def test_tee_has_its_shear_centre_in_the_flange():
+def test_tee_shear_centre_lies_in_flange():
     tee = Tee(width=1.0, height=1.0, flange=0.02, web=0.02)
     weights = np.array([1.0 * 0.02, 0.98 * 0.02])
     centroid = weights @ [0.99, 0.49] / weights.sum()
@@ -135,8 +138,8 @@ def test_tee_has_its_shear_centre_in_the_flange():
     assert tee.shear_centre[1] == pytest.approx(0.99 - centroid, abs=1e-3)
 
 
-def test_outline_has_any_origin_and_direction():
-    """Moved, listed clockwise, from another corner; turned by 90°, mirrored."""
+def test_section_is_independent_of_outline_origin():
+    """Outline shifted, listed clockwise and from another corner; then rotated by 90°."""
     angle = Angle(width=0.06, height=0.1, flange=0.006, web=0.008)
     points = tuple(map(tuple, angle.loops[0].tolist()))
     same = [
@@ -187,13 +190,13 @@ def test_outline_has_any_origin_and_direction():
         ),
     ],
 )
-def test_impossible_section_is_refused_with_one_reason(section, fault):
-    (found,) = section.faults()
-    assert found.startswith(fault), found
+def test_impossible_section_gives_one_fault(section, fault):
+    (message,) = section.faults()
+    assert message.startswith(fault), message
 
 
-def test_section_by_its_constants_makes_the_same_beam():
-    """The numbers of an angle in place of its shape: each entry of the beam, but for rounding."""
+def test_section_constants_give_same_beam():
+    """The constants of an angle section, given as numbers, give the same beam as its shape."""
     nu, steel = 0.3, Material.isotropic(2.1e11, 0.3, 7850.0)
     angle = Angle(width=0.06, height=0.1, flange=0.006, web=0.008)
     kappa_y, kappa_z = angle.shear_coefficients(nu)
@@ -210,13 +213,13 @@ def test_section_by_its_constants_makes_the_same_beam():
         zs=z,
     )
     assert constants.faults() == []
-    shape, numbers = (ConstantLeg(1.0, one, steel).timoshenko for one in (angle, constants))
-    # Constants have no coupling of both shears.
-    assert astuple(numbers) == pytest.approx(astuple(replace(shape, shear_yz=0.0)), rel=1e-12)
+    shape, given = (ConstantLeg(1.0, section, steel).timoshenko for section in (angle, constants))
+    # Given constants have no coupling between shear along y and along z.
+    assert astuple(given) == pytest.approx(astuple(replace(shape, shear_yz=0.0)), rel=1e-12)
     without = replace(constants, Ay=None, Az=None)
     bent = ConstantLeg(1.0, without, steel).timoshenko
     assert (bent.GAy, bent.GAz) == (np.inf, np.inf)
-    # Of a rectangle its own sides.
+    # The extent derived from a rectangle's constants is that of the rectangle.
     rectangle = Rectangle(0.02, 0.05)
     same = SectionProperties(
         rectangle.area, rectangle.second_moment_y, rectangle.second_moment_z, 1e-8
@@ -234,8 +237,8 @@ def test_section_by_its_constants_makes_the_same_beam():
         ({"Ay": 2e-3}, "Ay = 0.002: must be above 0 and at most A, 0.001 m²"),
     ],
 )
-def test_impossible_constants_give_one_reason(changed, fault):
+def test_impossible_constants_give_one_fault(changed, fault):
     sound = SectionProperties(1e-3, 2e-7, 3e-7, 1e-8, Ay=8e-4, Az=7e-4)
     assert sound.faults() == []
-    (found,) = replace(sound, **changed).faults()
-    assert found.startswith(fault), found
+    (message,) = replace(sound, **changed).faults()
+    assert message.startswith(fault), message

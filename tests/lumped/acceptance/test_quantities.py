@@ -1,4 +1,4 @@
-"""Quantities: names in files and their way back, units, and columns among numbers."""
+"""Quantities that are compared: names in robot files and CSV files, units and column numbers."""
 
 import numpy as np
 import pytest
@@ -29,21 +29,21 @@ def measurable():
     return {name: measured_quantity(name, RESPONSES) for name in names}
 
 
-def test_names_of_judged_quantities_are_those_of_files():
+def test_quantity_names_match_robot_file_keys():
     modes = [f"f{number}" for number in range(1, MOST_MODES + 1)]
-    assert [str(one) for one in JUDGED] == [
+    assert [str(quantity) for quantity in JUDGED] == [
         *("x", "y", "z", "phi_x", "phi_y", "phi_z", "any_force", "load:cutting", "load:f1"),
         *(*modes, "order", "response:mill", "response:mill.frequency", "response:x"),
         *("response:x.frequency", "response:x.at"),
     ]
 
 
-def test_name_determines_quantity():
-    assert len({one.name for one in JUDGED}) == len({*JUDGED}) == len(JUDGED)
+def test_quantity_names_are_unique():
+    assert len({quantity.name for quantity in JUDGED}) == len({*JUDGED}) == len(JUDGED)
 
 
-def test_name_of_measured_quantity_is_read_back():
-    assert {name: one.name for name, one in measurable().items()} == {
+def test_measured_quantity_name_round_trips():
+    assert {name: quantity.name for name, quantity in measurable().items()} == {
         name: name for name in measurable()
     }
 
@@ -56,11 +56,11 @@ UNKNOWN = (
 
 
 @pytest.mark.parametrize("name", UNKNOWN)
-def test_unknown_name_is_no_measured_quantity(name):
+def test_unknown_measured_quantity_name_gives_none(name):
     assert measured_quantity(name, RESPONSES) is None
 
 
-def test_component_and_whole_vector_differ():
+def test_signed_component_differs_from_vector():
     for whole in UNIT_LOADS[:6]:
         component = measured_quantity(whole.name)
         assert component != whole
@@ -69,14 +69,14 @@ def test_component_and_whole_vector_differ():
         assert (component.column, component.rotational) == (whole.column, whole.rotational)
 
 
-def test_units_are_those_of_numbers():
-    found = {one.name: one.unit for one in JUDGED}
-    assert found["x"] == found["any_force"] == found["response:mill"] == "m/N"
-    assert found["phi_z"] == "rad/(N m)"
-    assert found["load:cutting"] == "m"
-    assert {found[n] for n in ("f1", "order", "response:mill.frequency")} == {"Hz"}
-    assert found["response:x.at"] == size_at_mode(2).unit == "m/N"
-    measured = {name: one.unit for name, one in measurable().items()}
+def test_quantity_units():
+    units = {quantity.name: quantity.unit for quantity in JUDGED}
+    assert units["x"] == units["any_force"] == units["response:mill"] == "m/N"
+    assert units["phi_z"] == "rad/(N m)"
+    assert units["load:cutting"] == "m"
+    assert {units[n] for n in ("f1", "order", "response:mill.frequency")} == {"Hz"}
+    assert units["response:x.at"] == size_at_mode(2).unit == "m/N"
+    measured = {name: quantity.unit for name, quantity in measurable().items()}
     assert (measured["z"], measured["phi_x"], measured["f2"]) == ("m", "rad", "Hz")
 
 
@@ -86,35 +86,37 @@ def test_compliance_unit_is_displacement_per_load():
         ("N", "N", "N", "N m", "N m", "N m"),
     )
     # Radians are dropped where a translation is divided by a moment, and in the transpose.
-    known = {"m/N": "m/N", "m/N m": "1/N", "rad/N": "1/N", "rad/N m": "rad/(N m)"}
+    reduced_units = {"m/N": "m/N", "m/N m": "1/N", "rad/N": "1/N", "rad/N m": "rad/(N m)"}
     for i, j in np.ndindex(6, 6):
         entry = measured_quantity(f"leg.c{i + 1}{j + 1}")
         assert divmod(entry.column, 6) == (i, j)
         assert entry.leg == "leg"
-        assert entry.unit == known[f"{displacements[i]}/{loads[j]}"]
+        assert entry.unit == reduced_units[f"{displacements[i]}/{loads[j]}"]
 
 
 def test_each_quantity_is_static_modal_or_harmonic():
     tests = (SIZE_FAR_BELOW, *map(size_at_mode, range(1, 4)))
-    for one in (*JUDGED, *measurable().values(), *tests):
-        assert one.static + one.modal + one.harmonic == 1
-        assert one.static or not one.whole
-        assert one.unit
-        assert one.label
-        assert one.meaning
+    for quantity in (*JUDGED, *measurable().values(), *tests):
+        assert quantity.static + quantity.modal + quantity.harmonic == 1
+        assert quantity.static or not quantity.whole
+        assert quantity.unit
+        assert quantity.label
+        assert quantity.meaning
 
 
-def test_columns_count_within_a_kind():
-    assert [one.static_column for one in JUDGED if one.whole] == list(range(9))
-    assert [one.column for one in load_quantities(LOADS)] == [0, 1]
-    assert [one.column for one in response_quantities(RESPONSES)] == [0, 1, 2, 3, 4]
-    assert [one.mode for one in JUDGED if one.kind is QuantityKind.FREQUENCY] == list(range(1, 11))
+def test_columns_are_numbered_per_kind():
+    assert [quantity.static_column for quantity in JUDGED if quantity.whole] == list(range(9))
+    assert [quantity.column for quantity in load_quantities(LOADS)] == [0, 1]
+    assert [quantity.column for quantity in response_quantities(RESPONSES)] == [0, 1, 2, 3, 4]
+    assert [
+        quantity.mode for quantity in JUDGED if quantity.kind is QuantityKind.FREQUENCY
+    ] == list(range(1, 11))
     assert ORDER.mode is None
     assert ANY_FORCE.static_column == 6
 
 
-def test_labels_and_meanings_are_words():
-    words = {one.name: (one.label, one.meaning) for one in JUDGED}
+def test_quantity_labels_and_meanings():
+    words = {quantity.name: (quantity.label, quantity.meaning) for quantity in JUDGED}
     assert words["phi_x"] == ("φx", "rotation under a moment about x")
     assert words["load:cutting"] == ("load cutting", "displacement under the load cutting")
     assert words["any_force"] == ("any force", "displacement under any force")

@@ -1,4 +1,4 @@
-"""Mechanisms that do not move: the joint whose axis is off, and legs in one line."""
+"""Mechanisms that cannot move: messages on a tilted joint axis and on legs in one line."""
 
 from copy import deepcopy
 from math import cos, radians, sin
@@ -11,7 +11,8 @@ from lumped.robot_file import load_robot, robot_of
 
 FIVE_BAR = load_robot("five-bar").tables
 ORTHOGLIDE = load_robot("orthoglide").tables
-# Hinge and wrist of a leg need parallel axes: either may be the one that is off.
+# Hinge and wrist of an Orthoglide leg need parallel axes: if they are not parallel, either of the
+# two may be reported as tilted.
 TWINS = {"hinge_x": "wrist_x", "wrist_x": "hinge_x"}
 
 
@@ -22,7 +23,7 @@ def faults(tables):
 
 
 def tilted(tables, joint, towards):
-    """The robot with the axis of a joint one degree off, and what `check` says of it."""
+    """Return the faults reported for a robot in which the axis of one joint is tilted by 1°."""
     new = deepcopy(dict(tables))
     axis = np.array(new["joints"][joint]["axis"])
     across = np.roll(axis, towards)
@@ -32,8 +33,8 @@ def tilted(tables, joint, towards):
 
 @pytest.mark.parametrize("towards", [1, 2])
 @pytest.mark.parametrize("joint", FIVE_BAR["joints"])
-def test_axis_off_in_five_bar_is_named(joint, towards):
-    """All axes are parallel: four others say where the fifth must point."""
+def test_tilted_axis_in_five_bar_is_reported(joint, towards):
+    """All five axes are parallel: the other four give the direction of the tilted one."""
     (fault,) = tilted(FIVE_BAR, joint, towards)
     assert fault.startswith(f"dictionary: joints.{joint}.axis = ")
     assert "keeps the tool from moving along " in fault
@@ -41,53 +42,53 @@ def test_axis_off_in_five_bar_is_named(joint, towards):
 
 
 @pytest.mark.parametrize("joint", ["hinge_x", "pin_x1", "eye_x1", "pin_x2", "eye_x2", "wrist_x"])
-def test_axis_off_in_orthoglide_is_named(joint):
+def test_tilted_axis_in_orthoglide_is_reported(joint):
     fault = tilted(ORTHOGLIDE, joint, 1 if joint in TWINS else 2)[0]
-    named = f"joints.{joint}.axis"
+    key = f"joints.{joint}.axis"
     if joint in TWINS:
-        assert named in fault or f"(or the axis of {joint} is off as much)" in fault
+        assert key in fault or f"(or the axis of {joint} is off as much)" in fault
         assert TWINS[joint] in fault
     else:
-        assert fault.startswith(f"dictionary: {named} = ")
+        assert fault.startswith(f"dictionary: {key} = ")
     assert "1° from it, it would move" in fault
 
 
-def test_impossible_moves_are_reported_as_moves():
+def test_impossible_tool_moves_are_reported():
     new = deepcopy(dict(FIVE_BAR))
     new["tool"] = FIVE_BAR["tool"] | {"moves": ["x", "z"]}
     new.pop("path")
     assert any("tool.moves = ['x', 'z']" in fault for fault in faults(new))
 
 
-def placed(tables, points):
+def with_points(tables, points):
     new = deepcopy(dict(tables))
     new.pop("path")
-    new["points"] |= {name: list(map(float, place)) for name, place in points.items()}
+    new["points"] |= {name: list(map(float, position)) for name, position in points.items()}
     return new
 
 
-def test_stretched_arm_of_five_bar_is_named():
-    """The elbow in the middle between motor and tool, and beyond the tool."""
-    (fault,) = faults(placed(FIVE_BAR, {"B1": [-0.075, 0.275, 0.0]}))
+def test_stretched_five_bar_leg_is_reported():
+    """Elbow B1 midway between motor and tool (leg stretched), then beyond the tool (leg folded)."""
+    (fault,) = faults(with_points(FIVE_BAR, {"B1": [-0.075, 0.275, 0.0]}))
     assert fault == (
         "dictionary: points: the reference posture is singular: crank1 and rod1 are stretched out "
         "in one line; drives motor1 move while the tool cannot move along x, y; must be a posture "
         "inside the workspace"
     )
-    (fault,) = faults(placed(FIVE_BAR, {"B1": [0.075, 0.825, 0.0]}))
+    (fault,) = faults(with_points(FIVE_BAR, {"B1": [0.075, 0.825, 0.0]}))
     assert "singular: crank1 and rod1 are folded into one line; drives motor1 move" in fault
 
 
-def test_rods_in_one_line_are_named():
-    """Both rods pull along x: with the drives held the tool gives way across them."""
-    (fault,) = faults(placed(FIVE_BAR, {"B1": [-0.35, 0.55, 0.0], "B2": [0.35, 0.55, 0.0]}))
+def test_collinear_rods_are_reported():
+    """Both rods lie along x: with locked drives the tool is not held along y."""
+    (fault,) = faults(with_points(FIVE_BAR, {"B1": [-0.35, 0.55, 0.0], "B2": [0.35, 0.55, 0.0]}))
     assert "singular: rod1 and rod2 are stretched out in one line; with all drives held" in fault
 
 
-def test_flat_3rrr_with_stretched_legs_is_explained():
+def test_stretched_3rrr_legs_are_reported():
     points = load_robot("3-rrr").tables["points"]
     middles = {f"B{i}": 0.5 * (np.array(points[f"A{i}"]) + points[f"C{i}"]) for i in (1, 2, 3)}
-    (fault,) = faults(placed(load_robot("3-rrr").tables, middles))
+    (fault,) = faults(with_points(load_robot("3-rrr").tables, middles))
     for i in (1, 2, 3):
         assert f"crank{i} and rod{i} are stretched out in one line" in fault
     assert "the tool cannot move along x, y; with all drives held the tool is free to turn" in fault

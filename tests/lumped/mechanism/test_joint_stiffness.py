@@ -1,4 +1,4 @@
-"""Joints in catalogue terms: compliance by hand in axes that are turned, and its rigid limits."""
+"""Joint stiffnesses by direction: compliance in rotated axes by hand, and rigid directions."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,9 @@ tool = { body = "arm", point = "P", moves = MOVES }
 between = ["ground", "arm"]
 at = "A"
 """
-# From A to P (m), a turn of the joint's axes, and N/m and N m/rad of every direction.
+# Vector from A to P (m), rotation of the joint's axes against the base axes, and the stiffnesses of
+# a revolute joint (first line: N/m, N/m, N m/rad, N m/rad, drive N m/rad) and of a slide (N/m, N/m,
+# then N m/rad).
 ARM_VECTOR = np.array([0.3, 0.4, 0.2])
 TURN = rotation_about(np.array([0.4, -0.7, 0.3]))
 X, Y, Z = TURN.T
@@ -33,7 +35,7 @@ LATERAL, NORMAL, ROLL, PITCH, YAW = 1.0e8, 2.5e8, 3.0e4, 5.0e4, 6.0e4
 
 
 def joined(*lines):
-    """An arm on a joint with such lines in its table; it moves along x if a drive moves it."""
+    """Return an arm on one joint with these table lines; with a drive the tool moves along x."""
     moves = '["x"]' if any("drive" in line for line in lines) else "[]"
     return described(ARM.replace("MOVES", moves) + "\n".join(lines))
 
@@ -44,9 +46,10 @@ def tool_compliance(mechanism, pose=None):
 
 
 def by_hand(springs, arm=ARM_VECTOR):
-    """Σ over springs: along n at A, a force F at P stretches by n·F/k; about n, by n·(r × F + M)/k.
+    """Return the 6×6 compliance at P of an arm on springs at A, as a sum over the springs.
 
-    The tool moves by n, or by n × r and turns by n.
+    A force F and a moment M at P stretch a spring along n by n·F/k and twist a spring about n by
+    n·(r × F + M)/k; the tool then moves by n, or moves by n × r and rotates by n.
     """
     total = np.zeros((6, 6))
     for component, stiffness in springs.items():
@@ -58,12 +61,12 @@ def by_hand(springs, arm=ARM_VECTOR):
 
 
 def along(x, y, z):
-    """Stiffnesses (N/m) along the joint's axes, by component."""
+    """Return stiffnesses (N/m) along the joint's x, y and z axes, keyed by component 0 to 2."""
     return {0: x, 1: y, 2: z}
 
 
 def about(x, y, z):
-    """Stiffnesses (N m/rad) about the joint's axes, by component."""
+    """Return rotational stiffnesses (N m/rad) about the joint's axes, keyed by component 3 to 5."""
     return {3: x, 4: y, 5: z}
 
 
@@ -107,23 +110,23 @@ CASES = {
 
 
 @pytest.mark.parametrize("kind", CASES)
-def test_compliance_in_turned_axes_equals_hand(kind):
-    """Round-off of 6×6 sums is below 1e-14 of their largest term."""
+def test_joint_compliance_in_rotated_axes(kind):
+    """Rounding errors of the 6×6 sums are below 1e-14 of the largest term."""
     lines, springs = CASES[kind]
     mechanism = joined(*lines)
     expected = by_hand(springs)
     size = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
-    for own in (tool_compliance(mechanism), chain_compliance(mechanism)):
-        assert (np.abs(own - expected) <= 1e-11 * size).all()
+    for computed in (tool_compliance(mechanism), chain_compliance(mechanism)):
+        assert (np.abs(computed - expected) <= 1e-11 * size).all()
 
 
 def chain_compliance(mechanism):
-    """By the virtual joint method."""
+    """Return the tool's compliance by the virtual joint method."""
     return serial_chains.compliance(reference_posture(mechanism), {})
 
 
-def test_axes_of_slide_turn_with_the_first_body():
-    """A crank at 90° turns the slide's axes; only the slide is elastic here."""
+def test_slide_axes_rotate_with_first_body():
+    """The crank at 90° rotates the axes of the slide, which is the only elastic joint."""
     text = """
     schema = 2
     name = "crank"
@@ -147,21 +150,21 @@ def test_axes_of_slide_turn_with_the_first_body():
     stiffness = { normal = 2.5e8, lateral = 1.0e8, roll = "rigid", pitch = 5.0e4, yaw = "rigid" }
     """
     mechanism = described(text)
-    # The tool on the y axis, 0.8 m away: the slide is out by 0.1 m, and its interfaces as much
-    # apart; the compliance is at the first, 0.5 m from the tool.
-    own = tool_compliance(mechanism, (0.0, 0.8))
+    # With the tool on the y axis at 0.8 m the slide has moved by 0.1 m. The compliance acts at the
+    # slide's point on the crank, 0.3 m from the motor and 0.5 m from the tool.
+    computed = tool_compliance(mechanism, (0.0, 0.8))
     expected = np.zeros((6, 6))
     expected[0, 0] = 1.0 / 1.0e8
     expected[2, 2] = 1.0 / 2.5e8 + 0.5**2 / 5.0e4
     expected[3, 3], expected[2, 3] = 1.0 / 5.0e4, 0.5 / 5.0e4
     expected[3, 2] = expected[2, 3]
-    # The loop is closed to 1e-12 of the mechanism's size.
-    assert np.abs(own - expected).max() <= 1e-10 * expected[3, 3]
+    # The pose is solved to 1e-12 of the mechanism's size.
+    assert np.abs(computed - expected).max() <= 1e-10 * expected[3, 3]
 
 
 @pytest.mark.parametrize("rigid", ["axial", "radial", "tilting"])
-def test_rigid_direction_is_the_limit_of_stiff_ones(rigid):
-    """The difference falls as 1/k, order one: by 1e3 from 1e3 to 1e6 times the stiffness."""
+def test_rigid_direction_is_limit_of_stiffness(rigid):
+    """The difference from the rigid joint falls as 1/k: 1e-3 of it at 1e3 k, 1e-6 at 1e6 k."""
     values = {"axial": AXIAL, "radial": RADIAL, "tilting": TILTING}
 
     def with_value(value):
@@ -172,17 +175,17 @@ def test_rigid_direction_is_the_limit_of_stiff_ones(rigid):
     kilo, mega = (np.abs(with_value(factor * values[rigid]) - limit).max() for factor in (1e3, 1e6))
     soft = np.abs(with_value(values[rigid]) - limit).max()
     assert kilo == pytest.approx(1e-3 * soft, rel=1e-6)
-    # Round-off of the compliance, 1e-16 of 1e-5 m/N, beside differences of 1e-15.
+    # Rounding error of the compliance is 1e-16 of 1e-5 m/N, the differences are about 1e-15 m/N.
     assert mega == pytest.approx(1e-6 * soft, rel=1e-3)
 
 
-def test_joint_with_rigid_directions_alone_is_rigid():
+def test_all_rigid_directions_give_rigid_joint():
     lines = (*REVOLUTE[:3], 'stiffness = { axial = "rigid", radial = "rigid", tilting = "rigid" }')
     assert joined(*lines).joints[0].compliance is None
 
 
 def test_ball_joint_has_axial_and_radial_stiffness():
-    """A rigid rod along x carries forces alone: n·C n of each ball joint; its spin is idle."""
+    """A rigid rod between ball joints carries only an axial force; each joint yields by n·C n."""
     stiffness = f"{{ axial = {AXIAL}, radial = {RADIAL} }}"
     mechanism = described(f"""
     schema = 2
@@ -211,14 +214,14 @@ def test_ball_joint_has_axial_and_radial_stiffness():
     """)
     shares = np.array([X[0] ** 2, Y[0] ** 2])
     expected = np.sum(shares / AXIAL + (1.0 - shares) / RADIAL)
-    own = tool_compliance(mechanism)
-    assert own[0, 0] == pytest.approx(expected, rel=1e-12)
-    own[0, 0] = 0.0
-    assert np.abs(own).max() <= 1e-20
+    computed = tool_compliance(mechanism)
+    assert computed[0, 0] == pytest.approx(expected, rel=1e-12)
+    computed[0, 0] = 0.0
+    assert np.abs(computed).max() <= 1e-20
 
 
-def test_torsional_stiffness_of_universal_joint_in_any_posture():
-    """A unit moment about the normal of both axes turns by 1/k, however far the joint is bent."""
+def test_universal_joint_torsion_in_bent_posture():
+    """A unit moment about the normal of both axes rotates by 1/k at any bend angle of the joint."""
     axes = np.array([Y, Z])
     compliance = joint_matrix("universal", joint_axes("universal", axes, None), {"torsion": 1e-5})
     sides = Side("ground", "A"), Side("shaft", "A")
@@ -261,7 +264,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("lines", FAULTS)
-def test_wrong_stiffness_gives_one_line(lines):
+def test_wrong_joint_stiffness_gives_one_fault(lines):
     unit = str((1e-9 * np.eye(6)).tolist())
     with pytest.raises(InputError) as error:
         joined(*REVOLUTE[:2], *lines.replace("UNIT", unit).split("\n"))
@@ -280,7 +283,7 @@ SLIDE_FAULTS = {
 
 
 @pytest.mark.parametrize("up", SLIDE_FAULTS)
-def test_wrong_normal_of_slide_gives_one_line(up):
+def test_wrong_slide_normal_gives_one_fault(up):
     with pytest.raises(InputError) as error:
         joined(*SLIDE[:2], up, *SLIDE[3:])
     assert error.value.faults == (SLIDE_FAULTS[up],)

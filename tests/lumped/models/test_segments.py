@@ -1,4 +1,4 @@
-"""Rigid segments on springs, eqs (13)–(25), as a cantilever."""
+"""Rigid segments on springs, eqs (13)–(25), as a model of a clamped beam."""
 
 import numpy as np
 import pytest
@@ -15,25 +15,25 @@ from lumped.screws import shift
 LENGTH = LEG_1.length
 BEAM = LEG_1.timoshenko
 SLENDER = LEG_1.properties("euler-bernoulli")
-# Roots of cos x cosh x = −1 (any text on vibration of beams).
+# Roots of cos x cosh x = −1: natural frequencies of a clamped-free Euler–Bernoulli beam.
 CLAMPED_FREE_ROOTS = np.array([1.875104068711961, 4.694091132974175, 7.854757438237613])
 
 
 def along(distance):
-    """Twists so far (m) along the leg."""
+    """Return the 6×6 matrix that moves a twist by `distance` (m) along the leg."""
     return shift(np.array([distance, 0.0, 0.0]))
 
 
 def at_tip(leg):
-    """Compliance of the clamped leg's tip."""
+    """Return the 6×6 tip compliance of the leg, clamped at its root."""
     return np.linalg.inv(dense(leg.stiffness)[6:, 6:])[:6, :6]
 
 
 @pytest.mark.parametrize("properties", [SLENDER, BEAM], ids=["euler-bernoulli", "timoshenko"])
 @pytest.mark.parametrize(
     ("leg_of", "elements", "digits"),
-    # Rounding grows with the condition number, about n⁴: 1e-16 · 80⁴; of the condensed chain
-    # with n.
+    # The relative rounding error grows with the condition number: as n⁴ for a chain of n segments
+    # (1e-16 · 80⁴), as n for the condensed chain.
     [
         (segment_leg, 1, 1e-11),
         (segment_leg, 80, 1e-8),
@@ -41,73 +41,75 @@ def at_tip(leg):
         (static_leg, 2000, 1e-11),
     ],
 )
-def test_static_tip_compliance_is_exact(properties, leg_of, elements, digits):
-    found = at_tip(leg_of(segment_chain(properties, LENGTH, elements)))
-    assert scaled_difference(found, tip_compliance(properties, LENGTH)) < digits
+def test_segment_tip_compliance_is_exact(properties, leg_of, elements, digits):
+    compliance = at_tip(leg_of(segment_chain(properties, LENGTH, elements)))
+    assert scaled_difference(compliance, tip_compliance(properties, LENGTH)) < digits
 
 
 @pytest.mark.parametrize(
-    ("layout", "order", "error", "off"),
-    # Known values: +5.2 % at n = 20 as printed.
+    ("layout", "order", "error", "tolerance"),
+    # The paper prints +5.2 % for the first frequency at n = 20 in the printed ("literal") layout.
     [("half", 2.0, 0.0, 0.002), ("literal", 1.0, 0.052, 0.0005)],
 )
-def test_frequencies_converge_at_order_of_layout(layout, order, error, off):
-    """Those of a clamped-free Euler–Bernoulli leg that deflects along y."""
+def test_segment_frequency_convergence_order(layout, order, error, tolerance):
+    """First three bending frequencies of a clamped-free Euler–Bernoulli leg, deflecting along y."""
     counts = np.array([20, 40, 80])
     exact = (CLAMPED_FREE_ROOTS / LENGTH) ** 2 * np.sqrt(SLENDER.EIz / SLENDER.mu) / (2.0 * np.pi)
     legs = [segment_leg(segment_chain(SLENDER, LENGTH, n, layout)) for n in counts]
     errors = np.array([kind_frequencies(leg, "bending z", 3) / exact - 1.0 for leg in legs])
     orders = -np.polyfit(np.log(counts), np.log(np.abs(errors)), 1)[0]
     assert orders[0] == pytest.approx(order, abs=0.05)
-    assert errors[0, 0] == pytest.approx(error, abs=off)
+    assert errors[0, 0] == pytest.approx(error, abs=tolerance)
     if layout == "half":
         assert orders == pytest.approx(order, abs=0.05)
         assert np.all(np.abs(errors[0]) < 0.01)
 
 
-def test_literal_layout_has_one_rigid_element():
-    """An elastic length L(1 − 1/n) between two rigid ends of L/2n."""
-    found = at_tip(segment_leg(segment_chain(SLENDER, LENGTH, 8, "literal")))
+def test_literal_layout_has_rigid_ends():
+    """In the printed layout an elastic length L(1 − 1/n) lies between two rigid ends of L/2n."""
+    compliance = at_tip(segment_leg(segment_chain(SLENDER, LENGTH, 8, "literal")))
     lever = along(LENGTH / 16.0)
     expected = lever @ tip_compliance(SLENDER, LENGTH * 7.0 / 8.0) @ lever.T
-    assert_allclose(found, expected, rtol=1e-10, atol=1e-20)
+    assert_allclose(compliance, expected, rtol=1e-10, atol=1e-20)
 
 
 @pytest.mark.parametrize("layout", ["half", "literal"])
-def test_rigid_chain_has_mass_of_prism(layout):
+def test_segment_chain_has_mass_of_prism(layout):
     chain = segment_chain(BEAM, LENGTH, 3, layout)
     motions = np.vstack([along(x) for x in (0.0, LENGTH, *chain.stations[1:-1])])
     about_middle = along(-LENGTH / 2.0)
-    found = motions.T @ (segment_leg(chain).mass @ motions)
+    mass = motions.T @ (segment_leg(chain).mass @ motions)
     slender = BEAM.mu * LENGTH**3 / 12.0
     inertia = LENGTH * np.array([BEAM.rho_J, BEAM.rho_Iy, BEAM.rho_Iz]) + [0.0, slender, slender]
     expected = np.diag([*[BEAM.mu * LENGTH] * 3, *inertia])
-    assert_allclose(about_middle.T @ found @ about_middle, expected, rtol=1e-12, atol=1e-12)
+    assert_allclose(about_middle.T @ mass @ about_middle, expected, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("layout", ["half", "literal"])
 @pytest.mark.parametrize("joined", [lambda chain: chain, with_printed_tip_joint])
 def test_condensed_chain_is_schur_complement(layout, joined):
     chain = joined(segment_chain(BEAM, LENGTH, 6, layout))
-    full, found = (dense(leg_of(chain).stiffness) for leg_of in (segment_leg, static_leg))
+    full, condensed = (dense(leg_of(chain).stiffness) for leg_of in (segment_leg, static_leg))
     expected = full[:12, :12] - full[:12, 12:] @ np.linalg.solve(full[12:, 12:], full[12:, :12])
-    assert_allclose(found / found.max(), expected / found.max(), atol=1e-12)
+    scale = condensed.max()
+    assert_allclose(condensed / scale, expected / scale, atol=1e-12)
 
 
-def test_printed_tip_joint_is_free_but_too_stiff():
+def test_printed_tip_joint_is_too_stiff():
     chain = with_printed_tip_joint(segment_chain(BEAM, LENGTH, 4))
     tip, piece = chain.stiffnesses[-1], LENGTH / 8.0
     assert chain.springs_at[-1].tolist() == [LENGTH, 0.0, 0.0]
     assert_allclose(tip[5], 0.0)
-    # The half-length piece held at both ends against rotation resists y with 12EI/l³, not 3EI/l³.
+    # Along y the half-length piece l resists with 12EI/l³, as if it were held against rotation at
+    # both ends, instead of 3EI/l³.
     assert 1.0 / tip[1, 1] == pytest.approx(piece**3 / (12.0 * BEAM.EIz) + piece / BEAM.GAy)
-    # What the joint does not turn about stays the cantilever's: x, z, φx, φy with φz held.
+    # With φz held, the compliances in x, z, φx and φy remain those of the cantilever.
     untouched = np.ix_([0, 2, 3, 4], [0, 2, 3, 4])
-    found = np.linalg.inv(dense(static_leg(chain).stiffness)[6:11, 6:11])[untouched]
-    assert_allclose(found, tip_compliance(BEAM, LENGTH)[untouched], rtol=1e-10, atol=1e-20)
+    compliance = np.linalg.inv(dense(static_leg(chain).stiffness)[6:11, 6:11])[untouched]
+    assert_allclose(compliance, tip_compliance(BEAM, LENGTH)[untouched], rtol=1e-10, atol=1e-20)
 
 
-def test_centreline_follows_twist_and_rotation():
+def test_segment_centreline_in_rigid_motion():
     stations = (0.0, 0.1, 0.4, LENGTH)
     leg = segment_leg(segment_chain(BEAM, LENGTH, 3))
     rigid = np.vstack([along(share * LENGTH) for share in (0.0, 1.0, 1 / 6, 1 / 2, 5 / 6)])
@@ -116,6 +118,6 @@ def test_centreline_follows_twist_and_rotation():
 
 
 @pytest.mark.parametrize(("elements", "layout"), [(0, "half"), (-3, "half"), (1, "literal")])
-def test_too_few_elements_are_refused(elements, layout):
+def test_too_few_segments_are_refused(elements, layout):
     with pytest.raises(InputError, match=f"elements = {elements}"):
         segment_chain(BEAM, LENGTH, elements, layout)

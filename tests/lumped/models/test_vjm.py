@@ -1,4 +1,4 @@
-"""Virtual joints: hand-computed limits, the invariants of eq. (3), and the paper's demonstrator."""
+"""Virtual joint method: limits computed by hand, invariants of eq. (3), the paper's robot."""
 
 import numpy as np
 import pytest
@@ -17,12 +17,12 @@ O = np.zeros(3)
 
 
 def along(*axis):
-    """Twist of a slide."""
+    """Return the 6-component twist of a slide along `axis`."""
     return np.array([*axis, 0.0, 0.0, 0.0])
 
 
 def about(*axis):
-    """Twist of a hinge."""
+    """Return the 6-component twist of a hinge about `axis`."""
     return np.array([0.0, 0.0, 0.0, *axis])
 
 
@@ -31,13 +31,13 @@ def stiffness(end, joints, springs):
 
 
 def compliance(robot, x):
-    """At the loaded point with B at `x` (m)."""
-    (at,) = placed_at(robot, x)
-    return serial_chains.compliance(at, tip_compliances(robot))
+    """Return the 6×6 compliance at the loaded point, with B at `x` (m)."""
+    (posture,) = placed_at(robot, x)
+    return serial_chains.compliance(posture, tip_compliances(robot))
 
 
 def deflections(compliance):
-    """|planar| under fx, |planar| under fy, z under fz, in µm at 1000 N."""
+    """Return deflections in µm at 1000 N: in the plane under fx and under fy, along z under fz."""
     planar = np.linalg.norm(compliance[:2, :2], axis=0)
     return np.array([*planar, compliance[2, 2]]) * 1e9
 
@@ -46,15 +46,18 @@ def deflections(compliance):
     ("x", "fx", "fy", "fz"),
     [(0.145, 0.42, 8.76, 26.1), (0.4975, 8.81, 4.19, 27.2), (0.850, 2.97, 6.15, 27.6)],
 )
-def test_demonstrator_has_appendix_compliance(x, fx, fy, fz):
-    """Known values, to half a unit of the last printed digit; 27.145 is printed as 27.2."""
-    found = deflections(compliance(IFW.mechanism, x))
-    assert np.all(np.abs(found - [fx, fy, fz]) <= [0.005, 0.005, 0.06])
+def test_vjm_deflections_of_demonstrator(x, fx, fy, fz):
+    """Values printed in the paper, to half a unit of the last digit (27.145 is printed as 27.2)."""
+    computed = deflections(compliance(IFW.mechanism, x))
+    assert np.all(np.abs(computed - [fx, fy, fz]) <= [0.005, 0.005, 0.06])
 
 
 def arm(bend, metre=1.0):
-    """Stiffness (SI) of three parallel joints and two springs, computed in a unit of length."""
-    # N m per rad becomes N (unit) per rad.
+    """Return the SI stiffness of three parallel hinges and two springs, computed in another unit.
+
+    The unit of length is `metre` per metre; `bend` (rad) is the angle of the elbow.
+    """
+    # Lengths in the other unit: N m/rad becomes N (unit)/rad.
     unit = np.array([metre] * 3 + [1.0] * 3)
     spring = 1e-8 * np.diag(metre / unit**2)
     elbow, forearm = 0.5 * X, rotation_z(bend) @ X
@@ -69,16 +72,16 @@ def arm(bend, metre=1.0):
 @pytest.mark.parametrize("metre", [1e-6, 1e-3, 1e3, 1e6])
 @pytest.mark.parametrize(("bend", "rank"), [(0.0, 4), (1e-3, 3)])
 def test_stretched_arm_releases_two_motions(bend, rank, metre):
-    """In line, three parallel axes release two motions; bent, all three, whatever the unit."""
+    """Three hinges with parallel axes release two motions when in line and three when bent."""
     K = arm(bend)
     assert np.linalg.matrix_rank(K, tol=1e-6 * K.max()) == rank
     assert np.abs(arm(bend, metre) - K).max() <= 1e-8 * K.max()
-    # along x two springs in series; their rotation about z does not yield to a force along x
+    # Along x two springs act in series; a force along x does not rotate them about z.
     assert bend or K[0, 0] == pytest.approx(1e8 / 2.0, rel=1e-12)
 
 
-def test_joint_releases_rigid_direction_of_spring():
-    """Sθ = diag(c, c, c, c, c, 0) alone is singular; with a revolute joint about z K exists."""
+def test_joint_frees_rigid_direction_of_spring():
+    """Sθ = diag(c, c, c, c, c, 0) alone is singular; with a hinge about z the stiffness exists."""
     spring = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 0.0]) * 1e-9
     K = stiffness(O, [(O, about(*Z))], [(O, spring)])
     assert_allclose(K, np.diag([1, 1 / 2, 1 / 3, 1 / 4, 1 / 5, 0]) * 1e9, rtol=1e-12, atol=1e-3)
@@ -96,30 +99,36 @@ def test_joint_releases_rigid_direction_of_spring():
         ),
     ],
 )
-def test_rigid_chain_names_its_direction(joints, springs, words):
-    given = [(place, 1e-9 * np.diag(diagonal)) for place, diagonal in springs]
+def test_rigid_chain_reports_direction(joints, springs, words):
+    compliances = [(place, 1e-9 * np.diag(diagonal)) for place, diagonal in springs]
     with pytest.raises(ComputationError, match=rf"arm is rigid against {words}"):
-        stiffness(O, joints, given)
+        stiffness(O, joints, compliances)
 
 
-def held(*joints):
-    """What a spring leaves of itself behind joints."""
+def spring_behind(*joints):
+    """Return the stiffness of one spring in series with passive joints."""
     return stiffness(O, joints, [(O, 1e-9 * np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]))])
 
 
 @pytest.mark.parametrize(
     ("K", "words"),
     [
-        (held((-0.5 * X, about(*Z))), r"turn about z through \(-0.5, 0, 0\) m from the loaded"),
-        (held((O, along(3, 4, 0))), r"translate along \(0.6, 0.8, 0\)"),
-        (held((O, about(*X)), (O, about(*Y))), "turn about x .* and turn about y through the"),
+        (
+            spring_behind((-0.5 * X, about(*Z))),
+            r"turn about z through \(-0.5, 0, 0\) m from the loaded",
+        ),
+        (spring_behind((O, along(3, 4, 0))), r"translate along \(0.6, 0.8, 0\)"),
+        (
+            spring_behind((O, about(*X)), (O, about(*Y))),
+            "turn about x .* and turn about y through the",
+        ),
         (np.zeros((6, 6)), ".* translate along x and translate along y"),
-        # What rounding leaves of a free motion may be negative, too.
+        # By rounding the stiffness of a free motion may also be negative.
         (np.diag([1e9, 1e9, -1e3, 1e7, 1e7, 1e7]), "translate along z: .* negative"),
         (np.diag([1e9, 1e9, -1e-2, 1e7, 1e7, 1e7]), "translate along z: .* negative"),
     ],
 )
-def test_free_platform_names_its_direction(K, words):
+def test_free_platform_reports_motion(K, words):
     with pytest.raises(ComputationError, match=f"free to {words}"):
         vjm.platform_compliance(K)
 
@@ -127,7 +136,7 @@ def test_free_platform_names_its_direction(K, words):
 @pytest.mark.parametrize("side", [0.1, 0.002])
 @pytest.mark.parametrize("angle", np.linspace(0.1, 3.0, 5))
 def test_free_platform_on_slender_legs_is_refused(side, angle):
-    """A bar of slenderness 10 to 500 pinned at its root: EA L²/EI up to 3e6, still named free."""
+    """Leg of slenderness 10 to 500 on one hinge: the free motion is found up to EA L²/EI = 3e6."""
     I = side**4 / 12.0
     leg = constant_leg(1.0, EA=2e11 * side**2, EIy=2e11 * I, EIz=2e11 * I, GJ=3e11 * I, mass=1.0)
     turned = rotation_z(angle)
@@ -138,9 +147,9 @@ def test_free_platform_on_slender_legs_is_refused(side, angle):
 
 
 def test_tool_offset_and_compliance_are_applied():
-    """A rigid offset is C_P = X C_B Xᵀ; planar deflection grows to about 13.6 µm (notes §1).
+    """A rigid offset X gives C_P = X C_B Xᵀ; the planar deflection grows to 13.6 µm (notes §1).
 
-    The sign of the offset is not printed; 13.6 µm is reached with the tool on the −z side.
+    The paper prints no sign of the offset; 13.6 µm results with the tool on the −z side.
     """
     offset, tool = np.array([0.0, 0.0, -0.155]), 1e-9 * np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
     robot = like_ifw(tool_offset=offset)

@@ -1,4 +1,4 @@
-"""Table [agree] of a robot file: defaults, values read, faults, and its place among other keys."""
+"""Table [agree] of a robot file: default values, reading, faults, and its place in the key list."""
 
 import json
 from dataclasses import asdict, replace
@@ -11,7 +11,8 @@ from lumped.errors import InputError
 from lumped.robot_file import load_robot, write_template
 from lumped.robot_file.rules.published import json_schema
 
-# Of the paper's statement (20 elements, 1 %) and of what beam theory leaves in statics.
+# Elements and convergence as the paper states them (20 elements, 1 %); the compliance limit is the
+# difference to be expected between beam theory and solids in statics.
 DEFAULTS = {
     "elements": 20,
     "convergence": 0.01,
@@ -23,7 +24,7 @@ DEFAULTS = {
 
 @pytest.fixture
 def robot_with(tmp_path):
-    """The robot file of a built-in robot with a table [agree]."""
+    """Write the file of a built-in robot with this [agree] table and load it."""
 
     def load(agree, robot="ifw", more=""):
         path = tmp_path / "mine.toml"
@@ -33,15 +34,15 @@ def robot_with(tmp_path):
     return load
 
 
-def test_limits_left_out_are_the_defaults(robot_with):
+def test_omitted_agreement_limits_have_defaults(robot_with):
     assert asdict(load_robot("ifw").agreement) == DEFAULTS
     assert asdict(robot_with("").agreement) == DEFAULTS
 
 
 @pytest.mark.parametrize("robot", ["ifw", "five-bar"])
-def test_limits_are_read_in_both_schemas(robot_with, robot):
-    given = 'elements = 12\nconvergence = 0.02\ncompliance = 0.003\nfrequency = 0.04\nends = "free"'
-    read = robot_with(given, robot).agreement
+def test_agreement_limits_are_read_in_both_schemas(robot_with, robot):
+    table = 'elements = 12\nconvergence = 0.02\ncompliance = 0.003\nfrequency = 0.04\nends = "free"'
+    read = robot_with(table, robot).agreement
     assert read == AgreementLimits(12, 0.02, 0.003, 0.04, "free")
 
 
@@ -59,7 +60,7 @@ def test_limits_are_read_in_both_schemas(robot_with, robot):
         ("element = 20", 'agree.element: unknown key; did you mean "elements"?'),
     ],
 )
-def test_wrong_value_is_refused_in_one_line(robot_with, agree, fault):
+def test_wrong_agreement_limit_gives_one_fault(robot_with, agree, fault):
     with pytest.raises(InputError) as raised:
         robot_with(agree)
     (line,) = raised.value.faults
@@ -76,22 +77,22 @@ def test_wrong_value_is_refused_in_one_line(robot_with, agree, fault):
         ("rigid", "free", "rigid"),
     ],
 )
-def test_ends_of_solids_follow_the_table_then_the_leg(ends, leg_ends, expected):
+def test_solid_ends_follow_table_then_leg(ends, leg_ends, expected):
     assert AgreementLimits(ends=ends).ends_of(leg_ends) == expected
 
 
-def test_limit_is_no_uncertain_input_of_the_robot(robot_with):
-    """Its `compliance` has the name of a number that `--inputs` supposes uncertain."""
+def test_agreement_limit_is_no_uncertain_input(robot_with):
+    """Key `agree.compliance` ends like the compliances that `--inputs` assumes to be uncertain."""
     robot = replace(robot_with("compliance = 0.002"), supposed=0.05)
     assert "foot.compliance" in robot.uncertain_inputs
     assert "agree.compliance" not in robot.uncertain_inputs
-    named = '[[input_uncertainty]]\nkey = "agree.compliance"\nrelative = 0.1'
+    uncertain = '[[input_uncertainty]]\nkey = "agree.compliance"\nrelative = 0.1'
     with pytest.raises(InputError, match="must name a number or a matrix of the robot"):
-        robot_with("compliance = 0.002", more=named)
+        robot_with("compliance = 0.002", more=uncertain)
 
 
 @pytest.mark.parametrize("kind", ["biglide", "five-bar"])
-def test_new_file_lists_the_limits(tmp_path, kind):
+def test_new_file_lists_agreement_limits(tmp_path, kind):
     write_template(tmp_path / "new.toml", kind)
     lines = (tmp_path / "new.toml").read_text(encoding="utf-8").replace("\n#     ", " ").split("\n")
     for key, value in DEFAULTS.items():
@@ -99,7 +100,7 @@ def test_new_file_lists_the_limits(tmp_path, kind):
         assert line.endswith(f"; default {json.dumps(value)}")
 
 
-def test_schema_has_the_limits_with_their_defaults():
+def test_schema_has_agreement_defaults():
     for unit, branch in product(("then", "else"), repeat=2):
         properties = json_schema()[unit][branch]["properties"]["agree"]["properties"]
-        assert {key: one["default"] for key, one in properties.items()} == DEFAULTS
+        assert {key: entry["default"] for key, entry in properties.items()} == DEFAULTS

@@ -1,4 +1,4 @@
-"""CSV files beside robots, of what was measured and of wrenches, and what is asked of models."""
+"""CSV files beside robot files: measured values and wrenches; and accuracy limits of models."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from lumped.robot_file.evidence import read_measured, with_options
 from lumped.robot_file.load import with_measured
 
 HEAD = "quantity,pose,value,uncertainty,source,load\n"
-OWN = """
+ADDED_TABLES = """
 [accept]
 deflection = 0.02
 z = 0.2
@@ -35,7 +35,7 @@ relative = 0.05
 
 @pytest.fixture
 def csv(tmp_path):
-    """Writes a CSV file of measured values."""
+    """Write a CSV file of measured values and return its path."""
 
     def write(text):
         path = tmp_path / "measured.csv"
@@ -45,70 +45,71 @@ def csv(tmp_path):
     return write
 
 
-def test_column_named_twice_is_refused(csv):
+def test_repeated_csv_column_is_refused(csv):
     path = csv("quantity,pose,value,value,uncertainty,source\nx,0.5,1e-6,2e-6,1e-7,gauge\n")
     with pytest.raises(InputError, match='has the column "value" twice; must have it once'):
         read_measured(path)
 
 
-def test_file_defines_limits_values_and_uncertainty(tmp_path):
-    given = load_robot("ifw")
-    own = robot_of(given.text + OWN, tmp_path)
-    limits = {one.name: own.requirement.limit(one) for one in own.requirement.quantities}
+def test_robot_file_limits_measurements_uncertainty(tmp_path):
+    original = load_robot("ifw")
+    robot = robot_of(original.text + ADDED_TABLES, tmp_path)
+    asked = robot.requirement
+    limits = {quantity.name: asked.limit(quantity) for quantity in asked.quantities}
     assert [limits[name] for name in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
-    assert own.requirement.rely == ("vjm", "segments")
-    assert own.measured == (
+    assert asked.rely == ("vjm", "segments")
+    assert robot.measured == (
         Measured(measured_quantity("z"), 27.0e-6, 0.3e-6, "dial gauge", (0.4975,), 1000.0),
     )
-    assert own.uncertain_inputs == {"foot.compliance": 0.05}
-    off = [own.with_factors({"foot.compliance": share}) for share in (-0.05, 0.05)]
+    assert robot.uncertain_inputs == {"foot.compliance": 0.05}
+    changed = [robot.with_factors({"foot.compliance": relative}) for relative in (-0.05, 0.05)]
     foot, less, more = (
-        next(joint.compliance for joint in one.joints if joint.name == "foot1")
-        for one in (given.mechanism, *off)
+        next(joint.compliance for joint in mechanism.joints if joint.name == "foot1")
+        for mechanism in (original.mechanism, *changed)
     )
     np.testing.assert_allclose((less, more), (0.95 * foot, 1.05 * foot), rtol=1e-12)
 
 
-def test_options_override_limits_of_file():
+def test_accept_options_override_file_limits():
     requirement = Requirement(rely=("beam",))
     quantities = ("x", "y", "z", "phi_x", "phi_y", "phi_z", "any_force", "f1", "f2", "f3", "f4")
-    assert [one.name for one in requirement.quantities] == [*quantities, "order"]
+    assert [quantity.name for quantity in requirement.quantities] == [*quantities, "order"]
     assert {requirement.limit(quantity) for quantity in requirement.quantities} == {0.05}
     typed = ("deflection=0.03", "frequency=0.1", "modes=2", "phi_x=0.5", "order=0.2")
-    asked = with_options(requirement, typed, ("vjm", "segments"))
-    limits = {one.name: asked.limit(one) for one in asked.quantities}
+    changed = with_options(requirement, typed, ("vjm", "segments"))
+    limits = {quantity.name: changed.limit(quantity) for quantity in changed.quantities}
     assert [limits[name] for name in ("x", "phi_x", "f2", "order")] == [0.03, 0.5, 0.1, 0.2]
-    assert (asked.modes, asked.rely) == (2, ("vjm", "segments"))
+    assert (changed.modes, changed.rely) == (2, ("vjm", "segments"))
     assert with_options(requirement, (), ()).rely == ("beam",)
 
 
 @pytest.mark.parametrize(
-    "given", ["deflction=0.1", "x", "x=", "x=five", "x=5", "x=0", "x=nan", "modes=0", "modes=2.5"]
+    "option", ["deflction=0.1", "x", "x=", "x=five", "x=5", "x=0", "x=nan", "modes=0", "modes=2.5"]
 )
-def test_unknown_options_are_refused(given):
+def test_wrong_accept_options_are_refused(option):
     with pytest.raises(InputError) as refused:
-        with_options(Requirement(), (given, "y=1e9"), ("vjmm",))
+        with_options(Requirement(), (option, "y=1e9"), ("vjmm",))
     assert len(refused.value.faults) == 3
-    assert any(given in fault for fault in refused.value.faults)
+    assert any(option in fault for fault in refused.value.faults)
 
 
-def test_csv_values_follow_those_of_robot_file(csv):
+def test_measured_values_are_read_from_csv(csv):
     x = "x,0.4975,8.9e-6,1e-7,laser tracker,1000\n"
     rest = "f1,0.4975,113.2,0.5,hammer,\nleg1.c22,,1.77e-7,2e-9,test stand,\n"
-    found = with_measured(load_robot("ifw"), csv(HEAD + x + rest)).measured
-    assert found == (
+    measured = with_measured(load_robot("ifw"), csv(HEAD + x + rest)).measured
+    assert measured == (
         Measured(measured_quantity("x"), 8.9e-6, 1e-7, "laser tracker", (0.4975,), 1000.0),
         Measured(measured_quantity("f1"), 113.2, 0.5, "hammer", (0.4975,)),
         Measured(measured_quantity("leg1.c22"), 1.77e-7, 2e-9, "test stand"),
     )
-    assert (found[2].quantity.leg, found[2].quantity.column) == ("leg1", 7)
-    assert (found[1].quantity.mode, found[0].quantity.mode) == (1, None)
+    assert (measured[2].quantity.leg, measured[2].quantity.column) == ("leg1", 7)
+    assert (measured[1].quantity.mode, measured[0].quantity.mode) == (1, None)
     units = {"z": "m", "f2": "Hz", "leg1.c33": "m/N", "rod1.c53": "1/N", "leg2.c44": "rad/(N m)"}
     assert {name: measured_quantity(name).unit for name in units} == units
 
 
 @pytest.mark.parametrize(
-    ("line", "said"),
+    ("line", "message"),
     [
         ("w,0.4975,1,1,s,", 'line 2.quantity = "w": must be one of'),
         ("leg3.c11,,1,1,s,", "line 2.quantity"),
@@ -126,16 +127,18 @@ def test_csv_values_follow_those_of_robot_file(csv):
         ("x,0.3,one,1,s,", 'line 2.value = "one": must be a number'),
     ],
 )
-def test_all_faults_of_csv_file_are_named(csv, line, said):
+def test_csv_fault_reports_line_and_value(csv, line, message):
     path = csv(f"{HEAD}{line}\n")
     with pytest.raises(InputError) as raised:
         with_measured(load_robot("ifw"), path)
-    assert any(said in fault and str(path) in fault for fault in raised.value.faults), raised.value
+    assert any(message in fault and str(path) in fault for fault in raised.value.faults), (
+        raised.value
+    )
 
 
-def test_file_without_measured_values_is_refused(csv, tmp_path):
-    for text, said in (("a,b\n1,2\n", "lacks the column"), (HEAD, "holds no")):
-        with pytest.raises(InputError, match=said):
+def test_csv_without_measured_values_is_refused(csv, tmp_path):
+    for text, message in (("a,b\n1,2\n", "lacks the column"), (HEAD, "holds no")):
+        with pytest.raises(InputError, match=message):
             read_measured(csv(text))
     with pytest.raises(InputError, match="cannot be read"):
         read_measured(tmp_path / "none.csv")
@@ -147,7 +150,7 @@ ROBOT = f"{ONE_ARM}\n[path]\n{LINE}\n{LOAD}"
 AXES = "Fx,Fy,Fz,Mx,My,Mz"
 ROWS = np.array([[10.0, 0, -5.0, 0, 0, 1.0], [20.0, 0, 0, 0, 0, 0], [0, 0, 0, 0.5, 0, 0]])
 CELLS = [",".join(map(str, row)) for row in ROWS]
-SOUND = f"pose,{AXES}\n1,{CELLS[0]}\n2,{CELLS[1]}\n3,{CELLS[2]}\n"
+WRENCHES = f"pose,{AXES}\n1,{CELLS[0]}\n2,{CELLS[1]}\n3,{CELLS[2]}\n"
 
 
 def read(folder, csv, robot=ROBOT):
@@ -155,51 +158,51 @@ def read(folder, csv, robot=ROBOT):
     return robot_of(robot, folder)
 
 
-def test_rows_by_number_or_coordinates_in_any_order(tmp_path):
-    by_number = read(tmp_path, SOUND)
-    by_place = f"time,{AXES},x\n0,{CELLS[2]},0.2\n1,{CELLS[1]},0.05\n2,{CELLS[0]},-0.1\n"
-    for robot in (by_number, read(tmp_path, by_place)):
+def test_wrench_rows_by_pose_number_or_coordinates(tmp_path):
+    by_number = read(tmp_path, WRENCHES)
+    by_coordinate = f"time,{AXES},x\n0,{CELLS[2]},0.2\n1,{CELLS[1]},0.05\n2,{CELLS[0]},-0.1\n"
+    for robot in (by_number, read(tmp_path, by_coordinate)):
         (load,) = robot.mechanism.loads
         np.testing.assert_array_equal(load.path_wrenches, ROWS)
-    # Another file is another robot.
+    # The digest of a robot covers its CSV files.
     assert by_number.sha256 != robot.sha256
 
 
-def test_repeated_pose_has_one_wrench(tmp_path):
-    there_and_back = ROBOT.replace(LINE, "poses = [[0.1], [0.1]]")
+def test_repeated_pose_needs_equal_wrenches(tmp_path):
+    repeated = ROBOT.replace(LINE, "poses = [[0.1], [0.1]]")
     rows = f"pose,{AXES}\n1,{CELLS[0]}\n2,"
-    (load,) = read(tmp_path, f"{rows}{CELLS[0]}\n", there_and_back).mechanism.loads
+    (load,) = read(tmp_path, f"{rows}{CELLS[0]}\n", repeated).mechanism.loads
     np.testing.assert_array_equal(load.path_wrenches, ROWS[[0, 0]])
     with pytest.raises(InputError, match=r"line 3: x = 0\.1 m: differs from the wrench of an"):
-        read(tmp_path, f"{rows}{CELLS[1]}\n", there_and_back)
+        read(tmp_path, f"{rows}{CELLS[1]}\n", repeated)
 
 
 @pytest.mark.parametrize(
-    ("csv", "said"),
+    ("csv", "message"),
     [
-        (SOUND.replace("Mz", "mz"), "lacks the column Mz"),
-        (SOUND.replace("pose", "Pose"), "lacks the column pose (numbers of poses), or x"),
+        (WRENCHES.replace("Mz", "mz"), "lacks the column Mz"),
+        (WRENCHES.replace("pose", "Pose"), "lacks the column pose (numbers of poses), or x"),
         (f"pose,{AXES}\n", "holds no row"),
-        (SOUND.replace("-5.0", "five"), 'line 2, column Fz = "five": must be a number'),
-        (SOUND.replace("-5.0", "nan"), "line 2, column Fz = nan: not finite"),
-        (SOUND.replace("0.5", "0,5"), "line 4: more cells than headings"),
-        (SOUND.replace("3,", "4,"), "line 4, column pose = 4: must be at most 3"),
-        (SOUND.replace("3,", "1.5,"), "line 4, column pose = 1.5: must be a whole number"),
-        (SOUND.replace("3,", "2,"), "line 4: x = 0.05 m: differs from the wrench of"),
-        (SOUND.rpartition("3,")[0], "no wrench for pose 3, x = 0.2 m"),
+        (WRENCHES.replace("-5.0", "five"), 'line 2, column Fz = "five": must be a number'),
+        (WRENCHES.replace("-5.0", "nan"), "line 2, column Fz = nan: not finite"),
+        (WRENCHES.replace("0.5", "0,5"), "line 4: more cells than headings"),
+        (WRENCHES.replace("3,", "4,"), "line 4, column pose = 4: must be at most 3"),
+        (WRENCHES.replace("3,", "1.5,"), "line 4, column pose = 1.5: must be a whole number"),
+        (WRENCHES.replace("3,", "2,"), "line 4: x = 0.05 m: differs from the wrench of"),
+        (WRENCHES.rpartition("3,")[0], "no wrench for pose 3, x = 0.2 m"),
         (f"x,{AXES}\n0.07,{CELLS[0]}\n", "line 2: x = 0.07 m: must be a pose of the path"),
     ],
 )
-def test_faults_name_line_and_column(tmp_path, csv, said):
+def test_wrench_csv_fault_reports_line_and_column(tmp_path, csv, message):
     with pytest.raises(InputError) as raised:
         read(tmp_path, csv)
     fault = raised.value.faults[0]
     assert "loads[1].file: " in fault
     assert "cutting.csv: " in fault
-    assert said in fault, fault
+    assert message in fault, fault
 
 
-def test_missing_file_and_extra_wrench_are_refused(tmp_path):
+def test_missing_wrench_csv_is_refused(tmp_path):
     beside = f"{ROBOT.replace('cutting.csv', 'none.csv')}wrench = [1, 0, 0, 0, 0, 0]\n"
     with pytest.raises(InputError) as raised:
         robot_of(beside, tmp_path)

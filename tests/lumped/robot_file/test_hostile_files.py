@@ -1,4 +1,4 @@
-"""What is no robot file, and no ordinary file, is refused at once and in few lines."""
+"""Malformed, oversized and special files are refused at once with few short lines."""
 
 import math
 import os
@@ -30,8 +30,8 @@ ARM = tomllib.loads(ONE_ARM)
 LEG2_MATRIX = SOUND[SOUND.rindex("compliance = [") :]
 DISTANCE = "a = 0.9\n"
 MANY_DIGITS = "9" * 100_000
-# Control characters, marks that turn the direction of reading, signs without width, half pairs.
-UNSEEN = "\\u001b[2J\\u202e\\u2066\\u200b\\r\\n\\u0007\\ufeff"
+# Control characters, marks that reverse the reading direction, and characters without width.
+INVISIBLE = "\\u001b[2J\\u202e\\u2066\\u200b\\r\\n\\u0007\\ufeff"
 CORRECTION = '[[corrections]]\nkey = "{}"\nprinted = 1.0\nused = 2.0\nreason = "r"\n'
 
 
@@ -52,9 +52,9 @@ HOSTILE = (
     SOUND[: SOUND.rindex("[0.0, 3.0e-8")],
     random.Random(20).randbytes(100_000) + b"\xff",  # noqa: S311  any bytes will do
     *(SOUND[:99].encode() + broken + SOUND[99:].encode() for broken in (b"\x00", b"\xc0\x80")),
-    with_keys(1, f'"{"xyz-" * 2000}{UNSEEN}" = []\n'),
+    with_keys(1, f'"{"xyz-" * 2000}{INVISIBLE}" = []\n'),
     with_keys(20_000, "lenght{0} = {0}\n"),
-    SOUND.replace("test robot", UNSEEN + "\\u0001" * 200),
+    SOUND.replace("test robot", INVISIBLE + "\\u0001" * 200),
     SOUND.replace('"test robot"', r'"\u0000"'),
     *(f"a = {opened * 100_000}" for opened in ("[", "{a=", "a.")),
     f"[{'a.' * 100_000}a]",
@@ -81,7 +81,7 @@ def path(tmp_path):
 
 @pytest.fixture
 def little_memory():
-    """A gigabyte more than is in use, twice what every command asks for."""
+    """Limit the address space to 1 GB more than is in use, twice the need of every command."""
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + 1_000_000_000, hard))
@@ -90,7 +90,7 @@ def little_memory():
 
 
 @pytest.mark.usefixtures("little_memory")
-def test_hostile_files_are_refused_in_few_short_lines(path, capsys):
+def test_malformed_file_gives_few_short_lines(path, capsys):
     for content in HOSTILE:
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         code = cli.main(["check", str(path)])
@@ -110,17 +110,19 @@ ODD_VALUES = (
 
 
 @pytest.mark.parametrize("value", ODD_VALUES, ids=lambda value: str(value)[:9])
-def test_malformed_value_is_refused_at_all_but_few_keys(value):
-    ways = [way for way in places(tomllib.loads(SOUND)) if isinstance(way[-1], str)]
-    taken = []
-    for *tables, key in ways:
+def test_malformed_value_is_refused_at_most_keys(value):
+    key_paths = [
+        key_path for key_path in places(tomllib.loads(SOUND)) if isinstance(key_path[-1], str)
+    ]
+    accepted = []
+    for *tables, key in key_paths:
         robot = tomllib.loads(SOUND)
         reduce(getitem, tables, robot)[key] = value
         with suppress(InputError):
             described_by(robot, Path())
-            taken.append(key)
-    # Texts are fine names and reasons, zero is a fine Poisson's ratio.
-    assert len(taken) <= 3, taken
+            accepted.append(key)
+    # A text is a valid name or reason, and zero is a valid Poisson's ratio.
+    assert len(accepted) <= 3, accepted
 
 
 def faults_of(path, content):
@@ -130,7 +132,7 @@ def faults_of(path, content):
     return [fault.removeprefix(f"{path}: ") for fault in error.value.faults]
 
 
-def test_many_faults_are_counted_and_long_ones_cut(path):
+def test_excess_faults_are_counted_and_cut(path):
     faults = faults_of(path, with_keys(70, "lenght{} = 1\n"))
     assert (len(faults), faults[-1]) == (50, "and 21 more faults")
     (fault,) = faults_of(path, SOUND.replace("a = 0.9", f"a = 0x{'f' * 9999}"))
@@ -141,15 +143,15 @@ def test_many_faults_are_counted_and_long_ones_cut(path):
 
 
 def many(key, count):
-    (one, *_) = ARM[key].values()
-    return toml(ARM | {key: {f"N{number}": one for number in range(count)}})
+    (entry, *_) = ARM[key].values()
+    return toml(ARM | {key: {f"N{number}": entry for number in range(count)}})
 
 
 GRID = {"from": [0.0, 0.0], "to": [0.1, 0.1], "counts": [1000, 100]}
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (many("points", 1001), "points: 1001 entries; must be at most 1000"),
         (many("bodies", 101), "bodies: 101 entries; must be at most 100"),
@@ -172,13 +174,13 @@ GRID = {"from": [0.0, 0.0], "to": [0.1, 0.1], "counts": [1000, 100]}
         ),
         ("#" * 1_000_001, "is larger than 1 MB; must be a robot file"),
         ("[" + "a." * 101 + "a]", "a key of more than 100 parts"),
-        # What only looks like nesting.
+        # Dots in a comment and brackets in a text are no nesting.
         ("# " + "." * 200 + "\na = '" + "[" * 200 + "'", "schema: missing"),
     ],
     ids=lambda value: value[:20],
 )
-def test_oversized_robot_is_refused_at_once(path, content, said):
-    assert any(said in fault for fault in faults_of(path, content))
+def test_oversized_robot_file_is_refused(path, content, message):
+    assert any(message in fault for fault in faults_of(path, content))
 
 
 READERS = {
@@ -192,27 +194,27 @@ READERS = {
 
 
 @pytest.mark.parametrize("name", READERS)
-def test_irregular_files_are_refused_by_kind(name, tmp_path):
+def test_pipe_link_or_device_is_refused(name, tmp_path):
     path = tmp_path / name
 
-    def refused(said):
-        with pytest.raises(InputError, match=said):
+    def assert_refused(message):
+        with pytest.raises(InputError, match=message):
             READERS[name](path)
         path.unlink()
 
     os.mkfifo(path)
-    refused("is a pipe; must be")
+    assert_refused("is a pipe; must be")
     path.symlink_to("nowhere")
-    refused(f"{name}: is a link to nowhere, which does not exist")
+    assert_refused(f"{name}: is a link to nowhere, which does not exist")
     if READERS[name] is not require_file:
         path.symlink_to("/dev/zero")
-        refused("is a device")
+        assert_refused("is a device")
         with path.open("wb") as file:
             file.truncate(300_000_000)
-        refused("is larger than")
+        assert_refused("is larger than")
 
 
-def test_file_of_largest_size_is_read(tmp_path):
+def test_file_of_largest_allowed_size_is_read(tmp_path):
     path = tmp_path / "file"
     path.write_bytes(b"x" * 100)
     assert read_ordinary(path, "a file", 100) == b"x" * 100

@@ -1,4 +1,4 @@
-"""Robot files: what sound ones describe, one line for each fault, and what others are told."""
+"""Robot files: the robots of valid files, one line per fault of others, schema and key list."""
 
 import re
 import runpy
@@ -38,7 +38,7 @@ def joints_of(mechanism):
     return {joint.name: joint for joint in mechanism.joints}
 
 
-def test_valid_file_is_read(tmp_path):
+def test_valid_biglide_file_is_read(tmp_path):
     loaded = robot_of(SOUND.replace("[leg1]", '[leg1]\nends = "rigid"'), tmp_path)
     path = tmp_path / "robot.toml"
     assert (loaded.source, loaded.built_in) == (str(path), False)
@@ -46,7 +46,7 @@ def test_valid_file_is_read(tmp_path):
     leg1, leg2 = legs_of(loaded.mechanism).values()
     assert isinstance(leg1, ConstantLeg)
     assert (leg1.section, leg1.ends) == (HollowRectangle(0.10, 0.16, 0.008), "rigid")
-    # hollow rectangle 0.1 × 0.16 × 0.008 of steel: (0.016 − 0.084·0.144) m² · 7850 · 0.85
+    # Hollow steel rectangle of 0.1 × 0.16 × 0.008 m: area times 7850 kg/m³ times 0.85 m.
     assert leg1.mass == pytest.approx((0.016 - 0.084 * 0.144) * 7850 * 0.85)
     assert isinstance(leg2, GivenLeg)
     assert leg2.compliance[1, 5] == 3.0e-8
@@ -62,14 +62,15 @@ def test_byte_order_mark_and_crlf_are_accepted(tmp_path):
 
 
 def test_loss_factors_of_all_parts_are_read(tmp_path):
-    """Of the biglide by what it names; of other robots by body and joint."""
+    """Loss factors of the biglide's legs, feet, drives and tool, and of a five-bar robot's body."""
     steel, lossy = "rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }"
     text = f"{SOUND}\n[tool]\ncompliance = {(1e-9 * np.eye(6)).tolist()}\n".replace(steel, lossy)
     for table, loss in (("leg2", 0.02), ("foot", 0.03), ("actuators", 0.04), ("tool", 0.05)):
         text = text.replace(f"[{table}]", f"[{table}]\nloss = {loss}")
-    found = robot_of(text, tmp_path).mechanism
-    assert [found.bodies[name].loss for name in ("leg1", "leg2", "platform")] == [0.01, 0.02, 0.0]
-    joints = joints_of(found)
+    mechanism = robot_of(text, tmp_path).mechanism
+    losses = [mechanism.bodies[name].loss for name in ("leg1", "leg2", "platform")]
+    assert losses == [0.01, 0.02, 0.0]
+    joints = joints_of(mechanism)
     assert [joints[name].loss for name in ("foot1", "foot2", "spring")] == [0.03, 0.03, 0.05]
     assert [joints[name].drive.loss for name in ("drive1", "drive2")] == [0.04, 0.04]
     text = load_robot("five-bar").text.replace(steel, lossy)
@@ -81,14 +82,14 @@ def test_mass_replaces_density_and_g_is_independent(tmp_path):
     leg = legs_of(robot_of(text, tmp_path).mechanism)["leg1"]
     # E over 2(1 + ν)
     assert (leg.mass, leg.material.G) == (pytest.approx(60.0), pytest.approx(2.1e11 / 2.6))
-    own = robot_of(SOUND.replace("nu = 0.3", "nu = 0.3, G = 7e10"), tmp_path).mechanism
-    assert legs_of(own)["leg1"].material.G == 7e10
+    soft = robot_of(SOUND.replace("nu = 0.3", "nu = 0.3, G = 7e10"), tmp_path).mechanism
+    assert legs_of(soft)["leg1"].material.G == 7e10
 
 
 def test_active_tool_compliance_is_symmetrised():
     loaded = load_robot("ifw")
     assert "spring" not in joints_of(loaded.mechanism)
-    # Seven digits are symmetric enough.
+    # Entries that agree to seven digits are accepted as symmetric.
     values = {"tool.active": True, "foot.compliance[2,6]": 3.9400001e-8}
     active = joints_of(loaded.with_values(values).mechanism)
     assert active["spring"].compliance[1, 0] == -9.70e-11
@@ -97,25 +98,26 @@ def test_active_tool_compliance_is_symmetrised():
 
 
 def rows(**entries):
-    """A 6×6 of whole zeros with some entries as text, `c23="1.2e-3"` in row 2, column 3."""
+    """Return the text of a 6×6 matrix of zeros with some entries, c23="1.2" in row 2, column 3."""
     texts = [[entries.get(f"c{i}{j}", "0") for j in range(1, 7)] for i in range(1, 7)]
     return f"[{', '.join('[' + ', '.join(row) + ']' for row in texts)}]"
 
 
-def test_printed_digits_give_half_units():
+def test_half_unit_of_printed_digits():
     entries = {"c11": "1.67e-10", "c22": "5.870E-9", "c33": "0.0025", "c44": "2e-7"}
     mirrored = {"c12": "0.0", "c21": "-0.0", "c23": "-1.5e-9", "c32": "-1.50e-9"}
-    own = f"compliance = {rows(**entries, **mirrored)}\n"
+    given = f"compliance = {rows(**entries, **mirrored)}\n"
     tables = ("[leg1]", "[bodies.a]\nmass = 1.5", "[joints.'b.c']")
-    # A bearing of 5e-10 m/N is no number between 4.5e-10 and 5.5e-10 that was rounded.
+    # The foot's compliance is chosen by the designer: 5e-10 m/N is exact, not rounded from a
+    # printed value between 4.5e-10 and 5.5e-10.
     chosen = f"[foot]\ncompliance = {rows(c11='5e-10', c66='1.2e-7')}\n"
-    text = "[path]\nfrom = [0.20, 0.50]\n" + "".join(f"{one}\n{own}" for one in tables)
+    text = "[path]\nfrom = [0.20, 0.50]\n" + "".join(f"{table}\n{given}" for table in tables)
     *printed, of_designer = printed_compliances(decimal_tables(text + chosen))
     expected = np.diag([0.5e-12, 0.5e-12, 0.5e-4, 0.5e-7, 0.0, 0.0])
     expected[1, 2] = expected[2, 1] = 0.05e-9
-    for one in printed:
-        assert np.array_equal(one.half, expected)
-        assert np.diag(one.compliance).tolist() == [1.67e-10, 5.87e-9, 0.0025, 2e-7, 0.0, 0.0]
+    for matrix in printed:
+        assert np.array_equal(matrix.half, expected)
+        assert np.diag(matrix.compliance).tolist() == [1.67e-10, 5.87e-9, 0.0025, 2e-7, 0.0, 0.0]
     assert (len(printed), of_designer.half.any()) == (3, False)
 
 
@@ -134,17 +136,17 @@ def test_fault_line_has_key_and_allowed_values(wrong):
     assert not any("\n" in fault for fault in faults)
 
 
-def test_empty_file_names_all_missing_keys():
+def test_empty_file_reports_all_missing_keys():
     missing = {fault.split(": missing")[0] for fault in faults_of({})}
     keys = ("schema", "name", "type", "geometry", "platform", "actuators", "leg1", "leg2")
     assert missing == set(keys)
 
 
-def test_path_without_robot_is_refused(tmp_path):
+def test_unreadable_robot_path_is_refused(tmp_path):
     latin = tmp_path / "latin.toml"
     latin.write_bytes(b'name = "Gr\xf6\xdfe"')
     robots = f"must be a robot file or a built-in robot ({', '.join(built_in_robots())})"
-    for path, said in (
+    for path, message in (
         (tmp_path / "none.toml", f"none.toml: no such file; {robots}"),
         ("IWF", f'IWF: no such file; {robots}; did you mean "ifw"?'),
         (tmp_path, f"{tmp_path}: is a folder; must be a robot file"),
@@ -154,7 +156,7 @@ def test_path_without_robot_is_refused(tmp_path):
         with pytest.raises(InputError) as error:
             load_robot(path)
         (fault,) = error.value.faults
-        assert said in fault
+        assert message in fault
 
 
 ROOT = Path(__file__).parents[3]
@@ -168,7 +170,7 @@ def test_bodies_are_placed_at_their_points():
     assert isinstance(arm.shape, ConstantLeg)
     assert arm.shape.length == pytest.approx(0.24, rel=1e-11)
     assert frame.position == pytest.approx([0.18, 0.0, 0.0])
-    # 20° below the level, z upwards.
+    # The arm points 20° below the horizontal; its z axis points upwards.
     c, s = np.cos(np.radians(20.0)), np.sin(np.radians(20.0))
     axes = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
     assert pytest.approx(axes, abs=1e-11) == frame.rotation.T
@@ -177,29 +179,29 @@ def test_bodies_are_placed_at_their_points():
     platform = mechanism.bodies["platform"]
     assert isinstance(platform.shape, Rigid)
     assert (platform.shape.mass, platform.shape.inertia[2, 2]) == (0.6, 1.3e-3)
-    # From the body's origin, which is its first point.
+    # The mass centre is given in the body's frame, whose origin is the body's first point.
     at_tool = platform.interfaces["P"].position
     assert platform.shape.centre == pytest.approx(at_tool, abs=1e-15)
     assert np.linalg.norm(at_tool) > 0.01
 
 
-def test_part_lies_at_its_placement(tmp_path):
-    """File axes x and y along base y and −x, y not quite square to x, origin at B."""
+def test_part_is_placed_by_its_axes(tmp_path):
+    """The file's origin is at B, its x axis along base y, its y axis nearly along base −x."""
     text = ROCKER.read_text(encoding="utf-8")
-    place = 'place = { at = "B", x = [0.0, 2.0, 0.0], y = [-1.0, 0.1, 0.0] }\n'
+    placement = 'place = { at = "B", x = [0.0, 2.0, 0.0], y = [-1.0, 0.1, 0.0] }\n'
     shutil.copy(ROCKER.with_name("rocker.step"), tmp_path)
     step = 'step = "rocker.step"\n'
-    mechanism = robot_of(text.replace(step, step + place), tmp_path).mechanism
+    mechanism = robot_of(text.replace(step, step + placement), tmp_path).mechanism
     frame, body = mechanism.reference["rocker"], mechanism.bodies["rocker"]
     assert frame.position == pytest.approx([0.26, 0.0, 0.0])
     axes = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     assert pytest.approx(axes, abs=1e-15) == frame.rotation.T
-    # C at (0.09, 0.18) in base axes.
+    # Interface C in the axes of the file; its base coordinates are (0.09, 0.18).
     assert body.interfaces["C"].position == pytest.approx([0.18, 0.17, 0.0])
 
 
 def test_digest_covers_included_files(tmp_path):
-    """A run goes on, and a cache answers, only for the same robot."""
+    """The SHA-256 of a robot changes with a file that its mesh file includes."""
     text = ROCKER.read_text(encoding="utf-8").replace('"rocker.step"', '"rocker.inp"')
     (tmp_path / "rocker.inp").write_text("*INCLUDE, INPUT=nodes.inp\n")
     digests = set()
@@ -224,23 +226,23 @@ def test_digest_covers_included_files(tmp_path):
         ),
     ],
 )
-def test_faces_are_selected_in_four_ways(table, expected):
+def test_interface_face_selections_are_read(table, expected):
     assert interface_of(INTERFACE.read(table)) == expected
 
 
-def test_path_is_line_or_grid(tmp_path):
+def test_path_poses_form_line_or_grid(tmp_path):
     text = load_robot("five-bar").text.replace("[path]", "[accept]\nmodes = 2\n[path]")
     line = robot_of(text, tmp_path)
     assert line.requirement.modes == 2
     expected = np.array([[-0.2, 0.45], [0.0, 0.5], [0.2, 0.55]])
     assert line.mechanism.poses[[0, 4, 8]] == pytest.approx(expected)
     grid = text.replace(PATH, "from = [-0.1, 0.45]\nto = [0.1, 0.5]\ncounts = [3, 2]")
-    found = robot_of(grid, tmp_path).mechanism.poses
+    poses = robot_of(grid, tmp_path).mechanism.poses
     expected = [[-0.1, 0.45], [-0.1, 0.5], [0.0, 0.45], [0.0, 0.5], [0.1, 0.45], [0.1, 0.5]]
-    assert found == pytest.approx(np.array(expected))
+    assert poses == pytest.approx(np.array(expected))
 
 
-def test_two_points_of_slide_define_its_axis():
+def test_slide_axis_follows_from_two_points():
     mechanism = load_robot("hexapod").mechanism
     drive = next(joint for joint in mechanism.joints if joint.name == "drive1")
     leg = mechanism.reference["strut1"].rotation[:, 0]
@@ -249,73 +251,78 @@ def test_two_points_of_slide_define_its_axis():
 
 
 def numbers(mechanism):
-    """Where everything is and what holds it, by name."""
-    found = {"tool": [mechanism.tool.mass]}
+    """Return frames, beam constants, joint axes and compliances of a mechanism, keyed by name."""
+    values = {"tool": [mechanism.tool.mass]}
     for name, body in mechanism.bodies.items():
-        found[name] = mechanism.reference[name].rotation
-        for point, place in body.interfaces.items():
-            found[name, point] = (mechanism.reference[name] @ place).position
+        values[name] = mechanism.reference[name].rotation
+        for point, interface in body.interfaces.items():
+            values[name, point] = (mechanism.reference[name] @ interface).position
         if isinstance(body.shape, ConstantLeg):
-            found[name, "beam"] = list(vars(body.shape.timoshenko).values())
+            values[name, "beam"] = list(vars(body.shape.timoshenko).values())
     for joint in mechanism.joints:
-        found[joint.name] = joint.axes
+        values[joint.name] = joint.axes
         key = (joint.name, joint.kind, joint.first, joint.second, joint.drive)
-        found[key] = [] if joint.compliance is None else joint.compliance
-    return found
+        values[key] = [] if joint.compliance is None else joint.compliance
+    return values
 
 
-def test_biglide_of_guide_is_built_in_biglide(tmp_path):
+def test_guide_biglide_equals_built_in_biglide(tmp_path):
     guide = (ROOT / "docs" / "guide" / "mechanisms.md").read_text(encoding="utf-8")
     text = re.search(r"(?ms)^```toml written-out.toml\n(.*?)^```", guide)[1]
     robots = (robot_of(text, tmp_path), load_robot("biglide"))
-    found, expected = (numbers(robot.mechanism) for robot in robots)
-    assert set(found) == set(expected)
+    written_out, expected = (numbers(robot.mechanism) for robot in robots)
+    assert set(written_out) == set(expected)
     for key, values in expected.items():
-        # The guide's points are given to twelve decimals.
-        assert found[key] == pytest.approx(np.array(values), rel=1e-12, abs=1e-11), key
+        # The guide gives the coordinates of points to twelve decimals.
+        assert written_out[key] == pytest.approx(np.array(values), rel=1e-12, abs=1e-11), key
 
 
 KINDS = {"object": dict, "array": list, "string": str, "number": int | float, "integer": int}
-# What holds where a schema (draft 2020-12) does not say it, of the words that ours uses.
-UNSAID = {"properties": {}, "required": (), "additionalProperties": True, "propertyNames": True}
-UNSAID |= {"type": "object", "pattern": "", "maxProperties": inf, "minItems": 0, "maxItems": inf}
-UNSAID |= {"minimum": -inf, "exclusiveMinimum": -inf, "maximum": inf, "exclusiveMaximum": inf}
+# Defaults of the JSON Schema keywords (draft 2020-12) that flexproof's schema uses.
+NO_RULES = {"properties": {}, "required": (), "additionalProperties": True, "propertyNames": True}
+NO_RULES |= {"type": "object", "pattern": "", "maxProperties": inf, "minItems": 0, "maxItems": inf}
+NO_RULES |= {"minimum": -inf, "exclusiveMinimum": -inf, "maximum": inf, "exclusiveMaximum": inf}
 SCHEMA = json_schema()
 
 
 def valid(schema, value):
-    """As the draft says, but for values of another kind than a word is about: never valid."""
+    """Return whether `value` satisfies the JSON schema, as draft 2020-12 defines it.
+
+    Unlike the draft, a value that is not of the type a keyword applies to is never valid.
+    """
     if isinstance(schema, bool):
         return schema
-    said = UNSAID | schema
-    if "if" in said:
-        return valid(said["then" if valid(said["if"], value) else "else"], value)
-    for word, most in (("anyOf", inf), ("oneOf", 1)):
-        if word in said:
-            return 1 <= sum(valid(one, value) for one in said[word]) <= most
-    if "enum" in said or "const" in said:
-        allowed = said.get("enum") or [said["const"]]
-        return any(type(one) is type(value) and one == value for one in allowed)
-    known = isinstance(value, KINDS[said["type"]]) and not isinstance(value, bool)
-    return known and fits(said, value)
+    rules = NO_RULES | schema
+    if "if" in rules:
+        return valid(rules["then" if valid(rules["if"], value) else "else"], value)
+    for keyword, most in (("anyOf", inf), ("oneOf", 1)):
+        if keyword in rules:
+            return 1 <= sum(valid(branch, value) for branch in rules[keyword]) <= most
+    if "enum" in rules or "const" in rules:
+        allowed = rules.get("enum") or [rules["const"]]
+        return any(type(entry) is type(value) and entry == value for entry in allowed)
+    right_type = isinstance(value, KINDS[rules["type"]]) and not isinstance(value, bool)
+    return right_type and fits(rules, value)
 
 
-def fits(said, value):
+def fits(rules, value):
     if isinstance(value, str):
-        return re.search(said["pattern"], value) is not None
+        return re.search(rules["pattern"], value) is not None
     if isinstance(value, list):
-        counted = said["minItems"] <= len(value) <= said["maxItems"]
-        return counted and all(valid(said["items"], one) for one in value)
+        counted = rules["minItems"] <= len(value) <= rules["maxItems"]
+        return counted and all(valid(rules["items"], item) for item in value)
     if isinstance(value, dict):
-        kinds = {name: said["properties"].get(name, said["additionalProperties"]) for name in value}
-        there = set(said["required"]) <= kinds.keys() and len(value) <= said["maxProperties"]
-        named = there and all(valid(said["propertyNames"], name) for name in value)
-        return named and all(valid(kinds[name], one) for name, one in value.items())
-    within = said["minimum"] <= value <= said["maximum"]
-    return within and said["exclusiveMinimum"] < value < said["exclusiveMaximum"]
+        kinds = {
+            name: rules["properties"].get(name, rules["additionalProperties"]) for name in value
+        }
+        complete = set(rules["required"]) <= kinds.keys() and len(value) <= rules["maxProperties"]
+        named = complete and all(valid(rules["propertyNames"], name) for name in value)
+        return named and all(valid(kinds[name], entry) for name, entry in value.items())
+    within = rules["minimum"] <= value <= rules["maximum"]
+    return within and rules["exclusiveMinimum"] < value < rules["exclusiveMaximum"]
 
 
-def test_sound_files_are_valid():
+def test_robot_files_satisfy_json_schema():
     files = [*ROOT.glob("lumped/robots/*.toml"), *ROOT.glob("examples/*/*.toml")]
     texts = [SOUND, *(path.read_text("utf-8") for path in files)]
     assert len(texts) > 8
@@ -324,26 +331,28 @@ def test_sound_files_are_valid():
 
 
 @pytest.mark.parametrize("robot", ["five-bar", "biglide"])
-def test_wrong_keys_violate_schema(robot):
+def test_misspelt_keys_violate_json_schema(robot):
     text = load_robot(robot).text
-    ways = [way for way in places(tomllib.loads(text)) if isinstance(way[-1], str)]
-    for *tables, key in ways:
+    key_paths = [
+        key_path for key_path in places(tomllib.loads(text)) if isinstance(key_path[-1], str)
+    ]
+    for *tables, key in key_paths:
         misspelt, another = tomllib.loads(text), tomllib.loads(text)
         table = reduce(getitem, tables, misspelt)
         table[f"{key}z"] = table.pop(key)
-        # Whoever chose the name may choose another.
-        named = bool(tables) and tables[-1] in {"points", "materials", "bodies", "joints"}
-        assert valid(SCHEMA, misspelt) == named, (tables, key)
+        # Names of points, materials, bodies and joints are free: another name is valid, too.
+        free = bool(tables) and tables[-1] in {"points", "materials", "bodies", "joints"}
+        assert valid(SCHEMA, misspelt) == free, (tables, key)
         reduce(getitem, tables, another)[key] = None
         assert not valid(SCHEMA, another), (tables, key)
 
 
-def test_wrong_values_violate_schema():
-    """Most of the rest is what keys must say together, of which no schema knows."""
+def test_wrong_values_violate_json_schema():
+    """The schema finds most of the wrong files; the others break rules between several keys."""
     assert sum(not valid(SCHEMA, wrong.tables()) for wrong in wrong_files()) == 76
 
 
-def test_guide_lists_all_keys():
+def test_guide_lists_all_robot_file_keys():
     script = runpy.run_path(str(ROOT / "docs" / "pictures" / "keys.py"))
     page = script["PAGE"].read_text("utf-8")
     assert script["renewed"](page) == page, "renew it: python docs/pictures/keys.py"
@@ -353,7 +362,7 @@ def test_guide_lists_all_keys():
     ("robot", "keys"),
     [("biglide", ("leg1.section", "foot.compliance")), ("delta", ("bodies.NAME.up",))],
 )
-def test_new_file_is_robot_with_list_of_keys(robot, keys, tmp_path):
+def test_template_is_robot_with_key_list(robot, keys, tmp_path):
     path = tmp_path / "new.toml"
     write_template(path, robot)
     text = path.read_text("utf-8")
@@ -361,7 +370,7 @@ def test_new_file_is_robot_with_list_of_keys(robot, keys, tmp_path):
     assert all(f"\n# {key}: " in text for key in keys)
 
 
-def test_command_prints_schema(capsys):
+def test_schema_command_prints_json_schema(capsys):
     assert cli.main(["schema"]) == 0
     assert '"https://json-schema.org/draft/2020-12/schema"' in capsys.readouterr().out
 
@@ -404,25 +413,25 @@ to = 50.0
 
 @pytest.mark.parametrize("where", ["JOINT", "DRIVE", "RATIO"])
 def test_single_loss_factor_allows_responses(tmp_path, where):
-    """A joint's, a drive's or a damping ratio alone damps a robot; without any it is refused."""
+    """Damping of one joint, of one drive or a damping ratio suffices; without any it is refused."""
     text = {"JOINT": "loss = 0.1", "DRIVE": ", loss = 0.1", "RATIO": ""}
-    sound = BLOCKS + SHAKEN + ("[damping]\nratio = 0.01\n" if where == "RATIO" else "")
+    damped = BLOCKS + SHAKEN + ("[damping]\nratio = 0.01\n" if where == "RATIO" else "")
     for key in ("JOINT", "DRIVE"):
-        sound = sound.replace(key, text[key] if key == where else "")
-    (excitation,) = robot_of(sound, tmp_path).mechanism.excitations
+        damped = damped.replace(key, text[key] if key == where else "")
+    (excitation,) = robot_of(damped, tmp_path).mechanism.excitations
     assert excitation.name == "r"
     with pytest.raises(InputError, match="nothing damps them"):
         robot_of(BLOCKS.replace("JOINT", "").replace("DRIVE", "") + SHAKEN, tmp_path)
 
 
-def test_load_without_body_acts_on_the_tools_body(tmp_path):
-    """Both bodies have the point; another point, which the tool's lacks, is the other body's."""
+def test_load_without_body_acts_on_tool_body(tmp_path):
+    """At B, a point of both bodies, it acts on the tool's body; at A, on the only body with A."""
     text = BLOCKS.replace("JOINT", "").replace("DRIVE", "")
     push = '[[loads]]\nname = "{}"\nwrench = [6.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n{}\n'
     for number, where in enumerate(["", 'at = "B"', 'at = "A"', 'at = "B"\nbody = "first"']):
         text += push.format(number, where)
     loads = robot_of(text, tmp_path).mechanism.loads
-    assert [(one.body, one.point) for one in loads] == [
+    assert [(load.body, load.point) for load in loads] == [
         ("second", "B"),
         ("second", "B"),
         ("first", "A"),
@@ -430,22 +439,22 @@ def test_load_without_body_acts_on_the_tools_body(tmp_path):
     ]
 
 
-@pytest.mark.parametrize("what", ["speed", "acceleration"])
-def test_motion_lost_in_rounding_is_refused(what, tmp_path):
-    """5e-324 squared is zero, and its direction none."""
-    load = f'[[loads]]\nname = "a"\n{what} = [5e-324, 0.0, 0.0]\n'
-    with pytest.raises(InputError, match=f"{what} = .*: must be 0 or at least 1e-12 in size"):
+@pytest.mark.parametrize("key", ["speed", "acceleration"])
+def test_tiny_speed_or_acceleration_is_refused(key, tmp_path):
+    """The square of 5e-324 is zero, so that the vector would have no direction."""
+    load = f'[[loads]]\nname = "a"\n{key} = [5e-324, 0.0, 0.0]\n'
+    with pytest.raises(InputError, match=f"{key} = .*: must be 0 or at least 1e-12 in size"):
         robot_of(f"{GANTRY}{load}", tmp_path)
 
 
 @pytest.mark.parametrize("stiffness", ["1e-300", "1e-150", "5e-324"])
-def test_drive_softer_than_any_hinge_is_refused(stiffness, tmp_path):
+def test_tiny_drive_stiffness_is_refused(stiffness, tmp_path):
     soft = GANTRY.replace(f"stiffness = {STIFFNESSES[0]}", f"stiffness = {stiffness}")
     with pytest.raises(InputError, match=r"drive\.stiffness = .*: must be at least 1e-12 N/m"):
         robot_of(soft, tmp_path)
 
 
-def test_robot_file_is_parsed_and_drafted_once(tmp_path, monkeypatch):
+def test_robot_file_is_parsed_once(tmp_path, monkeypatch):
     calls = []
     (tmp_path / "robot.toml").write_text(
         f"{load_robot('five-bar').text}\n# a text of its own\n", encoding="utf-8"
@@ -461,6 +470,6 @@ def test_robot_file_is_parsed_and_drafted_once(tmp_path, monkeypatch):
     robot.with_factors({"tool.mass": 0.1})
     assert replace(robot, supposed=0.05).uncertain_inputs
     assert calls == ["parse", *3 * ["draft"]]
-    # What is shared is as it was parsed.
+    # Robots with other values share the parsed tables, which stay unchanged.
     assert heavier.tables is robot.tables
     assert robot.tables == parse(robot.text)

@@ -1,4 +1,4 @@
-"""Copies about an axis: the robot of a pattern is the one whose copies are written one by one."""
+"""Patterns of copies about an axis: the same robot as with every copy written out."""
 
 import tomllib
 from copy import deepcopy
@@ -12,7 +12,7 @@ from lumped.robot_file import load_robot, robot_of
 from lumped.robot_file.mechanism.pattern import written_out
 from lumped.robot_file.variation import variations_of, varied
 
-# Of the built-in Delta the first leg alone.
+# The built-in Delta robot, described by its first leg and a pattern of three copies.
 DELTA = """
 schema = 2
 name = "Delta"
@@ -99,30 +99,30 @@ SIDED = [f"{part}{side}" for part in ("E", "C", "rod", "elbow", "wrist") for sid
 
 
 def built_in_name(name):
-    """El1 and rodl1 of the pattern are E1l and rod1l of the built-in robot."""
-    own, number = name[:-1], name[-1]
-    return f"{own[:-1]}{number}{own[-1]}" if own in SIDED else name
+    """Return the built-in robot's name of a copy: El1 and rodl1 become E1l and rod1l."""
+    part, number = name[:-1], name[-1]
+    return f"{part[:-1]}{number}{part[-1]}" if part in SIDED else name
 
 
-def test_delta_by_pattern_is_the_built_in_delta():
-    """Coordinates of the built-in robot have twelve decimals: off by 5e-13 at most."""
-    found, expected = robot_of(TABLES).mechanism, load_robot("delta").mechanism
-    assert {built_in_name(name) for name in found.bodies} == set(expected.bodies)
-    for name, body in found.bodies.items():
-        other, own = expected.bodies[built_in_name(name)], found.reference[name]
-        frame = expected.reference[built_in_name(name)]
-        assert own.position == pytest.approx(frame.position, abs=1e-12)
-        # Axes of a leg of 0.2 m.
-        assert own.rotation == pytest.approx(frame.rotation, abs=1e-11)
+def test_pattern_delta_equals_built_in_delta():
+    """The built-in robot's coordinates have twelve decimals: rounding errors of up to 5e-13 m."""
+    mechanism, expected = robot_of(TABLES).mechanism, load_robot("delta").mechanism
+    assert {built_in_name(name) for name in mechanism.bodies} == set(expected.bodies)
+    for name, body in mechanism.bodies.items():
+        other, frame = expected.bodies[built_in_name(name)], mechanism.reference[name]
+        other_frame = expected.reference[built_in_name(name)]
+        assert frame.position == pytest.approx(other_frame.position, abs=1e-12)
+        # Errors of 5e-13 m at the ends of legs of 0.2 m and more.
+        assert frame.rotation == pytest.approx(other_frame.rotation, abs=1e-11)
         assert {built_in_name(point) for point in body.interfaces} == set(other.interfaces)
         for point, interface in body.interfaces.items():
-            place = other.interfaces[built_in_name(point)].position
-            assert interface.position == pytest.approx(place, abs=1e-12)
+            position = other.interfaces[built_in_name(point)].position
+            assert interface.position == pytest.approx(position, abs=1e-12)
         assert type(body.shape) is type(other.shape)
         assert body.shape.mass == pytest.approx(other.shape.mass, rel=1e-11)
     joints = {joint.name: joint for joint in expected.joints}
-    assert {built_in_name(joint.name) for joint in found.joints} == set(joints)
-    for joint in found.joints:
+    assert {built_in_name(joint.name) for joint in mechanism.joints} == set(joints)
+    for joint in mechanism.joints:
         other = joints[built_in_name(joint.name)]
         assert (joint.kind, joint.drive) == (other.kind, other.drive)
         ends = [
@@ -132,7 +132,7 @@ def test_delta_by_pattern_is_the_built_in_delta():
         assert joint.axes == pytest.approx(other.axes, abs=1e-12)
 
 
-def test_number_of_a_pattern_varies_in_all_copies():
+def test_varied_number_applies_to_all_copies():
     loaded = robot_of(TABLES)
     key = "bodies.arm.section.height"
     ((_, robot),) = varied(loaded, variations_of(loaded, [f"{key}=0.09:0.09:1"]))
@@ -186,15 +186,15 @@ COLUMN = {
 }
 
 
-def test_copies_are_rotated_with_their_matrices():
-    """Half a turn about z through x = 1: x ↦ 2 − x, y ↦ −y, Jxz and Jyz change their signs."""
+def test_copies_have_rotated_matrices():
+    """Half a turn about the z direction through x = 1 m: x ↦ 2 − x, y ↦ −y, −Jxz and −Jyz."""
     new = written_out(COLUMN)
     assert new["points"]["A2"] == pytest.approx([2.0, 0.0, 0.0], abs=1e-15)
     assert new["bodies"]["lump2"]["centre"] == pytest.approx([1.9, -0.2, 1.0], abs=1e-15)
     inertia = np.array(new["bodies"]["lump2"]["inertia"])
     expected = [[3e-3, 1e-3, 0.0], [1e-3, 4e-3, -5e-4], [0.0, -5e-4, 5e-3]]
     assert inertia == pytest.approx(np.array(expected), abs=1e-17)
-    # A leg along z has its z axis along x, a copy along −x.
+    # The z axis of a leg along base z is base x; that of its copy is −x.
     assert "up" not in new["bodies"]["post1"]
     assert new["bodies"]["post2"]["up"] == pytest.approx([-1.0, 0.0, 0.0], abs=1e-15)
     quarter = deepcopy(COLUMN)
@@ -209,13 +209,13 @@ def test_copies_are_rotated_with_their_matrices():
     assert robot_of(COLUMN).mechanism.bodies["lump2"].shape.mass == 1.0
 
 
-def test_audit_reads_copies_in_the_unit_of_the_file():
-    """A mass centre beyond the tip is found of each copy, with lengths in mm."""
+def test_audit_of_copies_in_millimetres():
+    """A mass centre beyond the leg's tip is reported for each copy, also in a file in mm."""
     given = (np.diag([1e-9, 3e-7, 3e-7, 1e-6, 1e-6, 1e-6])).tolist()
     tables = deepcopy(COLUMN)
     post = {"from": "A", "to": "B", "compliance": given, "mass": 5.0, "mass_centre": 1.2}
     tables["bodies"]["post"] = post | {"pattern": HALF}
-    metres = {(one.where, one.check): one.numbers for one in audit(robot_of(tables))}
+    metres = {(f.where, f.check): f.numbers for f in audit(robot_of(tables))}
     assert metres["bodies.post2.mass_centre", "mass centre"] == {"mass centre": 1.2, "length": 1.0}
     half = HALF | {"through": [1000.0, 0.0, 0.0]}
     milli = deepcopy(tables) | {"units": "mm"}
@@ -228,10 +228,10 @@ def test_audit_reads_copies_in_the_unit_of_the_file():
         for entry in milli[table].values():
             if "pattern" in entry:
                 entry["pattern"] = half
-    found = {(one.where, one.check): one.numbers for one in audit(robot_of(milli))}
-    assert found.keys() == metres.keys()
+    millimetres = {(f.where, f.check): f.numbers for f in audit(robot_of(milli))}
+    assert millimetres.keys() == metres.keys()
     for key, values in metres.items():
-        assert found[key] == pytest.approx(values, rel=1e-12), key
+        assert millimetres[key] == pytest.approx(values, rel=1e-12), key
 
 
 @pytest.mark.parametrize(
@@ -288,7 +288,7 @@ def test_audit_reads_copies_in_the_unit_of_the_file():
         ),
     ],
 )
-def test_message_names_pattern_or_copy(old, new, message):
+def test_pattern_fault_reports_entry(old, new, message):
     assert old in DELTA
     tables = tomllib.loads(DELTA.replace(old, new))
     with pytest.raises(InputError) as refused:

@@ -1,4 +1,4 @@
-"""Robot files in millimetres: the same robots, messages in the file's unit, results in SI units."""
+"""Robot files in millimetres: the same robots, messages in the file's unit, results in SI."""
 
 import json
 import tomllib
@@ -38,7 +38,7 @@ def sections_of(section):
 
 
 def in_millimetres(tables):
-    """The tables of a robot file with its lengths in mm, written key by key from the guide."""
+    """Return the tables of a robot file with all its lengths in mm, by the guide's list of keys."""
     new = deepcopy(tables) | {"units": "mm"}
     moves = new.get("tool", {}).get("moves", [])
 
@@ -66,10 +66,10 @@ def in_millimetres(tables):
         if key in path:
             path[key] = pose(path[key])
     if "poses" in path:
-        path["poses"] = [pose(one) for one in path["poses"]]
-    for one in new.get("measured", []):
-        if "pose" in one:
-            one["pose"] = pose(one["pose"]) if moves else [1000.0 * x for x in one["pose"]]
+        path["poses"] = [pose(values) for values in path["poses"]]
+    for entry in new.get("measured", []):
+        if "pose" in entry:
+            entry["pose"] = pose(entry["pose"]) if moves else [1000.0 * x for x in entry["pose"]]
     return new
 
 
@@ -78,7 +78,7 @@ MILLI = in_millimetres(FIVE_BAR)
 
 
 def numbers(value):
-    """All numbers of a record, by the names that lead to them."""
+    """Return all numbers and texts in a nested record, keyed by their path of names and indices."""
     if isinstance(value, dict):
         items = value.items()
     elif hasattr(value, "__dataclass_fields__"):
@@ -98,20 +98,20 @@ def numbers(value):
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
-def test_file_in_mm_is_the_robot_in_m(path, monkeypatch):
-    """Every number of the mechanism: 1e-12, eps times the few operations on the way."""
+def test_millimetre_file_equals_metre_file(path, monkeypatch):
+    """Every number of the mechanism agrees to 1e-12, the rounding error of a few operations."""
     monkeypatch.chdir(path.parent)
     tables = tomllib.loads(path.read_text("utf-8"))
     metres, milli = robot_of(tables), robot_of(in_millimetres(tables))
     assert (metres.mechanism.lengths.name, milli.mechanism.lengths.name) == ("m", "mm")
-    expected, found = numbers(metres.mechanism), numbers(milli.mechanism)
-    assert set(found) == set(expected)
+    expected, converted = numbers(metres.mechanism), numbers(milli.mechanism)
+    assert set(converted) == set(expected)
     assert len(expected) > 100
     for key, value in expected.items():
         if isinstance(value, str):
-            assert found[key] == value, key
+            assert converted[key] == value, key
         else:
-            assert found[key] == pytest.approx(value, rel=1e-12, abs=1e-15), key
+            assert converted[key] == pytest.approx(value, rel=1e-12, abs=1e-15), key
     assert milli.requirement == metres.requirement
 
 
@@ -141,27 +141,27 @@ def test_file_in_mm_is_the_robot_in_m(path, monkeypatch):
         ("units", "inch", 'units = "inch": must be "m" or "mm"'),
     ],
 )
-def test_message_shows_lengths_in_unit_of_file(key, value, message):
+def test_message_has_lengths_in_file_unit(key, value, message):
     with pytest.raises(InputError) as refused:
-        robot_of(in_place(MILLI, key, value))
+        robot_of(with_value(MILLI, key, value))
     assert any(fault.startswith(f"dictionary: {message}") for fault in refused.value.faults), (
         refused.value.faults
     )
 
 
-def in_place(tables, key, value):
+def with_value(tables, key, value):
     tables = deepcopy(tables)
     names, _, index = key.rstrip("]").partition("[")
-    *way, last = [*names.split("."), *([int(index) - 1] if index else [])]
+    *names_before, last = [*names.split("."), *([int(index) - 1] if index else [])]
     holder = tables
-    for step in way:
-        holder = holder[step]
+    for name in names_before:
+        holder = holder[name]
     holder[last] = value
     return tables
 
 
-def test_vary_takes_and_shows_unit_of_file():
-    """Half the width of 50 mm, and the same of 0.05 m."""
+def test_vary_uses_length_unit_of_file():
+    """A width is varied to 25 in a file in mm and to 0.025 in a file in m."""
     milli, metres = robot_of(MILLI), robot_of(FIVE_BAR)
     key = "bodies.rod1.section.width"
     assert (unit_of(milli.tables, key), unit_of(metres.tables, key)) == ("mm", "m")
@@ -172,7 +172,7 @@ def test_vary_takes_and_shows_unit_of_file():
         assert robot.mechanism.bodies["rod1"].shape.section.width == 0.025
 
 
-def test_typed_pose_in_unit_of_file_results_in_si(tmp_path, capsys):
+def test_pose_in_file_unit_gives_si_results(tmp_path, capsys):
     written(toml_of(MILLI), tmp_path)
     solve = ["solve", "--model", "links", "--json", "--pose"]
     cli.main([*solve, "50,500", str(tmp_path / "robot.toml")])
@@ -180,30 +180,31 @@ def test_typed_pose_in_unit_of_file_results_in_si(tmp_path, capsys):
     cli.main([*solve, "0.05,0.5", "five-bar"])
     (metres,) = json.loads(capsys.readouterr().out)["results"]
     assert milli["pose"] == pytest.approx([0.05, 0.5], rel=1e-15)
-    # Rounding of 1e-16 in the points, times the condition of the loops and of the stiffness.
+    # Rounding errors of 1e-16 in the points, times the condition numbers of the loop equations and
+    # of the stiffness matrix.
     scale = np.sqrt(np.outer(*2 * [np.diag(metres["compliance"])]))
     difference = np.subtract(milli["compliance"], metres["compliance"]) / scale
     assert np.abs(difference).max() < 1e-10
     mechanism = robot_of(MILLI).mechanism
-    there = posture(mechanism, np.array([0.05, 0.5]))
-    assert shown_pose(mechanism, there.pose) == "x = 50 mm, y = 500 mm"
+    at_pose = posture(mechanism, np.array([0.05, 0.5]))
+    assert shown_pose(mechanism, at_pose.pose) == "x = 50 mm, y = 500 mm"
 
 
-def test_displacement_limit_and_csv_use_unit_of_file(tmp_path):
+def test_limits_and_csv_use_length_unit_of_file(tmp_path):
     milli = robot_of(MILLI | {"accept": {"displacement": 0.02}})
     assert milli.requirement.displacement == 2e-5
     option = with_options(milli.requirement, ["displacement=0.03"], (), milli.mechanism.lengths)
     assert option.displacement == pytest.approx(3e-5, rel=1e-15)
     file = tmp_path / "measured.csv"
     file.write_text("quantity,pose,value,uncertainty,source\nx,50 500,1e-6,1e-8,gauge\n")
-    (one,) = with_measured(milli, file).measured
-    assert one.pose == (0.05, 0.5)
-    assert one.value == 1e-6
+    (measured,) = with_measured(milli, file).measured
+    assert measured.pose == (0.05, 0.5)
+    assert measured.value == 1e-6
     with pytest.raises(InputError, match=r"pose\[2\] = 500: must be at most 100 m or rad"):
         read_measured(file)
 
 
-def test_load_over_path_has_poses_in_unit_of_file(tmp_path, monkeypatch):
+def test_wrench_csv_poses_use_length_unit_of_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     poses = {"poses": [[0.0, 500.0], [50.0, 500.0]]}
     rows = ["x,y,Fx,Fy,Fz,Mx,My,Mz", "0,500,1,0,0,0,0,0", "50,500,2,0,0,0,0,0"]
@@ -216,7 +217,7 @@ def test_load_over_path_has_poses_in_unit_of_file(tmp_path, monkeypatch):
         robot_of(MILLI | {"path": poses, "loads": loads})
 
 
-def test_angles_of_poses_are_not_converted():
+def test_pose_angles_are_not_converted():
     robot = load_robot("3-rrr")
     assert robot.mechanism.tool.moves == ("x", "y", "phi_z")
     milli = robot_of(in_millimetres(robot.tables) | {"path": {"poses": [[10.0, 20.0, 0.1]]}})
@@ -225,13 +226,13 @@ def test_angles_of_poses_are_not_converted():
         posture(milli.mechanism, np.array([2.0, 0.0, 0.1]))
 
 
-def test_lists_of_keys_have_bounds_in_unit_of_file():
+def test_key_list_bounds_use_length_unit():
     lines = key_comments(MILLI).split("\n")
     for line in (
         "# bodies.NAME.mass_centre: a number from -10000 to 10000 mm; ",
         "# joints.NAME.drive.stiffness: a number above 0 N/m or N m/rad and ",
     ):
-        assert any(one.startswith(line) for one in lines), line
+        assert any(entry.startswith(line) for entry in lines), line
     schema = json_schema()
     for units, most in (("then", 100_000.0), ("else", 100.0)):
         points = schema[units]["else"]["properties"]["points"]

@@ -1,4 +1,4 @@
-"""Dashpots in drives and joints: closed forms, and complex matrices solved directly."""
+"""Viscous dashpots in drives and joints against closed forms and directly inverted matrices."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from lumped.system.assembly import assemble
 from lumped.system.response import damped_modes, harmonic_responses
 from lumped.system.solution import solved
 
-# Mass (kg), stiffness (N/m) and force of one carriage.
+# Mass (kg) of a carriage and stiffness (N/m) of its drive; critical damping in N s/m.
 MASS, STIFFNESS = 10.0, 2.0e6
 CRITICAL = 2.0 * np.sqrt(STIFFNESS * MASS)
 NATURAL = np.sqrt(STIFFNESS / MASS)
@@ -36,7 +36,8 @@ to = 450.0
 count = 40
 at = 75.0
 """
-# Two carriages, the second on the first, by a drive with a dashpot and an elastic seat with others.
+# A coarse carriage on a drive with a dashpot, and a fine carriage on the coarse one by an elastic
+# joint with another dashpot.
 TWO = """
 schema = 2
 name = "two"
@@ -67,15 +68,15 @@ def solution_of(text, **values):
     return solved(assemble(reference_posture(mechanism), {}))
 
 
-@pytest.mark.parametrize("place", ["drive", "joint"])
+@pytest.mark.parametrize("element", ["drive", "joint"])
 @pytest.mark.parametrize("ratio", [0.03, 0.6, 1.0, 4.0])
-def test_oscillator_with_dashpot_equals_closed_form(ratio, place):
-    """1/(k − mω² + iωc); below ζ = 1/√2 the peak is 1/(2kζ√(1 − ζ²)) at ω√(1 − 2ζ²)."""
+def test_oscillator_with_dashpot_equals_closed_form(ratio, element):
+    """Receptance 1/(k − mω² + iωc); for ζ < 1/√2 the peak is 1/(2kζ√(1 − ζ²)) at ω√(1 − 2ζ²)."""
     damping = ratio * CRITICAL
     text = {"DRIVE": "", "SLIDE": ""}
     text |= (
         {"DRIVE": f", damping = {damping}"}
-        if place == "drive"
+        if element == "drive"
         else {"SLIDE": f"damping = {{ along = {damping} }}"}
     )
     (response,) = harmonic_responses(solution_of(CARRIAGE, **text))
@@ -85,21 +86,21 @@ def test_oscillator_with_dashpot_equals_closed_form(ratio, place):
         return 1.0 / (STIFFNESS - MASS * speeds**2 + 1j * damping * speeds)
 
     frequencies = response.excitation.frequencies
-    # A critical dashpot is changed by 1e-6; round-off is below 1e-12.
-    close = 2e-6 if ratio == 1.0 else 1e-10
-    np.testing.assert_allclose(response.receptance, receptance(frequencies), rtol=close)
-    size, where, there = response.judged
-    assert there == pytest.approx(abs(receptance(75.0)), rel=close)
+    # The program changes a critical damping by 1e-6 of itself; rounding errors are below 1e-12.
+    tolerance = 2e-6 if ratio == 1.0 else 1e-10
+    np.testing.assert_allclose(response.receptance, receptance(frequencies), rtol=tolerance)
+    size, frequency, size_at_75_hz = response.judged
+    assert size_at_75_hz == pytest.approx(abs(receptance(75.0)), rel=tolerance)
     if ratio < np.sqrt(0.5):
         assert size == pytest.approx(1.0 / (2.0 * STIFFNESS * ratio * np.sqrt(1.0 - ratio**2)))
         peak = NATURAL * np.sqrt(1.0 - 2.0 * ratio**2) / (2.0 * np.pi)
-        assert where == pytest.approx(max(peak, 10.0), rel=1e-6)
+        assert frequency == pytest.approx(max(peak, 10.0), rel=1e-6)
     else:
-        assert (size, where) == (pytest.approx(abs(receptance(10.0)), rel=close), 10.0)
+        assert (size, frequency) == (pytest.approx(abs(receptance(10.0)), rel=tolerance), 10.0)
 
 
-def test_oscillator_has_frequency_and_loss_of_its_damping():
-    """Natural frequency √(k/m) and loss factor 2ζ = c/√(km), whatever the damping below 1."""
+def test_dashpot_oscillator_frequency_and_loss():
+    """Natural frequency √(k/m) and loss factor 2ζ = c/√(km) for every damping ratio ζ below 1."""
     for ratio in (0.01, 0.4, 0.9):
         solution = solution_of(CARRIAGE, DRIVE=f", damping = {ratio * CRITICAL}", SLIDE="")
         modes = damped_modes(solution, 450.0)
@@ -108,8 +109,8 @@ def test_oscillator_has_frequency_and_loss_of_its_damping():
 
 
 @pytest.mark.parametrize("first", [50.0, 8000.0, 5.0e5])
-def test_two_masses_with_unequal_dashpots(first):
-    """The inverse of a 2×2 matrix with loss factor and dashpots; at 5e5 N s/m one overdamps."""
+def test_receptance_of_two_masses_with_dashpots(first):
+    """Inverse of a 2×2 matrix with loss factor and dashpots; 5e5 N s/m overdamps one mode."""
     loss, second = 0.06, 900.0
     solution = solution_of(TWO, FIRST=first, SECOND=second, LOSS=loss)
     modes = damped_modes(solution, 1e6).along(X)
@@ -119,38 +120,39 @@ def test_two_masses_with_unequal_dashpots(first):
         s = 2j * np.pi * frequency
         a, b = k + s * first, seat + s * second
         dynamic = np.array([[a + b, -b], [-b, b]]) + s**2 * mass
-        own = modes.receptance(np.array([frequency]))[0]
-        assert own == pytest.approx(np.linalg.inv(dynamic)[1, 1], rel=1e-9)
+        computed = modes.receptance(np.array([frequency]))[0]
+        assert computed == pytest.approx(np.linalg.inv(dynamic)[1, 1], rel=1e-9)
 
 
-def test_damping_ratio_adds_to_dashpots_of_single_mode():
-    """k(1 + iη) − mω² + iωc + 2iζω√(km)."""
+def test_damping_ratio_adds_to_dashpot():
+    """Dynamic stiffness k(1 + iη) − mω² + iωc + 2iζω√(km)."""
     text = CARRIAGE + "[damping]\nratio = 0.05\n"
     solution = solution_of(text, DRIVE=", damping = 300.0, loss = 0.1", SLIDE="")
     (response,) = harmonic_responses(solution)
     speeds = 2.0 * np.pi * response.excitation.frequencies
     viscous = 300.0 + 2.0 * 0.05 * np.sqrt(STIFFNESS * MASS)
     expected = STIFFNESS * (1.0 + 0.1j) - MASS * speeds**2 + 1j * viscous * speeds
-    # The ratio acts at the natural frequency of the mode with the loss: second order in 0.1.
+    # The program applies ζ at the natural frequency of the mode with loss factor η: an error of
+    # second order in η = 0.1.
     np.testing.assert_allclose(response.receptance, 1.0 / expected, rtol=5e-3)
 
 
-def test_weak_dashpot_changes_nothing_else():
-    """As its dashpots vanish, a robot responds as without them: in proportion to them."""
-    without = solution_of(TWO.replace("damping = { axial = SECOND }", ""), FIRST=1e-12, LOSS=0.06)
+def test_vanishing_dashpot_has_no_effect():
+    """A dashpot of 1e-12 N s/m changes the receptance by less than 1e-9 of it."""
+    vanishing = solution_of(TWO.replace("damping = { axial = SECOND }", ""), FIRST=1e-12, LOSS=0.06)
     plain = solution_of(
         TWO.replace("damping = { axial = SECOND }", "").replace("damping = FIRST, ", ""), LOSS=0.06
     )
     frequencies = np.array([3.0, 70.0, 110.0])
-    own, expected = (
+    computed, expected = (
         damped_modes(solution, 1e6).receptance(frequencies)[:, 0, 0]
-        for solution in (without, plain)
+        for solution in (vanishing, plain)
     )
-    np.testing.assert_allclose(own, expected, rtol=1e-9)
+    np.testing.assert_allclose(computed, expected, rtol=1e-9)
 
 
-def test_dashpot_of_idle_motion():
-    """A rod spins between ball joints, of which one is damped: all unknowns solved directly."""
+def test_dashpot_on_idle_motion():
+    """A rod spins idly between two ball joints, one damped; all unknowns are solved directly."""
     text = """
     schema = 2
     name = "rod"
@@ -187,7 +189,7 @@ def test_dashpot_of_idle_motion():
     solution = solution_of(text, INERTIA=inertia.tolist())
     system = solution.system
     assert solution.idle == 1
-    # The slide does not turn: rotations of the rod, from the unknowns.
+    # The slide does not rotate: the dashpot is driven by the rod's rotation alone.
     rows = system.motions.at("rod", "A", np.zeros(3))[3:]
     viscous = 1.5 * rows.T @ rows
     modes = damped_modes(solution, 500.0)
@@ -195,8 +197,8 @@ def test_dashpot_of_idle_motion():
         s = 2j * np.pi * frequency
         dynamic = system.stiffness + s * viscous + s**2 * system.mass
         direct = system.tool @ np.linalg.solve(dynamic, system.tool.T)
-        own = modes.receptance(np.array([frequency]))[0]
-        assert np.abs(own - direct).max() <= 1e-9 * np.abs(direct).max()
+        computed = modes.receptance(np.array([frequency]))[0]
+        assert np.abs(computed - direct).max() <= 1e-9 * np.abs(direct).max()
 
 
 FAULTS = {
@@ -215,13 +217,13 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("line", FAULTS)
-def test_wrong_damping_gives_one_line(line):
+def test_wrong_joint_damping_gives_one_fault(line):
     with pytest.raises(InputError) as error:
         described(CARRIAGE.replace("DRIVE", "").replace("SLIDE", line) + "[damping]\nratio = 0.1\n")
     assert error.value.faults == (FAULTS[line],)
 
 
-def test_dashpot_of_rigid_drive_gives_one_line():
+def test_dashpot_of_rigid_drive_is_refused():
     text = CARRIAGE.replace("2.0e6DRIVE", '"rigid", damping = 5.0').replace("SLIDE", "")
     with pytest.raises(InputError) as error:
         described(text + "[damping]\nratio = 0.1\n")

@@ -1,9 +1,9 @@
-"""Compliances, frequencies and idle motions: in closed form and the obvious way.
+"""Compliances, frequencies and idle motions against closed forms and a null-space solution.
 
-That is every node and every joint written out and one null space. All nodes have six unknowns,
-every joint six more for its relative twist, and every condition (a rigid body, a joint's direction
-that does not give way) is a row. K̂ = TᵀKT with the null space T of all rows by SVD; idle motions
-are left out by the pseudo-inverse. Many postures at once are held against each by itself.
+The null-space solution has six unknowns for every interface and six more for the relative twist of
+every joint; each condition (rigid body, rigid direction of a joint) is a row. With T, the null
+space of all rows by SVD, K̂ = TᵀKT; idle motions are left out by the pseudo-inverse. Sweeps over
+many postures are compared with the postures one by one.
 """
 
 from contextlib import suppress
@@ -41,7 +41,7 @@ SECTION = Rectangle(0.02, 0.05)
 
 @pytest.fixture(scope="module")
 def parallelogram():
-    """A bar on two parallel rods pinned at both ends, driven at one foot."""
+    """Return a bar on two parallel rods pinned at both ends, with a drive at one foot."""
     make = Maker(np.random.default_rng(0), planar=True)
     feet = {"A": 0.0 * X, "B": WIDTH * X}
     heads = {"C": LENGTH * Y, "D": WIDTH * X + LENGTH * Y}
@@ -61,8 +61,8 @@ def parallelogram():
 def test_parallelogram_compliance_equals_hand_result(parallelogram):
     """A moment M about z pulls one rod and pushes the other by M/w: φ = 2 (M/w)(L/EA)/w.
 
-    A force F along x turns the foot's drive, F L²/k, and bends the driven rod, F L³/3EI, since only
-    its foot is held: between these two the energy is divided, the other rod carries none.
+    A force F along x rotates the drive at the foot, F L²/k, and bends the driven rod, F L³/3EI; the
+    other rod, free to rotate at both ends, has no strain energy.
     """
     chains = {
         name: segment_leg(segment_chain(leg.properties("euler-bernoulli"), LENGTH, 3))
@@ -72,23 +72,24 @@ def test_parallelogram_compliance_equals_hand_result(parallelogram):
     solution = solved(system)
     stretch = LENGTH / (STEEL.E * SECTION.area)
     turned, bent = LENGTH**2 / STIFFNESS, LENGTH**3 / (3.0 * STEEL.E * SECTION.second_moment_z)
-    found = compliance(solution)[[0, 1, 5], [0, 1, 5]]
-    assert found == pytest.approx(
+    diagonal = compliance(solution)[[0, 1, 5], [0, 1, 5]]
+    assert diagonal == pytest.approx(
         [turned + bent, 0.5 * stretch, 2.0 * stretch / WIDTH**2], rel=1e-8
     )
     shares = strain_shares(system, solution.displacements(system.tool.T[:, :1]))
     expected = {Portion("j0", "drive"): turned, Portion("rod1", "bending z"): bent}
     for portion, share in shares.items():
         amount = expected.get(portion, 0.0) / (turned + bent)
-        # Rounding of what has no share: 2.4e-13 by five kernels of OpenBLAS.
+        # Rounding error of a share of zero: up to 2.4e-13 with five kernels of OpenBLAS.
         assert share == pytest.approx(amount, rel=1e-8, abs=1e-11), portion
 
 
-def test_rod_on_ball_joints_does_not_spin_in_mode():
-    """Led by a crank on a drive k: ω² = k/(I_crank + (I_across + mL²/4) sin²β), half angle β.
+def test_idle_rod_spin_does_not_enter_mode():
+    """A rod guided by a crank on a drive k: ω² = k/(I_crank + (I_across + mL²/4) sin²β).
 
-    One ball joint is on the crank's axis. A rod that turned with the crank would add its large
-    inertia along itself, times cos²β.
+    One ball joint of the rod lies on the crank's axis, and β is the angle between rod and axis. If
+    the rod's idle spin took part in the mode, its large inertia about its axis, times cos²β, would
+    be added.
     """
     arm, height, stiffness = 0.3, 0.4, 2e4
     crank, mass, across, along = 0.05, 6.0, 0.5, 0.9
@@ -107,33 +108,33 @@ def test_rod_on_ball_joints_does_not_spin_in_mode():
     led = (across + mass * length**2 / 4.0) * (arm / length) ** 2
     speed = np.sqrt(stiffness / (crank + led))
     assert solution.idle == 1
-    found = modes(solution, 1)
-    assert found.frequencies == pytest.approx([speed / (2.0 * np.pi)], rel=1e-9)
-    # The rod is not dragged along: the shape is a mode of the whole, the idle motion included.
-    system, shape = solution.system, found.shapes[:, 0]
+    computed = modes(solution, 1)
+    assert computed.frequencies == pytest.approx([speed / (2.0 * np.pi)], rel=1e-9)
+    # The shape satisfies K φ = ω² M φ with all unknowns, those of the idle spin included.
+    system, shape = solution.system, computed.shapes[:, 0]
     forces, momenta = dense(system.stiffness) @ shape, dense(system.mass) @ shape
     assert shape @ momenta == pytest.approx(1.0, rel=1e-12)
     assert forces == pytest.approx(speed**2 * momenta, abs=1e-6 * abs(forces).max())
 
 
-# Legs and joints have compliances up to 1e-5: a robot softer than this is near a singular posture,
-# and rounding grows as its compliance does.
-SOFTEST_PART = 1e-5
+# Legs and joints have compliances (m/N) up to this one: a softer robot is near a singular posture,
+# and its rounding errors grow in proportion to its compliance.
+LARGEST_PART_COMPLIANCE = 1e-5
 
 
-def give_of(posture, joint, free):
-    """What a joint yields by itself and by its drive (6×6)."""
-    give = np.zeros((6, 6))
+def joint_compliance(posture, joint, free):
+    """Return the 6×6 compliance of a joint and its drive, in base axes."""
+    compliance = np.zeros((6, 6))
     if joint.compliance is not None:
-        since = rotation_since_reference(posture, joint.first.body)
-        give += turn_matrix(joint.compliance, since)
+        rotation = rotation_since_reference(posture, joint.first.body)
+        compliance += turn_matrix(joint.compliance, rotation)
     if joint.drive is not None and joint.drive.stiffness is not None:
-        give += np.outer(free[:, 0], free[:, 0]) / joint.drive.stiffness
-    return give
+        compliance += np.outer(free[:, 0], free[:, 0]) / joint.drive.stiffness
+    return compliance
 
 
-def naive(posture, legs):
-    """Stiffness, mass and tool rows on the null space of everything that is held."""
+def null_space_system(posture, legs):
+    """Return stiffness, mass and tool rows in coordinates of the null space of all conditions."""
     mechanism = posture.mechanism
     bodies = {name: body for name, body in mechanism.bodies.items() if name != GROUND}
     keys = [(name, point) for name, body in bodies.items() for point in body.interfaces]
@@ -141,47 +142,47 @@ def naive(posture, legs):
     size = 6 * len(keys)
     rows = dict(zip(keys, np.eye(size).reshape(-1, 6, size), strict=True))
     stiffness, mass = np.zeros((2, size, size))
-    held = []
+    conditions = []
     for name, body in bodies.items():
         base = posture.frames[name]
-        place = [(base @ frame).position for frame in body.interfaces.values()]
+        points = [(base @ frame).position for frame in body.interfaces.values()]
         root, *others = (rows[name, point] for point in body.interfaces)
-        carried = [shift(point - place[0]) @ root for point in place[1:]]
+        rigid = [shift(point - points[0]) @ root for point in points[1:]]
         if name in legs:
-            relative = others[0] - carried[0]
+            relative = others[0] - rigid[0]
             tip = np.linalg.inv(turn_matrix(legs[name], base.rotation))
             stiffness += relative.T @ tip @ relative
             continue
-        held += [own - moved for own, moved in zip(others, carried, strict=True)]
-        moving = shift((base @ Frame(body.shape.centre)).position - place[0]) @ root
+        conditions += [other - moved for other, moved in zip(others, rigid, strict=True)]
+        moving = shift((base @ Frame(body.shape.centre)).position - points[0]) @ root
         weight = np.diag([body.shape.mass] * 3 + [0.0] * 3)
         weight[3:, 3:] = base.rotation @ body.shape.inertia @ base.rotation.T
         mass += moving.T @ weight @ moving
     for joint in mechanism.joints:
         point, free = interface_position(posture, joint.first), free_twists(posture, joint)
-        # The joint's own deflection, of which the rigid directions are held.
-        own = rows[joint.name]
-        values, vectors = np.linalg.eigh(give_of(posture, joint, free))
+        # The elastic twist of the joint; conditions keep it zero in the rigid directions.
+        deflection = rows[joint.name]
+        values, vectors = np.linalg.eigh(joint_compliance(posture, joint, free))
         soft = values > 1e-12 * values[-1]
-        firm = vectors[:, soft].T @ own
-        held.append(vectors[:, ~soft].T @ own)
-        stiffness += firm.T @ (firm / values[soft, None])
-        apart = -own
+        elastic = vectors[:, soft].T @ deflection
+        conditions.append(vectors[:, ~soft].T @ deflection)
+        stiffness += elastic.T @ (elastic / values[soft, None])
+        relative = -deflection
         for side, sign in ((joint.second, 1.0), (joint.first, -1.0)):
             if side.body != GROUND:
                 arm = shift(point - interface_position(posture, side))
-                apart = apart + sign * arm @ rows[side.body, side.point]
+                relative = relative + sign * arm @ rows[side.body, side.point]
         passive = free if joint.drive is None else free[:, 1:]
         across = np.linalg.qr(passive, mode="complete")[0][:, passive.shape[1] :]
-        held.append(across.T @ apart)
+        conditions.append(across.T @ relative)
     tool = rows[mechanism.tool.body, mechanism.tool.point]
     mass += mechanism.tool.mass * tool[:3].T @ tool[:3]
-    _, values, right = np.linalg.svd(np.vstack(held))
+    _, values, right = np.linalg.svd(np.vstack(conditions))
     free = right[int(np.sum(values > 1e-10)) :].T
     return free.T @ stiffness @ free, free.T @ mass @ free, tool @ free
 
 
-# Universal joints that give, away from the reference posture, come up from the fifteenth on.
+# Elastic universal joints away from the reference posture occur from seed 15 on.
 @pytest.mark.parametrize(
     ("seed", "planar"), [*((n, False) for n in range(27)), *((n, True) for n in range(8))]
 )
@@ -189,7 +190,7 @@ def test_results_equal_null_space_solution(seed, planar):
     posture = random_posture(seed, planar=planar)
     legs = tip_compliances(posture.mechanism)
     system = assemble(posture, links(posture.mechanism, legs))
-    stiffness, mass, tool = naive(posture, legs)
+    stiffness, mass, tool = null_space_system(posture, legs)
     values, vectors = np.linalg.eigh(stiffness)
     firm = values > 1e-11 * values.max(initial=1.0)
     idle_motions = vectors[:, ~firm]
@@ -200,16 +201,16 @@ def test_results_equal_null_space_solution(seed, planar):
     root = vectors[:, firm] / np.sqrt(values[firm])
     flexibility = tool @ root @ root.T @ tool.T
     size = np.abs(flexibility).max()
-    grown = max(1.0, size / SOFTEST_PART)
+    grown = max(1.0, size / LARGEST_PART_COMPLIANCE)
     solution = solved(system)
-    # 1e-20: a tool that rigid joints alone hold.
+    # 1e-20: the compliance of a tool that is held by rigid joints only.
     assert np.abs(compliance(solution) - flexibility).max() <= 1e-8 * grown * size + 1e-20
     assert solution.idle == np.sum(~firm)
-    # Eqs (3) to (9) share nothing with the assembler; where a chain is rigid they have no answer.
+    # Eqs (3) to (9) are independent of the assembler; they have no solution if a chain is rigid.
     with suppress(ComputationError):
         by_chains = serial_chains.compliance(posture, legs)
         assert np.abs(by_chains - flexibility).max() <= 1e-7 * grown * size + 1e-20
-    # Idle motions run free: what is left is orthogonal to those of them in the mass that have one.
+    # Idle motions are free: modes are orthogonal, in the mass matrix, to those that have a mass.
     free_mass, turned = np.linalg.eigh(idle_motions.T @ mass @ idle_motions)
     heavy = free_mass > 1e-11 * mass.max(initial=0.0)
     drag = mass @ idle_motions @ (turned[:, heavy] / np.sqrt(free_mass[heavy]))
@@ -227,23 +228,25 @@ def postures_of(name):
 
 @pytest.mark.parametrize(("name", "elements"), [("ifw", 60), ("five-bar", 4), ("delta", 60)])
 def test_sweep_equals_single_postures(name, elements):
-    """Reduced bodies, bodies as they stand, and a Delta whose rods spin idly."""
-    at, options = postures_of(name), ModelOptions(elements=elements)
-    prepared = assembly(at[0].mechanism, dynamic_bodies("beam", at[0].mechanism, 500.0, options))
-    found, statics = swept(prepared, at, 8), swept(prepared, at, 0)
-    assert statics.frequencies.shape == (len(at), 0)
-    assert np.abs(statics.compliances - found.compliances).max() <= 1e-12 * found.compliances.max()
-    for number, one in enumerate(at):
-        solution = solved(prepared.at(one))
+    """The biglide, a robot of unreduced bodies, and a Delta robot whose rods spin idly."""
+    postures, options = postures_of(name), ModelOptions(elements=elements)
+    mechanism = postures[0].mechanism
+    prepared = assembly(mechanism, dynamic_bodies("beam", mechanism, 500.0, options))
+    sweep, statics = swept(prepared, postures, 8), swept(prepared, postures, 0)
+    assert statics.frequencies.shape == (len(postures), 0)
+    assert np.abs(statics.compliances - sweep.compliances).max() <= 1e-12 * sweep.compliances.max()
+    for number, at_posture in enumerate(postures):
+        solution = solved(prepared.at(at_posture))
         expected = compliance(solution)
         size = np.abs(expected).max()
-        assert np.abs(found.compliances[number] - expected).max() <= 1e-12 * size
-        assert found.frequencies[number] == pytest.approx(modes(solution, 8).frequencies, rel=1e-11)
-        assert found.idle[number] == solution.idle
+        assert np.abs(sweep.compliances[number] - expected).max() <= 1e-12 * size
+        assert sweep.frequencies[number] == pytest.approx(modes(solution, 8).frequencies, rel=1e-11)
+        assert sweep.idle[number] == solution.idle
 
 
-def test_too_few_modes_name_posture():
-    at = postures_of("five-bar")
-    prepared = assembly(at[0].mechanism, static_bodies("links", at[0].mechanism))
+def test_too_few_modes_reports_posture():
+    postures = postures_of("five-bar")
+    mechanism = postures[0].mechanism
+    prepared = assembly(mechanism, static_bodies("links", mechanism))
     with pytest.raises(ComputationError, match=r"at x = .* 4 modes asked for, but fewer have mass"):
-        swept(prepared, at, 4)
+        swept(prepared, postures, 4)

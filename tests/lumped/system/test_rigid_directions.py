@@ -1,4 +1,4 @@
-"""Joints that are elastic in some directions alone, in loops of rigid bodies under a load."""
+"""Buckling of bodies on joints that are elastic in some directions and rigid in the others."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from lumped.system.prestress import geometric_stiffness
 from lumped.system.solution import solved
 from lumped.system.stability import stability
 
-# A rigid bar on two seats that tilt softly, pressed onto the first; forces of both are in balance.
+# A rigid bar on two elastic seats A and B, pressed along its axis onto seat A by a force at P.
 BAR = """
 schema = 2
 name = "bar"
@@ -38,14 +38,14 @@ wrench = [-1.0e3, 0.0, 0.0, 0.0, 0.0, 0.0]
 
 def factor(axial):
     mechanism = described(BAR.replace("AXIAL", str(axial)))
-    place = reference_posture(mechanism)
-    solution = solved(assemble(place, {}))
-    loads = loading(place, mechanism.loads[0], {})
+    at_reference = reference_posture(mechanism)
+    solution = solved(assemble(at_reference, {}))
+    loads = loading(at_reference, mechanism.loads[0], {})
     return stability(solution, geometric_stiffness(solution, loads, {}), loads).factor
 
 
-def test_buckling_with_rigid_direction_is_the_limit():
-    """The rigid seat takes the whole force; a seat k times stiffer all but a share of 1/k."""
+def test_rigid_seat_buckling_is_stiffness_limit():
+    """A rigid seat takes the whole force; a seat k times as stiff as the other leaves it 1/k."""
     rigid = factor('"rigid"')
     kilo, mega = (factor(stiffness) for stiffness in (1e9, 1e12))
     assert kilo != pytest.approx(rigid, rel=1e-5)
@@ -53,11 +53,12 @@ def test_buckling_with_rigid_direction_is_the_limit():
     assert mega == pytest.approx(rigid, rel=1e-5)
 
 
-def test_buckling_of_pressed_bar_equals_hand():
-    """Bar on springs across k at A, K at B, tilting c at each, pressed by P at P onto the foot A.
+def test_pressed_bar_buckling_equals_hand_result():
+    """Bar on springs across, k at A and K at B, and tilting springs c at each, pressed by F onto A.
 
-    With the deflections v of A and w of B, θ = w − v: energy ½ (k v² + K w² + 2c θ²) − P times the
-    shortening ½ θ² of the length from the foot to the load, which the seat at A takes on its own.
+    With the deflections v of A and w of B at 1 m distance, θ = w − v: the energy is ½ (k v² + K w²
+    + 2c θ²) − F ½ θ² L, where L = 1.5 m is the length from A, which takes the whole force, to the
+    load at P.
     """
     k, K, tilting, length = 2.0e5, 5.0e5, 6.0e4, 1.5
     elastic = np.array([[k + tilting, -tilting], [-tilting, K + tilting]])
