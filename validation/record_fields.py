@@ -25,7 +25,7 @@ class Column(NamedTuple):
     percent: bool = False
 
 
-class Key(NamedTuple):
+class JsonKey(NamedTuple):
     """Annotation of a field that is a key of JSON objects in `document`.
 
     The key is the name of the field if `name` is "".
@@ -37,7 +37,7 @@ class Key(NamedTuple):
 
 COLUMN = Column()
 # Keys of results.json, and of the list of cases.
-RESULTS, LISTING = Key("results.json"), Key("cases --json")
+RESULTS, LISTING = JsonKey("results.json"), JsonKey("cases --json")
 
 
 def columns_of(record: type) -> dict[str, Column]:
@@ -52,7 +52,7 @@ def json_object(record: Any, document: Document) -> dict[str, Any]:
     """Values of a record's fields by their keys in `document`."""
     return {
         key.name or name: getattr(record, name)
-        for name, key in _marked(record.__class__, Key)
+        for name, key in _marked(record.__class__, JsonKey)
         if key.document == document
     }
 

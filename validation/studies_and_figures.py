@@ -13,7 +13,7 @@ from typing import Annotated, Any, TypeAlias
 import msgspec
 
 from validation.context import Context, ScheduledTask
-from validation.record_fields import RESULTS, Key, json_object
+from validation.record_fields import RESULTS, JsonKey, json_object
 
 # Headings of the report's sections, used by cases and figures.
 AGREEMENT = "All formulations on the same legs"
@@ -68,13 +68,13 @@ class Study:
     x: Annotated[tuple[float, ...], RESULTS]
     series: Annotated[Mapping[str, tuple[float, ...]], RESULTS]
     formal_order: Annotated[float | None, RESULTS] = None
-    orders: Annotated[Mapping[str, float], Key("results.json", "order")] = field(
+    orders: Annotated[Mapping[str, float], JsonKey("results.json", "order")] = field(
         default_factory=dict
     )
-    uncertainties: Annotated[Mapping[str, float], Key("results.json", "uncertainty")] = field(
+    uncertainties: Annotated[Mapping[str, float], JsonKey("results.json", "uncertainty")] = field(
         default_factory=dict
     )
-    limits: Annotated[Mapping[str, float], Key("results.json", "limit")] = field(
+    limits: Annotated[Mapping[str, float], JsonKey("results.json", "limit")] = field(
         default_factory=dict
     )
     notes: Annotated[tuple[str, ...], RESULTS] = ()

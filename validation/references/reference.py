@@ -70,7 +70,7 @@ TIMOSHENKO = Remedy("include shear deformation: --theory timoshenko", "--theory"
 
 
 @dataclass(frozen=True, eq=False)
-class HalfWidths:
+class SourceHalfWidths:
     """Half-widths (95 %) of a reference's numbers due to one source, relative to these numbers.
 
     `displacements` (P×(7+L)): of the displacement behind each static quantity, in the columns of
@@ -94,7 +94,7 @@ class HalfWidths:
 
 
 # Half-widths by source of uncertainty. Their sum is the half-width of the reference.
-Budget: TypeAlias = Mapping[Source, HalfWidths]
+Budget: TypeAlias = Mapping[Source, SourceHalfWidths]
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,7 +42,7 @@ from validation.references.mesh_uncertainty import (
 from validation.references.mode_samples import samples_of
 from validation.references.model_ladder import SOLID
 from validation.references.modes_on_path import vibration_of
-from validation.references.reference import Budget, HalfWidths, Source
+from validation.references.reference import Budget, Source, SourceHalfWidths
 from validation.references.reference_parts import assembled
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Reading, RobotOnPath
@@ -71,7 +71,7 @@ class SourceRow:
 
     source: Source
     applies: Callable[[RobotOnPath], bool]
-    half_widths: Callable[[Responses, Reading], HalfWidths]
+    half_widths: Callable[[Responses, Reading], SourceHalfWidths]
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Perturbations:
     readings: Callable[[RobotOnPath, Reading], Perturbed]
     combiner: Combiner
 
-    def __call__(self, responses: Responses, reading: Reading) -> HalfWidths:
+    def __call__(self, responses: Responses, reading: Reading) -> SourceHalfWidths:
         """Half-widths under a reading, relative to the model's unperturbed displacements."""
         unperturbed = responses.required_statics(self.model, reading)
         changes = [
@@ -94,7 +94,9 @@ class Perturbations:
             * _flattened_statics(responses.required_statics(self.model, perturbed) - unperturbed)
             for factor, perturbed in self.readings(responses.robot, reading)
         ]
-        return HalfWidths(combined(np.array(changes), partial(_sizes, unperturbed), self.combiner))
+        return SourceHalfWidths(
+            combined(np.array(changes), partial(_sizes, unperturbed), self.combiner)
+        )
 
 
 def budget(rows: Sequence[SourceRow], responses: Responses, reading: Reading) -> Budget:
@@ -171,7 +173,7 @@ STATIC_DIGITS = Perturbations(
 _MASSES = Perturbations(SOLID, _plausible_mass_readings, Combiner.HULL)
 
 
-def _linearity(responses: Responses, _: Reading) -> HalfWidths:
+def _linearity(responses: Responses, _: Reading) -> SourceHalfWidths:
     """Half-widths due to the stiffness change under load (P×(7+L)). Zero if it is negligible.
 
     1, which is all of the displacement, if the robot has buckled or its stability cannot be
@@ -195,7 +197,7 @@ def _linearity(responses: Responses, _: Reading) -> HalfWidths:
         )
         half_widths = np.nan_to_num(extra, nan=1.0)
     half_widths[half_widths < _LINEAR] = 0.0
-    return HalfWidths(np.pad(half_widths, ((0, 0), (len(UNIT_LOADS), 0))))
+    return SourceHalfWidths(np.pad(half_widths, ((0, 0), (len(UNIT_LOADS), 0))))
 
 
 def modes_by_digits(
@@ -261,17 +263,17 @@ def _energies(matrix: Array | SparseMatrix, shapes: Array) -> Array:
     return np.asarray(np.sum(shapes * (matrix @ shapes), axis=0))
 
 
-def _displacement_meshes(responses: Responses, reading: Reading) -> HalfWidths:
-    return HalfWidths(displacement_half_widths(responses, reading))
+def _displacement_meshes(responses: Responses, reading: Reading) -> SourceHalfWidths:
+    return SourceHalfWidths(displacement_half_widths(responses, reading))
 
 
-def _modal_meshes(responses: Responses, reading: Reading) -> HalfWidths:
+def _modal_meshes(responses: Responses, reading: Reading) -> SourceHalfWidths:
     """Half-widths of frequencies and harmonic responses due to meshes."""
     frequencies = frequency_half_widths(responses, reading)
     excitations = responses.robot.mechanism.excitations
     if not excitations:
-        return HalfWidths(frequencies=frequencies)
-    return HalfWidths(
+        return SourceHalfWidths(frequencies=frequencies)
+    return SourceHalfWidths(
         frequencies=frequencies,
         peaks=response_half_widths(responses, reading, _peaks),
         receptances=[
@@ -281,14 +283,14 @@ def _modal_meshes(responses: Responses, reading: Reading) -> HalfWidths:
     )
 
 
-def _modal_digits(responses: Responses, reading: Reading) -> HalfWidths:
+def _modal_digits(responses: Responses, reading: Reading) -> SourceHalfWidths:
     """Half-widths of frequencies and harmonic responses due to printed digits."""
     robot, fine = responses.robot, responses.required_modes(SOLID, reading)
     digits = _frequency_digit_half_widths(robot, fine, reading.masses)
     if not robot.mechanism.excitations:
-        return HalfWidths(frequencies=digits)
+        return SourceHalfWidths(frequencies=digits)
     peaks, receptances = _response_digit_half_widths(robot, fine, digits)
-    return HalfWidths(frequencies=digits, peaks=peaks, receptances=receptances)
+    return SourceHalfWidths(frequencies=digits, peaks=peaks, receptances=receptances)
 
 
 def _peaks(modes: PathModes) -> Array:

@@ -8,11 +8,11 @@ import numpy as np
 from toy_responses import model, model_by_reading, reading
 
 from validation.references.reference import (
-    HalfWidths,
     Interpretation,
     Reference,
     Remedy,
     Source,
+    SourceHalfWidths,
     Step,
     Subject,
 )
@@ -80,7 +80,7 @@ def subject(seed):
             own = near(rng, truth[0], 0.01), PathModes(frequencies * off, basis, WEIGHTS, seen)
         unsure = 0.02 * rng.random((POSES, 7)), 0.01 * rng.random(frequencies.shape)
         budget = {
-            source: HalfWidths(*(share * one for one in unsure))
+            source: SourceHalfWidths(*(share * one for one in unsure))
             for source, share in ((Source.MESHES, 0.7), (Source.DIGITS, 0.3))
         }
         truths.append(own)

@@ -1,6 +1,6 @@
 """Models with made-up responses, and references with made-up responses by interpretation."""
 
-from validation.references.reference import HalfWidths, Interpretation, Reference, Source
+from validation.references.reference import Interpretation, Reference, Source, SourceHalfWidths
 from validation.references.responses import Model
 from validation.references.robot_on_path import Reading
 from validation.responses.statics_and_modes import Statics
@@ -25,7 +25,7 @@ def model_by_reading(name, statics=None, modes=None):
 
 def meshes(**half_widths):
     """Budget of meshes alone."""
-    return {Source.MESHES: HalfWidths(**half_widths)}
+    return {Source.MESHES: SourceHalfWidths(**half_widths)}
 
 
 def reference(title, halves, budgets=None, insides=(), **more):
