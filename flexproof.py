@@ -14,6 +14,7 @@ from validation.api import (
     cross_validate,
     draw,
     export,
+    forces,
     identify,
     identify_free,
     load,
@@ -24,6 +25,7 @@ from validation.api import (
 )
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.cross_validation import CrossValidation
+from validation.forces.record import Forces
 from validation.maps.figure import WorkspaceMaps
 from validation.parts.free_modes import FreePart
 from validation.parts.identify import Identified
@@ -39,6 +41,7 @@ __all__ = [
     "ConvergenceStudy",
     "CrossValidation",
     "Designs",
+    "Forces",
     "FreePart",
     "Identified",
     "InputError",
@@ -53,6 +56,7 @@ __all__ = [
     "cross_validate",
     "draw",
     "export",
+    "forces",
     "identify",
     "identify_free",
     "load",

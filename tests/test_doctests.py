@@ -12,7 +12,7 @@ from validation import api
 
 ROOT = Path(__file__).resolve().parents[1]
 FUNCTIONS = [name for name in fp.__all__ if inspect.isfunction(getattr(fp, name))]
-QUICK = {"compare_measured", "converge", "load", "solve"}
+QUICK = {"compare_measured", "converge", "forces", "load", "solve"}
 ERRORS = (fp.InputError, fp.ComputationError)
 RESULTS = [n for n in fp.__all__ if inspect.isclass(vars(fp)[n]) and vars(fp)[n] not in ERRORS]
 # Members that other modules of the project call; the API reference leaves them out.
@@ -21,6 +21,7 @@ INTERNAL = {
         *("chart", "column", "panel", "picture", "record", "short_summary", "stated_count"),
         *("studies", "title"),
     },
+    "Forces": {"chart"},
     "WorkspaceMaps": {"chart"},
 }
 PARSER = doctest.DocTestParser()

@@ -47,6 +47,8 @@ from validation.console.typed import MOST_PROCESSES, LengthUnit
 from validation.context import Context, Preset
 from validation.cross_validation import CrossValidation, cross_validation
 from validation.export.command import Kind, write_export
+from validation.forces.analysis import forces as computed_forces
+from validation.forces.record import Forces
 from validation.kinematics.poses import parsed_poses, postures_of, postures_on_path
 from validation.maps.figure import WorkspaceMaps, workspace_maps
 from validation.maps.workspace import directions
@@ -169,21 +171,65 @@ def solve(
     >>> print(f"{answer.frequencies[0]:.1f} Hz, {1e9 * answer.compliance[2, 2]:.1f} µm/kN")
     112.4 Hz, 23.4 µm/kN
     """
-    types = get_type_hints(ModelOptions)
     fixed_options, free = split_ends(model, options)
-    if faults := [
-        fault
-        for name, value in fixed_options.items()
-        if name in types
-        for fault in faults_of(name, value, types[name])
-    ]:
-        raise InputError(faults)
+    fixed_options = _model_options(fixed_options)
     with _arguments_named():
         typed = _typed(poses)
         question = Question(
             _loaded(robot), model, fixed_options, modes, poses=typed, leg=leg, body=body, free=free
         )
         return answered(question)
+
+
+@checked
+def forces(
+    robot: Robot,
+    model: ModelName = "beam",
+    *,
+    poses: Sequence[float | Sequence[float]] = (),
+    path: bool = False,
+    loads: Sequence[str] = (),
+    **options: Any,
+) -> Forces:
+    """Reactions of joints, forces of drives, member forces and stresses under the robot's loads.
+
+    Parameters
+    ----------
+    robot
+        As of `load`, or its result, with ``[[loads]]``.
+    model
+        As of `solve`.
+    poses
+        As of `solve`.
+    path
+        True for all poses of the path.
+    loads
+        Names of loads. All of them if empty.
+    **options
+        Options of the model, as of ``flexproof forces``.
+
+    Returns
+    -------
+    Forces
+        Forces (N, N m) and stresses (Pa) with half-widths, for each pose and load.
+
+    Raises
+    ------
+    InputError
+        With a line for each wrong argument.
+    ComputationError
+        If the model cannot be solved.
+
+    Examples
+    --------
+    >>> weight = {"name": "weight", "gravity": [0.0, 0.0, -9.81]}
+    >>> clamp = forces({**bar, "loads": [weight]}).poses[0].loads["weight"].reactions[0]
+    >>> print(f"{clamp.wrench[2]:.3f} N, {clamp.wrench[4]:.3f} N m")
+    9.241 N, -1.386 N m
+    """
+    with _arguments_named():
+        question = Question(_loaded(robot), model, _model_options(options), poses=_typed(poses))
+        return computed_forces(question, loads, on_path=path)
 
 
 @checked
@@ -953,7 +999,7 @@ def export(
 
 _OPTION = re.compile(r"(?<!\S)--([a-z]+)")
 # Arguments that are called otherwise than the options of the command line.
-_ARGUMENTS = {"pose": "poses", "x": "poses"}
+_ARGUMENTS = {"pose": "poses", "x": "poses", "load": "loads"}
 
 
 @contextmanager
@@ -967,6 +1013,19 @@ def _arguments_named() -> Iterator[None]:
         yield
     except InputError as error:
         raise InputError([_OPTION.sub(argument, fault) for fault in error.faults]) from error
+
+
+def _model_options(options: dict[str, Any]) -> dict[str, Any]:
+    """The options. Raises InputError with the faults of those of the wrong type."""
+    types = get_type_hints(ModelOptions)
+    if faults := [
+        fault
+        for name, value in options.items()
+        if name in types
+        for fault in faults_of(name, value, types[name])
+    ]:
+        raise InputError(faults)
+    return options
 
 
 def _typed(poses: Sequence[float | Sequence[float]]) -> tuple[str, ...]:

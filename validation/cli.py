@@ -43,6 +43,7 @@ from validation.console.typed import (
     require_writable,
 )
 from validation.export.command import export as export_model
+from validation.forces import command as forces_command
 from validation.kinematics import commands as kinematics
 from validation.selftest.command import selftest
 from validation.solve import part_commands as commands
@@ -60,6 +61,7 @@ app.command(docs)
 app.command(extras)
 app.command(commands.faces)
 app.command(kinematics.kinematics)
+app.command(forces_command.forces)
 app.command(export_model)
 app.command(commands.identify)
 app.command(selftest)

@@ -39,9 +39,9 @@ def member_forces(
 ) -> MemberForces:
     """Forces in the sections of a leg.
 
-    Stations include the zeros of both shear forces, at which bending moments are largest. If the
-    mass of the model is not that of the line loads, the difference is spread linearly along the leg
-    and added to the half-width.
+    Stations include the ends of line loads and the zeros of both shear forces, at which bending
+    moments are largest. If the mass of the model is not that of the line loads, the difference is
+    spread linearly along the leg and added to the half-width.
     """
     root, tip = posture.mechanism.bodies[name].interfaces
     length = float(posture.mechanism.bodies[name].interfaces[tip].position[0])
@@ -49,9 +49,10 @@ def member_forces(
     if name in forces.bodies and (inertia := forces.bodies[name].inertia).any():
         loads.append(linear_load(-inertia[:6], -inertia[6:], length))
     at_root, at_tip = (_end_wrench(posture, name, point, forces, load) for point in (root, tip))
-    stations = np.linspace(0.0, length, _STATIONS)
+    ends_of_loads = [station for along in loads for station in (along.start, along.stop)]
+    stations = _distinct(np.union1d(np.linspace(0.0, length, _STATIONS), ends_of_loads))
     coarse = section_forces(at_root[:, 0], loads, stations)
-    stations = np.union1d(stations, list(_zeros(stations, coarse[:, 1:3])))
+    stations = _distinct(np.union1d(stations, list(_zeros(stations, coarse[:, 1:3]))))
     values = section_forces(at_root[:, 0], loads, stations)
     missing = at_tip[:, 0] - values[-1]
     values += missing * (stations / length)[:, None]
@@ -85,6 +86,12 @@ def _end_wrench(
         if (applied.body, applied.point) == (name, point):
             total[:, 0] += shift(applied.position - position).T @ applied.wrench
     return np.asarray(turn(posture.frames[name].rotation).T @ total)
+
+
+def _distinct(stations: Array) -> Array:
+    """Ascending stations without those that differ from the one before by round-off alone."""
+    apart = np.diff(stations) > _ROUNDING * stations[-1]
+    return np.asarray(stations[np.concatenate([[True], apart])])
 
 
 def _zeros(stations: Array, shear: Array) -> Iterator[float]:

@@ -13,6 +13,7 @@ self-balanced wrenches can be added, for example by assembling the loop with cle
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from scipy.linalg import null_space
@@ -86,13 +87,14 @@ class Reaction:
 
     Components are NaN if statics does not determine them. `half_width` (6) is that of its numerical
     uncertainty. `drive` (N or N m) is the force of the motor along the joint's first free twist,
-    the inertia of its rotor included. None if the joint has no drive.
+    the inertia of its rotor included. None if the joint has no drive. `drive_unit` is its unit.
     """
 
     joint: str
     wrench: Array
     half_width: Array
     drive: float | None
+    drive_unit: Literal["N", "N m"] = "N"
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,6 +143,7 @@ def reaction(posture: Posture, transmitted: JointWrench, load: Loading) -> React
         np.where(open_components, np.nan, to_axes @ transmitted.wrench),
         transmitted.rounding / unit,
         drive,
+        "N m" if joint.kind == "revolute" else "N",
     )
 
 

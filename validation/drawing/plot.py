@@ -246,7 +246,11 @@ def _lay_out(picture: Canvas) -> None:
     FigureCanvasAgg(picture)
     # The figure is enlarged by the legend's height after the layout, because laying out part of a
     # figure would measure all texts twice.
+    before = _ticks(picture)
     picture.tight_layout(pad=0.4)
+    if _ticks(picture) != before:
+        # Axes of another height have other ticks, whose labels may be longer.
+        picture.tight_layout(pad=0.4)
     handles: dict[str, Any] = {}
     for axes in picture.axes:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
@@ -265,6 +269,10 @@ def _lay_out(picture: Canvas) -> None:
     picture.set_figheight(axes_height + extent.height / picture.dpi)
     share, margins = axes_height / picture.get_figheight(), picture.subplotpars
     picture.subplots_adjust(bottom=share * margins.bottom, top=share * margins.top)
+
+
+def _ticks(picture: Canvas) -> list[tuple[float, ...]]:
+    return [tuple(axes.get_yticks()) for axes in picture.axes]
 
 
 def _columns(labels: Sequence[str]) -> int:

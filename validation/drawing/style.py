@@ -116,6 +116,13 @@ OTHERS: tuple[Look, ...] = (
     Look(ORANGE, "v"),
     Look(SKY, "P", "--"),
     Look(BLACK, "x", "-."),
+    Look("#666666", "D", "--"),
+    Look(BROWN, "o", ":"),
+    Look(BLUE, "^", ":"),
+    Look(VERMILLION, "x"),
+    Look(GREEN, "s"),
+    Look(PURPLE, "v", "-."),
+    Look(ORANGE, "D", "-."),
 )
 
 

@@ -164,13 +164,15 @@ class Answer:
 
     `idle`: number of mobilities that do not move the tool. `loads`: displacements of the tool (6, m
     and rad, base axes) under each load of the file, NaN without a solution. `stability`: buckling
-    under these loads, None without a solution. `responses`: receptances of the tool. `damped`:
-    frequencies (Hz) and loss factors of the complex modes, None without damping. `strain`: shares
-    of drives, joints and bodies in each mode's strain energy. `paired`: partners of the modes in
-    another model, None unless requested. `uncertainty`: half-widths due to the mesh of prisms, None
-    without such a mesh. `of_parts`: half-widths due to CAD parts. `of_digits`: bounds due to the
-    printed digits of the 6×6 in the robot file, to first order. `rigid`: for a free body, the
-    number of rigid-body motions, which are not among `frequencies`; its compliance is empty.
+    under these loads, None without a solution. `reactions`: wrenches of joints (6, N and N m, joint
+    axes) by load and joint, NaN if statics does not determine them. `responses`: receptances of the
+    tool. `damped`: frequencies (Hz) and loss factors of the complex modes, None without damping.
+    `strain`: shares of drives, joints and bodies in each mode's strain energy. `paired`: partners
+    of the modes in another model, None unless requested. `uncertainty`: half-widths due to the mesh
+    of prisms, None without such a mesh. `of_parts`: half-widths due to CAD parts. `of_digits`:
+    bounds due to the printed digits of the 6×6 in the robot file, to first order. `rigid`: for a
+    free body, the number of rigid-body motions, which are not among `frequencies`; its compliance
+    is empty.
     """
 
     place: Place
@@ -181,6 +183,7 @@ class Answer:
     responses: Sequence[HarmonicResponse] = ()
     damped: tuple[Array, Array] | None = None
     stability: Mapping[str, Stability | None] = field(default_factory=dict)
+    reactions: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
     uncertainty: MeshUncertainty | None = None
     of_parts: PartUncertainty | None = None
     of_digits: HalfWidths | None = None

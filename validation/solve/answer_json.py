@@ -69,12 +69,14 @@ class BucklingRecord(msgspec.Struct, frozen=True):
 
 
 class LoadRecord(msgspec.Struct, frozen=True):
-    """Displacement under a load, None without a solution, and `Stability` near it.
+    """Displacement under a load, None without a solution, reactions, and `Stability` near it.
 
-    A buckled mechanism has no stiffness: what depends on it is None.
+    `reactions` (6, N and N m, joint axes) by joint; None for a number that statics leaves open. A
+    buckled mechanism has no stiffness: what depends on it is None.
     """
 
     displacement: Array | None
+    reactions: Mapping[str, tuple[float | None, ...]] | UnsetType = UNSET
     buckling: BucklingRecord | UnsetType = UNSET
     stiffness_lost: Array | UnsetType | None = UNSET
     farther: float | UnsetType | None = UNSET
@@ -169,7 +171,9 @@ def answer_record(answer: Answer) -> AnswerRecord:
         idle=answer.idle,
         rigid=answer.rigid,
         loads={
-            name: _load_record(displacement, answer.stability.get(name))
+            name: _load_record(
+                displacement, answer.reactions.get(name, {}), answer.stability.get(name)
+            )
             for name, displacement in answer.loads.items()
         },
         damped=DampedRecord(*answer.damped) if answer.damped else None,
@@ -213,12 +217,18 @@ def _part_record(parts: PartUncertainty) -> PartRecord:
     )
 
 
-def _load_record(displacement: Array, stability: Stability | None) -> LoadRecord:
+def _load_record(
+    displacement: Array, wrenches: Mapping[str, Array], stability: Stability | None
+) -> LoadRecord:
+    reactions = {
+        joint: tuple(map(_finite, wrench.tolist())) for joint, wrench in wrenches.items()
+    } or UNSET
     if stability is None:
-        return LoadRecord(_known(displacement))
+        return LoadRecord(_known(displacement), reactions)
     losses = _known(stability.stiffness_losses)
     return LoadRecord(
         displacement=_known(displacement),
+        reactions=reactions,
         buckling=BucklingRecord(
             stability.factor,
             stability.reversed,

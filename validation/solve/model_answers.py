@@ -20,6 +20,7 @@ from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import RIGID_MOTIONS, leg_of
 from validation.models.leg_models import free_leg_frequencies, leg_compliance, leg_frequencies
 from validation.models.loads.displacements import displacements
+from validation.models.loads.forces import load_forces
 from validation.models.loads.stability import stabilities
 from validation.models.reduced_parts import free_body_part, with_finer_parts
 from validation.models.robot_models import (
@@ -214,14 +215,20 @@ def _answers(
         stability_by_posture = stabilities(
             model, postures, options, count if model == "beam" else 0
         )
+        forces_by_posture = load_forces(model, postures, options)
         solved = [
             replace(
                 answer,
                 loads=dict(zip(names, displacement, strict=True)),
                 stability=dict(zip(names, near, strict=True)),
+                reactions={
+                    name: {one.joint: one.wrench for one in found.reactions}
+                    for name, found in zip(names, forces, strict=True)
+                    if found is not None
+                },
             )
-            for answer, displacement, near in zip(
-                solved, displaced, stability_by_posture, strict=True
+            for answer, displacement, near, forces in zip(
+                solved, displaced, stability_by_posture, forces_by_posture, strict=True
             )
         ]
     if question.against:

@@ -72,12 +72,7 @@ def with_uncertainty(
         loads = dict.fromkeys(answers[0].loads, np.full(6, inf))
         unknown = MeshUncertainty(np.full(6, inf), frequencies, divisions, loads=loads)
         return [replace(answer, uncertainty=unknown) for answer in answers]
-    present = options.divisions
-    solid = [equivalent_leg(leg, options.equivalent) for leg in legs]
-    order = min(formal_order(leg, options.ends) for leg in solid)
-    along = max(present, divisions) / min(present, divisions)
-    ratio = min(cbrt(along * _ratio(leg.section, present, divisions) ** 2) for leg in solid)
-    policy = MeshPolicy.of_order(ratio if present > divisions else 1.0 / ratio, order)
+    policy = mesh_policy(options, legs, divisions)
 
     def half_widths(first: Array, second: Array) -> Array:
         return mesh_half_widths([np.abs(first - second)], policy)
@@ -95,6 +90,16 @@ def with_uncertainty(
         )
         results.append(replace(answer, uncertainty=uncertainty))
     return results
+
+
+def mesh_policy(options: ModelOptions, legs: Sequence[Leg], divisions: int) -> MeshPolicy:
+    """Rule for half-widths on the mesh of `options` from the change to one of other `divisions`."""
+    present = options.divisions
+    solid = [equivalent_leg(leg, options.equivalent) for leg in legs]
+    order = min(formal_order(leg, options.ends) for leg in solid)
+    along = max(present, divisions) / min(present, divisions)
+    ratio = min(cbrt(along * _ratio(leg.section, present, divisions) ** 2) for leg in solid)
+    return MeshPolicy.of_order(ratio if present > divisions else 1.0 / ratio, order)
 
 
 def extrapolated(

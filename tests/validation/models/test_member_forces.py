@@ -103,3 +103,17 @@ def test_open_loop_forces_leave_the_others_determined():
         )
         assert np.isnan(member.forces[:, [2, 3, 4]]).any()
         assert not np.isnan(elastic[name].forces).any()
+
+
+def test_line_load_on_part_of_leg_bends_it_as_by_hand():
+    """p on the middle half of a cantilever: Q and My of its resultant beyond each section."""
+    line = 'lines = [{ leg = "bar", from = 0.5, to = 1.5, wrench = [0, 0, -300.0, 0, 0, 0] }]'
+    text = CANTILEVER + f'[[loads]]\nname = "wind"\n{line}\n'
+    ((forces,),) = load_forces("beam", [reference_posture(described(text))])
+    (bar,) = forces.members
+    x = bar.stations
+    inside = np.clip(1.5 - x, 0.0, 1.0)
+    np.testing.assert_allclose(bar.forces[:, 2], -300.0 * inside, atol=1e-7)
+    lever = np.where(x < 0.5, 1.0 - x, inside / 2.0)
+    np.testing.assert_allclose(bar.forces[:, 4], 300.0 * inside * lever, atol=1e-7)
+    assert {0.5, 1.5} <= set(np.round(x, 9).tolist())

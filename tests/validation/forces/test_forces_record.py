@@ -1,0 +1,180 @@
+"""`flexproof forces` and its record: stresses by hand, half-widths, and every way out."""
+
+import csv
+import json
+import tomllib
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from frames_by_hand import BEAM, CANTILEVER, B, H, L, Q
+
+import flexproof as fp
+from lumped.sections import rectangle_torsion_constant
+
+LOADS = """
+[[loads]]
+name = "push"
+wrench = [0.0, 0.0, -1000.0, 50.0, 0.0, 0.0]
+[[loads]]
+name = "weight"
+gravity = [0.0, 0.0, -9.81]
+"""
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    """A cantilever with two loads as a file."""
+    path = tmp_path / "cantilever.toml"
+    path.write_text(CANTILEVER + LOADS, encoding="utf-8")
+    return path
+
+
+def test_stress_of_cantilever_is_bending_and_torsion_by_hand(loaded):
+    """σ = 6PL/bh² at the corner; τ of T in the middle of the long side; σ_v is at least σ."""
+    (pose,) = fp.forces(loaded, "links").poses
+    stress = pose.loads["push"].stresses["bar"]
+    bending = 6.0 * 1000.0 * L / (B * H**2)
+    assert stress.station == 0.0
+    assert abs(stress.point[1]) == pytest.approx(H / 2.0)
+    assert stress.largest >= bending
+    # Torsion and shear vanish at corners and grow along the side: little of either at the top.
+    assert stress.largest == pytest.approx(bending, rel=0.01)
+    assert stress.half_width <= 0.01 * bending
+    weight = pose.loads["weight"].stresses["bar"]
+    due = 6.0 * Q * L**2 / 2.0 / (B * H**2)
+    assert weight.largest == pytest.approx(due, rel=1e-6)
+    assert abs(weight.normal) == pytest.approx(due, rel=1e-6)
+    np.testing.assert_allclose(
+        weight.along, due * (1.0 - weight.stations / L) ** 2, atol=0.02 * due
+    )
+
+
+def test_half_width_of_torsion_stress_contains_the_series():
+    """τ = k T/J of Timoshenko and Goodier §109, von Mises √3 τ."""
+    text = CANTILEVER + '[[loads]]\nname = "twist"\nwrench = [0.0, 0.0, 0.0, 80.0, 0.0, 0.0]\n'
+    robot = fp.forces(robot_of(text), "links")
+    stress = robot.poses[0].loads["twist"].stresses["bar"]
+    n = np.arange(1, 99, 2)
+    k = 1.0 - 8.0 / np.pi**2 * (1.0 / n**2 / np.cosh(0.5 * n * np.pi * H / B)).sum()
+    due = np.sqrt(3.0) * 80.0 * B * k / rectangle_torsion_constant(B, H)
+    assert abs(stress.largest - due) <= stress.half_width <= 0.02 * due
+
+
+def robot_of(text):
+    """The tables of a text."""
+    return tomllib.loads(text)
+
+
+def test_half_width_of_segments_contains_the_exact_moment():
+    """My = −qL²/12 of a clamped beam under its weight: segments err by 1/n²."""
+    text = BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed")
+    text += '[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
+    found = fp.forces(robot_of(text), "segments", elements=4).poses[0].loads["weight"]
+    reaction = next(one for one in found.reactions if one.joint == "a")
+    error = abs(reaction.wrench[4] + Q * L**2 / 12.0)
+    assert 1e-6 * Q * L**2 < error <= reaction.half_width[4] < 0.1 * Q * L**2
+    exact = fp.forces(robot_of(text), "beam").poses[0].loads["weight"]
+    clamp = next(one for one in exact.reactions if one.joint == "a")
+    assert clamp.half_width[4] <= 1e-9 * Q * L**2
+
+
+def test_solids_have_the_reactions_of_beams_within_half_widths():
+    """A statically indeterminate beam of solids: M = qL²/12 up to shear and held ends."""
+    text = BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed")
+    text += '[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
+    found = fp.forces(robot_of(text), "solid", divisions=2).poses[0].loads["weight"]
+    for reaction in found.reactions[1:]:
+        assert reaction.wrench[2] == pytest.approx(Q * L / 2.0, rel=1e-6)
+        assert abs(reaction.wrench[4]) == pytest.approx(Q * L**2 / 12.0, rel=2e-3)
+        assert reaction.half_width[4] <= 0.01 * Q * L**2
+    assert found.stresses["left"].largest == pytest.approx(
+        6.0 * Q * L**2 / 12.0 / (B * H**2), rel=5e-3
+    )
+
+
+def test_json_csv_and_table_hold_the_same_numbers(loaded, command):
+    found = fp.forces(loaded)
+    printed = command.json("forces", str(loaded))
+    assert printed == json.loads(found.json())
+    push = printed["results"][0]["loads"]["push"]
+    assert push["reactions"]["clamp"] == pytest.approx([0, 0, 1000.0, -50.0, -1000.0 * L, 0])
+    assert push["drives"] == {}
+    rows = list(csv.DictReader(StringIO(found.csv())))
+    fz = next(r for r in rows if (r["load"], r["of"], r["quantity"]) == ("push", "clamp", "Fz"))
+    assert float(fz["value"]) == push["reactions"]["clamp"][2]
+    assert fz["unit"] == "N"
+    stress = next(r for r in rows if (r["load"], r["quantity"]) == ("weight", "von Mises"))
+    weight = printed["results"][0]["loads"]["weight"]
+    assert float(stress["value"]) == weight["stresses"]["bar"]["von_mises"]
+    assert float(stress["half-width"]) == weight["uncertainty"]["stresses"]["bar"]
+    stations = weight["members"]["bar"]["stations"]
+    of_bar = [r for r in rows if (r["load"], r["of"], r["quantity"]) == ("weight", "bar", "My")]
+    assert [float(r["station (m)"]) for r in of_bar] == stations
+    table = found.table()
+    assert table.rows[0][:3] == ("the only posture", "push", "clamp")
+    assert found.member_table().rows[1][9] == pytest.approx(1e-6 * float(stress["value"]))
+
+
+def test_solve_json_has_the_reactions_of_forces(loaded, command):
+    solved = command.json("solve", str(loaded), "--model", "beam", "--modes", "0")
+    found = command.json("forces", str(loaded))
+    for name, load in solved["results"][0]["loads"].items():
+        assert load["reactions"] == found["results"][0]["loads"][name]["reactions"]
+
+
+def test_what_statics_leaves_open_is_null_and_a_dash(tmp_path, command):
+    robot = tmp_path / "five-bar.toml"
+    text = (Path(fp.__file__).parent / "lumped/robots/five-bar.toml").read_text("utf-8")
+    robot.write_text(text + LOADS, "utf-8")
+    found = command.json("forces", str(robot), "--model", "simplified", "--load", "push")
+    load = found["results"][0]["loads"]["push"]
+    assert load["reactions"]["motor1"][0] is None
+    assert load["drives"]["motor1"] is not None
+    assert load["without_stress"]["rod1"] == "statics does not determine its forces"
+    told = command.told("forces", str(robot), "--model", "simplified", "--load", "push")
+    assert "–: not determined by statics" in told
+
+
+def test_command_writes_text_table_and_picture(loaded, command, tmp_path):
+    table, picture = tmp_path / "forces.csv", tmp_path / "forces.png"
+    told = command.told("forces", str(loaded), "--csv", str(table), "--picture", str(picture))
+    assert "cantilever, beam" in told
+    assert "clamp" in told
+    assert "von Mises" in told
+    assert "load weight" in told
+    # A mark of flexproof may follow the table.
+    assert table.read_text("utf-8").startswith("pose,load,of,quantity,station (m),value,unit")
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--load", "pull"], "--load pull: must be one of push, weight"),
+        (["--path", "--pose", "1"], "--path: takes all poses of [path]"),
+        (["--divisions", "2"], "--divisions: not an option of the beam model here"),
+    ],
+)
+def test_wrong_requests_are_refused_in_one_line(loaded, command, arguments, said):
+    assert said in command.refused("forces", str(loaded), *arguments)
+
+
+def test_robot_without_loads_is_refused(command):
+    assert "the robot file has no [[loads]]" in command.refused("forces", "five-bar")
+    with pytest.raises(fp.InputError, match="loads pull: must be one of push"):
+        fp.forces(robot_of(CANTILEVER + LOADS), loads=["pull"])
+
+
+def test_figure_over_path_has_curves_of_drives_joints_and_legs():
+    text = (Path(fp.__file__).parent / "lumped/robots/five-bar.toml").read_text("utf-8")
+    found = fp.forces(robot_of(text + LOADS), path=True, loads=["push"])
+    chart = found.chart("push")
+    titles = [panel.title for panel in chart.panels]
+    assert "torque of the drive (N m)" in titles
+    assert "largest von Mises stress (MPa)" in titles
+    drives = chart.panels[titles.index("torque of the drive (N m)")]
+    assert {curve.label for curve in drives.series} == {"motor1", "motor2"}
+    assert all(np.isfinite(curve.y).all() for panel in chart.panels for curve in panel.series)
+    assert len(chart.panels[0].series[0].x) == len(found.poses) > 1

@@ -1,0 +1,182 @@
+"""Forces and stresses of a model under the loads of a robot file, with their half-widths."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, replace
+from math import inf
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg
+from lumped.mechanism.kinematics.postures import shown_pose
+from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
+from lumped.robot_file import RobotFile
+from lumped.system.members import MemberForces
+from lumped.system.reactions import Reaction
+from validation.forces.record import Forces
+from validation.forces.results import ForcesUnderLoad, PoseForces
+from validation.forces.stresses import member_stress, reason_without_stress
+from validation.kinematics.poses import postures_on_path
+from validation.models.loads.forces import LoadForces, load_forces
+from validation.models.options import ModelName, ModelOptions
+from validation.models.reduced_parts import found_in, unknowns_of, with_unknowns
+from validation.models.robot_models import constant_legs
+from validation.solve.model_answers import checked
+from validation.solve.question import Question
+from validation.solve.uncertainty import beside, mesh_policy
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+
+# Order of convergence of segments over their number, of loads on their mass; of the paper's layout.
+_HALF, _LITERAL = 2.0, 1.0
+# Ratio of the element sizes of parts on meshes of half as many unknowns, and the lowest order of
+# their stiffness, that of bores whose edges are singular.
+_PART_RATIO, _PART_ORDER = 2.0 ** (1.0 / 3.0), 1.0
+
+
+def forces(question: Question, loads: Sequence[str] = (), *, on_path: bool = False) -> Forces:
+    """Forces in the poses of a question, or in those of the path, under all loads or those named.
+
+    Raises InputError for a wrong question, a robot without loads or an unknown load, and
+    ComputationError if the drives do not hold the tool.
+    """
+    if on_path and (question.x or question.poses):
+        raise InputError("--path: takes all poses of [path]; leave out --pose or --path")
+    question = replace(question, robot_file=_with_loads(question.robot_file, loads), modes=0)
+    checked(question)
+    mechanism, options = question.mechanism, asdict(question.options)
+    postures = postures_on_path(mechanism, mechanism.poses) if on_path else question.postures()
+    effective = {name: value for name, value in options.items() if name in question.listens}
+    return forces_in(question.model, postures, question.options, effective)
+
+
+def forces_in(
+    model: ModelName,
+    postures: Sequence[Posture],
+    options: ModelOptions,
+    shown_options: Mapping[str, object] | None = None,
+) -> Forces:
+    """Forces in postures of one mechanism under all of its loads."""
+    mechanism = postures[0].mechanism
+    rows = load_forces(model, postures, options)
+    half_widths = _mesh_half_widths(model, postures, options, rows)
+    tool = mechanism.tool
+    return Forces(
+        mechanism.name,
+        model,
+        dict(shown_options or {}),
+        tuple(f"{move} ({UNITS_OF_MOVES[move]})" for move in tool.moves),
+        tuple(
+            PoseForces(
+                tuple(posture.pose.tolist()),
+                shown_pose(mechanism, posture.pose) or "the only posture",
+                {
+                    load.name: None if found is None else _under_load(mechanism, found, width)
+                    for load, found, width in zip(mechanism.loads, row, widths, strict=True)
+                },
+            )
+            for posture, row, widths in zip(postures, rows, half_widths, strict=True)
+        ),
+    )
+
+
+def _with_loads(robot_file: RobotFile, names: Sequence[str]) -> RobotFile:
+    """The robot with the loads of these names, or with all of its loads."""
+    mechanism = robot_file.mechanism
+    known = [load.name for load in mechanism.loads]
+    if not known:
+        raise InputError(f"{mechanism.name}: the robot file has no [[loads]]; forces need some")
+    if unknown := [name for name in names if name not in known]:
+        raise InputError(f"--load {name}: must be one of {', '.join(known)}" for name in unknown)
+    chosen = [load for load in mechanism.loads if not names or load.name in names]
+    return replace(robot_file, mechanism=replace(mechanism, loads=tuple(chosen)))
+
+
+def _under_load(mechanism: Mechanism, found: LoadForces, widths: Array) -> ForcesUnderLoad:
+    """Forces with the half-widths of meshes (a row of six for each joint, then each leg) added."""
+    count = len(found.reactions)
+    reactions = tuple(
+        replace(reaction, half_width=reaction.half_width + width)
+        for reaction, width in zip(found.reactions, widths[:count], strict=True)
+    )
+    members = tuple(
+        replace(member, half_width=member.half_width + width)
+        for member, width in zip(found.members, widths[count:], strict=True)
+    )
+    stresses, without = {}, {}
+    for member in members:
+        shape = mechanism.bodies[member.leg].shape
+        reason = reason_without_stress(shape)
+        stress = None
+        if not reason and isinstance(shape, ConstantLeg):
+            stress = member_stress(shape, member)
+            reason = "" if stress else "statics does not determine its forces"
+        if stress is None:
+            without[member.leg] = reason
+        else:
+            stresses[member.leg] = stress
+    return ForcesUnderLoad(reactions, members, stresses, without)
+
+
+def _mesh_half_widths(
+    model: ModelName,
+    postures: Sequence[Posture],
+    options: ModelOptions,
+    rows: Sequence[Sequence[LoadForces | None]],
+) -> list[list[Array]]:
+    """Half-widths due to meshes by pose and load: six for each joint, then for each leg."""
+    mechanism = postures[0].mechanism
+    zeros = [[np.zeros((_count(found), 6)) for found in row] for row in rows]
+    studies: list[tuple[Callable[[], Sequence[Sequence[LoadForces | None]]], MeshPolicy]] = []
+    if model == "segments":
+        finer = replace(options, elements=2 * options.elements)
+        order = _HALF if options.layout == "half" else _LITERAL
+        studies.append(
+            (lambda: load_forces(model, postures, finer), MeshPolicy.of_order(0.5, order))
+        )
+    if model == "solid" and (legs := [leg for _, leg, _ in constant_legs(mechanism, options)]):
+        divisions = beside(options, legs)
+        other = replace(options, divisions=divisions)
+        studies.append(
+            (lambda: load_forces(model, postures, other), mesh_policy(options, legs, divisions))
+        )
+    if mechanism.parts and model != "simplified":
+        if any(found_in(body)[0].mesh is not None for body in mechanism.parts.values()):
+            return [[np.full_like(zero, inf) for zero in row] for row in zeros]
+        unknowns = {name: unknowns_of(body) // 2 for name, body in mechanism.parts.items()}
+        coarser = with_unknowns(mechanism, unknowns)
+        others = [replace(posture, mechanism=coarser) for posture in postures]
+        studies.append(
+            (
+                lambda: load_forces(model, others, options),
+                MeshPolicy.of_order(_PART_RATIO, _PART_ORDER),
+            )
+        )
+    for solve, policy in studies:
+        for row, other_row, totals in zip(rows, solve(), zeros, strict=True):
+            for number, (found, compared) in enumerate(zip(row, other_row, strict=True)):
+                if found is not None and compared is not None:
+                    totals[number] += mesh_half_widths([_changes(found, compared)], policy)
+    return zeros
+
+
+def _count(found: LoadForces | None) -> int:
+    return 0 if found is None else len(found.reactions) + len(found.members)
+
+
+def _changes(found: LoadForces, other: LoadForces) -> Array:
+    """Magnitudes of changes: of each joint's six numbers, and of each leg's largest along it."""
+    rows = [_change(one, two) for one, two in zip(found.reactions, other.reactions, strict=True)]
+    rows += [_change_along(one, two) for one, two in zip(found.members, other.members, strict=True)]
+    return np.nan_to_num(np.reshape(rows, (-1, 6)))
+
+
+def _change(one: Reaction, two: Reaction) -> Array:
+    return np.abs(one.wrench - two.wrench)
+
+
+def _change_along(one: MemberForces, two: MemberForces) -> Array:
+    columns = [
+        np.interp(one.stations, two.stations, two.forces[:, component]) for component in range(6)
+    ]
+    return np.asarray(np.abs(one.forces - np.column_stack(columns)).max(axis=0))

@@ -1,0 +1,167 @@
+"""Chart of the forces under one load: along the legs in one pose, or over the poses of a path.
+
+Over a path, only the joints, drives and legs with the largest values are drawn.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+
+import numpy as np
+
+from lumped.arrays import Array
+from validation.drawing.chart import Chart, Panel, Scale, Series, few_ticks, from_zero
+from validation.forces.results import ForcesUnderLoad, PoseForces
+
+# Number of curves in a panel: more cannot be told apart.
+_MOST_CURVES = 6
+# Share of the largest curve below which a curve is round-off and is not drawn.
+_NEGLIGIBLE = 1e-9
+
+
+def forces_chart(poses: Sequence[PoseForces], model: str, moves: Sequence[str], load: str) -> Chart:
+    """Chart of the forces of a `model` in `poses` under the `load` of this name.
+
+    `moves` are the coordinates of a pose with their units. Raises KeyError for an unknown load.
+    """
+    found = [pose.loads[load] for pose in poses]
+    if len(found) == 1:
+        return _along_legs(found[0], load)
+    return _over_poses(poses, model, moves, load)
+
+
+def _along_legs(found: ForcesUnderLoad | None, load: str) -> Chart:
+    """Axial force, shear force, moments and stress along the legs, as shares of their length."""
+    members = [] if found is None else found.members
+    columns: tuple[tuple[str, str, Callable[[Array], Array]], ...] = (
+        ("axial force N (N)", "N (N)", lambda forces: forces[:, 0]),
+        ("shear force (N)", "Q (N)", lambda forces: np.linalg.norm(forces[:, 1:3], axis=1)),
+        ("torque T (N m)", "T (N m)", lambda forces: forces[:, 3]),
+        ("bending moment (N m)", "M (N m)", lambda forces: np.linalg.norm(forces[:, 4:], axis=1)),
+    )
+    panels = [
+        Panel(
+            [
+                Series(
+                    member.leg, member.stations / member.stations[-1], values(member.forces), name
+                )
+                for member in members
+            ],
+            title,
+            staggered=False,
+        )
+        for title, name, values in columns
+    ]
+    stresses = {} if found is None else found.stresses
+    panels.append(
+        Panel(
+            [
+                Series(leg, one.stations / one.stations[-1], 1e-6 * one.along, "von Mises (MPa)")
+                for leg, one in stresses.items()
+            ],
+            "largest von Mises stress (MPa)",
+            scale=from_zero,
+            staggered=False,
+        )
+    )
+    drawn = [_largest_curves(panel) for panel in panels if panel.series]
+    return Chart(
+        [panel for panel in drawn if panel.series],
+        "distance from the root over the length",
+        columns=2,
+        high=2.1,
+    ).captioned(
+        f"Forces and stresses along the legs under the load {load}. N is positive in tension. "
+        "Shear forces and bending moments are resultants of both directions."
+    )
+
+
+def _over_poses(poses: Sequence[PoseForces], model: str, moves: Sequence[str], load: str) -> Chart:
+    """Drive forces, joint forces and moments, axial forces and stresses over the poses."""
+    found = [pose.loads[load] for pose in poses]
+    x, label, ticks = _abscissa(poses, moves)
+    drives: dict[str, dict[str, list[float]]] = {"N": {}, "N m": {}}
+    joint_forces: dict[str, list[float]] = {}
+    joint_moments: dict[str, list[float]] = {}
+    axial: dict[str, list[float]] = {}
+    stresses: dict[str, list[float]] = {}
+    half_widths: dict[str, list[float]] = {}
+    for number, under in enumerate(found):
+        if under is None:
+            continue
+        for one in under.reactions:
+            force, moment = np.linalg.norm(one.wrench.reshape(2, 3), axis=1).tolist()
+            _set(joint_forces, one.joint, len(found), number, force)
+            _set(joint_moments, one.joint, len(found), number, moment)
+            if one.drive is not None:
+                _set(drives[one.drive_unit], one.joint, len(found), number, one.drive)
+        for member in under.members:
+            extreme = member.forces[np.argmax(np.abs(member.forces[:, 0])), 0]
+            _set(axial, member.leg, len(found), number, extreme)
+        for leg, stress in under.stresses.items():
+            _set(stresses, leg, len(found), number, 1e-6 * stress.largest)
+            _set(half_widths, leg, len(found), number, 1e-6 * stress.half_width)
+    panels = [
+        _panel(x, "force of the drive (N)", drives["N"]),
+        _panel(x, "torque of the drive (N m)", drives["N m"]),
+        _panel(x, "force in the joint (N)", joint_forces, from_zero),
+        _panel(x, "moment in the joint (N m)", joint_moments, from_zero),
+        _panel(x, "axial force in the leg (N)", axial),
+        _panel(x, "largest von Mises stress (MPa)", stresses, from_zero, half_widths),
+    ]
+    drawn = [panel for panel in map(_largest_curves, panels) if panel.series]
+    return Chart(
+        drawn,
+        label,
+        columns=2,
+        high=2.1,
+        table={label: x.tolist()},
+        x_scale=ticks,
+    ).captioned(
+        f"Forces and stresses by the {model} model under the load {load}: of the drives, "
+        "resultants in the joints, and largest along the legs (axial force positive in tension). "
+        f"At most the {_MOST_CURVES} largest curves of each kind are drawn. "
+        "Bars: half-widths of the stresses' numerical uncertainty.",
+    )
+
+
+def _set(curves: dict[str, list[float]], name: str, count: int, number: int, value: float) -> None:
+    curves.setdefault(name, [np.nan] * count)[number] = value
+
+
+def _panel(
+    x: Array,
+    title: str,
+    curves: Mapping[str, Sequence[float]],
+    scale: Scale | None = None,
+    half_widths: Mapping[str, Sequence[float]] | None = None,
+) -> Panel:
+    series = [
+        Series(
+            name,
+            x,
+            np.array(y),
+            title,
+            bars=None if half_widths is None else np.array(half_widths[name]),
+        )
+        for name, y in curves.items()
+    ]
+    return Panel(series, title, scale=scale, staggered=False)
+
+
+def _largest_curves(panel: Panel) -> Panel:
+    """The panel with its largest curves alone, in their order. Curves of round-off are left out."""
+    sizes = [np.nanmax(np.abs(one.y)) if np.isfinite(one.y).any() else 0.0 for one in panel.series]
+    ranked = sorted(range(len(sizes)), key=lambda number: -sizes[number])[:_MOST_CURVES]
+    smallest = _NEGLIGIBLE * max(sizes, default=0.0)
+    kept = [one for n, one in enumerate(panel.series) if n in ranked and sizes[n] > smallest]
+    return Panel(kept, panel.title, scale=panel.scale, staggered=False)
+
+
+def _abscissa(poses: Sequence[PoseForces], moves: Sequence[str]) -> tuple[Array, str, Scale]:
+    """The only coordinate that differs between the poses, or their number; its label and ticks."""
+    coordinates = np.array([pose.pose for pose in poses])
+    changing = np.flatnonzero(np.ptp(coordinates, axis=0) > 0.0)
+    if len(changing) == 1:
+        column = int(changing[0])
+        return coordinates[:, column], moves[column], partial(few_ticks, count=6)
+    return np.arange(1.0, len(poses) + 1.0), "pose", partial(few_ticks, count=6, whole=True)

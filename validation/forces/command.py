@@ -1,0 +1,114 @@
+"""The command `forces`."""
+
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from fem.machine import TO_COMPUTE, require_room
+from fem.solvers.backends.request import request_solver
+from validation.console.streams import write_results
+from validation.console.typed import (
+    AsJson,
+    Force,
+    PathArgument,
+    RankCount,
+    RobotName,
+    SolverName,
+    WholeNumber,
+    require_distinct,
+    require_writable,
+    write,
+)
+
+# Dots per inch of the picture.
+_DOTS = 150
+
+
+def forces(
+    robot: RobotName,
+    *,
+    model: Literal["simplified", "vjm", "links", "segments", "beam", "solid"] = "beam",
+    load: tuple[str, ...] = (),
+    pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True)] = (),
+    path: bool = False,
+    legs: Literal["given", "equivalent"] | None = None,
+    theory: Literal["euler-bernoulli", "timoshenko"] | None = None,
+    elements: WholeNumber | None = None,
+    ends: Literal["rigid", "free"] | None = None,
+    divisions: WholeNumber | None = None,
+    equivalent: Literal["stiffness", "compliance"] | None = None,
+    parts: Literal["equivalent", "stepped", "condensed"] | None = None,
+    csv: PathArgument | None = None,
+    picture: PathArgument | None = None,
+    solver: SolverName = None,
+    ranks: RankCount = None,
+    force: Force = False,
+    json: AsJson = False,
+) -> int:
+    """Reactions of joints, forces of drives, member forces and stresses under the loads of a robot.
+
+    Parameters
+    ----------
+    model
+        The model to solve; beam if left out.
+    load
+        Name of a load in the robot file; all loads if left out. May be repeated.
+    pose
+        Pose of the tool, numbers separated by commas in the order of its moves; the reference
+        posture if left out. May be repeated.
+    path
+        All poses of [path] in the robot file.
+    legs
+        vjm, links: each leg's own compliance, or that of its equivalent constant-section leg.
+    theory
+        Beam theory of segments, beam, and of prisms in vjm and links.
+    elements
+        Segments or beam elements per leg.
+    ends
+        solid: end faces kept plane and rigid, or free to warp.
+    divisions
+        solid: quadratic elements across the smaller side of the section.
+    equivalent
+        Which diagonal the constant-section leg shares with a leg's 6×6.
+    parts
+        segments, beam: CAD parts as legs of one equivalent section, as legs of ten prismatic
+        pieces, or condensed to their interfaces.
+    csv
+        Also write all numbers into this CSV file.
+    picture
+        Also draw the first load into this PNG file: forces along the legs in one pose, over the
+        poses for several.
+    """
+    from lumped.robot_file import load_robot  # noqa: PLC0415
+    from validation.console.progress import stage  # noqa: PLC0415
+    from validation.forces.analysis import forces as computed  # noqa: PLC0415
+    from validation.forces.text import as_text  # noqa: PLC0415
+    from validation.solve.question import Question  # noqa: PLC0415
+
+    require_room(TO_COMPUTE)
+    request_solver(solver, ranks)
+    require_writable(csv, ".csv", force=force)
+    require_writable(picture, ".png", force=force)
+    require_distinct(csv, picture)
+    robot_file = load_robot(robot)
+    choices = {
+        "legs": legs,
+        "theory": theory,
+        "elements": elements,
+        "ends": ends,
+        "divisions": divisions,
+        "equivalent": equivalent,
+        "parts": parts,
+    }
+    given = {name: value for name, value in choices.items() if value is not None}
+    question = Question(robot_file, model, given, poses=pose)
+    with stage(f"forces by the {model} model"):
+        found = computed(question, load, on_path=path)
+    write_results(found.json() if json else as_text(found))
+    if csv is not None:
+        write(csv, found.csv().encode(), ".csv")
+    if picture is not None:
+        from validation.drawing.plot import chart_png  # noqa: PLC0415
+
+        write(picture, chart_png(found.chart(found.first_load), _DOTS), ".png")
+    return 0

@@ -1,0 +1,295 @@
+"""Forces and stresses as records with tables, plots, CSV and JSON."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from validation.drawing.chart import Chart
+from validation.drawing.style import csv_of
+from validation.forces.chart import forces_chart
+from validation.forces.results import (
+    REACTION_UNITS,
+    REACTIONS,
+    SECTION_FORCES,
+    ForcesUnderLoad,
+    PoseForces,
+    finite,
+    largest_of,
+    listed,
+    shown,
+)
+from validation.models.options import ModelName
+from validation.tables import Cell, ResultTable, html_paragraph
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Reactions, drive forces, member forces and stresses under the loads of a robot file.
+
+    A reaction is the wrench of a joint on its second body, at the point of its first, in joint axes
+    (N, N m): x along the joint's axis. Member forces act in sections of a leg on the part towards
+    its root, in leg axes. All have half-widths of their numerical uncertainty.
+
+    Examples
+    --------
+    >>> push = {"name": "push", "wrench": [0.0, 0.0, -100.0, 0.0, 0.0, 0.0]}
+    >>> pushed = forces({**bar, "loads": [push]})
+    """
+
+    robot: str
+    model: ModelName
+    options: Mapping[str, Any]
+    moves: tuple[str, ...]
+    poses: tuple[PoseForces, ...]
+
+    @property
+    def first_load(self) -> str:
+        """Name of the first load.
+
+        Examples
+        --------
+        >>> pushed.first_load
+        'push'
+        """
+        return next(iter(self.poses[0].loads))
+
+    def table(self) -> ResultTable:
+        """Reactions of joints and forces of drives, a row for each pose, load and joint.
+
+        Returns
+        -------
+        ResultTable
+            Forces (N) and moments (N m) in joint axes, the force of the drive (N or N m), and the
+            half-width of the forces. Numbers that statics does not determine are missing.
+
+        Examples
+        --------
+        >>> _, load, joint, *wrench, drive, half_width = pushed.table().rows[0]
+        >>> print(f"{joint}: Fz = {wrench[2]:.3f} N, My = {wrench[4]:.3f} N m")
+        clamp: Fz = 100.000 N, My = -30.000 N m
+        """
+        rows: list[tuple[Cell, ...]] = []
+        for place, load, found in self._found():
+            scale = largest_of(found)
+            rows += [
+                (
+                    place,
+                    load,
+                    reaction.joint,
+                    *shown(reaction.wrench, scale),
+                    None if reaction.drive is None else finite(reaction.drive),
+                    float(reaction.half_width[:3].max()),
+                )
+                for reaction in found.reactions
+            ]
+        headings = [
+            f"{name} ({unit})" for name, unit in zip(REACTIONS, REACTION_UNITS, strict=True)
+        ]
+        return ResultTable(
+            ("at", "load", "joint", *headings, "drive (N, N m)", "half-width (N)"), tuple(rows)
+        )
+
+    def member_table(self) -> ResultTable:
+        """Largest section forces and stress of legs, a row for each pose, load and leg.
+
+        Returns
+        -------
+        ResultTable
+            Largest magnitudes along the leg of N, Qy, Qz (N), T, My, Mz (N m), the largest von
+            Mises stress (MPa) with its half-width and its distance from the root (m). Stresses of
+            legs without a known section are missing.
+
+        Examples
+        --------
+        >>> row = pushed.member_table().rows[0]
+        >>> print(f"{row[2]}: My = {row[7]:.3f} N m, von Mises {row[9]:.3f} MPa")
+        bar: My = 30.000 N m, von Mises 22.500 MPa
+        """
+        rows: list[tuple[Cell, ...]] = []
+        for place, load, found in self._found():
+            scale = largest_of(found)
+            for member in found.members:
+                stress = found.stresses.get(member.leg)
+                of_stress: tuple[Cell, ...] = (None, None, None)
+                if stress is not None:
+                    of_stress = (1e-6 * stress.largest, 1e-6 * stress.half_width, stress.station)
+                largest = np.abs(member.forces).max(axis=0)
+                rows.append((place, load, member.leg, *shown(largest, scale), *of_stress))
+        headings = [
+            f"{name} ({unit})" for name, unit in zip(SECTION_FORCES, REACTION_UNITS, strict=True)
+        ]
+        stress_headings = ("von Mises (MPa)", "half-width (MPa)", "at (m)")
+        return ResultTable(("at", "load", "leg", *headings, *stress_headings), tuple(rows))
+
+    def plot(self) -> "Figure":
+        """Forces along the legs in a single pose, or of joints, drives and legs over the poses.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Of the first load if there are several. `plot_load` draws the others.
+
+        Examples
+        --------
+        >>> pushed.plot().savefig("forces.png")
+        """
+        return self.plot_load(self.first_load)
+
+    def plot_load(self, load: str) -> "Figure":
+        """Figure as `plot` of one load by name.
+
+        Parameters
+        ----------
+        load
+            Name of the load in the robot file.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Forces under this load.
+
+        Examples
+        --------
+        >>> pushed.plot_load("push").savefig("push.png")
+        """
+        # Only a picture needs the library that draws it.
+        from validation.drawing.plot import drawn_chart  # noqa: PLC0415
+        from validation.drawing.style import plot_style  # noqa: PLC0415
+
+        with plot_style():
+            return drawn_chart(self.chart(load))
+
+    def chart(self, load: str) -> Chart:
+        """Chart of the forces under a load by name."""
+        return forces_chart(self.poses, self.model, self.moves, load)
+
+    def csv(self) -> str:
+        """Convert to comma-separated values.
+
+        Returns
+        -------
+        str
+            A row for each number: pose, load, joint or leg, quantity, distance from the leg's root
+            (m), value, unit and half-width.
+
+        Examples
+        --------
+        >>> pushed.csv().splitlines()[0]
+        'pose,load,of,quantity,station (m),value,unit,half-width'
+        """
+        headings = ("pose", "load", "of", "quantity", "station (m)", "value", "unit", "half-width")
+        rows = list(self._rows())
+        return csv_of(dict(zip(headings, zip(*rows, strict=True), strict=True)))
+
+    def json(self) -> str:
+        """Convert to JSON, as ``flexproof forces --json`` prints it.
+
+        Returns
+        -------
+        str
+            Numbers in SI units; null for those that statics does not determine.
+
+        Examples
+        --------
+        >>> pushed.json()[:12]
+        '{"schema": 1'
+        """
+        results = [
+            {
+                "pose": list(pose.pose),
+                "loads": {
+                    load: None if found is None else _record(found)
+                    for load, found in pose.loads.items()
+                },
+            }
+            for pose in self.poses
+        ]
+        document = {
+            "schema": 1,
+            "robot": self.robot,
+            "model": self.model,
+            "options": dict(self.options),
+            "results": results,
+        }
+        return json.dumps(document, allow_nan=False)
+
+    def _found(self) -> Iterator[tuple[str, str, ForcesUnderLoad]]:
+        for pose in self.poses:
+            for load, found in pose.loads.items():
+                if found is not None:
+                    yield pose.place, load, found
+
+    def _rows(self) -> Iterator[tuple[Cell, ...]]:
+        for place, load, found in self._found():
+            for reaction in found.reactions:
+                numbers = zip(
+                    REACTIONS, reaction.wrench, REACTION_UNITS, reaction.half_width, strict=True
+                )
+                for name, value, unit, width in numbers:
+                    number = (name, None, finite(value), unit, finite(width))
+                    yield (place, load, reaction.joint, *number)
+                if reaction.drive is not None:
+                    width = float(reaction.half_width[0 if reaction.drive_unit == "N" else 3])
+                    drive = ("drive", None, finite(reaction.drive), reaction.drive_unit)
+                    yield (place, load, reaction.joint, *drive, finite(width))
+            for member in found.members:
+                for station, values in zip(member.stations, member.forces, strict=True):
+                    numbers = zip(
+                        SECTION_FORCES, values, REACTION_UNITS, member.half_width, strict=True
+                    )
+                    for name, value, unit, width in numbers:
+                        force = (name, float(station), finite(value), unit, finite(width))
+                        yield (place, load, member.leg, *force)
+            for leg, stress in found.stresses.items():
+                largest = ("von Mises", stress.station, stress.largest, "Pa", stress.half_width)
+                yield (place, load, leg, *largest)
+
+    def __repr__(self) -> str:
+        places = self.poses[0].place if len(self.poses) == 1 else f"{len(self.poses)} poses"
+        return f"Forces({self.robot}, {self.model}: {places})"
+
+    def _repr_html_(self) -> str:
+        heading = html_paragraph(f"{self.robot}, {self.model}")
+        return heading + self.table().html() + self.member_table().html()
+
+
+def _record(found: ForcesUnderLoad) -> dict[str, Any]:
+    """Entry of a load in JSON."""
+    return {
+        "reactions": {reaction.joint: listed(reaction.wrench) for reaction in found.reactions},
+        "drives": {
+            reaction.joint: finite(reaction.drive)
+            for reaction in found.reactions
+            if reaction.drive is not None
+        },
+        "members": {
+            member.leg: {
+                "stations": member.stations.tolist(),
+                "forces": [listed(row) for row in member.forces],
+            }
+            for member in found.members
+        },
+        "stresses": {
+            leg: {
+                "von_mises": stress.largest,
+                "station": stress.station,
+                "point": list(stress.point),
+                "normal": stress.normal,
+                "shear": stress.shear,
+                "along": stress.along.tolist(),
+            }
+            for leg, stress in found.stresses.items()
+        },
+        "without_stress": dict(found.without_stress),
+        "uncertainty": {
+            "reactions": {one.joint: listed(one.half_width) for one in found.reactions},
+            "members": {one.leg: listed(one.half_width) for one in found.members},
+            "stresses": {leg: finite(one.half_width) for leg, one in found.stresses.items()},
+        },
+    }

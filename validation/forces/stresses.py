@@ -1,0 +1,81 @@
+"""Von Mises stresses in the sections of legs, by beam theory on the mesh of each section."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.sections.stresses import SectionStresses, section_stresses
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg
+from lumped.mechanism.body import Shape
+from lumped.system.members import MemberForces
+from meshes.section.section_mesh import section_mesh
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+
+# Elements across the smaller side of a section on the coarse and on the fine mesh. Their order is
+# that of gradients of quadratic elements; near re-entrant corners the stress is steeper.
+_DIVISIONS = (4, 8)
+_SMOOTH, _STEEP = 2.0, 1.0
+_WITHOUT_MESH = "its section has no mesh of one material"
+
+
+@dataclass(frozen=True, eq=False)
+class MemberStress:
+    """Largest von Mises stress of a leg (Pa), its `half_width`, and where and how it arises.
+
+    It acts at `station` (m from the root) in the point (y, z) of the section (m, from its
+    centroid), from the normal stress σxx and the shear stress (Pa). `along` (s) are the largest
+    stresses at the `stations` (s) of the member forces. The half-width covers the mesh of the
+    section and the half-widths of the member forces.
+    """
+
+    leg: str
+    largest: float
+    half_width: float
+    station: float
+    point: tuple[float, float]
+    normal: float
+    shear: float
+    stations: Array
+    along: Array
+
+
+def reason_without_stress(shape: Shape) -> str:
+    """Reason for which a leg has no stresses. Empty if it has some."""
+    if not isinstance(shape, ConstantLeg):
+        return "its section is not known"
+    return "" if shape.section.has_outline else _WITHOUT_MESH
+
+
+def member_stress(leg: ConstantLeg, member: MemberForces) -> MemberStress | None:
+    """Largest stress of a leg. None if statics does not determine its forces."""
+    if not np.isfinite(member.forces).all():
+        return None
+    coarse, fine = (
+        section_stresses(section_mesh(leg.section, divisions), leg.material)
+        for divisions in _DIVISIONS
+    )
+    stresses = np.where(fine.regular, fine.von_mises(member.forces), 0.0)
+    row, node = np.unravel_index(np.argmax(stresses), stresses.shape)
+    largest = float(stresses[row, node])
+    change = np.array(abs(largest - _largest(coarse, member.forces)))
+    policy = MeshPolicy.of_order(2.0, _SMOOTH if fine.regular.all() else _STEEP)
+    # The von Mises stress is a norm: it changes by at most that of the change of the forces.
+    of_forces = fine.von_mises(np.diag(member.half_width))[:, fine.regular].sum(axis=0).max()
+    forces = member.forces[row]
+    y, z = fine.mesh.nodes[node]
+    return MemberStress(
+        member.leg,
+        largest,
+        float(mesh_half_widths([change], policy) + of_forces),
+        float(member.stations[row]),
+        (float(y), float(z)),
+        float(fine.normal[node] @ forces),
+        float(np.linalg.norm(fine.shear[:, node] @ forces)),
+        member.stations,
+        stresses.max(axis=1),
+    )
+
+
+def _largest(stresses: SectionStresses, forces: Array) -> float:
+    return float(stresses.von_mises(forces)[:, stresses.regular].max())

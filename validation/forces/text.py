@@ -1,0 +1,81 @@
+"""Forces and stresses as text for people."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.text import aligned
+from validation.forces.record import Forces
+from validation.forces.results import (
+    REACTION_UNITS,
+    REACTIONS,
+    SECTION_FORCES,
+    ForcesUnderLoad,
+    largest_of,
+    shown,
+)
+
+_INDENT = "    "
+_NONE = "  none: the mechanism cannot move that way here, or the load has no wrench for this pose"
+
+
+def as_text(forces: Forces) -> str:
+    """Reactions, member forces and stresses, pose by pose and load by load."""
+    options = ", ".join(f"{name} {value}" for name, value in forces.options.items())
+    lines = [f"{forces.robot}, {forces.model}" + (f" ({options})" if options else "")]
+    for pose in forces.poses:
+        for load, found in pose.loads.items():
+            lines += ["", f"{pose.place}, load {load}"]
+            lines += [_NONE] if found is None else _lines(found)
+    return "\n".join(lines)
+
+
+def _lines(found: ForcesUnderLoad) -> list[str]:
+    scale = largest_of(found)
+    lines = ["  joints on their second bodies, joint axes (x along the joint):"]
+    headings = ["joint", *_with_units(REACTIONS), "drive"]
+    rows = [
+        [
+            reaction.joint,
+            *_texts(reaction.wrench, scale),
+            "" if reaction.drive is None else _texts(np.array([reaction.drive]), scale)[0],
+        ]
+        for reaction in found.reactions
+    ]
+    lines.append(aligned(headings, rows, _INDENT))
+    if found.members:
+        lines.append("  legs, largest magnitudes along them, leg axes (x along the leg):")
+        headings = ["leg", *_with_units(SECTION_FORCES)]
+        rows = [
+            [member.leg, *_texts(np.abs(member.forces).max(axis=0), scale)]
+            for member in found.members
+        ]
+        lines.append(aligned(headings, rows, _INDENT))
+    if found.stresses:
+        lines.append("  largest von Mises stresses in their sections (beam theory):")
+        for leg, stress in found.stresses.items():
+            y, z = (f"{1e3 * value:.4g}" for value in stress.point)
+            lines.append(
+                f"{_INDENT}{leg}: {1e-6 * stress.largest:.4g} ± {1e-6 * stress.half_width:.2g} MPa "
+                f"at {stress.station:.4g} m, in y = {y} mm, z = {z} mm "
+                f"(σ {1e-6 * stress.normal:.4g} MPa, τ {1e-6 * stress.shear:.4g} MPa)"
+            )
+    for leg, reason in found.without_stress.items():
+        lines.append(f"{_INDENT}{leg}: no stress, {reason}")
+    half_width = max((float(one.half_width[:3].max()) for one in found.reactions), default=0.0)
+    along = max((float(one.half_width[:3].max()) for one in found.members), default=0.0)
+    lines.append(f"  half-width of the forces: joints {half_width:.2g} N, legs {along:.2g} N")
+    if any(np.isnan(reaction.wrench).any() for reaction in found.reactions):
+        lines.append(
+            "  –: not determined by statics; loops of rigid bodies carry any self-balanced forces"
+        )
+    return lines
+
+
+def _with_units(names: Sequence[str]) -> list[str]:
+    return [f"{name} ({unit})" for name, unit in zip(names, REACTION_UNITS, strict=True)]
+
+
+def _texts(values: Array, scale: float) -> list[str]:
+    return ["–" if value is None else f"{value:.5g}" for value in shown(values, scale)]
