@@ -13,10 +13,10 @@ import numpy as np
 from lumped.acceptance.quantities import TEST_RESPONSE
 from lumped.arrays import Array
 from lumped.errors import InputError, collect_faults
-from lumped.legs import ConstantLeg, GivenLeg, Leg
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.load import AppliedLine, Excitation, LineLoad, Load
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism
+from lumped.models.bodies import legs_of
 from lumped.robot_file.reading import TableRow, number_or_text, table_rows
 from lumped.robot_file.rules.relations import NO_DIRECTION, named_twice
 from lumped.robot_file.rules.rule import Number
@@ -81,7 +81,7 @@ def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Pat
 
 def _line_of(table: Mapping[str, Any], robot: Mechanism) -> AppliedLine:
     """Load along a leg from a table without faults."""
-    length = float(_loaded_legs(robot)[table["leg"]].length)
+    length = float(legs_of(robot)[table["leg"]].length)
     first = np.array(table["wrench"])
     last = first if table["end_wrench"] is None else np.array(table["end_wrench"])
     start, stop = table["from"] or 0.0, length if table["to"] is None else table["to"]
@@ -90,18 +90,9 @@ def _line_of(table: Mapping[str, Any], robot: Mechanism) -> AppliedLine:
     )
 
 
-def _loaded_legs(robot: Mechanism) -> dict[str, Leg]:
-    """Legs that may be loaded along their length, by name."""
-    return {
-        name: body.shape
-        for name, body in robot.bodies.items()
-        if isinstance(body.shape, ConstantLeg | GivenLeg)
-    }
-
-
 def _line_faults(table: Mapping[str, Any], key: str, robot: Mechanism) -> Iterator[str]:
     """Faults of a load along a leg."""
-    legs = _loaded_legs(robot)
+    legs = legs_of(robot)
     leg = legs.get(table["leg"])
     if leg is None:
         advice = did_you_mean(table["leg"], legs, otherwise=f": {', '.join(legs) or 'none'}")

@@ -82,7 +82,7 @@ def outline(section: Section) -> tuple[Loop, ...]:
         case Tube():
             return _ring(section.diameter), _ring(section.inner_diameter)[::-1]
         case ISection():
-            return (_i_outline(section),)
+            return (section.outline,)
     raise TypeError(f"{section.shape}: no outline")
 
 
@@ -95,13 +95,6 @@ def _ring(diameter: float) -> Loop:
     angles = 2.0 * pi * np.arange(_SIDES) / _SIDES
     radius = diameter / 2.0 * sqrt(2.0 * pi / (_SIDES * sin(2.0 * pi / _SIDES)))
     return np.asarray(radius * np.column_stack([np.cos(angles), np.sin(angles)]))
-
-
-def _i_outline(section: ISection) -> Loop:
-    b, h, w = section.width / 2.0, section.height / 2.0, section.web / 2.0
-    f = h - section.flange
-    right = [(b, -h), (b, -f), (w, -f), (w, f), (b, f), (b, h)]
-    return np.array(right + [(-y, z) for y, z in reversed(right)])
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,10 @@ from dataclasses import dataclass, fields
 from math import pi, tanh
 from typing import ClassVar
 
+import numpy as np
+
+from lumped.arrays import Array
+
 
 @dataclass(frozen=True)
 class Section(ABC):
@@ -322,6 +326,14 @@ class ISection(WalledProfile):
     """Doubly symmetric I-section with flanges along y."""
 
     shape: ClassVar[str] = "i-section"
+
+    @property
+    def outline(self) -> Array:
+        """Corners (12×2, m) in the directions y and z, counterclockwise."""
+        b, h, w = self.width / 2.0, self.height / 2.0, self.web / 2.0
+        f = h - self.flange
+        right = [(b, -h), (b, -f), (w, -f), (w, f), (b, f), (b, h)]
+        return np.array(right + [(-y, z) for y, z in reversed(right)])
 
     @property
     def area(self) -> float:

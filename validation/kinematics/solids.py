@@ -101,7 +101,7 @@ def outlines(section: Section) -> tuple[Array, Array | None]:
         bore = circle(section.inner_diameter / 2.0) if isinstance(section, Tube) else None
         return circle(section.diameter / 2.0), bore
     if isinstance(section, ISection):
-        return _i_outline(section), None
+        return section.outline, None
     bore = rectangle(*section.inner.extent) if isinstance(section, HollowRectangle) else None
     return rectangle(*section.extent), bore
 
@@ -222,10 +222,3 @@ def _leg_thickness(mechanism: Mechanism, joint: Joint) -> float:
     legs = legs_of(mechanism)
     names = [side.body for side in (joint.first, joint.second) if side.body in legs]
     return max((max(equivalent_leg(legs[name]).section.extent) for name in names), default=0.0)
-
-
-def _i_outline(section: ISection) -> Array:
-    y, z, web = section.width / 2.0, section.height / 2.0, section.web / 2.0
-    root = z - section.flange
-    right = [(y, -z), (y, -root), (web, -root), (web, root), (y, root), (y, z)]
-    return np.array(right + [(-y, z) for y, z in reversed(right)])
