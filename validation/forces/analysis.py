@@ -55,11 +55,16 @@ def forces_in(
     postures: Sequence[Posture],
     options: ModelOptions,
     shown_options: Mapping[str, object] | None = None,
+    *,
+    part_meshes: bool = True,
 ) -> Forces:
-    """Forces in postures of one mechanism under all of its loads."""
+    """Forces in postures of one mechanism under all of its loads.
+
+    Half-widths include those of the meshes of CAD parts if `part_meshes`.
+    """
     mechanism = postures[0].mechanism
     rows = load_forces(model, postures, options)
-    half_widths = _mesh_half_widths(model, postures, options, rows)
+    half_widths = _mesh_half_widths(model, postures, options, rows, part_meshes=part_meshes)
     tool = mechanism.tool
     return Forces(
         mechanism.name,
@@ -123,6 +128,8 @@ def _mesh_half_widths(
     postures: Sequence[Posture],
     options: ModelOptions,
     rows: Sequence[Sequence[LoadForces | None]],
+    *,
+    part_meshes: bool,
 ) -> list[list[Array]]:
     """Half-widths due to meshes by pose and load: six for each joint, then for each leg."""
     mechanism = postures[0].mechanism
@@ -140,7 +147,7 @@ def _mesh_half_widths(
         studies.append(
             (lambda: load_forces(model, postures, other), mesh_policy(options, legs, divisions))
         )
-    if mechanism.parts and model != "simplified":
+    if part_meshes and mechanism.parts and model != "simplified":
         if any(found_in(body)[0].mesh is not None for body in mechanism.parts.values()):
             return [[np.full_like(zero, inf) for zero in row] for row in zeros]
         unknowns = {name: unknowns_of(body) // 2 for name, body in mechanism.parts.items()}

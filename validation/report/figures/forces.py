@@ -1,0 +1,33 @@
+"""Forces and stresses over the path under each load of the robot file, by the beam model."""
+
+from dataclasses import replace
+from functools import partial
+
+from lumped.mechanism.mechanism import Mechanism
+from validation.case import Skip
+from validation.context import Context
+from validation.drawing.chart import Chart
+from validation.drawing.figures import FigureGroup
+from validation.forces.analysis import forces_in
+from validation.kinematics.poses import postures_on_path
+from validation.models.options import DEFAULT_OPTIONS
+from validation.studies_and_figures import PATH, PlannedFigure
+
+
+def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
+    """A figure for each load of the robot file."""
+    group = FigureGroup(PATH, "")
+    for load in mechanism.loads:
+        identity = f"mechanism.forces.{load.name}", f"Forces and stresses: {load.name}"
+        group.figure(*identity, effort=1.0)(partial(_forces, load=load.name))
+    return group()
+
+
+def _forces(context: Context, load: str) -> Chart:
+    mechanism = context.robot_file.mechanism
+    loads = tuple(one for one in mechanism.loads if one.name == load)
+    postures = postures_on_path(replace(mechanism, loads=loads), mechanism.poses)
+    found = forces_in("beam", postures, DEFAULT_OPTIONS, part_meshes=False)
+    if all(pose.loads[load] is None for pose in found.poses):
+        raise Skip("the mechanism cannot move as the load requires")
+    return found.chart(load)
