@@ -229,7 +229,7 @@ def _answered(content: bytes, persistent: list[object]) -> bytes:
     except (InputError, ComputationError) as error:
         raised = _Raised(error)
     except MemoryError:
-        raised = _Raised(ComputationError("memory ran out"))
+        raised = _Raised(ComputationError("out of memory"))
     except Exception as error:  # noqa: BLE001  any error is passed to the caller
         traceback.print_exc()
         raised = _Raised(ComputationError(f"{type(error).__name__}: {error}"))

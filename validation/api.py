@@ -432,8 +432,9 @@ class Adequacy:
         requirement = _accepting(self.requirement, accept, self._lengths)
         if requirement.modes > self.requirement.modes:
             raise InputError(
-                f"accept: modes = {requirement.modes}: must be at most {self.requirement.modes}, "
-                "as many as were computed; ask for more in `adequacy`"
+                f"accept: modes = {requirement.modes}: must be at most "
+                f"{self.requirement.modes}, the number of computed modes; request more "
+                "with `adequacy`"
             )
         return Adequacy(verdict_matrix(self.subject, requirement), requirement, self.subject)
 
@@ -506,7 +507,7 @@ class Adequacy:
 
         curves = error_curves(self.matrix)
         if curves is None:
-            raise InputError("plot: no error of a deflection or a frequency was computed")
+            raise InputError("plot: there is no error of a deflection or a frequency to plot")
         with plot_style():
             return drawn_chart(curves)
 
@@ -691,11 +692,16 @@ def identify(
     """
     faults = faults_of_numbers(unknowns, modes)
     if body is not None and (interfaces or material or unit):
-        faults.append("body: its interfaces, material and unit stand in the robot file")
+        faults.append(
+            "body: not with material, interface or unit, which are in the robot file for "
+            "this body; leave them out"
+        )
     if body is None and not isinstance(part, str | Path):
-        faults.append("body: missing; must name a part of the robot")
+        faults.append("body: missing; name a part of the robot")
     if body is None and not material:
-        faults.append("material: missing; must be given, {'E': 2.1e11, 'nu': 0.3, 'rho': 7850.0}")
+        faults.append(
+            "material: missing; add it, for example {'E': 2.1e11, 'nu': 0.3, 'rho': 7850.0}"
+        )
     with _arguments_named():
         if faults:
             raise InputError(faults)
@@ -849,8 +855,8 @@ def workspace(robot: Robot, *, preset: Preset = "standard") -> WorkspaceMaps:
     loaded = _loaded(robot)
     if not directions(loaded.mechanism):
         raise InputError(
-            f"{loaded.source}: path: no grid of the tool's moves; must have counts = […], two or "
-            "three of them above 1"
+            f"{loaded.source}: path: must be a grid of poses, counts = […] with two or "
+            "three entries above 1"
         )
     try:
         return workspace_maps(Context(loaded, preset))
@@ -932,7 +938,9 @@ def compare_measured(robot: Robot, file: str | Path | None = None) -> MeasuredCo
     if file is not None:
         loaded = with_measured_file(loaded, Path(file))
     if not loaded.measured:
-        raise InputError(f"{loaded.source}: has no [[measured]] values; name a file of them")
+        raise InputError(
+            f"{loaded.source}: has no [[measured]] values; give a file of measured values"
+        )
     return MeasuredComparison(measured_matrix(Context(loaded)))
 
 

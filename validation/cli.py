@@ -50,7 +50,10 @@ from validation.solve import part_commands as commands
 
 app = App(
     name="flexproof",
-    help="Holds lumped stiffness models of parallel robots against beam and solid finite elements.",
+    help=(
+        "Cross-validate lumped stiffness models of parallel robots against beam and solid "
+        "finite elements."
+    ),
     version="",
     result_action="return_value",
     # No option --empty-x for arguments that can be repeated, and no default in help if it is empty.
@@ -89,12 +92,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ComputationError, KeyboardInterrupt) as error:
         return write_messages([str(error) or "interrupted"], 3)
     except MemoryError:
-        return write_messages(["memory ran out"], 3)
+        return write_messages(["out of memory; choose a coarser mesh or a smaller preset"], 3)
     except Exception as error:  # noqa: BLE001  whatever it is, code 1 would pass for a disagreement
         return write_messages(
             [
                 *"".join(format_exception(error)).splitlines(),
-                "this is a fault of flexproof itself; please report it",
+                ("this is an error in flexproof itself; please report it with the lines above"),
             ],
             3,
         )
@@ -149,9 +152,9 @@ def _run(arguments: list[str]) -> int:
         if command.__module__.startswith("cyclopts"):
             streams.raise_lost_results(error)
         elif error.errno in EXHAUSTED:
-            raise ComputationError(f"the system refuses: {error.strerror}") from error
+            raise ComputationError(f"the operating system reports: {error.strerror}") from error
         elif not _in_a_folder():
-            gone = "the folder that you are in exists no more; change to another one (cd)"
+            gone = "the current folder no longer exists; change to another one (cd)"
             raise InputError(gone) from error
         else:
             raise
@@ -272,7 +275,7 @@ def run(
         vary=vary,
         strict=strict,
     )
-    go_on = f"go on with: {request.resume_command}"
+    go_on = f"continue with: {request.resume_command}"
     try:
         gathered = validate(request, catalogue)
     except (StoreError, ComputationError) as error:
@@ -314,7 +317,7 @@ def compare(before: PathArgument, after: PathArgument, *, json: AsJson = False) 
     comparison = compare_runs(*runs)
     judged = any(change.before and change.after for change in comparison.adequacy)
     if not (comparison.seconds or judged or comparison.different_robots):
-        raise InputError(f"{before} and {after} have no case in common: nothing compares them")
+        raise InputError(f"{before} and {after} have no case in common, so nothing can be compared")
     if json:
         write_results(dumps(as_dict(comparison), indent=1))
     else:
@@ -545,7 +548,7 @@ def cases(robot: RobotName = "ifw", *, json: AsJson = False) -> int:
 def _one_line(error: CycloptsError) -> str:
     if isinstance(error, UnusedCliTokensError):
         tokens = " ".join(error.unused_tokens or ())
-        return f"not understood: {tokens}; see flexproof --help"
+        return f"unknown arguments: {tokens}; see flexproof --help"
     return " ".join(str(error).split())
 
 

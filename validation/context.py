@@ -77,5 +77,5 @@ def memo_key(
     """
     name = f"{function.__module__}.{function.__qualname__}"
     if "<" in name:
-        raise ValueError(f"{name}: only functions at the top of a module have a fixed name")
+        raise ValueError(f"{name}: only module-level functions have a fixed name")
     return f"{name} {comparison_fingerprint((args, dict(kwargs)))}"

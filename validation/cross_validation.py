@@ -159,8 +159,8 @@ class CrossValidation:
             detail = f"{shares.value:.6g} against {other.value:.6g}, {percent(difference)}"
         if not bound <= allowed:
             raise AssertionError(
-                f"{model} and {with_}, {quantity} of {body or 'the robot'}: {detail}; "
-                f"allowed {percent(allowed).lstrip('+')}"
+                f"{model} compared with {with_}, {quantity} of {body or 'the robot'}: "
+                f"{detail}; allowed {percent(allowed).lstrip('+')}"
             )
 
     def assert_converged(
@@ -263,7 +263,7 @@ class CrossValidation:
 def _computed(outcome: Outcome) -> AgreementRow:
     """Numbers of a comparison. Raises AssertionError if it was skipped or failed."""
     if outcome.measurement is None:
-        raise AssertionError(f"{outcome.case.id}: not compared: {outcome.message}")
+        raise AssertionError(f"{outcome.case.id}: not compared, because {outcome.message}")
     return agreement_row(outcome)
 
 

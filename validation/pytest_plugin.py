@@ -34,16 +34,18 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="append",
         default=[],
         metavar="ROBOT",
-        help="collect a robot (file or built-in name): one test per model and quantity, for its "
-        "adequacy, its agreement with solids and its convergence",
+        help=(
+            "collect a robot (file or built-in name) as tests: one per model and quantity "
+            "for its adequacy, its agreement with solid FE and its convergence"
+        ),
     )
     group.addoption(
         "--flexproof-preset",
         default="standard",
         choices=("quick", "standard", "fine"),
-        help="how much to compute for the references",
+        help="mesh refinement of the references: quick, standard or fine",
     )
-    group.addoption("--flexproof-strict", action="store_true", help="what is undecided fails, too")
+    group.addoption("--flexproof-strict", action="store_true", help="undecided verdicts fail, too")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -121,7 +123,7 @@ class ModelItem(pytest.Item):
         adequacy = _assessment(self.config, self.parent.robot, None)
         entry = adequacy.matrix.entry(self.model, self.quantity)
         if entry is None:
-            pytest.skip(f"{self.model} says nothing of {self.quantity}")
+            pytest.skip(f"model {self.model} does not define {self.quantity}")
         if entry.error is None and self.model in adequacy.matrix.faults:
             pytest.fail(adequacy.told(entry), pytrace=False)
         strict = self.config.getoption("flexproof_strict")

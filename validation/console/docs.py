@@ -26,10 +26,14 @@ def docs(*, out: Annotated[Path, Parameter(show_default=True)] = Path("site")) -
         Folder for the pages. A folder that contains anything but an earlier site is refused.
     """
     if not (SOURCES / "conf.py").is_file():
-        raise InputError("docs: no folder docs/ here; run the command in a clone of the sources")
+        raise InputError(
+            "docs: no folder docs/ in the current folder; run the command in a clone of the sources"
+        )
     require_extra("docs", "docs")
     if out.exists() and not (out.is_dir() and (not any(out.iterdir()) or (out / MARK).is_file())):
-        raise InputError(f"docs: {out} exists and is not an earlier site; choose another --out")
+        raise InputError(
+            f"docs: {out} exists and is not an earlier site; choose another folder with --out"
+        )
     # Examples of the gallery solve small matrices, on which more threads of BLAS lose time.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Sphinx takes half a second to import.
@@ -40,6 +44,6 @@ def docs(*, out: Annotated[Path, Parameter(show_default=True)] = Path("site")) -
         failed = build_main([*options, "--builder", "html", str(SOURCES), str(out)])
     sys.stdout.flush()
     if failed:
-        raise ComputationError("docs: Sphinx reports warnings or errors (above)")
+        raise ComputationError("docs: Sphinx reported warnings or errors (see above)")
     write_message(f"{out / 'index.html'} written")
     return 0

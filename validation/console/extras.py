@@ -38,13 +38,14 @@ def extras(*names: str) -> int:
     if unknown := [name for name in names if name not in EXTRAS]:
         allowed = f"must be one of {', '.join(EXTRAS)}"
         raise InputError(
-            f"extras {name}: no such extra; {allowed}{did_you_mean(name, EXTRAS)}"
+            f"extras {name}: unknown extra; {allowed}{did_you_mean(name, EXTRAS)}"
             for name in unknown
         )
     if Path(sys.prefix).resolve() != (ROOT / ".venv").resolve():
         raise InputError(
-            "extras: adds packages to the environment of ./flexproof only; for this environment "
-            f"type pip install '.[{','.join(names)}]' in the folder of the sources"
+            "extras: adds packages only to the environment of ./flexproof; for this "
+            f"environment run pip install '.[{','.join(names)}]' in the folder of the "
+            "sources"
         )
     # Imported here, so that other commands start sooner.
     from validation.console.locked import add  # noqa: PLC0415
@@ -52,7 +53,7 @@ def extras(*names: str) -> int:
     with _setup_lock():
         added = add(ROOT, names)
         _store_names(names)
-    result = f"added {', '.join(added)}" if added else "installed already, nothing to do"
+    result = f"added {', '.join(added)}" if added else "already installed"
     write_message(f"extras {' '.join(dict.fromkeys(names))}: {result}")
     return 0
 
@@ -68,7 +69,9 @@ def _store_names(names: Iterable[str]) -> None:
 def _setup_lock() -> Iterator[None]:
     """Hold the lock of set-ups of this clone, which the launcher uses, too."""
     if fcntl is None:
-        raise InputError("extras: needs the launcher and Linux; type pip install '.[NAME]' instead")
+        raise InputError(
+            "extras: needs the launcher ./flexproof on Linux; elsewhere run pip install '.[NAME]'"
+        )
     with (ROOT / "pyproject.toml").open("rb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         yield

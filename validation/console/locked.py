@@ -73,7 +73,9 @@ def missing_packages(requirements: Iterable[Requirement], locked: Locked) -> lis
             continue
         seen.add((name, *sorted(requirement.extras)))
         if name not in locked or not _applies(locked[name][0], ("",)):
-            raise ComputationError(f"no {name} for this machine in {' and '.join(LOCKS)}")
+            raise ComputationError(
+                f"no version of {name} for this machine in {' and '.join(LOCKS)}"
+            )
         try:
             installed = distribution(name)
         except PackageNotFoundError:
@@ -107,7 +109,7 @@ def _install(blocks: Iterable[str]) -> None:
             check=False,
         )
     if done.returncode:
-        raise ComputationError("extras: pip could not install them (see above)")
+        raise ComputationError("extras: pip failed to install the packages (see above)")
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ class ResultsLostError(ComputationError):
     """Error if results could not be written to stdout."""
 
     def __init__(self, error: OSError) -> None:
-        super().__init__(f"the results cannot be written to stdout: {error.strerror}")
+        super().__init__(f"the results cannot be written to the standard output: {error.strerror}")
 
 
 def prepare() -> None:

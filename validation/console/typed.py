@@ -66,12 +66,17 @@ SolverName: TypeAlias = Annotated[
 ]
 RankCount: TypeAlias = Annotated[
     WholeNumber | None,
-    Parameter(help="Processes of MPI for --solver petsc. FLEXPROOF_RANKS, or 1, if left out."),
+    Parameter(
+        help="Number of MPI processes for --solver petsc. Default: FLEXPROOF_RANKS, otherwise 1."
+    ),
 ]
-RobotName: TypeAlias = Annotated[str, Parameter(help="A built-in robot or a robot file.")]
-AsJson: TypeAlias = Annotated[bool, Parameter(help="Print JSON for programs.")]
+RobotName: TypeAlias = Annotated[str, Parameter(help="Name of a built-in robot, or a robot file.")]
+AsJson: TypeAlias = Annotated[bool, Parameter(help="Print JSON instead of text.")]
 Force: TypeAlias = Annotated[
-    bool, Parameter(help="Replace a file of the same kind, even if flexproof did not write it.")
+    bool,
+    Parameter(
+        help="Replace an existing file of the same kind, even if it was not written by flexproof."
+    ),
 ]
 
 
@@ -89,17 +94,17 @@ def require_writable(path: Path | None, kind: str, *, force: bool = False) -> No
     foreign = path.is_file() and not is_marked(path, kind)
     if foreign and path.resolve().suffix.lower() != kind:
         raise InputError(
-            f"{path}: exists already, and only {kind} files are replaced; must be the name of a "
-            f"new file or of a {kind} file"
+            f"{path}: exists already and is not a {kind} file; give the name of a new "
+            f"file or of a {kind} file"
         )
     if foreign and not force:
         raise InputError(
-            f"{path}: exists already and was not written by flexproof, or was changed since; "
-            "must be the name of a new file, or be replaced with --force"
+            f"{path}: exists already and was not written by flexproof, or was changed "
+            "since; give another name, or replace it with --force"
         )
     nearest = next(parent for parent in (path, *path.absolute().parents) if parent.exists())
     if nearest != path and not nearest.is_dir():
-        raise InputError(f"{path}: cannot be written ({nearest} is no folder)")
+        raise InputError(f"{path}: cannot be written ({nearest} is not a folder)")
     if not os.access(nearest, os.W_OK):
         raise InputError(f"{path}: cannot be written (no write permission for {nearest})")
 
@@ -108,7 +113,7 @@ def require_distinct(*paths: Path | None) -> None:
     """Raise InputError if two results are to be written to the same file."""
     files = [path.absolute() for path in paths if path is not None]
     if len(set(files)) < len(files):
-        raise InputError(f"{paths[0]}: is named for two results; each must have a file of its own")
+        raise InputError(f"{paths[0]}: given for two results; give a separate file for each")
 
 
 def write(path: Path, content: bytes, kind: str) -> None:

@@ -87,10 +87,12 @@ def write_export(
     if not 1 <= modes <= _MOST_MODES:
         raise InputError(f"--modes {modes}: must be from 1 to {_MOST_MODES}")
     if body is None and to in {"simscape", "nastran"}:
-        raise InputError(f"--to {to}: writes one body; name it with --body")
+        raise InputError(f"--to {to}: exports one body; name it with --body")
     if body is not None and (to == "statespace" or pose is not None):
         option = "--to statespace" if to == "statespace" else "--pose"
-        raise InputError(f"--body: must be left out with {option}, which is for the whole robot")
+        raise InputError(
+            f"--body: not with {option}, which exports the whole robot; leave --body out"
+        )
     if to == "nastran":
         require_extra("nastran", "--to nastran")
     robot_file = load_robot(robot) if isinstance(robot, str) else robot

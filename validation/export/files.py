@@ -156,7 +156,7 @@ def _write_beams(posture: Posture, path: Path) -> None:
     for name in legs_of(posture.mechanism):
         frame, model = posture.frames[name], system.models[name]
         if not isinstance(model, LegMatrices):
-            raise TypeError(f"{name}: the beam model of a leg has a centreline")
+            raise TypeError(f"{name}: the beam model of the leg along its centreline")
         stations = np.linspace(0.0, model.length, _STATIONS)
         lines.append(frame.position + np.outer(stations, frame.rotation[:, 0]))
         twists = model.centreline(stations)
@@ -235,7 +235,7 @@ def _save(
     writer.SetInputData(data)
     # If the disk is full, VTK prints a message, returns, and leaves an incomplete file.
     if not writer.Write() or writer.GetErrorCode():
-        raise OSError(EIO, "VTK could not write it (disk full?)", str(path))
+        raise OSError(EIO, "VTK could not write the file; is the disk full?", str(path))
 
 
 def _write_leg(leg: ConstantLeg, stem: str, divisions: int, folder: Path) -> None:

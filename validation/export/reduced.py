@@ -83,7 +83,7 @@ def reduced_body(mechanism: Mechanism, name: str, highest: float) -> Reduced:
     """
     solids = dict(_solids(mechanism, highest, only=name))
     if name not in solids:
-        kind = "a rigid body" if name not in legs_of(mechanism) else "known by its 6×6 only"
+        kind = "a rigid body" if name not in legs_of(mechanism) else "a leg specified by its 6×6"
         raise InputError(f"--body {name}: is {kind}; must be a leg with a section, or a CAD part")
     model, truncated, count = solids[name]
     stiffness, mass = dense(model.stiffness), dense(model.mass)
@@ -154,10 +154,13 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
     # Drive ports are zero for the inner unknowns of bodies.
     inner_zeros = np.zeros((1, system.size - system.outer))
     pose = shown_pose(mechanism, posture.pose) or "the reference posture"
-    masses = ", legs known by their 6×6 with their mass along them" if six_by_six_legs else ""
+    masses = ", legs specified by a 6×6 with their mass along them" if six_by_six_legs else ""
     matrices = Reduced(
         name=mechanism.name,
-        about=f"robot at {pose}, base axes, legs and parts solid{masses}; frequencies as it stands",
+        about=(
+            f"robot at {pose}, base axes, legs and parts as solids{masses}; frequencies of "
+            "the supported robot"
+        ),
         unknowns=tuple(str(i + 1) for i in range(system.size)),
         stiffness=dense(system.stiffness),
         mass=dense(system.mass),

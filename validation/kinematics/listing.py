@@ -32,7 +32,7 @@ def mobility_text(mechanism: Mechanism) -> str:
     return "\n".join(
         [
             f"{bodies}, {counted(len(mechanism.joints), 'joint')} ({joints}), {driven} driven",
-            f"mobility {motions.mobility}: the tool's moves {moves}{idle}",
+            f"mobility {motions.mobility}: moves of the tool {moves}{idle}",
             f"{constraints}, {motions.redundant or 'none'} of them redundant",
         ]
     )
@@ -49,8 +49,8 @@ def as_text(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
         motions = mobility(posture)
         if motions.at_limit:
             lines.append(
-                f"  singular: the tool cannot move along {', '.join(motions.barred)}; "
-                f"{', '.join(motions.stirring)} can move while the tool does not"
+                f"  singular: the tool cannot move along {', '.join(motions.barred)}, "
+                f"while {', '.join(motions.stirring)} can move without the tool"
             )
         width = max((len(joint.name) for joint in mechanism.joints), default=0)
         lines += [

@@ -33,7 +33,9 @@ def parsed_pose(mechanism: Mechanism, text: str) -> Array:
         values = np.full(len(moves), np.nan)
     if len(values) != len(moves) or not np.isfinite(values).all():
         if not moves:
-            raise InputError(f"--pose {text}: the tool has no moves; leave --pose out")
+            raise InputError(
+                f"--pose {text}: the tool of this robot has no moves; leave --pose out"
+            )
         names = ",".join(moves)
         raise InputError(f"--pose {text}: must be {names} as finite numbers separated by commas")
     return mechanism.in_metres(values)

@@ -253,7 +253,7 @@ def _entry_without_values(
         verdict="undecided",
         pose=measured.pose,
         reference=f"measured: {measured.source}",
-        reason=f"{model} cannot be computed: {reason}",
+        reason=f"{model} has no solution: {reason}",
         measured=True,
     )
 
@@ -265,7 +265,7 @@ def _with_missing_values(entry: Entry, reasons: Mapping[Measured, str]) -> Entry
     """
     if not reasons or entry.verdict == "inadequate":
         return entry
-    reason = f"{entry.model} cannot be computed for all values: {next(iter(reasons.values()))}"
+    reason = f"{entry.model} has no solution for some values: {next(iter(reasons.values()))}"
     return structs.replace(entry, verdict="undecided", reason=reason)
 
 
@@ -304,7 +304,9 @@ def _comparison(predictions: Predictions, name: str, measured: Measured) -> Comp
 
     changes = [
         [
-            perturbed(f"{key} a standard deviation off", factors=((key, direction * share),))
+            perturbed(
+                f"{key} changed by one standard deviation", factors=((key, direction * share),)
+            )
             for direction in (-1, 1)
         ]
         for key, share in predictions.inputs.items()
@@ -323,7 +325,7 @@ def _required(value: float | None, changed: str) -> float:
     Otherwise a missing value would count as an uncertainty of zero, or of the whole value.
     """
     if value is None:
-        raise ComputationError(f"its uncertainty is not known: it has no value with {changed}")
+        raise ComputationError(f"its uncertainty is unknown: no solution with {changed}")
     return value
 
 
@@ -352,8 +354,9 @@ def _entry(
     reason = mode_partner.reason if mode_partner else ""
     ratio = deciding.value / worst.value
     if worst.response is not None and ratio < 0.0:
-        reason = (
-            reason or "moves the other way than measured: is a sign or direction of the test wrong?"
+        reason = reason or (
+            "the response has the opposite sign of the measurement; check sign and "
+            "direction in the test"
         )
     entry = Entry(
         model=model,
@@ -372,9 +375,12 @@ def _entry(
         # Modes of different shape and values of opposite sign cannot be compared.
         return entry
     if worst.response is not None and not 1.0 / _WRONG_UNIT_RATIO < ratio < _WRONG_UNIT_RATIO:
-        reason = f"{ratio:.3g} times what was measured: is a unit wrong?"
+        reason = f"{ratio:.3g} times the measured value; check the unit"
     elif verdict == "undecided":
-        reason = "needs a smaller validation uncertainty"
+        reason = (
+            "undecided because of the uncertainties of measurement and model; reduce the "
+            "largest one"
+        )
     return structs.replace(
         entry,
         verdict=verdict,

@@ -75,14 +75,18 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
     if path.suffix.lower() not in SUFFIXES:
         return with_measured(robot_file, path)
     if (hammer := robot_file.hammer) is None:
-        raise InputError(f"{path}: {robot_file.source} must say in [hammer] where its nodes are")
+        raise InputError(
+            f"{path}: the robot file {robot_file.source} must have [hammer] with the "
+            "positions of the nodes"
+        )
     tested = read_modes(path)
     numbers = tested.freedoms[:, 0]
     located = np.isin(numbers, list(hammer.nodes))
     all_nodes = counted(len(set(numbers)), "node")
     if not located.any():
         raise InputError(
-            f"{path}: none of its {all_nodes} is listed in [hammer.nodes] of {robot_file.source}"
+            f"{path}: none of the {all_nodes} of the test is listed in [hammer.nodes] of "
+            f"{robot_file.source}"
         )
     sizes = np.abs(tested.poles)
     test = ModalTest(
@@ -100,7 +104,10 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
     ]
     if not paired:
         all_modes = counted(len(partners), "mode")
-        raise InputError(f"{path}: none of its {all_modes} above 0 Hz is one of the beam model's")
+        raise InputError(
+            f"{path}: none of the {all_modes} above 0 Hz has a partner among the modes of the "
+            "beam model"
+        )
     source = (
         f"{path.name}, {len(paired)} of {counted(len(partners), 'mode')}, "
         f"{len(set(numbers[located]))} of {all_nodes}"
@@ -169,13 +176,17 @@ def modal_prediction(
             reason = ""
             if likeness < LEAST_MAC:
                 reason = (
-                    f"another mode, or measured elsewhere: MAC {likeness:.2f}, must be {LEAST_MAC}"
+                    f"not paired: MAC {likeness:.2f} is below {LEAST_MAC}; another mode, "
+                    "or wrong positions of the nodes"
                 )
             elif len(set(spaces[similar_modes])) > 1 or (
                 len(motions) == 1 and not near[column].any()
             ):
                 listed = ", ".join(f"f{number + 1}" for number in visible[similar_modes])
-                reason = f"{listed} of the model look like it where it was measured: add points"
+                reason = (
+                    f"modes {listed} of the model have the same shape at the measured points; "
+                    "measure at more points"
+                )
             partners[column] = Partner(
                 int(visible[nearest]) + 1, float(frequencies[nearest]), likeness, reason
             )
@@ -195,8 +206,8 @@ def _without_verdicts_if_most_misfit(partners: Sequence[Partner | None]) -> list
     if 2 * misfits <= len(partners):
         return list(partners)
     reason = (
-        f"{misfits} of {counted(len(partners), 'mode')} of the test are like none of the model: "
-        "are nodes swapped, or elsewhere than [hammer.nodes] says?"
+        f"{misfits} of {counted(len(partners), 'mode')} of the test have no partner in "
+        "the model; check for exchanged nodes and the positions in [hammer.nodes]"
     )
     return [
         partner and (partner if partner.reason else partner._replace(reason=reason))

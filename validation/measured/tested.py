@@ -68,7 +68,10 @@ def read_modes(path: Path) -> TestedModes:
     try:
         content = read_ordinary(path, _FILE_KIND, _LARGEST_SIZE)
         if content.split()[-1:] != [b"-1"]:
-            raise InputError(f"{path}: does not end with -1, is it cut off? must be {_FILE_KIND}")
+            raise InputError(
+                f"{path}: does not end with -1, so that the file may be truncated; must be "
+                f"{_FILE_KIND}"
+            )
         return within_limits(_SECONDS, _modes_of_file, path)
     except FileNotFoundError as error:
         raise InputError(f"{path}: no such file; must be {_FILE_KIND}") from error
@@ -96,7 +99,7 @@ def _modes_of_file(path: Path) -> TestedModes:
     ] or [(1.0, 1.0)]
     if min(units[0]) <= 0.0 or len(set(units)) > 1:
         raise InputError(
-            f"{path}: units of length and force must be above 0, and must be the same in all of it"
+            f"{path}: units of length and force must be above 0 and the same in the whole file"
         )
     coherent = [
         dataset for dataset in sets if dataset["type"] == 58 and dataset["func_type"] == _COHERENCE
@@ -224,8 +227,9 @@ def _functions(
             )
         ):
             raise InputError(
-                f"{path}: function {number} must be a displacement, velocity or acceleration along "
-                "x, y or z by a force along one, with finite values at the frequencies of the first"
+                f"{path}: function {number} must be displacement, velocity or "
+                "acceleration along x, y or z per force along x, y or z, with finite "
+                "values at the frequencies of the first function"
             )
         in_g = function["ordinate_axis_units_lab"].strip().lower() == "g"
         to_si = force * (_GRAVITY if in_g else 1.0 / length)
@@ -265,9 +269,11 @@ def _identified_modes(path: Path, functions: _Functions) -> TestedModes:
         if all((end, freedom) in row_of for end in fixed)
     ]
     if len(row_of) < count:
-        raise InputError(f"{path}: two functions are of the same motion by the same force")
+        raise InputError(
+            f"{path}: two functions have the same response and force coordinates; leave one out"
+        )
     if not freedoms:
-        raise InputError(f"{path}: no motion was measured with every place that was struck")
+        raise InputError(f"{path}: no response point was measured for all excitation points")
     # Lines start at 0 Hz, with zeros where nothing was measured: sdypy-EMA would add missing lines
     # itself, but can round their number up by one.
     lines = np.hstack([np.zeros((count, functions.before)), rows])
@@ -275,7 +281,7 @@ def _identified_modes(path: Path, functions: _Functions) -> TestedModes:
     model, highest = _with_poles(path, lines, all_frequencies, (frequencies[0], frequencies[-1]))
     stable, scatter = _stable_poles(model.all_poles, 2.0 * np.pi * frequencies[[0, -1]])
     if not stable:
-        raise InputError(f"{path}: no mode can be told from its functions")
+        raise InputError(f"{path}: no mode can be identified from the frequency response functions")
     model.pole_ind = [[highest - 1, index] for index in stable]
     # Excludes the last line, which sdypy-EMA drops.
     constants = model.get_constants(f_upper=model.freq[-1])[1]
@@ -315,7 +321,9 @@ def _with_poles(
         except np.linalg.LinAlgError:
             highest = len(model.all_poles)
             if highest < _FEWEST_ORDERS:
-                raise InputError(f"{path}: no mode can be told from its functions") from None
+                raise InputError(
+                    f"{path}: no mode can be identified from the frequency response functions"
+                ) from None
         else:
             return model, highest
 

@@ -57,7 +57,9 @@ def leg_matrices(
     if model == "segments":
         return segment_leg(leg_chain(leg, options))
     if model != "beam":
-        raise InputError(f"the {model} model has no leg matrices that suit every frequency")
+        raise InputError(
+            f"model {model}: its leg matrices depend on frequency, so that none can be returned"
+        )
     return beam_leg(leg.properties(options.theory), leg.length, options.elements)
 
 
@@ -149,7 +151,9 @@ def leg_compliance(model: ModelName, leg: Leg, options: ModelOptions = DEFAULT_O
     Raises InputError for `simplified`, whose legs are rigid.
     """
     if model == "simplified":
-        raise InputError("--leg: the legs of the simplified model are rigid")
+        raise InputError(
+            "--leg: not for model simplified, whose legs are rigid; choose another --model"
+        )
     if model in STATIC and options.legs == "given" and isinstance(leg, GivenLeg):
         return given_compliance(leg)
     constant = equivalent_leg(leg, options.equivalent)
@@ -168,7 +172,9 @@ def leg_frequencies(
     Raises InputError for `simplified` (rigid legs), `vjm` and `links` (static).
     """
     if model == "simplified" or model in STATIC:
-        raise InputError(f"--modes: the {model} model of one leg has no frequencies")
+        raise InputError(
+            f"--modes: model {model} of one leg is static and has no frequencies; leave --modes out"
+        )
     constant = equivalent_leg(leg, options.equivalent)
     if model == "solid":
         solid_leg = clamped_solid(constant, options.divisions, options.ends)
@@ -185,7 +191,9 @@ def free_leg_frequencies(
     InputError as `leg_frequencies` does, and ComputationError if there are not six rigid motions.
     """
     if model == "simplified" or model in STATIC:
-        raise InputError(f"--modes: the {model} model of one leg has no frequencies")
+        raise InputError(
+            f"--modes: model {model} of one leg is static and has no frequencies; leave --modes out"
+        )
     constant = equivalent_leg(leg, options.equivalent)
     if model != "solid":
         return free_frequencies(leg_matrices(model, constant, options), count)

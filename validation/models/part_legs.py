@@ -39,8 +39,10 @@ def given_leg(body: Body) -> GivenLeg:
 def require_legs(mechanism: Mechanism) -> None:
     """Raise InputError if a CAD part does not have exactly two interfaces."""
     faults = [
-        f"bodies.{name}: a part of {counted(len(body.interfaces), 'interface')} cannot be a link "
-        "of a serial chain; use links"
+        (
+            f"bodies.{name}: a part with {counted(len(body.interfaces), 'interface')} cannot "
+            "be a link of a serial chain; use --model links"
+        )
         for name, body in mechanism.parts.items()
         if not is_leg(body)
     ]

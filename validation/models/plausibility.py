@@ -51,9 +51,11 @@ def _size_and_mass(mechanism: Mechanism) -> Iterator[Finding]:
                 f"bodies.{body.name}",
                 "size and mass",
                 printed=f"{mechanism.lengths.shown(span, 4)} from end to end, {mass:.3g} kg",
-                wrong="no body of a machine has this size and this mass; are lengths given in mm? "
-                'they must be in m, or units = "mm" stand at the top of the file',
-                evidence=f"{mass / span:.3g} kg/m; a robot's legs have 0.1 to 3000 kg/m",
+                wrong=(
+                    "size and mass do not fit together; are lengths given in mm? Lengths "
+                    'must be in m, or add units = "mm" at the top of the file'
+                ),
+                evidence=f"{mass / span:.3g} kg/m; legs of robots have 0.1 to 3000 kg/m",
                 severity="warning",
                 numbers={"span": span, "mass": mass},
             )
@@ -80,8 +82,8 @@ def _gravity(mechanism: Mechanism) -> Iterator[Finding]:
                 f"loads.{load.name}.gravity",
                 "gravity",
                 printed=f"{[float(f'{part:.6g}') for part in load.gravity]} m/s²",
-                wrong="gravity is 9.81 m/s² on earth; is it given in mm/s²? it must be in m/s²",
-                evidence=f"its size is {size:.5g} m/s², {size / 9.81:.3g} times the earth's",
+                wrong="gravity on earth is 9.81 m/s²; is it given in mm/s²? It must be in m/s²",
+                evidence=f"magnitude {size:.5g} m/s², {size / 9.81:.3g} times that of the earth",
                 severity="warning",
                 numbers={"gravity": size},
             )
@@ -109,9 +111,11 @@ def _bores(mechanism: Mechanism) -> Iterator[Finding]:
                 yield Finding(
                     f"bodies.{side.body}.interfaces.{side.point}",
                     "axis of a bore",
-                    printed=f"its axis along {_direction(axis)}",
-                    wrong=f"the bore or boss does not lie along the axis of {joint.name}; is the "
-                    f"part turned? bodies.{side.body}.place",
+                    printed=f"bore or boss along {_direction(axis)}",
+                    wrong=(
+                        f"the bore or boss is not parallel to the axis of {joint.name}; check "
+                        f"the orientation of the part, bodies.{side.body}.place"
+                    ),
                     evidence=f"{joint.name} turns about {_direction(joint.axes[0])}, "
                     f"{angle:.3g}° apart",
                     severity="warning",
@@ -139,9 +143,11 @@ def _slides(mechanism: Mechanism) -> Iterator[Finding]:
                 f"joints.{joint.name}.at",
                 "gap of a slide",
                 printed=f"{sides[0].point} of {sides[0].body}, {sides[1].point} of {sides[1].body}",
-                wrong="the bodies that slide in each other end before they meet: the points of the "
-                "slide lie off the other body",
-                evidence=f"{gap:.4g} m along the axis lie between them",
+                wrong=(
+                    "the sliding bodies do not overlap: the points of the joint lie outside "
+                    "the other body"
+                ),
+                evidence=f"gap of {gap:.4g} m along the axis between them",
                 severity="warning",
                 numbers={"gap": gap},
             )

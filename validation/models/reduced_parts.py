@@ -109,7 +109,7 @@ def _written(path: Path) -> tuple[int, int] | None:
 def shape_of(body: Body) -> Part:
     """CAD part of a body. Raises InputError for a body that is not one."""
     if not isinstance(body.shape, Part):
-        raise InputError(f"bodies.{body.name}: is not a part from a file")
+        raise InputError(f"bodies.{body.name}: must be a part from a file (step or mesh)")
     return body.shape
 
 
@@ -167,7 +167,7 @@ def with_finer_parts(mechanism: Mechanism, factor: float) -> Mechanism:
     finer = {}
     for name, body in mechanism.parts.items():
         if found_in(body)[0].mesh is not None:
-            raise InputError(f"bodies.{name}: a mesh that is given has no finer one")
+            raise InputError(f"bodies.{name}: a mesh from a file cannot be refined")
         finer[name] = more_unknowns(unknowns_of(body), factor)
         require_memory(finer[name], name)
     return with_unknowns(mechanism, finer)
@@ -227,8 +227,9 @@ def reduced(
     part = reduced_entry(body, highest, cutoff, level, hold, by).value()
     if part.kept != part.counted:
         raise ComputationError(
-            f"{body.name}, reduced: {counted(part.counted, 'mode was', 'modes were')} counted "
-            f"below {part.cutoff:.6g} Hz, its reduction has {part.kept}"
+            f"{body.name}, reduced: {counted(part.counted, 'mode was', 'modes were')} "
+            f"counted below {part.cutoff:.6g} Hz, but the reduction has {part.kept}; "
+            "modes are missing"
         )
     return part
 

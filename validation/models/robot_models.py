@@ -362,7 +362,10 @@ def _half_octave_above(frequency: float) -> float:
 
 def _require_dynamic_model(model: ModelName) -> None:
     if model in STATIC:
-        raise InputError(f"--modes: the {model} model is static and has no frequencies")
+        raise InputError(
+            f"--modes: model {model} is static and has no frequencies; leave --modes out or "
+            "choose another --model"
+        )
 
 
 def released(postures: Sequence[Posture], options: ModelOptions) -> Sequence[Posture]:

@@ -70,8 +70,8 @@ def stepped_entry(body: Body, pieces: int = PIECES) -> CacheEntry[SteppedLeg]:
         begin, end = float(extents[0].max()), float(extents[1].min())
         if begin >= end:
             raise NotPrismaticError(
-                f"bodies.{body.name}: its interfaces overlap along the line between them, nothing "
-                'is left for pieces; take "condensed"'
+                f"bodies.{body.name}: its interfaces overlap along the line between them, "
+                "so that no prismatic pieces fit in between; use --parts condensed"
             )
         try:
             return _pieces_and_masses(mesh, positions, (begin, end), pieces, material)
@@ -106,7 +106,7 @@ def why_not_stepped(mechanism: Mechanism) -> str:
     """Reason why CAD parts cannot be modelled as stepped legs. "" if all of them can."""
     legs = [body for body in mechanism.parts.values() if reduced_parts.is_leg(body)]
     if not legs:
-        return "no part has exactly two interfaces, as stepped legs need"
+        return "no part has exactly two interfaces; only such parts can be stepped"
     try:
         for body in legs:
             stepped(body)
@@ -170,8 +170,9 @@ def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
             piece, *further_slices = slices_of(positions, facets, middle, axes)
             if further_slices:
                 raise NotPrismaticError(
-                    f"its section {middle[0]:.4g} m from the first interface falls into "
-                    f'{1 + len(further_slices)} pieces, side by side no prism; take "condensed"'
+                    f"its cross-section {middle[0]:.4g} m from the first interface "
+                    f"consists of {1 + len(further_slices)} separate areas, so that it is "
+                    "not a prism there; use --parts condensed"
                 )
             cuts.append((starts[k] + share * lengths[k], middle[0]))
             sizes.append(piece.size)
@@ -191,9 +192,10 @@ def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
         for factors, word in ((weaker, "smaller"), (stronger * middles[k], "larger")):
             if factors.max() > _LARGEST_RATIO:
                 raise NotPrismaticError(
-                    f"its section {cuts[k][1]:.4g} m from the first interface has a "
-                    f"{_MEASURES[factors.argmax()]} {factors.max():.3g} times {word} than those "
-                    f'nearer than {0.5 * sizes[k]:.3g} m on both sides, no prism; take "condensed"'
+                    f"its cross-section {cuts[k][1]:.4g} m from the first interface is "
+                    f"not prismatic: its {_MEASURES[factors.argmax()]} is "
+                    f"{factors.max():.3g} times {word} than that of cross-sections within "
+                    f"{0.5 * sizes[k]:.3g} m on both sides; use --parts condensed"
                 )
 
 

@@ -33,11 +33,11 @@ def as_text(identified: Identified, accuracy: Accuracy | None = None) -> str:
     counts = ", ".join(map(str, identified.unknowns))
     meshes = f"meshes of {counts} unknowns; {identified.elements} tetrahedra in the finest"
     if len(identified.unknowns) == 1:
-        meshes = f"one mesh, as given, of {counts} unknowns"
+        meshes = f"one mesh, from the file, of {counts} unknowns"
     if identified.straightened:
         meshes += f", {identified.straightened} of them straightened"
     if not identified.by_curvature:
-        meshes += "; element sizes do not follow the curvature, because gmsh fails with them"
+        meshes += "; element sizes do not follow the curvature, because gmsh fails with such sizes"
     mass = f"mass {identified.total:.6g} kg, centre ({_coordinates(identified.centre)}) m"
     if identified.deviation is not None:
         mass += f", volume {identified.deviation:+.1e} of the exact one"
@@ -73,7 +73,7 @@ def _percent(share: float) -> str:
 def _compliances(identified: Identified) -> list[str]:
     first = identified.interfaces[0].name
     if len(identified.interfaces) == 1:
-        return [f"{first} is the only interface: there is no stiffness between interfaces"]
+        return [f"{first} is the only interface, so that there is no stiffness between interfaces"]
     lines = [
         f"compliance with {first} clamped, axes of the file (m/N, rad/(N m)); ± half-width of the "
         "meshes; averaged minus rigid interfaces"
@@ -120,8 +120,8 @@ def toml(identified: Identified) -> str:
     if len(identified.interfaces) != 2:
         number = counted(len(identified.interfaces), "interface")
         return (
-            f"# {name} has {number}, but a leg known by a 6×6 has two. Enter the CAD file in the "
-            "robot file (step = …), or use the numbers of --json or --out."
+            f"# {name} has {number}, but a leg specified by a 6×6 has two. Enter the CAD "
+            "file in the robot file (step = …), or use the values of --json or --out."
         )
     first, second = identified.interfaces
     axes = leg_frame(first.point, second.point).rotation

@@ -281,11 +281,11 @@ def more_unknowns(unknowns: int, factor: float) -> int:
     `MOST_REFINED` unknowns.
     """
     if not np.isfinite(factor):
-        raise InputError("a given mesh cannot be refined")
+        raise InputError("a mesh from a file cannot be refined")
     finer = int(min(unknowns * min(max(factor**2, 2.0), 8.0), max(MOST_REFINED, unknowns)))
     if finer <= unknowns:
         raise InputError(
-            f"a finer mesh has more than {MOST_REFINED} unknowns; set their number with --unknowns"
+            f"a finer mesh has more than {MOST_REFINED} unknowns; choose the mesh with --unknowns"
         )
     return finer
 

@@ -42,7 +42,7 @@ def part_of(robot_file: RobotFile, body: str) -> Body:
     if body not in parts:
         names = ", ".join(parts) or "none"
         raise InputError(
-            f"--body {body}: is not a CAD part; the CAD parts of {robot_file.source} are: {names}"
+            f"--body {body}: not a CAD part; the CAD parts of {robot_file.source} are: {names}"
         )
     return parts[body]
 
@@ -58,7 +58,7 @@ def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[
     for text in texts:
         tables = _table(text, "--interface", _EXAMPLE)
         if not tables:
-            faults.append(f"--interface {text!r}: has no interface; must be like {_EXAMPLE}")
+            faults.append(f"--interface {text!r}: no interface found; must be like {_EXAMPLE}")
         for name, table in tables.items():
             key = f"--interface {name}"
             if name in interfaces:

@@ -390,8 +390,8 @@ def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, 
         return (coarse, static_slices(leg, coarse)), (fine, static_slices(leg, fine))
     if (unknowns := _coarsest_unknowns(leg)) > most:
         raise InputError(
-            f"the coarsest section mesh of its {leg.section.shape} has "
-            f"{unknowns} unknowns, more than {most}",
+            f"the coarsest section mesh of its {leg.section.shape} has {unknowns} "
+            f"unknowns; at most {most} are allowed",
             part=leg.name or "leg",
         )
     along = static_slices(leg, COARSEST_WALLS)

@@ -70,8 +70,8 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
     if not reasons:
         return ""
     return (
-        f"{' and '.join(reasons)} unknowns, preset {preset} takes {limit}; "
-        "solve --model solid says what one answer would take"
+        f"{' and '.join(reasons)} unknowns; preset {preset} allows {limit}; flexproof "
+        "solve --model solid estimates time and memory of one solution"
     )
 
 

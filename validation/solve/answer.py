@@ -68,7 +68,7 @@ class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
         if self.leg is not None:
             return "leg axes"
         if self.body is not None:
-            return "at its second, body axes"
+            return "compliance at the second point, body axes"
         return f"at the loaded point, {'base' if self.x is None else 'robot'} axes"
 
 
@@ -291,7 +291,7 @@ class Solution:
                 factor = stability.factor if stability else None
                 rows.append((answer.place.title, name, *_numbers_or_none(displacement, 6), factor))
         if not rows:
-            raise InputError("load_table: the robot file has no [[loads]]")
+            raise InputError("load_table: the robot file has no [[loads]]; add one")
         axes = [f"{axis} ({unit.split('/')[0]})" for axis, unit in DIAGONAL_UNITS.items()]
         return ResultTable(("at", "load", *axes, "buckling factor"), tuple(rows))
 
@@ -318,7 +318,7 @@ class Solution:
         if not (
             names := list(dict.fromkeys(name for answer in self.answers for name in answer.loads))
         ):
-            raise InputError("plot_loads: the robot file has no [[loads]]")
+            raise InputError("plot_loads: the robot file has no [[loads]]; add one")
         displacements = {
             name: np.array(
                 [1e6 * np.linalg.norm(answer.loads[name][:3]) for answer in self.answers]
@@ -371,7 +371,7 @@ class Solution:
             for response in answer.responses
         }
         if not curves:
-            raise InputError("plot_responses: the robot file has no [[responses]]")
+            raise InputError("plot_responses: the robot file has no [[responses]]; add one")
         return responses_plot(curves)
 
     def __repr__(self) -> str:

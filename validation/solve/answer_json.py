@@ -156,8 +156,8 @@ def finite_json(document: Any) -> str:
         return json.dumps(plain_data(document), allow_nan=False)
     except ValueError as error:
         raise ComputationError(
-            "a result is no finite number: a mass or a stiffness of the robot is extremely small "
-            "or large"
+            "a result is not a finite number, because a mass or a stiffness of the robot "
+            "is extremely small or large; check the units of the robot file"
         ) from error
 
 

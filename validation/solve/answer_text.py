@@ -39,7 +39,7 @@ def as_text(solution: Solution) -> str:
 def _static_lines(answer: Answer) -> list[str]:
     """Lines with heading and compliance. For a free body, the number of rigid motions."""
     if answer.rigid is not None:
-        motions = f"  motions without deformation, left out: {answer.rigid}"
+        motions = f"  rigid-body motions (omitted): {answer.rigid}"
         return [answer.place.free_title, motions]
     size = len(answer.compliance)
     deflections = zip("xyz", deflection_texts(answer), strict=False)
@@ -61,7 +61,7 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
             for name, displacement in answer.loads.items()
         ]
         bending = "rigid legs" if model == "simplified" else "legs bending as beams"
-        lines.append(f"  stability under them, {bending} between their ends:")
+        lines.append(f"  stability under these loads, {bending} between their ends:")
         lines += [
             f"    {name}: {_stability_text(stability)}"
             for name, stability in answer.stability.items()
@@ -77,27 +77,29 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
         lines.append("  responses (µm/N) to the harmonic forces of the robot file:")
         lines += [f"    {_response_text(response)}" for response in answer.responses]
     if answer.idle:
-        lines.append(f"  idle mobilities, which do not move the tool: {answer.idle}")
+        lines.append(f"  idle mobilities (motions that do not move the tool): {answer.idle}")
     if (mesh := answer.uncertainty) is not None:
         if mesh.known:
             lines.append(
-                f"  uncertainty of the mesh (95 %, from the one of --divisions {mesh.divisions}):"
+                "  uncertainty due to the mesh (95 %, from the mesh with --divisions "
+                f"{mesh.divisions}):"
             )
             if mesh.meshes:
                 lines.append(
-                    "    numbers are extrapolated where the meshes of "
-                    f"{', '.join(map(str, mesh.meshes))} divisions show an order of convergence"
+                    "    values are extrapolated if the meshes with "
+                    f"{', '.join(map(str, mesh.meshes))} divisions show an order of "
+                    "convergence"
                 )
             lines += _share_lines(answer, mesh)
         else:
             lines.append(
-                "  uncertainty of the mesh: not known; the mesh that would show it, --divisions "
-                f"{mesh.divisions}, is too large"
+                "  uncertainty due to the mesh: unknown, because the second mesh, "
+                f"--divisions {mesh.divisions}, is too large"
             )
     if answer.of_parts is not None:
         lines += _part_lines(answer, answer.of_parts)
     if (digits := answer.of_digits) is not None:
-        lines.append("  uncertainty from the last digits of the 6×6 in the robot file (at most):")
+        lines.append("  uncertainty due to rounding of the 6×6 in the robot file (upper bound):")
         lines += _share_lines(answer, digits)
     return lines
 
@@ -105,13 +107,11 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
 def _displacement_text(displacement: Array) -> str:
     """Text with the components of a displacement, its whole length and its rotations."""
     if not np.isfinite(displacement).all():
-        return (
-            "none: the mechanism cannot move that way here, or the load has no wrench for this pose"
-        )
+        return "none: the robot is rigid in this direction, or the load has no wrench at this pose"
     names = ("x", "y", "z", "φx", "φy", "φz")
     micro = [without_round_off(1e6 * value) for value in displacement]
     texts = [f"{name} {value:.4g}" for name, value in zip(names, micro, strict=True)]
-    texts.insert(3, f"{1e6 * np.linalg.norm(displacement[:3]):.4g} in all")
+    texts.insert(3, f"magnitude {1e6 * np.linalg.norm(displacement[:3]):.4g}")
     return ", ".join(texts)
 
 
@@ -144,7 +144,7 @@ def _response_text(response: HarmonicResponse) -> str:
 def _stability_text(stability: Stability | None) -> str:
     """Text with the buckling factor, bodies with the largest shares, and the loss of stiffness."""
     if stability is None:
-        return "none, the mechanism cannot move that way here"
+        return "none, the robot is rigid in this direction"
     buckling = "does not buckle"
     if stability.factor is not None:
         largest = list(stability.shares.items())[:_LISTED_PARTS]
@@ -153,16 +153,18 @@ def _stability_text(stability: Stability | None) -> str:
         )
         buckling = f"buckles at {stability.factor:.4g} times the load ({shares})"
     if not np.isfinite(stability.stiffness_losses).all():
-        return f"{buckling}; no stiffness is left"
+        return f"{buckling}; no stiffness left"
     names = ("x", "y", "z", "φx", "φy", "φz")
     losses = [
         f"{name} {100.0 * share:.2g} %"
         for name, share in zip(names, stability.stiffness_losses, strict=True)
         if abs(share) >= _SMALLEST_LOSS
     ]
-    loss = f"takes {', '.join(losses)} of the stiffness" if losses else "takes no stiffness"
+    loss = f"loss of stiffness {', '.join(losses)}" if losses else "no loss of stiffness"
     frequencies = ", ".join(f"{value:.5g}" for value in stability.frequencies)
-    return f"{buckling}; {loss}" + (f"; then {frequencies} Hz" if frequencies else "")
+    return f"{buckling}; {loss}" + (
+        f"; frequencies under load {frequencies} Hz" if frequencies else ""
+    )
 
 
 def _mode_lines(answer: Answer) -> list[str]:
@@ -170,7 +172,7 @@ def _mode_lines(answer: Answer) -> list[str]:
     lines = []
     if answer.strain:
         names, shares = list(answer.strain), np.array(list(answer.strain.values()))
-        lines.append("  most of their strain energy in:")
+        lines.append("  largest shares of their strain energy:")
         for mode, column in enumerate(shares.T, start=1):
             # Shares that are equal up to round-off are listed in the order of the file.
             largest = np.argsort(-column.round(6), kind="stable")[:_LISTED_PARTS]
@@ -188,28 +190,41 @@ def _mode_lines(answer: Answer) -> list[str]:
 def _partner(pair: ModePair) -> str:
     """Text on the partner of a mode, or the reason why it has none."""
     if pair.undecided:
-        return "several modes have the shape of one, which of them it is is open"
+        return "ambiguous: several modes have this shape"
     if pair.local:
         share = f"{100.0 * pair.seen:.2g} % of its kinetic energy"
-        return f"none, a local mode ({share} in whole cross-sections and bodies)"
+        return (
+            f"none, a local mode of the section ({share} in rigid motion of "
+            "cross-sections and bodies)"
+        )
     if not pair.partner:
-        return "none of this shape"
+        return "no mode of this shape"
     partner = f"mode {pair.partner}, {pair.frequency:.5g} Hz"
     if pair.open:
         low, high = pair.open
-        return f"{partner} (shapes mix: {low:.5g} to {high:.5g} Hz)"
+        return f"{partner} (mixed shapes: {low:.5g} to {high:.5g} Hz)"
     return partner
 
 
 def _part_lines(answer: Answer, parts: PartUncertainty) -> list[str]:
     """Lines on the uncertainty due to meshes, end conditions and reduction of CAD parts."""
     if parts.known:
-        lines = ["  uncertainty of the parts' meshes (95 %, from three of each):"]
+        lines = [
+            ("  uncertainty due to the meshes of the parts (95 %, from three meshes of each part):")
+        ]
         lines += _share_lines(answer, parts)
     else:
-        lines = ["  uncertainty of the parts' meshes: not known: a given mesh cannot be refined"]
+        lines = [
+            (
+                "  uncertainty due to the meshes of the parts: unknown, because a mesh from a "
+                "file cannot be refined"
+            )
+        ]
     if parts.bracket.compliance.any():
-        lines.append("  averaged minus rigid interfaces, where the robot file leaves it open:")
+        lines.append(
+            "  difference averaged minus rigid interfaces, if the robot file leaves the "
+            "coupling open:"
+        )
         lines += _share_lines(answer, parts.bracket, "+.2g")
     if parts.counted and len(answer.frequencies):
         counts = ", ".join(
@@ -217,9 +232,10 @@ def _part_lines(answer: Answer, parts: PartUncertainty) -> list[str]:
         )
         largest_change = 100.0 * float(np.max(parts.reduction / answer.frequencies))
         lines.append(
-            f"  modes of the parts with interfaces {parts.by}, counted and all kept: {counts};"
+            f"  modes of the parts with interfaces {parts.by}, all kept and confirmed by "
+            f"a mode count: {counts};"
         )
-        lines.append(f"    those dropped lower no frequency by more than {largest_change:.1g} %")
+        lines.append(f"    omitted modes change no frequency by more than {largest_change:.1g} %")
     return lines
 
 

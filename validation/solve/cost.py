@@ -79,8 +79,12 @@ def require_affordable(cost: Cost, subject: str, longest: float = LONGEST) -> No
     available = available_memory() or inf
     if cost.memory > available:
         raise InputError(
-            f"{subject}: {cost}, more than the {available / 1e9:.2g} GB of memory available"
+            f"{subject}: needs {cost}, but {available / 1e9:.2g} GB of memory are "
+            "available; choose a coarser mesh"
         )
     if cost.seconds > longest:
         minutes = longest / 60.0
-        raise InputError(f"{subject}: {cost}, more than the {minutes:g} minutes that it may take")
+        raise InputError(
+            f"{subject}: needs {cost}, more than the allowed {minutes:g} minutes; choose a "
+            "coarser mesh"
+        )

@@ -134,13 +134,18 @@ def identify(
     faults = [] if accuracy is None else accuracy_faults(accuracy)
     faults += request.faults_of_numbers(unknowns, modes)
     if body is None and material is None:
-        faults.append("--material: missing; must be given, { E = 2.1e11, nu = 0.3, rho = 7850.0 }")
+        faults.append(
+            "--material: missing; add it, for example { E = 2.1e11, nu = 0.3, rho = 7850.0 }"
+        )
     if free and interface:
         faults.append("--interface: a free part is held nowhere; leave it out")
     if free and modes == 0:
         faults.append("--modes 0: a free part has frequencies alone; must be 1 or more")
     if body is not None and (interface or material or unit):
-        faults.append("--body: its interfaces, material and unit stand in the robot file")
+        faults.append(
+            "--body: not with --material, --interface or --unit, which are in the robot file "
+            "for this body; leave them out"
+        )
     if faults:
         raise InputError(faults)
     size = identifying.DEFAULT_UNKNOWNS if unknowns is None else unknowns

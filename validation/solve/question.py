@@ -123,7 +123,9 @@ class Question:
         if self.accuracy is not None:
             faults += accuracy_faults(self.accuracy)
             if self.model != "solid":
-                faults.append(f"--accuracy: the {self.model} model has no meshes; leave it out")
+                faults.append(
+                    f"--accuracy: only for models with meshes, not for {self.model}; leave it out"
+                )
         if self.alone is not None:
             faults += self._body_faults(self.alone)
         if self.free:
@@ -141,9 +143,9 @@ class Question:
         """Faults of poses and legs that robots of this schema do not have."""
         faults = []
         if self.x and not self.numbered:
-            faults.append("--x: poses of a mechanism are typed as --pose")
+            faults.append("--x: only for robot files of schema 1; give poses as --pose")
         if self.leg is not None and not self.numbered:
-            faults.append("--leg: bodies of a mechanism have names; take --body")
+            faults.append("--leg: only for robot files of schema 1; name a body with --body")
         elif self.leg not in (None, 1, 2):
             faults.append(f"--leg = {self.leg}: must be 1 or 2")
         return faults
@@ -156,17 +158,17 @@ class Question:
         allowed, ignored = self._allowed(), self._ignored()
         listed = ", ".join(f"--{name}" for name in allowed) or "none"
         faults = [
-            f"--{name}: not an option of the {self.model} model here; it takes {listed}"
+            (f"--{name}: has no effect on model {self.model} here; options of this model: {listed}")
             for name in self.given
             if name not in allowed
         ]
         faults += [
-            f"--{name} = {self.given[name]}: must be 1 or more"
+            f"--{name} = {self.given[name]}: must be a whole number of at least 1"
             for name in ("elements", "divisions")
             if self.given.get(name, 1) < 1
         ]
         return faults + [
-            f"--{name}: {ignored[name]}, so nothing would change; leave it out"
+            f"--{name}: no effect, because {ignored[name]}; leave it out"
             for name in self.given
             if name in allowed and name in ignored
         ]
@@ -179,14 +181,14 @@ class Question:
         if not self.mechanism.parts:
             ignored |= dict.fromkeys(_OF_PARTS, "no body of the robot is a part from a file")
             if not any(known_by_matrix):
-                reason = "no leg that is asked about is given by a 6×6"
+                reason = "no leg of this answer is specified by a 6×6"
                 ignored |= dict.fromkeys(_OF_GIVEN_LEGS, reason)
             elif self.model in STATIC and self.options.legs == "given":
-                reason = f"the {self.model} model takes the legs as they are given"
+                reason = f"model {self.model} uses the legs as specified"
                 names = ("theory", "equivalent") if all(known_by_matrix) else ("equivalent",)
                 ignored |= dict.fromkeys(names, reason)
         if self.alone is not None:
-            ignored["release"] = "a leg alone has no joint to release"
+            ignored["release"] = "a single leg has no joint to release"
         return ignored
 
     def _mode_faults(self) -> list[str]:
@@ -194,24 +196,38 @@ class Question:
         if self.modes is not None and not 0 <= self.modes <= _LARGEST_COUNT:
             faults.append(f"--modes = {self.modes}: must be from 0 to {_LARGEST_COUNT}")
         elif self.modes and self.model in STATIC:
-            faults.append(f"--modes: the {self.model} model is static and has no frequencies")
+            faults.append(
+                f"--modes: model {self.model} is static and has no frequencies; leave --modes "
+                "out or choose another --model"
+            )
         if self.against in STATIC:
-            faults.append(f"--against {self.against}: the model is static and has no modes")
+            faults.append(
+                f"--against {self.against}: this model is static and has no modes; choose a "
+                "model with masses"
+            )
         elif self.against and (not self.count or self.alone is not None):
-            faults.append("--against: there are no modes of the mechanism to be paired")
+            faults.append(
+                "--against: this answer has no modes of the robot that could be paired; "
+                "leave it out"
+            )
         return faults
 
     def _free_faults(self) -> list[str]:
         """Faults of a request about a free body."""
         faults = []
         if self.alone is None:
-            faults.append("--ends free-free: only a body alone is free; name it by --body")
+            faults.append("--ends free-free: only for a single body; name it with --body")
         if self.model in STATIC or self.model == "simplified":
-            faults.append(f"--ends free-free: the {self.model} model of a body has no frequencies")
+            faults.append(
+                f"--ends free-free: model {self.model} of a body has no frequencies; choose "
+                "another --model"
+            )
         if self.accuracy is not None:
-            faults.append("--ends free-free: --accuracy is for bodies that are held; leave it out")
+            faults.append("--accuracy: not for a free body (--ends free-free); leave it out")
         if not self.count:
-            faults.append("--modes 0: a free body has frequencies alone; must be 1 or more")
+            faults.append(
+                "--modes 0: a free body has only frequencies as results; must be at least 1"
+            )
         return faults
 
     def _body_faults(self, body: str) -> list[str]:
@@ -219,16 +235,19 @@ class Question:
         faults = []
         if body not in names:
             rigid = body in mechanism.bodies and body != GROUND
-            reason = "is rigid" if rigid else "no such body"
+            reason = "is a rigid body" if rigid else "does not exist"
             if body in mechanism.parts:
-                reason = "is a part from a file, see flexproof identify ROBOT --body"
+                reason = "is a CAD part; use flexproof identify ROBOT --body"
                 if self.free:
                     reason = "is a part from a file, which is a solid; take --model solid"
             if not (self.free and self.model == "solid" and body in mechanism.parts):
                 faults.append(f"--body {body}: {reason}; must be one of {', '.join(names)}")
         pose, body_option = ("--x", "--leg") if self.numbered else ("--pose", "--body")
         if self._typed:
-            faults.append(f"{pose}: a body alone has no pose; leave out {pose} or {body_option}")
+            faults.append(f"{pose}: a single body has no pose; leave out {pose} or {body_option}")
         if self.model == "simplified":
-            faults.append(f"{body_option}: the bodies of the simplified model are rigid")
+            faults.append(
+                f"{body_option}: not for model simplified, whose bodies are rigid; choose "
+                "another --model"
+            )
         return faults

@@ -83,11 +83,16 @@ def write_varied(
     Raises InputError and ComputationError as `solve_varied` does.
     """
     if question.against:
-        raise InputError("--against: modes are paired for one robot; leave out --vary")
+        raise InputError(
+            "--against: not with --vary, because modes are paired for one robot; leave one "
+            "of them out"
+        )
     if question.free:
-        raise InputError("--ends free-free: of one robot; leave out --vary")
+        raise InputError("--ends free-free: not with --vary; leave one of them out")
     if not vary:
-        raise InputError("--jobs, --cluster, --csv, --picture: belong to --vary; leave them out")
+        raise InputError(
+            "--jobs, --cluster, --csv and --picture are only for --vary; leave them out"
+        )
     variations = variations_of(question.robot_file, vary)
     if picture is not None:
         require_few_curves(variations, max(1, len(question.x) + len(question.poses)))
@@ -150,7 +155,10 @@ def numbers_without_effect(answers: VariedAnswers) -> list[str]:
             len(results) == 1 for results in results_by_others.values()
         ):
             model = answers.solutions[0].model
-            lines.append(f"--vary {variation.key}: changes no answer of the {model} model")
+            lines.append(
+                f"--vary {variation.key}: has no effect on model {model}; choose another key "
+                "or --model"
+            )
     return lines
 
 
@@ -224,8 +232,9 @@ def require_few_curves(variations: Sequence[Variation], places: int) -> None:
     count = places * prod(len(variation.values) for variation in variations[1:])
     if count > _LARGEST_CURVE_COUNT:
         raise InputError(
-            f"--picture: {count} curves over {variations[0].key}; must be at most "
-            f"{_LARGEST_CURVE_COUNT}: vary other parameters over fewer values, or take fewer poses"
+            f"--picture: {count} curves over {variations[0].key}, at most "
+            f"{_LARGEST_CURVE_COUNT} can be drawn; vary other parameters over fewer "
+            "values, or give fewer poses"
         )
 
 

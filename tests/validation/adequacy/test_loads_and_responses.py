@@ -240,9 +240,9 @@ def test_softening_load_leaves_linear_models_undecided(tmp_path):
     assert at.extra_displacement == pytest.approx(1.0 / (at.factor - 1.0), rel=0.1)
     assert at.stiffness_losses[0] == pytest.approx(1.0 / at.factor, rel=0.1)
     note, _ = stability_notes(robot.postures, found, arm.requirement)
-    assert note.startswith("Load press: buckles the robot at 4.")
+    assert note.startswith("Load press: buckling at 4.")
     assert note.endswith(
-        "no linear model sees: more than the 5\N{NO-BREAK SPACE}% that are accepted"
+        "effect that linear models neglect: more than the accepted 5\N{NO-BREAK SPACE}%"
     )
     # What takes less than a thousandth of the stiffness is not worth a line.
     small = replace(

@@ -296,7 +296,7 @@ def test_solve_says_what_the_digits_leave_open_at_most(printed, draws, model, gi
     assert (most <= 5.0 * largest).all()
     assert answer_record(answer)["digits"]["compliance"] == most[:6].tolist()
     text = as_text(Solution(printed.mechanism.name, model, {}, (answer,)))
-    assert "uncertainty from the last digits of the 6×6 in the robot file (at most):" in text
+    assert "uncertainty due to rounding of the 6×6 in the robot file (upper bound):" in text
 
 
 @pytest.mark.parametrize("key", ["leg1.compliance[1,1]", "foot.compliance[6,6]"])

@@ -73,7 +73,7 @@ def test_plot_abscissa_is_the_varying_coordinate():
 
 
 def test_workspace_without_a_grid_is_refused():
-    with pytest.raises(InputError, match=r"path: no grid.*must have counts"):
+    with pytest.raises(InputError, match=r"path: must be a grid of poses, counts"):
         api.workspace("five-bar")
 
 
@@ -91,9 +91,9 @@ def test_exported_matrices_have_closed_form_stiffness(tmp_path):
     [
         ({"part": "leg.step"}, "material: missing"),
         ({"part": "leg.step", "material": STEEL, "unknowns": 10}, "unknowns = 10: must be from"),
-        ({"part": BAR}, "body: missing; must name a part of the robot"),
-        ({"part": BAR, "body": "bar"}, "body bar: is not a CAD part"),
-        ({"part": BAR, "body": "bar", "material": STEEL}, "stand in the robot file"),
+        ({"part": BAR}, "body: missing; name a part of the robot"),
+        ({"part": BAR, "body": "bar"}, "body bar: not a CAD part"),
+        ({"part": BAR, "body": "bar", "material": STEEL}, "are in the robot file"),
     ],
 )
 def test_wrong_arguments_of_identify_are_named(arguments, fault):

@@ -81,7 +81,7 @@ def test_the_audit_of_the_built_in_robot_is_shown(command):
         (["run", "--presett", "quick"], "Did you mean --preset"),
         (["run", "--jobs", "0"], "Must be a whole number"),
         (["run", "--jobs", "1.5"], "Must be a whole number"),
-        (["run", "ifw", "extra"], "not understood: extra"),
+        (["run", "ifw", "extra"], "unknown arguments: extra"),
         (["run", "--only", "toy.agree"], 'did you mean "toy.agrees"'),
         (["run", "--only", "nonsense"], "'flexproof cases' lists them"),
         (["run", "--only", "toy.fig*"], '"toy.fig*" matches figures alone, and nothing would be'),
@@ -92,12 +92,15 @@ def test_the_audit_of_the_built_in_robot_is_shown(command):
         (["check", "missing.toml"], "missing.toml"),
         (["new", "/dev/null/robot.toml"], "cannot be written"),
         (["faces", "nothing.step"], "no such file"),
-        (["export", "five-bar", "--to", "nastran"], "writes one body"),
-        (["export", "five-bar", "--to", "statespace", "--body", "crank1"], "for the whole robot"),
+        (["export", "five-bar", "--to", "nastran"], "exports one body"),
+        (
+            ["export", "five-bar", "--to", "statespace", "--body", "crank1"],
+            "exports the whole robot",
+        ),
         (["export", "five-bar", "--to", "npz", "--body", "no"], "must be one of"),
         (["export", "five-bar", "--to", "npz", "--out", "five-bar.toml"], "must end in .npz"),
         (["export", "five-bar", "--to", "npz", "--modes", "0"], "must be from 1 to"),
-        (["export", "ifw", "--to", "npz", "--body", "leg1"], "known by its 6×6 only"),
+        (["export", "ifw", "--to", "npz", "--body", "leg1"], "is a leg specified by its 6×6"),
         (["kinematics", "five-bar", "--pose=0.7,0.9"], "y = 0.9 m: cannot be reached: joint"),
         (["kinematics", "five-bar", "--pose=1e300,0"], "must be 2 finite numbers up to 100 m or"),
     ],
@@ -134,7 +137,10 @@ def test_system_errors_give_one_line(tmp_path, monkeypatch, capsys):
     part = tmp_path / "rocker.step"
     part.write_bytes((ROOT / "examples/rocker/rocker.step").read_bytes() + b"\n")
     assert cli.main(["faces", str(part)]) == 3
-    assert capsys.readouterr() == ("", "flexproof: the system refuses: Too many open files\n")
+    assert capsys.readouterr() == (
+        "",
+        "flexproof: the operating system reports: Too many open files\n",
+    )
 
 
 def test_help_imports_nothing_heavy():
@@ -163,7 +169,7 @@ def test_verdict_worse_than_baseline_exits_with_1(with_catalogue, tmp_path, comm
     out = tmp_path / "second"
     said = command.told("run", "--out", out, "--baseline", baseline, code=1)
     # CalculiX gone from the machine, say: what it protected is protected no more.
-    assert "skipped now: toy.skipped." in (out / "report.html").read_text(encoding="utf-8")
+    assert "skipped in this run: toy.skipped." in (out / "report.html").read_text(encoding="utf-8")
     assert "warning: toy.skipped agreed in the baseline" in said
     assert "1 verdict worse, 0 better, 1 case drifted, 0 new, 0 removed." in said
     # A part of the run is compared with that part of the baseline.
@@ -197,5 +203,5 @@ def test_a_fault_of_the_program_is_no_disagreement(with_catalogue, tmp_path, mon
     assert cli.main(["run", "--only", "toy.agrees", "--out", str(tmp_path / "run")]) == 3
     printed = capsys.readouterr().err
     assert "no template" in printed
-    assert printed.splitlines()[-1].startswith("flexproof: this is a fault of flexproof itself")
+    assert printed.splitlines()[-1].startswith("flexproof: this is an error in flexproof itself")
     assert (tmp_path / "run.partial" / "results.json").exists()

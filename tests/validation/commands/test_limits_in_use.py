@@ -222,7 +222,7 @@ def test_a_robot_file_as_tests(limit, sure, unsure, in_folder, computed):
         assert in_folder(accept, *chosen, *options) == expected
         assert ("beam, x: inadequate; error 4" in in_folder.said["beam.x"]) is (sure == "failed")
         assert "Traceback" not in in_folder.said["beam.x"]
-        assert "vjm says nothing of f1" in in_folder.said["vjm.f1"]
+        assert "model vjm does not define f1" in in_folder.said["vjm.f1"]
         assert computed.pop().preset == preset
 
 

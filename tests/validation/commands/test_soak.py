@@ -42,7 +42,7 @@ def amiss(code, out, err):
     ours = all(line.startswith("flexproof: ") and line.isprintable() for line in lines)
     wrong = {
         f"exit code {code}": code not in {0, 1, 2, 3},
-        "a traceback": "Traceback" in out + err or "fault of flexproof itself" in err,
+        "a traceback": "Traceback" in out + err or "error in flexproof itself" in err,
         "lines of somebody else's": not ours,
         "many or long lines": len(lines) > 50 or any(len(line) > 600 for line in lines),
         f"one of several: {several}": several is not None,

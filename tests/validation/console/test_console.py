@@ -20,7 +20,7 @@ from validation.console.typed import require_writable, write
 ROOT = Path(__file__).parents[3]
 PROGRAM = "import sys; from validation.cli import main; sys.exit(main())"
 SHELL = f'flexproof() {{ "{sys.executable}" -c "${{PROGRAM:-{PROGRAM}}}" "$@"; }}\n'
-LOST = "the results cannot be written to stdout:"
+LOST = "the results cannot be written to the standard output:"
 
 
 def shell(line, **environment):
@@ -124,8 +124,8 @@ def test_file_of_other_kind_is_not_replaced(words, tmp_path, command):
     arguments = [robot if word == "five-bar" else word for word in words]
     for path, message in (
         (tmp_path, "cannot be written (is a folder); must be a file"),
-        (robot / "table", f"cannot be written ({robot} is no folder)"),
-        *((file, "exists already, and only .") for file in (robot, *links)),
+        (robot / "table", f"cannot be written ({robot} is not a folder)"),
+        *((file, "exists already and is not a .") for file in (robot, *links)),
     ):
         assert command.refused(*arguments, path).startswith(f"flexproof: {path}: {message}")
     assert robot.read_bytes() == content
@@ -151,7 +151,7 @@ def test_results_are_printed_if_file_cannot_be_written(tmp_path, capsys, command
     assert "flexproof: /proc/none/table: cannot be written" in printed.err
     # One file for two results is refused at once.
     path = tmp_path / "both"
-    message = "is named for two results; each must have a file of its own"
+    message = "given for two results; give a separate file for each"
     assert message in command.refused(*TABLE, path, "--picture", path)
 
 
@@ -166,7 +166,7 @@ def test_results_are_printed_if_file_cannot_be_written(tmp_path, capsys, command
 def test_deleted_working_folder_gives_one_line(words, tmp_path):
     folder = tmp_path / "gone"
     done = shell(f"mkdir '{folder}'; cd '{folder}'; rmdir '{folder}'; flexproof {words}")
-    message = "flexproof: the folder that you are in exists no more; change to another one (cd)\n"
+    message = "flexproof: the current folder no longer exists; change to another one (cd)\n"
     assert (done.returncode, done.stdout, done.stderr) == (2, "", message)
 
 

@@ -120,7 +120,7 @@ def test_command_replaces_only_its_own_result(name, folder, command):
     path.write_bytes(FOREIGN)
     message = command.refused(*words)
     assert message.startswith(f"flexproof: {name}: exists already and was not written by flexproof")
-    assert message.endswith("must be the name of a new file, or be replaced with --force")
+    assert message.endswith("give another name, or replace it with --force")
     assert path.read_bytes() == FOREIGN
     command.told(*words, "--force")
     first = path.read_bytes()
@@ -145,7 +145,9 @@ def test_own_result_is_replaced_under_any_name(kind, folder):
     # A foreign file without the ending is not replaced, even with --force.
     path.write_bytes(FOREIGN)
     for force in (False, True):
-        with pytest.raises(InputError, match=rf"only \{kind} files are replaced"):
+        with pytest.raises(
+            InputError, match=rf"is not a \{kind} file; give the name of a new file"
+        ):
             require_writable(path, kind, force=force)
 
 

@@ -135,7 +135,7 @@ def test_value_without_solution_affects_one_entry(monkeypatch):
     matrix = measured_matrix(Context(robot_file, "quick"))
     entry = matrix.entry("simplified", "x")
     assert (entry.verdict, entry.error, entry.pose) == ("undecided", None, first)
-    assert entry.reason == "simplified cannot be computed: the drives do not hold the tool"
+    assert entry.reason == "simplified has no solution: the drives do not hold the tool"
     # What is known of one pose is no verdict on both.
     beam, links = (matrix.entry(model, "x") for model in ("beam", "links"))
     assert (links.verdict, links.reason) == ("adequate", "")
@@ -190,7 +190,7 @@ def test_missing_value_of_changed_model_is_undecided(monkeypatch, tmp_path, lack
     assert (entry.verdict, entry.error) == ("undecided", None)
     changed = "joints.motor1.drive.stiffness" if lacking == "inputs" else "40 elements"
     assert changed in entry.reason
-    assert "its uncertainty is not known" in entry.reason
+    assert "its uncertainty is unknown" in entry.reason
     assert matrix.faults == ()
 
 

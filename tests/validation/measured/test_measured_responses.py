@@ -145,9 +145,9 @@ def test_models_have_damping_of_robot_file(held):
 @pytest.mark.parametrize(
     ("factor", "verdict", "said"),
     [
-        (-1.0, "undecided", "moves the other way than measured"),
-        (1e3, "inadequate", "0.001 times what was measured: is a unit wrong?"),
-        (1 / 9.80665, "inadequate", "9.81 times what was measured: is a unit wrong?"),
+        (-1.0, "undecided", "the response has the opposite sign of the measurement"),
+        (1e3, "inadequate", "0.001 times the measured value; check the unit"),
+        (1 / 9.80665, "inadequate", "9.81 times the measured value; check the unit"),
     ],
 )
 def test_a_wrong_sign_or_unit_is_noticed(held, factor, verdict, said):
@@ -200,4 +200,4 @@ at = 40.0
     table = np.genfromtxt(data, delimiter=",", names=True)
     for name, close in (("measured_response", 1e-9), ("beam", 2e-3)):
         size = 1e6 * np.abs(exact(table["frequency_Hz"])[:, 0])
-        assert table[f"{name}_size_µmN"] == pytest.approx(size, rel=close)
+        assert table[f"{name}_magnitude_µmN"] == pytest.approx(size, rel=close)

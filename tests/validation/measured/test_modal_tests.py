@@ -153,7 +153,9 @@ def test_orders_end_before_singular_equations(tmp_path, monkeypatch, singular):
         assert np.abs(read_modes(path).poles) == pytest.approx(own, rel=1e-5)
     else:
         # Three pairs of poles at most are too few to tell stable ones.
-        with pytest.raises(InputError, match="no mode can be told from its functions"):
+        with pytest.raises(
+            InputError, match="no mode can be identified from the frequency response functions"
+        ):
             read_modes(path)
 
 
@@ -266,13 +268,16 @@ def test_modes_similar_at_measured_points_are_unjudged(tmp_path):
     robot_file, matrix = held(tmp_path, sets, ROBOT)
     entry = matrix.entry("beam", robot_file.measured[0].quantity.name)
     assert (entry.verdict, entry.error, entry.value) == ("undecided", None, None)
-    assert "of the model look like it where it was measured: add points" in entry.reason
+    assert (
+        "of the model have the same shape at the measured points; measure at more points"
+        in entry.reason
+    )
     # Nodes that lie elsewhere than the file says.
     mirrored = ALONG.replace("0.30,", "0.9,").replace("0.75,", "0.30,").replace("0.9,", "0.75,")
     _, matrix = held(tmp_path, accelerations(), ROBOT + mirrored)
     entry = matrix.entry("beam", "f3")
     assert entry.mac < 0.8
-    assert entry.reason.startswith("another mode, or measured elsewhere: MAC 0.")
+    assert entry.reason.startswith("not paired: MAC 0.")
 
 
 def test_nearest_of_similar_modes_is_partner(tmp_path):
@@ -310,7 +315,10 @@ def test_mode_at_one_point_near_no_mode_is_not_judged(tmp_path):
     _, matrix = held(tmp_path, [at_one_point(2.2 * FREQUENCIES[0])])
     (entry,) = matrix.of_model("beam")
     assert (entry.verdict, entry.error) == ("undecided", None)
-    assert "of the model look like it where it was measured: add points" in entry.reason
+    assert (
+        "of the model have the same shape at the measured points; measure at more points"
+        in entry.reason
+    )
 
 
 def test_swapped_nodes_judge_no_mode(tmp_path):
@@ -325,7 +333,7 @@ def test_swapped_nodes_judge_no_mode(tmp_path):
     assert sum(one.mac >= 0.8 for one in entries) == 2
     assert {one.verdict for one in entries} == {"undecided"}
     (reason,) = {one.reason for one in entries if one.mac >= 0.8}
-    assert reason.startswith("4 of 6 modes of the test are like none of the model")
+    assert reason.startswith("4 of 6 modes of the test have no partner in the model")
 
 
 def test_functions_beside_given_modes_are_responses(tmp_path):
@@ -344,7 +352,7 @@ def test_functions_beside_given_modes_are_responses(tmp_path):
 @pytest.mark.parametrize(
     ("damaged", "said"),
     [
-        (lambda content: content[: 6 * len(content) // 10], "is it cut off?"),
+        (lambda content: content[: 6 * len(content) // 10], "the file may be truncated"),
         (lambda content: content.replace(b"e-0", b"x-0", 3), "cannot be read"),
         (lambda _: b"    -1\n    15\n    -1\n", "has neither frequency response functions nor"),
         (lambda content: content.replace(b"      1000 ", b"      1001 "), "function 1 must be"),
@@ -366,12 +374,12 @@ def test_a_damaged_file_is_one_line(tmp_path, monkeypatch, damaged, said):
     ("changed", "said"),
     [
         (lambda sets: [units(0.0, 1.0), *sets], "units of length and force must be above 0"),
-        (lambda sets: [units(1.0, 1.0), units(1e3, 1.0), *sets], "must be the same in all of it"),
-        (lambda sets: [*sets, *sets[2:3]], "of the same motion by the same force"),
+        (lambda sets: [units(1.0, 1.0), units(1e3, 1.0), *sets], "the same in the whole file"),
+        (lambda sets: [*sets, *sets[2:3]], "have the same response and force coordinates"),
         (lambda _: [shape(1, 20.0, np.nan * SHAPES[:, 0])], "mode 1 must have finite"),
         (lambda _: [shape(1, 20.0, SHAPES[:, 0]) | {"spec_data_type": 3}], "mode 1 must have"),
         (lambda _: [shape(1, np.inf, SHAPES[:, 0])], "mode 1 must have a finite frequency"),
-        (lambda _: [shape(1, 0.0, SHAPES[:, 0])], "none of its 0 modes above 0 Hz"),
+        (lambda _: [shape(1, 0.0, SHAPES[:, 0])], "none of the 0 modes above 0 Hz"),
     ],
 )
 def test_ambiguous_file_is_refused(tmp_path, changed, said):
@@ -425,4 +433,6 @@ def test_a_run_shows_the_likeness_beside_the_verdict(tmp_path, command):
     assert "MAC\u00a01.00" in page
     path.with_name("none.uff").write_bytes(path.read_bytes())
     robot_of(ROBOT.split("[hammer", maxsplit=1)[0], tmp_path)
-    assert "must say in [hammer] where its nodes are" in command.refused(*told, "--measured", path)
+    assert "must have [hammer] with the positions of the nodes" in command.refused(
+        *told, "--measured", path
+    )

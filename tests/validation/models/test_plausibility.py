@@ -123,7 +123,7 @@ def test_millimetres_as_metres_are_doubted():
     assert [one.where for one in found] == ["bodies.leaf1", "bodies.leaf2", "bodies.stage"]
     # 60 m × 20 m × 0.5 m of steel are 4710 t.
     assert found[0].numbers == pytest.approx({"span": 60.0, "mass": 4.71e6})
-    assert all("are lengths given in mm? they must be in m" in one.wrong for one in found)
+    assert all("are lengths given in mm? Lengths must be in m" in one.wrong for one in found)
 
 
 def test_large_crane_raises_no_doubt():

@@ -24,7 +24,9 @@ STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 # A strip: elements of 0.5 by 3.1 by 3.1 mm over 0.85 m and 50 mm, 272 slices of 2 by 16.
 BLADE = ConstantLeg(0.85, Rectangle(0.001, 0.05), STEEL, name="leg 1")
 SLENDER = file_of(like_ifw(leg1=BLADE, leg2=BLADE))
-REASON = r"^leg1 as a solid of 2 divisions has about 2.7e\+05.* unknowns, preset quick takes 100000"
+REASON = (
+    r"^leg1 as a solid of 2 divisions has about 2.7e\+05.* unknowns; preset quick allows 100000"
+)
 
 
 @pytest.fixture
@@ -56,7 +58,7 @@ def test_what_a_run_takes_is_said_leg_by_leg():
     said = too_large([BLADE, stout], [4, 2], "fine")
     assert said.startswith("leg 1 as a solid of 4 divisions has about 1.9e+06")
     assert "leg 2" not in said
-    assert f"preset fine takes {LARGEST['fine']}" in said
+    assert f"preset fine allows {LARGEST['fine']}" in said
 
 
 def test_frequencies_without_reference_have_reason(context):

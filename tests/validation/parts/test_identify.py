@@ -201,7 +201,7 @@ def test_text_has_all_numbers_from_the_cache(command, folder, shaft, monkeypatch
 
 def test_given_mesh_has_no_half_width(command, folder):
     text = command.told(*arguments(folder / "shaft.msh", "--unit", "mm", "--modes", "1"))
-    assert "one mesh, as given, of " in text
+    assert "one mesh, from the file, of " in text
     assert re.search(r"^  1 +\d+\.\d\d  ± +–  ", text, re.MULTILINE)
 
 
@@ -229,7 +229,7 @@ def test_uncertainty_follows_from_meshes_and_couplings(folder, shaft):
 
 WRONG = [
     ([], MATERIAL, "", "--interface: missing"),
-    ([""], MATERIAL, "", "--interface '': has no interface"),
+    ([""], MATERIAL, "", "--interface '': no interface found"),
     (["A"], MATERIAL, "", "not TOML"),
     (["A = { face = [1] }"], MATERIAL, "", 'unknown key; did you mean "faces"?'),
     (["A = { faces = [99] }"], MATERIAL, "", "face 99 does not exist.*1 to 3"),
@@ -238,7 +238,7 @@ WRONG = [
     (ENDS, MATERIAL, "--modes 101", "--modes = 101: must be from 0 to 100"),
     (ENDS, MATERIAL, "--unknowns 999", "--unknowns = 999: must be from 1000 to 10000000"),
     (ENDS, MATERIAL, "--unknowns 10000001", "--unknowns = 10000001: must be from 1000 to"),
-    (ENDS, MATERIAL, "--out {part}/matrices.npz", "shaft.step is no folder"),
+    (ENDS, MATERIAL, "--out {part}/matrices.npz", "shaft.step is not a folder"),
     (ENDS, "{ E = 2.1e11, nu = 0.3 }", "", "rho: missing"),
     (ENDS, MATERIAL.replace("nu", "G = 1e10, nu"), "", "isotropic"),
     (ENDS, "steel", "", "not TOML"),

@@ -136,7 +136,7 @@ def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, saved, command):
     empty = saved("empty.json")
     for one in (good, empty):
         said = command.refused("compare", one, empty)
-        assert "have no case in common: nothing compares them" in said
+        assert "have no case in common, so nothing can be compared" in said
 
 
 @pytest.mark.parametrize(

@@ -123,7 +123,7 @@ def test_a_call_that_dies_is_lost_alone(tmp_path):
     assert {found[name] for name in ("sound", "after it", "after the odd")} == {1}
     said = {name: str(answer) for name, answer in found.items() if isinstance(answer, Exception)}
     assert "was ended by SIGKILL, probably for want of memory" in said["killed"]
-    assert said["full"] == "memory ran out"
+    assert said["full"] == "out of memory"
     assert said["odd"].startswith("ZeroDivisionError: ")
     assert isinstance(found["refused"], InputError)
     assert [name for name in said if isinstance(found[name], Crashed)] == ["killed"]

@@ -132,9 +132,9 @@ def test_free_body_needs_a_body_and_a_dynamic_model(tmp_path, capsys):
     with pytest.raises(InputError) as refused:
         api.solve(THICK, "vjm", ends="free-free")
     assert refused.value.faults == (
-        "ends free-free: only a body alone is free; name it by body",
-        "ends free-free: the vjm model of a body has no frequencies",
-        "modes 0: a free body has frequencies alone; must be 1 or more",
+        "ends free-free: only for a single body; name it with body",
+        "ends free-free: model vjm of a body has no frequencies; choose another model",
+        "modes 0: a free body has only frequencies as results; must be at least 1",
     )
 
     path = tmp_path / "bar.toml"

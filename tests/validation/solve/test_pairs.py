@@ -18,8 +18,14 @@ from validation.solve.question import Question
     ("seen", "line"),
     [
         (1.0, "mode 2, {second:.5g} Hz, MAC 1.0000"),
-        (0.07, "none, a local mode (7 % of its kinetic energy in whole cross-sections"),
-        (0.4, "none, a local mode (40 % of its kinetic energy in whole cross-sections"),
+        (
+            0.07,
+            "none, a local mode of the section (7 % of its kinetic energy in rigid motion of",
+        ),
+        (
+            0.4,
+            "none, a local mode of the section (40 % of its kinetic energy in rigid motion of",
+        ),
     ],
 )
 def test_partner_or_its_lack_is_shown_with_the_reason(monkeypatch, seen, line):

@@ -69,25 +69,34 @@ def test_robot_of_one_mode_gives_that_one(tmp_path, model):
 
 # Options that would change nothing, or are no number; without a name it is the robot above.
 REFUSED = [
-    ("ROBOT vjm --leg 2 --theory timoshenko", "--theory: the vjm model takes the legs"),
-    ("ROBOT vjm --equivalent compliance", "--equivalent: the vjm model takes the legs as"),
-    ("ROBOT vjm --leg 1 --legs equivalent", "--legs: no leg that is asked about is"),
-    ("ROBOT segments --leg 2 --release printed", "--release: a leg alone has no joint"),
+    (
+        "ROBOT vjm --leg 2 --theory timoshenko",
+        "--theory: no effect, because model vjm uses the legs",
+    ),
+    (
+        "ROBOT vjm --equivalent compliance",
+        "--equivalent: no effect, because model vjm uses the legs as",
+    ),
+    ("ROBOT vjm --leg 1 --legs equivalent", "--legs: no effect, because no leg of this answer is"),
+    (
+        "ROBOT segments --leg 2 --release printed",
+        "--release: no effect, because a single leg has no joint",
+    ),
     ("ROBOT beam --modes 1.5", 'Invalid value "1.5" for --modes. Must be a whole number'),
     ("ROBOT beam --modes 1000000000", "--modes = 1000000000: must be from 0 to 1000"),
-    ("ROBOT solid --divisions 999999999999999 --leg 1", "more than the "),
-    ("ROBOT beam --elements 10000000", "more than the "),
-    ("delta beam --x 1", "--x: poses of a mechanism are typed as --pose"),
-    ("delta beam --leg 1", "--leg: bodies of a mechanism have names"),
+    ("ROBOT solid --divisions 999999999999999 --leg 1", "GB of memory are available"),
+    ("ROBOT beam --elements 10000000", "GB of memory are available"),
+    ("delta beam --x 1", "--x: only for robot files of schema 1; give poses as --pose"),
+    ("delta beam --leg 1", "--leg: only for robot files of schema 1; name a body"),
     ("delta beam --pose 1,2", "--pose 1,2: must be x,y,z as finite"),
     ("delta beam --pose 0.1,0.0,-0.95 --vary tool.mass=1:2:2", "cannot be reached"),
-    ("delta beam --body arm", "--body arm: no such body; must be one of"),
-    ("delta beam --body bar1", "--body bar1: is rigid; must be one of"),
-    ("delta links --modes 3", "--modes: the links model is static"),
-    ("delta segments --release printed", "--release: not an option of"),
+    ("delta beam --body arm", "--body arm: does not exist; must be one of"),
+    ("delta beam --body bar1", "--body bar1: is a rigid body; must be one of"),
+    ("delta links --modes 3", "--modes: model links is static"),
+    ("delta segments --release printed", "--release: has no effect on model segments"),
     ("five-bar beam --modes 0 --against solid", "--against: "),
-    ("five-bar beam --csv table.csv", "belong to --vary"),
-    ("five-bar beam --cluster tcp://a:1", "belong to --vary"),
+    ("five-bar beam --csv table.csv", "are only for --vary"),
+    ("five-bar beam --cluster tcp://a:1", "are only for --vary"),
 ]
 
 
@@ -193,7 +202,7 @@ def test_numbers_with_observed_order_are_extrapolated(command, tmp_path):
     # As wide as the interval of the finest mesh, whose value it holds as it holds the exact one.
     assert 1.25 * abs(value - fine) <= stated["compliance"][3] <= 0.002 * exact
     assert abs(value - exact) <= stated["compliance"][3]
-    told = "numbers are extrapolated where the meshes of 1, 2, 4, 5 divisions show an order"
+    told = "values are extrapolated if the meshes with 1, 2, 4, 5 divisions show an order"
     assert told in command.told(*asked, "2", "--accuracy", "0.002")
 
 
@@ -220,7 +229,7 @@ def test_a_mesh_that_nothing_stands_beside_says_so(bar, command, monkeypatch):
     leg = equivalent_leg(legs_of(load_robot(bar).mechanism)["leg1"])
     only = 1.2 * solid_cost((leg,), 1, 0).memory
     monkeypatch.setattr("validation.solve.cost.available_memory", lambda: only)
-    told = "uncertainty of the mesh: not known; the mesh that would show it"
+    told = "uncertainty due to the mesh: unknown, because the second mesh"
     assert told in command.told(*asked)
     assert command.json(*asked)["results"][0]["uncertainty"] is None
 
@@ -268,14 +277,14 @@ def test_every_number_of_an_answer_has_its_own_name():
         "    x 1.9e+10, y 2.6e+10, z 3.3e+10",
         "     1.9000e+01  2.0000e+01  2.1000e+01  2.2000e+01  2.3000e+01  2.4000e+01",
         "natural frequencies (Hz): 55, 56",
-        "idle mobilities, which do not move the tool: 3",
+        "idle mobilities (motions that do not move the tool): 3",
         "    x 3e+02 %, y 2.2e+02 %, z 1.8e+02 %",
         "    x +5.3 %, y +7.7 %, z +9.1 %",
         "    x 47 %, y 38 %, z 33 %",
         "    frequencies 1.1e+02 %, 1.1e+02 %",
         "    frequencies +13 %, +14 %",
         "    frequencies 27 %, 29 %",
-        "those dropped lower no frequency by more than 3e+01 %",
+        "omitted modes change no frequency by more than 3e+01 %",
     ):
         assert told in text
     assert "<td>1.9e+10</td><td>2.6e+10</td><td>3.3e+10</td>" in solution._repr_html_()
@@ -299,7 +308,7 @@ def test_loads_of_the_file_have_named_displacements(tmp_path, command):
         assert np.abs(loads["weight"]["stiffness_lost"]).max() < 1e-6
         assert "frequencies" not in loads["weight"]
     assert "weight: buckles at" in command.told(*asked)
-    assert "stop: none: the mechanism cannot move that way here" in command.told(*asked)
+    assert "stop: none: the robot is rigid in this direction" in command.told(*asked)
 
 
 RIGID_DRIVE = """
@@ -333,8 +342,8 @@ def test_simplified_model_with_rigid_drives_is_rigid(tmp_path, command, driven):
     assert load["displacement"] == [0.0] * 6
     assert load["buckling"]["factor"] is load["buckling"]["reversed"] is None
     told = command.told(*asked, "--modes", "0")
-    assert "stability under them, rigid legs between their ends" in told
-    assert "cutting: does not buckle; takes no stiffness" in told
+    assert "stability under these loads, rigid legs between their ends" in told
+    assert "cutting: does not buckle; no loss of stiffness" in told
     assert "legs bending as beams" in command.told(*asked[:3], "beam", "--modes", "0")
 
 
@@ -353,7 +362,7 @@ loads = [{ name = "push", wrench = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0] }]
     (found,) = command.json(*asked)["results"]
     displacement = found["loads"]["push"]["displacement"]
     assert displacement == pytest.approx([3e-6, 0, 0, 0, 0, 0], rel=1e-12, abs=1e-18)
-    assert "push: x 3, y 0, z 0, 3 in all, φx 0, φy 0, φz 0" in command.told(*asked)
+    assert "push: x 3, y 0, z 0, magnitude 3, φx 0, φy 0, φz 0" in command.told(*asked)
 
 
 def test_models_with_mass_have_responses_and_losses(tmp_path, command):
@@ -383,7 +392,7 @@ def test_round_off_about_zero_is_shown_as_zero():
     text = as_text(Solution("gantry", "beam", {}, (answer,)))
     assert "reference posture, at the loaded point" in text
     assert "x 500, y 200, z 0\n" in text
-    assert "weight: x 0, y -15.7, z 0, 15.7 in all" in text
+    assert "weight: x 0, y -15.7, z 0, magnitude 15.7" in text
 
 
 @pytest.mark.parametrize(
@@ -409,7 +418,7 @@ def test_cost_estimate_is_near_real_mesh_and_factor(section):
 
 def test_an_hour_is_the_most_that_an_answer_may_take():
     require_affordable(Cost(9.0, 1.0, 3599.0), "--elements 9")
-    with pytest.raises(InputError, match="and 1 h, more than the 60 minutes that it may take"):
+    with pytest.raises(InputError, match="and 1 h, more than the allowed 60 minutes"):
         require_affordable(Cost(9.0, 1.0, 3601.0), "--elements 9")
 
 
@@ -425,6 +434,6 @@ def test_ctrl_c_ends_a_long_solve_at_once(robot):
 
 def test_number_that_json_lacks_is_a_computation_error():
     for document in ({"frequencies": [1.0, float("inf")]}, {"compliance": float("nan")}):
-        with pytest.raises(ComputationError, match="a result is no finite number"):
+        with pytest.raises(ComputationError, match="a result is not a finite number"):
             finite_json(document)
     assert finite_json({"f": [1.5]}) == '{"f": [1.5]}'

@@ -110,7 +110,9 @@ def test_refused_run_writes_nothing(typed, message, tmp_path, command):
 def test_variation_without_effect_has_a_message(model, vary, capsys):
     assert main(["solve", "five-bar", "--vary", vary, "--model", model]) == 0
     key = vary.partition("=")[0]
-    message = f"flexproof: --vary {key}: changes no answer of the {model} model\n"
+    message = (
+        f"flexproof: --vary {key}: has no effect on model {model}; choose another key or --model\n"
+    )
     assert capsys.readouterr().err == message
 
 

@@ -147,19 +147,22 @@ def _statements(
         pose = shown_pose(posture.mechanism, posture.pose)
         location = f", first at {pose}" if pose else ""
         portion = next(iter(result.shares))
-        yield f"buckles the robot at {number(factor, 3)} times this load{location}, in {portion}"
+        yield f"buckling at {number(factor, 3)} times this load{location}, mostly in {portion}"
     else:
-        yield "buckles the robot nowhere"
+        yield "no buckling"
     if not np.isfinite(losses).all():
-        yield "nothing that is said of the robot under it holds"
+        yield (
+            "the robot has no stiffness left under this load, so that results under it are invalid"
+        )
         return
     axis = AXES[int(np.argmax(losses.max(axis=0)))]
     statement = (
-        f"takes up to {percent(max(largest_loss, 0.0), signed=False)} of the tool's stiffness "
-        f"({axis}) and changes its displacement by {percent(largest_change, signed=False)}, "
-        "which no linear model sees"
+        "reduces the stiffness of the tool by up to "
+        f"{percent(max(largest_loss, 0.0), signed=False)} ({axis}) and changes its "
+        f"displacement by {percent(largest_change, signed=False)}, an effect that linear "
+        "models neglect"
     )
     limit = requirement.limit(load)
     if requirement.absolute(load) is None and largest_change > limit:
-        statement += f": more than the {percent(limit, signed=False)} that are accepted"
+        statement += f": more than the accepted {percent(limit, signed=False)}"
     yield statement
