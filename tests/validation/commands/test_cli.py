@@ -170,7 +170,7 @@ def test_verdict_worse_than_baseline_exits_with_1(with_catalogue, tmp_path, comm
     said = command.told("run", "--out", out, "--baseline", baseline, code=1)
     # CalculiX gone from the machine, say: what it protected is protected no more.
     assert "skipped in this run: toy.skipped." in (out / "report.html").read_text(encoding="utf-8")
-    assert "warning: toy.skipped agreed in the baseline" in said
+    assert "warning: comparison toy.skipped agreed in the baseline" in said
     assert "1 verdict worse, 0 better, 1 case drifted, 0 new, 0 removed." in said
     # A part of the run is compared with that part of the baseline.
     asked = ["run", "--only", "toy.agrees", "--out", out, "--baseline", baseline]
