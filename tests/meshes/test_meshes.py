@@ -1,4 +1,4 @@
-"""Elements, and meshes of sections and legs: sound, conforming, on the outline, exact integrals."""
+"""Elements, and meshes of sections and legs: shape functions, quality, outlines and integrals."""
 
 import itertools
 from math import cos, nan, pi, sin, sqrt
@@ -32,33 +32,35 @@ def _exponents(kind) -> np.ndarray:
     if kind.name.startswith("t"):
         powers = [p for p in powers if sum(p) <= kind.order]
     elif len(powers) > kind.node_count:
-        # Serendipity: at most one factor is squared (Arnold and Awanou, Found. Comput. Math. 11).
+        # Serendipity elements: at most one factor is squared (Arnold and Awanou, Found. Comput.
+        # Math. 11).
         powers = [p for p in powers if p.count(2) <= 1]
     return np.array(powers)
 
 
 def _points(kind) -> np.ndarray:
-    """Points inside the unit simplex, hence inside every reference cell."""
+    """Return random points inside the unit simplex, hence inside every reference element."""
     inside = np.random.default_rng(1).dirichlet(np.ones(kind.dimension + 1), size=7)
     return inside[:, :-1].T
 
 
 @by_name
 def test_shape_functions_are_nodal_polynomials(kind):
-    # Independent formulation: monomials and a Vandermonde matrix instead of scikit-fem.
+    # Independent of scikit-fem: monomials and a Vandermonde matrix.
     powers = _exponents(kind)
     vandermonde = np.prod(kind.nodes[:, None, :] ** powers[None], axis=2)
-    at, d = _points(kind), kind.dimension
-    monomials = np.prod(at.T[:, None, :] ** powers[None], axis=2)
+    positions, d = _points(kind), kind.dimension
+    monomials = np.prod(positions.T[:, None, :] ** powers[None], axis=2)
     corners = kind.nodes[list(kind.corner_nodes)]
     assert np.all((corners == 0.0) | (corners == 1.0))
-    # 1e-13: 27 terms of order one, rounding only.
+    # Rounding error of up to 27 terms of order one: below 1e-13.
     expected = np.linalg.solve(vandermonde.T, monomials.T)
-    assert values(kind.name, at) == pytest.approx(expected, abs=1e-13)
+    assert values(kind.name, positions) == pytest.approx(expected, abs=1e-13)
     for i, step in enumerate(1e-5 * np.eye(d)[:, :, None]):
-        slope = (values(kind.name, at + step) - values(kind.name, at - step)) / 2e-5
-        # Central differences are exact for these polynomials but for order step² in cross terms.
-        assert gradients(kind.name, at)[:, i] == pytest.approx(slope, abs=1e-8)
+        ahead, behind = (values(kind.name, positions + sign * step) for sign in (1.0, -1.0))
+        slope = (ahead - behind) / 2e-5
+        # Central differences of these polynomials are exact but for terms of order step².
+        assert gradients(kind.name, positions)[:, i] == pytest.approx(slope, abs=1e-8)
     points, weights = quadrature(kind.name, 4)
     # ∫ξ⁴ over the unit simplex of dimension d: 4! / (4 + d)!; over the unit cube: 1/5.
     exact = {2: 24 / 720, 3: 24 / 5040}[d] if kind.name.startswith("t") else 1 / 5
@@ -67,21 +69,22 @@ def test_shape_functions_are_nodal_polynomials(kind):
 
 @by_name
 def test_curved_element_mapping_equals_vtk(kind):
-    # VTK's own interpolation of an element with scattered nodes: any wrong place in the
-    # permutation would move the mapped points by the scatter.
-    places = np.random.default_rng(2).uniform(-0.1, 0.1, size=(kind.node_count, 3))
-    places[:, : kind.dimension] += kind.nodes
+    # VTK interpolates an element with scattered nodes: a wrong entry in the permutation of nodes
+    # would move the mapped points by the scatter.
+    nodes = np.random.default_rng(2).uniform(-0.1, 0.1, size=(kind.node_count, 3))
+    nodes[:, : kind.dimension] += kind.nodes
     grid, points = vtkUnstructuredGrid(), vtkPoints()
     points.SetDataTypeToDouble()
-    for place in places:
-        points.InsertNextPoint(place)
+    for node in nodes:
+        points.InsertNextPoint(node)
     grid.SetPoints(points)
     grid.InsertNextCell(kind.vtk_type, kind.node_count, kind.vtk_order)
-    at, theirs = _points(kind), [0.0, 0.0, 0.0]
-    for point, ours in zip(at.T, values(kind.name, at).T @ places, strict=True):
+    positions, by_vtk = _points(kind), [0.0, 0.0, 0.0]
+    mapped = values(kind.name, positions).T @ nodes
+    for point, expected in zip(positions.T, mapped, strict=True):
         inside, weights = [*point, 0.0][:3], [0.0] * kind.node_count
-        grid.GetCell(0).EvaluateLocation(reference(0), inside, theirs, weights)
-        assert theirs == pytest.approx(ours, abs=1e-12)
+        grid.GetCell(0).EvaluateLocation(reference(0), inside, by_vtk, weights)
+        assert by_vtk == pytest.approx(expected, abs=1e-12)
 
 
 def single(element, nodes):
@@ -94,7 +97,7 @@ def measures(element, nodes):
 
 
 SQUARES_AND_CUBES = ("quad4", "quad9", "hex8", "hex27")
-# Rows are where the reference cell's own sides go.
+# Rows are the images of the unit vectors of the reference element.
 SHEARED = np.array([[1.0, 0.0, 0.0], [0.5, sqrt(3) / 2, 0.0], [0.0, 0.0, 1.0]])
 REGULAR = np.array([[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]])
 
@@ -103,18 +106,19 @@ REGULAR = np.array([[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]])
     ("elements", "sides", "expected"),
     [
         (SQUARES_AND_CUBES, np.eye(3), (1.0, 1.0)),
-        # By thirty degrees: the sine of sixty.
+        # Sheared by 30°: the quality is the sine of the remaining angle of 60°.
         (SQUARES_AND_CUBES, SHEARED, (sin(pi / 3), None)),
-        # Longest by shortest side.
+        # The aspect ratio is the longest side over the shortest.
         (("quad9", "hex8"), np.diag([1.0, 5.0, 1.0]), (1.0, 5.0)),
         (("tri3", "tri6"), SHEARED, (1.0, 1.0)),
         (("tet4", "tet10"), REGULAR, (1.0, 1.0)),
-        # Right corner of unit legs, largest product of sides at another corner: 1·√2, or 1·√2·√2.
+        # Right-angled corner with unit sides; the largest product of sides at a corner is 1·√2 for
+        # the triangle and 1·√2·√2 for the tetrahedron.
         (("tri3",), np.eye(3), (2 / sqrt(3) / sqrt(2), sqrt(2))),
         (("tet4",), np.eye(3), (sqrt(2) / 2, sqrt(2))),
     ],
 )
-def test_measures_of_single_elements(elements, sides, expected):
+def test_single_element_quality(elements, sides, expected):
     for element in elements:
         nodes = ELEMENTS[element].nodes
         d = nodes.shape[1]
@@ -150,20 +154,21 @@ by_shape = pytest.mark.parametrize("section", SECTIONS, ids=lambda section: sect
 
 
 def moments(mesh, powers):
-    """∫ Π x_i^p_i over a mesh whose cells are right-handed, for each row of powers."""
+    """Return ∫ Π x_i^p_i over a mesh of right-handed elements, one value for each row of powers."""
     points, weights = quadrature(mesh.element, 6)
     corners = mesh.nodes[mesh.cells]
     slopes = gradients(mesh.element, points)
     determinant = np.linalg.det(np.einsum("mki,kjq->mqij", corners, slopes))
     assert determinant.min() > 0.0
-    at = np.einsum("mki,kq->mqi", corners, values(mesh.element, points))
-    return [float((determinant * (at**p).prod(axis=-1) @ weights).sum()) for p in powers]
+    positions = np.einsum("mki,kq->mqi", corners, values(mesh.element, points))
+    return [float((determinant * (positions**p).prod(axis=-1) @ weights).sum()) for p in powers]
 
 
 def free_sides(mesh):
-    """Sides that one cell alone owns; none has more than two owners, and each node is once there.
+    """Return the sides that belong to a single element, by their sorted nodes; check the mesh.
 
-    Sides of a reference cell are found from the planes that bound it.
+    No side may belong to more than two elements, and no two nodes may coincide. The sides of the
+    reference element are found from the planes that bound it.
     """
     nodes = ELEMENTS[mesh.element].nodes
     sides = [nodes[:, i] == 0.0 for i in range(nodes.shape[1])]
@@ -182,20 +187,21 @@ def test_section_meshes_are_valid(section):
     for divisions in (1, 4, 5):
         mesh = section_mesh(section, divisions)
         free_sides(mesh)
-        found = moments(mesh, [(0, 0), (2, 0), (0, 2)])
+        integrals = moments(mesh, [(0, 0), (2, 0), (0, 2)])
         if not isinstance(section, Circle | Tube):
             exact = [section.area, section.second_moment_z, section.second_moment_y]
-            # 1e-13: straight cells are integrated exactly, some hundred terms of rounding.
-            assert found == pytest.approx(exact, rel=1e-13)
+            # Straight elements are integrated exactly: rounding errors of some hundred terms.
+            assert integrals == pytest.approx(exact, rel=1e-13)
         assert quality(mesh)[0].min() > 0.3
-        for places in (mesh.nodes, mesh.nodes[mesh.cells].mean(axis=1)):
+        for points in (mesh.nodes, mesh.nodes[mesh.cells].mean(axis=1)):
             for mirror in ((-1.0, 1.0), (1.0, -1.0)):
-                distance, _ = cKDTree(places).query(places * mirror)
-                assert distance.max() < 1e-16  # rounding of coordinates of 0.1 m
+                distance, _ = cKDTree(points).query(points * mirror)
+                # Symmetric up to the rounding of coordinates of 0.1 m.
+                assert distance.max() < 1e-16
 
 
 def extruded(section, length, divisions):
-    """Slices as long as the smaller side, or a quarter of it."""
+    """Return a hexahedral leg mesh with slices as long as the smaller side, or a quarter of it."""
     slices = np.ceil(4.0 * length / min(section.extent))
     return hexahedra(section, length, divisions, int(divisions * slices))
 
@@ -208,7 +214,7 @@ def extruded(section, length, divisions):
 def test_leg_meshes_have_moments_of_leg(section, family):
     mesh = family(section, LENGTH, 1)
     free = free_sides(mesh)
-    # Rounding of some ten thousand terms of the largest size; four arcs are parabolas.
+    # Rounding errors of some ten thousand terms; a circle of four parabolas errs by up to 5 %.
     rel = 5e-2 if isinstance(section, Circle | Tube) else 1e-11
     for end, x in ((mesh.root, 0.0), (mesh.tip, LENGTH)):
         assert np.array_equal(end.nodes, np.flatnonzero(mesh.nodes[:, 0] == x))
@@ -216,7 +222,7 @@ def test_leg_meshes_have_moments_of_leg(section, family):
         assert np.isin(free, end.nodes).all(axis=1).sum() == len(end.mesh.cells)
         assert moments(end.mesh, [(0, 0)]) == pytest.approx([section.area], rel=rel)
     assert (mesh.nodes[:, 0].min(), mesh.nodes[:, 0].max(), mesh.length) == (0.0, LENGTH, LENGTH)
-    # What Verdict's manual calls acceptable.
+    # Limits that the manual of Verdict calls acceptable.
     assert quality(mesh)[0].min() > (0.3 if family is extruded else 0.2)
     powers = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 2, 0), (0, 0, 2), (0, 1, 1)]
     volume, iy, iz = section.area * LENGTH, section.second_moment_y, section.second_moment_z
@@ -225,22 +231,23 @@ def test_leg_meshes_have_moments_of_leg(section, family):
 
 
 def _parabolas(radius: float, sides: int) -> float:
-    """The polygon and a parabola's segment (2/3 chord × sagitta) over each side."""
+    """Return the area of a polygon with a parabolic segment (2/3 chord × sagitta) on each side."""
     chord, sagitta = 2 * radius * sin(pi / sides), radius * (1 - cos(pi / sides))
     return sides / 2 * radius**2 * sin(2 * pi / sides) + sides * 2 / 3 * chord * sagitta
 
 
-def test_round_section_areas_equal_parabolas():
+def test_round_section_area_with_parabolic_sides():
     for divisions in (4, 16):
-        # 1e-12: rounding
+        # Equal up to rounding errors.
         circle = moments(section_mesh(Circle(0.1), divisions), [(0, 0)])
         assert circle == pytest.approx([_parabolas(0.05, 2 * divisions)], rel=1e-12)
-    # A quarter of the middle line, 0.094 π/4, takes three elements of 0.1/4, so six at 8 divisions.
+    # A quarter of the middle line, 0.094 π/4 m, has three elements of 0.1/4 m at 4 divisions, hence
+    # six at 8 divisions.
     tube = moments(section_mesh(Tube(0.1, 0.006), 8), [(0, 0)])
     assert tube == pytest.approx([_parabolas(0.05, 24) - _parabolas(0.044, 24)], rel=1e-12)
 
 
-def test_walls_have_one_element_per_four_divisions():
+def test_wall_has_one_element_per_four_divisions():
     counts = []
     for divisions, across in ((1, 1), (4, 1), (8, 2), (16, 4)):
         mesh = section_mesh(HollowRectangle(0.1, 0.1, 0.005), divisions)
@@ -248,14 +255,14 @@ def test_walls_have_one_element_per_four_divisions():
         in_the_corner = np.sum(through_the_wall[:, 0] < -0.045 + 1e-9)
         assert in_the_corner == 2 * across + 1
         counts.append(len(mesh.cells))
-        # None along it is longer than eight times what it is thick.
+        # No element is longer than eight times the thickness of the wall.
         thin = section_mesh(HollowRectangle(0.1, 0.1, 0.001), divisions)
         assert np.ptp(thin.nodes[thin.cells], axis=1).max() <= 0.008
     assert counts[2:] == [4 * counts[1], 16 * counts[1]]
 
 
 def test_extrusion_is_numbered_slice_by_slice():
-    # Two divisions count elements along y and z.
+    # Two numbers of divisions are the numbers of elements along y and along z.
     section = section_mesh(Rectangle(0.1, 0.2), (4, 2))
     assert [len(np.unique(along.round(9))) for along in section.nodes.T] == [9, 5]
     mesh = extrude(section, np.array([0.0, 0.1, 0.15, 0.3]))
@@ -287,12 +294,12 @@ def test_extrusion_is_numbered_slice_by_slice():
         (lambda: stations(1.0, 0), "slices = 0"),
     ],
 )
-def test_impossible_requests_are_refused(request_one, reason):
+def test_impossible_leg_mesh_is_refused(request_one, reason):
     with pytest.raises(InputError, match=reason):
         request_one()
 
 
-def test_short_leg_is_meshed_and_faults_are_reported():
+def test_leg_length_limit_and_section_faults():
     require_leg(BOX, 0.26, 4)
     with pytest.raises(InputError) as caught:
         require_section(Rectangle(0.0, -1.0), 0)

@@ -1,4 +1,4 @@
-"""Processes of their own, and gmsh in all of them: silent, closed whatever happens, the same."""
+"""Child processes and gmsh models in them: values, errors, limits and equal results."""
 
 import os
 import resource
@@ -21,7 +21,7 @@ REFUSED = "from lumped.errors import InputError; raise InputError(('one', 'two')
 
 def test_values_and_errors_return_from_process():
     process = Process()
-    # In a session of its own, where Ctrl-C and hang-ups of a terminal do not reach it.
+    # The process has its own session, so that Ctrl-C or the end of a terminal does not reach it.
     questions = (divmod, 7, 2), (os.getsid, 0), (exec, REFUSED), (divmod, 1, 0)
     for question in questions:
         process.ask(*question)
@@ -49,7 +49,7 @@ def zip_lists(*lists):
     return list(zip(*lists, strict=True))
 
 
-def test_crashes_and_limits_end_process_alone():
+def test_crash_or_limit_ends_only_child_process():
     with pytest.raises(Crashed, match="was ended by SIGABRT"):
         in_own_process(os.abort)
     with pytest.raises(Crashed, match="was ended by SIGXCPU, its time was up"):
@@ -60,9 +60,9 @@ def test_crashes_and_limits_end_process_alone():
     assert resource.getrlimit(resource.RLIMIT_CPU)[0] == resource.RLIM_INFINITY
 
 
-def test_gmsh_failure_names_part_and_closes_model():
-    named = pytest.raises(ComputationError, match=r"leg 2: gmsh failed: .*NoSuchOption")
-    with named, gmsh_model("leg 2") as session:
+def test_gmsh_failure_reports_part_and_closes_model():
+    reported = pytest.raises(ComputationError, match=r"leg 2: gmsh failed: .*NoSuchOption")
+    with reported, gmsh_model("leg 2") as session:
         session.option.getNumber("Mesh.NoSuchOption")
     assert not gmsh.isInitialized()
     with pytest.raises(InputError, match="mine"), gmsh_model("part"):
@@ -70,7 +70,7 @@ def test_gmsh_failure_names_part_and_closes_model():
     assert not gmsh.isInitialized()
 
 
-def test_inner_model_restores_outer_one():
+def test_inner_gmsh_model_restores_outer_one():
     with gmsh_model("outer") as session:
         session.model.geo.addPoint(0.0, 0.0, 0.0, tag=5)
         session.model.geo.synchronize()
@@ -92,8 +92,8 @@ def test_threads_and_process_give_same_meshes(capfd):
     assert capfd.readouterr() == ("", "")
 
 
-# gmsh sets both signals back to their defaults: a run would end with the first worker that dies, a
-# run under nohup with its first mesh.
+# gmsh resets the handlers of SIGPIPE and SIGHUP: a run would end with the first worker process that
+# dies, and a run under nohup with its first mesh.
 SIGNALS = """
 import os, signal
 from threading import Thread, enumerate
@@ -118,7 +118,7 @@ print("still here")
 """
 
 
-def test_broken_pipe_is_error_and_hang_up_ignored():
+def test_gmsh_leaves_signal_handlers_unchanged():
     command = ["nohup", sys.executable, "-c", SIGNALS]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (0, "an error\nstill here\n"), done.stderr

@@ -1,4 +1,4 @@
-"""Parts made on the spot by gmsh's kernel, as STEP in millimetres, and read in this process."""
+"""Parts drawn by gmsh's CAD kernel, written as STEP in millimetres and read in this process."""
 
 import pytest
 from drawn_parts import without_processes, written
@@ -11,6 +11,6 @@ def in_this_process(monkeypatch):
 
 @pytest.fixture(scope="session")
 def box_step(tmp_path_factory):
-    """100 × 20 × 30 mm, its end in the origin."""
+    """Return a STEP file of a box of 100 × 20 × 30 mm with the origin in the middle of one end."""
     path = tmp_path_factory.mktemp("parts") / "box.step"
     return written(path, lambda occ: occ.addBox(0.0, -10.0, -15.0, 100.0, 20.0, 30.0))

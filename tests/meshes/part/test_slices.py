@@ -1,4 +1,4 @@
-"""Sections of a part: outlines, holes and islands by nesting depth."""
+"""Plane sections of a part: outlines, holes and islands by depth of nesting."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 
 
 def walls(side, first, centre=(0.0, 0.0)):
-    """Nodes and triangles of a square tube along x; numbers of nodes start at `first`."""
+    """Return nodes and triangles of a square tube along x with node numbers from `first` on."""
     outline = side * SQUARE + centre
     nodes = np.vstack([np.column_stack([np.full(4, x), outline]) for x in (0.0, 1.0)])
     cells = [
@@ -29,15 +29,15 @@ def section_of(*tubes):
     return slices_of(np.vstack(nodes), facets, np.array([0.5, 0.0, 0.0]), np.eye(3))
 
 
-def test_island_in_a_hole_is_a_piece_of_its_own():
-    """Outline 4 × 4 with a hole 3 × 3, in it an island 2 × 2 with a hole 1 × 1: 7 and 3 m²."""
+def test_island_in_hole_is_separate_section():
+    """Outline 4 × 4 m with hole 3 × 3, and in it an island 2 × 2 with hole 1 × 1: 7 and 3 m²."""
     pieces = section_of(*((side, (0.0, 0.0)) for side in (4.0, 3.0, 2.0, 1.0)))
-    found = sorted((piece.area, len(piece.holes)) for piece in pieces)
-    np.testing.assert_allclose(found, [(3.0, 1), (7.0, 1)], rtol=1e-12)
+    areas_and_holes = sorted((piece.area, len(piece.holes)) for piece in pieces)
+    np.testing.assert_allclose(areas_and_holes, [(3.0, 1), (7.0, 1)], rtol=1e-12)
 
 
-def test_two_holes_side_by_side_belong_to_one_piece():
-    """4 × 4 less two of 1 × 1 at y = ±1."""
+def test_two_holes_belong_to_one_section():
+    """Outline 4 × 4 m with two holes of 1 × 1 m at y = ±1 m."""
     (piece,) = section_of((4.0, (0.0, 0.0)), (1.0, (1.0, 0.0)), (1.0, (-1.0, 0.0)))
     assert len(piece.holes) == 2
     np.testing.assert_allclose(piece.area, 14.0, rtol=1e-12)

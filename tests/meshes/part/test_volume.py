@@ -1,4 +1,4 @@
-"""Parts: interfaces by number, name, cylinder and plane; meshes of a size, straightened and cut."""
+"""Interfaces of parts by number, name, cylinder and plane; volume meshes of a wanted size."""
 
 import drawn_parts
 import numpy as np
@@ -32,7 +32,7 @@ def bar(box_step):
     return part, find_interfaces(part, plane_ends(0.1))
 
 
-def test_crashing_optimiser_is_omitted(bar, monkeypatch):
+def test_crashing_mesh_optimiser_is_skipped(bar, monkeypatch):
     tried = []
 
     def crashing(_seconds, function, *arguments):
@@ -67,21 +67,21 @@ def test_unmeshable_part_is_reported(bar, monkeypatch, error, kind):
             volume.refined_gradings(*bar, 20_000)
 
 
-def test_size_search_continues_after_crossed_surface(tmp_path):
+def test_mesh_size_search_survives_crossed_facets(tmp_path):
     def tube(occ):
-        """Tapered, 600 mm long; its wall of 12 mm falls between facets of half its length."""
+        """Draw a conical tube of 600 mm whose wall of 12 mm is crossed by coarse facets."""
         outer, inner = (occ.addCone(0, 0, 0, 600, 0, 0, r, 0.7 * r) for r in (61.4, 49.3))
         occ.cut([(3, outer)], [(3, inner)])
 
     part = read_part(written(tmp_path / "tube.step", tube))
-    found = volume_mesh(part, (), volume.refined_gradings(part, (), 8_000)[0])
-    assert found.unknowns == pytest.approx(8_000, rel=0.35)
+    mesh = volume_mesh(part, (), volume.refined_gradings(part, (), 8_000)[0])
+    assert mesh.unknowns == pytest.approx(8_000, rel=0.35)
 
 
 @pytest.mark.exhaustive
-def test_roundings_keep_their_volume(tmp_path):
+def test_rounded_bar_mesh_keeps_volume(tmp_path):
     def rounded(occ):
-        """A bar 80 × 40 × 40 mm whose long edges are rounded with 8 mm."""
+        """Draw a bar of 80 × 40 × 40 mm whose long edges are rounded with a radius of 8 mm."""
         bar = occ.addBox(0, -20, -20, 80, 40, 40)
         occ.synchronize()
         boxes = {tag: occ.getBoundingBox(1, tag) for _, tag in occ.getEntities(1)}
@@ -94,38 +94,40 @@ def test_roundings_keep_their_volume(tmp_path):
     chords = np.linalg.det(edges).sum() / 6.0 / part.exact.volume - 1.0
     assert chords < -3e-3
     assert mesh.straightened == 0
-    # A parabola misses of a short arc less than a hundredth of what its chord misses.
+    # The area error of a parabola over a short arc is below a hundredth of that of a chord.
     filled = meshed_part(mesh, STEEL).properties().mass / STEEL.rho
     assert abs(filled / part.exact.volume - 1.0) < 0.01 * abs(chords)
 
 
 def test_folded_element_and_neighbour_are_straightened():
-    # Two tetrahedra on one face; a middle of their common edge pulled through the first one.
+    # Two tetrahedra with a common face; a mid-edge node of that face is pulled through one of them.
     tetrahedron = ELEMENTS["tet10"].nodes
     cells = np.arange(20).reshape(2, 10)
     mirrored = (tetrahedron * [-1.0, 1.0, 1.0])[[0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]
     nodes = np.vstack([tetrahedron, mirrored])
     nodes[4] += [0.0, 0.4, 0.4]
-    found, count = straightened(nodes, cells)
+    moved, count = straightened(nodes, cells)
     assert count == 1
-    assert found[4] == pytest.approx([0.5, 0.0, 0.0], abs=1e-15)
-    assert np.array_equal(np.delete(found, 4, axis=0), np.delete(nodes, 4, axis=0))
+    assert moved[4] == pytest.approx([0.5, 0.0, 0.0], abs=1e-15)
+    assert np.array_equal(np.delete(moved, 4, axis=0), np.delete(nodes, 4, axis=0))
     for height, message in ((1e-12, "1 tetrahedron is flat"), (-1.0, "stays inverted")):
         with pytest.raises(ComputationError, match=f"{message}, the first at"):
             straightened(tetrahedron * [1.0, 1.0, height], np.arange(10)[None])
 
 
-def test_sample_nodes_share_volume_of_box():
+def test_sample_nodes_have_volume_shares_of_box():
     box = extrude(section_mesh(Rectangle(0.05, 0.08), 2), np.linspace(0.0, 0.5, 11))
     rows, volumes = spread_over(box)
     assert len(set(rows.tolist())) == len(rows) == len(volumes)
     assert volumes.sum() == pytest.approx(0.5 * 0.05 * 0.08, rel=1e-12)
     assert np.ptp(box.nodes[rows], axis=0) == pytest.approx([0.5, 0.05, 0.08])
-    # As far apart as a few places allow: the centre within a tenth of the length.
+    # A few sample nodes, far apart, give the mass centre to a tenth of the length.
     assert volumes @ box.nodes[rows] / volumes.sum() == pytest.approx([0.25, 0.0, 0.0], abs=0.05)
-    # No more than there are corners.
-    one = extrude(section_mesh(Rectangle(0.05, 0.08), 1), np.array([0.0, 0.5]))
-    assert len(spread_over(one)[0]) == len(np.unique(one.cells[:, [0, 1, 2, 3, 18, 19, 20, 21]]))
+    # A coarse mesh has as many sample nodes as element corners, no more.
+    coarse = extrude(section_mesh(Rectangle(0.05, 0.08), 1), np.array([0.0, 0.5]))
+    assert len(spread_over(coarse)[0]) == len(
+        np.unique(coarse.cells[:, [0, 1, 2, 3, 18, 19, 20, 21]])
+    )
 
 
 def box_tube(occ):
@@ -134,14 +136,14 @@ def box_tube(occ):
 
 
 def with_boss(occ):
-    """A plate with a round boss: its edge is re-entrant and curved; a bore's are not."""
+    """Draw a plate with a round boss, whose edge is re-entrant and curved, and a bore."""
     plate, boss = occ.addBox(-50, -40, 0, 100, 80, 15), occ.addCylinder(0, 0, 10, 0, 0, 30, 25)
     solid, _ = occ.fuse([(3, plate)], [(3, boss)])
     occ.cut(solid, [(3, occ.addCylinder(0, 0, -10, 0, 0, 60, 12))])
 
 
 def rounded_corner(occ):
-    """An L whose inner corner is rounded."""
+    """Draw an L-shaped plate whose inner corner is rounded."""
     outline = [(0, 0), (80, 0), (80, 20), (35, 20), (20, 35), (20, 80), (0, 80)]
     points = [occ.addPoint(x, y, 0) for x, y in outline]
     sides = list(zip(points, points[1:] + points[:1], strict=True))
@@ -154,13 +156,13 @@ def mesh_of(folder, build):
     return volume_mesh(read_part(written(folder / "part.step", build)), (), Grading(0.03))
 
 
-def test_part_without_sharp_edges_keeps_mesh(tmp_path):
+def test_part_without_reentrant_edge_keeps_mesh(tmp_path):
     mesh = mesh_of(tmp_path, rounded_corner)
     assert cut_at_inner_edges(mesh) is mesh
 
 
 @pytest.mark.parametrize("shape", [box_tube, with_boss])
-def test_cut_meshes_keep_shape_at_reentrant_edges(tmp_path, shape):
+def test_mesh_cut_at_reentrant_edges_keeps_shape(tmp_path, shape):
     mesh = mesh_of(tmp_path, shape)
     x, y, z = mesh.nodes[inner_edges(mesh)].T
     assert len(x) >= 12
@@ -168,18 +170,18 @@ def test_cut_meshes_keep_shape_at_reentrant_edges(tmp_path, shape):
     assert across == pytest.approx(0.0375 if shape is box_tube else 0.025, abs=1e-9)
     assert np.abs(z) == pytest.approx(up, abs=1e-9)
     cut = cut_at_inner_edges(mesh)
-    # Curved pieces as well: the piece of a quadratic element is one.
+    # Curved elements keep their shape, too: a piece of a quadratic element is quadratic.
     masses = [meshed_part(m, STEEL).properties().mass for m in (mesh, cut)]
     assert masses[1] == pytest.approx(masses[0], rel=1e-12)
     assert cell_volumes(cut).min() > 0.0
-    # No gap inside: what belongs to one element alone is what lies on the faces.
+    # No gap inside: facets that belong to a single element are those on the faces of the part.
     on_faces = np.vstack([facets.corners for facets in cut.faces.values()])
     outside = boundary(cut).corners
     assert np.array_equal(*(np.unique(np.sort(c, axis=1), axis=0) for c in (on_faces, outside)))
     for number, facets in mesh.faces.items():
-        ours = area_vectors(cut.nodes, cut.faces[number]).sum(axis=0)
-        theirs = area_vectors(mesh.nodes, facets).sum(axis=0)
-        assert ours == pytest.approx(theirs, abs=2e-3 * 0.1**2)
+        area = area_vectors(cut.nodes, cut.faces[number]).sum(axis=0)
+        expected = area_vectors(mesh.nodes, facets).sum(axis=0)
+        assert area == pytest.approx(expected, abs=2e-3 * 0.1**2)
     corners, numbers = np.unique(mesh.cells[:, :4], return_inverse=True)
     faces = {
         number: Facets(np.searchsorted(corners, facets.corners), "tri3")
@@ -202,9 +204,9 @@ def test_bore_and_plane_are_selected_by_geometry(lug):
         "end": PartInterface(ByPlane((1.0, 0.0, 0.0), point=(0.2, 0.01, 0.0))),
     }
     first, second, end = find_interfaces(lug, wanted)
-    # Half way along its axis, or in the middle.
-    for found, x in ((first, 0.02), (second, 0.18), (end, 0.2)):
-        assert found.point == pytest.approx([x, 0.0, 0.0], abs=1e-9)
+    # The interface point is halfway along the axis of a bore, or in the middle of a plane.
+    for interface, x in ((first, 0.02), (second, 0.18), (end, 0.2)):
+        assert interface.point == pytest.approx([x, 0.0, 0.0], abs=1e-9)
     assert (first.coupling, second.coupling) == ("rigid", "average")
     assert first.reason.startswith("rigid by default")
     assert end.area == pytest.approx(0.04 * 0.03, rel=1e-9)
@@ -213,10 +215,13 @@ def test_bore_and_plane_are_selected_by_geometry(lug):
 
 
 def fork(occ):
-    """A bar 200 × 40 × 30 mm, two bores of radius 6 along z; a slot breaks that at x = 180."""
+    """Draw a bar of 200 × 40 × 30 mm with bores of radius 6 mm at x = 100 and 180 mm.
+
+    A slot divides the bore at x = 180 mm.
+    """
     bar, slot = occ.addBox(0, -20, -15, 200, 40, 30), occ.addBox(150, -40, -5, 100, 80, 10)
     bores = [occ.addCylinder(x, 0, -30, 0, 0, 60, 6) for x in (100, 180)]
-    occ.cut([(3, bar)], [(3, one) for one in (*bores, slot)])
+    occ.cut([(3, bar)], [(3, tag) for tag in (*bores, slot)])
 
 
 @pytest.mark.parametrize("suffix", ["step", "msh"])
@@ -231,7 +236,7 @@ def test_equal_bores_are_selected_by_position(suffix, tmp_path):
     assert (len(whole.faces), len(broken.faces)) == (1, 2)
     for bore, x, height in ((whole, 0.1, 0.03), (broken, 0.18, 0.02)):
         assert bore.point == pytest.approx([x, 0.0, 0.0], abs=1e-8)
-        # The facets of a mesh are taken as plane: some twenty sides of a circle, 0.6 %.
+        # Areas of a mesh are those of plane facets: some twenty per circle, an error of 0.6 %.
         assert bore.area == pytest.approx(2.0 * np.pi * 0.006 * height, rel=1e-2)
 
 
@@ -253,7 +258,7 @@ END, BORE = ByPlane((1.0, 0.0, 0.0), (0.2, 0.0, 0.0)), ByCylinder(0.008)
         (ByName("bore"), "the file names none"),
     ],
 )
-def test_wrong_selection_names_nearest_face(lug, selection, message):
+def test_wrong_face_selection_reports_nearest_face(lug, selection, message):
     points = {"A": np.array([0.03, 0.0, 0.0])} if selection is BORE else {}
     with pytest.raises(InputError) as error:
         find_interfaces(lug, {"A": PartInterface(selection)}, points)
@@ -274,6 +279,6 @@ def test_wrong_selection_names_nearest_face(lug, selection, message):
         ({}, "no interface is given"),
     ],
 )
-def test_shared_or_unsuited_faces_are_refused(lug, wanted, message):
+def test_shared_interface_faces_are_refused(lug, wanted, message):
     with pytest.raises(InputError, match=message):
-        find_interfaces(lug, {name: PartInterface(*one) for name, one in wanted.items()})
+        find_interfaces(lug, {name: PartInterface(*choice) for name, choice in wanted.items()})

@@ -1,4 +1,4 @@
-"""CAD files: units, sizes, faces known by hand; what is no part, and one damaged token."""
+"""CAD files: units, sizes and faces known by hand; wrong files and single damaged tokens."""
 
 import os
 import random
@@ -20,7 +20,7 @@ from meshes.part.volume import Grading, refined_gradings, volume_mesh
 pytestmark = pytest.mark.usefixtures("in_this_process")
 
 
-def test_box_has_drawn_size(box_step):
+def test_box_part_has_drawn_size_and_inertia(box_step):
     part = read_part(box_step)
     assert part.size == "read in mm: 100 × 20 × 30 mm"
     # Volume and moments of a box: V = abc, I = V(b² + c²)/12.
@@ -36,11 +36,11 @@ def test_box_has_drawn_size(box_step):
     assert outward[0.0, 0.0, -1.0] == pytest.approx([0.05, 0.0, -0.015], abs=1e-12)
 
 
-def test_bore_of_splines_is_recognised(tmp_path):
+def test_spline_bore_is_recognised_as_cylinder(tmp_path):
     def splines(occ):
         bar, bore = occ.addBox(-30, -20, 0, 60, 40, 30), occ.addCylinder(0, 0, -10, 0, 0, 60, 8)
         occ.cut([(3, bar)], [(3, bore)])
-        # An affine map turns the kernel's cylinders into splines; this one is the identity.
+        # An affine map, here the identity, makes the kernel convert cylinders into splines.
         occ.affineTransform(occ.getEntities(3), [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0])
 
     path = written(tmp_path / "splines.step", splines)
@@ -50,18 +50,18 @@ def test_bore_of_splines_is_recognised(tmp_path):
 
 
 def cylinder(occ):
-    """Of radius 50 mm and 400 mm long along x."""
+    """Draw a cylinder of radius 50 mm and length 400 mm along x."""
     occ.addCylinder(0, 0, 0, 400, 0, 0, 50)
 
 
 def ellipsoid(occ):
-    """Half axes of 50, 50 and 10 mm; a scaled sphere is a rational spline."""
+    """Draw an ellipsoid with half axes of 50, 50 and 10 mm, a rational spline for the kernel."""
     ball = occ.addSphere(0, 0, 0, 50)
     occ.dilate([(3, ball)], 0, 0, 0, 1.0, 1.0, 0.2)
 
 
 def crossed(occ):
-    """A cylinder with a bore across it."""
+    """Draw a cylinder with a bore across it."""
     body, bore = (
         occ.addCylinder(0, 0, 0, 0, 0, 200, 50),
         occ.addCylinder(-99, 10, 99, 300, 0, 0, 30),
@@ -70,7 +70,7 @@ def crossed(occ):
 
 
 def as_splines(draw):
-    """The same as rational splines: an affine map turns the kernel's cylinders into these."""
+    """Return a function that draws the same shape with its cylinders as rational splines."""
 
     def drawn(occ):
         draw(occ)
@@ -79,14 +79,14 @@ def as_splines(draw):
     return drawn
 
 
-def test_cylinder_of_splines_equals_analytic_one(tmp_path):
-    """The kernel's volume of it is 0.86 % too large, its moment about the axis 1.6 %."""
+def test_spline_cylinder_equals_analytic_one(tmp_path):
+    """The kernel's own volume is 0.86 % too large, its moment of inertia about the axis 1.6 %."""
     path = written(tmp_path / "splines.step", as_splines(cylinder))
     part = read_part(path)
     assert "RATIONAL_B_SPLINE" in path.read_text()
     assert part.size == "read in mm: 400 × 100 × 100 mm"
     volume = np.pi * 0.05**2 * 0.4
-    # Quadratic triangles of 24 sides miss 5e-6, what is stated of their limit is 3e-5.
+    # With 24 quadratic triangles around the axis the error is 5e-6, its stated bound 3e-5.
     assert part.exact.volume == pytest.approx(volume, rel=1e-5)
     assert abs(part.exact.volume - volume) < part.exact.error < 1e-4 * volume
     assert part.exact.centre == pytest.approx([0.2, 0.0, 0.0], abs=1e-6)
@@ -95,40 +95,41 @@ def test_cylinder_of_splines_equals_analytic_one(tmp_path):
     areas = sorted(face.area for face in part.faces)
     ends = np.pi * 0.05**2
     assert areas == pytest.approx([ends, ends, 2 * np.pi * 0.05 * 0.4], rel=1e-5)
-    # As fine as this it was refused: a face looked the wrong way.
+    # A mesh of this size was once refused because a face seemed to be inverted.
     fine = volume_mesh(part, (), Grading(0.1, sides=32.0))
     assert cell_volumes(fine).sum() == pytest.approx(volume, rel=1e-4)
 
 
-def test_ellipsoid_has_its_volume(tmp_path):
+def test_ellipsoid_part_volume(tmp_path):
     part = read_part(written(tmp_path / "ellipsoid.step", ellipsoid))
     volume = 4.0 / 3.0 * np.pi * 0.05 * 0.05 * 0.01
     assert abs(part.exact.volume - volume) < part.exact.error < 1e-4 * volume
 
 
-def test_crossed_spline_cylinders_have_same_volume(tmp_path):
-    # Cylinder less bore, whose length is that of chords at y = 10 + 30 sin t.
+def test_bored_spline_cylinder_volume(tmp_path):
+    # Volume of the cylinder less that of the bore; chords of the cylinder at y = 10 + 30 sin t mm
+    # are the lengths of the bore.
     t = np.linspace(0.0, 2.0 * np.pi, 2000, endpoint=False)
     chords = 2.0 * np.sqrt(0.05**2 - (0.01 + 0.03 * np.sin(t)) ** 2)
     bore = (chords * (0.03 * np.cos(t)) ** 2).mean() * 2.0 * np.pi
     volume = np.pi * 0.05**2 * 0.2 - bore
     for number, draw in enumerate((crossed, as_splines(crossed))):
         part = read_part(written(tmp_path / f"{number}.step", draw))
-        # The kernel's volume is kept if it is within 1e-6 of the limit of two meshes, known to 1e-6
-        # itself; that of the splines is 0.5 % too large.
+        # The program keeps the kernel's volume if it is within 1e-6 of the value extrapolated from
+        # two meshes, itself known to 1e-6; the kernel's volume of the splines is 0.5 % too large.
         stated = part.exact.error + (part.unknown_share + 2e-6) * volume
         assert abs(part.exact.volume - volume) < stated < 1e-5 * volume
 
 
-def test_tip_of_a_cone_is_no_face_turned_inwards(tmp_path):
-    """Triangles that lie over each other there are of one face, which cannot face itself."""
+def test_cone_tip_is_not_an_inverted_face(tmp_path):
+    """Overlapping triangles at the tip belong to one face, which cannot be its own neighbour."""
     path = written(tmp_path / "cone.step", lambda occ: occ.addCone(0, 0, 0, 0, 0, 90, 40, 0))
     part = read._read_cad(path, None, sides=0.0)
     assert part.exact.volume == pytest.approx(np.pi * 0.04**2 * 0.09 / 3.0, rel=1e-9)
     assert sorted(face.kind for face in part.faces) == ["other", "plane"]
 
 
-def test_surface_is_meshed_without_failing_curvature(box_step, monkeypatch):
+def test_surface_mesh_falls_back_to_no_curvature(box_step, monkeypatch):
     triangulate = read.triangulate
 
     def failing(path, model, sides, *more):
@@ -139,46 +140,46 @@ def test_surface_is_meshed_without_failing_curvature(box_step, monkeypatch):
     monkeypatch.setattr(read, "triangulate", failing)
     part = read_part(box_step)
     assert part.size == "read in mm: 100 × 20 × 30 mm, meshed without sizes from curvature"
-    assert {step.sides for step in refined_gradings(part, (), 2000)} == {0.0}
+    assert {grading.sides for grading in refined_gradings(part, (), 2000)} == {0.0}
 
 
-def test_part_failing_by_curvature_is_meshed_without(box_step, monkeypatch):
-    graded = volume._ladder
+def test_volume_mesh_falls_back_to_no_curvature(box_step, monkeypatch):
+    find_gradings = volume._find_gradings
 
     def failing(part, interfaces, unknowns, sides):
         if sides:
             raise InputError("no mesh")
-        return graded(part, interfaces, unknowns, sides)
+        return find_gradings(part, interfaces, unknowns, sides)
 
     part = read_part(box_step)
-    monkeypatch.setattr(volume, "_ladder", failing)
-    steps = refined_gradings(part, (), 2000)
-    assert {step.sides for step in steps} == {0.0}
-    assert volume_mesh(part, (), steps[-1]).unknowns == pytest.approx(2000, rel=0.5)
+    monkeypatch.setattr(volume, "_find_gradings", failing)
+    gradings = refined_gradings(part, (), 2000)
+    assert {grading.sides for grading in gradings} == {0.0}
+    assert volume_mesh(part, (), gradings[-1]).unknowns == pytest.approx(2000, rel=0.5)
 
 
 MILLIMETRE = "SI_UNIT(.MILLI.,.METRE.)"
 
 
 def converted(name: str, factor: str, unit: str = MILLIMETRE):
-    """An edit that declares the same numbers in a conversion based unit (ISO 10303-21)."""
+    """Return an edit of STEP text that declares a conversion-based length unit (ISO 10303-21)."""
 
     def edit(text: str) -> str:
-        own = re.search(rf"#(\d+) = \( LENGTH_UNIT\(\) [^;]*{re.escape(MILLIMETRE)} \);", text)
+        declared = re.search(rf"#(\d+) = \( LENGTH_UNIT\(\) [^;]*{re.escape(MILLIMETRE)} \);", text)
         conversion = (
-            f"#{own[1]} = ( CONVERSION_BASED_UNIT('{name}',#9001) LENGTH_UNIT() "
+            f"#{declared[1]} = ( CONVERSION_BASED_UNIT('{name}',#9001) LENGTH_UNIT() "
             "NAMED_UNIT(#9002) );\n"
             f"#9001 = LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE({factor}),#9003);\n"
             "#9002 = DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);\n"
             f"#9003 = ( LENGTH_UNIT() NAMED_UNIT(*) {unit} );"
         )
-        return text.replace(own[0], conversion)
+        return text.replace(declared[0], conversion)
 
     return edit
 
 
 def other_unit(representation: str):
-    """An edit that adds a representation with a context in metres, as exports do for views."""
+    """Return an edit of STEP text that adds a view in metres, as exports of CAD programs do."""
 
     def edit(text: str) -> str:
         added = (
@@ -204,7 +205,7 @@ METRE = "SI_UNIT($,.METRE.)"
         (converted("inches", "2.54E-2", METRE), "inch", 0.254),
         (converted("MILLIMETRE", "1."), "mm", 0.01),
         (converted("MILLIMETER", "1.E-3", METRE), "mm", 0.01),
-        # The factor counts, not the name.
+        # The conversion factor determines the unit, not its name.
         (converted("UNIT", "10.0"), "cm", 0.1),
         (lambda text: text.replace(MILLIMETRE, "SI_UNIT(.CENTI.,.METRE.)"), "cm", 0.1),
         (lambda text: text.replace(MILLIMETRE, METRE), "m", 10.0),
@@ -225,7 +226,7 @@ METRE = "SI_UNIT($,.METRE.)"
         "axes",
     ],
 )
-def test_unit_of_file_is_used_and_reported(tmp_path, edit, unit, length):
+def test_step_length_unit_is_used_and_reported(tmp_path, edit, unit, length):
     path = written(tmp_path / "bar.step", lambda occ: occ.addBox(0, 0, 0, 10, 2, 3))
     path.write_text(edit(path.read_text()))
     part = read_part(path)
@@ -234,7 +235,7 @@ def test_unit_of_file_is_used_and_reported(tmp_path, edit, unit, length):
     assert part.size.startswith(f"read in {unit}: 10")
 
 
-def test_unit_of_a_foot_is_refused(tmp_path):
+def test_step_unit_foot_is_refused(tmp_path):
     path = written(tmp_path / "bar.step", lambda occ: occ.addBox(0, 0, 0, 10, 2, 3))
     path.write_text(converted("FOOT", "304.8")(path.read_text()))
     assert "its unit of length of 0.3048 m is not known here; use m, cm, mm, inch" in refused(path)
@@ -255,24 +256,24 @@ def test_brep_file_uses_specified_unit(tmp_path):
     assert part.extent == pytest.approx([0.1, 0.02, 0.03], rel=1e-6)
     assert part.exact.volume == pytest.approx(6e-5, rel=1e-9)
     assert "100 × 20 × 30 m is not the size of a robot's part; is it in mm" in refused(path)
-    # The kernel's volume of the box is 40 cm³ then, that of its outline 60 cm³.
-    line = refused(turned(path, 2), "mm")
+    # With one face inverted the kernel's volume of the box is 40 cm³ instead of 60 cm³.
+    line = refused(with_inverted_face(path, 2), "mm")
     assert "looks inwards: its edges run as those of its neighbours do" in line
 
 
-def turned(path, face):
-    """The BREP file with one face of its last shell turned inside out."""
+def with_inverted_face(path, face):
+    """Write the BREP file with one face of its last shell inverted, and return its path."""
     text = path.read_text()
     start = text.rindex("\nSh\n")
     signed = list(re.finditer(r"([+-])\d+ 0 ", text[start:]))[face].start() + start
     other = {"+": "-", "-": "+"}[text[signed]]
-    damaged = path.with_name("turned.brep")
+    damaged = path.with_name("with_inverted_face.brep")
     damaged.write_text(text[:signed] + other + text[signed + 1 :])
     return damaged
 
 
-def test_tetrahedra_fill_what_the_faces_enclose(tmp_path, monkeypatch):
-    """A cavity whose one face looks inwards has no neighbour: the kernel counts it as filled."""
+def test_tetrahedra_must_fill_enclosed_volume(tmp_path, monkeypatch):
+    """A cavity of a single inverted face has no neighbour; the kernel takes it for solid."""
 
     def hollow(occ):
         block, ball = occ.addBox(0, 0, 0, 40, 40, 40), occ.addSphere(20, 20, 20, 10)
@@ -280,10 +281,10 @@ def test_tetrahedra_fill_what_the_faces_enclose(tmp_path, monkeypatch):
 
     path = written(tmp_path / "hollow.brep", hollow)
     sound = volume_mesh(read_part(path, "mm"), (), Grading(0.02))
-    # 64 cm³ less the ball; facets of 12 sides are within 0.1 % of its volume.
+    # 64 cm³ less a ball of radius 1 cm; with 12 facets around it its volume is within 0.1 %.
     assert cell_volumes(sound).sum() == pytest.approx(64e-6 - 4e-6 / 3 * np.pi, rel=1e-3)
-    part = read_part(turned(path, 0), "mm")
-    # No way of meshing mends it; two of them are tried.
+    part = read_part(with_inverted_face(path, 0), "mm")
+    # All mesh settings fail; two of them are tried here.
     monkeypatch.setattr(volume, "_ATTEMPTED_SETTINGS", volume._ATTEMPTED_SETTINGS[:2])
     with pytest.raises(InputError, match=r"enclose 68\.\d+ cm³, tetrahedra .* fill 59\.8"):
         volume_mesh(part, (), Grading(0.02))
@@ -343,7 +344,7 @@ TEXTS = [
 ]
 
 
-def test_wrong_files_and_units_are_refused(tmp_path, box_step):
+def test_damaged_cad_file_or_unit_is_refused(tmp_path, box_step):
     for number, (content, suffix, message) in enumerate(TEXTS):
         path = tmp_path / f"part{number}{suffix}"
         if content is not None:
@@ -364,8 +365,8 @@ def _astronomical(point: re.Match) -> str:
     return f"CARTESIAN_POINT('',({numbers}))"
 
 
-def test_changed_step_text_is_not_mended_silently(tmp_path, box_step):
-    """The kernel drops what it does not find, and never returns from what is no number."""
+def test_changed_step_text_is_refused(tmp_path, box_step):
+    """The CAD kernel ignores missing references and hangs on a value that is no number."""
     text, path = box_step.read_text(), tmp_path / "changed.step"
     point = re.search(r"\n#(\d+) = CARTESIAN_POINT\('',\((-?[\d.]+),", text)
     numbers = re.compile(r"CARTESIAN_POINT\('',\((.*?)\)\)", re.DOTALL)
@@ -402,14 +403,14 @@ TOKENS = {
 
 
 def bracket(occ):
-    """A rounded block with a conical bore, a round groove, a dome and a cavity."""
+    """Draw a rounded block with a conical bore, a round groove, a dome and a cavity."""
     block = occ.addBox(0, 0, 0, 120, 60, 40)
     occ.synchronize()
     occ.fillet([block], [1, 3, 5, 7], [6])
-    cone, groove = occ.addCone(30, 30, -1, 0, 0, 42, 8, 12), occ.addTorus(85, 30, 40, 14, 4)
+    bore, groove = occ.addCone(30, 30, -1, 0, 0, 42, 8, 12), occ.addTorus(85, 30, 40, 14, 4)
     cavity, dome = occ.addSphere(60, 30, 18, 8), occ.addSphere(85, 30, 36, 9)
     fused, _ = occ.fuse([(3, block)], [(3, dome)])
-    occ.cut(fused, [(3, one) for one in (cone, groove, cavity)])
+    occ.cut(fused, [(3, tag) for tag in (bore, groove, cavity)])
 
 
 @pytest.fixture(scope="module")
@@ -422,7 +423,7 @@ def files(tmp_path_factory):
 
 
 def damaged(text: str, rng: random.Random) -> tuple[str, str]:
-    """The text with one token of its data changed, and what was changed."""
+    """Return the STEP text with one token of its data changed at random, and a description."""
     kind = rng.choice(["reference", "number", "number", "flag", "word"])
     tokens = list(TOKENS[kind].finditer(text, text.index("DATA;")))
     token = rng.choice(tokens)
@@ -432,16 +433,16 @@ def damaged(text: str, rng: random.Random) -> tuple[str, str]:
     elif kind == "word":
         new = rng.choice([new, old[:-1]])
     elif kind == "number":
-        at = rng.choice([i for i, sign in enumerate(old) if sign.isdigit()])
-        digit = str((int(old[at]) + rng.randrange(1, 10)) % 10)
+        i = rng.choice([i for i, sign in enumerate(old) if sign.isdigit()])
+        digit = str((int(old[i]) + rng.randrange(1, 10)) % 10)
         other = f"{float(old) * rng.choice([-1.0, 0.1, 0.9, 1.001, 10.0])!r}"
-        new = rng.choice([other, old[:at] + digit + old[at + 1 :], old[:at] + old[at + 1 :]])
+        new = rng.choice([other, old[:i] + digit + old[i + 1 :], old[:i] + old[i + 1 :]])
     line = text.count("\n", 0, token.start()) + 1
     return text[: token.start()] + new + text[token.end() :], f"line {line}: {old} to {new}"
 
 
 def is_silent(path, sound) -> bool:
-    """Whether the file is read as another part than the sound one, and nothing is said."""
+    """Return whether a file is read as a part that differs from `sound` without any report."""
     try:
         part = read_part(path)
     except InputError as error:
@@ -449,20 +450,20 @@ def is_silent(path, sound) -> bool:
         assert line.startswith(f"{path}: ")
         assert "\n" not in line
         return False
-    own, whole = (
-        np.array([one.exact.volume, sum(face.area for face in one.faces), *one.extent])
-        for one in (part, sound)
+    values, sound_values = (
+        np.array([p.exact.volume, sum(face.area for face in p.faces), *p.extent])
+        for p in (part, sound)
     )
-    changed = np.abs(own / whole - 1.0)
+    changed = np.abs(values / sound_values - 1.0)
     if changed.max() <= 1e-9 or part.unit != sound.unit:
         return False
-    off = np.abs(own - whole)[2:].max()
-    # The kernel's box is larger by the tolerance that it gave to what it bridged, on both sides.
-    bounded = changed[:2].max() <= part.unknown_share and off <= 3.0 * part.gap
+    extent_change = np.abs(values - sound_values)[2:].max()
+    # The kernel's bounding box is larger, on both sides, by the tolerance of a bridged gap.
+    bounded = changed[:2].max() <= part.unknown_share and extent_change <= 3.0 * part.gap
     return not (bounded and "gaps of up to" in part.size)
 
 
-# A third of the hundred damages of each file, and in the soak all of them.
+# A third of a hundred damaged versions of each file; all of them in the soak run.
 @pytest.mark.parametrize(
     "seeds",
     [
@@ -472,44 +473,47 @@ def is_silent(path, sound) -> bool:
     ids=str,
 )
 @pytest.mark.parametrize("name", ["rocker", "leg", "bracket"])
-def test_damaged_token_never_changes_part_silently(files, name, seeds, tmp_path, monkeypatch):
-    # Some end the process that reads.
+def test_damaged_step_token_is_always_reported(files, name, seeds, tmp_path, monkeypatch):
+    # The files are read in a process of their own again, because some of them crash the reader.
     monkeypatch.undo()
     source = files[name]
     sound, text, path = read_part(source), source.read_text(), tmp_path / source.name
     silent = []
     for seed in seeds:
-        changed, what = damaged(text, random.Random(f"{source.name} {seed}"))  # noqa: S311
+        changed, change = damaged(text, random.Random(f"{source.name} {seed}"))  # noqa: S311
         path.write_text(changed)
         if is_silent(path, sound):
-            silent.append(f"{seed}, {what}")
+            silent.append(f"{seed}, {change}")
     assert silent == []
 
 
-NAMED = {
-    # The other arc of a circle: 495 × 415 × 212 mm for 343 × 263 × 60 mm, volume -3.7 %.
-    "an arc the other way": (
+DAMAGES = {
+    # The complementary arc of a circle: 495 × 415 × 212 mm instead of 343 × 263 × 60 mm, volume
+    # -3.7 %.
+    "complementary arc": (
         "rocker",
         "#549 = EDGE_CURVE('',#457,#550,#552,.T.)",
         "#549 = EDGE_CURVE('',#457,#550,#552,.F.)",
         r"edges and corners are up to 0\.076 m apart where they should meet, near \(0\.2",
     ),
-    # A cavity of the leg does not close: the leg without it, volume +46 %.
-    "a cavity lost": ("leg", "#3789 = LINE(", "#3789 = SURFACE_CURVE(", "6 of its 28 faces bound"),
-    # Volume, gaps and number of faces stay, the box grows by 2 mm.
-    "a cavity moved": (
+    # A cavity that is not closed would be left out: volume +46 %.
+    "lost cavity": ("leg", "#3789 = LINE(", "#3789 = SURFACE_CURVE(", "6 of its 28 faces bound"),
+    # Volume, gaps and the number of faces are unchanged; the bounding box grows by 2 mm.
+    "moved cavity": (
         "bracket",
         "CARTESIAN_POINT('',(60.,30.,18.))",
         "CARTESIAN_POINT('',(6.0,30.,18.))",
         r"the cavity about \(0\.006, 0\.03, 0\.018\) m sticks out of the solid",
     ),
-    # Ends the process, and never comes back.
-    "a class cast": ("leg", "#3413 = VECTOR(", "#3413 = SOLID_ANGLE_UNIT(", "its reader fails"),
+    # The reading process ends without an answer.
+    "wrong class": ("leg", "#3413 = VECTOR(", "#3413 = SOLID_ANGLE_UNIT(", "its reader fails"),
 }
 
 
-@pytest.mark.parametrize(("name", "old", "new", "message"), NAMED.values(), ids=NAMED.keys())
-def test_damaged_file_is_refused_with_reason(files, tmp_path, monkeypatch, name, old, new, message):
+@pytest.mark.parametrize(("name", "old", "new", "message"), DAMAGES.values(), ids=DAMAGES.keys())
+def test_damaged_step_file_is_refused_with_reason(
+    files, tmp_path, monkeypatch, name, old, new, message
+):
     if message == "its reader fails":
         monkeypatch.undo()
     text, path = files[name].read_text(), tmp_path / "damaged.step"
@@ -519,8 +523,8 @@ def test_damaged_file_is_refused_with_reason(files, tmp_path, monkeypatch, name,
         read_part(path)
 
 
-def test_small_gap_is_bridged_and_reported(tmp_path):
-    """A corner of the rocker 0.01 mm off: its place in space is told by nothing but itself."""
+def test_small_cad_gap_is_bridged_and_reported(tmp_path):
+    """One corner of the rocker is moved by 0.01 mm; nothing else in the file fixes its position."""
     path = tmp_path / "gap.step"
     old = "(20.124611797499,40.249223594996,-30.)"
     path.write_text(ROCKER.read_text().replace(old, old.replace("20.1246", "20.1346")))

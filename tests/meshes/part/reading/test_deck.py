@@ -1,4 +1,4 @@
-"""Abaqus and CalculiX decks: each legal form of one deck is the same part, and CalculiX runs it."""
+"""Abaqus and CalculiX decks: all legal forms of a deck give one part, and CalculiX runs them."""
 
 import shutil
 import subprocess
@@ -32,7 +32,7 @@ ELEMENT = "*ELEMENT, TYPE=C3D8, ELSET=EALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n"
 ROOT = "*NSET, NSET=ROOT\n1, 2, 3, 4\n"
 PLAIN = NODES + ELEMENT + ROOT
 
-# By the form that each shows. CalculiX 2.20 runs each but those of Abaqus alone.
+# Legal forms of the deck by name. CalculiX 2.20 runs these; those of OF_ABAQUS only Abaqus does.
 FORMS = {
     "plain": PLAIN,
     "generate-two-values": NODES + ELEMENT + "*NSET, NSET=ROOT, GENERATE\n1, 4\n",
@@ -80,7 +80,7 @@ OF_ABAQUS = {
     + ROOT
     + "*NSET, NSET=ALL, ELSET=E\n",
     "unsorted": PLAIN.replace("=ROOT", "=ROOT, UNSORTED"),
-    # The point of the assembly has a number of the part's, too.
+    # Node 1 of the assembly has the same number as a node of the part.
     "part-and-instance": f"*PART, NAME=P\n{NODES}{ELEMENT}*END PART\n*ASSEMBLY, NAME=A\n"
     "*INSTANCE, NAME=P-1, PART=P\n*END INSTANCE\n*NODE\n1, 9., 9., 9.\n*NSET, NSET=REF\n1\n"
     f"{ROOT.replace('=ROOT', '=ROOT, INSTANCE=P-1')}*END ASSEMBLY\n",
@@ -88,14 +88,14 @@ OF_ABAQUS = {
     "*INSTANCE, NAME=P-1, PART=P\n*END INSTANCE\n*NSET, NSET=ROOT\n"
     "P-1.1, P-1.2, P-1.3, P-1.4\n*END ASSEMBLY\n",
 }
-# Decks over several files: text of the deck itself, then of the others by name.
+# Decks of several files: the text of the deck and the texts of its included files by name.
 INCLUDED = {
     "included": ("*INCLUDE, INPUT=nodes.inp\n" + ELEMENT + ROOT, {"nodes.inp": NODES}),
     "included-data-lines": (
         f"*NODE, NSET=NALL\n*include,input=points.txt\n{ELEMENT}{ROOT}",
         {"points.txt": NODES.partition("\n")[2]},
     ),
-    # Names in files of a lower folder count from the folder of the deck.
+    # Names of files are relative to the folder of the deck, also inside an included file.
     "included-in-folder": (
         "** a comment\n*INCLUDE, INPUT=mesh/all.inp\n" + ROOT,
         {
@@ -126,7 +126,7 @@ def written(folder, others):
 
 
 @pytest.mark.parametrize("form", [*FORMS, *OF_ABAQUS, *INCLUDED, *INCLUDED_OF_ABAQUS])
-def test_each_legal_form_gives_the_same_part(tmp_path, form):
+def test_legal_deck_forms_give_same_part(tmp_path, form):
     text = (FORMS | OF_ABAQUS).get(form, "")
     if not text:
         text, others = (INCLUDED | INCLUDED_OF_ABAQUS)[form]
@@ -142,8 +142,8 @@ def test_each_legal_form_gives_the_same_part(tmp_path, form):
 
 
 @pytest.mark.skipif(not any(map(shutil.which, PROGRAMS)), reason="CalculiX (ccx) is not installed")
-def test_calculix_runs_each_legal_form(tmp_path):
-    """One element, clamped at its root under 1 N: the same displacement whatever the form."""
+def test_calculix_runs_legal_deck_forms(tmp_path):
+    """One element clamped at one end under 1 N has the same displacement for every form."""
     program = next(path for name in PROGRAMS if (path := shutil.which(name)))
     analysis = (
         "*MATERIAL,NAME=S\n*ELASTIC\n2.1e11,0.3\n*SOLID SECTION,ELSET=EALL,MATERIAL=S\n"
@@ -162,7 +162,7 @@ def test_calculix_runs_each_legal_form(tmp_path):
         displacements[form] = float(printed[-1])
     reduced = {"reduced-integration", "incompatible-modes", "other-elements"}
     for form in set(displacements) - reduced:
-        # Printed with seven digits.
+        # CalculiX prints seven digits.
         assert displacements[form] == pytest.approx(displacements["plain"], rel=2e-6), form
 
 
@@ -183,7 +183,7 @@ def test_calculix_runs_each_legal_form(tmp_path):
         (PLAIN + "*NSET,NSET=A,GENERATE\n1,4,0\n", "line 15: the step of GENERATE is 0"),
     ],
 )
-def test_faulty_deck_names_the_line(tmp_path, text, fault):
+def test_deck_fault_reports_line(tmp_path, text, fault):
     with pytest.raises(InputError, match=fault) as error:
         read(tmp_path, text)
     (line,) = error.value.faults
@@ -210,7 +210,7 @@ def test_faulty_deck_names_the_line(tmp_path, text, fault):
         ),
     ],
 )
-def test_faulty_include_names_file_and_line(tmp_path, others, fault):
+def test_include_fault_reports_file_and_line(tmp_path, others, fault):
     written(tmp_path, others)
     with pytest.raises(InputError) as error:
         read(tmp_path, "\n*INCLUDE, INPUT=a.inp\n" + PLAIN)
@@ -219,7 +219,7 @@ def test_faulty_include_names_file_and_line(tmp_path, others, fault):
     assert line.startswith(str(tmp_path))
 
 
-def test_link_out_of_the_folder_is_not_included(tmp_path):
+def test_include_link_outside_folder_is_refused(tmp_path):
     (tmp_path / "secret.inp").write_text(NODES)
     folder = tmp_path / "deck"
     folder.mkdir()
@@ -228,8 +228,8 @@ def test_link_out_of_the_folder_is_not_included(tmp_path):
         read(folder, "*INCLUDE, INPUT=nodes.inp\n" + ELEMENT + ROOT)
 
 
-def test_included_files_are_bounded_together(tmp_path, monkeypatch):
-    """Ten files of twenty lines that each include the next one would be 20¹⁰ lines."""
+def test_total_size_of_includes_is_bounded(tmp_path, monkeypatch):
+    """Ten files of twenty lines, each including the next twenty times, would give 20¹⁰ lines."""
     monkeypatch.setattr(included, "LARGEST_DECK", 50_000)
     names = [f"{letter}.inp" for letter in "abcdefghij"]
     for name, following in pairwise(names):
@@ -239,16 +239,16 @@ def test_included_files_are_bounded_together(tmp_path, monkeypatch):
         read(tmp_path, "*INCLUDE, INPUT=a.inp\n" + PLAIN)
 
 
-def test_content_of_a_part_has_what_it_includes(tmp_path):
-    """Caches know a part by its content: a changed file behind an *INCLUDE is another part."""
+def test_part_content_covers_included_files(tmp_path):
+    """Caches identify a part by its content, which must change with an included file."""
     deck = tmp_path / "block.inp"
     text, others = INCLUDED["included"]
     deck.write_text(text)
     written(tmp_path, others)
     assert part_content(deck).split() == PLAIN.encode().split()
-    own = part_content(deck)
+    content = part_content(deck)
     written(tmp_path, {"nodes.inp": NODES.replace("2.", "3.")})
-    assert part_content(deck) != own
-    # Without one it is the file itself, to the byte.
+    assert part_content(deck) != content
+    # Without an *INCLUDE the content is that of the file, byte by byte.
     deck.write_bytes(PLAIN.replace("\n", "\r\n").encode())
     assert part_content(deck) == deck.read_bytes()

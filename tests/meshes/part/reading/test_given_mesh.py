@@ -1,4 +1,4 @@
-"""Volume meshes of other programs: one mesh in three formats is one part, faces and all."""
+"""Volume meshes of other programs: the same mesh in three formats gives the same part."""
 
 import lzma
 import zlib
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.usefixtures("in_this_process")
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
-    """A plate with a bore in quadratic tetrahedra, its bore a physical group, in mm."""
+    """Return a folder with a bored plate of quadratic tetrahedra, in mm, as .msh, .inp and .vtu."""
     folder = tmp_path_factory.mktemp("meshes")
 
     def draw(occ):
@@ -43,7 +43,7 @@ def files(tmp_path_factory):
     return folder
 
 
-def test_one_mesh_in_three_formats_is_one_part(files):
+def test_mesh_in_three_formats_gives_same_part(files):
     parts = [read_part(files / f"plate{suffix}", "mm") for suffix in (".msh", ".inp", ".vtu")]
     first = parts[0]
     assert first.size == "read in mm: 60 × 40 × 10 mm"
@@ -51,14 +51,13 @@ def test_one_mesh_in_three_formats_is_one_part(files):
         (bore,) = [face for face in part.faces if face.kind == "bore"]
         assert bore.radius == pytest.approx(8e-3, rel=1e-6)
         assert part.mesh.element == "tet10"
-        # Formats keep 12 digits and more; the order of the nodes is the file's.
-        order = np.lexsort(np.round(part.mesh.nodes, 9).T)
-        own = np.lexsort(np.round(first.mesh.nodes, 9).T)
-        assert part.mesh.nodes[order] == pytest.approx(first.mesh.nodes[own], abs=1e-12)
+        # The formats store at least 12 digits, and the nodes in different orders.
+        order, first_order = (np.lexsort(np.round(p.mesh.nodes, 9).T) for p in (part, first))
+        assert part.mesh.nodes[order] == pytest.approx(first.mesh.nodes[first_order], abs=1e-12)
     assert len(first.faces) == 7
 
 
-def test_physical_group_names_faces(files):
+def test_interface_by_physical_group(files):
     part = read_part(files / "plate.msh", "mm")
     by_name, by_radius = (
         find_interfaces(part, {"A": PartInterface(choice)})[0]
@@ -77,11 +76,11 @@ FOLDED = HEXAHEDRON[:, [4, 5, 6, 7, 0, 1, 2, 3]]
 
 
 def two_cubes(*shift, shared=()):
-    """Points and cells of two cubes, the second's nodes `shared` (its own: the first's)."""
-    own = np.arange(16)
+    """Return points and cells of two cubes; `shared` has pairs (node of second, node of first)."""
+    nodes = np.arange(16)
     for second, first in shared:
-        own[second] = first
-    return np.vstack([CUBE, CUBE + shift]), "hexahedron", own.reshape(2, 8)
+        nodes[second] = first
+    return np.vstack([CUBE, CUBE + shift]), "hexahedron", nodes.reshape(2, 8)
 
 
 def mesh_file(folder, points, kind, cells, **more):
@@ -99,7 +98,7 @@ def mesh_file(folder, points, kind, cells, **more):
         (CUBE, "tetra", [[0, 0, 1, 2]], "inverted or folded"),
         (*two_cubes(1, 0, 0), "4 nodes coincide with another"),
         (*two_cubes(2, 0, 0), "in 2 pieces that share no face"),
-        # Two that hang together by an edge, or by a corner.
+        # Two cubes that share only an edge, then only a corner.
         (*two_cubes(1, 1, 0, shared=[(8, 2), (12, 6)]), "in 2 pieces that share no face"),
         (*two_cubes(1, 1, 1, shared=[(8, 6)]), "in 2 pieces that share no face"),
         (CUBE, "hexahedron", HEXAHEDRON[[0, 0]], "given twice, the first is element 1"),
@@ -107,7 +106,7 @@ def mesh_file(folder, points, kind, cells, **more):
         (np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON, "finite"),
     ],
 )
-def test_bad_meshes_are_refused_with_reason(tmp_path, points, kind, cells, message):
+def test_bad_mesh_is_refused_with_reason(tmp_path, points, kind, cells, message):
     with pytest.raises(InputError) as error, np.errstate(all="ignore"):
         read_part(mesh_file(tmp_path, points, kind, np.array(cells)))
     assert message in error.value.faults[0]
@@ -129,12 +128,12 @@ def test_unsupported_mesh_keyword_is_refused(files, tmp_path, added, refused):
     path.write_text(f"{text}\n{added}\n")
     with pytest.raises(InputError, match=rf"line \d+: {refused} is not supported; write all nodes"):
         read_part(path, "mm")
-    # What leaves nodes and elements as they are is passed over.
+    # Keywords that do not change nodes or elements are ignored.
     path.write_text(f"{text}\n*MATERIAL, NAME=steel\n*ELASTIC\n2.1e11, 0.3\n*END PART\n")
     assert read_part(path, "mm").size == read_part(files / "plate.inp", "mm").size
 
 
-def test_missing_reference_of_deck_is_refused(tmp_path):
+def test_deck_without_referenced_node_is_refused(tmp_path):
     path = tmp_path / "mesh.inp"
     nodes = "1, 0., 0., 0.\n2, .1, 0., 0.\n3, 0., .1, 0."
     path.write_text(f"*NODE\n{nodes}\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n")
@@ -146,7 +145,7 @@ def test_missing_reference_of_deck_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["hexahedron", "hexahedron20", "hexahedron27"])
-def test_hexahedra_have_six_faces_of_unit_area(tmp_path, kind):
+def test_hexahedron_part_has_six_plane_faces(tmp_path, kind):
     element = ELEMENTS[{"hexahedron": "hex8", "hexahedron20": "hex20"}.get(kind, "hex27")]
     points = element.nodes[list(element.vtk_order)]
     part = read_part(mesh_file(tmp_path, points, kind, np.arange(len(points))[None]))
@@ -159,24 +158,24 @@ def test_hexahedra_have_six_faces_of_unit_area(tmp_path, kind):
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "said"),
+    ("name", "text", "message"),
     [
         ("mesh.msh", "hello", "it is damaged, cut off or not in the format of gmsh"),
         ("mesh.vtu", "<html></html>", "the format of vtu: Expected tag 'VTKFile', found html"),
     ],
 )
-def test_file_without_mesh_gives_one_line(tmp_path, capfd, name, text, said):
+def test_file_without_mesh_gives_one_fault(tmp_path, capfd, name, text, message):
     path = tmp_path / name
     path.write_text(text)
     with pytest.raises(InputError) as error:
         read_part(path)
     (line,) = error.value.faults
     assert line.startswith(f"{path}: cannot be read as a mesh: ")
-    assert said in line
+    assert message in line
     assert capfd.readouterr() == ("", "")
 
 
-PLACES = ("binary", "base64", "raw")
+ENCODINGS = ("binary", "base64", "raw")
 
 
 VTU = """<VTKFile type="UnstructuredGrid" version="0.1" byte_order="{order}"
@@ -186,63 +185,63 @@ header_type="UInt{bits}" compressor="vtk{compressor}DataCompressor"><Unstructure
 </UnstructuredGrid>{appended}</VTKFile>"""
 
 
-def vtu_of(folder, place, parts, before="", order="LittleEndian", bits=32, compressor="ZLib"):
-    """A file with one compressed array, its head and blocks, after what is appended `before`."""
+def vtu_of(folder, encoding, parts, before="", order="LittleEndian", bits=32, compressor="ZLib"):
+    """Write a VTU file with one compressed array (head and blocks) after the bytes `before`."""
     array, appended = 'format="binary">\n  {}', ""
-    if place != "binary":
+    if encoding != "binary":
         array = f"format='appended' offset=\"{len(before)}\">"
-        appended = f'<AppendedData encoding="{place}">\n _{before}{{}}\n</AppendedData>'
+        appended = f'<AppendedData encoding="{encoding}">\n _{before}{{}}\n</AppendedData>'
     text = VTU.format(order=order, bits=bits, compressor=compressor, array=array, appended=appended)
-    own = b"".join(parts if place == "raw" else map(b64encode, parts))
+    data = b"".join(parts if encoding == "raw" else map(b64encode, parts))
     path = folder / "array.vtu"
-    path.write_bytes(text.encode().replace(b"{}", own))
+    path.write_bytes(text.encode().replace(b"{}", data))
     return path
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("encoding", ENCODINGS)
 @pytest.mark.parametrize(("order", "bits"), [("LittleEndian", 32), ("BigEndian", 64)])
-def test_oversized_arrays_are_refused_by_header(tmp_path, place, order, bits):
-    """1.5 GB of zeros are 1.5 MB compressed: here nothing but the head of them is there."""
+def test_vtu_header_of_oversized_array_is_refused(tmp_path, encoding, order, bits):
+    """1.5 GB of zeros compress to 1.5 MB; the file contains only the header of such an array."""
     head = np.array([45_776, 32_768, 100], f"{'<' if bits == 32 else '>'}u{bits // 8}")
-    path = vtu_of(tmp_path, place, [head.tobytes()], "AAAA", order, bits)
+    path = vtu_of(tmp_path, encoding, [head.tobytes()], "AAAA", order, bits)
     with pytest.raises(InputError, match=r"unpack to 1499\.96 MB; must be at most 500 MB"):
         read_part(path)
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("encoding", ENCODINGS)
 @pytest.mark.parametrize(("compressor", "library"), [("ZLib", zlib), ("LZMA", lzma)])
-def test_understated_arrays_stop_inflating(tmp_path, place, compressor, library):
-    """Each block says that it has a hundred bytes, and has a thousand."""
+def test_vtu_array_larger_than_header_is_refused(tmp_path, encoding, compressor, library):
+    """Every block is stated to have 100 bytes but has 1000."""
     block = library.compress(bytes(1000))
     head = np.array([1000, 100, 100, *[len(block)] * 1000], "<u4").tobytes()
-    path = vtu_of(tmp_path, place, [head, 1000 * block], compressor=compressor)
+    path = vtu_of(tmp_path, encoding, [head, 1000 * block], compressor=compressor)
     with pytest.raises(InputError, match="holds more or less than the file says"):
         read_part(path)
 
 
 @pytest.mark.parametrize("compression", ["zlib", "lzma", None])
-def test_stated_sizes_equal_actual_sizes(files, tmp_path, compression):
+def test_vtu_stated_size_equals_actual_size(files, tmp_path, compression):
     mesh, path = meshio.read(files / "plate.vtu"), tmp_path / "plate.vtu"
     meshio.vtu.write(path, mesh, compression=compression)
     (cells,) = mesh.cells
-    # Beside the connectivity there are an offset and a type of each cell, of eight bytes.
+    # Beside its connectivity each cell has an offset and a type of eight bytes each.
     size = mesh.points.nbytes + cells.data.nbytes + 16 * len(cells.data)
     assert inflated_size(path.read_bytes()) == (size if compression else 0)
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("encoding", ENCODINGS)
 @pytest.mark.parametrize("compressor", ["ZLib", "LZMA"])
-def test_vtk_file_is_read(files, tmp_path, place, compressor):
-    """The writer of ParaView: appended as it does by default, or otherwise."""
+def test_vtu_file_of_vtk_writer_is_read(files, tmp_path, encoding, compressor):
+    """Written by VTK as ParaView does: appended data, its default, or binary data."""
     path = tmp_path / "plate.vtu"
     reader, writer = vtkXMLUnstructuredGridReader(), vtkXMLUnstructuredGridWriter()
     reader.SetFileName(str(files / "plate.vtu"))
     writer.SetFileName(str(path))
     writer.SetInputConnection(reader.GetOutputPort())
     getattr(writer, f"SetCompressorTypeTo{compressor}")()
-    writer.SetDataMode(writer.Binary if place == "binary" else writer.Appended)
-    writer.SetEncodeAppendedData(place == "base64")
+    writer.SetDataMode(writer.Binary if encoding == "binary" else writer.Appended)
+    writer.SetEncodeAppendedData(encoding == "base64")
     writer.SetHeaderTypeToUInt64()
     assert writer.Write()
-    found, own = (read_part(one, "mm") for one in (path, files / "plate.vtu"))
-    assert [face.area for face in found.faces] == [face.area for face in own.faces]
+    rewritten, original = (read_part(file, "mm") for file in (path, files / "plate.vtu"))
+    assert [face.area for face in rewritten.faces] == [face.area for face in original.faces]
