@@ -210,3 +210,21 @@ def test_free_rocker_counts_six_rigid_motions(example):
     assert rocker.rigid == 6
     assert rocker.total == pytest.approx(rocker.part.exact.volume * 7850.0, rel=0.005)
     assert rocker.counted >= 4
+
+
+def test_press_has_forces_of_slider_crank(example):
+    """By hand: rod F/cos β, motor F r sin(φ + β)/cos β, guide F tan β; σ = N/A + T/W of legs."""
+    found = example(16)
+    by_hand, members, reactions = found["by_hand"], found["members"], found["reactions"]
+    assert members["rod"].forces[:, 0] == pytest.approx(by_hand["rod"], rel=1e-9)
+    assert abs(reactions["motor"].drive) == pytest.approx(by_hand["motor"], rel=1e-9)
+    guide = np.linalg.norm(reactions["guide"].wrench[:3])
+    assert guide == pytest.approx(by_hand["guide"], rel=1e-9)
+    stresses = found["found"].stresses
+    area = np.pi / 4.0 * (0.03**2 - 0.02**2)
+    # Parabolas instead of arcs: 1e-4 of the area.
+    assert stresses["rod"].largest == pytest.approx(-by_hand["rod"] / area, rel=1e-3)
+    axial = abs(members["crank"].forces[0, 0])
+    bending = 6.0 * by_hand["motor"] / (0.02 * 0.04**2) + axial / (0.02 * 0.04)
+    # The shear stress of the crank vanishes where it bends most.
+    assert stresses["crank"].largest == pytest.approx(bending, rel=1e-3)

@@ -10,7 +10,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from validation.drawing.chart import Chart, Panel, Scale, Series, few_ticks, from_zero
-from validation.forces.results import ForcesUnderLoad, PoseForces
+from validation.forces.results import ForcesUnderLoad, PoseForces, largest_of
 
 # Number of curves in a panel: more cannot be told apart.
 _MOST_CURVES = 6
@@ -63,7 +63,9 @@ def _along_legs(found: ForcesUnderLoad | None, load: str) -> Chart:
             staggered=False,
         )
     )
-    drawn = [_largest_curves(panel) for panel in panels if panel.series]
+    *of_forces, of_stresses = panels
+    scale = 0.0 if found is None else largest_of(found)
+    drawn = [*(_largest_curves(panel, scale) for panel in of_forces), _largest_curves(of_stresses)]
     return Chart(
         [panel for panel in drawn if panel.series],
         "distance from the root over the length",
@@ -108,7 +110,10 @@ def _over_poses(poses: Sequence[PoseForces], model: str, moves: Sequence[str], l
         _panel(x, "axial force in the leg (N)", axial),
         _panel(x, "largest von Mises stress (MPa)", stresses, from_zero, half_widths),
     ]
-    drawn = [panel for panel in map(_largest_curves, panels) if panel.series]
+    *of_forces, of_stresses = panels
+    scale = max((largest_of(under) for under in found if under is not None), default=0.0)
+    drawn = [*(_largest_curves(panel, scale) for panel in of_forces), _largest_curves(of_stresses)]
+    drawn = [panel for panel in drawn if panel.series]
     return Chart(
         drawn,
         label,
@@ -148,11 +153,14 @@ def _panel(
     return Panel(series, title, scale=scale, staggered=False)
 
 
-def _largest_curves(panel: Panel) -> Panel:
-    """The panel with its largest curves alone, in their order. Curves of round-off are left out."""
+def _largest_curves(panel: Panel, scale: float = 0.0) -> Panel:
+    """The panel with its largest curves alone, in their order.
+
+    Curves of round-off are left out, beside the largest curve and beside `scale`.
+    """
     sizes = [np.nanmax(np.abs(one.y)) if np.isfinite(one.y).any() else 0.0 for one in panel.series]
     ranked = sorted(range(len(sizes)), key=lambda number: -sizes[number])[:_MOST_CURVES]
-    smallest = _NEGLIGIBLE * max(sizes, default=0.0)
+    smallest = _NEGLIGIBLE * max([*sizes, scale])
     kept = [one for n, one in enumerate(panel.series) if n in ranked and sizes[n] > smallest]
     return Panel(kept, panel.title, scale=panel.scale, staggered=False)
 
