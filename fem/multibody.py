@@ -17,7 +17,7 @@ from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg
 from lumped.mechanism.body import Part, Rigid
-from lumped.mechanism.free_twists import free_twists, interface_position
+from lumped.mechanism.free_twists import drive_in, free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import leg_of
@@ -201,9 +201,10 @@ class _ExudynModel:
         self.mbs.AddObject(
             self.items.GenericJoint(markerNumbers=markers, constrainedAxes=constrained)
         )
-        if joint.drive is not None and joint.drive.stiffness is not None:
+        drive = drive_in(self.posture, joint)
+        if drive is not None and drive.stiffness is not None:
             stiffness, offset = np.zeros((6, 6)), np.zeros(6)
-            stiffness[driven, driven] = joint.drive.stiffness
+            stiffness[driven, driven] = drive.stiffness
             gap = interface_position(self.posture, joint.second) - interface_position(
                 self.posture, joint.first
             )

@@ -17,7 +17,12 @@ from fem.calculix.run import run_calculix
 from fem.couplings.grips import rigid_motions
 from lumped.arrays import Array, IntArray
 from lumped.mechanism.body import Rigid
-from lumped.mechanism.free_twists import free_twists, interface_position, rotation_since_reference
+from lumped.mechanism.free_twists import (
+    drive_in,
+    free_twists,
+    interface_position,
+    rotation_since_reference,
+)
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Posture
@@ -242,9 +247,10 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
 def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
     """Directions (6×r, base axes) in which a joint is elastic, and the stiffnesses (r values)."""
     directions, stiffnesses = np.zeros((6, 0)), np.zeros(0)
-    if joint.drive is not None and joint.drive.stiffness is not None:
+    drive = drive_in(posture, joint)
+    if drive is not None and drive.stiffness is not None:
         directions = free_twists(posture, joint)[:, :1]
-        stiffnesses = np.array([joint.drive.stiffness])
+        stiffnesses = np.array([drive.stiffness])
     if joint.compliance is not None:
         turned = turn_matrix(joint.compliance, rotation_since_reference(posture, joint.first.body))
         values, vectors = np.linalg.eigh(turned)

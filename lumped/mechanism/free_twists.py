@@ -18,7 +18,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.mechanism.joint import FREEDOMS, Joint, Side
+from lumped.mechanism.joint import FREEDOMS, Drive, Joint, Side
 from lumped.mechanism.mechanism import Posture
 from lumped.screws import rotation_about, rotation_vector, skew
 
@@ -34,6 +34,13 @@ def rotation_since_reference(posture: Posture, body: str) -> Array:
     """Rotation (3×3, base axes) of `body` from the reference posture to `posture`."""
     rotation: Array = posture.frames[body].rotation @ posture.mechanism.reference[body].rotation.T
     return rotation
+
+
+def drive_in(posture: Posture, joint: Joint) -> Drive | None:
+    """Drive of a joint with its stiffness in a posture. None if the joint has no drive."""
+    if joint.drive is None or joint.drive.screw is None:
+        return joint.drive
+    return joint.drive.at(float(posture.coordinates[joint.name][0]))
 
 
 def free_twists(posture: Posture, joint: Joint) -> Array:

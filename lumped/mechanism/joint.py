@@ -1,12 +1,12 @@
 """Joints between two interfaces: kind, axes, drive and compliance."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
 
 # A new kind must be added to every `match` on this type; the type checker finds omissions.
 JointKind: TypeAlias = Literal[
@@ -50,6 +50,41 @@ class Side:
 
 
 @dataclass(frozen=True)
+class BallScrew:
+    """Ball screw of a drive: shaft, nut and bearings in series, softer with a longer shaft.
+
+    `axial` is EA (N) of the root circle. In the reference posture the nut is at `length` (m) from
+    the bearing that holds the shaft along its axis; a positive coordinate of the joint makes it
+    longer, or shorter if `sign` is −1. `span` (m) is the distance to a second such bearing, None if
+    the other end is free to slide. `bearing` and `nut` are compliances (m/N), that of a bearing for
+    each end.
+    """
+
+    axial: float
+    length: float
+    sign: float
+    span: float | None
+    bearing: float
+    nut: float
+
+    def stiffness(self, coordinate: Array | float) -> Array:
+        """Stiffness (…, N/m) at a coordinate of the joint (…, m).
+
+        1/k = L/EA + bearing + nut (ISO 3408-4); between two bearings both parts of the shaft, each
+        with its bearing, are parallel. Raises ComputationError if the nut passes a bearing.
+        """
+        length = np.asarray(self.length + self.sign * np.asarray(coordinate))
+        lengths = [length] if self.span is None else [length, self.span - length]
+        shortest = float(min(part.min() for part in lengths))
+        if shortest < 0.0:
+            raise ComputationError(
+                f"ball screw: the nut is {-1e3 * shortest:.4g} mm beyond its bearing in a pose"
+            )
+        shaft = np.sum([1.0 / (part / self.axial + self.bearing) for part in lengths], axis=0)
+        return np.asarray(1.0 / (1.0 / shaft + self.nut))
+
+
+@dataclass(frozen=True)
 class Drive:
     """Actuator of a joint with `stiffness` along its free twist (N/m or N m/rad). None if rigid.
 
@@ -57,7 +92,8 @@ class Drive:
     represents more than the drive; otherwise None. `loss` is the loss factor of both stiffnesses.
     `inertia` (kg or kg m²) is the inertia of the rotor times the ratio squared. It moves with the
     elastic deflection of the drive. `damping` (N s/m or N m s/rad) is that of a viscous dashpot
-    parallel to the stiffness.
+    parallel to the stiffness. A ball `screw` determines the stiffness in other postures; then
+    `stiffness` is that in the reference posture.
     """
 
     stiffness: float | None = None
@@ -65,6 +101,13 @@ class Drive:
     loss: float = 0.0
     inertia: float = 0.0
     damping: float = 0.0
+    screw: BallScrew | None = None
+
+    def at(self, coordinate: float) -> "Drive":
+        """The drive with its stiffness at a coordinate (m) of the joint."""
+        if self.screw is None:
+            return self
+        return replace(self, stiffness=float(self.screw.stiffness(coordinate)), screw=None)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,12 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.free_twists import free_twists, interface_position, rotation_since_reference
+from lumped.mechanism.free_twists import (
+    drive_in,
+    free_twists,
+    interface_position,
+    rotation_since_reference,
+)
 from lumped.mechanism.joint import FREEDOMS, Joint, Side
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.load import Loading
@@ -121,10 +126,11 @@ def tool_displacements(
 def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) -> Array:
     """Twist (6) at `end` (3, m) due to the deflection of a drive under the force on its rotor."""
     joint = step.across
-    if isinstance(joint, str) or joint.drive is None or joint.drive.stiffness is None:
+    drive = None if isinstance(joint, str) else drive_in(posture, joint)
+    if isinstance(joint, str) or drive is None or drive.stiffness is None:
         return np.zeros(6)
     arm = shift(end - interface_position(posture, joint.first))
-    deflection = load.rotor_forces.get(joint.name, 0.0) / joint.drive.stiffness
+    deflection = load.rotor_forces.get(joint.name, 0.0) / drive.stiffness
     return np.asarray(deflection * (arm @ free_twists(posture, joint)[:, 0]))
 
 
@@ -295,8 +301,9 @@ def _joint(posture: Posture, joint: Joint) -> tuple[list[Array], list[Array]]:
     passive, compliances = list(free_twists(posture, joint).T), []
     if joint.drive is not None:
         driven, *passive = passive
-        if joint.drive.stiffness is not None:
-            compliances.append(np.outer(driven, driven) / joint.drive.stiffness)
+        drive = drive_in(posture, joint)
+        if drive is not None and drive.stiffness is not None:
+            compliances.append(np.outer(driven, driven) / drive.stiffness)
     if joint.compliance is not None:
         rotation = rotation_since_reference(posture, joint.first.body)
         compliances.append(turn_matrix(joint.compliance, rotation))

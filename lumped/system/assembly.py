@@ -7,7 +7,7 @@ of the interfaces are rotated, for many postures together.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,12 +17,21 @@ from scipy.sparse import block_array, block_diag, csr_array, issparse
 from lumped.arrays import Array, SparseMatrix
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.free_twists import drive_in
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.screws import shift, turn
 from lumped.system.joint_motion import Portion, UnevenError, elastic_wrenches
-from lumped.system.motions import Frames, Motions, Structure, frames_of, motions, structure_of
+from lumped.system.motions import (
+    Frames,
+    Motions,
+    Structure,
+    drive_stiffnesses,
+    frames_of,
+    motions,
+    structure_of,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +80,9 @@ class System:
             self.motions.at(side.body, side.point, position) for side in (joint.first, joint.second)
         )
         rotations = [frames.since_reference(side.body)[0] for side in (joint.first, joint.second)]
-        return elastic_wrenches(
-            joint, rotations[0], rotations[1], (second - first) @ unknowns[: self.outer]
-        )
+        joint_here = replace(joint, drive=drive_in(self.posture, joint))
+        relative = (second - first) @ unknowns[: self.outer]
+        return elastic_wrenches(joint_here, rotations[0], rotations[1], relative)
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,9 +204,10 @@ class Assembly:
             _add(stiffness, rows, None)
         for joint in self.mechanism.joints:
             drive = joint.drive
-            if drive is not None and drive.stiffness is not None and drive.inertia:
+            springs = drive_stiffnesses(joint, frames)
+            if drive is not None and springs is not None and drive.inertia:
                 rows = node_motions.springs[Portion(joint.name, "drive")]
-                _add(mass, np.sqrt(drive.inertia / drive.stiffness) * rows, None)
+                _add(mass, np.sqrt(drive.inertia / springs)[..., None, None] * rows, None)
         for number, (name, point) in enumerate(self.structure.nodes):
             body_shape = self.mechanism.bodies[name].shape
             if (

@@ -59,11 +59,18 @@ class JointMotion:
         return replace(self, basis=turn(rotation) @ self.basis)
 
 
-def joint_motion(joint: Joint, first: Array, second: Array, length: float) -> JointMotion:
+def joint_motion(
+    joint: Joint,
+    first: Array,
+    second: Array,
+    length: float,
+    stiffness: Array | float | None = None,
+) -> JointMotion:
     """Motion of `joint` after the rotations `first` and `second` (…×3×3) of its bodies.
 
     The rotations are counted from the reference posture. `length` (m) makes translations and
     rotations comparable. A drive acts on the first free twist; a drive without stiffness locks it.
+    `stiffness` (…) is that of a ball screw in these postures; None for that of the drive.
     Raises UnevenError if the number of elastic directions depends on the posture.
     """
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
@@ -71,7 +78,10 @@ def joint_motion(joint: Joint, first: Array, second: Array, length: float) -> Jo
     passive = free if joint.drive is None else free[..., 1:]
     roots: dict[Portion, Array] = {}
     if joint.drive is not None and joint.drive.stiffness is not None:
-        roots[Portion(joint.name, "drive")] = free[..., :1] / np.sqrt(joint.drive.stiffness)
+        stiffness = joint.drive.stiffness if stiffness is None else stiffness
+        roots[Portion(joint.name, "drive")] = free[..., :1] / np.sqrt(
+            np.asarray(stiffness)[..., None, None]
+        )
     if joint.compliance is not None:
         rotated = turn_matrix(joint.compliance, first)
         roots[Portion(joint.name, "compliance")] = _root(rotated * unit * unit.T)

@@ -20,7 +20,7 @@ from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, NoBeamTheoryError, Theory
 from lumped.mechanism.body import Rigid
-from lumped.mechanism.free_twists import free_twists, interface_position
+from lumped.mechanism.free_twists import drive_in, free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
 from lumped.mechanism.kinematics.postures import shown_pose
@@ -220,10 +220,11 @@ def work_on(system: System, load: Loading) -> Array:
         outer += twists.T @ applied.wrench
     for joint in system.motions.structure.mechanism.joints:
         force = load.rotor_forces.get(joint.name, 0.0)
-        if force and joint.drive is not None and joint.drive.stiffness is not None:
+        drive = drive_in(system.posture, joint)
+        if force and drive is not None and drive.stiffness is not None:
             # The drive has the energy ½|D y|² and hence the deflection D y/√k.
             (rows,) = system.motions.springs[Portion(joint.name, "drive")]
-            outer += force / np.sqrt(joint.drive.stiffness) * rows
+            outer += force / np.sqrt(drive.stiffness) * rows
     return work
 
 

@@ -241,10 +241,32 @@ def _joint_motion(structure: Structure, frames: Frames, number: int) -> JointMot
     """Relative motion (base axes) of the joint with index `number` in P postures."""
     joint = structure.mechanism.joints[number]
     first = frames.since_reference(joint.first.body)
-    if AXES[joint.kind] < 2:
+    has_screw = joint.drive is not None and joint.drive.screw is not None
+    if AXES[joint.kind] < 2 and not has_screw:
         return structure.reference_motions[number].rotated(first)
     second = frames.since_reference(joint.second.body)
-    return joint_motion(joint, first, second, structure.length)
+    stiffness = drive_stiffnesses(joint, frames)
+    return joint_motion(joint, first, second, structure.length, stiffness)
+
+
+def drive_stiffnesses(joint: Joint, frames: Frames) -> Array | None:
+    """Stiffness of a drive, one number or one for each of P postures. None if there is none."""
+    drive = joint.drive
+    if drive is None or drive.stiffness is None:
+        return None
+    if drive.screw is None:
+        return np.asarray(drive.stiffness)
+    mechanism = frames.mechanism
+    first, second = (
+        frames.interface(side.body, side.point) for side in (joint.first, joint.second)
+    )
+    first_reference, second_reference = (
+        mechanism.reference[side.body] @ mechanism.bodies[side.body].interfaces[side.point]
+        for side in (joint.first, joint.second)
+    )
+    axis = frames.since_reference(joint.first.body) @ joint.axes[0]
+    apart = (second_reference.position - first_reference.position) @ joint.axes[0]
+    return drive.screw.stiffness(np.sum(axis * (second - first), axis=-1) - apart)
 
 
 def _closed(

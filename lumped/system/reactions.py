@@ -11,7 +11,7 @@ self-balanced wrenches can be added, for example by assembling the loop with cle
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -22,6 +22,7 @@ from lumped.arrays import Array
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.catalogue.directions import joint_axes as axes_of_kind
 from lumped.mechanism.free_twists import (
+    drive_in,
     free_twists,
     interface_position,
     rotation_since_reference,
@@ -304,7 +305,8 @@ class _Equilibrium:
         """
         system, unit, joints = self.system, self._unit, self._joints
         rows, values = [np.zeros((0, len(joints), 6))], [np.zeros(0)]
-        for number, joint in enumerate(joints):
+        for number, joint_anywhere in enumerate(joints):
+            joint = replace(joint_anywhere, drive=drive_in(system.posture, joint_anywhere))
             directions, rotor = np.zeros((0, 6)), self.load.rotor_forces.get(joint.name, 0.0)
             if joint.compliance is not None and not rotor:
                 first, second = (

@@ -26,6 +26,7 @@ from lumped.arrays import Array, ComplexArray
 from lumped.dense.modes import Modes
 from lumped.dense.poles import Terms, partial_fractions
 from lumped.errors import ComputationError
+from lumped.mechanism.free_twists import drive_in
 from lumped.mechanism.load import Excitation
 from lumped.screws import turn
 from lumped.system.assembly import System
@@ -321,7 +322,7 @@ def _dashpot_rows(system: System) -> Array:
     frames = frames_of([system.posture])
     rows = [np.zeros((0, system.outer))]
     for joint in mechanism.joints:
-        drive = joint.drive
+        drive = drive_in(system.posture, joint)
         if drive is not None and drive.damping and drive.stiffness is not None:
             springs = system.motions.springs[Portion(joint.name, "drive")]
             rows.append(np.sqrt(drive.damping / drive.stiffness) * springs)

@@ -353,7 +353,8 @@ class _Joint:
             inertia = 0.0
             if joint.drive is not None and number == 0:
                 special = joint.drive.simplified if simplified else None
-                stiffness = joint.drive.stiffness if special is None else special
+                drive = joint.drive.at(float(posture.coordinates[joint.name][0]))
+                stiffness = drive.stiffness if special is None else special
                 inertia = joint.drive.inertia
             if stiffness is not None:
                 motions.append(twist)

@@ -20,7 +20,7 @@ from lumped.dense.modes import Modes
 from lumped.errors import InputError
 from lumped.legs import GivenLeg
 from lumped.mechanism.body_model import BodyModel
-from lumped.mechanism.free_twists import interface_position
+from lumped.mechanism.free_twists import drive_in, interface_position
 from lumped.mechanism.joint import Side
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import Mechanism, Posture
@@ -147,9 +147,9 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
         bounds = frequencies - frequency_bounds(system, truncated, len(frequencies)).lower
     drives = {
         f"drive {joint.name}": system.motions.springs[Portion(joint.name, "drive")]
-        / np.sqrt(joint.drive.stiffness)
+        / np.sqrt(drive.stiffness)
         for joint in mechanism.joints
-        if joint.drive is not None and joint.drive.stiffness is not None
+        if (drive := drive_in(posture, joint)) is not None and drive.stiffness is not None
     }
     # Drive ports are zero for the inner unknowns of bodies.
     inner_zeros = np.zeros((1, system.size - system.outer))

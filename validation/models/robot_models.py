@@ -458,5 +458,5 @@ def on_drives_alone(mechanism: Mechanism) -> Mechanism:
 def _simplified(joint: Joint) -> Joint:
     drive = joint.drive
     if drive is not None and drive.simplified is not None:
-        drive = replace(drive, stiffness=drive.simplified, simplified=None)
+        drive = replace(drive, stiffness=drive.simplified, simplified=None, screw=None)
     return replace(joint, drive=drive, compliance=None)

@@ -25,7 +25,7 @@ from lumped.mechanism.body import (
     Selection,
 )
 from lumped.mechanism.catalogue.directions import joint_axes, joint_matrix
-from lumped.mechanism.joint import Drive, Joint, Side
+from lumped.mechanism.joint import BallScrew, Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import axes_along, place_leg, place_rigid_body
 from lumped.robot_file.mechanism.draft import Draft
@@ -111,9 +111,13 @@ def _joint(description: Draft, name: str) -> Joint:
     axes = np.reshape(directions, (-1, 3))
     drive = table["drive"]
     if drive is not None:
+        screw = None if drive["screw"] is None else _screw(drive["screw"])
         stiffness = None if drive["stiffness"] == "rigid" else drive["stiffness"]
+        stiffness = stiffness if screw is None else float(screw.stiffness(0.0))
         inertia = (drive["inertia"] or 0.0) * (drive["ratio"] or 1.0) ** 2
-        drive = Drive(stiffness, drive["simplified"], drive["loss"], inertia, drive["damping"])
+        drive = Drive(
+            stiffness, drive["simplified"], drive["loss"], inertia, drive["damping"], screw
+        )
     unit = axes / np.linalg.norm(axes, axis=1)[:, None]
     kind, up = table["type"], None if table["up"] is None else np.array(table["up"])
     own_axes = joint_axes(kind, unit, up)
@@ -123,6 +127,20 @@ def _joint(description: Draft, name: str) -> Joint:
     if table["damping"] is not None:
         damping = joint_matrix(kind, own_axes, _present(table["damping"]))
     return Joint(name, kind, first, second, unit, drive, compliance, table["loss"], damping)
+
+
+def _screw(table: Entry) -> BallScrew:
+    bearing, nut = (
+        0.0 if table[key] == "rigid" else 1.0 / table[key] for key in ("bearing", "nut")
+    )
+    return BallScrew(
+        axial=table["E"] * np.pi * table["diameter"] ** 2 / 4.0,
+        length=table["length"],
+        sign=1.0 if table["positive"] == "longer" else -1.0,
+        span=table["span"],
+        bearing=bearing,
+        nut=nut,
+    )
 
 
 def _compliances(stiffnesses: Entry) -> dict[str, float]:

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from lumped.mechanism.catalogue.directions import DIRECTIONS, NEED_UP
-from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE
+from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE, JointKind
 from lumped.mechanism.length_unit import METRE, UnitOfLength
 from lumped.mechanism.mechanism import GROUND
 from lumped.robot_file.rules.rule import too_many
@@ -212,18 +212,13 @@ def joint_faults(joint: Entry) -> Iterator[str]:
     first, second = joint["between"]
     if first == second:
         yield f'{key}.between: "{first}" twice; must be two different bodies'
-    if joint["drive"] is not None and FREEDOMS[kind] != 1:
-        yield (
-            f"{key}.drive: a {kind} joint has {FREEDOMS[kind] or 'no'} free motions; "
-            "must be a revolute or a prismatic one"
-        )
     if joint["loss"] and joint["compliance"] is None and joint["stiffness"] is None:
         yield (
             f"{key}.loss: must be left out without {key}.compliance or {key}.stiffness, to which "
             "it belongs"
         )
     yield from _direction_faults(joint)
-    yield from _drive_faults(joint["drive"] or {}, f"{key}.drive")
+    yield from _drive_faults(joint["drive"], f"{key}.drive", kind) if joint["drive"] else ()
     if joint["repeated_point"]:
         yield f"{key}.at = {list(points)}: must be two different points, or one name"
     elif not isinstance(points, str) and kind not in _EXTENDED:
@@ -327,8 +322,18 @@ def _up_faults(joint: Entry) -> Iterator[str]:
         yield f"{key}.up = {list(up)}: must be a direction that does not lie along the slide"
 
 
-def _drive_faults(drive: Entry, key: str) -> Iterator[str]:
-    """Faults of keys of a drive that have no effect."""
+def _drive_faults(drive: Entry, key: str, kind: JointKind) -> Iterator[str]:
+    """Faults of a drive: its joint, its stiffness, and keys that have no effect."""
+    if FREEDOMS[kind] != 1:
+        yield (
+            f"{key}: a {kind} joint has {FREEDOMS[kind] or 'no'} free motions; "
+            "must be a revolute or a prismatic one"
+        )
+    screw = drive["screw"]
+    if screw is None and drive["stiffness"] is None:
+        yield f'{key}.stiffness: missing; must be a number in N/m or N m/rad, or "rigid"'
+    elif screw is not None:
+        yield from _screw_faults(drive, screw, f"{key}.screw", kind)
     if drive.get("ratio") is not None and drive["inertia"] is None:
         yield f"{key}.ratio: must be left out without `inertia`, which it multiplies"
     rigid = drive.get("stiffness") == "rigid" and drive["simplified"] is None
@@ -342,6 +347,16 @@ def _drive_faults(drive: Entry, key: str) -> Iterator[str]:
             f"{key}.damping: a rigid drive does not move; must be left out, or the drive be given "
             "a stiffness"
         )
+
+
+def _screw_faults(drive: Entry, screw: Entry, key: str, kind: str) -> Iterator[str]:
+    """Faults of a ball screw."""
+    if drive["stiffness"] is not None:
+        yield f"{key}: must be left out beside a stiffness, which it determines"
+    if kind != "prismatic":
+        yield f"{key}: does not belong to a {kind} joint; must be a prismatic one"
+    if screw["span"] is not None and screw["span"] <= screw["length"]:
+        yield f"{key}.span: must be above the length to the nut"
 
 
 def tool_faults(tool: Entry) -> Iterator[str]:

@@ -335,8 +335,30 @@ _TWO_NAMES = Either(_POINT_NAME, Several(_POINT_NAME, 2))
 _SERIES = "compliance in series; base axes of the reference posture, turning with the first body"
 # 1e9 N s/m: holds a tonne to a micrometre per second.
 _DRIVE_DASHPOT = Number("N s/m or N m s/rad", above=0.0, most=1e9, slip=1e-12)
+# 1 GPa to above steel; a screw of aluminium has 7e10.
+_SCREW_MODULUS = Number("Pa", least=1e9, most=2e12, low=_GPA, high=_DIAMOND)
+_SCREW_SPRING = Either(Number("N/m", above=0.0, most=1e15, slip=1e-12), OneOf(("rigid",)))
+_SCREW = TableRule(
+    needed("diameter", _LENGTH, "diameter of the shaft that carries tension: root diameter"),
+    needed("length", _LENGTH, "from the bearing that holds the shaft to the nut, as drawn"),
+    needed("nut", _SCREW_SPRING, "axial stiffness of the nut"),
+    needed("bearing", _SCREW_SPRING, "axial stiffness of the bearing, of each if there are two"),
+    Key("span", _LENGTH, "distance of a second bearing that holds the shaft; default: none"),
+    Key(
+        "positive",
+        OneOf(("longer", "shorter")),
+        "whether a positive motion makes the length longer or shorter",
+        default="longer",
+    ),
+    Key("E", _SCREW_MODULUS, "Young's modulus of the shaft", default=2.06e11),
+)
 _DRIVE = TableRule(
-    needed("stiffness", Either(_STIFFNESS, OneOf(("rigid",))), "stiffness in every model"),
+    Key(
+        "stiffness",
+        Either(_STIFFNESS, OneOf(("rigid",))),
+        "stiffness in every model; required without `screw`",
+    ),
+    Key("screw", _SCREW, "ball screw of a prismatic joint, instead of `stiffness`"),
     Key("simplified", _STIFFNESS, "stiffness in the simplified model, if different"),
     Key("loss", _LOSS, "loss factor of the stiffness", default=0.0),
     Key("damping", _DRIVE_DASHPOT, "viscous dashpot parallel to the stiffness", default=0.0),

@@ -1,0 +1,136 @@
+"""Drives on ball screws: k = 1/(L/EA + 1/bearing + 1/nut) by hand in every posture and model."""
+
+import numpy as np
+import pytest
+from written_robot import described
+
+from lumped.errors import ComputationError, InputError
+from lumped.mechanism.kinematics.postures import posture
+from lumped.models import serial_chains
+from lumped.system.assembly import assemble, assembly
+from lumped.system.loads import loading, tool_displacements
+from lumped.system.solution import compliance, modes, solved
+from lumped.system.sweep import swept
+
+MASS, E, DIAMETER, NUT, BEARING = 25.0, 2.06e11, 0.0278, 6.0e8, 4.0e8
+EA = E * np.pi * DIAMETER**2 / 4.0
+SLIDE = f"""
+schema = 2
+name = "slide"
+points = {{ A = [0.5, 0.0, 0.0] }}
+bodies.slide = {{ points = ["A"], mass = {MASS}, centre = "A" }}
+tool = {{ body = "slide", point = "A", moves = ["x"] }}
+path = {{ from = [0.3], to = [0.9], count = 3 }}
+[joints.axis]
+type = "prismatic"
+between = ["ground", "slide"]
+at = "A"
+axis = [1.0, 0.0, 0.0]
+stiffness = {{ normal = 1e9, lateral = 1e9, roll = 1e6, pitch = 1e6, yaw = 1e6 }}
+drive.screw = {{ diameter = {DIAMETER}, length = 0.4, nut = {NUT}, bearing = {BEARING}MORE }}
+[[loads]]
+name = "push"
+wrench = [800.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+"""
+
+
+def of(more="", text=SLIDE):
+    return described(text.replace("MORE", more))
+
+
+def one_end(length):
+    """Stiffness (N/m) with the other end free to slide."""
+    return 1.0 / (length / EA + 1.0 / BEARING + 1.0 / NUT)
+
+
+@pytest.mark.parametrize("x", [0.3, 0.5, 0.9])
+def test_stiffness_at_positions_equals_hand(x):
+    """At x the nut is x − 0.1 m from its bearing."""
+    mechanism = of()
+    at = posture(mechanism, np.array([x]))
+    k = one_end(x - 0.1)
+    solution = solved(assemble(at, {}))
+    assert compliance(solution)[0, 0] == pytest.approx(1.0 / k, rel=1e-10)
+    assert serial_chains.compliance(at, {})[0, 0] == pytest.approx(1.0 / k, rel=1e-10)
+    assert modes(solution, 1).frequencies[0] == pytest.approx(np.sqrt(k / MASS) / 2 / np.pi)
+    load = loading(at, mechanism.loads[0], {})
+    assert tool_displacements(solution, [load])[0, 0] == pytest.approx(800.0 / k, rel=1e-10)
+
+
+def test_numbers_at_two_positions():
+    """EA = 125.0 MN; 0.2 m: 1/(1.600 + 2.500 + 1.667 nm/N) = 173 N/µm; 0.8 m: 94.6 N/µm."""
+    stiffnesses = [
+        1e-6 / compliance(solved(assemble(posture(of(), np.array([x])), {})))[0, 0]
+        for x in (0.3, 0.9)
+    ]
+    assert stiffnesses == pytest.approx([173.4, 94.6], rel=1e-3)
+
+
+def test_shaft_between_two_bearings_is_stiffest_in_the_middle_or_ends():
+    """Both parts, each with its bearing, in parallel, and the nut in series; span 1 m."""
+    mechanism = of(", span = 1.0")
+    for x in (0.3, 0.6, 0.9):
+        near, far = x - 0.1, 1.1 - x
+        shaft = sum(1.0 / (part / EA + 1.0 / BEARING) for part in (near, far))
+        k = 1.0 / (1.0 / shaft + 1.0 / NUT)
+        own = compliance(solved(assemble(posture(mechanism, np.array([x])), {})))[0, 0]
+        assert own == pytest.approx(1.0 / k, rel=1e-10)
+
+
+def test_motion_towards_the_bearing_stiffens():
+    """`positive = "shorter"`: at x the nut is 0.9 − x from a bearing on the other side."""
+    own = compliance(solved(assemble(posture(of(', positive = "shorter"'), np.array([0.7])), {})))
+    assert own[0, 0] == pytest.approx(1.0 / one_end(0.2), rel=1e-10)
+
+
+def test_postures_of_a_sweep_have_their_own_stiffness():
+    mechanism = of()
+    postures = [posture(mechanism, pose) for pose in mechanism.poses]
+    result = swept(assembly(mechanism, {}), postures, 1)
+    expected = [1.0 / one_end(x - 0.1) for x in (0.3, 0.6, 0.9)]
+    np.testing.assert_allclose(result.compliances[:, 0, 0], expected, rtol=1e-10)
+    speeds = 1.0 / np.sqrt(np.array(expected) * MASS)
+    np.testing.assert_allclose(2.0 * np.pi * result.frequencies[:, 0], speeds, rtol=1e-10)
+
+
+def test_rotor_of_screw_moves_with_its_deflection():
+    """Inertia J (2π/lead)² adds to the mass, on one spring."""
+    ratio = 2.0 * np.pi / 0.01
+    text = SLIDE.replace("[[loads]]", f"drive.inertia = 2.0e-4\ndrive.ratio = {ratio}\n[[loads]]")
+    solution = solved(assemble(posture(of("", text), np.array([0.9])), {}))
+    mass = MASS + 2.0e-4 * ratio**2
+    expected = np.sqrt(one_end(0.8) / mass) / (2.0 * np.pi)
+    assert modes(solution, 1).frequencies[0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_nut_beyond_its_bearing_is_refused():
+    mechanism = of("", SLIDE.replace("from = [0.3]", "from = [0.2]"))
+    with pytest.raises(ComputationError, match="the nut is 50 mm beyond its bearing"):
+        assemble(posture(mechanism, np.array([0.05])), {})
+
+
+FAULTS = {
+    ", span = 0.3": "joints.axis.drive.screw.span: must be above the length to the nut",
+    ', positive = "out"': (
+        'joints.axis.drive.screw.positive = "out": must be "longer" or "shorter"'
+    ),
+    " }\ndrive.stiffness = 1.0e6\ndrive.loss = 0.1 #": (
+        "joints.axis.drive.screw: must be left out beside a stiffness, which it determines"
+    ),
+}
+
+
+@pytest.mark.parametrize("more", FAULTS)
+def test_wrong_screw_gives_one_line(more):
+    with pytest.raises(InputError) as error:
+        of(more)
+    assert error.value.faults == (FAULTS[more],)
+
+
+def test_drive_without_stiffness_or_screw_gives_one_line():
+    lines = [line for line in SLIDE.splitlines() if "screw" not in line]
+    with pytest.raises(InputError) as error:
+        described("\n".join(lines).replace("[[loads]]", "drive.loss = 0.1\n[[loads]]"))
+    assert error.value.faults == (
+        'joints.axis.drive.stiffness: missing; must be a number in N/m or N m/rad, or "rigid"',
+    )
