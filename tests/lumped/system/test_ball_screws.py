@@ -26,7 +26,7 @@ type = "prismatic"
 between = ["ground", "slide"]
 at = "A"
 axis = [1.0, 0.0, 0.0]
-stiffness = {{ normal = 1e9, lateral = 1e9, roll = 1e6, pitch = 1e6, yaw = 1e6 }}
+stiffness = {{ normal = 1e12, lateral = 1e12, roll = 1e11, pitch = 1e11, yaw = 1e11 }}
 drive.screw = {{ diameter = {DIAMETER}, length = 0.4, nut = {NUT}, bearing = {BEARING}MORE }}
 [[loads]]
 name = "push"
