@@ -15,7 +15,7 @@ from fem.extras import missing_message
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg
+from lumped.legs import ConstantLeg, GivenLeg, LineLeg
 from lumped.mechanism.body import Part, Rigid
 from lumped.mechanism.free_twists import drive_in, free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
@@ -42,9 +42,17 @@ def require_beams(mechanism: Mechanism) -> None:
     """Raise InputError, one line per fault, for properties not supported by the EXUDYN model."""
     faults = [
         f"{name}: EXUDYN's beams need a section; this body is a {description}"
-        for kind, description in ((GivenLeg, "leg given by its 6×6"), (Part, "part"))
+        for kind, description in (
+            (GivenLeg, "leg given by its 6×6"),
+            (Part, "part"),
+        )
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, kind)
+    ]
+    faults += [
+        f"{name}: only straight legs of one section are written for EXUDYN"
+        for name, body in mechanism.bodies.items()
+        if isinstance(body.shape, LineLeg)
     ]
     faults += [
         f"{name}: EXUDYN takes no body without mass"

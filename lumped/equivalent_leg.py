@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg, Leg, Material
+from lumped.legs import ConstantLeg, GivenLeg, Leg, Material, SectionedLeg, given_compliance
 from lumped.sections import Rectangle
 
 # Matrix whose diagonal is matched: the 6×6 stiffness or the 6×6 compliance.
@@ -52,13 +52,20 @@ def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
     if isinstance(leg, ConstantLeg):
         return leg
     length = leg.length
-    require_positive_definite(leg)
+    if isinstance(leg, GivenLeg):
+        require_positive_definite(leg)
+    compliance = given_compliance(leg)
     if by == "stiffness":
-        k11, k22, k33, k44 = np.diag(np.linalg.inv(leg.compliance))[:4]
+        k11, k22, k33, k44 = np.diag(np.linalg.inv(compliance))[:4]
         stiffnesses = (k11 * length, k33 * length**3 / 12.0, k22 * length**3 / 12.0, k44 * length)
     else:
-        c11, c22, c33, c44 = np.diag(leg.compliance)[:4]
+        c11, c22, c33, c44 = np.diag(compliance)[:4]
         stiffnesses = (length / c11, length**3 / (3.0 * c33), length**3 / (3.0 * c22), length / c44)
     EA, EIy, EIz, GJ = (float(value) for value in stiffnesses)
     constant = constant_leg(length, EA=EA, EIy=EIy, EIz=EIz, GJ=GJ, mass=leg.mass)
     return replace(constant, name=f"equivalent of {leg.name}" if leg.name else "")
+
+
+def sectioned_leg(leg: Leg, by: EquivalentBy = "stiffness") -> SectionedLeg:
+    """A leg with its own sections, or the equivalent leg of one known by its 6×6 alone."""
+    return equivalent_leg(leg, by) if isinstance(leg, GivenLeg) else leg

@@ -360,6 +360,19 @@ class LineLeg:
         origin = np.zeros((1, 3))
         return float(along.masses(along.ends[[0, -1]], origin)[0, 0, 0])
 
+    def inertia_points(self, positions: Array, corners: Array) -> tuple[Array, Array]:
+        """Points (n×c×3, m, leg axes) about the line, and mass per length there (n, kg/m).
+
+        `positions` (n, m along the line); `corners` (c×2): y and z in radii of gyration.
+        """
+        along = self.sections("euler-bernoulli")
+        constants = along.constants(along.span_at(positions), positions)
+        EA, EIy, EIz, mu = (constants[:, FIELDS.index(name)] for name in ("EA", "EIy", "EIz", "mu"))
+        radii = np.sqrt(np.column_stack([EIz, EIy]) / EA[:, None])
+        centres, axes = self.line.frames(positions)
+        offsets = np.einsum("nij,nj,cj->nci", axes[:, :, 1:], radii, corners)
+        return centres[:, None] + offsets, mu
+
     def sections(self, theory: Theory) -> LineSections:
         """Sections along the line in a beam theory; raises as `ConstantLeg.timoshenko` does."""
         return _line_sections(self, theory)
@@ -388,7 +401,9 @@ def _line_sections(leg: LineLeg, theory: Theory) -> LineSections:
     return leg.sections_by(lambda prism: prism.properties(theory))
 
 
-Leg: TypeAlias = GivenLeg | ConstantLeg
+# Legs with sections and a material.
+SectionedLeg: TypeAlias = ConstantLeg | LineLeg
+Leg: TypeAlias = GivenLeg | SectionedLeg
 
 
 def tip_compliance(properties: BeamProperties, length: float) -> Array:
@@ -400,8 +415,20 @@ def tip_compliance(properties: BeamProperties, length: float) -> Array:
     return move_compliance(properties.piece_compliance(length), np.array([length / 2.0, 0.0, 0.0]))
 
 
+def is_bent(leg: Leg) -> bool:
+    """True if the centre line of a leg is not straight."""
+    return isinstance(leg, LineLeg) and not leg.line.is_straight
+
+
+def sectioned_compliance(leg: SectionedLeg, theory: Theory) -> Array:
+    """6×6 tip compliance (SI, leg axes) of a leg with sections in a beam theory."""
+    if isinstance(leg, LineLeg):
+        return leg.sections(theory).tip_compliance
+    return tip_compliance(leg.properties(theory), leg.length)
+
+
 def given_compliance(leg: Leg) -> Array:
-    """6×6 tip compliance (SI, leg axes) of a leg: from the robot file, or by Timoshenko theory."""
+    """6×6 tip compliance (SI, leg axes) of a leg: of the robot file, or by Timoshenko's theory."""
     if isinstance(leg, GivenLeg):
         return leg.compliance
-    return tip_compliance(leg.timoshenko, leg.length)
+    return sectioned_compliance(leg, "timoshenko")

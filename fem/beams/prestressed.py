@@ -30,6 +30,7 @@ with φx,
 only the last one remains, which acts in the joints at both ends.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,10 +39,12 @@ from scipy.linalg import block_diag
 from scipy.sparse import csr_array
 
 from fem.beams.beam import beam_leg
+from fem.beams.line_beam import line_beam
 from fem.reduction.superelement import ENDS, held_leg
 from lumped.arrays import Array, SparseMatrix, dense
 from lumped.dense.modes import solve_modes
 from lumped.legs import BeamProperties
+from lumped.line_sections import FIELDS, LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import skew
 from lumped.system.line_loads import linear_load, section_forces
@@ -59,14 +62,14 @@ class PrestressedLeg:
 
     `matrices` are stiffness and mass on these unknowns. `fields` (s×9×r) is the matrix from the
     unknowns to u′, θ and θ′ at s `stations` (m from the root), with the quadrature `weights` (m).
-    `gyration` is the squared polar radius of gyration i² (m²).
+    `gyration` (s) is the squared polar radius of gyration i² (m²) there.
     """
 
     matrices: LegMatrices
     stations: Array
     weights: Array
     fields: Array
-    gyration: float
+    gyration: Array
 
     def geometric_stiffness(self, ends: Array, distributed: Array, *, spins: bool = False) -> Array:
         """Geometric stiffness (r×r, SI) of the leg under forces on its ends.
@@ -115,6 +118,27 @@ def prestressed_leg(
     fourth power of the element length.
     """
     beam = beam_leg(properties, length, elements)
+    edges = np.linspace(0.0, length, elements + 1)
+    gyration = properties.rho_J / properties.mu
+    return _prestressed(beam, edges, lambda stations: np.full(len(stations), gyration), modes)
+
+
+def prestressed_line_leg(sections: LineSections, elements: int, modes: int) -> PrestressedLeg:
+    """`prestressed_leg` for a straight leg of varying section. Bent legs have no such model."""
+    mu, rho_J = FIELDS.index("mu"), FIELDS.index("rho_J")
+
+    def gyration(stations: Array) -> Array:
+        constants = sections.constants(sections.span_at(stations), stations)
+        return np.asarray(constants[:, rho_J] / constants[:, mu])
+
+    return _prestressed(line_beam(sections, elements), sections.edges(elements), gyration, modes)
+
+
+def _prestressed(
+    beam: LegMatrices, edges: Array, gyration: Callable[[Array], Array], modes: int
+) -> PrestressedLeg:
+    """Prestressed leg of a straight `beam` with elements between `edges` (m)."""
+    length = float(edges[-1])
     held = held_leg(beam)
     inner = beam.size - ENDS
     inside = solve_modes(
@@ -142,20 +166,20 @@ def prestressed_leg(
         centreline=centreline,
     )
     points, weights = legendre.leggauss(_POINTS)
-    piece = length / elements
-    stations = (piece * (np.arange(elements)[:, None] + 0.5 * (1.0 + points))).ravel()
-    twists = dense(centreline(stations)).reshape(elements, _POINTS, 6, -1)
+    lengths = np.diff(edges)[:, None]
+    stations = (edges[:-1, None] + 0.5 * lengths * (1.0 + points)).ravel()
+    twists = dense(centreline(stations)).reshape(len(lengths), _POINTS, 6, -1)
     # Fields are cubic within an element, so that their derivatives follow from four values.
     values = legendre.legvander(points, _POINTS - 1)
     slopes = legendre.legval(points, legendre.legder(np.eye(_POINTS))).T @ np.linalg.inv(values)
-    sloping = 2.0 / piece * np.einsum("pq,eqij->epij", slopes, twists)
+    sloping = 2.0 / lengths[:, :, None, None] * np.einsum("pq,eqij->epij", slopes, twists)
     fields = np.concatenate([sloping[:, :, :3], twists[:, :, 3:], sloping[:, :, 3:]], axis=2)
     return PrestressedLeg(
         matrices=matrices,
         stations=stations,
-        weights=np.tile(0.5 * piece * weights, elements),
+        weights=(0.5 * lengths * weights).ravel(),
         fields=fields.reshape(len(stations), 9, -1),
-        gyration=properties.rho_J / properties.mu,
+        gyration=gyration(stations),
     )
 
 

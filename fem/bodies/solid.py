@@ -1,12 +1,12 @@
 """One prismatic leg as a solid: mesh, stiffness and mass, compliance, modes, leg matrices."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.sparse import csr_array, kron
+from scipy.sparse import block_diag, csr_array, eye_array, kron
 
 from fem.bodies.rooted import RootedBody, rooted_body
 from fem.couplings.coupled_solid import CoupledSolid, coupled_solid
@@ -14,15 +14,18 @@ from fem.couplings.grips import Grip, rigid_motions, saint_venant_loads
 from fem.elasticity import on_three_components, stiffness_and_mass
 from fem.sections.saint_venant import section_quadrature
 from lumped.arrays import Array, SparseMatrix
+from lumped.centre_line import CentreLine
 from lumped.errors import InputError, naming
-from lumped.legs import ConstantLeg
+from lumped.legs import LineLeg, Material, SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
+from lumped.screws import turn
 from meshes.elements import ELEMENTS
+from meshes.loft import LoftedMesh, loft, slices_along
 from meshes.part.boundary import Facets
 from meshes.prism import extrude, stations
 from meshes.section.section_blocks import Divisions, element_length
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
-from meshes.solid_mesh import SolidMesh
+from meshes.solid_mesh import EndFace, SolidMesh
 
 Ends: TypeAlias = Literal["rigid", "free"]
 
@@ -30,26 +33,30 @@ Ends: TypeAlias = Literal["rigid", "free"]
 # load, quadratic slices have a relative error of 0.08 (slice²/(b L))²: 1e-5 at four divisions and
 # L = 5b.
 _SLICE_ASPECT = 1.0
+# Slack for stations at the very end of the leg, relative to its length.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class SolidLeg:
     """A leg on a mesh: `stiffness` (csr 3N×3N, N/m) and `mass` (csr 3N×3N, kg)."""
 
-    leg: ConstantLeg
+    leg: SectionedLeg
     mesh: SolidMesh
     stiffness: SparseMatrix
     mass: SparseMatrix
 
 
 def solid_mesh(
-    leg: ConstantLeg, divisions: Divisions, section: Divisions | None = None
+    leg: SectionedLeg, divisions: Divisions, section: Divisions | None = None
 ) -> SolidMesh:
     """Extruded mesh of a leg, with `divisions` elements across the smaller side of its section.
 
     Slices are as long as these elements, even if `section` gives other divisions for the section.
     Raises InputError if the leg or the divisions are impossible.
     """
+    if isinstance(leg, LineLeg):
+        return loft(leg, section or divisions, slices_along(leg, divisions))
     with naming(leg.name):
         require_leg(leg.section, leg.length, divisions)
     count = min(divisions) if isinstance(divisions, tuple) else divisions
@@ -59,7 +66,7 @@ def solid_mesh(
     return extrude(face, stations(leg.length, slices))
 
 
-def solid_leg(leg: ConstantLeg, mesh: SolidMesh) -> SolidLeg:
+def solid_leg(leg: SectionedLeg, mesh: SolidMesh) -> SolidLeg:
     """Stiffness and mass of a leg on a mesh. Raises ComputationError for folded elements."""
     with naming(leg.name):
         K, scalar_mass = stiffness_and_mass(mesh, leg.material)
@@ -79,9 +86,18 @@ def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:
         if ends == "rigid":
             grips.append(Grip("rigid", facets, point))
         else:
-            tractions = saint_venant_loads(face, mesh.nodes[face.nodes], point, material)
+            tractions = _end_tractions(face, mesh.nodes[face.nodes], point, material)
             grips.append(Grip("saint-venant", facets, point, tractions=tractions))
     return coupled_solid(solid.stiffness, solid.mass, mesh.nodes, grips)
+
+
+def _end_tractions(face: EndFace, points: Array, point: Array, material: Material) -> Array:
+    """Nodal loads (3n×6, leg axes) of unit wrenches at a point of an end face."""
+    if face.axes is None:
+        return saint_venant_loads(face, points, point, material)
+    local = saint_venant_loads(face, (points - point) @ face.axes, np.zeros(3), material)
+    turned = np.einsum("ij,njk->nik", face.axes, local.reshape(-1, 3, 6)) @ turn(face.axes).T
+    return np.asarray(turned.reshape(-1, 6))
 
 
 def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> RootedBody:
@@ -105,10 +121,16 @@ def solid_leg_matrices(solid: SolidLeg) -> LegMatrices:
     return LegMatrices(
         model="solid",
         length=solid.leg.length,
+        line=line_of(solid.mesh),
         stiffness=coupled.stiffness,
         mass=coupled.mass,
         centreline=centreline_of(solid.mesh, coupled),
     )
+
+
+def line_of(mesh: SolidMesh) -> CentreLine | None:
+    """Centre line of a leg's mesh. None if it is the x axis."""
+    return mesh.line if isinstance(mesh, LoftedMesh) else None
 
 
 def centreline_of(mesh: SolidMesh, coupled: CoupledSolid) -> Callable[[Array], SparseMatrix]:
@@ -122,18 +144,20 @@ def centreline_of(mesh: SolidMesh, coupled: CoupledSolid) -> Callable[[Array], S
 def section_twists(mesh: SolidMesh, stations_x: Array) -> SparseMatrix:
     """Matrix (csr 6m × 3N) from nodal displacements u to twists of the sections at m positions.
 
-    `stations_x` are in m from the root. Translations are means over the section. Rotations follow
-    from first moments: φy and φz from those of u_x, φx from that of the displacement about the
-    axis. Between planes of nodes the shape functions interpolate. Raises InputError for positions
-    outside the leg and for a mesh that is not extruded.
+    `stations_x` are in m from the root along the centre line. Translations are means over the
+    section. Rotations follow from first moments: φy and φz from those of u_x, φx from that of the
+    displacement about the axis. Between planes of nodes the shape functions interpolate. Raises
+    InputError for positions outside the leg and for a mesh that is not extruded.
     """
     if mesh.slices is None:
         raise InputError("section twists need an extruded mesh: tetrahedra have no planes of nodes")
     stations_at = np.asarray(stations_x, dtype=float)
-    if not np.all((stations_at >= 0.0) & (stations_at <= mesh.length)):
-        raise InputError(f"stations must lie between 0 m and {mesh.length:g} m")
+    planes = (
+        mesh.positions if isinstance(mesh, LoftedMesh) else mesh.nodes[:: len(mesh.root.nodes), 0]
+    )
+    if not np.all((stations_at >= 0.0) & (stations_at <= planes[-1] * (1.0 + _ROUNDING))):
+        raise InputError(f"stations must lie between 0 m and {planes[-1]:g} m")
     order = ELEMENTS[mesh.element].order
-    planes = mesh.nodes[:: len(mesh.root.nodes), 0]
     count = len(stations_at)
     first = order * np.clip(
         np.searchsorted(planes[::order], stations_at, side="right") - 1, 0, mesh.slices - 1
@@ -150,7 +174,20 @@ def section_twists(mesh: SolidMesh, stations_x: Array) -> SparseMatrix:
     interpolation = csr_array(
         (weights.ravel(), (station, used.ravel())), shape=(count, len(planes))
     )
+    if isinstance(mesh, LoftedMesh):
+        return csr_array(kron(interpolation, eye_array(6), format="csr") @ _plane_twists(mesh))
     return csr_array(kron(interpolation, csr_array(_section_twist(mesh.root.mesh)), format="csr"))
+
+
+def _plane_twists(mesh: LoftedMesh) -> SparseMatrix:
+    """Matrix (csr 6p × 3N) from nodal displacements to the twists of all planes, leg axes."""
+    pieces = np.searchsorted(mesh.line.ends, mesh.positions, side="left") - 1
+    _, axes = mesh.line.frames(mesh.positions, np.clip(pieces, 0, len(mesh.line.pieces) - 1))
+    blocks = []
+    for nodes, frame in zip(mesh.sections, axes, strict=True):
+        local = _section_twist(replace(mesh.root.mesh, nodes=nodes)).reshape(6, -1, 3)
+        blocks.append(turn(frame) @ (local @ frame.T).reshape(6, -1))
+    return csr_array(block_diag(blocks, format="csr"))
 
 
 def _section_twist(mesh: SectionMesh) -> Array:

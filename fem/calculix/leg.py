@@ -21,7 +21,8 @@ from fem.calculix.run import run_calculix
 from fem.couplings.grips import rigid_motions
 from lumped.arrays import Array, SparseMatrix
 from lumped.equivalent_leg import equivalent_leg
-from lumped.legs import ConstantLeg, Material
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, LineLeg, Material
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.sections import Rectangle
@@ -119,6 +120,8 @@ def bar_solids(mechanism: Mechanism) -> dict[str, SolidLeg]:
     solid_of_leg: dict[ConstantLeg, SolidLeg] = {}
     solids = {}
     for name, described in legs_of(mechanism).items():
+        if isinstance(described, LineLeg):
+            raise InputError("tetrahedra fill straight legs of one section alone", part=name)
         leg = equivalent_leg(described)
         if leg not in solid_of_leg:
             solid = solid_leg(leg, tetrahedra(leg.section, leg.length, 1))

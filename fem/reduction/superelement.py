@@ -12,10 +12,11 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from fem.bodies.rooted import RootedBody
-from fem.bodies.solid import centreline_of
+from fem.bodies.solid import centreline_of, line_of
 from fem.reduction.held import Held, held_body
 from fem.solvers.factor import Factor, analyse
 from lumped.arrays import Array, SparseMatrix
+from lumped.centre_line import CentreLine
 from lumped.dense.statics import ELIMINATION, balanced_flexibility, rounding_of_flexibility
 from lumped.errors import ComputationError
 from lumped.mechanism.body_model import LegMatrices
@@ -34,14 +35,15 @@ _GROUNDED = 1e-4
 class HeldLeg(Held):
     """A leg with n unknowns u and fixed twists of both ends, leg axes.
 
-    `centreline` and `parts` are those of `LegMatrices`, on u. Modes are not counted: legs are
-    prisms, whose modes are those of beams.
+    `centreline`, `line` and `parts` are those of `LegMatrices`, on u. Modes are not counted: legs
+    are slender, and their modes are those of beams.
     """
 
     model: str
     length: float
     centreline: Callable[[Array], SparseMatrix]
     parts: Mapping[str, SparseMatrix] = field(default_factory=dict)
+    line: CentreLine | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +107,7 @@ def held_leg(leg: LegMatrices) -> HeldLeg:
         mass=mass,
         centreline=leg.centreline,
         parts=leg.parts,
+        line=leg.line,
     )
 
 
@@ -125,6 +128,7 @@ def held_solid_leg(clamped: RootedBody, mesh: SolidMesh) -> HeldLeg:
         space=held.space,
         mass=held.mass,
         centreline=centreline_of(mesh, clamped.solid),
+        line=line_of(mesh),
     )
 
 
@@ -147,6 +151,7 @@ def reduced(held: HeldLeg, recovery: Array, stiffness: Array, mass: Array) -> Su
     matrices = LegMatrices(
         model=f"{held.model}, reduced",
         length=held.length,
+        line=held.line,
         stiffness=csr_array(_symmetric(stiffness)),
         mass=csr_array(_symmetric(mass)),
         centreline=centreline,

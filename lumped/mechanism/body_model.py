@@ -67,6 +67,11 @@ class LegMatrices(BodyModel):
         displacements = partial(_section_displacements, self.centreline, self.line)
         object.__setattr__(self, "displacements", displacements)
 
+    @property
+    def line_length(self) -> float:
+        """Length (m) along the centre line."""
+        return self.length if self.line is None else self.line.length
+
     def centreline_points(self, stations: Array) -> Array:
         """Points (m×3, leg axes) of the centre line at `stations` (m along it)."""
         if self.line is None:

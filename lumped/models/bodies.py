@@ -18,9 +18,17 @@ import numpy as np
 from lumped.arrays import Array, dense
 from lumped.dense.modes import Modes, solve_modes
 from lumped.dense.statics import balanced_flexibility, solve_statics
-from lumped.equivalent_leg import EquivalentBy, equivalent_leg
+from lumped.equivalent_leg import EquivalentBy, equivalent_leg, sectioned_leg
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg, GivenLeg, Leg, Theory, given_compliance, tip_compliance
+from lumped.legs import (
+    ConstantLeg,
+    GivenLeg,
+    Leg,
+    LineLeg,
+    Theory,
+    given_compliance,
+    sectioned_compliance,
+)
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism
@@ -37,7 +45,7 @@ _NO_FREQUENCY = 1e-6
 
 def leg_of(body: Body) -> Leg:
     """Leg shape of a body. Raises InputError if the body is not a leg."""
-    if isinstance(body.shape, ConstantLeg | GivenLeg):
+    if isinstance(body.shape, ConstantLeg | GivenLeg | LineLeg):
         return body.shape
     raise InputError(f"bodies.{body.name}: is no leg")
 
@@ -47,7 +55,7 @@ def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
     return {
         name: body.shape
         for name, body in mechanism.bodies.items()
-        if isinstance(body.shape, ConstantLeg | GivenLeg)
+        if isinstance(body.shape, ConstantLeg | GivenLeg | LineLeg)
     }
 
 
@@ -72,15 +80,15 @@ def tip_compliances(
 
     For a leg known by its 6×6, this is the 6×6 from the robot file if `springs` is "given". If it
     is "equivalent", it is that of the equivalent prismatic leg, matched `by` stiffness or
-    compliance. The compliance of a prism is computed by the beam theory `theory`.
+    compliance. The compliance of a leg with sections is computed by the beam theory `theory`.
     """
     compliances = {}
     for name, leg in legs_of(mechanism).items():
         if isinstance(leg, GivenLeg) and springs == "given":
             compliances[name] = given_compliance(leg)
         else:
-            prism = equivalent_leg(leg, by)
-            compliances[name] = tip_compliance(prism.properties(theory), prism.length)
+            own = sectioned_leg(leg, by) if springs == "given" else equivalent_leg(leg, by)
+            compliances[name] = sectioned_compliance(own, theory)
     return compliances
 
 

@@ -1,4 +1,4 @@
-"""Values of a robot file by key, such as "leg1.length" or "foot.compliance[6,6]".
+"""Values of a robot file by key: "leg1.length", "foot.compliance[6,6]", "sections[2].width".
 
 Indices are counted from 1.
 """
@@ -13,9 +13,9 @@ from lumped.robot_file.rules.matrices import SquareMatrix
 from lumped.robot_file.rules.rule import Number, Several, is_finite_number
 from lumped.robot_file.rules.tables import length_unit_of, rules_of
 
-_KEY = re.compile(
-    r"(?P<names>[\w-]+(?:\.[\w-]+)*)(?:\[(?P<indices>[1-9]\d*(?:\s*,\s*[1-9]\d*)?)\])?"
-)
+# A name with indices after it.
+_STEP = re.compile(r"([\w-]+)(?:\[([1-9]\d*(?:\s*,\s*[1-9]\d*)?)\])?")
+_KEY = re.compile(rf"{_STEP.pattern}(?:\.{_STEP.pattern})*")
 _UNITS_OF_COMPLIANCE = ("m/N", "rad/N", "rad/(N m)")
 
 
@@ -40,7 +40,9 @@ def numbers_of(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
             yield from numbers_of(inner, f"{key}.{name}" if key else name)
     elif isinstance(value, list):
         for i, inner in enumerate(value, start=1):
-            if isinstance(inner, list):
+            if isinstance(inner, Mapping):
+                yield from numbers_of(inner, f"{key}[{i}]")
+            elif isinstance(inner, list):
                 for j, entry in enumerate(inner, start=1):
                     if is_finite_number(entry):
                         yield f"{key}[{i},{j}]", entry
@@ -63,9 +65,11 @@ def keys_named(tables: Mapping[str, Any], names: Collection[str]) -> list[str]:
 
 def unit_of(tables: Mapping[str, Any], key: str) -> str:
     """Unit of the number at a key of tables without faults. "" if it has no unit."""
-    names, indices = _steps(key)
+    steps = _steps(key)
+    indices = [step for step in steps if isinstance(step, int)]
+    names = [step for step in steps if isinstance(step, str)]
     rules = {rule_key: rule for rule_key, rule, _ in rules_of(tables).within(tables, "")}
-    rule = rules.get(".".join(names))
+    rule = rules.get(key.strip(), rules.get(key.strip().rpartition("[")[0]))
     while isinstance(rule, Several):
         rule = rule.kind
     if isinstance(rule, SquareMatrix) and rule.compliance:
@@ -81,20 +85,20 @@ def unit_of(tables: Mapping[str, Any], key: str) -> str:
     return unit
 
 
-def _steps(key: str) -> tuple[list[str], list[int]]:
-    """Names in a key, from the outermost table inwards, and the indices (from 0) after them."""
-    match = _KEY.fullmatch(key.strip())
-    if match is None:
+def _steps(key: str) -> list[str | int]:
+    """Names and indices (from 0) in a key, from the outermost table inwards."""
+    if _KEY.fullmatch(key.strip()) is None:
         raise LookupError(key)
-    indices = match["indices"].split(",") if match["indices"] else []
-    return match["names"].split("."), [int(index) - 1 for index in indices]
+    steps: list[str | int] = []
+    for name, indices in _STEP.findall(key):
+        steps.append(name)
+        steps += [int(index) - 1 for index in indices.split(",") if index]
+    return steps
 
 
 def _holder(tables: Mapping[str, Any], key: str) -> tuple[Any, Any]:
     """Table or row that contains the value at `key`, and the value's key or index in it."""
-    names, indices = _steps(key)
-    steps: list[str | int] = [*names, *indices]
-    *path, last = steps
+    *path, last = _steps(key)
     holder: Any = tables
     try:
         for step in path:

@@ -128,8 +128,8 @@ def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> lis
 
 
 def _line_load(leg: Leg, at_ends: Array, motion: Motion) -> LineLoad:
-    """Inertia load along a leg; linear with its wrenches `at_ends` (2×6) if its mass is a 6×6's."""
-    if isinstance(leg, GivenLeg):
+    """Inertia load along a leg; linear with its wrenches `at_ends` (2×6) unless it is a prism."""
+    if not isinstance(leg, ConstantLeg):
         return linear_load(at_ends[0], at_ends[1], leg.length)
     try:
         properties = leg.timoshenko

@@ -15,7 +15,7 @@ import scipy
 
 from lumped.acceptance.quantities import load_quantities, response_quantities
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Leg
+from lumped.legs import GivenLeg, Leg
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import reference_posture
@@ -138,7 +138,7 @@ def finer_context(context: Context, factor: float) -> Context:
 def _solid_unknowns(context: Context) -> float:
     """Total unknowns of the fine meshes of all distinct legs and CAD parts."""
     mechanism, mesh = context.robot_file.mechanism, solid_meshes(context.meshes).fine
-    legs = {leg for leg in known_legs(mechanism).values() if isinstance(leg, ConstantLeg)}
+    legs = {leg for leg in known_legs(mechanism).values() if not isinstance(leg, GivenLeg)}
     solids = sum(solid_unknowns(leg, mesh.divisions(leg)) for leg in legs)
     return solids + sum(unknowns_of(body) for body in mechanism.parts.values())
 

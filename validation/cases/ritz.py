@@ -18,8 +18,8 @@ from scipy.linalg import block_diag, eigh, null_space, pinvh
 
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
-from lumped.errors import ComputationError
-from lumped.legs import BeamProperties, ConstantLeg, GivenLeg, Leg, Theory
+from lumped.errors import ComputationError, InputError
+from lumped.legs import BeamProperties, ConstantLeg, GivenLeg, Leg, LineLeg, Theory
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
@@ -239,14 +239,20 @@ def simplified_response(posture: Posture, count: int) -> tuple[Array, Array]:
 
 def _legs(mechanism: Mechanism) -> list[tuple[str, Leg]]:
     shapes = ((name, body.shape) for name, body in mechanism.bodies.items())
-    return [(name, shape) for name, shape in shapes if isinstance(shape, ConstantLeg | GivenLeg)]
+    return [
+        (name, shape)
+        for name, shape in shapes
+        if isinstance(shape, ConstantLeg | GivenLeg | LineLeg)
+    ]
 
 
 def _beam(shape: Leg, theory: Theory, degree: int) -> RitzLeg:
     if isinstance(shape, GivenLeg):
         leg = equivalent_leg(GivenLeg(shape.length, shape.mass, shape.compliance))
-    else:
+    elif isinstance(shape, ConstantLeg):
         leg = ConstantLeg(shape.length, shape.section, shape.material)
+    else:
+        raise InputError("polynomials stand for straight legs of one section", part=shape.name)
     return ritz_beam(leg.properties(theory), leg.length, degree)
 
 

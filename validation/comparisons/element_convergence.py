@@ -17,7 +17,7 @@ from fem.beams.beam_theory import cantilever_frequencies
 from fem.beams.stepped import SteppedLeg
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Theory, tip_compliance
+from lumped.legs import ConstantLeg, SectionedLeg, Theory, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
@@ -58,13 +58,13 @@ Evaluate = Callable[[Discretisation], Array]
 def leg_convergence(
     robot: str,
     name: str,
-    leg: ConstantLeg | SteppedLeg,
+    leg: SectionedLeg | SteppedLeg,
     discretisations: Sequence[Discretisation] = FORMULATIONS,
     counts: Sequence[int] = COUNTS,
 ) -> ConvergenceStudy:
     """Convergence study of one leg with its root clamped. Raises as `_checked_counts` does.
 
-    A leg of prismatic pieces has no closed solution; its limit is that of the beam elements.
+    A leg of varying section has no closed solution; its limit is that of the beam elements.
     """
     evaluate = partial(leg_values, leg)
     if isinstance(leg, ConstantLeg):
@@ -200,7 +200,7 @@ def _smallest_count(
     return below
 
 
-def leg_values(leg: ConstantLeg | SteppedLeg, discretisation: Discretisation) -> Array:
+def leg_values(leg: SectionedLeg | SteppedLeg, discretisation: Discretisation) -> Array:
     """Frequencies (4, Hz) and tip compliances (3, m/N) of one leg with its root clamped."""
     matrices = leg_matrices(discretisation.model, leg, discretisation.options)
     return _values(clamped_modes(matrices, MODES).frequencies, tip_compliance_of(matrices))
@@ -216,7 +216,7 @@ def _cantilever(leg: ConstantLeg, theory: Theory) -> tuple[Array, Array]:
 
 
 def _robot_values(posture: Posture, highest: float, discretisation: Discretisation) -> Array:
-    def matrices(leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
+    def matrices(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
         if discretisation.elements <= _WHOLE:
             return leg_matrices(discretisation.model, leg, options)
         return reduced_leg(discretisation.model, leg, options, highest, _CUTOFF * highest)

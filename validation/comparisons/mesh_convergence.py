@@ -13,7 +13,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg
+from lumped.legs import SectionedLeg
 from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import Discretisation
@@ -32,7 +32,7 @@ _FEWEST_FOR_ORDER = 4
 def leg_mesh_convergence(
     robot: str,
     name: str,
-    leg: ConstantLeg,
+    leg: SectionedLeg,
     discretisations: Sequence[Discretisation] = SOLIDS,
     divisions: Sequence[int] = DIVISIONS,
 ) -> ConvergenceStudy:
@@ -59,7 +59,7 @@ def leg_mesh_convergence(
 
 
 def _series(
-    leg: ConstantLeg, discretisation: Discretisation, counts: tuple[int, ...]
+    leg: SectionedLeg, discretisation: Discretisation, counts: tuple[int, ...]
 ) -> ConvergenceSeries:
     values = np.array([_values(leg, discretisation.with_count(count)) for count in counts])
     order = formal_order(leg, discretisation.ends)
@@ -85,7 +85,7 @@ def _series(
     )
 
 
-def _values(leg: ConstantLeg, discretisation: Discretisation) -> Array:
+def _values(leg: SectionedLeg, discretisation: Discretisation) -> Array:
     body = clamped_solid(leg, discretisation.divisions, discretisation.ends)
     deflections = np.diag(body.compliance)[: len(DEFLECTIONS)]
     return np.concatenate([body.modes(MODES).frequencies, deflections])

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 from fem.beams.stepped import SteppedLeg
 from lumped.acceptance.requirement import DEFAULT_LIMITS, MOST_ELEMENTS, AgreementLimits
-from lumped.equivalent_leg import equivalent_leg
+from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Theory
+from lumped.legs import SectionedLeg, Theory
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
@@ -44,7 +44,7 @@ def convergence(
     if model == "solid" or divisions is not None:
         leg = legs_of(mechanism)[str(body)]
         study = leg_mesh_convergence(
-            mechanism.name, str(body), equivalent_leg(leg), divisions=divisions or DIVISIONS
+            mechanism.name, str(body), sectioned_leg(leg), divisions=divisions or DIVISIONS
         )
         return replace(study, agreement=limits)
     formulations = EULER_BERNOULLI if theory == "euler-bernoulli" else FORMULATIONS
@@ -91,9 +91,9 @@ def middle_posture(mechanism: Mechanism) -> Posture:
     )
 
 
-def _leg(mechanism: Mechanism, body: str) -> ConstantLeg | SteppedLeg:
+def _leg(mechanism: Mechanism, body: str) -> SectionedLeg | SteppedLeg:
     legs = legs_of(mechanism)
-    return equivalent_leg(legs[body]) if body in legs else stepped(mechanism.parts[body])
+    return sectioned_leg(legs[body]) if body in legs else stepped(mechanism.parts[body])
 
 
 def _faults(

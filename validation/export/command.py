@@ -119,13 +119,13 @@ def write_export(
 
 def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:
     """Estimated time (s) for the solids. Zero for legs known by their 6×6."""
-    from lumped.legs import ConstantLeg  # noqa: PLC0415
+    from lumped.legs import GivenLeg  # noqa: PLC0415
     from lumped.models.bodies import legs_of  # noqa: PLC0415
     from validation.models.options import DEFAULT_OPTIONS  # noqa: PLC0415
     from validation.solve.cost import PER_PART, solid_cost  # noqa: PLC0415
 
     legs = [leg for name, leg in legs_of(mechanism).items() if body in (None, name)]
-    prisms = dict.fromkeys(leg for leg in legs if isinstance(leg, ConstantLeg))
+    prisms = dict.fromkeys(leg for leg in legs if not isinstance(leg, GivenLeg))
     parts = sum(body in (None, name) for name in mechanism.parts)
     return solid_cost(tuple(prisms), DEFAULT_OPTIONS.divisions, modes).seconds + PER_PART * parts
 

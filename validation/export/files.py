@@ -23,7 +23,7 @@ from fem.calculix.mechanism import mechanism_deck
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.held import held_body
 from lumped.arrays import Array, SparseMatrix, dense
-from lumped.legs import ConstantLeg
+from lumped.legs import LineLeg, SectionedLeg
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.kinematics.postures import posture, shown_pose
@@ -36,7 +36,7 @@ from validation.context import Preset
 from validation.models.leg_models import leg_matrices
 from validation.models.options import DEFAULT_OPTIONS
 from validation.models.reduced_parts import found_in, shape_of, unknowns_of
-from validation.models.robot_models import constant_legs, mechanism_modes
+from validation.models.robot_models import mechanism_modes, sectioned_legs
 from validation.parts.meshes import part_mesh
 
 # VTK takes seconds to load and needs system libraries, so it is imported only to write VTK files.
@@ -122,16 +122,18 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
     OSError if a file cannot be written.
     """
     middle = posture(mechanism, mechanism.poses[len(mechanism.poses) // 2])
-    legs = [(leg, name) for name, leg, _ in constant_legs(mechanism, DEFAULT_OPTIONS)]
+    legs = [(leg, name) for name, leg, _ in sectioned_legs(mechanism, DEFAULT_OPTIONS)]
     names_of_leg = {leg: [name for other, name in legs if other == leg] for leg, _ in legs}
     parts = [_write_part(body, folder) for body in mechanism.parts.values()]
     for leg, names in names_of_leg.items():
         _write_leg(leg, names[0], DIVISIONS[preset], folder)
     if names_of_leg and not parts:
         _write_beams(middle, folder / "mechanism.vtp")
-        bars = with_bars(middle)
-        deck = mechanism_deck(bars, bar_solids(bars.mechanism), MODES).deck
-        (folder / "mechanism.inp").write_text(deck_text(deck), encoding="utf-8")
+        # CalculiX's bars have one section each.
+        if not any(isinstance(leg, LineLeg) for leg in names_of_leg):
+            bars = with_bars(middle)
+            deck = mechanism_deck(bars, bar_solids(bars.mechanism), MODES).deck
+            (folder / "mechanism.inp").write_text(deck_text(deck), encoding="utf-8")
     equal_legs = "\n".join(f"    {', '.join(names)}" for names in names_of_leg.values())
     legs_text = _LEGS_TEXT.format(equal_legs=equal_legs) if names_of_leg else "."
     head = _HEAD.format(name=mechanism.name, legs_text=legs_text)
@@ -157,8 +159,8 @@ def _write_beams(posture: Posture, path: Path) -> None:
         frame, model = posture.frames[name], system.models[name]
         if not isinstance(model, LegMatrices):
             raise TypeError(f"{name}: the beam model of the leg along its centreline")
-        stations = np.linspace(0.0, model.length, _STATIONS)
-        lines.append(frame.position + np.outer(stations, frame.rotation[:, 0]))
+        stations = np.linspace(0.0, model.line_length, _STATIONS)
+        lines.append(frame.position + model.centreline_points(stations) @ frame.rotation.T)
         twists = model.centreline(stations)
         leg_fields = _vectors_of(
             _named_fields(
@@ -238,7 +240,7 @@ def _save(
         raise OSError(EIO, "VTK could not write the file; is the disk full?", str(path))
 
 
-def _write_leg(leg: ConstantLeg, stem: str, divisions: int, folder: Path) -> None:
+def _write_leg(leg: SectionedLeg, stem: str, divisions: int, folder: Path) -> None:
     """Write one leg with clamped root as solid, beam and segments, to files named after `stem`.
 
     Raises ComputationError if a model cannot be solved, and OSError if a file cannot be written.
@@ -285,7 +287,7 @@ def _write_part(body: Body, folder: Path) -> str:
     return f"{body.name}: {file.path.name}, interfaces {couplings}"
 
 
-def _write_solid(leg: ConstantLeg, divisions: int, path: Path) -> None:
+def _write_solid(leg: SectionedLeg, divisions: int, path: Path) -> None:
     mesh = solid.solid_mesh(leg, divisions)
     clamped = solid.clamped_leg(solid.solid_leg(leg, mesh))
     deflections = clamped.solid.transformation @ clamped.response
@@ -294,13 +296,13 @@ def _write_solid(leg: ConstantLeg, divisions: int, path: Path) -> None:
 
 
 def _write_centreline(leg: LegMatrices, path: Path) -> None:
-    stations = np.linspace(0.0, leg.length, _STATIONS)
+    stations = np.linspace(0.0, leg.line_length, _STATIONS)
     twists = leg.centreline(stations)
     clamped_stiffness = dense(leg.stiffness)[6:, 6:]
     deflections = np.zeros((leg.size, 6))
     deflections[6:] = np.linalg.solve(clamped_stiffness, np.eye(leg.size - 6, 6))
     modes = clamped_modes(leg, MODES)
-    points = np.column_stack([stations, np.zeros((_STATIONS, 2))])
+    points = leg.centreline_points(stations)
     fields = _named_fields(twists @ deflections, twists @ modes.shapes)
     _save(_polyline([points]), _vectors_of(fields), modes.frequencies, path)
 

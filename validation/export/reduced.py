@@ -32,7 +32,7 @@ from validation.models import reduced_parts
 from validation.models.leg_models import filled, reduced_superelement
 from validation.models.loads.leg_masses import MASSES, Inside, leg_with_inside
 from validation.models.options import DEFAULT_OPTIONS
-from validation.models.robot_models import CUTOFF, constant_legs, with_enough_modes
+from validation.models.robot_models import CUTOFF, sectioned_legs, with_enough_modes
 
 TWIST = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
 # Fraction of the cut-off frequency up to which frequencies of a free body are exported.
@@ -186,7 +186,7 @@ def _solids(
     Or `only` one of them.
     """
     cutoff, legs = CUTOFF["solid"] * highest, legs_of(mechanism)
-    for name, leg, options in constant_legs(mechanism, DEFAULT_OPTIONS):
+    for name, leg, options in sectioned_legs(mechanism, DEFAULT_OPTIONS):
         if only in {None, name} and not isinstance(legs[name], GivenLeg):
             reduced = reduced_superelement("solid", leg, options, highest, cutoff)
             yield name, (filled(reduced.matrices), reduced, (len(reduced.frequencies), cutoff))

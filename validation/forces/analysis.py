@@ -8,9 +8,10 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg
+from lumped.legs import ConstantLeg, is_bent
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
+from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from lumped.system.members import MemberForces
 from lumped.system.reactions import Reaction
@@ -21,7 +22,7 @@ from validation.kinematics.poses import postures_on_path
 from validation.models.loads.forces import LoadForces, load_forces
 from validation.models.options import ModelName, ModelOptions
 from validation.models.reduced_parts import found_in, unknowns_of, with_unknowns
-from validation.models.robot_models import constant_legs
+from validation.models.robot_models import sectioned_legs
 from validation.solve.model_answers import checked
 from validation.solve.question import Question
 from validation.solve.uncertainty import beside, mesh_policy
@@ -108,7 +109,12 @@ def _under_load(mechanism: Mechanism, found: LoadForces, widths: Array) -> Force
         replace(member, half_width=member.half_width + width)
         for member, width in zip(found.members, widths[count:], strict=True)
     )
-    stresses, without = {}, {}
+    stresses = {}
+    without = {
+        name: "its line is bent, and section forces are those of straight legs"
+        for name, leg in legs_of(mechanism).items()
+        if is_bent(leg)
+    }
     for member in members:
         shape = mechanism.bodies[member.leg].shape
         reason = reason_without_stress(shape)
@@ -141,7 +147,7 @@ def _mesh_half_widths(
         studies.append(
             (lambda: load_forces(model, postures, finer), MeshPolicy.of_order(0.5, order))
         )
-    if model == "solid" and (legs := [leg for _, leg, _ in constant_legs(mechanism, options)]):
+    if model == "solid" and (legs := [leg for _, leg, _ in sectioned_legs(mechanism, options)]):
         divisions = beside(options, legs)
         other = replace(options, divisions=divisions)
         studies.append(

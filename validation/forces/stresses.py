@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.sections.stresses import SectionStresses, section_stresses
 from lumped.arrays import Array
-from lumped.legs import ConstantLeg
+from lumped.legs import ConstantLeg, LineLeg
 from lumped.mechanism.body import Shape
 from lumped.system.members import MemberForces
 from meshes.section.section_mesh import section_mesh
@@ -42,6 +42,8 @@ class MemberStress:
 
 def reason_without_stress(shape: Shape) -> str:
     """Reason for which a leg has no stresses. Empty if it has some."""
+    if isinstance(shape, LineLeg):
+        return "its section varies along it"
     if not isinstance(shape, ConstantLeg):
         return "its section is not known"
     return "" if shape.section.has_outline else _WITHOUT_MESH

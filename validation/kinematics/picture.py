@@ -11,6 +11,8 @@ from itertools import permutations
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.legs import LineLeg
+from lumped.mechanism.body import Frame
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side
 from lumped.mechanism.kinematics.postures import shown_pose
@@ -31,6 +33,8 @@ from validation.kinematics.solids import (
 # Direction towards the viewer, and upward direction, of the oblique view.
 _OBLIQUE = np.array([0.45, -0.80, 0.40]), np.array([0.0, 0.0, 1.0])
 _SECOND_LEG_COLOUR, _LINE_COLOUR = "#b5cbb7", "#b4c1cc"
+# Number of points drawn along the centre line of a leg.
+_LINE_POINTS = 41
 
 
 def scene(mechanism: Mechanism, postures: Sequence[Posture], *, named: bool = True) -> Scene:
@@ -90,7 +94,9 @@ def _body_lines(postures: Sequence[Posture]) -> list[Wire]:
         for name, body in posture.mechanism.bodies.items():
             frame = posture.frames[name]
             points = [(frame @ interface).position for interface in body.interfaces.values()]
-            if name != GROUND and len(points) == 2:
+            if isinstance(body.shape, LineLeg):
+                wires.append(_polyline(_line_points(body.shape, frame), _LINE_COLOUR, 2.0))
+            elif name != GROUND and len(points) == 2:
                 wires.append(_polyline(np.array(points), _LINE_COLOUR, 2.0))
             elif name != GROUND:
                 middle = np.mean(points, axis=0)
@@ -98,6 +104,12 @@ def _body_lines(postures: Sequence[Posture]) -> list[Wire]:
                     _polyline(np.array([middle, point]), _LINE_COLOUR, 2.0) for point in points
                 ]
     return wires
+
+
+def _line_points(leg: LineLeg, frame: Frame) -> Array:
+    """Points (n×3, m, base axes) of the centre line of a leg, its middle among them."""
+    points, _ = leg.line.frames(np.linspace(0.0, leg.line.length, _LINE_POINTS))
+    return frame.position + points @ frame.rotation.T
 
 
 def _rails(postures: Sequence[Posture]) -> list[Wire]:
@@ -123,7 +135,12 @@ def _names(posture: Posture) -> list[Label]:
         if name != GROUND:
             frame = posture.frames[name]
             points = [(frame @ interface).position for interface in body.interfaces.values()]
-            labels.append(Label(name, np.mean(points, axis=0), "#1c3d5a"))
+            middle = (
+                _line_points(body.shape, frame)[_LINE_POINTS // 2]
+                if isinstance(body.shape, LineLeg)
+                else np.mean(points, axis=0)
+            )
+            labels.append(Label(name, middle, "#1c3d5a"))
     return labels + [
         Label(joint.name, interface_position(posture, symbol_side(joint)), "#8a3b00", slanted=True)
         for joint in posture.mechanism.joints

@@ -6,7 +6,8 @@ a 6×6 the sections of their equivalent prisms, CAD parts their own surfaces.
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import ceil
 from typing import Literal, TypeAlias, assert_never
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg
+from lumped.legs import ConstantLeg, GivenLeg, Leg, LineLeg
 from lumped.mechanism.body import Body, Part
 from lumped.mechanism.free_twists import across_axis, interface_position, rotation_since_reference
 from lumped.mechanism.joint import Joint, Side
@@ -28,6 +29,7 @@ from lumped.sections import (
     Section,
     Tube,
 )
+from meshes.loft import stretched
 from validation.drawing.scene import DARK
 from validation.drawing.style import ORANGE
 from validation.drawing.surfaces import (
@@ -52,6 +54,8 @@ COLOURS: dict[Matter, str] = {
 }
 # Number of cross-sections drawn along a leg.
 STATIONS = 15
+# Number of divisions drawn along a leg's centre line, which may be curved.
+_LINE_STATIONS = 40
 # Thickness of the bars of a rigid body, relative to the size of the mechanism.
 _BAR_THICKNESS = 0.012
 # Radius of a joint's symbol, relative to the size of the mechanism.
@@ -95,6 +99,31 @@ def section_prism(
     return prism(scale * outline, stations, None if bore is None else scale * bore, rims=rims)
 
 
+def line_surface(leg: LineLeg, *, scale: float = 1.0, rims: bool = False) -> Surface:
+    """Surface of a leg along a line, leg axes, its sections enlarged by `scale`.
+
+    `rims` selects the drawn edges as in `prism`.
+    """
+    surfaces = []
+    for span in leg.spans:
+        length = span.end - span.start
+        share = length / leg.line.length
+        stations = np.linspace(0.0, length, max(2, ceil(share * _LINE_STATIONS) + 1))
+        straight = section_prism(span.first, stations, rims=rims)
+        shares = np.clip(straight.points[:, 0] / length, 0.0, 1.0)
+        points = np.empty_like(straight.points)
+        for value in np.unique(shares):
+            chosen = shares == value
+            points[chosen, 1:] = scale * stretched(
+                straight.points[chosen, 1:], span.first, span.section(float(value))
+            )
+        piece = leg.line.piece_at(np.array([0.5 * (span.start + span.end)]))
+        centres, axes = leg.line.frames(span.start + shares * length, np.repeat(piece, len(shares)))
+        points = centres + np.einsum("nij,nj->ni", axes[:, :, 1:], points[:, 1:])
+        surfaces.append(replace(straight, points=points))
+    return joined(surfaces)
+
+
 def outlines(section: Section) -> tuple[Array, Array | None]:
     """Outline (n×2; y, z in m) of a section, and outline of its bore. None without a bore."""
     if isinstance(section, Circle | Tube):
@@ -134,7 +163,10 @@ def in_one_plane(posture: Posture) -> bool:
 
 def is_leg(body: Body) -> bool:
     """True if a body is a leg, or a CAD part with two interfaces."""
-    return isinstance(body.shape, ConstantLeg | GivenLeg | Part) and len(body.interfaces) == 2
+    return (
+        isinstance(body.shape, ConstantLeg | GivenLeg | LineLeg | Part)
+        and len(body.interfaces) == 2
+    )
 
 
 def _body(posture: Posture, name: str) -> Solid | None:
@@ -145,6 +177,9 @@ def _body(posture: Posture, name: str) -> Solid | None:
     body, frame = posture.mechanism.bodies[name], posture.frames[name]
     # An unreadable file is reported by the models.
     with suppress(InputError):
+        if isinstance(body.shape, LineLeg):
+            surface = line_surface(body.shape)
+            return Solid(name, surface.placed(frame.position, frame.rotation), "leg")
         if isinstance(body.shape, ConstantLeg | GivenLeg):
             stations = np.linspace(0.0, body.shape.length, STATIONS)
             surface = section_prism(equivalent_leg(body.shape).section, stations)
@@ -221,4 +256,11 @@ def _leg_thickness(mechanism: Mechanism, joint: Joint) -> float:
     """Largest section dimension (m) of the legs that meet in a joint. 0 without legs."""
     legs = legs_of(mechanism)
     names = [side.body for side in (joint.first, joint.second) if side.body in legs]
-    return max((max(equivalent_leg(legs[name]).section.extent) for name in names), default=0.0)
+    return max((_thickness(legs[name]) for name in names), default=0.0)
+
+
+def _thickness(leg: Leg) -> float:
+    """Largest extent (m) of the sections of a leg."""
+    if isinstance(leg, LineLeg):
+        return leg.largest_extent
+    return max(equivalent_leg(leg).section.extent)

@@ -17,7 +17,7 @@ from fem.beams.stepped import SteppedLeg
 from lumped.acceptance.quantities import ANY_FORCE
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array
-from lumped.legs import ConstantLeg
+from lumped.legs import SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import links
@@ -146,7 +146,7 @@ def _finite_elements(robot: RobotOnPath) -> Assembly:
     parts = solid_parts(robot.postures, robot.offered, robot.holding.first)
 
     def reduced_assembly(highest: float) -> Assembly:
-        def reduce(leg: ConstantLeg | SteppedLeg, leg_options: ModelOptions) -> LegMatrices:
+        def reduce(leg: SectionedLeg | SteppedLeg, leg_options: ModelOptions) -> LegMatrices:
             return reduced_leg("beam", leg, leg_options, highest, CUTOFF["beam"] * highest)
 
         return assembly(mechanism, {**bodies_of(mechanism, options, reduce), **parts})

@@ -10,6 +10,7 @@ from functools import partial
 from typing import TypeVar
 
 from fem.beams.beam import beam_leg
+from fem.beams.line_beam import line_beam
 from fem.beams.stepped import Piece, SteppedLeg, stepped_leg
 from fem.bodies import solid
 from fem.bodies.rooted import RootedBody
@@ -17,9 +18,17 @@ from fem.reduction.craig_bampton import CraigBampton, craig_bampton
 from fem.reduction.free_modes import free_modes
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array, dense
-from lumped.equivalent_leg import equivalent_leg
+from lumped.equivalent_leg import equivalent_leg, sectioned_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg, Leg, given_compliance, tip_compliance
+from lumped.legs import (
+    ConstantLeg,
+    GivenLeg,
+    Leg,
+    LineLeg,
+    SectionedLeg,
+    given_compliance,
+    sectioned_compliance,
+)
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.memo import memo
 from lumped.models.bodies import (
@@ -30,6 +39,7 @@ from lumped.models.bodies import (
 )
 from lumped.models.segments import (
     SegmentChain,
+    line_segment_chain,
     segment_chain,
     segment_leg,
     static_leg,
@@ -45,7 +55,7 @@ Model = TypeVar("Model", bound=BodyModel)
 # Holds all models of the family of longer legs, a hundred kilobytes each.
 @memo(256)
 def leg_matrices(
-    model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions = DEFAULT_OPTIONS
+    model: ModelName, leg: SectionedLeg | SteppedLeg, options: ModelOptions = DEFAULT_OPTIONS
 ) -> LegMatrices:
     """Stiffness and mass of one unsupported leg by `segments` or `beam`.
 
@@ -60,6 +70,8 @@ def leg_matrices(
         raise InputError(
             f"model {model}: its leg matrices depend on frequency, so that none can be returned"
         )
+    if isinstance(leg, LineLeg):
+        return line_beam(leg.sections(options.theory), options.elements)
     return beam_leg(leg.properties(options.theory), leg.length, options.elements)
 
 
@@ -79,25 +91,28 @@ def filled(model: Model) -> Model:
     return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)
 
 
-def leg_chain(leg: ConstantLeg, options: ModelOptions) -> SegmentChain:
+def leg_chain(leg: SectionedLeg, options: ModelOptions) -> SegmentChain:
     """Chain of rigid segments joined by springs.
 
     With release "printed", it includes the tip joint.
     """
-    properties = leg.properties(options.theory)
-    chain = segment_chain(properties, leg.length, options.elements, options.layout)
+    if isinstance(leg, LineLeg):
+        chain = line_segment_chain(leg.sections(options.theory), options.elements, options.layout)
+    else:
+        properties = leg.properties(options.theory)
+        chain = segment_chain(properties, leg.length, options.elements, options.layout)
     return with_printed_tip_joint(chain) if options.release == "printed" else chain
 
 
 @memo(64)
 def condensed_leg(
-    model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions
+    model: ModelName, leg: SectionedLeg | SteppedLeg, options: ModelOptions
 ) -> LegMatrices:
     """Leg by `segments`, `beam` or `solid`, condensed to the twists of its ends.
 
     Exact in statics.
     """
-    if model == "segments" and isinstance(leg, ConstantLeg):
+    if model == "segments" and not isinstance(leg, SteppedLeg):
         return static_leg(leg_chain(leg, options))
     return static_superelement(_held_leg(model, leg, options)).matrices
 
@@ -105,7 +120,7 @@ def condensed_leg(
 @memo(32)
 def reduced_leg(
     model: ModelName,
-    leg: ConstantLeg | SteppedLeg,
+    leg: SectionedLeg | SteppedLeg,
     options: ModelOptions,
     highest: float,
     cutoff: float,
@@ -119,7 +134,7 @@ def reduced_leg(
 
 def reduced_superelement(
     model: ModelName,
-    leg: ConstantLeg | SteppedLeg,
+    leg: SectionedLeg | SteppedLeg,
     options: ModelOptions,
     highest: float,
     cutoff: float,
@@ -130,14 +145,14 @@ def reduced_superelement(
 
 # Factorised matrices of two solid legs fit into the memory of small machines.
 @memo(2)
-def _held_leg(model: ModelName, leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> HeldLeg:
-    if model == "solid" and isinstance(leg, ConstantLeg):
+def _held_leg(model: ModelName, leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> HeldLeg:
+    if model == "solid" and not isinstance(leg, SteppedLeg):
         return held_solid(leg, options.divisions, options.ends)
     return held_leg(leg_matrices(model, leg, options))
 
 
 @memo(4)
-def clamped_solid(leg: ConstantLeg, divisions: int, ends: Ends) -> RootedBody:
+def clamped_solid(leg: SectionedLeg, divisions: int, ends: Ends) -> RootedBody:
     """Leg as a solid with its root clamped, factorised once for statics and modes.
 
     `divisions` is the number of elements across the section.
@@ -156,12 +171,14 @@ def leg_compliance(model: ModelName, leg: Leg, options: ModelOptions = DEFAULT_O
         )
     if model in STATIC and options.legs == "given" and isinstance(leg, GivenLeg):
         return given_compliance(leg)
-    constant = equivalent_leg(leg, options.equivalent)
+    if model in STATIC and options.legs == "equivalent":
+        leg = equivalent_leg(leg, options.equivalent)
+    sectioned = sectioned_leg(leg, options.equivalent)
     if model in STATIC:
-        return tip_compliance(constant.properties(options.theory), constant.length)
+        return sectioned_compliance(sectioned, options.theory)
     if model == "solid":
-        return clamped_solid(constant, options.divisions, options.ends).compliance
-    return tip_compliance_of(leg_matrices(model, constant, options))
+        return clamped_solid(sectioned, options.divisions, options.ends).compliance
+    return tip_compliance_of(leg_matrices(model, sectioned, options))
 
 
 def leg_frequencies(
@@ -175,11 +192,11 @@ def leg_frequencies(
         raise InputError(
             f"--modes: model {model} of one leg is static and has no frequencies; leave --modes out"
         )
-    constant = equivalent_leg(leg, options.equivalent)
+    sectioned = sectioned_leg(leg, options.equivalent)
     if model == "solid":
-        solid_leg = clamped_solid(constant, options.divisions, options.ends)
+        solid_leg = clamped_solid(sectioned, options.divisions, options.ends)
         return solid_leg.modes(count).frequencies
-    return clamped_modes(leg_matrices(model, constant, options), count).frequencies
+    return clamped_modes(leg_matrices(model, sectioned, options), count).frequencies
 
 
 def free_leg_frequencies(
@@ -194,10 +211,10 @@ def free_leg_frequencies(
         raise InputError(
             f"--modes: model {model} of one leg is static and has no frequencies; leave --modes out"
         )
-    constant = equivalent_leg(leg, options.equivalent)
+    sectioned = sectioned_leg(leg, options.equivalent)
     if model != "solid":
-        return free_frequencies(leg_matrices(model, constant, options), count)
-    rooted = clamped_solid(constant, options.divisions, "free")
+        return free_frequencies(leg_matrices(model, sectioned, options), count)
+    rooted = clamped_solid(sectioned, options.divisions, "free")
     return free_modes(rooted, count).frequencies
 
 

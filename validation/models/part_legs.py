@@ -17,7 +17,7 @@ from fem.beams.stepped import SteppedLeg
 from lumped.arrays import Array, SparseMatrix
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg, tip_compliance
+from lumped.legs import GivenLeg, SectionedLeg, tip_compliance
 from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.body_model import ENDS, BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Mechanism
@@ -69,7 +69,7 @@ def part_springs(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array
 def part_models(
     mechanism: Mechanism,
     options: ModelOptions,
-    build: Callable[[ConstantLeg | SteppedLeg, ModelOptions], LegMatrices],
+    build: Callable[[SectionedLeg | SteppedLeg, ModelOptions], LegMatrices],
 ) -> dict[str, BodyModel]:
     """Model of each CAD part as `options.parts` specifies: a leg made by `build`, or condensed.
 
@@ -80,7 +80,7 @@ def part_models(
         if not is_leg(body) or options.parts == "condensed":
             models[name] = condensed(body)
             continue
-        leg: ConstantLeg | SteppedLeg
+        leg: SectionedLeg | SteppedLeg
         if options.parts == "stepped":
             leg = stepped(body)
         else:

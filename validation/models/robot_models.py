@@ -18,9 +18,9 @@ from fem.beams.stepped import SteppedLeg
 from fem.reduction.craig_bampton import CUTOFF_FACTOR
 from lumped.arrays import Array
 from lumped.dense.modes import Modes, too_few
-from lumped.equivalent_leg import equivalent_leg
+from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg, tip_compliance
+from lumped.legs import ConstantLeg, GivenLeg, LineLeg, SectionedLeg, sectioned_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.kinematics.mobility import mobility
@@ -286,11 +286,11 @@ def dynamic_bodies(
     """
     cutoff = CUTOFF[model] * highest
 
-    def reduced(leg: ConstantLeg | SteppedLeg, leg_options: ModelOptions) -> LegMatrices:
+    def reduced(leg: SectionedLeg | SteppedLeg, leg_options: ModelOptions) -> LegMatrices:
         return reduced_leg(model, leg, leg_options, highest, cutoff)
 
     if model == "solid":
-        legs = constant_legs(mechanism, options)
+        legs = sectioned_legs(mechanism, options)
         bodies = mechanism.parts
         return {name: filled(reduced(leg, leg_options)) for name, leg, leg_options in legs} | {
             name: reduced_parts.reduced(body, highest, cutoff, by=options.reduction)
@@ -305,22 +305,22 @@ def dynamic_bodies(
 def bodies_of(
     mechanism: Mechanism,
     options: ModelOptions,
-    build: Callable[[ConstantLeg | SteppedLeg, ModelOptions], LegMatrices],
+    build: Callable[[SectionedLeg | SteppedLeg, ModelOptions], LegMatrices],
 ) -> dict[str, BodyModel]:
     """Model of each leg, and of each CAD part that a leg replaces, made by `build`."""
     legs: dict[str, BodyModel] = {
         name: filled(build(leg, leg_options))
-        for name, leg, leg_options in constant_legs(mechanism, options)
+        for name, leg, leg_options in sectioned_legs(mechanism, options)
     }
     return legs | part_models(
         mechanism, options, lambda leg, leg_options: filled(build(leg, leg_options))
     )
 
 
-def _link(leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
+def _link(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
     if isinstance(leg, SteppedLeg):
         return condensed_leg("beam", leg, options)
-    return link(leg.length, tip_compliance(leg.properties(options.theory), leg.length))
+    return link(leg.length, sectioned_compliance(leg, options.theory))
 
 
 def highest_frequency(
@@ -382,18 +382,18 @@ def _swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[
     return [PostureAnswer(*row) for row in rows]
 
 
-def constant_legs(
+def sectioned_legs(
     mechanism: Mechanism, options: ModelOptions
-) -> list[tuple[str, ConstantLeg, ModelOptions]]:
+) -> list[tuple[str, SectionedLeg, ModelOptions]]:
     """Name, prism and options of each leg of a mechanism. Equal prisms are one object.
 
     With release "printed", the last spring of a leg contains the joint at its tip; `as_printed`
     fixes that joint in the mechanism.
     """
-    representatives: list[ConstantLeg] = []
+    representatives: list[SectionedLeg] = []
     legs = []
     for name, description in legs_of(mechanism).items():
-        leg = equivalent_leg(description, options.equivalent)
+        leg = sectioned_leg(description, options.equivalent)
         representative = next(
             (candidate for candidate in representatives if _are_equal(candidate, leg)), leg
         )
@@ -438,11 +438,13 @@ def _at_tip(mechanism: Mechanism, joint: Joint) -> str:
     if joint.kind != "revolute" or joint.drive is not None or joint.compliance is not None:
         return ""
     body = mechanism.bodies[joint.second.body]
-    is_leg = isinstance(body.shape, ConstantLeg | GivenLeg)
+    is_leg = isinstance(body.shape, ConstantLeg | GivenLeg | LineLeg)
     return body.name if is_leg and joint.second.point == tuple(body.interfaces)[1] else ""
 
 
-def _are_equal(leg: ConstantLeg, other: ConstantLeg) -> bool:
+def _are_equal(leg: SectionedLeg, other: SectionedLeg) -> bool:
+    if isinstance(leg, LineLeg) or isinstance(other, LineLeg):
+        return leg == other
     return (
         leg.section == other.section
         and leg.material == other.material

@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from lumped.legs import ConstantLeg
+from lumped.legs import SectionedLeg
 from lumped.models.bodies import links, tip_compliances
 from lumped.system.assembly import assembly
 from validation.context import Preset
@@ -97,13 +97,13 @@ def _reference_title(robot: RobotOnPath) -> str:
     return "robot of solid legs, reduced to their ends"
 
 
-def _reason_unmeshed(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
+def _reason_unmeshed(prisms: Sequence[SectionedLeg], preset: Preset) -> str:
     """Reason why the legs are too large to mesh with a preset. "" if they can be meshed."""
     divisions = [solid_meshes(preset).fine.divisions(leg) for leg in prisms]
     return too_large(prisms, divisions, preset)
 
 
-def _finer_preset(prisms: Sequence[ConstantLeg], preset: Preset) -> str:
+def _finer_preset(prisms: Sequence[SectionedLeg], preset: Preset) -> str:
     """Instruction naming the next larger preset that can mesh these legs, or that none can."""
     return finer_by(larger_preset(preset, lambda larger: not _reason_unmeshed(prisms, larger)))
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
-from lumped.legs import ConstantLeg
+from lumped.legs import GivenLeg, LineLeg
 from lumped.mechanism.body import Body, Rigid
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism
@@ -107,7 +107,7 @@ def samples_of(mechanism: Mechanism) -> Samples:
     points, prisms = {}, {}
     for name, leg in legs_of(mechanism).items():
         points[name], masses = _leg_points_and_masses(mechanism.bodies[name])
-        if isinstance(leg, ConstantLeg):
+        if not isinstance(leg, GivenLeg):
             prisms[name] = masses
         weights.append(np.repeat(masses, 3))
     for name, body in mechanism.parts.items():
@@ -119,7 +119,12 @@ def samples_of(mechanism: Mechanism) -> Samples:
 
 def _leg_points_and_masses(body: Body) -> tuple[Array, Array]:
     """Sample points (m×3, body axes) of a leg, and the mass (m, kg) that each represents."""
-    leg = equivalent_leg(leg_of(body))
+    described = leg_of(body)
+    if isinstance(described, LineLeg):
+        stations, lengths = centreline_samples(described.line.length, _STATIONS)
+        points, mu = described.inertia_points(stations, _CORNERS)
+        return points.reshape(-1, 3), np.repeat(mu * lengths / len(_CORNERS), len(_CORNERS))
+    leg = equivalent_leg(described)
     properties = leg.timoshenko
     stations, lengths = centreline_samples(leg.length, _STATIONS)
     radii = np.sqrt(np.array([properties.rho_Iz, properties.rho_Iy]) / properties.mu)

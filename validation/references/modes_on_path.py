@@ -16,8 +16,8 @@ import numpy as np
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
-from lumped.equivalent_leg import equivalent_leg
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
+from lumped.equivalent_leg import sectioned_leg
+from lumped.legs import Ends, GivenLeg, Leg, SectionedLeg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.memo import memo
@@ -71,11 +71,11 @@ class LegMesh(NamedTuple):
     walls: int
     least: int = 0
 
-    def divisions(self, leg: ConstantLeg) -> int:
+    def divisions(self, leg: SectionedLeg) -> int:
         """Number of elements across the section, which also sets their length along the axis."""
         return divisions_across(leg, self.across, self.walls)
 
-    def section_divisions(self, leg: ConstantLeg) -> int:
+    def section_divisions(self, leg: SectionedLeg) -> int:
         """Number of elements across the section in the section's own mesh."""
         return divisions_across(leg, self.across, max(self.walls, self.least))
 
@@ -89,7 +89,7 @@ class SolidMeshes(NamedTuple):
     coarse: LegMesh
     fine: LegMesh
 
-    def ratio(self, prisms: Iterable[ConstantLeg]) -> float:
+    def ratio(self, prisms: Iterable[SectionedLeg]) -> float:
         """Smallest ratio of coarse to fine element size over these legs."""
         return min(self.fine.divisions(leg) / self.coarse.divisions(leg) for leg in prisms)
 
@@ -196,7 +196,7 @@ def built_vibration(
         built: dict[tuple[object, Ends], LegMatrices] = {}
         bodies: dict[str, BodyModel] = {}
         for name, leg in legs.items():
-            key = leg if isinstance(leg, ConstantLeg) else name, ends[name]
+            key = name if isinstance(leg, GivenLeg) else leg, ends[name]
             if key not in built:
                 built[key] = filled(build(leg, ends[name], highest))
             bodies[name] = built[key]
@@ -231,7 +231,7 @@ def solid_vibration(
 # In memory, since robots that differ in one number have most legs in common.
 @memo(16)
 def _reduced_solid(
-    leg: ConstantLeg, divisions: int, section_divisions: int, ends: Ends, highest: float
+    leg: SectionedLeg, divisions: int, section_divisions: int, ends: Ends, highest: float
 ) -> LegMatrices:
     return craig_bampton(held_solid(leg, divisions, ends, section_divisions), highest).matrices
 
@@ -250,6 +250,6 @@ def own_vibration(
 
 
 def _own_leg(leg: Leg, ends: Ends, highest: float, *, mesh: LegMesh, warping: bool) -> LegMatrices:
-    divisions = mesh.divisions(equivalent_leg(leg))
+    divisions = mesh.divisions(sectioned_leg(leg))
     elements = own_elements(leg, ends if warping else None, ELEMENTS, divisions)
     return craig_bampton(held_leg(elements), highest, CUTOFF["beam"] * highest).matrices

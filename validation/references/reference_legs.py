@@ -6,26 +6,44 @@ warping added; with restrained contraction added. The preset limits the unknowns
 """
 
 from collections.abc import Iterable
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from fem.beams.beam import beam_leg, warping_beam_leg
+from fem.beams.line_beam import line_beam
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError, naming
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, given_compliance, tip_compliance
+from lumped.legs import (
+    ConstantLeg,
+    Ends,
+    GivenLeg,
+    Leg,
+    LineLeg,
+    SectionedLeg,
+    given_compliance,
+    tip_compliance,
+)
+from lumped.line_sections import LineSections
 from lumped.mechanism.body_model import LegMatrices
+from lumped.memo import memo
+from lumped.sections import Rectangle
 from validation.context import Context, Preset
+from validation.models.leg_models import clamped_solid
 from validation.references.reference import finer_by
 from validation.solids.solid_legs import (
     COARSEST_WALLS,
+    DIVISIONS,
+    WALL_DIVISIONS,
     TwoMeshes,
     has_meshes,
     leg_constants,
     mesh_pair,
+    own_properties,
+    section_of,
     static_ladder,
     two_meshes,
 )
@@ -56,7 +74,7 @@ def slowest(ratio: float) -> MeshPolicy:
     return MeshPolicy.of_order(ratio, SLOWEST_ORDER)
 
 
-def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
+def solid_leg(context: Context, leg: SectionedLeg) -> TwoMeshes:
     """Tip compliances of a leg as a solid on two meshes, computed once per run and process.
 
     Raises InputError if the section has no shape, or if even one section mesh exceeds the limit of
@@ -64,6 +82,8 @@ def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
     """
     if shapeless := why_shapeless([leg]):
         raise InputError(shapeless)
+    if isinstance(leg, LineLeg):
+        return context.get(line_meshes, leg, *_line_divisions(context.meshes, leg))
     limit = most_unknowns(context.meshes, leg)
     try:
         return context.get(two_meshes, leg, limit)
@@ -79,10 +99,16 @@ def solid_leg(context: Context, leg: ConstantLeg) -> TwoMeshes:
 def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
     """Instruction naming the larger preset that gives these legs finer solids, if any."""
     solids = [leg for leg in legs if isinstance(leg, ConstantLeg)]
+    lines = [leg for leg in legs if isinstance(leg, LineLeg)]
+
+    def meshes(preset: Preset) -> list[object]:
+        return [
+            *(mesh_pair(leg, most_unknowns(preset, leg)) for leg in solids),
+            *(_line_divisions(preset, leg) for leg in lines),
+        ]
 
     def finer(preset: Preset) -> bool:
-        present = [mesh_pair(leg, most_unknowns(context.meshes, leg)) for leg in solids]
-        return [mesh_pair(leg, most_unknowns(preset, leg)) for leg in solids] != present
+        return meshes(preset) != meshes(context.meshes)
 
     return finer_by(larger_preset(context.meshes, finer))
 
@@ -101,6 +127,26 @@ def most_unknowns(preset: Preset, leg: ConstantLeg) -> int:
     """
     first, second = UNKNOWNS[preset]
     return first if static_ladder(leg, first) else second
+
+
+def _line_divisions(preset: Preset, leg: LineLeg) -> tuple[int, int]:
+    """Divisions of the coarse and the fine mesh of a leg along a line, of which neither doubles."""
+    if isinstance(section_of(leg), Rectangle):
+        return DIVISIONS[preset] - 1, DIVISIONS[preset]
+    return COARSEST_WALLS // 2, max(COARSEST_WALLS, WALL_DIVISIONS[preset])
+
+
+def line_meshes(leg: LineLeg, coarse: int, fine: int) -> TwoMeshes:
+    """Tip compliances of a leg along a line as a solid on two meshes.
+
+    The change by rigid faces is that of the fine solid: there is no theory of it for tapers.
+    """
+    tips = [
+        {ends: clamped_solid(leg, divisions, ends).compliance for ends in get_args(Ends)}
+        for divisions in (coarse, fine)
+    ]
+    restrained = tips[1]["rigid"] - tips[1]["free"]
+    return TwoMeshes(tips[0], tips[1], restrained, fine / coarse)
 
 
 def solid_tip(context: Context, leg: Leg, ends: Ends, *, mesh: Literal[0, 1] = 1) -> Array:
@@ -132,6 +178,8 @@ def own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -
     """
     if isinstance(leg, GivenLeg):
         return leg.compliance
+    if isinstance(leg, LineLeg):
+        return context.get(own_sections, leg, divisions).tip_compliance
     constants = context.get(own_constants, leg, divisions)
     return tip_compliance(beam_properties(constants, leg.material), leg.length)
 
@@ -159,7 +207,7 @@ def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
     The loss is due to hindered contraction and shear warping at both ends. Zero if ends are free.
     """
     spring = own_spring(context, leg)
-    if isinstance(leg, ConstantLeg) and ends == "rigid":
+    if not isinstance(leg, GivenLeg) and ends == "rigid":
         spring = spring + solid_leg(context, leg).restrained
     return spring
 
@@ -169,8 +217,11 @@ def own_elements(
 ) -> LegMatrices:
     """Matrices of a leg's beam elements with computed section constants.
 
-    With warping as an unknown if `ends` are given, otherwise free to warp.
+    With warping as an unknown if `ends` are given, otherwise free to warp, as legs along a line
+    always are.
     """
+    if isinstance(leg, LineLeg):
+        return line_beam(own_sections(leg, divisions), elements)
     constant = equivalent_leg(leg)
     constants, material = own_constants(constant, divisions), constant.material
     if ends is None:
@@ -185,3 +236,10 @@ def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> Secti
     """
     with naming(leg.name):
         return leg_constants(leg, divisions)
+
+
+@memo(16)
+def own_sections(leg: LineLeg, divisions: int = SECTION_DIVISIONS) -> LineSections:
+    """Sections along a line with constants from finite elements."""
+    with naming(leg.name):
+        return leg.sections_by(lambda prism: own_properties(prism, divisions))

@@ -16,7 +16,7 @@ import numpy as np
 from fem.beams.interior import Interior
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg
+from lumped.legs import Ends, GivenLeg, Leg, SectionedLeg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, tip_compliances
@@ -27,7 +27,7 @@ from validation.models.loads.leg_masses import MASSES, Inside, Masses
 from validation.models.options import DEFAULT_OPTIONS
 from validation.models.part_legs import part_springs, require_legs
 from validation.models.reduced_parts import is_held_as_said
-from validation.models.robot_models import constant_legs
+from validation.models.robot_models import sectioned_legs
 from validation.models.roundings import Rounding, roundings_of
 from validation.parts.meshes import FINEST
 from validation.references.mode_samples import Samples, samples_of
@@ -149,9 +149,9 @@ class RobotOnPath:
         return self.postures[0].mechanism
 
     @property
-    def prisms(self) -> list[ConstantLeg]:
+    def prisms(self) -> list[SectionedLeg]:
         """Legs of constant section, which are solids in the reference."""
-        return [leg for leg in self.legs.values() if isinstance(leg, ConstantLeg)]
+        return [leg for leg in self.legs.values() if not isinstance(leg, GivenLeg)]
 
     @property
     def given(self) -> dict[str, GivenLeg]:
@@ -262,7 +262,7 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
     """
     # A leg known by its 6×6 has no open end condition: it is part of the 6×6.
     legs = {
-        name: leg.ends if isinstance(leg, ConstantLeg) else "rigid"
+        name: "rigid" if isinstance(leg, GivenLeg) else leg.ends
         for name, leg in legs_of(mechanism).items()
     }
     parts: dict[str, Ends | None] = {
@@ -325,7 +325,7 @@ def _tables(ends_by_body: Mapping[str, Ends | None], schema: int) -> str:
 
 def known_legs(mechanism: Mechanism) -> dict[str, Leg]:
     """Legs by body name. Legs with equal prisms share one object."""
-    prisms = {name: leg for name, leg, _ in constant_legs(mechanism, DEFAULT_OPTIONS)}
+    prisms = {name: leg for name, leg, _ in sectioned_legs(mechanism, DEFAULT_OPTIONS)}
     return {
         name: leg if isinstance(leg, GivenLeg) else prisms[name]
         for name, leg in legs_of(mechanism).items()
@@ -336,7 +336,7 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
     """Body names of the distinct legs: the first of each group of equal legs."""
     first: dict[object, str] = {}
     for name, leg in known_legs(mechanism).items():
-        first.setdefault(leg if isinstance(leg, ConstantLeg) else name, name)
+        first.setdefault(name if isinstance(leg, GivenLeg) else leg, name)
     return tuple(first.values())
 
 

@@ -23,11 +23,12 @@ from fem.reduction.superelement import HeldLeg, held_solid_leg
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array
 from lumped.errors import InputError, naming
-from lumped.legs import BeamProperties, ConstantLeg
+from lumped.legs import BeamProperties, ConstantLeg, LineLeg, SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.models.bodies import clamped_modes
 from lumped.sections import HollowRectangle, ISection, OutlinedSection, Rectangle, Section
+from meshes.loft import mesh_section
 from meshes.prism import hexahedra
 from meshes.section.section_blocks import Divisions, element_length, side_ratio
 from meshes.section.section_mesh import SectionMesh, section_mesh
@@ -142,10 +143,15 @@ class SolidModes:
     seconds: tuple[float, ...]
 
 
-def formal_order(leg: ConstantLeg, ends: Ends) -> float:
+def section_of(leg: SectionedLeg) -> Section:
+    """Section that is meshed: that of a prism, or the one in the middle of a line."""
+    return mesh_section(leg) if isinstance(leg, LineLeg) else leg.section
+
+
+def formal_order(leg: SectionedLeg, ends: Ends) -> float:
     """Lowest order with which a leg's compliances and frequencies converge."""
     edges = edge_order(leg.material.nu) if ends == "rigid" else FORMAL_ORDER
-    return min(edges, corner_order(leg.section))
+    return min(edges, corner_order(section_of(leg)))
 
 
 def corner_order(section: Section) -> float:
@@ -204,9 +210,9 @@ def _ladder(leg: ConstantLeg, most: int, layers: Callable[[int], int]) -> tuple[
     return ladder if len(ladder) >= _FEWEST_GRIDS else ()
 
 
-def divisions_across(leg: ConstantLeg, rectangle: int, walls: int) -> int:
+def divisions_across(leg: SectionedLeg, rectangle: int, walls: int) -> int:
     """Divisions of a rectangle's smaller side, or of the walls and rims of other sections."""
-    return rectangle if isinstance(leg.section, Rectangle) else walls
+    return rectangle if isinstance(section_of(leg), Rectangle) else walls
 
 
 def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
@@ -332,7 +338,9 @@ def solid_frequencies(
     return SolidModes(refinement, np.array(mac), tuple(unknowns), tuple(seconds))
 
 
-def held_solid(leg: ConstantLeg, divisions: int, ends: Ends, section: int | None = None) -> HeldLeg:
+def held_solid(
+    leg: SectionedLeg, divisions: int, ends: Ends, section: int | None = None
+) -> HeldLeg:
     """Solid leg on the twists of both ends, with end condition `ends`.
 
     `divisions` along the leg, `section` across it. If `section` is None, both are equal.

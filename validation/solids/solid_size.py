@@ -8,10 +8,11 @@ of unknowns depends on the slenderness of the legs.
 from collections.abc import Callable, Sequence
 from math import ceil
 
-from lumped.equivalent_leg import equivalent_leg
+from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Leg
+from lumped.legs import ConstantLeg, Leg, LineLeg, SectionedLeg
 from lumped.text import counted
+from meshes.loft import mesh_section, why_no_loft
 from meshes.section.section_blocks import element_length, section_blocks, sides_of
 from validation.context import PRESETS, Preset
 
@@ -21,20 +22,25 @@ from validation.context import PRESETS, Preset
 LARGEST: dict[Preset, int] = {"quick": 100_000, "standard": 200_000, "fine": 800_000}
 
 
-def solid_unknowns(leg: ConstantLeg, divisions: int) -> float:
+def solid_unknowns(leg: SectionedLeg, divisions: int) -> float:
     """Unknowns of a leg of quadratic hexahedra.
 
     Nodes that blocks of the section share count twice.
     """
-    size = element_length(leg.section, divisions)
-    slices = max(2, ceil(leg.length / size))
+    section, length = (
+        (mesh_section(leg), leg.line.length)
+        if isinstance(leg, LineLeg)
+        else (leg.section, leg.length)
+    )
+    size = element_length(section, divisions)
+    slices = max(2, ceil(length / size))
     try:
-        blocks = section_blocks(leg.section, divisions)
+        blocks = section_blocks(section, divisions)
         sides = (sides_of(blocks, corners) for corners in blocks.corners)
         nodes = float(sum((2 * across + 1) * (2 * along + 1) for across, along in sides))
     except InputError:
         # A section added by a user: squares that fill its area, four nodes each.
-        nodes = 4.0 * leg.section.area / size**2
+        nodes = 4.0 * section.area / size**2
     return 3.0 * nodes * (2.0 * slices + 1.0)
 
 
@@ -46,7 +52,8 @@ def why_shapeless(legs: Sequence[Leg]) -> str:
         if isinstance(leg, ConstantLeg) and not leg.section.has_outline
     ]
     if not names:
-        return ""
+        lofts = (why_no_loft(leg) for leg in legs if isinstance(leg, LineLeg))
+        return next(filter(None, lofts), "")
     return (
         f"{', '.join(names)}: solids are not made of such a section, so that there is none to "
         "compare with"
@@ -60,7 +67,7 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
     limit = LARGEST[preset]
     reasons = []
     for leg, number in zip(legs, divisions, strict=True):
-        constant = equivalent_leg(leg)
+        constant = sectioned_leg(leg)
         unknowns = solid_unknowns(constant, number)
         if unknowns > limit:
             name = constant.name or "a leg"

@@ -11,7 +11,7 @@ from math import inf
 
 from fem.machine import available_memory
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg
+from lumped.legs import SectionedLeg
 from validation.solids.solid_size import solid_unknowns
 
 # Entries of the factor of a solid leg over n^(4/3), 9 to 14 for legs of all shapes with 3000 to 120
@@ -53,7 +53,7 @@ class Cost:
         return f"{self.size} and {time}"
 
 
-def solid_cost(legs: tuple[ConstantLeg, ...], divisions: int, modes: int) -> Cost:
+def solid_cost(legs: tuple[SectionedLeg, ...], divisions: int, modes: int) -> Cost:
     """Cost of solid legs, factorised together, with mass and the first `modes` of each."""
     sizes = [solid_unknowns(leg, divisions) for leg in legs]
     entries = [_ENTRIES * n ** (4.0 / 3.0) for n in sizes]

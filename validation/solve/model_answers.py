@@ -15,7 +15,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg
+from lumped.legs import ConstantLeg, GivenLeg, LineLeg, SectionedLeg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import RIGID_MOTIONS, leg_of
 from validation.models.leg_models import free_leg_frequencies, leg_compliance, leg_frequencies
@@ -27,8 +27,8 @@ from validation.models.robot_models import (
     PostureAnswer,
     PostureModes,
     answers,
-    constant_legs,
     mechanism_modes,
+    sectioned_legs,
     static_bodies,
 )
 from validation.models.roundings import roundings_of
@@ -273,7 +273,7 @@ def _body_answer(question: Question, name: str) -> Answer:
     if name in question.mechanism.parts:
         return _free_part_answer(question, name)
     leg = leg_of(question.mechanism.bodies[name])
-    if isinstance(leg, ConstantLeg) and leg.ends is not None:
+    if not isinstance(leg, GivenLeg) and leg.ends is not None:
         options = replace(options, ends=leg.ends)
     place = Place(body=name) if question.leg is None else Place(leg=question.leg)
     if question.free:
@@ -304,9 +304,9 @@ def _free_part_answer(question: Question, name: str) -> Answer:
     )
 
 
-def _shapes(question: Question) -> list[ConstantLeg]:
+def _shapes(question: Question) -> list[SectionedLeg]:
     """Legs of the question, equal ones once."""
-    legs = constant_legs(question.mechanism, question.options)
+    legs = sectioned_legs(question.mechanism, question.options)
     return list({leg: None for name, leg, _ in legs if question.alone in (None, name)})
 
 
@@ -401,7 +401,7 @@ def _without_end_conditions(mechanism: Mechanism) -> Mechanism:
     """Mechanism without end conditions of its prisms, so that those of the command line apply."""
     bodies = {
         name: replace(body, shape=replace(body.shape, ends=None))
-        if isinstance(body.shape, ConstantLeg)
+        if isinstance(body.shape, ConstantLeg | LineLeg)
         else body
         for name, body in mechanism.bodies.items()
     }

@@ -11,13 +11,13 @@ from math import cbrt, inf, sqrt
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.equivalent_leg import equivalent_leg
+from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
 from lumped.legs import Leg
 from lumped.sections import Rectangle, Section
 from meshes.section.section_blocks import element_count
 from validation.models.options import ModelOptions
-from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF, formal_order
+from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF, formal_order, section_of
 from validation.solve.answer import Answer, MeshUncertainty
 from validation.uncertainty.grid_convergence import richardson_limits
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
@@ -35,7 +35,7 @@ def beside(options: ModelOptions, legs: Sequence[Leg]) -> int:
     """
     present = options.divisions
     candidates = (present // 2, 1, *range(present + 1, 8 * present + 1))
-    sections = [equivalent_leg(leg, options.equivalent).section for leg in legs]
+    sections = [section_of(sectioned_leg(leg, options.equivalent)) for leg in legs]
     divisions: int = next(
         candidate
         for candidate in candidates
@@ -95,10 +95,10 @@ def with_uncertainty(
 def mesh_policy(options: ModelOptions, legs: Sequence[Leg], divisions: int) -> MeshPolicy:
     """Rule for half-widths on the mesh of `options` from the change to one of other `divisions`."""
     present = options.divisions
-    solid = [equivalent_leg(leg, options.equivalent) for leg in legs]
+    solid = [sectioned_leg(leg, options.equivalent) for leg in legs]
     order = min(formal_order(leg, options.ends) for leg in solid)
     along = max(present, divisions) / min(present, divisions)
-    ratio = min(cbrt(along * _ratio(leg.section, present, divisions) ** 2) for leg in solid)
+    ratio = min(cbrt(along * _ratio(section_of(leg), present, divisions) ** 2) for leg in solid)
     return MeshPolicy.of_order(ratio if present > divisions else 1.0 / ratio, order)
 
 
@@ -114,13 +114,15 @@ def extrapolated(
     rectangles: walls keep one element across for several divisions, and would show only the order
     of their slices along the leg.
     """
-    solid = [equivalent_leg(leg, options.equivalent) for leg in legs]
+    solid = [sectioned_leg(leg, options.equivalent) for leg in legs]
     if len(meshes) < GRIDS_FOR_ORDER or not all(
-        isinstance(answer.section, Rectangle) for answer in solid
+        isinstance(section_of(answer), Rectangle) for answer in solid
     ):
         return list(answers)
     divisions = tuple(sorted(meshes))
-    elements = [sum(n * element_count(answer.section, n) for answer in solid) for n in divisions]
+    elements = [
+        sum(n * element_count(section_of(answer), n) for answer in solid) for n in divisions
+    ]
     order = min(formal_order(leg, options.ends) for leg in solid)
     upper = np.triu_indices(6)
     diagonal, count = upper[0] == upper[1], len(upper[0])

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import ConstantLeg, GivenLeg, Leg, Material
+from lumped.legs import ConstantLeg, GivenLeg, Leg, LineLeg, Material
 from lumped.mechanism.body import (
     Body,
     ByCylinder,
@@ -180,11 +180,19 @@ def leg_of(table: Entry, name: str) -> Leg:
     if isinstance(section, CompositeTable | LaminateTable):
         mean = Material(*section.section.mean_material)
         return ConstantLeg(length, section.section, mean, table["ends"], name)
-    density = material_table["rho"] if mass is None else mass / (section.area * length)
+    density = 1.0 if material_table["rho"] is None else material_table["rho"]
     material = isotropic_of(material_table | {"rho": density})
     if material_table["G"] is not None:
         material = replace(material, G=material_table["G"])
-    return ConstantLeg(length, section, material, table["ends"], name)
+    line = table.get("line")
+    leg = (
+        ConstantLeg(length, section, material, table["ends"], name)
+        if line is None or line.line is None or line.stations is None
+        else LineLeg(line.line, line.stations, material, table["ends"], name)
+    )
+    if mass is None:
+        return leg
+    return replace(leg, material=replace(material, rho=mass * density / leg.mass))
 
 
 def loss_of(table: Entry) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.mechanism.joint import AXES
 from lumped.mechanism.length_unit import UnitOfLength
+from lumped.robot_file.mechanism.line import leg_line
 from lumped.robot_file.rules.relations import NO_DIRECTION, Entry
 from lumped.robot_file.rules.rule import Named
 from lumped.robot_file.rules.several_materials import CompositeTable, LaminateTable
@@ -63,6 +64,7 @@ def draft(tables: Mapping[str, Any]) -> Draft:
             | _material_values(entry["material"], materials, f"bodies.{name}")
             | _section_values(entry["section"], materials)
             | _body_values(entry, points, names["points"])
+            | {"line": leg_line(entry, points, f"bodies.{name}", unit)}
             for name, entry in bodies.items()
         },
         joints={

@@ -188,9 +188,23 @@ def _copied(
         are_names = isinstance(value, list) and all(isinstance(one, str) for one in value)
         return [numbered(among, one) for one in value] if are_names else value
 
+    def placed(stop: Any) -> Any:
+        """Point of a leg's line in the copy, by its name or its coordinates."""
+        if isinstance(stop, dict):
+            return {key: placed(point) for key, point in stop.items()}
+        if isinstance(stop, str):
+            return numbered("points", stop)
+        return pattern.place(stop, number)
+
     for key, among in _NAMES[table].items():
         if key in entry:
             entry[key] = numbered(among, entry[key])
+    if "through" in entry:
+        entry["through"] = [placed(stop) for stop in entry["through"]]
+    if "sections" in entry:
+        entry["sections"] = [
+            section | {"at": numbered("points", section["at"])} for section in entry["sections"]
+        ]
     if "interfaces" in entry:
         faces = entry["interfaces"]
         entry["interfaces"] = {numbered("points", point): one for point, one in faces.items()}

@@ -45,8 +45,12 @@ def leg_faults(leg: Entry) -> Iterator[str]:
     if isinstance(leg["section"], CompositeTable | LaminateTable):
         yield from _own_material_faults(leg)
         return
-    present_keys = _present_keys(leg, "compliance", "section", "material")
-    if present_keys not in (["compliance"], ["section", "material"]):
+    present_keys = [
+        name
+        for name in ("compliance", "section", "sections", "material")
+        if leg.get(name) is not None
+    ]
+    if present_keys not in (["compliance"], ["section", "material"], ["sections", "material"]):
         reason = (
             f"has {' and '.join(present_keys)}"
             if present_keys
@@ -155,6 +159,8 @@ def _placed_leg(leg: Entry, key: str) -> Iterator[str]:
     elif length is not None and up is not None and _parallel(up, leg["vector"], _ALONG_LEG):
         yield f"{key}.up = {list(up)}: must be a direction that does not lie along the leg"
     yield from leg_faults(leg)
+    if leg["line"] is not None:
+        yield from leg["line"].faults
 
 
 def _rigid_body(body: Entry, key: str) -> Iterator[str]:

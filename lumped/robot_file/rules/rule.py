@@ -295,6 +295,11 @@ class Either(Rule):
     second: Rule
 
     @property
+    def written(self) -> tuple[type, ...]:  # type: ignore[override]
+        """Python types of either kind."""
+        return self.first.written + self.second.written
+
+    @property
     def allowed(self) -> str:
         return f"{self.first.allowed} or {self.second.allowed}"
 

@@ -229,6 +229,60 @@ def _shape_table(shape: str, unit: UnitOfLength) -> TableRule:
     return table.in_unit(unit, ())
 
 
+# Point of a leg's line, or share of the line's length.
+_PLACE_ON_LINE = Either(
+    _POINT_NAME, Number(least=0.0, most=1.0, high="this is a share of the line's length, not in m")
+)
+
+
+@dataclass(frozen=True)
+class StationRule(SectionRule):
+    """Rule for the section of a leg at a position `at` along its line, read as (at, section)."""
+
+    shapes: tuple[str, ...] = (*_PLAIN_SHAPES, SectionProperties.shape)
+    many = "tables with at, a shape and its sizes"
+
+    @property
+    def allowed(self) -> str:
+        return f"a table with at, a shape and its sizes in {self.unit.name}"
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        tables = [_shape_table(shape, self.unit).schema for shape in self.shapes]
+        return {
+            "oneOf": [
+                table
+                | {
+                    "properties": {"at": _PLACE_ON_LINE.schema, **table["properties"]},
+                    "required": ["at", *table["required"]],
+                }
+                for table in tables
+            ]
+        }
+
+    def faults(self, value: object, key: str) -> list[str]:
+        if not isinstance(value, dict):
+            return [self.refused(value, key)]
+        rest = {name: entry for name, entry in value.items() if name != "at"}
+        allowed = f"must be {_PLACE_ON_LINE.allowed}"
+        at = (
+            _PLACE_ON_LINE.faults(value["at"], f"{key}.at")
+            if "at" in value
+            else [f"{key}.at: missing; {allowed}"]
+        )
+        return [*at, *super().faults(rest, key)]
+
+    def read(self, value: Any) -> Any:
+        rest = {name: entry for name, entry in value.items() if name != "at"}
+        return _PLACE_ON_LINE.read(value["at"]), super().read(rest)
+
+    def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
+        if isinstance(value, dict):
+            yield from _PLACE_ON_LINE.within(value["at"], f"{key}.at")
+            rest = {name: entry for name, entry in value.items() if name != "at"}
+            yield from super().within(rest, key)
+
+
 MATERIAL = TableRule(
     needed("E", _YOUNGS_MODULUS, "Young's modulus"),
     needed("nu", _POISSONS_RATIO, "Poisson's ratio"),
@@ -265,6 +319,11 @@ _PLACE = TableRule(
     Key("y", _DIRECTION, "direction of its y axis, made normal to x", default=(0.0, 1.0, 0.0)),
 )
 _UP = "direction of z, made normal to x; default [0, 0, 1], for a leg along z [1, 0, 0]"
+_LINE_POINT = Either(_POINT_NAME, _POINT)
+_THROUGH = Either(
+    _LINE_POINT,
+    TableRule(needed("arc", _LINE_POINT, "a point between two others, on the arc that joins them")),
+)
 _ENDS = "end faces kept plane (rigid) or free to warp; default: both are computed"
 _TIP = "at `to` with `from` clamped, leg axes; replaces section and material, needs `mass`"
 PATTERN = TableRule(
@@ -284,6 +343,19 @@ BODY = TableRule(
         "section",
         SectionRule(),
         "cross-section about its centroid; width along y, height along z",
+        owners=_LEG,
+    ),
+    Key(
+        "sections",
+        Several(StationRule(), most=100, least=2),
+        "instead of `section`: sections along the line, sizes linear in between; two at one "
+        "position are a step",
+        owners=_LEG,
+    ),
+    Key(
+        "through",
+        Several(_THROUGH, most=100, least=1),
+        "points of the centre line between `from` and `to`; default: a straight line",
         owners=_LEG,
     ),
     Key("material", _MATERIAL, "a name in [materials], or a table", owners=_LEG + _PART),

@@ -18,7 +18,7 @@ from validation.adequacy.robot_verdicts import robot_adequacy
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.options import ModelOptions
-from validation.models.robot_models import constant_legs, on_drives_alone
+from validation.models.robot_models import on_drives_alone, sectioned_legs
 from validation.references.mode_samples import samples_of
 from validation.references.robot_on_path import (
     HOLD,
@@ -97,7 +97,7 @@ def test_unspecified_ends_are_two_interpretations():
         # Of the legs that it says nothing of all are rigid, then all are free.
         ways = [dict.fromkeys(legs, ends) | dict.fromkeys(known, "free") for ends in HOLD]
         assert list(found) == (ways if len(known) < len(legs) else ways[1:])
-        options = constant_legs(replace(mechanism, bodies=said), ModelOptions(ends="rigid"))
+        options = sectioned_legs(replace(mechanism, bodies=said), ModelOptions(ends="rigid"))
         assert {name: one.ends for name, _, one in options} == ways[0]
 
 

@@ -13,7 +13,7 @@ from lumped.models.serial_chains import NoChainError
 from lumped.robot_file import load_robot
 from lumped.system.joint_motion import Portion
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
-from validation.models.robot_models import answers, constant_legs, dynamic_bodies, mechanism_modes
+from validation.models.robot_models import answers, dynamic_bodies, mechanism_modes, sectioned_legs
 
 EULER_BERNOULLI = ModelOptions(theory="euler-bernoulli")
 # One third of a turn about z, of twists.
@@ -70,7 +70,7 @@ def test_leg_has_printed_joint_at_its_tip():
         replace(joint, first=joint.second, second=joint.first) if joint.name == "seat" else joint
         for joint in mechanism.joints
     ]
-    legs = constant_legs(replace(mechanism, joints=joints), ModelOptions(release="printed"))
+    legs = sectioned_legs(replace(mechanism, joints=joints), ModelOptions(release="printed"))
     assert {name: own.release for name, _, own in legs} == {"leg1": "condensed", "leg2": "printed"}
 
 
@@ -84,13 +84,13 @@ def test_simplified_model_ignores_joint_compliance():
 
 def test_legs_are_one_only_if_equal_to_last_digits():
     described = load_robot("five-bar").mechanism
-    lengths = {name: leg.length for name, leg, _ in constant_legs(described, DEFAULT_OPTIONS)}
+    lengths = {name: leg.length for name, leg, _ in sectioned_legs(described, DEFAULT_OPTIONS)}
     assert len(set(lengths.values())) < len(lengths)
     for change, apart in ((1e-12, False), (1e-6, True)):
         rod = described.bodies["rod1"]
         longer = replace(rod, shape=replace(rod.shape, length=(1.0 + change) * rod.shape.length))
         changed = replace(described, bodies={**described.bodies, "rod1": longer})
-        known = {name: leg.length for name, leg, _ in constant_legs(changed, DEFAULT_OPTIONS)}
+        known = {name: leg.length for name, leg, _ in sectioned_legs(changed, DEFAULT_OPTIONS)}
         assert (known["rod1"] != known["rod2"]) is apart
 
 

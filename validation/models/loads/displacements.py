@@ -16,7 +16,7 @@ from fem.beams.stepped import SteppedLeg
 from fem.reduction.superelement import held_leg, static_superelement
 from lumped.arrays import Array, dense
 from lumped.errors import ComputationError
-from lumped.legs import ConstantLeg, GivenLeg, Theory
+from lumped.legs import GivenLeg, Leg, SectionedLeg, Theory
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.kinematics.accelerations import accelerations
 from lumped.mechanism.load import Load, Loading
@@ -146,8 +146,8 @@ def _interface_mass(model: BodyModel) -> Array:
     return dense(model.mass)[ends, ends]
 
 
-def _leg_mass(leg: ConstantLeg | GivenLeg, masses: Masses) -> Array:
-    if isinstance(leg, ConstantLeg):
+def _leg_mass(leg: Leg, masses: Masses) -> Array:
+    if not isinstance(leg, GivenLeg):
         return dense(condensed_leg("beam", leg, DEFAULT_OPTIONS).mass)
     return ends_mass(leg, masses)
 
@@ -164,7 +164,7 @@ def load_masses(model: ModelName, mechanism: Mechanism, options: ModelOptions) -
     return {name: _interface_mass(body) for name, body in bodies.items()}
 
 
-def _segments(leg: ConstantLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
+def _segments(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
     """Segments condensed to the leg's ends with their mass, which springs in series do not have."""
     segments = leg_matrices("segments", leg, replace(options, release="condensed"))
     return static_superelement(held_leg(segments)).matrices

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lumped.errors import ComputationError
+from lumped.legs import is_bent
 from lumped.mechanism.load import Loading
 from lumped.mechanism.mechanism import Posture
 from lumped.models.bodies import legs_of
@@ -19,7 +20,7 @@ from validation.models.robot_models import on_drives_alone, released, static_bod
 
 @dataclass(frozen=True, eq=False)
 class LoadForces:
-    """Forces under one load in one posture: of all joints and legs in the order of the file."""
+    """Forces under one load in one posture: of all joints and straight legs, in file order."""
 
     reactions: tuple[Reaction, ...]
     members: tuple[MemberForces, ...]
@@ -63,5 +64,9 @@ def _load_forces(solution: Solved, load: Loading, forces: InternalForces) -> Loa
     posture = solution.system.posture
     return LoadForces(
         tuple(reaction(posture, joint, load) for joint in forces.joints),
-        tuple(member_forces(posture, name, forces, load) for name in legs_of(posture.mechanism)),
+        tuple(
+            member_forces(posture, name, forces, load)
+            for name, leg in legs_of(posture.mechanism).items()
+            if not is_bent(leg)
+        ),
     )

@@ -10,15 +10,21 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from fem.beams.prestressed import PrestressedLeg, between, prestressed_leg
+from fem.beams.prestressed import (
+    PrestressedLeg,
+    between,
+    prestressed_leg,
+    prestressed_line_leg,
+)
 from lumped.acceptance.quantities import AXES, Quantity, load_quantities
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import dense
 from lumped.errors import ComputationError
-from lumped.legs import ConstantLeg, Theory
+from lumped.legs import LineLeg, SectionedLeg, Theory, is_bent
 from lumped.mechanism.kinematics.postures import shown_pose
-from lumped.mechanism.mechanism import Posture
+from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.memo import memo
+from lumped.models.bodies import legs_of
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.loads import loading
 from lumped.system.prestress import Prestressed, geometric_stiffness
@@ -29,9 +35,9 @@ from validation.models.leg_models import filled
 from validation.models.loads.displacements import load_masses
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.models.robot_models import (
-    constant_legs,
     on_drives_alone,
     released,
+    sectioned_legs,
     static_bodies,
 )
 
@@ -50,9 +56,12 @@ def stabilities(
 ) -> list[list[Stability | None]]:
     """Stability in each posture under each load, with the lowest `count` frequencies under load.
 
-    None if the mechanism cannot move as a load requires. Raises as `displacements` does.
+    None if the mechanism cannot move as a load requires, or if it has bent legs. Raises as
+    `displacements` does.
     """
     mechanism = postures[0].mechanism
+    if bent_legs(mechanism):
+        return [[None for _ in mechanism.loads] for _ in postures]
     if not mechanism.loads:
         return [[] for _ in postures]
     masses = load_masses(model, mechanism, options)
@@ -74,6 +83,11 @@ def stabilities(
     return rows
 
 
+def bent_legs(mechanism: Mechanism) -> list[str]:
+    """Names of the legs whose line is not straight. They have no geometric stiffness here."""
+    return [name for name, leg in legs_of(mechanism).items() if is_bent(leg)]
+
+
 def prestressed_assembly(
     model: ModelName, postures: Sequence[Posture], options: ModelOptions
 ) -> tuple[Assembly, dict[str, Prestressed]]:
@@ -85,7 +99,7 @@ def prestressed_assembly(
     body_models = static_bodies("links" if model == "vjm" else model, mechanism, options)
     bodies = {name: filled(body) for name, body in body_models.items()}
     legs: dict[str, Prestressed] = {}
-    for name, leg, _ in constant_legs(mechanism, options):
+    for name, leg, _ in sectioned_legs(mechanism, options):
         prestressed = _prestressed(leg, options.theory)
         bodies[name] = between(prestressed, dense(body_models[name].stiffness))
         legs[name] = prestressed.geometric_stiffness
@@ -93,7 +107,9 @@ def prestressed_assembly(
 
 
 @memo(64)
-def _prestressed(leg: ConstantLeg, theory: Theory) -> PrestressedLeg:
+def _prestressed(leg: SectionedLeg, theory: Theory) -> PrestressedLeg:
+    if isinstance(leg, LineLeg):
+        return prestressed_line_leg(leg.sections(theory), _ELEMENTS, _MODES)
     try:
         properties = leg.properties(theory)
     except ComputationError:
@@ -112,7 +128,11 @@ def stability_notes(
 
     `rows` (postures × loads) is the result of `stabilities`.
     """
-    loads = load_quantities([load.name for load in postures[0].mechanism.loads])
+    mechanism = postures[0].mechanism
+    loads = load_quantities([load.name for load in mechanism.loads])
+    if loads and (bent := bent_legs(mechanism)):
+        names = ", ".join(bent)
+        return (f"Stability under loads is not computed: {names} bent, with no straight axis",)
     return tuple(
         f"Load {load.key}: {'; '.join(statements)}"
         for load, row in zip(loads, zip(*rows, strict=True), strict=True)

@@ -11,6 +11,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import LineLeg
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.free_twists import interface_position
@@ -20,7 +21,14 @@ from lumped.system.assembly import System
 from validation.drawing.scene import DARK, DrawnBody, Wire
 from validation.drawing.style import LOOKS
 from validation.drawing.surfaces import Surface, faceted, joined
-from validation.kinematics.solids import COLOURS, Solid, on_ground, section_prism, solids
+from validation.kinematics.solids import (
+    COLOURS,
+    Solid,
+    line_surface,
+    on_ground,
+    section_prism,
+    solids,
+)
 from validation.models.reduced_parts import coarsest_mesh, identified
 
 # Number of points along a leg at which another model is drawn, as slightly larger outlines.
@@ -109,8 +117,11 @@ def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
     mechanism = system.posture.mechanism
     points_by_body: dict[str, Array] = {}
     for name in legs_of(mechanism):
-        points_by_body[name] = np.zeros((COMPARED_POINTS, 3))
-        points_by_body[name][:, 0] = _SHARES * leg_of(mechanism.bodies[name]).length
+        leg = leg_of(mechanism.bodies[name])
+        if isinstance(leg, LineLeg):
+            points_by_body[name], _ = leg.line.frames(_SHARES * leg.line.length)
+        else:
+            points_by_body[name] = np.multiply.outer(_SHARES * leg.length, [1.0, 0.0, 0.0])
     for name in mechanism.parts:
         points_by_body[name] = _points_in_a_row(mechanism, name)
     frames = system.posture.frames
@@ -134,6 +145,9 @@ def leg_outlines(system: System, displaced: Array) -> Wire:
     surfaces = {name: _part_surface(part) for name, part in mechanism.parts.items()}
     for name in legs_of(mechanism):
         leg = leg_of(mechanism.bodies[name])
+        if isinstance(leg, LineLeg):
+            surfaces[name] = line_surface(leg, scale=_OUTSET, rims=True)
+            continue
         section, stations = equivalent_leg(leg).section, _SHARES * leg.length
         surfaces[name] = section_prism(section, stations, scale=_OUTSET, rims=True)
     frames = system.posture.frames
@@ -152,7 +166,7 @@ def displacements(system: System, name: str, points: Array, unknowns: Array) -> 
     `unknowns` n or n×k give displacements n×3 or n×3×k.
     """
     model = system.models[name]
-    if isinstance(model, LegMatrices):
+    if isinstance(model, LegMatrices) and model.line is None:
         # Legs that are equal up to round-off share a model, beyond whose end no point may lie.
         points = np.column_stack([np.clip(points[:, 0], 0.0, model.length), points[:, 1:]])
     local_motions = model.displacements(points) @ system.body_unknowns(

@@ -13,6 +13,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
+from lumped.legs import LineLeg
 from lumped.mechanism.body import Body, Part, Rigid
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side
@@ -160,9 +161,14 @@ def _mass_points(body: Body) -> tuple[Array, Array]:
     if isinstance(body.shape, Part):
         samples = identified(body)
         return samples.places, samples.shares
-    leg = equivalent_leg(leg_of(body))
-    section = leg.section
+    described = leg_of(body)
     nodes, weights = np.polynomial.legendre.leggauss(_STATIONS)
+    if isinstance(described, LineLeg):
+        half = 0.5 * described.line.length
+        points, mu = described.inertia_points(half * (1.0 + nodes), _CORNERS)
+        return points.reshape(-1, 3), np.repeat(mu * half * weights / 4.0, 4)
+    leg = equivalent_leg(described)
+    section = leg.section
     radii = np.sqrt(np.array([section.second_moment_z, section.second_moment_y]) / section.area)
     corners = np.column_stack([np.zeros(4), _CORNERS * radii])
     along = np.column_stack([0.5 * leg.length * (1.0 + nodes), np.zeros((_STATIONS, 2))])

@@ -12,7 +12,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.dense.modes import Modes
-from lumped.legs import ConstantLeg
+from lumped.legs import GivenLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.system.assembly import assembly
 from lumped.system.joint_motion import Portion
@@ -224,7 +224,7 @@ def _shares_by_body(strain: Portions, mechanism: Mechanism) -> Shares:
     """
     groups: dict[object, list[str]] = {name: [name] for name in mechanism.parts}
     for name, leg in known_legs(mechanism).items():
-        groups.setdefault(leg if isinstance(leg, ConstantLeg) else name, []).append(name)
+        groups.setdefault(name if isinstance(leg, GivenLeg) else leg, []).append(name)
     label = {name: _listed(names) for names in groups.values() for name in names}
     return sum_shares(
         strain, lambda part: label.get(part.of) or (DRIVES if part.kind == "drive" else JOINTS)

@@ -1,0 +1,306 @@
+"""Centre line of a leg of schema 2 and its sections at stations, or the faults of both.
+
+`through` lists the points of the line between `from` and `to`: a point that the line reaches
+straight from the one before, or `{ arc = POINT }`, on the arc that joins the points before and
+after it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.centre_line import SMALLEST_SINE, CentreLine, LinePiece, Point
+from lumped.errors import InputError
+from lumped.line_sections import TOGETHER
+from lumped.mechanism.length_unit import UnitOfLength
+from lumped.mechanism.placing import default_up, leg_frame
+from lumped.robot_file.rules.several_materials import CompositeTable, LaminateTable
+from lumped.sections import Polygon, Section, SectionProperties, fourth_moments
+from lumped.text import shown
+
+# Distance (m) below which two points of a line coincide.
+_TOGETHER = 1e-6
+# Component of a direction that is rounding.
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class LegLine:
+    """Line of a leg (leg axes) and stations (m along it, section). None if there are `faults`."""
+
+    line: CentreLine | None
+    stations: tuple[tuple[float, Section], ...] | None
+    faults: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class _Stop:
+    """Point of a line: its key, its name ("" for coordinates), its position (3, m, base axes)."""
+
+    key: str
+    name: str
+    position: Array
+    on_arc: bool = False
+
+
+def leg_line(
+    body: Mapping[str, Any], points: Mapping[str, Array], key: str, unit: UnitOfLength
+) -> LegLine | None:
+    """Line of a leg with `through` or `sections`. None for a prism or if points have faults."""
+    if body["through"] is None and body["sections"] is None:
+        return None
+    if faults := _misplaced_keys(body, key):
+        return LegLine(None, None, tuple(faults))
+    stops = _stops(body, points, key)
+    if stops is None:
+        return None
+    try:
+        frame = leg_frame(stops[0].position, stops[-1].position, _up(body))
+    except InputError:
+        # Reported as a fault of `to` or `up`.
+        return None
+    positions = [_triple(frame.rotation.T @ (stop.position - frame.position)) for stop in stops]
+    chord = float(np.linalg.norm(stops[-1].position - stops[0].position))
+    positions[-1] = (chord, 0.0, 0.0)
+    faults = _stop_faults(stops, unit)
+    if faults:
+        return LegLine(None, None, tuple(faults))
+    up = _up(body)
+    direction = default_up(frame.rotation[:, 0]) if up is None else up
+    line = CentreLine(_pieces(stops, positions), _triple(frame.rotation.T @ direction))
+    names_on_line = _named_positions(stops, line)
+    stations, faults = _stations(body, line, names_on_line, key)
+    faults += [*_arc_faults(stops, line, unit), *_up_faults(body, line, frame.rotation, key)]
+    if not faults and stations is not None:
+        faults += _section_faults(stations, line, key, unit)
+    return LegLine(line, None if faults else stations, tuple(faults))
+
+
+def _misplaced_keys(body: Mapping[str, Any], key: str) -> list[str]:
+    """Faults of `through` and `sections` beside a key with which they have no meaning."""
+    names = [name for name in ("through", "sections") if body[name] is not None]
+    if body["compliance"] is not None:
+        reason = f"must be left out beside {key}.compliance, which is that of the whole leg"
+        return [f"{key}.{name}: {reason}" for name in names]
+    if isinstance(body["section"], CompositeTable | LaminateTable):
+        reason = (
+            f"must be left out beside {key}.section, whose several materials belong to straight "
+            "legs of one section"
+        )
+        return [f"{key}.{name}: {reason}" for name in names]
+    return []
+
+
+def _up(body: Mapping[str, Any]) -> Array | None:
+    return None if body["up"] is None else np.array(body["up"])
+
+
+def _triple(vector: Array) -> Point:
+    x, y, z = vector.tolist()
+    return x, y, z
+
+
+def _stops(body: Mapping[str, Any], points: Mapping[str, Array], key: str) -> list[_Stop] | None:
+    """Points of the line from root to tip. None if a name is unknown, which is another fault."""
+    stops = []
+    entries = [(f"{key}.from", body["from"])]
+    entries += [(f"{key}.through[{n}]", at) for n, at in enumerate(body["through"] or (), 1)]
+    entries.append((f"{key}.to", body["to"]))
+    for place, entry in entries:
+        on_arc = isinstance(entry, dict)
+        at = entry["arc"] if on_arc else entry
+        if isinstance(at, str) and at not in points:
+            return None
+        if at is None:
+            return None
+        position = points[at] if isinstance(at, str) else np.array(at)
+        name = at if isinstance(at, str) else ""
+        stops.append(_Stop(f"{place}.arc" if on_arc else place, name, position, on_arc))
+    return stops
+
+
+def _stop_faults(stops: Sequence[_Stop], unit: UnitOfLength) -> list[str]:
+    faults = []
+    for first, second in pairwise(stops):
+        if first.on_arc and second.on_arc:
+            faults.append(
+                f"{second.key}: follows another arc; must be preceded by the point where it begins"
+            )
+        apart = float(np.linalg.norm(second.position - first.position))
+        if apart < _TOGETHER:
+            faults.append(
+                f"{second.key}: must be apart from the point before it (they are "
+                f"{unit.shown(apart, 3)} apart)"
+            )
+    if faults:
+        return faults
+    for before, arc, after in zip(stops, stops[1:], stops[2:], strict=False):
+        if not arc.on_arc:
+            continue
+        chord = after.position - before.position
+        if float(np.linalg.norm(chord)) < _TOGETHER:
+            faults.append(f"{arc.key}: the arc ends where it begins; must be two arcs for a circle")
+            continue
+        offset = np.linalg.norm(np.cross(arc.position - before.position, chord))
+        if offset / np.linalg.norm(chord) < _TOGETHER:
+            faults.append(
+                f"{arc.key}: lies in line with its neighbours; must be off their line, or be left "
+                "out"
+            )
+    return faults
+
+
+def _pieces(stops: Sequence[_Stop], positions: Sequence[Point]) -> tuple[LinePiece, ...]:
+    pieces = []
+    start, through = positions[0], None
+    for stop, position in zip(stops[1:], positions[1:], strict=True):
+        if stop.on_arc:
+            through = position
+            continue
+        pieces.append(LinePiece(start, position, through))
+        start, through = position, None
+    return tuple(pieces)
+
+
+def _named_positions(stops: Sequence[_Stop], line: CentreLine) -> dict[str, float]:
+    """Positions (m along the line) of its named points; those inside an arc have none."""
+    ends = [stop for stop in stops if not stop.on_arc]
+    return {
+        stop.name: float(position)
+        for stop, position in zip(ends, line.ends, strict=True)
+        if stop.name
+    }
+
+
+def _stations(
+    body: Mapping[str, Any], line: CentreLine, names: Mapping[str, float], key: str
+) -> tuple[tuple[tuple[float, Section], ...] | None, list[str]]:
+    if body["sections"] is None:
+        section = body["section"]
+        constant = None if section is None else ((0.0, section), (line.length, section))
+        return constant, []
+    faults = []
+    positions = []
+    for number, (at, _) in enumerate(body["sections"], start=1):
+        if isinstance(at, str) and at not in names:
+            faults.append(
+                f"{key}.sections[{number}].at = {shown(at)}: must be a corner or an end of the "
+                f"line ({', '.join(names)}), or a share of its length from 0 to 1"
+            )
+            continue
+        positions.append(names[at] if isinstance(at, str) else at * line.length)
+    if faults:
+        return None, faults
+    slack = TOGETHER * line.length
+    last = len(positions)
+    for number, expected, place in ((1, 0.0, "0"), (last, line.length, "1")):
+        if abs(positions[number - 1] - expected) > slack:
+            end = "from" if place == "0" else "to"
+            faults.append(
+                f"{key}.sections[{number}].at = {shown(body['sections'][number - 1][0])}: must be "
+                f'{place} or "{body[end]}", where the line {"begins" if place == "0" else "ends"}'
+            )
+    faults += [
+        f"{key}.sections[{number}].at = {shown(body['sections'][number - 1][0])}: must not come "
+        "before the section above it; stations go from root to tip"
+        for number, (first, second) in enumerate(pairwise(positions), start=2)
+        if second < first - slack
+    ]
+    faults += [
+        f"{key}.sections[{number}]: the third section at one position; must be two at a step"
+        for number, (first, _, third) in enumerate(
+            zip(positions, positions[1:], positions[2:], strict=False), start=3
+        )
+        if third - first <= slack
+    ]
+    if faults:
+        return None, faults
+    positions[0], positions[-1] = 0.0, line.length
+    sections = [section for _, section in body["sections"]]
+    return tuple(zip(positions, sections, strict=True)), []
+
+
+def _arc_faults(stops: Sequence[_Stop], line: CentreLine, unit: UnitOfLength) -> list[str]:
+    """Faults of arcs of more than three quarters of a turn."""
+    arcs = [stop for stop in stops if stop.on_arc]
+    pieces = [piece for piece in line.pieces if piece.through is not None]
+    return [
+        f"{stop.key}: makes an arc of {unit.shown(piece.radius)} radius and "
+        f"{np.degrees(piece.length / piece.radius):.0f}°; must be at most 270°; divide it"
+        for stop, piece in zip(arcs, pieces, strict=True)
+        if piece.length / piece.radius > 1.5 * np.pi + _ROUNDING
+    ]
+
+
+def _up_faults(body: Mapping[str, Any], line: CentreLine, rotation: Array, key: str) -> list[str]:
+    if line.smallest_sine >= SMALLEST_SINE:
+        return []
+    points = np.concatenate([piece.at(np.linspace(0.0, 1.0, 9))[0] for piece in line.pieces])
+    normal = rotation @ np.linalg.svd(points - points.mean(axis=0))[2][-1]
+    normal *= np.sign(normal[np.argmax(np.abs(normal))])
+    example = [float(f"{x:.4g}") for x in np.where(np.abs(normal) < _ROUNDING, 0.0, normal)]
+    reason = (
+        "missing; the default, [0, 0, 1], lies along the line somewhere"
+        if body["up"] is None
+        else "lies along the line somewhere"
+    )
+    value = "" if body["up"] is None else f" = {list(body['up'])}"
+    return [
+        f"{key}.up{value}: {reason}; must be a direction along which the line does not run, "
+        f"{example} say"
+    ]
+
+
+def _section_faults(
+    stations: Sequence[tuple[float, Section]], line: CentreLine, key: str, unit: UnitOfLength
+) -> list[str]:
+    faults = []
+    slack = TOGETHER * line.length
+    for number, ((start, first), (end, last)) in enumerate(pairwise(stations), start=2):
+        place = f"{key}.sections[{number}]"
+        if end - start <= slack or first == last:
+            continue
+        if type(first) is not type(last):
+            faults.append(
+                f'{place}.shape = "{last.shape}": must be "{first.shape}" as before it, or follow '
+                f"a section of its own shape at the same position (a step)"
+            )
+        elif isinstance(last, Polygon | SectionProperties):
+            faults.append(
+                f"{place}: a {last.shape} has no sizes that could vary linearly; must equal the "
+                "section before it, or follow an equal one at the same position (a step)"
+            )
+    arcs = [
+        (piece, start, end)
+        for piece, (start, end) in zip(line.pieces, pairwise(line.ends.tolist()), strict=True)
+        if piece.through is not None
+    ]
+    constant = stations[0][1] == stations[-1][1] and len(stations) == 2
+    for piece, start, end in arcs:
+        for number, (_, section) in enumerate(stations, start=1):
+            place = f"{key}.section" if constant else f"{key}.sections[{number}]"
+            following = stations[min(number, len(stations) - 1)][0]
+            before = stations[max(number - 2, 0)][0]
+            if following < start + slack or before > end - slack:
+                continue
+            if fourth_moments(section) is None:
+                faults.append(
+                    f'{place}.shape = "{section.shape}": must have two axes of symmetry on an arc; '
+                    "use straight pieces, or another shape"
+                )
+            elif max(section.extent) >= 2.0 * piece.radius:
+                faults.append(
+                    f"{place}: {unit.shown(max(section.extent))} across; must be below the "
+                    f"diameter of its arc, {unit.shown(2.0 * piece.radius)}"
+                )
+    largest = max(range(len(stations)), key=lambda k: max(stations[k][1].extent))
+    if not constant and max(stations[largest][1].extent) >= line.length:
+        faults.append(
+            f"{key}.sections[{largest + 1}]: {unit.shown(max(stations[largest][1].extent))} "
+            f"across; must be below the line's length, {unit.shown(line.length)}"
+        )
+    return list(dict.fromkeys(faults))

@@ -1,0 +1,194 @@
+"""Solid meshes of legs along a line: the mesh of one section, carried along and stretched.
+
+Each plane of nodes has the section at its position, in which walls stay as thick as there and the
+elements keep their numbers. Hexahedra of one span are straight across a linear taper, and quadratic
+along an arc. A line with corners and a section that jumps have no such mesh.
+"""
+
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from lumped.arrays import Array, IntArray
+from lumped.centre_line import CentreLine
+from lumped.errors import InputError
+from lumped.legs import LineLeg
+from lumped.line_sections import TOGETHER
+from lumped.sections import (
+    Circle,
+    HollowRectangle,
+    ISection,
+    OutlinedSection,
+    Rectangle,
+    Section,
+    Tube,
+)
+from meshes.quality import check
+from meshes.section.section_blocks import Divisions, element_length, has_blocks
+from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
+from meshes.solid_mesh import EndFace, SolidMesh
+
+# Coordinates of corners closer than this share of the section's size are one.
+_SAME_LINE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class LoftedMesh(SolidMesh):
+    """Mesh of hex27 along a `line`; root and tip are normal to it.
+
+    Nodes are numbered plane by plane, as in an extruded mesh: `positions` (p, m along the line) of
+    the planes, `sections` (p×n×2): y and z of their nodes in the axes of the line.
+    """
+
+    line: CentreLine
+    positions: Array
+    sections: Array
+
+    @property
+    def length(self) -> float:
+        """Distance from root to tip (m)."""
+        return self.line.chord
+
+
+def why_no_loft(leg: LineLeg) -> str:
+    """Reason why a leg has no solid mesh. "" if it has one."""
+    name = leg.name or "a leg"
+    sections = [section for _, section in leg.stations]
+    if not all(section.has_outline for section in sections):
+        return f"{name}: a section given by its constants has no shape that could be meshed"
+    if leg.line.corners:
+        positions = ", ".join(f"{position:.4g} m" for position in leg.line.corners)
+        return (
+            f"{name}: its line has corners (at {positions} along it); only rounded ones can be "
+            "meshed: give arcs, or use a CAD part"
+        )
+    steps = [
+        first[0]
+        for first, second in zip(leg.stations[:-1], leg.stations[1:], strict=True)
+        if second[0] - first[0] <= TOGETHER * leg.line.length and first[1] != second[1]
+    ]
+    if steps:
+        return (
+            f"{name}: its section jumps at {', '.join(f'{step:.4g} m' for step in steps)}; only a "
+            "continuous one can be meshed: give a short taper, or use a CAD part"
+        )
+    free = [
+        section
+        for section in sections
+        if isinstance(section, OutlinedSection) and not has_blocks(section)
+    ]
+    if free and any(section != sections[0] for section in sections):
+        return f"{name}: a tapered {free[0].shape} has no mesh; only a constant one has"
+    material = leg.material
+    isotropic = abs(material.G - material.E / (2.0 * (1.0 + material.nu))) <= 1e-9 * material.G
+    if not (isotropic or leg.line.is_straight):
+        return f"{name}: an independent G belongs to the axes of a straight leg; leave it out"
+    return ""
+
+
+def mesh_section(leg: LineLeg) -> Section:
+    """Section in the middle of the line, whose mesh is stretched to all others."""
+    return leg.section_at(0.5 * leg.line.length)
+
+
+def slices_along(leg: LineLeg, divisions: Divisions) -> int:
+    """Number of slices as long as `divisions` make elements wide."""
+    count = min(divisions) if isinstance(divisions, tuple) else divisions
+    return max(2, ceil(leg.line.length / element_length(mesh_section(leg), count)))
+
+
+def loft(leg: LineLeg, divisions: Divisions, slices: int) -> LoftedMesh:
+    """Mesh of a leg in about so many `slices`, `divisions` of its section as for prisms.
+
+    Raises InputError for a leg that has no such mesh, ComputationError if elements are too
+    distorted.
+    """
+    if reason := why_no_loft(leg):
+        raise InputError(reason)
+    reference = mesh_section(leg)
+    require_leg(reference, leg.line.length, divisions)
+    face = section_mesh(reference, divisions)
+    positions, pieces, sections = _planes(leg, face, reference, slices)
+    points, axes = leg.line.frames(positions, pieces)
+    nodes = points[:, None] + np.einsum("pij,pnj->pni", axes[:, :, 1:], sections)
+    per_plane, planes = len(face.nodes), len(positions)
+    one_slice = np.hstack([face.cells + plane * per_plane for plane in range(3)])
+    offsets = 2 * per_plane * np.arange((planes - 1) // 2)
+    cells = (one_slice[None] + offsets[:, None, None]).reshape(-1, one_slice.shape[1])
+    first = np.arange(per_plane)
+    last = first + (planes - 1) * per_plane
+    nodes[-1] += np.array([leg.line.chord, 0.0, 0.0]) - points[-1]
+    mesh = LoftedMesh(
+        nodes=nodes.reshape(-1, 3),
+        cells=cells,
+        element="hex27",
+        root=EndFace(first, SectionMesh(sections[0], face.cells, face.element), axes[0]),
+        tip=EndFace(last, SectionMesh(sections[-1], face.cells, face.element), axes[-1]),
+        slices=(planes - 1) // 2,
+        line=leg.line,
+        positions=positions,
+        sections=sections,
+    )
+    check(mesh, f"leg along a line ({reference.shape})")
+    return mesh
+
+
+def _planes(
+    leg: LineLeg, face: SectionMesh, reference: Section, slices: int
+) -> tuple[Array, IntArray, Array]:
+    """Positions (p), numbers of the line's pieces (p) and nodes of the sections (p×n×2)."""
+    positions, shapes = [], []
+    for number, span in enumerate(leg.spans):
+        count = max(1, ceil(slices * (span.end - span.start) / leg.line.length - TOGETHER))
+        shares = np.linspace(0.0, 1.0, 2 * count + 1)[0 if number == 0 else 1 :]
+        positions.append(span.start + (span.end - span.start) * shares)
+        shapes += [stretched(face.nodes, reference, span.section(share)) for share in shares]
+    planes = np.concatenate(positions)
+    # A plane between two pieces belongs to the one before it, which meets the next one smoothly.
+    pieces = np.searchsorted(leg.line.ends, planes, side="left") - 1
+    return planes, np.clip(pieces, 0, len(leg.line.pieces) - 1), np.array(shapes)
+
+
+def stretched(nodes: Array, reference: Section, section: Section) -> Array:
+    """Nodes (n×2) of a mesh of `reference` as nodes of another size of its shape."""
+    if section == reference:
+        return nodes
+    if isinstance(reference, Circle | Tube) and isinstance(section, Circle | Tube):
+        radii = np.linalg.norm(nodes, axis=1)
+        rims, new_rims = (
+            [one.inner_diameter / 2.0, one.diameter / 2.0] for one in (reference, section)
+        )
+        new = new_rims[0] + (radii - rims[0]) * (new_rims[1] - new_rims[0]) / (rims[1] - rims[0])
+        factors = np.divide(new, radii, out=np.zeros_like(radii), where=radii > 0.0)
+        return np.asarray(nodes * factors[:, None])
+    lines, new_lines = _lines(reference), _lines(section)
+    return np.column_stack(
+        [np.interp(nodes[:, k], lines[k], new_lines[k]) for k in range(nodes.shape[1])]
+    )
+
+
+def _lines(section: Section) -> tuple[Array, Array]:
+    """Coordinates y and z of the edges of a section whose edges are parallel to both, ascending."""
+    match section:
+        case Rectangle():
+            y, z = [section.width / 2.0], [section.height / 2.0]
+        case HollowRectangle():
+            y = [section.width / 2.0 - section.thickness, section.width / 2.0]
+            z = [section.height / 2.0 - section.thickness, section.height / 2.0]
+        case ISection():
+            y = [section.web / 2.0, section.width / 2.0]
+            z = [section.height / 2.0 - section.flange, section.height / 2.0]
+        case OutlinedSection():
+            corners = np.vstack(section.centred_loops)
+            gap = _SAME_LINE * max(section.extent)
+            first, second = (
+                values[np.r_[True, np.diff(values) > gap]] for values in np.sort(corners, axis=0).T
+            )
+            return first, second
+        case _:
+            raise InputError(f"{section.shape}: a tapered section of this shape has no mesh")
+    return (
+        np.array([*(-value for value in reversed(y)), *y]),
+        np.array([*(-value for value in reversed(z)), *z]),
+    )
