@@ -18,7 +18,15 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg, GivenLeg, Leg, NoBeamTheoryError, Theory
+from lumped.legs import (
+    ConstantLeg,
+    GivenLeg,
+    Leg,
+    LineLeg,
+    NoBeamTheoryError,
+    Theory,
+    is_bent,
+)
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import drive_in, free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
@@ -71,7 +79,7 @@ def loading(
         axes = turn(frame.rotation)
         motion = _in_axes(frame.rotation, motions[name], load.gravity)
         in_body_axes = _inertia(mass, points, motion).reshape(-1, 6)
-        if isinstance(body.shape, ConstantLeg | GivenLeg):
+        if isinstance(body.shape, ConstantLeg | GivenLeg | LineLeg) and not is_bent(body.shape):
             line_load = _line_load(body.shape, in_body_axes, motion)
             line_loads.setdefault(name, []).append(line_load)
         wrenches = in_body_axes @ axes.T

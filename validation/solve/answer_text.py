@@ -61,7 +61,11 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
             for name, displacement in answer.loads.items()
         ]
         bending = "rigid legs" if model == "simplified" else "legs bending as beams"
-        lines.append(f"  stability under these loads, {bending} between their ends:")
+        lines.append(
+            f"  stability under these loads, {bending} between their ends:"
+            if answer.stability
+            else "  stability under these loads is not computed: a leg is bent"
+        )
         lines += [
             f"    {name}: {_stability_text(stability)}"
             for name, stability in answer.stability.items()

@@ -21,7 +21,7 @@ from lumped.models.bodies import RIGID_MOTIONS, leg_of
 from validation.models.leg_models import free_leg_frequencies, leg_compliance, leg_frequencies
 from validation.models.loads.displacements import displacements
 from validation.models.loads.forces import load_forces
-from validation.models.loads.stability import stabilities
+from validation.models.loads.stability import bent_legs, stabilities
 from validation.models.reduced_parts import free_body_part, with_finer_parts
 from validation.models.robot_models import (
     PostureAnswer,
@@ -211,6 +211,7 @@ def _answers(
     if loads := question.mechanism.loads:
         names = [load.name for load in loads]
         displaced = displacements(model, postures, options)
+        bent = bent_legs(question.mechanism)
         # Frequencies of other models have a stiffness inside the legs that is not that of beams.
         stability_by_posture = stabilities(
             model, postures, options, count if model == "beam" else 0
@@ -220,7 +221,8 @@ def _answers(
             replace(
                 answer,
                 loads=dict(zip(names, displacement, strict=True)),
-                stability=dict(zip(names, near, strict=True)),
+                # Bent legs have no geometric stiffness.
+                stability={} if bent else dict(zip(names, near, strict=True)),
                 reactions={
                     name: {one.joint: one.wrench for one in found.reactions}
                     for name, found in zip(names, forces, strict=True)
