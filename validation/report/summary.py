@@ -40,7 +40,7 @@ def _grouped_by_reason(outcomes: Sequence[Outcome]) -> list[list[Outcome]]:
 def adequacy(gathered: Results) -> list[str]:
     """Lines on models that are relied on and not adequate, and the verdict of the page."""
     refused, rely = ", ".join(gathered.standing.refused), gathered.rely
-    lines = [f"models relied on but not adequate: {refused}"] if refused else []
+    lines = [f"relied on but not adequate: {refused}"] if refused else []
     lines += gathered.unjudged
     matrix, measured = gathered.matrix, gathered.measured
     lines += [f"{sentence(matrix, rely)} {supposition(matrix, rely)}".strip()] if matrix else []
