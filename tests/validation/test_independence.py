@@ -227,7 +227,7 @@ def roots(compute) -> set[str]:
     return found.union(*(roots(one) for one in held if inspect.isfunction(one)))
 
 
-def test_value_and_reference_share_named_basics_alone():
+def test_value_and_reference_share_only_basics():
     assert len(COMPARED) > 40
     assert not [key for key in CASES.keys() - COMPARED if not key[0].startswith("paper.")]
     common = {key: shared(*both, WITHIN.get(key[0], ())) for key, both in COMPARED.items()}
@@ -240,13 +240,13 @@ def test_comparison_depends_on_both_sides():
         assert not strange, key
 
 
-def test_a_reference_by_the_value_s_code_is_seen():
+def test_reference_by_same_code_is_detected():
     """By its name, two rooms away, by one assembler, and of a class by what is annotated."""
     alike = {leg_matrices: beam_leg, robot_modes: beam_leg, swept: solved, rooted_body: RootedBody}
     assert all(shared((one,), (other,)) for one, other in alike.items())
 
 
-def test_every_model_has_an_independent_comparison():
+def test_every_model_has_independent_check():
     by_ritz = {
         value for value, reference in COMPARED.values() if ritz.simplified_response in reference
     }

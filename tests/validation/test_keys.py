@@ -76,7 +76,7 @@ def varied(robot: str | Path) -> VariedRobot:
     ],
     ids=["five-bar", "ifw", "rocker", "arguments"],
 )
-def test_every_field_of_every_input_is_in_its_key(inputs):
+def test_cache_key_has_every_input_field(inputs):
     keys = {key_of(inputs): ""}
     for place, changed in changed_leaves(inputs):
         key = key_of(changed)
@@ -85,7 +85,7 @@ def test_every_field_of_every_input_is_in_its_key(inputs):
     assert len(keys) > 5
 
 
-def test_sources_are_in_the_key_of_a_unit(monkeypatch):
+def test_unit_key_includes_source_code(monkeypatch):
     keys = set()
     for one in "ab":
         monkeypatch.setattr(CURVES, "program", lambda one=one: one)
@@ -96,7 +96,7 @@ def test_sources_are_in_the_key_of_a_unit(monkeypatch):
     assert len(keys) == 2
 
 
-def test_every_source_is_in_the_digest_of_the_sources(tmp_path, monkeypatch):
+def test_source_digest_includes_every_file(tmp_path, monkeypatch):
     """One byte of one file, its name, its folder, a file more: each is another program."""
     monkeypatch.setattr(sources, "__file__", str(tmp_path / "a" / "b" / "sources.py"))
     packages, kinds = ("lumped", "meshes", "fem", "validation"), ("py", "toml", "j2", "css", "js")
@@ -126,7 +126,7 @@ def part_keys(folder: Path) -> list[str]:
     return [mesh.key, identify.identified_entry(file, interfaces, STEEL, 1000, 6).key]
 
 
-def test_changed_source_line_changes_result_keys(tmp_path, monkeypatch):
+def test_changed_source_changes_result_keys(tmp_path, monkeypatch):
     """In a copy elsewhere, as an installed wheel is beside a checkout, keys are the same."""
     for package in sources.PACKAGES:
         shutil.copytree(ROOT / package, tmp_path / package)
@@ -162,7 +162,7 @@ def test_changed_source_line_changes_result_keys(tmp_path, monkeypatch):
 VIEWS = {"validation.tables", "validation.parts.identified_plot"}
 
 
-def test_part_keys_include_all_computing_sources():
+def test_part_key_includes_computing_sources():
     """Whatever the modules that make entries import, but for packages without code."""
     drawn = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))
     files = drawn["modules"]()
@@ -181,7 +181,7 @@ def test_part_keys_include_all_computing_sources():
                 assert all(isinstance(one, ast.Expr) for one in body), name
 
 
-def test_memo_distinguishes_functions_and_arguments():
+def test_memo_key_has_function_and_arguments():
     arguments = [
         *((), (1,), (1.0,), ("1",), (True,), ((1, 2), 3), (1, (2, 3))),
         *((np.zeros(6),), (np.zeros((2, 3)),), (np.zeros((3, 2)),), (np.zeros(6, np.float32),)),
@@ -239,7 +239,7 @@ def asked_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterato
     yield from (partial(stepped_parts.stepped, leg, pieces) for pieces in (10, 11))
 
 
-def test_cached_results_of_parts_have_unique_keys(tmp_path, monkeypatch):
+def test_cached_part_results_have_unique_keys(tmp_path, monkeypatch):
     def noted(entry):
         keys.append(entry.key)
         raise InterruptedError
@@ -255,7 +255,7 @@ def test_cached_results_of_parts_have_unique_keys(tmp_path, monkeypatch):
     assert len(set(keys)) == len(keys) == len(asked)
 
 
-def test_run_name_contains_all_differing_options():
+def test_run_key_contains_all_options():
     header = {
         "robot": "r",
         "robot_sha256": "1",
@@ -273,7 +273,7 @@ def test_run_name_contains_all_differing_options():
     assert needed <= provenance.versions().keys()
 
 
-def test_digest_depends_on_options_and_measured_values():
+def test_run_digest_depends_on_measurements():
     plain = Request(load_robot("ifw"), "quick", Path("out"), 1)
     changed = {"only": "leg*", "accept": ("x=0.1",), "vary": ("geometry.a=0.9:1:3",)}
     requests = [plain, *(replace(plain, **{name: other}) for name, other in changed.items())]
@@ -311,7 +311,7 @@ def test_robot_digest_covers_file_and_parts(tmp_path):
     assert load_robot(tmp_path / "one" / "robot.toml").sha256 != one.sha256
 
 
-def test_plugin_judges_once_per_robot_preset_and_modes(tmp_path, monkeypatch):
+def test_plugin_computes_each_robot_once(tmp_path, monkeypatch):
     judged = []
 
     def judge(robot, *, preset, accept):

@@ -56,14 +56,14 @@ FLANGED = ConstantLeg(
 BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
 
 
-def test_wall_meshes_are_doubled_for_any_bar_mesh():
+def test_wall_mesh_doubles_bar_mesh():
     """Of a five-bar of box sections `standard` left more open than `quick` had."""
     meshes, bar = solid_meshes("fine"), replace(FLANGED, section=Rectangle(0.1, 0.1))
     assert meshes.ratio([FLANGED]) == 2.0
     assert meshes.ratio([FLANGED, bar]) == pytest.approx(4.0 / 3.0)
 
 
-def test_equal_legs_are_made_once_per_end_condition():
+def test_equal_legs_share_one_reduction_per_end():
     robot, made = load_robot("five-bar").mechanism, []
 
     def build(leg, ends, _highest):
@@ -98,7 +98,7 @@ def flanged():
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("model", BEAMS)
-def test_i_section_beams_have_modes_without_a_partner(flanged, model):
+def test_some_i_section_beam_modes_have_no_partner(flanged, model):
     order = flanged.entry(model, "order")
     assert order.verdict == "inadequate"
     # Two at 160 Hz, where the robot's next mode is above 220 Hz.
@@ -109,7 +109,7 @@ def test_i_section_beams_have_modes_without_a_partner(flanged, model):
     assert (order.remedy, order.error_with_remedy) == ("use solid", 0.0)
 
 
-def test_bending_is_more_certain_than_open_torsion():
+def test_open_section_torsion_is_least_certain():
     """The section mesh leaves torsion open, and bending of 100 × 100 mm next to nothing."""
     robot = robot_on_path(at_the_centre(**OF_FLANGED))
     (solids,) = dynamic_reference(Responses(robot)).interpretations
@@ -165,7 +165,7 @@ def test_torsion_verdict_depends_on_end_conditions():
         (HollowRectangle(0.1, 0.16, 0.008), "free"),
     ],
 )
-def test_frequency_half_widths_cover_finer_meshes(section, ends):
+def test_frequency_half_widths_cover_finer_mesh(section, ends):
     leg = ConstantLeg(0.9, section, STEEL, ends=ends)
     robot = like_ifw(a=1.0, platform_mass=30.0, leg1=leg, leg2=leg)
     quick, finer = (
@@ -183,7 +183,7 @@ def test_frequency_half_widths_cover_finer_meshes(section, ends):
         assert (changes <= own.budget[Source.MESHES].frequencies).all()
 
 
-def test_mass_lumps_decide_nine_modes_and_leave_tenth():
+def test_lumped_mass_leaves_tenth_mode_undecided():
     # Three ways each for the platform and two point masses: fewer modes than are judged.
     leg1, leg2 = (replace(leg, inertia=None, mass_centre=None) for leg in (LEG1, LEG2))
     asked = Requirement(modes=10)
@@ -211,7 +211,7 @@ def test_mass_lumps_decide_nine_modes_and_leave_tenth():
     assert ", f10 " in note
 
 
-def test_drives_lack_second_mode_at_ends_of_stroke():
+def test_drive_model_lacks_second_mode_at_stroke_end():
     """There it moves along one axis alone; beyond the modes that there are stands nothing."""
     robot = robot_on_path(Context(load_robot("ifw"), "quick"))
     found = modes_by_model(robot, "simplified", DEFAULT_OPTIONS)
@@ -272,7 +272,7 @@ def test_mass_centre_and_inertia_match_the_drawing(masses):
         assert masses != "mass in lumps" or inertia == pytest.approx(tensor, abs=1e-9)
 
 
-def test_interior_of_uniform_leg_is_its_own_beam():
+def test_uniform_leg_interior_equals_its_beam():
     """Radii of gyration as well: EI/EA with the EI that shear does not soften."""
     shear = tip_compliance(PRISM.timoshenko, PRISM.length)
     given = GivenLeg(PRISM.length, PRISM.mass, shear)
@@ -283,14 +283,14 @@ def test_interior_of_uniform_leg_is_its_own_beam():
         np.testing.assert_allclose(np.abs(dense(matrix)), due, rtol=0, atol=1e-9 * due.max())
 
 
-def test_wedges_are_plausible_without_mass_centre():
+def test_mass_wedges_need_no_mass_centre():
     known = replace(GIVEN, mass_centre=0.4)
     assert plausible_masses([known, known]) == (MASSES[0], *MASSES[3:])
     assert plausible_masses([known, GIVEN]) == MASSES
 
 
 @pytest.mark.parametrize("mixed", [False, True])
-def test_massless_legs_bound_robots_with_6x6_legs(*, mixed):
+def test_massless_legs_bound_6x6_robot_frequencies(*, mixed):
     """Frequencies of any distribution lie below; held ends of a solid are stiffer than its 6×6."""
     prism = ConstantLeg(LEG2.length, Rectangle(0.1, 0.1), STEEL, ends="rigid")
     legs = {"leg2": prism} if mixed else {}

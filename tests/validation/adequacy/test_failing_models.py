@@ -45,7 +45,7 @@ def failing(function, place, model, options):
 
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
-def test_model_that_raises_leaves_the_others_judged(arm, monkeypatch, capsys, model):
+def test_raising_model_leaves_other_verdicts(arm, monkeypatch, capsys, model):
     due = verdicts_of(arm)[1]
     for name in ("model_statics", "modes_by_model"):
         function = failing(getattr(model_ladder, name), 1, model, DEFAULT_OPTIONS)
@@ -65,7 +65,7 @@ def test_model_that_raises_leaves_the_others_judged(arm, monkeypatch, capsys, mo
     assert "return 1 / 0" in capsys.readouterr().err
 
 
-def test_failing_stability_leaves_all_models_judged(arm, monkeypatch):
+def test_failing_stability_leaves_all_verdicts(arm, monkeypatch):
     """What loads take of the stiffness is then left open of every error under them."""
     due = verdicts_of(arm)[1]
     for module in (robot_verdicts, uncertainty_sources):
@@ -81,7 +81,7 @@ def test_failing_stability_leaves_all_models_judged(arm, monkeypatch):
     assert matrix.faults == ("stability under loads",)
 
 
-def test_model_that_robot_does_not_allow_is_no_fault(arm, monkeypatch):
+def test_inapplicable_model_is_no_program_error(arm, monkeypatch):
     def refusing(*_):
         raise ComputationError("the arm is too thin")
 
@@ -92,7 +92,7 @@ def test_model_that_robot_does_not_allow_is_no_fault(arm, monkeypatch):
     assert matrix.faults == ()
 
 
-def test_robot_on_rigid_drives_has_its_models_judged(tmp_path):
+def test_rigid_drive_robot_has_verdicts(tmp_path):
     """The simplified model has nothing elastic: inadequate, and the others as they are."""
     text = ARM.replace("stiffness = 5.0e4", 'stiffness = "rigid"') + "[path]\nposes = [[0.0]]\n"
     matrix, found = verdicts_of(robot_of(text, tmp_path))

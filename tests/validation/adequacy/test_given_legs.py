@@ -144,7 +144,7 @@ def flanged():
     return judgements(twins, twins.truth(), 0.25)
 
 
-def test_frequency_of_i_section_legs_is_not_adequate(flanged):
+def test_i_section_6x6_frequency_is_not_adequate(flanged):
     """Beams are 30.1 ± 0.4 % too low; −10.8 ± 10.8 % made them adequate at a limit of 25 %."""
     matrix, found = flanged
     low, high, true = found["beam", 1]
@@ -154,14 +154,14 @@ def test_frequency_of_i_section_legs_is_not_adequate(flanged):
     assert (entry.verdict, entry.reason) == ("undecided", SECTION)
 
 
-def test_i_section_intervals_contain_errors_of_beams(flanged):
+def test_i_section_intervals_contain_beam_errors(flanged):
     errors = [error for (model, _), error in flanged[1].items() if model == "beam"]
     known = [error for error in errors if np.isfinite(error).all()]
     assert len(known) >= 3
     assert all(low <= true <= high for low, high, true in known)
 
 
-def test_torsion_of_i_section_legs_needs_their_section(flanged):
+def test_i_section_6x6_torsion_needs_the_section(flanged):
     """A 6×6 leaves open what resists torsion: by mass distribution alone f5 stays undecided."""
     entry = flanged[0].entry("beam-euler-bernoulli", "f5")
     assert entry.verdict == "undecided"
@@ -229,7 +229,7 @@ GIVEN = {"mass": (), "centre": ("mass_centre",), "inertia": ("mass_centre", "ine
 
 
 @pytest.mark.soak
-def test_random_6x6_leg_intervals_contain_the_truth():
+def test_random_6x6_leg_intervals_contain_truth():
     """At least 93 % by kind of data and by mode, as an interval of 95 % should.
 
     Of f5 and f6 it was 89 % where modes that pass each other between the readings were left out.

@@ -54,7 +54,7 @@ def entry(modes, quantity, *others, unsure=0.0):
     return verdict_matrix(subject, Requirement(modes=3)).entry("model", quantity)
 
 
-def test_order_with_disagreeing_readings_is_undecided():
+def test_contradictory_mode_order_is_undecided():
     # The same robot with other ends: its second and third shape change places.
     swapped = vibration([100.0, 160.0, 190.0, 300.0], A, C, B, D)
     like_the_first = vibration([101.0, 151.0, 202.0, 303.0], *AXES)
@@ -72,7 +72,7 @@ def test_order_with_disagreeing_readings_is_undecided():
     )
 
 
-def test_modes_that_a_model_or_a_pose_does_not_have():
+def test_missing_mode_is_inadequate_with_reason():
     missing = entry(vibration([100.0, 200.0], A, C), "f2")
     assert (missing.verdict, missing.error) == ("inadequate", None)
     assert "no mode of this shape" in missing.reason
@@ -80,7 +80,7 @@ def test_modes_that_a_model_or_a_pose_does_not_have():
     assert [entry(absent, name).verdict for name in ("f1", "f2")] == ["adequate", "inadequate"]
 
 
-def test_close_modes_in_other_order_keep_their_shapes():
+def test_close_modes_are_paired_by_shape():
     """Two per cent apart: shapes decide, not the order of the frequencies."""
     close, swapped = (vibration([100.0, 102.0, 200.0], *pair, C) for pair in ((A, B), (B, A)))
     found = partners(close, swapped, 3)
@@ -90,7 +90,7 @@ def test_close_modes_in_other_order_keep_their_shapes():
 
 
 @pytest.mark.parametrize(("unsure", "open_to"), [(0.0, [(110, 112), (110, 112)]), (0.03, None)])
-def test_mixed_modes_count_as_the_space_they_span(unsure, open_to):
+def test_mixed_modes_are_compared_as_a_subspace(unsure, open_to):
     """Turned into each other by 45°: which is which is open unless they are of one frequency."""
     close, mixed = (
         vibration([start, start + 2.0, 200.0], *pair, C)
@@ -109,7 +109,7 @@ def test_mixed_modes_count_as_the_space_they_span(unsure, open_to):
 @pytest.mark.parametrize(
     ("limit", "verdict"), [(0.05, "undecided"), (0.13, "adequate"), (0.01, "inadequate")]
 )
-def test_verdict_on_mixed_modes_covers_both_partners(limit, verdict):
+def test_mixed_mode_verdict_covers_both_partners(limit, verdict):
     """100 and 104 Hz against 104 and 112 Hz, mixed: errors of the first 4 to 12 %."""
     truth, model = (
         vibration([*pair, 200.0, 300.0], *shapes, C, D)
@@ -120,7 +120,7 @@ def test_verdict_on_mixed_modes_covers_both_partners(limit, verdict):
     assert matrix.entry("model", "f1").verdict == verdict
 
 
-def test_mode_shared_with_a_local_one_is_undecided():
+def test_mode_shared_with_local_mode_is_undecided():
     """Two modes of the reference, each half of one shape of the model and half local."""
     truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, -B, D, seen=[1.0, 0.5, 0.5, 1.0])
     subject = subject_of(truth, vibration([100.0, 149.0, 250.0, 300.0], A, B, C, D))
@@ -131,7 +131,7 @@ def test_mode_shared_with_a_local_one_is_undecided():
         assert "several modes of the reference have the shape of one" in entry.reason
 
 
-def test_local_mode_is_no_partner_and_has_its_energy():
+def test_local_mode_has_no_partner_but_its_energy():
     """5 % of its energy in the samples, all of that like a mode of the model."""
     truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, B, D, seen=[1.0, 0.05, 1.0, 1.0])
     subject = subject_of(truth, vibration([100.0, 153.0, 250.0, 300.0], A, B, C, D))
@@ -145,7 +145,7 @@ def test_local_mode_is_no_partner_and_has_its_energy():
     assert matrix.entry("model", "order").error == pytest.approx(250.0 / 152.0 - 1.0)
 
 
-def test_permutation_within_repeated_pair_is_no_order():
+def test_repeated_pair_permutation_keeps_mode_order():
     """Any two directions of a repeated pair are modes; an exchanged third is another order."""
     turned = np.cos(1.0) * B + np.sin(1.0) * C, np.cos(1.0) * C - np.sin(1.0) * B
     truth = vibration([100.0, 150.0, 150.0, 300.0], A, B, C, D)
@@ -159,7 +159,7 @@ def test_permutation_within_repeated_pair_is_no_order():
     assert (order.verdict, order.error) == ("inadequate", pytest.approx(90.0 / 150.0 - 1.0))
 
 
-def test_order_of_modes_closer_than_known_is_undecided():
+def test_order_of_close_modes_is_undecided():
     """Exchanged in the model, 0.1 Hz apart in a reference that is known to 1 %."""
     truth = vibration([100.0, 100.1, 200.0, 300.0], A, B, C, D)
     model = vibration([90.0, 112.0, 200.0, 300.0], B, A, C, D)
@@ -181,7 +181,7 @@ def test_order_of_modes_closer_than_known_is_undecided():
         (vibration([100.0, 104.0], A, C), [0.0, np.nan, 0.0]),
     ],
 )
-def test_a_mode_has_the_change_of_its_own_shape(coarse, changes):
+def test_frequency_change_follows_mode_shape(coarse, changes):
     """Of the first three modes of three close ones and one apart."""
     fine = vibration([100.0, 102.0, 104.0, 200.0], *AXES)
     found = frequency_changes(fine, coarse, 3)[0]
@@ -189,14 +189,14 @@ def test_a_mode_has_the_change_of_its_own_shape(coarse, changes):
 
 
 @pytest.mark.parametrize(("common", "number"), [(0.4, -1), (0.6, 0)])
-def test_mode_with_mac_below_half_is_another_mode(common, number):
+def test_mac_below_half_is_no_partner(common, number):
     model = vibration([100.0], np.sqrt(common) * A + np.sqrt(1.0 - common) * D)
     found = partners(vibration([100.0, 150.0, 200.0], A, B, C), model, 1)
     assert found.number.tolist() == [[number]]
     assert found.likeness[0, 0] == pytest.approx(common)
 
 
-def test_entry_of_two_readings_has_the_farther_one():
+def test_entry_has_larger_error_of_two_readings():
     """Of two readings of the reference, 100 and 104 Hz."""
     model = vibration([101.0, 150.0, 200.0, 300.0], *AXES)
     told = entry(model, "f1", vibration([104.0, 150.0, 200.0, 300.0], *AXES))
@@ -209,7 +209,7 @@ def test_entry_of_two_readings_has_the_farther_one():
 
 
 @pytest.mark.parametrize("interior", ["", "give the section of the leg"])
-def test_interval_covers_crossing_modes_of_readings(interior):
+def test_interval_covers_modes_crossing_in_readings(interior):
     """From a soft to a stiff inside of a leg A goes from 100 to 130 Hz, and B from 110 to 115.
 
     In between both may be f1, at up to 115 Hz, or f2, from 110 Hz. Other readings stand alone.
@@ -248,7 +248,7 @@ def static_entry(*factors, unsure=0.0, limit=0.05):
     return verdict_matrix(subject, Requirement(deflection=limit, modes=3)).entry("model", "x")
 
 
-def test_model_equal_to_its_reference_has_no_error():
+def test_model_equal_to_reference_has_zero_error():
     told = static_entry(1.0, unsure=0.044)
     assert (told.error, told.uncertainty) == (0.0, pytest.approx(0.044, rel=1e-12))
     assert (told.low, told.high) == (0.0, pytest.approx(0.044, rel=1e-12))
@@ -256,7 +256,7 @@ def test_model_equal_to_its_reference_has_no_error():
     assert plain(error_with_spread(told)) == "below 4.4 %"
 
 
-def test_error_beyond_its_half_width_is_shown_with_it():
+def test_error_text_includes_half_width():
     # |u − u*|/|u*| is 0.2; 1 % of the reference moves it by 1 % of |u|/|u*|.
     told = static_entry(1.2, unsure=0.01)
     assert (told.error, told.uncertainty) == pytest.approx((0.2, 0.012), rel=1e-12)
@@ -264,7 +264,7 @@ def test_error_beyond_its_half_width_is_shown_with_it():
     assert plain(error_with_spread(told)) == "20 % ± 1.2 %"
 
 
-def test_readings_apart_are_shown_as_such():
+def test_error_text_lists_differing_readings():
     told = static_entry(1.0, 1.33)
     assert (told.verdict, told.readings) == (
         "undecided",
@@ -288,12 +288,12 @@ def test_readings_apart_are_shown_as_such():
         ([0.0, 0.0], 0),
     ],
 )
-def test_first_of_tied_sizes_is_the_largest(sizes, number):
+def test_tied_largest_value_is_first_one(sizes, number):
     assert first_largest(np.array(sizes)) == number
 
 
 @pytest.mark.parametrize("rounding", [-1e-12, 0.0, 1e-12])
-def test_entry_of_tied_readings_has_the_first(rounding):
+def test_entry_of_tied_readings_is_first_reading(rounding):
     """6 % off against both readings but for rounding: 6 % farther, and 6 % less far."""
     told = static_entry(1.06, 0.94 + rounding)
     assert told.error == pytest.approx(0.06, rel=1e-9)
@@ -301,7 +301,7 @@ def test_entry_of_tied_readings_has_the_first(rounding):
 
 
 @pytest.mark.parametrize(("limit", "verdict"), [(0.05, "undecided"), (0.07, "adequate")])
-def test_model_between_readings_has_zero_in_interval(limit, verdict):
+def test_interval_between_readings_contains_zero(limit, verdict):
     """6 % farther than one reading and 6 % less far than the other: the truth may lie between."""
     told = static_entry(0.94, 1.06, limit=limit)
     assert told.readings == pytest.approx({"rigid pins": 0.06, "averaged ones": 0.06})
@@ -312,7 +312,7 @@ def test_model_between_readings_has_zero_in_interval(limit, verdict):
 
 
 @pytest.mark.parametrize(("value", "text"), [(98.0, "−2 % ± 0.98 %"), (100.5, "below 1.5 %")])
-def test_frequency_error_keeps_its_sign_beyond_zero(value, text):
+def test_frequency_error_keeps_its_sign(value, text):
     told = entry(vibration([value, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
     assert (told.low, told.high) == pytest.approx(
         (told.error - told.uncertainty, told.error + told.uncertainty), rel=1e-12
@@ -320,7 +320,7 @@ def test_frequency_error_keeps_its_sign_beyond_zero(value, text):
     assert plain(error_with_spread(told)) == text
 
 
-def test_wide_interval_is_shown_by_its_bounds():
+def test_wide_interval_is_shown_by_bounds():
     told = static_entry(1.2, unsure=0.01)
     assert plain(error_with_spread(structs.replace(told, high=0.35))) == "19 to 35 %"
     signed = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
@@ -329,7 +329,7 @@ def test_wide_interval_is_shown_by_its_bounds():
 
 
 @pytest.mark.parametrize("ends", [{"low": -np.inf}, {"low": -np.inf, "high": np.inf}])
-def test_infinite_interval_is_named(ends):
+def test_infinite_interval_is_shown_as_unbounded(ends):
     """No mode of the model has the shape of one that may stand at this place."""
     known = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
     told = structs.replace(known, **ends)
@@ -340,7 +340,7 @@ def plain(text):
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
-def test_limit_in_metres_applies_to_each_pose():
+def test_limit_in_metres_applies_at_each_pose():
     """4 % of 0.1 mm are 4 µm, 2 % of 1 mm are 20 µm: of 0.1 mm the latter are more."""
     compliances = np.array([1e-8 * np.eye(6)] * 2)
     due, moved = (
@@ -388,7 +388,7 @@ def same(found, expected):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_verdict_pose_interval_causes_and_remedy(seed):
+def test_entry_has_pose_interval_causes_and_remedy(seed):
     for entry, rule in entries(seed):
         expected = rule.entry(entry.limit)
         shares = expected.pop("causes", None)
@@ -412,7 +412,7 @@ def explained(entry, shares):
         assert one.source.startswith(source)
 
 
-def test_all_that_can_be_said_comes_up():
+def test_drawn_matrices_contain_every_verdict():
     """Verdicts of every kind, modes that lack, another order, remedies that help and do not."""
     seen = [entry for seed in SEEDS for entry, _ in entries(seed)]
     assert {entry.verdict for entry in seen} == {"adequate", "inadequate", "undecided"}

@@ -58,7 +58,7 @@ def subject(arm):
     return robot_subject(Context(arm, "quick"))
 
 
-def test_errors_match_displacements_and_peaks_of_solve(arm, subject):
+def test_load_and_peak_errors_match_solve(arm, subject):
     """Which differs from the reference by its mesh."""
     names = [one.name for one in arm.requirement.quantities]
     assert [name for name in names if ":" in name] == [*OF_LOADS, *OF_HIT]
@@ -131,7 +131,7 @@ def test_pose_of_impossible_load_is_not_compared(tmp_path):
     )
 
 
-def test_limits_in_metres_replace_relative_limits(arm, subject):
+def test_limit_in_metres_replaces_relative_limit(arm, subject):
     wanted = replace(arm.requirement, deflection=1e-6, limits={OF_HIT[0]: 0.3}, response=0.01)
     matrix = verdict_matrix(subject, wanted)
     assert [matrix.entry("beam", name).limit for name in OF_HIT] == [0.3, 0.01, 0.01]
@@ -159,7 +159,7 @@ def test_limits_in_metres_replace_relative_limits(arm, subject):
     assert found.limit == pytest.approx(50.0 * missed / np.linalg.norm(moved))
 
 
-def test_table_gives_displacements_under_loads_in_um(arm, subject):
+def test_load_displacements_are_in_micrometres(arm, subject):
     """Of the load itself: forces of 1000 N belong to other columns."""
     table = table_of(verdict_matrix(subject, arm.requirement))
     robot = dict(zip(table.headings, table.robot, strict=True))
@@ -173,7 +173,7 @@ def test_table_gives_displacements_under_loads_in_um(arm, subject):
         assert float(value) == pytest.approx(length, rel=0.02), name
 
 
-def test_table_has_micrometres_and_chart_all_models(arm, subject):
+def test_response_chart_has_all_models(arm, subject):
     matrix = verdict_matrix(subject, arm.requirement)
     told = dict(zip(table_of(matrix).headings, table_of(matrix).robot, strict=True))
     peak, frequency, _ = (matrix.entry("beam", name).expected for name in OF_HIT)
@@ -199,7 +199,7 @@ def test_table_has_micrometres_and_chart_all_models(arm, subject):
     assert 0.0 >= phase[0] > -10.0 > -170.0 > phase[-1] >= -180.0
 
 
-def test_mass_distribution_widens_weight_interval_only(tmp_path):
+def test_mass_distribution_affects_only_weight(tmp_path):
     file = robot_of(load_robot("ifw").text + LOADS, tmp_path)
     mechanism = replace(file.mechanism, poses=file.mechanism.poses[::4])
     file = replace(file, text="", mechanism=mechanism)
@@ -220,7 +220,7 @@ def test_mass_distribution_widens_weight_interval_only(tmp_path):
     assert stop.uncertainty > 0.0
 
 
-def test_pulled_arm_moves_less_far(tmp_path):
+def test_tension_stiffens_arm(tmp_path):
     """Pulled with a fifth of the load that turns it over when pressed, it yields 1/6 less."""
     pull = '[[loads]]\nname = "pull"\nwrench = [10.0, 2.0e4, 0.0, 0.0, 0.0, 0.0]\n'
     arm = robot_of(HELD + "[path]\nposes = [[0.0]]\n" + pull, tmp_path)
@@ -228,7 +228,7 @@ def test_pulled_arm_moves_less_far(tmp_path):
     assert at.extra_displacement == pytest.approx(-1.0 / 6.0, rel=0.1)
 
 
-def test_softening_load_leaves_linear_models_undecided(tmp_path):
+def test_softening_load_is_undecided(tmp_path):
     """Pressed with a fifth of k/L, which turns the drive over, the arm yields 1/(5 − 1) more."""
     press = '[[loads]]\nname = "press"\nwrench = [10.0, -2.0e4, 0.0, 0.0, 0.0, 0.0]\n'
     crush = press.replace("press", "crush").replace("-2.0e4", "-2.0e5")
@@ -283,7 +283,7 @@ relative = 0.1
 """
 
 
-def test_measured_peaks_include_damping_uncertainty(tmp_path, arm):
+def test_measured_peak_includes_damping_uncertainty(tmp_path, arm):
     """A peak is as 1/2ζ, of which (1/0.9 − 1/1.1)/2 is a standard uncertainty of a tenth."""
     robot = robot_of(arm.text + MEASURED, tmp_path)
     matrix = measured_matrix(Context(robot, "quick"))

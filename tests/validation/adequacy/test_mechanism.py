@@ -61,7 +61,7 @@ drive = {{ stiffness = 5.0e4 }}
 
 
 @pytest.mark.usefixtures("coarse_legs")
-def test_mechanism_has_matrix_and_plausible_masses(tmp_path):
+def test_mechanism_has_matrix_and_mass_note(tmp_path):
     short = robot_of(ARM, tmp_path)
     matrix = robot_adequacy(Context(short, "quick"))
     assert list(map(str, matrix.coordinates)) == ["x (m)"]
@@ -80,13 +80,13 @@ def test_mechanism_has_matrix_and_plausible_masses(tmp_path):
     assert matrix.entry("beam", "z").verdict == "inadequate"
 
 
-def test_branching_legs_are_no_virtual_joint_chains():
+def test_branching_robot_has_no_vjm_model():
     delta, five_bar = (Context(load_robot(name), "quick") for name in ("delta", "five-bar"))
     assert why_not_serial(path_postures(five_bar)[:1]) == ""
     assert "branches at" in why_not_serial(path_postures(delta)[:1])
 
 
-def test_unspecified_ends_are_two_interpretations():
+def test_unspecified_ends_give_two_interpretations():
     mechanism = load_robot("five-bar").mechanism
     legs, said = legs_of(mechanism), dict(mechanism.bodies)
     assert list(holding(mechanism).alternatives) == ["ends rigid", "ends free"]
@@ -101,7 +101,7 @@ def test_unspecified_ends_are_two_interpretations():
         assert {name: one.ends for name, _, one in options} == ways[0]
 
 
-def test_long_paths_are_looked_at_in_even_steps():
+def test_long_path_is_sampled_evenly():
     robot_file = load_robot("five-bar")
     poses = np.linspace(*robot_file.mechanism.poses[[0, -1]], 41)
     longer = replace(robot_file, mechanism=replace(robot_file.mechanism, poses=poses))
@@ -110,7 +110,7 @@ def test_long_paths_are_looked_at_in_even_steps():
     assert np.allclose(shown, poses[:: 40 // (len(shown) - 1)])
 
 
-def test_a_mechanism_has_no_cases_of_the_biglide():
+def test_other_mechanism_has_no_biglide_cases():
     ids = {task.id for task in catalogue(load_robot("hexapod"))}
     assert {"adequacy", "mechanism.exudyn[start]", "robot.portrait"} <= ids
     assert not any(name.startswith(("robot.beam", "leg1", "decision", "paper")) for name in ids)
@@ -118,7 +118,7 @@ def test_a_mechanism_has_no_cases_of_the_biglide():
 
 
 @pytest.mark.parametrize("pose", [0, 8])
-def test_rigid_bodies_have_their_kinetic_energy(pose):
+def test_rigid_body_samples_have_kinetic_energy(pose):
     """With a turned platform, whose centre is off its origin; the assembler's mass beside it."""
     mechanism = on_drives_alone(load_robot("hexapod").mechanism)
     shape = Rigid(18.0, np.array([0.02, -0.03, 0.05]), np.diag([3.0, 4.0, 5.0]) + 0.5)
@@ -134,7 +134,7 @@ def test_rigid_bodies_have_their_kinetic_energy(pose):
     assert samples.weights[:rows] @ squares == pytest.approx(expected, rel=1e-9)
 
 
-def test_leg_point_masses_have_its_mass_and_inertia():
+def test_leg_point_masses_have_mass_and_inertia():
     mechanism = load_robot("five-bar").mechanism
     samples = samples_of(mechanism)
     counts = [points.size for points in samples.points.values()]

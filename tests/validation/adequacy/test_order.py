@@ -41,7 +41,7 @@ def vibration(rng, sizes, frequencies, shapes):
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_order_of_modes_is_that_of_their_families(seed):
+def test_mode_order_follows_mode_families(seed):
     """A mode is in its place if the model's mode of that number is of the same family."""
     rng = np.random.default_rng([43, seed])
     sizes, own, others = families(rng)
@@ -75,7 +75,7 @@ def test_order_of_modes_is_that_of_their_families(seed):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_frequency_exists_only_with_a_partner(seed):
+def test_frequency_error_needs_a_partner_mode(seed):
     """Of models that lack modes in chains; each number is of one mode alone."""
     rng = np.random.default_rng([44, seed])
     shapes = np.linalg.qr(rng.normal(size=(SAMPLES, 9)))[0]

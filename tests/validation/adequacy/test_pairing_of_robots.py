@@ -97,7 +97,7 @@ def matrix_of(text, folder):
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("model", [*MODELS, "beam-euler-bernoulli"])
-def test_torsion_of_equal_legs_is_in_another_place(tmp_path, model):
+def test_torsion_of_equal_legs_changes_mode_order(tmp_path, model):
     """Torsion of the legs, at 111.2 Hz by Saint-Venant, is the robot's seventh to ninth mode.
 
     164.3 Hz by solids, 165.1 Hz by Vlasov's torsion with both ends held: 32 % above.
@@ -114,7 +114,7 @@ def test_torsion_of_equal_legs_is_in_another_place(tmp_path, model):
 
 
 @pytest.mark.exhaustive
-def test_local_modes_of_stubby_legs_take_no_partner(tmp_path):
+def test_stubby_leg_local_modes_have_no_partner(tmp_path):
     """Their energy is in the section: 36, 12 and 0.2 % of it move sections as wholes."""
     matrix = matrix_of(STUBBY, tmp_path)
     for model in MODELS:

@@ -43,7 +43,7 @@ DIGITS = "digits of the file"
 
 
 @pytest.mark.parametrize("quantity", [one.name for one in UNIT_LOADS])
-def test_6x6_legs_hold_and_constant_sections_distort(paper, quantity):
+def test_constant_sections_distort_6x6_legs(paper, quantity):
     entry = paper.entry("vjm", quantity)
     assert entry.verdict == "adequate"
     # Two formulations that share the data alone, whose three digits leave something open.
@@ -65,7 +65,7 @@ def test_6x6_legs_hold_and_constant_sections_distort(paper, quantity):
 
 
 @pytest.mark.parametrize("model", BEAMS)
-def test_equivalent_legs_hold_on_solids_of_same_legs(paper, model):
+def test_equivalent_legs_agree_with_their_solids(paper, model):
     for quantity in ("x", "y", "z"):
         assert paper.entry(model, quantity).verdict == "inadequate"
         entry = paper.formulation.entry(model, quantity)
@@ -76,14 +76,14 @@ def test_equivalent_legs_hold_on_solids_of_same_legs(paper, model):
         assert DIGITS not in entry.uncertainties
 
 
-def test_a_rigid_model_knows_no_motion_along_z(paper):
+def test_simplified_model_is_rigid_along_z(paper):
     entry = paper.entry("simplified", "z")
     assert (entry.verdict, entry.error, entry.along) == ("inadequate", 1.0, -1.0)
     assert "no drive is elastic in this direction" in entry.reason
     assert entry.remedy == "use vjm"
 
 
-def test_matrix_has_path_models_and_readings(paper):
+def test_matrix_has_all_poses_models_and_notes(paper):
     assert list(map(str, paper.coordinates)) == ["x (m)"]
     assert np.allclose(paper.poses, load_robot("ifw").mechanism.poses)
     assert [note.model for note in paper.models] == list(judged_models(load_robot("ifw").mechanism))
@@ -91,7 +91,7 @@ def test_matrix_has_path_models_and_readings(paper):
     assert any("give f1" in note for note in paper.notes)
 
 
-def test_a_given_leg_is_its_own_reference(paper):
+def test_six_by_six_leg_is_its_own_reference(paper):
     matrix = paper.parts[0]
     assert matrix.verdict("vjm") == "adequate"
     entry = matrix.entry("beam", "y")
@@ -114,7 +114,7 @@ def test_verdict_equal_for_all_masses_is_decided(paper, model):
         assert 5e-4 < paper.entry(model, quantity).uncertainties[DIGITS] < 3e-3
 
 
-def test_undecided_entry_names_deciding_information(paper_subject):
+def test_undecided_entry_names_deciding_data(paper_subject):
     """f1 by beams is off by 33 to 43 %: of a designer who accepts 36 % it is undecided."""
     asked = Requirement(deflection=1e-4, modes=4, frequency=0.36)
     matrix = verdict_matrix(paper_subject, asked)
@@ -221,7 +221,7 @@ def half_widths_of_digits(robot_file, poses):
     ).displacements
 
 
-def test_digits_half_width_contains_95_percent(printed, draws):
+def test_rounding_half_width_covers_95_percent(printed, draws):
     poses = printed.mechanism.poses[[1, 4]]
     stated = half_widths_of_digits(printed, poses)
     own = virtual_joints(printed, poses)
@@ -232,7 +232,7 @@ def test_digits_half_width_contains_95_percent(printed, draws):
     assert np.abs(inside - 0.95).max() <= 0.05
 
 
-def test_digit_sensitivity_matches_perturbed_robot(printed, monkeypatch):
+def test_rounding_sensitivity_matches_perturbation(printed, monkeypatch):
     bodies, poses = printed.mechanism.bodies, printed.mechanism.poses[[2]]
     postures = tuple(postures_of(printed.mechanism, poses))
 
@@ -258,7 +258,7 @@ def test_digit_sensitivity_matches_perturbed_robot(printed, monkeypatch):
         assert np.allclose(share, off, rtol=1e-3, atol=1e-3 * off.max())
 
 
-def test_digits_half_width_falls_with_digits(printed):
+def test_rounding_half_width_falls_with_digits(printed):
     poses = printed.mechanism.poses[[4]]
 
     def printed_with(digits):
@@ -280,7 +280,7 @@ def test_digits_half_width_falls_with_digits(printed):
 @pytest.mark.parametrize(
     ("model", "given", "count"), [("vjm", {}, 60), ("segments", {"elements": 4}, 8)]
 )
-def test_solve_says_what_the_digits_leave_open_at_most(printed, draws, model, given, count):
+def test_solve_bounds_effect_of_6x6_rounding(printed, draws, model, given, count):
     def solved(robot, *, digits=False):
         return solve(Question(robot, model, given, digits=digits)).answers[0]
 
@@ -311,13 +311,13 @@ def test_varied_entry_keeps_other_digits(key):
     assert (len(roundings(ifw)), len(roundings(varied))) == (63, 62)
 
 
-def test_second_variation_keeps_the_first_one():
+def test_second_variation_keeps_the_first():
     ifw = load_robot("ifw")
     both = ifw.with_values({"platform.mass": 40.0}).with_values({"leg1.mass": 60.0}).mechanism
     assert (both.tool.mass, both.bodies["leg1"].shape.mass) == (40.0, 60.0)
 
 
-def test_compared_frequencies_include_digits():
+def test_compared_frequencies_include_rounding():
     robot = robot_on_path(Context(load_robot("ifw"), "quick"))
     with_digits, without = (
         compared_frequencies(one).uncertainties for one in (robot, replace(robot, printed=()))

@@ -80,13 +80,13 @@ NOTHING = (0.0, 0.0, 0.0)
         ((0.0, 0.0, 0.1), 0.05, ndtr(-1.0) - ndtr(-3.0)),
     ],
 )
-def test_one_input_of_a_length_is_exact(start, limit, within):
+def test_one_uncertain_length_is_exact(start, limit, within):
     found = of_vectors(start, LONG).probabilities(limit)
     # Bisected to rounding; outside of the outermost of 4096 points there is nothing to be found.
     assert found == pytest.approx([within, 1.0 - within], abs=1e-9)
 
 
-def test_orthogonal_inputs_give_rayleigh_distribution():
+def test_orthogonal_inputs_give_rayleigh():
     error = of_vectors(NOTHING, LONG, (0.05, 0.0, 0.0))
     for limit in (0.01, 0.05, 0.1):
         within = 1.0 - np.exp(-0.5 * (limit / 0.05) ** 2)
@@ -94,7 +94,7 @@ def test_orthogonal_inputs_give_rayleigh_distribution():
         assert error.probabilities(limit)[0] == pytest.approx(within, abs=3e-3)
 
 
-def test_three_inputs_agree_with_monte_carlo():
+def test_three_inputs_match_monte_carlo():
     ways = np.array([LONG, ACROSS, OBLIQUE])
     error = of_vectors((0.01, 0.0, -0.02), *ways)
     draws = np.random.default_rng(11).normal(size=(400_000, 3))
@@ -112,7 +112,7 @@ def test_three_inputs_agree_with_monte_carlo():
 
 
 @pytest.mark.parametrize("quantity", ["x", "phi_z", "any_force"])
-def test_zero_nominal_error_is_probable_by_its_slope(quantity):
+def test_zero_error_probability_follows_slope(quantity):
     """Beams that are right in the file's robot and off by 5 % for each standard uncertainty."""
     toy = toy_subject(1)
     truth = toy.responses.statics(toy.statics.model, reading(""))
@@ -170,7 +170,7 @@ relative = 0.15
 """
 
 
-def test_fitted_drive_is_only_as_certain_as_its_inputs(tmp_path):
+def test_fitted_drive_depends_on_its_inputs(tmp_path):
     """The drive of the rigid model makes up for the arm, as long as both are as in the file.
 
     0.5²/k + c = 0.5²/k' with k = 20000 (1 + 0.1 ξ) and c = 8.113e-6 (1 + 0.15 η).
@@ -201,12 +201,12 @@ def test_fitted_drive_is_only_as_certain_as_its_inputs(tmp_path):
         (replace(linear(0.002), lost=0.25), 0.75, 0.0),
     ],
 )
-def test_a_linear_error_is_normal(error, within, beyond):
+def test_linear_error_is_normally_distributed(error, within, beyond):
     found = probability(error, "adequate", LIMIT, 0)
     assert [found.within, found.beyond] == pytest.approx([within, beyond], abs=2e-3)
 
 
-def test_half_widths_and_shares_of_the_variance():
+def test_half_widths_match_variance_shares():
     found = probability(linear(0.006, 0.008), "adequate", LIMIT, 0)
     assert found.half_width == pytest.approx(1.96 * 0.01, rel=0.01)
     assert found.value_half_width == pytest.approx(1.96 * 0.01, rel=1e-4)
@@ -230,7 +230,7 @@ def test_half_widths_and_shares_of_the_variance():
     assert [shares["a"], shares["b"]] == pytest.approx(indices.first_order, abs=0.02)
 
 
-def test_required_input_uncertainty_gives_95_percent():
+def test_required_uncertainty_gives_95_percent():
     found = probability(linear(0.002, 0.02), "adequate", LIMIT, 0)
     # The second one's own part: what 1.645 standard uncertainties of 1 % leave beside the first.
     left = sqrt(((LIMIT - ERROR) / ndtri(0.95)) ** 2 - 0.002**2)
@@ -271,7 +271,7 @@ def of_arm(arm):
     return robot_subject(Context(arm, "quick"))
 
 
-def test_rigid_bodies_on_a_drive_are_judged_as_by_hand(of_arm):
+def test_drive_only_robot_matches_hand_calculation(of_arm):
     # Deflection by the drive L²/k, by the arm L³/3EI + 6L/5GA (ν = 0: G = E/2).
     length, width, height, modulus = 0.5, 0.06, 0.04, 2.1e11
     area, inertia = width * height, height * width**3 / 12.0
@@ -299,7 +299,7 @@ def test_rigid_bodies_on_a_drive_are_judged_as_by_hand(of_arm):
 OPEN_INPUTS = "undecided because of uncertain inputs; "
 
 
-def test_robots_with_lost_mode_count_against_verdict(of_arm):
+def test_lost_mode_lowers_probability(of_arm):
     first_below, *_ = of_arm.inputs.alone(-1)
     first_draw, *draws = of_arm.inputs.together
     for lost, within, reason in (
@@ -319,7 +319,7 @@ def test_robots_with_lost_mode_count_against_verdict(of_arm):
         assert entry.reason.startswith(reason)
 
 
-def test_option_assumes_uncertain_inputs_without_table(arm):
+def test_inputs_option_replaces_missing_table(arm):
     five_bar, ifw = (load_robot(name) for name in ("five-bar", "ifw"))
     assert five_bar.uncertain_inputs == {}
     drives = [f"joints.motor{k}.drive.stiffness" for k in (1, 2)]

@@ -75,7 +75,7 @@ def refusing(monkeypatch, module, function, refused=lambda _: True):
     monkeypatch.setattr(module, function, refuse)
 
 
-def test_mechanism_is_judged_without_failing_model(monkeypatch, arm, sound):
+def test_failing_model_leaves_other_verdicts(monkeypatch, arm, sound):
     refusing(monkeypatch, model_ladder, "answers", lambda model: model == "segments")
     refusing(monkeypatch, modes_on_path, "dynamic_bodies", lambda model: model == "segments")
     matrix = robot_adequacy(Context(arm, "quick"))
@@ -87,7 +87,7 @@ def test_mechanism_is_judged_without_failing_model(monkeypatch, arm, sound):
             assert now == before
 
 
-def test_unsolved_step_ends_causes_with_its_reason(monkeypatch, arm, sound):
+def test_unsolved_step_ends_the_list_of_causes(monkeypatch, arm, sound):
     refusing(monkeypatch, model_ladder, "own_spring")
     matrix = robot_adequacy(Context(arm, "quick"))
     for now, before in zip(matrix.entries, sound.entries, strict=True):
@@ -113,7 +113,7 @@ SOUND = ConstantLeg(0.8, Rectangle(0.1, 0.06), STEEL, ends="rigid")
     ],
     ids=["walls too thin", "incompressible"],
 )
-def test_leg_without_solid_leaves_other_leg_judged(changed, said):
+def test_leg_without_solid_leaves_other_leg(changed, said):
     legs = {"leg1": SOUND, "leg2": replace(SOUND, **changed)}
     robot = like_ifw(a=0.9, platform_mass=30.0, foot_compliance=None, **legs)
     robot = replace(robot, poses=robot.poses[4:5])
@@ -127,7 +127,7 @@ def test_leg_without_solid_leaves_other_leg_judged(changed, said):
     assert {entry.verdict for entry in other.entries} == {"undecided"}
 
 
-def test_posture_with_open_joints_raises_error(monkeypatch, tmp_path):
+def test_open_joints_raise_error(monkeypatch, tmp_path):
     sound = biglide.rotation_z
     monkeypatch.setattr(biglide, "rotation_z", lambda angle: sound(1.001 * angle))
     with pytest.raises(ComputationError, match="leaves the joints open"):
@@ -135,7 +135,7 @@ def test_posture_with_open_joints_raises_error(monkeypatch, tmp_path):
 
 
 @pytest.mark.exhaustive
-def test_single_section_mesh_leaves_constants_open():
+def test_single_section_mesh_leaves_half_width():
     """Both solids share the coarsest mesh, and its torsion is half a percent uncertain."""
     section = HollowRectangle(width=0.06, height=0.06, thickness=0.006)
     leg = ConstantLeg(0.9, section, STEEL, ends="free")
@@ -161,7 +161,7 @@ def widest(matrix):
 
 
 @pytest.mark.exhaustive
-def test_an_accuracy_that_is_asked_for_is_reached(arm):
+def test_requested_accuracy_is_reached(arm):
     # Also where no verdict hangs on meshes.
     rough = by(arm, "quick", limit=10.0)
     left = widest(rough).uncertainties["meshes"]
@@ -177,7 +177,7 @@ def test_an_accuracy_that_is_asked_for_is_reached(arm):
 
 
 @pytest.mark.exhaustive
-def test_mesh_dependent_verdict_is_decided_by_finest(arm):
+def test_finest_mesh_decides_verdict(arm):
     entry = widest(by(arm, "standard"))
     finest = by(arm, "fine", 1e-6)
     assert finest.notes[-1].endswith("; no preset has finer meshes of the bodies")
@@ -205,7 +205,7 @@ def test_mesh_dependent_verdict_is_decided_by_finest(arm):
         ("fine", 0.2, "no preset has finer meshes of the bodies"),
     ],
 )
-def test_references_are_refined_by_their_size(tmp_path, preset, length, refused):
+def test_refinement_depends_on_reference_size(tmp_path, preset, length, refused):
     text = f"{ONE_ARM}[path]\nposes = [[0.0]]\n".replace("P = [0.0, 0.5", f"P = [0.0, {length}")
     context = Context(robot_of(text, tmp_path), preset)
     if refused:
@@ -234,7 +234,7 @@ def options_taken(said, *words):
 
 
 @pytest.mark.parametrize("remedy", sorted(REMEDIES, key=str), ids=lambda remedy: remedy.text)
-def test_remedy_is_a_model_or_an_option_of_solve(remedy):
+def test_remedy_is_valid_model_or_option_of_solve(remedy):
     options, used = (
         set(re.findall(r"--(\w+)", remedy.text)),
         re.findall(r"\buse (\w+)", remedy.text),
@@ -252,7 +252,7 @@ def test_remedy_is_a_model_or_an_option_of_solve(remedy):
 
 
 @pytest.mark.parametrize("said", [FINER_PARTS, finer_by(FINER)])
-def test_run_option_refines_references(said):
+def test_finer_reference_remedy_is_option_of_run(said):
     assert len(options_taken(said, "run", "ifw")) == 1
 
 
@@ -265,7 +265,7 @@ def test_run_option_refines_references(said):
         ((), (), "the section or the solid instead of the 6×6 in [leg1], [leg2]"),
     ],
 )
-def test_mass_remedy_names_missing_keys_of_file(leg1, leg2, said):
+def test_mass_remedy_names_missing_keys(leg1, leg2, said):
     legs = known_legs(load_robot("ifw").mechanism)
     for name, keys in (("leg1", leg1), ("leg2", leg2)):
         legs[name] = replace(legs[name], **dict.fromkeys(keys))
@@ -276,7 +276,7 @@ def test_mass_remedy_names_missing_keys_of_file(leg1, leg2, said):
     assert all(f'"{key}":' in schema for key in ("mass_centre", "inertia", "section", "material"))
 
 
-def test_end_remedy_has_lines_for_the_robot_file(tmp_path):
+def test_end_remedy_lines_are_valid_in_robot_file(tmp_path):
     arm = ONE_ARM + "[path]\nposes = [[0.0]]\n"
     decides = holding(robot_of(arm, tmp_path).mechanism).decides
     (table,) = re.findall(r"\[[\w.]+\]", decides)
@@ -293,7 +293,7 @@ def test_end_remedy_has_lines_for_the_robot_file(tmp_path):
 
 
 @pytest.mark.parametrize("ends", [0.3, 0.8])
-def test_nearly_widest_part_has_its_remedy_named(ends):
+def test_second_largest_uncertainty_has_remedy(ends):
     """A five-bar's meshes left 0.234 % open, its ends 0.222 %: it was told that nothing helps."""
     exact = Statics(np.eye(6)[None], np.zeros((1, 0, 6)))
     held = {"rigid": exact, "free": (1.0 - 0.04 * ends) * exact}

@@ -46,7 +46,7 @@ MILLIMETRES = (
 )
 
 
-def test_constants_are_read_in_the_unit_of_the_file():
+def test_section_constants_use_file_unit():
     """Areas in mm² and moments in mm⁴; a polygon's corners likewise."""
     metres, millimetres = (
         legs_of(described(ARM.format(section=section, length=length, units=units)))["arm"]
@@ -60,7 +60,7 @@ def test_constants_are_read_in_the_unit_of_the_file():
     assert legs_of(triangle)["arm"].section.area == pytest.approx(0.5 * 0.06 * 0.04, rel=1e-12)
 
 
-def test_constants_have_no_solid_and_no_verdict(tmp_path):
+def test_section_constants_give_no_verdict(tmp_path):
     """Every quantity stays undecided, and the reason is that there is nothing to compare with."""
     robot_file = robot_of(ARM.format(section=METRES, length=0.6, units=""), tmp_path)
     (leg,) = legs_of(robot_file.mechanism).values()

@@ -84,7 +84,7 @@ def formulations(robot_file):
         if n not in UNRESOLVED
     ),
 )
-def test_lumped_models_agree(robot_file, command):
+def test_lumped_models_of_random_robots_agree(robot_file, command):
     assert ": sound" in command.told("check", robot_file.source).splitlines()[0]
     assert compliance(robot_file, "simplified") is not None
     answered = formulations(robot_file)
@@ -96,7 +96,7 @@ def test_lumped_models_agree(robot_file, command):
 
 @pytest.mark.exhaustive
 @extreme(*UNRESOLVED)
-def test_robots_beyond_double_precision_are_refused(robot_file):
+def test_ill_conditioned_robots_are_refused(robot_file):
     assert compliance(robot_file, "simplified") is not None
     assert len(formulations(robot_file)) < 3
 
@@ -122,7 +122,7 @@ def planar_exactly(at):
 # Soft beside stiff (20), legs that nearly align (7), thin tubes and blades (0, 9, 26) among them.
 @extreme(0, 7, 9, 20, 26)
 @pytest.mark.parametrize("model", ["vjm", "segments", "beam"])
-def test_what_rounding_leaves_open_covers_the_error_against_the_closed_form(robot_file, model):
+def test_round_off_bound_covers_closed_form_error(robot_file, model):
     robot = robot_file.mechanism
     options = ModelOptions(legs="equivalent", theory="euler-bernoulli")
     for at in placed_at(robot, *stations(robot, 5)):
@@ -161,7 +161,7 @@ def judged_cases(robot_file, of):
     ],
     indirect=["robot_file"],
 )
-def test_what_rounding_hides_is_undecided_or_told(robot_file, cases, expected):
+def test_round_off_gives_undecided_or_message(robot_file, cases, expected):
     verdicts = set()
     for _, outcome in judged_cases(
         robot_file, lambda case: case.id.removeprefix("mechanism.anchor.").startswith(cases)
@@ -180,7 +180,7 @@ def test_what_rounding_hides_is_undecided_or_told(robot_file, cases, expected):
 
 
 @extreme(41)
-def test_a_free_joint_loses_nothing_of_a_soft_leg_on_a_stiff_one(robot_file):
+def test_free_joint_keeps_soft_leg_digits(robot_file):
     # Leg 1 bends on a hinge at the tip of a leg 10¹³ times as stiff about z: in sums of both legs'
     # rotations it was 2 % off.
     (at,) = placed_at(robot_file.mechanism)
@@ -190,7 +190,7 @@ def test_a_free_joint_loses_nothing_of_a_soft_leg_on_a_stiff_one(robot_file):
 
 
 @extreme(18, 41, 59)
-def test_polynomials_of_robots_keep_their_digits(robot_file):
+def test_ritz_solutions_keep_their_digits(robot_file):
     # Legs that nearly align, stiffnesses 10¹² to 10¹⁵ apart: frequencies moved by 1e-2 from degree
     # to degree, and once there were none.
     robot = robot_file.mechanism
@@ -200,7 +200,7 @@ def test_polynomials_of_robots_keep_their_digits(robot_file):
 
 
 @extreme(27)
-def test_a_negative_shear_stiffness_is_named(robot_file):
+def test_negative_shear_stiffness_has_message(robot_file):
     # Cowper's κ of a wide-flanged I changes its sign at a Poisson's ratio far below zero.
     case = next(one for one in catalogue(robot_file) if one.id == "leg2.converged[beam-order]")
     with pytest.raises(Skip, match=r"leg2, i-section: .* κGA = -3.06 N is neg"):
@@ -215,7 +215,7 @@ SOLIDS = (*(f"leg{n}.{of}" for n in (1, 2) for of in ("solid", "modes")), "robot
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize(("groups", "count"), [(("mechanism.lumped",), 30), (SOLIDS, 4)])
-def test_mild_robots_raise_no_alarm(groups, count, tmp_path):
+def test_ordinary_robots_raise_no_message(groups, count, tmp_path):
     for text in random_robots(count, 1, MILD):
         for case, outcome in judged_cases(
             robot_of(text, tmp_path), lambda one: one.group in groups

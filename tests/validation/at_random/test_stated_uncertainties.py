@@ -31,7 +31,7 @@ ROUNDING = 1e-9
 
 
 @pytest.mark.parametrize("nu", [0.2, 0.3, 0.45])
-def test_orders_of_edges_are_williams(nu):
+def test_edge_singularity_has_williams_order(nu):
     """Energies of stresses r^(λ − 1) within r go as r^(2λ): λ by signs of Williams' equation.
 
     M. L. Williams (1952), clamped and free sides at 90°; λ = 0.711 for ν = 0.3.
@@ -44,7 +44,7 @@ def test_orders_of_edges_are_williams(nu):
     assert edge_order(nu) == pytest.approx(2.0 * root, abs=1e-5)
 
 
-def test_edges_without_held_contraction_and_with_held_stretching():
+def test_edge_order_without_restrained_contraction():
     assert edge_order(0.0) == 4.0
     assert edge_order(0.01) == pytest.approx(2.0, abs=0.05)
     # Complex where stretching is held, near ν = 0 a real root just above 1.
@@ -52,7 +52,7 @@ def test_edges_without_held_contraction_and_with_held_stretching():
     assert edge_order(-0.01) == pytest.approx(2.043, abs=1e-3)
 
 
-def test_rigid_faces_that_hold_stretching_lower_the_order_as_edges_say():
+def test_rigid_faces_lower_tension_order():
     leg = ConstantLeg(0.2, Rectangle(0.05, 0.04), Material.isotropic(2.1e11, -0.9, 7850.0))
     divisions = (1, 2, 3, 4, 6)
     found = solid_compliances(leg, divisions)
@@ -63,7 +63,7 @@ def test_rigid_faces_that_hold_stretching_lower_the_order_as_edges_say():
     assert observed == pytest.approx(edge_order(-0.9), abs=0.2)
 
 
-def test_the_order_of_elements_is_that_of_free_ends_where_shear_is_soft(tmp_path):
+def test_soft_shear_has_order_of_free_ends(tmp_path):
     # A leg known by its 6×6, stiff 26 times as much along it as in shear: with rigid faces, whose
     # edges hold the warping of shear, 1.95 and 1.92 were found.
     robot_file = robot_of(list(random_robots(41, 7))[40], tmp_path)
@@ -87,14 +87,12 @@ CORNER = 2.0 * np.pi / (1.5 * np.pi)
         (Tube(0.1, 0.01), "rigid", edge_order(0.3)),
     ],
 )
-def test_walls_with_inward_corners_converge_as_the_laplacian_about_270_degrees(
-    section, ends, order
-):
+def test_inward_corners_have_laplacian_order(section, ends, order):
     """λ = π/(3π/2), energies with twice that."""
     assert formal_order(ConstantLeg(1.0, section, STEEL), ends) == pytest.approx(order)
 
 
-def test_the_torsion_constant_of_a_thick_box_shows_its_corners():
+def test_thick_box_torsion_shows_corner_order():
     hollow = ConstantLeg(1.0, HollowRectangle(0.1, 0.16, 0.04), STEEL)
     divisions = (4, 8, 16, 32)
     torsion = np.array([leg_constants(hollow, number).torsion_constant for number in divisions])
@@ -185,7 +183,7 @@ def coverage(numbers):
 @pytest.mark.parametrize(
     "legs", [1, pytest.param(200, marks=pytest.mark.soak)], ids=["one", "calibration"]
 )
-def test_stated_uncertainties_hold_the_finest_solution(legs):
+def test_half_widths_contain_finest_solution(legs):
     """Shares held and widths over errors, printed by quantity (-s)."""
     found = defaultdict(list)
     first = of_statics(random_leg(np.random.default_rng(5)))

@@ -126,7 +126,7 @@ def frequency_errors(robot, ends):
         *(pytest.param(chunk, marks=pytest.mark.soak) for chunk in range(1, 50)),
     ],
 )
-def test_static_verdicts_agree_with_independent_errors(chunk, tmp_path):
+def test_static_verdicts_match_independent_errors(chunk, tmp_path):
     for robot, ends in robots(chunk, 2, tmp_path):
         context = Context(file_of(robot), "quick")
         places = placed_at(context.robot_file.mechanism, *stations(robot, POSTURES))
@@ -144,7 +144,7 @@ def test_static_verdicts_agree_with_independent_errors(chunk, tmp_path):
         *(pytest.param(chunk, marks=pytest.mark.soak) for chunk in range(20) if chunk != 3),
     ],
 )
-def test_no_verdict_on_frequencies_is_contradicted(chunk, tmp_path):
+def test_frequency_verdicts_match_true_errors(chunk, tmp_path):
     for robot, ends in robots(chunk, 2, tmp_path):
         subject = robot_subject(Context(file_of(robot), "quick"))
         assert not contradictions(subject, frequency_errors(robot, ends))

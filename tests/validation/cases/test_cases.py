@@ -92,7 +92,7 @@ DATA = (
 )
 
 
-def test_skips_of_robot_with_one_mode_have_reasons(tmp_path):
+def test_one_mode_robot_skips_have_reasons(tmp_path):
     """Fewer modes than are judged, and a chain without any compliance: not a failed run."""
     bob = robot_of(f"{PENDULUM}[path]\nposes = [[0.0], [0.3]]\n", tmp_path)
     context = Context(bob, "quick")
@@ -108,7 +108,7 @@ def test_skips_of_robot_with_one_mode_have_reasons(tmp_path):
         ("five-bar", {f"mechanism.{n}" for n in ("deflections", "frequencies", "mode-shapes")}),
     ],
 )
-def test_ids_are_unique_and_sources_and_figures_exist(name, shown):
+def test_case_ids_sources_and_figures_exist(name, shown):
     ids = {task.id for task in TASKS[name]}
     assert len(ids) == len(TASKS[name])
     cases = [task for task in TASKS[name] if isinstance(task, Case)]
@@ -129,7 +129,7 @@ def measured(of):
 
 
 @pytest.mark.parametrize("of", OTHERS, ids=" ".join)
-def test_cases_agree_and_turn_by_three_tolerances(of):
+def test_cases_agree_and_disagree_if_shifted(of):
     found, reasons = measured(of)
     if any("not installed" in reason for reason in reasons):
         pytest.skip(reasons[0])
@@ -141,7 +141,7 @@ def test_cases_agree_and_turn_by_three_tolerances(of):
 
 
 @pytest.mark.parametrize("of", BEYOND_QUICK, ids=" ".join)
-def test_groups_beyond_the_quick_preset_are_skipped(of):
+def test_groups_beyond_quick_preset_are_skipped(of):
     found, reasons = measured(of)
     assert not found
     assert reasons
@@ -150,11 +150,11 @@ def test_groups_beyond_the_quick_preset_are_skipped(of):
 
 @pytest.mark.soak
 @pytest.mark.parametrize("of", GROUPS, ids=" ".join)
-def test_no_ingredient_cancels_from_what_is_judged(of):
+def test_no_shared_input_cancels_in_a_case(of):
     assert [line for case in GROUPS[of] for line in cancelled(case, CONTEXTS[of[0]])] == []
 
 
-def test_allowance_from_judged_numbers_is_detected():
+def test_allowance_from_own_value_is_detected():
     """The allowances of earlier versions: what rigid faces change, from the value itself."""
     case = next(case for case in TASKS["ifw"] if case.id == "leg2.compliance.solid[c44]")
 

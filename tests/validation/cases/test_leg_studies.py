@@ -101,7 +101,7 @@ def differences(leg: ConstantLeg, divisions: int):
 
 
 @pytest.mark.parametrize("name", LEGS)
-def test_named_differences_vanish_with_known_exponent(name):
+def test_named_causes_vanish_with_known_exponent(name):
     for cause, amounts in differences(*LEGS[name]).items():
         # −p of C s⁻ᵖ (1 + D/s + …): exponents of the longest legs, extrapolated in 1/s.
         before, last = np.diff(np.log2(amounts[-3:]))
@@ -110,7 +110,7 @@ def test_named_differences_vanish_with_known_exponent(name):
         assert low < amounts[0] < high
 
 
-def test_residual_of_held_faces_is_within_mesh_error():
+def test_held_face_residual_is_within_mesh_error():
     """Beam and end effects are exact: what is left converges with the order of the held edges."""
     foam = replace(Material.isotropic(3.0e9, 0.45, 1100.0), G=0.8e9)
     tube = ConstantLeg(0.66, Tube(0.14, 0.0137), foam)
@@ -120,7 +120,7 @@ def test_residual_of_held_faces_is_within_mesh_error():
         assert 0.0 < -found.unexplained < found.numerical_uncertainty
 
 
-def test_mode_above_cut_off_of_its_section_is_skipped():
+def test_mode_above_section_cut_off_is_skipped():
     """The walls of the Delta's arms swing by themselves below its first torsional frequency."""
     delta = Context(load_robot("delta"), "standard")
     cases = {case.id: case for case in leg_theory.cases(legs=("arm1",))}
@@ -146,7 +146,7 @@ def four_elements(*_):
 
 
 @pytest.mark.parametrize(("mode", "expected"), [(1, -0.0285), (2, -0.0132)])
-def test_short_box_agrees_by_its_distortion(mode, expected, monkeypatch):
+def test_short_box_agrees_with_distortion_allowance(mode, expected, monkeypatch):
     """Solids of this arm are 2.9 and 1.3 % below Timoshenko's beam."""
     monkeypatch.setattr(leg_theory, "dynamic_ladder", four_elements)
     monkeypatch.setattr("validation.solids.solid_legs.Refinement.uncertainty", lambda *_: 0.0)
@@ -169,7 +169,7 @@ STUB = ConstantLeg(0.2, Rectangle(0.08, 0.1), STEEL)
 @pytest.mark.parametrize(
     ("mistake", "verdict"), [({}, "agree"), ({"GAz": 1.03}, "disagree"), ({"mu": 1.03}, "disagree")]
 )
-def test_distortion_does_not_hide_wrong_beam(mistake, verdict, monkeypatch):
+def test_wrong_beam_disagrees_despite_distortion(mistake, verdict, monkeypatch):
     def wrong(leg, divisions):
         right = own_properties(leg, divisions)
         return replace(right, **{name: by * getattr(right, name) for name, by in mistake.items()})
@@ -186,7 +186,7 @@ def heavier_solid(leg, *rest):
     return solid_frequencies(dense, *rest)
 
 
-def test_distortion_does_not_hide_wrong_solid(monkeypatch):
+def test_wrong_solid_disagrees_despite_distortion(monkeypatch):
     monkeypatch.setattr(leg_theory, "solid_frequencies", heavier_solid)
     monkeypatch.setattr(leg_theory, "dynamic_ladder", two_coarse_meshes)
     assert measured_mode(STUB, 2).verdict == "disagree"
@@ -196,7 +196,7 @@ def test_distortion_does_not_hide_wrong_solid(monkeypatch):
     ("section", "length", "nu"),
     [(Tube(0.06, 0.003), 0.4, 0.3), (Tube(0.03, 0.002), 0.4, 0.45), (Tube(0.03, 0.002), 0.1, 0.1)],
 )
-def test_tube_with_own_shear_modulus_agrees_when_free(section, length, nu):
+def test_tube_with_own_shear_modulus_agrees(section, length, nu):
     """Another integration rule in curved cells made it 3e-6 to 9e-6, beside a tolerance of 3e-6."""
     carbon = replace(Material.isotropic(1.2e11, nu, 1600.0), G=5.0e9)
     leg = ConstantLeg(length, section, carbon)
@@ -206,7 +206,7 @@ def test_tube_with_own_shear_modulus_agrees_when_free(section, length, nu):
     assert_allclose(np.diag(solid), np.diag(beam), rtol=2e-7)
 
 
-def test_waves_do_not_hide_wrong_density_of_beams():
+def test_wrong_density_disagrees_despite_waves():
     """2 % more mass in the legs: what waves add to frequencies stays, beams are lower by it.
 
     Held against the beams themselves, waves gave the frequencies of the right mass.
@@ -233,7 +233,7 @@ def test_waves_do_not_hide_wrong_density_of_beams():
 
 
 @pytest.mark.exhaustive
-def test_leg_vibrating_between_fixed_ends_has_waves():
+def test_wave_correction_exists_for_fixed_ends():
     """So light a leg bends between ends at rest.
 
     With ν = −0.9 its κ by strain energy is 0.007; waves are much stiffer in shear.
@@ -277,7 +277,7 @@ def test_leg_vibrating_between_fixed_ends_has_waves():
     ],
     ids=["formal", "low", "moving", "diverging"],
 )
-def test_order_of_a_leg_is_judged_where_it_has_settled(monkeypatch, values, verdict):
+def test_unsettled_mesh_order_is_undecided(monkeypatch, values, verdict):
     divisions = (1, 2, 3, 4) if verdict == "undecided" else (2, 3, 4, 6)
     found = Refinement(divisions, np.multiply.outer(values, np.eye(6)))
     monkeypatch.setattr(mesh_cases, "compliances", lambda *_: found)

@@ -47,7 +47,7 @@ def first_pose(name):
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 @pytest.mark.parametrize("prism", [ConstantLeg(0.85, Rectangle(0.1, 0.16), STEEL), FOIL])
-def test_a_leg_alone_is_the_textbook_cantilever(prism, theory):
+def test_ritz_leg_is_textbook_cantilever(prism, theory):
     beam = prism.properties(theory)
     found = ritz.ritz_beam(beam, prism.length, ritz.STATIC_DEGREE)
     free = ritz.free_basis(found.stiffness, found.root)
@@ -56,14 +56,14 @@ def test_a_leg_alone_is_the_textbook_cantilever(prism, theory):
     assert scaled_difference(compliance, tip_compliance(beam, prism.length)) < 3e-6
 
 
-def test_a_hexapod_has_the_stiffness_of_its_bars():
+def test_ritz_hexapod_has_stiffness_of_bars():
     at = first_pose("hexapod")
     stiffness = hexapod_stiffness(at.mechanism, at.pose)
     np.testing.assert_allclose(ritz.compliance(at) @ stiffness, np.eye(6), atol=1e-8)
 
 
 @pytest.mark.parametrize("softer", [1e-12, 1e6])
-def test_frequencies_may_be_of_any_size(softer):
+def test_ritz_frequencies_have_any_magnitude(softer):
     """Rods that idle among them: of all stiffnesses the root."""
     at = first_pose("delta")
 
@@ -86,14 +86,14 @@ def test_frequencies_may_be_of_any_size(softer):
     np.testing.assert_allclose(found, np.sqrt(softer) * ritz.frequencies(at, 4), rtol=1e-6)
 
 
-def test_idle_rods_count_as_no_frequency():
+def test_ritz_omits_idle_rod_frequencies():
     """Six rods of a Delta spin about themselves; in a symmetric pose its modes come in pairs."""
     pair = ritz.frequencies(reference_posture(load_robot("delta").mechanism), 2)
     assert pair[0] > 10.0
     assert pair[1] == pytest.approx(pair[0], rel=1e-7)
 
 
-def test_parts_are_rigid_bodies_on_the_drives():
+def test_simplified_model_with_parts_equals_ritz():
     at = first_pose(ROCKER)
     (own,) = answers("simplified", [at], 1)
     compliance, frequencies = ritz.simplified_response(at, 1)
@@ -102,7 +102,7 @@ def test_parts_are_rigid_bodies_on_the_drives():
     np.testing.assert_allclose(own.frequencies, frequencies, rtol=1e-10)
 
 
-def test_what_no_drive_moves_is_rigid_and_has_no_mode():
+def test_structure_without_drive_is_rigid():
     """The arm on a fixed joint: a structure."""
     motor = "axis = [0.0, 0.0, 1.0]\ndrive = { stiffness = 5.0e4 }\n"
     text = ONE_ARM.replace(motor, "").replace('"revolute"', '"fixed"').replace('["x"]', "[]")
@@ -111,7 +111,7 @@ def test_what_no_drive_moves_is_rigid_and_has_no_mode():
     assert len(frequencies) == 0
 
 
-def test_a_posture_that_is_none_is_refused():
+def test_open_posture_is_refused():
     at = first_pose("five-bar")
     rod = at.frames["rod2"]
     moved = Frame(rod.position + np.array([1e-5, 0.0, 0.0]), rod.rotation)
@@ -160,7 +160,7 @@ def propped(tmp_path):
 
 
 @needs_exudyn
-def test_a_frame_on_a_plane(propped):
+def test_frame_on_plane_joint_matches_exudyn(propped):
     assert len(listed(propped, "exudyn")) == 1
     own, theirs, uncertain = beams_and_exudyn(reference_posture(propped))
     np.testing.assert_allclose(own.frequencies, theirs, rtol=5e-4)
@@ -176,7 +176,7 @@ class _WithLoad(multibody._ExudynModel):
 
 
 @needs_exudyn
-def test_tool_of_frame_matches_linearised_exudyn(propped):
+def test_frame_tool_matches_linearised_exudyn(propped):
     """All damped modes of its own matrices on the null space of its constraints.
 
     Its elements are of second order: frequencies a tenth of a per cent off shift peaks by that.
@@ -207,7 +207,7 @@ def test_tool_of_frame_matches_linearised_exudyn(propped):
     ("program", "said"),
     [("exudyn", r"\./flexproof extras exudyn"), ("calculix", "is not installed")],
 )
-def test_cases_say_which_program_is_missing(monkeypatch, program, said):
+def test_missing_program_is_named_in_skip(monkeypatch, program, said):
     monkeypatch.setattr("fem.extras.find_spec", lambda _module: None)
     monkeypatch.setattr(calculix_run, "PROGRAMS", ("no-such-program",))
     cases = listed(FIVE_BAR.robot_file.mechanism, program)
@@ -217,7 +217,7 @@ def test_cases_say_which_program_is_missing(monkeypatch, program, said):
             case.measure(FIVE_BAR)
 
 
-def test_what_is_not_written_for_it_is_named():
+def test_bodies_unsupported_by_exudyn_are_named():
     """A leg of a 6×6, a body without mass and a joint that gives, each on a line of its own."""
     with pytest.raises(InputError) as raised:
         multibody.require_beams(load_robot("ifw").mechanism)
@@ -231,14 +231,14 @@ def test_what_is_not_written_for_it_is_named():
 @pytest.mark.skipif(
     not any(map(shutil.which, calculix_run.PROGRAMS)), reason="CalculiX (ccx) is not installed"
 )
-def test_a_five_bar_of_bars_agrees_and_can_turn():
+def test_five_bar_agrees_with_calculix_and_turns():
     cases = listed(FIVE_BAR.robot_file.mechanism, "calculix")
     assert len(cases) == 2
     for case in cases:
         assert_agrees_and_can_turn(judge(case, case.measure(FIVE_BAR), 0.0))
 
 
-def test_bars_have_the_outer_size_of_the_legs():
+def test_solid_bars_have_outer_size_of_legs():
     at = reference_posture(load_robot("delta").mechanism)
     for name, body in with_bars(at).mechanism.bodies.items():
         shape = at.mechanism.bodies[name].shape
@@ -249,7 +249,7 @@ def test_bars_have_the_outer_size_of_the_legs():
 
 @pytest.mark.parametrize("off", [0.01, -0.01, np.nan])
 @pytest.mark.parametrize("place", range(4))
-def test_posture_with_largest_error_is_shown(off, place):
+def test_pose_with_largest_error_is_reported(off, place):
     even, anywhere = np.array([2.0, 4.0, 8.0, 16.0]), np.ones(4, dtype=bool)
     found = even * (1.0 + np.where(np.arange(4) == place, off, 0.005))
     assert farthest_posture(found, even, anywhere) == place
@@ -258,7 +258,7 @@ def test_posture_with_largest_error_is_shown(off, place):
     assert farthest_posture(even * (1.0 + 1e-12 * np.arange(4)[::-1]), even, anywhere) == 3
 
 
-def test_the_entry_shown_is_in_units_of_its_diagonal():
+def test_largest_entry_is_scaled_by_diagonal():
     reference = np.diag([1.0, 4.0, 16.0])
     found = reference + np.diag([0.01, 0.08, 0.17])
     assert farthest_entry(found, reference) == pytest.approx((1.02, 1.0))

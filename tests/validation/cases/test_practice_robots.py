@@ -17,13 +17,13 @@ ROBOTS = Path(__file__).parents[2] / "helpers" / "robots" / "practice"
 NAMES = sorted(path.stem for path in ROBOTS.glob("*.toml"))
 
 
-def test_ten_robots_are_read():
+def test_ten_practice_robots_are_valid():
     assert len(NAMES) == 10
     names = {load_robot(ROBOTS / f"{name}.toml").mechanism.name for name in NAMES}
     assert len(names) == 10
 
 
-def test_thin_leaf_is_skipped_without_its_waves(monkeypatch):
+def test_thin_leaf_is_skipped_by_wave_cases(monkeypatch):
     """Waves on its section of 0.5 by 20 mm take minutes, and no solid of it is affordable."""
 
     def unaffordable(*_):
@@ -52,7 +52,7 @@ def waves_and_solids(*_):
         (0.005, "waves are computed"),
     ],
 )
-def test_waves_of_leaf_stage_leave_strips_out(monkeypatch, width, reason, tmp_path):
+def test_strips_have_no_wave_correction(monkeypatch, width, reason, tmp_path):
     monkeypatch.setattr(robot_beam_vs_solid, "robot_modes", waves_and_solids)
     text = (ROBOTS / "leaf-stage.toml").read_text(encoding="utf-8")
     robot = robot_of(text.replace("width = 0.0005", f"width = {width}"), tmp_path)
@@ -68,7 +68,7 @@ def test_waves_of_leaf_stage_leave_strips_out(monkeypatch, width, reason, tmp_pa
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
-def test_leaf_stage_deflects_as_two_guided_leaves(model):
+def test_leaf_stage_deflects_as_guided_leaves(model):
     """x: L³/24EI = 205.7 µm/N, the ends of both leaves kept parallel (Euler–Bernoulli).
 
     Shear adds L/2κGA, κ by Cowper, and the tilt of the stage, as leaves d apart are pulled and
@@ -85,7 +85,7 @@ def test_leaf_stage_deflects_as_two_guided_leaves(model):
     assert answer.compliance[0, 0] == pytest.approx(bending + shear + tilt, rel=1e-8)
 
 
-def test_strips_are_too_many_tetrahedra_for_calculix(monkeypatch):
+def test_thin_strips_are_too_large_for_calculix(monkeypatch):
     """Bars of 0.5 by 20 mm have 430,000 unknowns, which take it more than its ten minutes."""
     for name in ("calculix_solids", "reduced_solids"):
         monkeypatch.setattr(other_programs, name, lambda _: pytest.fail("is computed"))
@@ -119,7 +119,7 @@ OFTEN = ("flat-3-rrr", "leaf-stage", "packaging-delta", "scara", "short-biglide"
         for preset in ("quick", "standard")
     ],
 )
-def test_run_of_practice_robot_finds_no_fault(name, preset, tmp_path):
+def test_practice_robot_run_has_no_failure(name, preset, tmp_path):
     results = api.run(ROBOTS / f"{name}.toml", out=tmp_path / "report", preset=preset)
     assert results.exit_code == 0
     assert not {"disagree", "failed"} & results.verdicts.keys()

@@ -18,7 +18,7 @@ def judged(paper, paper_subject):
 
 
 @pytest.mark.exhaustive
-def test_solve_gives_the_numbers_of_the_command(command):
+def test_api_solve_equals_command(command):
     options = ["--model", "segments", "--x", "0.3", "--theory", "euler-bernoulli", "--modes", 2]
     (printed,) = command.json("solve", "ifw", *options)["results"]
     # A pose of one coordinate may be a number.
@@ -30,7 +30,7 @@ def test_solve_gives_the_numbers_of_the_command(command):
 
 
 @pytest.mark.exhaustive
-def test_the_matrix_is_that_of_a_run(tmp_path):
+def test_api_adequacy_equals_run(tmp_path):
     judged = api.adequacy("ifw", preset="quick")
     finished = api.run("ifw", out=tmp_path / "run", preset="quick", only="adequacy", jobs=1)
     assert (finished.exit_code, finished.verdicts) == (0, {})
@@ -45,7 +45,7 @@ def test_the_matrix_is_that_of_a_run(tmp_path):
     assert finished.matrix.formulation.robot == "equivalent legs"
 
 
-def test_run_counts_its_verdicts_and_names_its_page(tmp_path):
+def test_api_run_counts_verdicts_and_names_report(tmp_path):
     """Three comparisons of the beam elements of leg 1, all of which agree."""
     finished = api.run(
         "ifw", out=tmp_path / "run", preset="quick", only="leg1.converged?beam*", jobs=1
@@ -65,7 +65,7 @@ def test_wrong_name_raises_error_with_valid_names(judged):
             judged.entry(model, quantity)
 
 
-def test_limits_are_those_of_the_file_unless_given():
+def test_arguments_override_limits_of_file():
     assert api.load("ifw").requirement == load_robot("ifw").requirement
     loaded = api.load("ifw", accept={"deflection": 0.2, "z": 0.5})
     limits = {one.name: loaded.requirement.limit(one) for one in loaded.requirement.quantities}
@@ -75,7 +75,7 @@ def test_limits_are_those_of_the_file_unless_given():
             api.load("ifw", accept=wrong)
 
 
-def test_results_are_frozen_and_show_themselves(judged):
+def test_results_are_frozen_and_have_repr(judged):
     shown = judged._repr_html_()
     assert escape(judged.sentence) in shown
     assert shown.count("<tr>") == 1 + len(judged.matrix.models)
@@ -137,7 +137,7 @@ def test_adequacy_has_table_and_plot(judged):
         ("ifw", {"modes": -1}, "^modes = -1: must be"),
     ],
 )
-def test_faults_name_the_arguments_of_python(robot, asked, said):
+def test_messages_name_python_arguments(robot, asked, said):
     """Not the options of the command line, where a pose is typed as --pose or --x."""
     with pytest.raises(InputError, match=said) as raised:
         api.solve(robot, "segments", **asked)
@@ -203,14 +203,14 @@ LIST = "must be a list, each entry a number or a list, each entry a number"
         (lambda: api.converge("five-bar", elements=[2.5]), "^elements = .*, each entry a whole nu"),
     ],
 )
-def test_wrong_argument_raises_error_with_its_name(call, said, tmp_path, monkeypatch):
+def test_wrong_argument_is_named_in_error(call, said, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match=said):
         call()
     assert not list(tmp_path.iterdir())
 
 
-def test_arguments_of_a_judgement_are_checked(judged):
+def test_adequacy_arguments_are_checked(judged):
     for call in (
         lambda: judged.entry(3, "x"),
         lambda: judged.entry("beam", "x", within="y"),
@@ -251,7 +251,7 @@ FROZEN_ANSWERS = {
 }
 
 
-def test_answers_have_not_moved(judged):
+def test_api_results_match_frozen_values(judged):
     # Between machines eigenvalue solvers differ by 1e-9; 1e-6 is far below any limit of a model.
     for name, error in FROZEN_ERRORS.items():
         assert judged.entry(*name).error == pytest.approx(error, rel=1e-6), name

@@ -26,7 +26,7 @@ BAR = {
 STIFFNESS = 3.0 * STEEL["E"] * SIDE**4 / 12.0 / LENGTH**3
 
 
-def test_measured_deflection_of_fixed_robot_is_plotted():
+def test_fixed_robot_measurement_is_plotted():
     """Euler–Bernoulli's L³/3EI is what was measured; the pose of a structure has no coordinate."""
     value = {"quantity": "z", "pose": [], "load": 100.0, "value": 100.0 / STIFFNESS}
     measured = {**value, "uncertainty": 1e-6, "source": "dial gauge"}
@@ -39,12 +39,12 @@ def test_measured_deflection_of_fixed_robot_is_plotted():
         compared.entry("beam", "x")
 
 
-def test_robot_without_measured_values_is_refused():
+def test_robot_without_measurements_is_refused():
     with pytest.raises(InputError, match=r"has no \[\[measured\]\] values"):
         api.compare_measured(BAR)
 
 
-def test_displacement_under_load_is_in_table_and_plot():
+def test_load_displacement_is_in_table_and_plot():
     load = {"name": "push", "wrench": [0.0, 0.0, 10.0, 0.0, 0.0, 0.0]}
     solution = api.solve({**BAR, "loads": [load]}, "beam", modes=0, theory="euler-bernoulli")
     ((place, name, *numbers),) = solution.load_table().rows
@@ -63,7 +63,7 @@ def test_robot_without_loads_has_no_load_plots():
             plot()
 
 
-def test_plot_abscissa_is_the_varying_coordinate():
+def test_plot_abscissa_is_varying_coordinate():
     solution = api.solve("ifw", "vjm", poses=[0.2, 0.3])
     (axes,) = solution.plot().axes
     assert axes.get_xlabel() == "x (m)"
@@ -77,7 +77,7 @@ def test_workspace_without_a_grid_is_refused():
         api.workspace("five-bar")
 
 
-def test_exported_matrices_have_closed_form_stiffness(tmp_path):
+def test_exported_matrices_match_closed_form(tmp_path):
     """A clamped bar's tip: Euler's stiffness, less 3EI/(κGA L²) = 0.4 % for shear."""
     place = api.export(BAR, "npz", out=tmp_path / "bar.npz", modes=2)
     with np.load(place) as found:
@@ -96,17 +96,17 @@ def test_exported_matrices_have_closed_form_stiffness(tmp_path):
         ({"part": BAR, "body": "bar", "material": STEEL}, "are in the robot file"),
     ],
 )
-def test_wrong_arguments_of_identify_are_named(arguments, fault):
+def test_wrong_identify_arguments_are_named(arguments, fault):
     with pytest.raises(InputError, match=fault):
         api.identify(**arguments)
 
 
-def test_number_that_a_robot_lacks_cannot_be_varied():
+def test_unknown_key_cannot_be_varied():
     with pytest.raises(InputError, match="has no such number"):
         api.vary(BAR, "bodies.bar.section.depth=0.01:0.02:3", preset="quick")
 
 
-def test_drawing_without_opengl_states_how_to_get_it(monkeypatch):
+def test_missing_opengl_message_names_packages(monkeypatch):
     monkeypatch.setenv("FLEXPROOF_OPENGL", "off")
     (text,) = api.draw("five-bar").texts
     assert "libegl1" in text.get_text()

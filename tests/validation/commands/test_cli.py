@@ -65,7 +65,7 @@ def test_cases_are_listed_as_text_and_as_json(with_catalogue, command):
     assert listed[0]["tolerance"] == 0.1
 
 
-def test_the_audit_of_the_built_in_robot_is_shown(command):
+def test_audit_of_built_in_robot_is_printed(command):
     used, errata = command.told("check", "ifw").split("misprints and errors of the source")
     assert used.startswith("ifw: sound in form, 4 doubts; IFW demonstrator")
     # The signs of the couplings are used as printed, the foot's rotation is not.
@@ -105,7 +105,7 @@ def test_the_audit_of_the_built_in_robot_is_shown(command):
         (["kinematics", "five-bar", "--pose=1e300,0"], "must be 2 finite numbers up to 100 m or"),
     ],
 )
-def test_wrong_input_ends_with_2_and_one_line(
+def test_wrong_input_exits_with_2_and_one_line(
     arguments, said, with_catalogue, tmp_path, monkeypatch, command
 ):
     with_catalogue(toys.sound)
@@ -115,7 +115,7 @@ def test_wrong_input_ends_with_2_and_one_line(
     assert left <= {"report", ".lock"}
 
 
-def test_a_full_disk_ends_with_3_and_how_to_go_on(with_catalogue, tmp_path, monkeypatch, capsys):
+def test_full_disk_exits_with_3_and_resume_command(with_catalogue, tmp_path, monkeypatch, capsys):
     with_catalogue(toys.sound)
     # Of what is kept, not of what is found out beforehand.
     monkeypatch.setattr(
@@ -131,7 +131,7 @@ def test_a_full_disk_ends_with_3_and_how_to_go_on(with_catalogue, tmp_path, monk
     assert f"{told} --out {out} --resume" in printed
 
 
-def test_system_errors_give_one_line(tmp_path, monkeypatch, capsys):
+def test_system_error_is_one_line(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("meshes.processes.Process.__init__", refusing(errno.EMFILE))
     # A file of its own: what is known of others is not read again.
     part = tmp_path / "rocker.step"
@@ -143,7 +143,7 @@ def test_system_errors_give_one_line(tmp_path, monkeypatch, capsys):
     )
 
 
-def test_help_imports_nothing_heavy():
+def test_help_imports_no_heavy_module():
     program = (
         "import sys; from validation.cli import main; code = main(['--help']);"
         f"loaded = [name for name in {HEAVY!r} if name in sys.modules];"
@@ -180,7 +180,7 @@ def test_verdict_worse_than_baseline_exits_with_1(with_catalogue, tmp_path, comm
     assert entry["drift"] == pytest.approx(1.0 / 3.0 - 0.25, rel=1e-12)
 
 
-def test_export_takes_its_place_in_the_run_folder(with_catalogue, tmp_path, monkeypatch, command):
+def test_export_is_stored_in_run_folder(with_catalogue, tmp_path, monkeypatch, command):
     with_catalogue(toys.sound)
     monkeypatch.setattr(
         "validation.export.files.export_mechanism",
@@ -194,7 +194,7 @@ def test_export_takes_its_place_in_the_run_folder(with_catalogue, tmp_path, monk
     assert not (tmp_path / "export").exists()
 
 
-def test_a_fault_of_the_program_is_no_disagreement(with_catalogue, tmp_path, monkeypatch, capsys):
+def test_program_error_is_no_disagreement(with_catalogue, tmp_path, monkeypatch, capsys):
     def broken(*_arguments):
         raise RuntimeError("no template")
 

@@ -55,7 +55,7 @@ def computed(monkeypatch):
         ("f2", "frequency", BELOW * F2[1], "undecided"),
     ],
 )
-def test_every_way_of_the_api_to_say_a_limit(quantity, general, limit, verdict):
+def test_api_accepts_limits_in_every_form(quantity, general, limit, verdict):
     by_default = api.adequacy("ifw")
     said = [by_default.entry("beam", quantity, within=limit)]
     for accept in ({quantity: limit}, {general: limit}):
@@ -73,7 +73,7 @@ def test_every_way_of_the_api_to_say_a_limit(quantity, general, limit, verdict):
             by_default.assert_adequate("beam", quantity, within=limit)
 
 
-def test_preset_and_requirement_reach_the_models(computed):
+def test_preset_and_limits_reach_the_models(computed):
     for preset in ("quick", "standard", "fine"):
         found = api.adequacy("ifw", preset=preset, accept={"modes": 6})
         context = computed.pop()
@@ -91,7 +91,7 @@ RUN = {"out": Path("elsewhere"), "preset": "fine", "only": "leg*", "jobs": 3}
 VARY = ("geometry.a=0.9:1:3",)
 
 
-def test_every_keyword_of_run_arrives(monkeypatch):
+def test_run_passes_every_keyword_on(monkeypatch):
     asked = []
     monkeypatch.setattr(session, "validate", lambda request, _: asked.append(request) or 1 / 0)
     assert set(inspect.signature(api.run).parameters) == {"robot", "vary", *RUN}
@@ -176,7 +176,7 @@ def test_within_and_accept_of_the_fixture(in_folder, pytester):
         assert told in in_folder.said[f"{test}[below]"]
 
 
-def test_path_of_fixture_counts_from_the_test(in_folder, pytester):
+def test_fixture_path_is_relative_to_test(in_folder, pytester):
     """The folder of the session has another robot of this name, with a limit that is missed."""
     folder = pytester.mkdir("lower")
     (folder / "mine.toml").write_text(
@@ -190,7 +190,7 @@ def test_path_of_fixture_counts_from_the_test(in_folder, pytester):
     assert in_folder(limit, "lower") == {"test_x": "passed"}
 
 
-def test_robots_of_one_name_are_judged_each(in_folder, pytester, computed):
+def test_robots_with_equal_names_are_separate(in_folder, pytester, computed):
     """Robot and file have the same name twice; each is judged once, however many tests take it."""
     heavier = load_robot("ifw").text.replace("mass = 46.0", "mass = 47.0")
     (pytester.mkdir("other") / "mine.toml").write_text(heavier, encoding="utf-8")
@@ -209,7 +209,7 @@ def test_robots_of_one_name_are_judged_each(in_folder, pytester, computed):
     ("limit", "sure", "unsure"),
     [(BELOW * ERROR, "failed", "undecided"), (ABOVE * F2[1], "passed", "passed")],
 )
-def test_a_robot_file_as_tests(limit, sure, unsure, in_folder, computed):
+def test_robot_file_is_collected_as_tests(limit, sure, unsure, in_folder, computed):
     accept = f"deflection = {limit!r}\nfrequency = {limit!r}"
     names = ("beam.x", "beam.phi_z", "beam.f1", "beam.f2")
     chosen = ("--flexproof", "mine.toml", "-k", f"({' or '.join(names)} or vjm.f1) and not euler")
@@ -226,7 +226,7 @@ def test_a_robot_file_as_tests(limit, sure, unsure, in_folder, computed):
         assert computed.pop().preset == preset
 
 
-def test_model_with_program_error_is_a_failed_item(in_folder, monkeypatch):
+def test_program_error_in_model_fails_its_item(in_folder, monkeypatch):
     """Skipped as undecided, it would pass for ever."""
 
     def faulty(context):
@@ -239,14 +239,14 @@ def test_model_with_program_error_is_a_failed_item(in_folder, monkeypatch):
     assert "ZeroDivisionError" in in_folder.said["beam.x"]
 
 
-def test_robot_file_has_item_per_model_and_quantity(in_folder, capsys):
+def test_robot_file_has_item_per_verdict(in_folder, capsys):
     in_folder("", "--flexproof", "mine.toml", "--collect-only", "-q")
     # Eight models by six axes and any force, four frequencies and their order; comparisons of
     # formulations with each other, see test_checks.
     assert capsys.readouterr().out.count("mine.toml::") == 96 + 138
 
 
-def test_item_lies_at_the_robot_file(in_folder, pytester):
+def test_item_location_is_robot_file(in_folder, pytester):
     """Where editors and reports of pytest look for it."""
     items = []
 
@@ -262,7 +262,7 @@ def test_item_lies_at_the_robot_file(in_folder, pytester):
 
 
 @pytest.mark.parametrize("workers", [(), ("-n", "2")], ids=["alone", "workers"])
-def test_broken_robot_file_is_named_in_one_line(workers, in_folder, pytester):
+def test_broken_robot_file_gives_one_line(workers, in_folder, pytester):
     in_folder("x = -1.0")
     done = pytester.runpytest_subprocess(*PLUGIN_OPTIONS, "--flexproof", "mine.toml", *workers)
     assert done.ret == pytest.ExitCode.USAGE_ERROR
@@ -325,13 +325,13 @@ def run(monkeypatch, tmp_path):
         ([DISAGREES], "", 1),
     ],
 )
-def test_rely_strict_and_accept_decide_the_exit_code(besides, options, code, run, capsys):
+def test_rely_strict_and_accept_set_exit_code(besides, options, code, run, capsys):
     assert run(*options.split(), tasks=[ADEQUACY, *besides]) == code
     refused = "relied on but not adequate" in capsys.readouterr().out
     assert refused == (code == 1 and "--rely" in options)
 
 
-def test_measured_values_are_shown_despite_only(run, tmp_path, capsys):
+def test_only_option_keeps_measured_values(run, tmp_path, capsys):
     values = tmp_path / "values.csv"
     values.write_text("quantity,pose,value,uncertainty,source\nf2,0.4975,80.0,0.1,hammer test\n")
     options = ("--only", "adequacy", "--measured", str(values))

@@ -32,7 +32,7 @@ def run(robot, folder, only, *options):
     return code, {case["id"]: case for case in cases}
 
 
-def test_element_count_names_cases_and_rows(mine):
+def test_element_count_of_file_is_in_titles(mine):
     """Segments of leg 1, f3: 0.123 % off at 20 elements, by second order 0.77 % at 8."""
     robot = load_robot(mine("elements = 8\nconvergence = 0.005"))
     by_id = {task.id: task for task in catalogue(robot)}
@@ -46,7 +46,7 @@ def test_element_count_names_cases_and_rows(mine):
     assert by_id["leg1.agrees[vjm-solid-x]"].elements == 0
 
 
-def test_element_count_is_that_of_the_compared_model():
+def test_element_count_matches_compared_model():
     """One beam element for 20: f1 of leg 1 is 0.48 % high, with the consistent mass."""
     context, found = Context(load_robot("ifw"), "quick"), {}
     for elements in (1, 20):
@@ -61,7 +61,7 @@ def test_element_count_is_that_of_the_compared_model():
     assert found[1] / found[20] == pytest.approx(3.5327 / 3.5160, abs=3e-4)
 
 
-def test_ends_choose_the_solid():
+def test_agree_ends_select_the_solid():
     """The solid of leg 1 is 1.47 % stiffer in torsion than the beam; free to warp, it is not."""
     context, differences = Context(load_robot("ifw"), "quick"), {}
     for ends in ("as given", "free"):
@@ -77,7 +77,7 @@ def test_ends_choose_the_solid():
     assert abs(differences["free"]) < 2e-4
 
 
-def test_new_limit_changes_verdict_of_stored_results(mine, tmp_path, capsys):
+def test_new_limit_rejudges_stored_results(mine, tmp_path, capsys):
     """Segments of leg 1: f3 is 0.123 % off at 20 elements, more than any other quantity."""
     only, name = "leg1.converged?segments-20?", "leg1.converged[segments-20]"
     code, before = run(mine(""), tmp_path / "out", only)
@@ -93,7 +93,7 @@ def test_new_limit_changes_verdict_of_stored_results(mine, tmp_path, capsys):
     assert after[name]["value"] == before[name]["value"]
 
 
-def test_converge_takes_limit_and_count_of_the_file(mine, capsys):
+def test_converge_uses_limits_of_robot_file(mine, capsys):
     for agree, code in (("", 0), ("elements = 8", 0), ("elements = 8\nconvergence = 0.0004", 1)):
         counts = ["--model", "segments", "--elements", "4,8,20"]
         found = main(["converge", mine(agree), "--body", "leg1", *counts])

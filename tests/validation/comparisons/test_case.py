@@ -37,7 +37,7 @@ def exact(*values, **more):
 
 @pytest.mark.parametrize("relation", list(Relation))
 @pytest.mark.parametrize(("value", "reference"), [(nan, 1.0), (1.0, nan), (inf, 1.0), (-inf, 1.0)])
-def test_what_is_no_finite_number_never_agrees(relation, value, reference):
+def test_non_finite_value_never_agrees(relation, value, reference):
     measured = Measurement(value, reference, exact=True)
     outcome = judge(replace(EQUAL, relation=relation), measured, 0.0)
     assert outcome.verdict == "disagree"
@@ -58,7 +58,7 @@ def test_what_is_no_finite_number_never_agrees(relation, value, reference):
         (lambda: exact(1.0, value_uncertainty=0.1), "exact up to round-off"),
     ],
 )
-def test_what_cannot_be_judged_is_refused(make, said):
+def test_invalid_tolerance_or_source_is_refused(make, said):
     with pytest.raises(ValueError, match=said):
         make()
 
@@ -78,7 +78,7 @@ def test_undecided_comparison_has_remedy(uncertainty):
     )
 
 
-def test_verdicts_of_random_measurements_follow_rule():
+def test_random_verdicts_follow_the_rule():
     """E less all allowances, with its sign, within the tolerance, and so the uncertainty."""
     rng = np.random.default_rng(12)
     for number in range(300):
@@ -122,7 +122,7 @@ def written(*outcomes):
     return json.loads(run_json(run_record({}, outcomes, ())))
 
 
-def test_record_has_only_finite_numbers():
+def test_json_record_has_only_finite_numbers():
     measurement = Measurement(nan, 10.0, inf, table={"x": (nan, 1.0), "name": ("a", "b")})
     other, lost = replace(EQUAL, id="toy.other"), replace(EQUAL, id="toy.lost")
     outcomes = (
@@ -192,7 +192,7 @@ def test_file_of_an_earlier_version_is_read(exact_as_written):
         (nan, None, "disagree"),
     ],
 )
-def test_a_case_is_judged_at_every_place_it_looks_at(value, uncertainty, expected):
+def test_case_verdict_is_worst_over_poses(value, uncertainty, expected):
     # 2.5 % of what the reference is there, not of the 1.0 in the measurement's own place.
     there = Elsewhere("x = 0.2 m", value, 2.0, uncertainty)
     measured = exact(1.0, elsewhere=(Elsewhere("x = 0", 3.0, 3.0), there))
@@ -202,7 +202,7 @@ def test_a_case_is_judged_at_every_place_it_looks_at(value, uncertainty, expecte
     assert isnan(value) or outcome.share == pytest.approx(abs(value - 2.0) / 0.05)
 
 
-def test_graver_verdict_prevails_in_any_order():
+def test_worst_verdict_prevails_in_any_order():
     undecided, wrong = Elsewhere("there", 1.0, 1.0, 1.0), Elsewhere("far", 2.0, 1.0)
     assert judge(EQUAL, exact(2.0, elsewhere=(undecided,)), 0.0).verdict == "disagree"
     outcome = judge(EQUAL, exact(1.0, elsewhere=(undecided, wrong, undecided)), 0.0)
@@ -220,7 +220,7 @@ COMMON = {
 }
 
 
-def test_cases_are_in_order_of_group_then_declaration():
+def test_cases_are_ordered_by_group():
     """Fields are said by the case, its parameters, its family or the group; the nearest counts."""
     cases = CaseGroup(over={"leg": (1, 2)}, group="all", **COMMON)
 

@@ -36,7 +36,7 @@ def items(pytester):
     return run
 
 
-def test_names_have_body_model_quantity_and_count():
+def test_item_names_have_body_model_quantity():
     names = [check.name for check in checks(load_robot("ifw"))]
     assert len(set(names)) == len(names)
     # Robot and two legs: six motions by four models and four frequencies by two; four frequencies
@@ -51,7 +51,7 @@ def test_names_have_body_model_quantity_and_count():
         assert name in names
 
 
-def test_items_follow_the_limit_and_share_one_study(items, monkeypatch):
+def test_items_follow_limit_and_share_study(items, monkeypatch):
     """Segments of leg 1 at 20 elements: f1 0.0089 % off, f3 0.123 %."""
     studies, original = [], convergence_cases.convergence
 
@@ -73,7 +73,7 @@ def test_items_follow_the_limit_and_share_one_study(items, monkeypatch):
     assert [one.get("theory") for one in studies] == [None, "euler-bernoulli"]
 
 
-def test_item_of_a_leg_agrees_with_its_solid(items):
+def test_item_of_leg_agrees_with_solid(items):
     """Torsion of leg 1 differs by 1.47 %, all but 0.01 % of it by held end faces."""
     chosen = "leg1-vjm-solid-phi_x"
     assert items("", chosen) == {f"agrees[{chosen}]": ("passed", "None")}
@@ -86,7 +86,7 @@ def test_items_run_on_two_workers(pytester):
     done.assert_outcomes(passed=2)
 
 
-def test_missing_comparison_is_skipped_with_its_reason(pytester):
+def test_missing_comparison_is_skipped_with_reason(pytester):
     write_crane(pytester.path)
     done = pytester.inline_run(
         *("-p", "no:cacheprovider", *PLUGIN_OPTIONS, "--flexproof", "robot.toml"),
@@ -134,7 +134,7 @@ def test_convergence_check_takes_count_and_limit(study, limits, verdict):
     assert convergence_check(study, "segments", "f1", AgreementLimits(*limits)).verdict == verdict
 
 
-def test_count_that_was_not_computed_is_skipped(study):
+def test_uncomputed_element_count_is_skipped(study):
     with pytest.raises(
         Skip,
         match=r"elements = 12: not among .* numbers of elements; must be one of 5, 10, 20, 40",

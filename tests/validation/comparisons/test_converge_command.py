@@ -24,7 +24,7 @@ def leg1():
     return api.converge("ifw", body="leg1", elements=(5, 10, 20, 40))
 
 
-def test_table_states_errors_and_needed_counts(capsys):
+def test_table_has_errors_and_needed_counts(capsys):
     """Segments of leg 1, f1: 0.0089 % at 20; 1 % needs 2, 0.1 % needs 6, 0.01 % needs 19."""
     code, out, _ = run(capsys, "ifw", "--body", "leg1", "--model", "segments")
     assert code == 0
@@ -114,7 +114,7 @@ def test_figure_shows_the_errors_in_percent(leg1):
         np.testing.assert_allclose(sorted(map(number_in, stated)), errors, rtol=0.1)
 
 
-def test_remark_stands_at_the_finest_drawn_error(leg1):
+def test_order_label_is_at_finest_error(leg1):
     """The static errors are round-off, below 1e-7 %: nothing is drawn of them."""
     quantities = ["f1", "f3", "x"]
     for quantity, panel in zip(quantities, leg1.chart(quantities).panels, strict=True):
@@ -135,7 +135,7 @@ def test_remark_stands_at_the_finest_drawn_error(leg1):
     # f2 of the segments is 0.0087 % off at 20 elements, that of the beams 5e-6 %.
     [("0.0001", 0), ("0.00008", 1)],
 )
-def test_exit_code_states_whether_the_limit_is_met(capsys, within, code):
+def test_exit_code_is_1_if_limit_is_exceeded(capsys, within, code):
     arguments = ("ifw", "--body", "leg1", "--elements", "20,40", "--quantity", "f2")
     found, _, err = run(capsys, *arguments, "--within", within)
     assert found == code
@@ -143,7 +143,7 @@ def test_exit_code_states_whether_the_limit_is_met(capsys, within, code):
     assert "beam" not in err
 
 
-def test_assertion_holds_and_fails_as_the_values_do(leg1):
+def test_assert_converged_follows_the_values(leg1):
     leg1.assert_converged("f1", elements=20, within=0.01)
     leg1.assert_converged("f2", elements=20, within=6e-8, model="beam")
     with pytest.raises(
@@ -152,7 +152,7 @@ def test_assertion_holds_and_fails_as_the_values_do(leg1):
         leg1.assert_converged("f1", within=0.01, layout="literal")
 
 
-def test_theory_without_shear_has_its_own_cantilever(capsys):
+def test_euler_bernoulli_has_own_reference(capsys):
     """L⁻² √(EI/μ) 1.875104²/2π = 186.8 Hz; literal layout 5.2 % high with 20 elements."""
     arguments = ("ifw", "--body", "leg1", "--elements", COUNTS, "--json")
     code, out, _ = run(capsys, *arguments, "--theory", "euler-bernoulli")
@@ -181,7 +181,7 @@ def test_theory_without_shear_has_its_own_cantilever(capsys):
         (("ifw", "--picture", "a.gif"), "must end in .png or .svg"),
     ],
 )
-def test_wrong_input_is_refused_in_one_line(capsys, tmp_path, monkeypatch, arguments, fault):
+def test_wrong_converge_input_gives_one_line(capsys, tmp_path, monkeypatch, arguments, fault):
     monkeypatch.chdir(tmp_path)
     code, out, err = run(capsys, *arguments)
     assert code == 2

@@ -58,7 +58,7 @@ def with_series(study, model, change):
     return replace(study, series=series)
 
 
-def test_subjects_are_distinct_legs_and_the_robot():
+def test_distinct_legs_and_robot_are_studied():
     """Nine legs of the Delta are of two kinds."""
     assert subjects(BIGLIDE.mechanism) == ("leg1", "leg2", "")
     assert len(subjects(load_robot("delta").mechanism)) == 3
@@ -66,12 +66,12 @@ def test_subjects_are_distinct_legs_and_the_robot():
 
 @pytest.mark.parametrize("what", ["order", "20", "half-width"])
 @pytest.mark.parametrize("model", ["segments", "beam"])
-def test_leg_of_the_paper_agrees(model, what):
+def test_leg_of_paper_converges(model, what):
     assert verdict_with(leg1_study(), f"leg1.converged[{model}-{what}]") == "agree"
 
 
 @pytest.mark.parametrize("what", ["order", "20"])
-def test_literal_layout_instead_of_half_disagrees(what):
+def test_literal_layout_disagrees(what):
     """Order 1.0 for 2.0, and 5.1 % at 20 elements."""
     study = leg1_study()
     literal = study.of("segments", "literal")
@@ -80,7 +80,7 @@ def test_literal_layout_instead_of_half_disagrees(what):
     assert verdict_with(mixed, f"leg1.converged[segments-{what}]") == "disagree"
 
 
-def test_one_quantity_beyond_the_limit_disagrees():
+def test_one_quantity_beyond_limit_disagrees():
     """f4 alone, the last frequency, 1.1 % off at 40 elements."""
 
     def change(series):
@@ -92,7 +92,7 @@ def test_one_quantity_beyond_the_limit_disagrees():
     assert verdict_with(study, "leg1.converged[beam-20]") == "disagree"
 
 
-def test_error_about_an_uncertain_limit_is_undecided():
+def test_uncertain_limit_is_undecided():
     """0.95 % of a limit that is known to 0.1 %: it may be 1.05 %."""
 
     def change(series, half_width):
@@ -108,7 +108,7 @@ def test_error_about_an_uncertain_limit_is_undecided():
 
 
 @pytest.mark.parametrize("column", range(4))
-def test_order_that_still_moves_is_undecided(column):
+def test_unsettled_order_is_undecided(column):
     """The finest error of one frequency 20 % larger: its last step shows 0.26 less of an order."""
 
     def change(series):
@@ -120,7 +120,7 @@ def test_order_that_still_moves_is_undecided(column):
     assert verdict_with(study, "leg1.converged[segments-order]") == "undecided"
 
 
-def test_limit_of_the_other_theory_disagrees():
+def test_limit_of_wrong_theory_disagrees():
     """186.8 Hz (Euler–Bernoulli) for 181.8 Hz: errors no longer vanish."""
 
     def change(series):
@@ -133,7 +133,7 @@ def test_limit_of_the_other_theory_disagrees():
     assert verdict_with(study, "leg1.converged[segments-20]") == "disagree"
 
 
-def test_half_widths_too_narrow_disagree():
+def test_too_narrow_half_widths_disagree():
     """Values that seem to converge to another limit, 0.1 % beside the exact one."""
 
     def change(series):
@@ -153,7 +153,7 @@ def outcomes_of(robot_file, body):
             yield error
 
 
-def test_error_of_a_study_is_a_fault_and_no_skip(monkeypatch):
+def test_program_error_in_study_is_a_failure(monkeypatch):
     def broken(*_):
         raise ComputationError("leg1: its matrices are lost in rounding")
 
@@ -189,7 +189,7 @@ def test_part_without_prismatic_sections_is_skipped(tmp_path):
     assert all("interfaces overlap" in str(one) for one in skips)
 
 
-def test_figure_and_studies_show_every_subject():
+def test_figure_shows_every_leg_and_robot():
     context = Context(BIGLIDE)
     figure = figure_of(context)
     rows = list(csv.DictReader(io.StringIO(figure.data)))
@@ -247,7 +247,7 @@ def plain_order(counts, errors):
     return -float(np.sum((x - x.mean()) * (y - y.mean())) / np.sum((x - x.mean()) ** 2))
 
 
-def test_figure_of_a_leg_is_read_back():
+def test_leg_figure_matches_its_study():
     """Curves of f1 from JSON, CSV, page and caption: one set of numbers, orders and counts."""
     figure = figure_of(Context(BIGLIDE))
     rows = list(csv.DictReader(io.StringIO(figure.data)))

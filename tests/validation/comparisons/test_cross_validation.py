@@ -99,14 +99,14 @@ def test_half_width_counts_against_agreement(crossed):
     )
 
 
-def test_two_formulations_are_compared_without_solid(crossed):
+def test_two_formulations_compare_without_solid(crossed):
     # 202/206 − 1 = −1.94 %.
     crossed.assert_agrees("beam", "segments", quantity="f1", within=0.0195, body="arm")
     with pytest.raises(AssertionError, match=r"202 against 206, -1.94 %; allowed 1.94 %"):
         crossed.assert_agrees("beam", "segments", quantity="f1", within=0.0194, body="arm")
 
 
-def test_robot_without_body_is_compared(crossed):
+def test_whole_robot_is_compared_without_body(crossed):
     with pytest.raises(AssertionError, match=r"f1 of the robot: -202 against -200 Hz, -1 %"):
         crossed.assert_agrees("beam", quantity="f1", within=0.009)
     crossed.assert_agrees("beam", quantity="f1", within=0.0101)
@@ -162,7 +162,7 @@ def test_pandas_is_optional(crossed, monkeypatch):
         crossed.table().to_pandas()
 
 
-def test_plot_shows_unexplained_parts_and_tolerance(crossed):
+def test_plot_shows_unexplained_and_tolerance(crossed):
     figure = crossed.plot()
     arm, robot = figure.axes
     assert [one.get_title(loc="left") for one in (arm, robot)] == ["arm", "toy, whole robot"]
@@ -176,7 +176,7 @@ def test_plot_shows_unexplained_parts_and_tolerance(crossed):
     assert (band.min(), band.max()) == (-1.0, 1.0)
 
 
-def test_leg_of_an_arm_is_cross_validated(tmp_path):
+def test_single_leg_is_cross_validated(tmp_path):
     """Closed forms of a cantilever: L/EA, and L³/3EI + L/κGA by Cowper's coefficient."""
     (tmp_path / "arm.toml").write_text(ARM, "utf-8")
     crossed = api.cross_validate(str(tmp_path / "arm.toml"), preset="quick")

@@ -61,7 +61,7 @@ def whole_robot():
         ("literal", 40, 186.32),
     ],
 )
-def test_segments_land_on_independent_values(leg1, layout, count, frequency):
+def test_segments_match_independent_values(leg1, layout, count, frequency):
     series = leg1.of("segments", layout)
     computed = series.values[series.counts.index(count), leg1.column("f2")]
     # The source has five or six digits.
@@ -69,13 +69,13 @@ def test_segments_land_on_independent_values(leg1, layout, count, frequency):
 
 
 @pytest.mark.parametrize(("count", "frequency"), [(2, 181.887), (5, 181.808)])
-def test_beam_elements_land_on_independent_values(leg1, count, frequency):
+def test_beam_elements_match_independent_values(leg1, count, frequency):
     series = leg1.of("beam")
     computed = series.values[series.counts.index(count), leg1.column("f2")]
     assert computed == pytest.approx(frequency, abs=6e-4)
 
 
-def test_leg_limits_are_the_exact_cantilever(leg1):
+def test_leg_limit_is_exact_cantilever(leg1):
     np.testing.assert_allclose(leg1.of("beam").limits[:2], [114.518, 181.806], atol=6e-4)
     assert not leg1.of("beam").limit_half_widths.any()
 
@@ -90,13 +90,13 @@ def test_leg_limits_are_the_exact_cantilever(leg1):
         ("segments", "literal", "x", 80, -1.0 / 80.0),
     ],
 )
-def test_leg_errors_land_on_known_values(leg1, model, layout, quantity, count, error):
+def test_leg_errors_match_known_values(leg1, model, layout, quantity, count, error):
     series = leg1.of(model, layout)
     computed = series.errors[series.counts.index(count), leg1.column(quantity)]
     assert computed == pytest.approx(error, rel=5e-3)
 
 
-def test_literal_layout_without_shear_has_known_error():
+def test_literal_layout_has_known_error():
     """5.2 % at 20 elements against Euler–Bernoulli's cantilever (physics of §3.2 as printed)."""
     leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
     discretisation = replace(LITERAL, theory="euler-bernoulli")
@@ -107,7 +107,7 @@ def test_literal_layout_without_shear_has_known_error():
 
 
 @pytest.mark.parametrize("index", range(3))
-def test_euler_bernoulli_elements_have_formal_orders(index):
+def test_euler_bernoulli_has_formal_orders(index):
     """Against their own cantilever, f1 to f4: 2, 1 and 4; deflections exact but for round-off."""
     study = convergence(BIGLIDE.mechanism, body="leg1", theory="euler-bernoulli")
     series = study.series[index]
@@ -120,7 +120,7 @@ def test_euler_bernoulli_elements_have_formal_orders(index):
     assert shares.max() <= 1.0
 
 
-def test_static_compliance_is_exact_for_every_count(leg1):
+def test_statics_are_exact_for_every_count(leg1):
     for model in ("segments", "beam"):
         series = leg1.of(model)
         columns = [leg1.column(axis) for axis in "xyz"]
@@ -138,13 +138,13 @@ def test_static_compliance_is_exact_for_every_count(leg1):
         ("beam", "half", 4.0, 0.1),
     ],
 )
-def test_leg_orders_are_the_formal_ones(leg1, model, layout, order, tolerance):
+def test_legs_have_formal_orders(leg1, model, layout, order, tolerance):
     series = leg1.of(model, layout)
     np.testing.assert_allclose(series.orders[:4], order, atol=tolerance)
     assert series.formal_order == order
 
 
-def test_robot_lands_on_independent_values(whole_robot):
+def test_robot_matches_independent_values(whole_robot):
     """At x = 0.4975 m: f1 = 112.396 Hz, f4 = 353.2 Hz, errors at 20 elements."""
     assert whole_robot.pose == {"x": pytest.approx(0.4975)}
     assert whole_robot.title == "whole robot at x = 0.4975 m"
@@ -162,7 +162,7 @@ def test_robot_lands_on_independent_values(whole_robot):
     assert literal.orders[0] == pytest.approx(1.0, abs=0.01)
 
 
-def test_crossing_error_has_no_order(whole_robot):
+def test_error_that_changes_sign_has_no_order(whole_robot):
     """f4 of the literal layout crosses its limit near ten elements."""
     series, column = whole_robot.of("segments", "literal"), whole_robot.column("f4")
     assert np.isnan(series.orders[column])
@@ -173,7 +173,7 @@ def test_crossing_error_has_no_order(whole_robot):
     assert series.largest_errors[at, column] == pytest.approx(4.96e-4, rel=0.01)
 
 
-def test_dense_whole_robot_equals_reduced_one(whole_robot):
+def test_reduced_robot_equals_full_robot(whole_robot):
     """The obvious path: all elements of both legs assembled, no leg reduced."""
     mechanism = BIGLIDE.mechanism
     posture = middle_posture(mechanism)
@@ -192,7 +192,7 @@ def test_dense_whole_robot_equals_reduced_one(whole_robot):
 @pytest.mark.parametrize(
     ("layout", "quantity"), [("half", "f1"), ("half", "f4"), ("literal", "f4")]
 )
-def test_needed_counts_are_the_smallest(leg1, layout, quantity):
+def test_needed_element_counts_are_smallest(leg1, layout, quantity):
     """One element fewer misses the target, the count itself and the listed finer ones meet it."""
     leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
     series, column = leg1.of("segments", layout), leg1.column(quantity)
@@ -223,7 +223,7 @@ def random_leg(seed):
 @pytest.mark.parametrize(
     "seed", [*range(4), *(pytest.param(seed, marks=EXHAUSTIVE) for seed in range(4, 10))]
 )
-def test_random_legs_have_formal_order_and_half_width(seed):
+def test_random_legs_have_formal_order(seed):
     study = leg_convergence("", f"random {seed}", random_leg(seed))
     for series, tolerance in zip(study.series, (0.05, 0.1, 0.1), strict=True):
         np.testing.assert_allclose(series.orders[:4], series.formal_order, atol=tolerance)
@@ -270,7 +270,7 @@ def test_robots_have_formal_orders(robot):
 
 @EXHAUSTIVE
 @pytest.mark.parametrize("body", ["leg1", None])
-def test_stepped_part_converges_with_second_order(body):
+def test_stepped_part_has_second_order(body):
     """Ten pieces have one to eight segments each: second order, whole elements alone."""
     path = Path(__file__).parents[3] / "examples" / "tapered-biglide" / "robot.toml"
     study = convergence(load_robot(path).mechanism, body=body)
@@ -280,7 +280,7 @@ def test_stepped_part_converges_with_second_order(body):
     assert [one.discretisation.layout for one in study.series] == ["half", "half"]
 
 
-def test_fitted_order_is_the_slope_of_a_power_law():
+def test_fitted_order_is_power_law_slope():
     """e = 3 n^−p, and the same with the sign turned at one count, which has no order."""
     counts = np.array([5, 10, 20, 40])
     errors = 3.0 * counts[:, None] ** -np.array([1.0, 2.0, 4.0])
@@ -291,7 +291,7 @@ def test_fitted_order_is_the_slope_of_a_power_law():
     assert np.isnan(fitted_orders(counts[:2], errors[2:], np.zeros(3))).all()
 
 
-def test_order_by_regression_over_three_finest_counts():
+def test_order_is_fitted_to_three_finest_counts():
     """The slope over the three finest, by scipy: coarser counts do not bend it."""
     counts = np.array([5, 8, 10, 20, 40])
     errors = 1.0 * counts**-2.0 + 20.0 * counts**-4.0
@@ -300,7 +300,7 @@ def test_order_by_regression_over_three_finest_counts():
     assert order == pytest.approx(-slope, rel=1e-12)
 
 
-def test_half_width_without_order_is_threefold_error():
+def test_half_width_without_order_is_tripled():
     """Three times the largest error of this and every finer count, plus that of the limit."""
     series = ConvergenceSeries(
         discretisation=Discretisation("segments"),
@@ -315,7 +315,7 @@ def test_half_width_without_order_is_threefold_error():
     np.testing.assert_allclose(series.half_widths[1:, 0], [0.0061, 0.0061], rtol=1e-6)
 
 
-def test_half_width_with_order_follows_from_two_counts():
+def test_half_width_by_order_uses_two_counts():
     """e = n^−2, f∞ = 1: steps over (n/m)² − 1 are e(n), F = 3 until two orders are seen."""
     counts = (10, 20, 40, 80)
     errors = np.array(counts, dtype=float)[:, None] ** -2.0
@@ -364,7 +364,7 @@ moves = []
 """
 
 
-def test_deflection_of_zero_is_exact(tmp_path):
+def test_zero_deflection_is_exact(tmp_path):
     """Along x and y the slide holds the tool: no error; along z the rod gives L/EA."""
     study = convergence(robot_of(GUIDED, tmp_path).mechanism)
     across = [study.column("x"), study.column("y")]
@@ -378,6 +378,6 @@ def test_deflection_of_zero_is_exact(tmp_path):
     assert beam == pytest.approx(1.0 / (2.1e11 * np.pi * 0.005**2 + 1.0), rel=1e-9)
 
 
-def test_error_from_a_reference_of_zero_is_infinite():
+def test_error_relative_to_zero_is_infinite():
     errors = relative_errors(np.array([[0.0, 1e-9, 2.0]]), np.array([0.0, 0.0, 1.0]))
     np.testing.assert_array_equal(errors, [[0.0, np.inf, 1.0]])

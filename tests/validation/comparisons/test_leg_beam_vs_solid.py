@@ -37,7 +37,7 @@ def outcome_of(identifier):
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
-def test_torsion_differs_by_held_end_faces_alone(model):
+def test_leg_torsion_differs_by_held_faces_only(model):
     """Leg 2 as a solid is 18 % stiffer in torsion, its warping held: less than 0.1 % is left."""
     outcome = outcome_of(f"leg2.agrees[{model}-solid-φx]")
     measurement = outcome.measurement
@@ -59,7 +59,7 @@ def test_bending_without_shear_disagrees(monkeypatch):
     assert measurement.reference / measurement.value - 1.0 == pytest.approx(0.175, abs=0.01)
 
 
-def test_literal_layout_disagrees(monkeypatch):
+def test_literal_layout_disagrees_with_solid(monkeypatch):
     """Segments as §3.2 reads are 7.3 % too stiff along y with 20 elements."""
     monkeypatch.setattr(
         leg_beam_vs_solid, "_OPTIONS", ModelOptions(legs="equivalent", layout="literal")
@@ -70,14 +70,14 @@ def test_literal_layout_disagrees(monkeypatch):
     assert share == pytest.approx(-0.073, abs=1e-3)
 
 
-def test_computed_constants_of_rectangle_match_formula():
+def test_rectangle_constants_match_formula():
     """A solid rectangle without contraction: the section's finite elements agree to 0.1 %."""
     outcome = outcome_of("leg1.agrees[vjm-solid-y]")
     formula = next(one for one in outcome.measurement.allowances if one.cause == FORMULA)
     assert abs(formula.amount) < 1e-3 * outcome.measurement.reference
 
 
-def test_wrong_held_solid_is_not_explained(monkeypatch):
+def test_wrong_held_solid_stays_unexplained(monkeypatch):
     """Held faces change f1 of leg 1 by 0.001 %: 3 % more is no held face."""
     right = leg_beam_vs_solid.frequencies
 
@@ -125,11 +125,11 @@ def vjm_verdict(context, motion):
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
-def test_section_by_correct_formulas_agrees(steel_arm, motion):
+def test_correct_section_formula_agrees(steel_arm, motion):
     assert vjm_verdict(steel_arm[1], motion) == "agree"
 
 
-def test_quick_preset_compares_walls_on_one_mesh(steel_arm, monkeypatch):
+def test_quick_preset_uses_one_wall_mesh(steel_arm, monkeypatch):
     """Two section meshes of walls are too large for it: slices alone differ, and decide as well."""
     shape, context = steel_arm
     quick = Context(context.robot_file, "quick")
@@ -183,7 +183,7 @@ def torsion_of(folder, ends):
     return case.measure(Context(robot_of(text, folder), "quick"))
 
 
-def test_free_ends_of_the_file_hold_nothing(tmp_path):
+def test_free_ends_have_no_held_face_effect(tmp_path):
     free, unsaid = (torsion_of(tmp_path, ends) for ends in ('ends = "free"', ""))
     assert [one.amount for one in free.allowances if one.cause == HELD_FACES] == [0.0]
     (held,) = (one.amount for one in unsaid.allowances if one.cause == HELD_FACES)
@@ -210,7 +210,7 @@ def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
     )
 
 
-def test_table_has_values_and_unexplained_differences():
+def test_table_has_unexplained_differences():
     """Solid 2 and 4 nm/N; VJM 1.5 % off, 1.45 % of it by held faces."""
     outcomes = [
         agreeing("vjm", "x", 2.0e-9, 2.0e-9),
@@ -234,7 +234,7 @@ def test_table_has_values_and_unexplained_differences():
     assert first.causes == (("held end faces", ("", "+1.45\N{NO-BREAK SPACE}%")),)
 
 
-def test_sentence_has_largest_difference_and_verdicts():
+def test_sentence_has_largest_difference():
     good = [
         agreeing("vjm", "x", 2.001e-9, 2.0e-9),
         agreeing("vjm", "z", 4.06e-9, 4.0e-9, Allowance(HELD_FACES, 0.0599e-9)),
@@ -249,7 +249,7 @@ def test_sentence_has_largest_difference_and_verdicts():
     assert agreement_sentence([]) == ""
 
 
-def test_convergence_sentence_states_the_largest_error():
+def test_convergence_sentence_has_largest_error():
     outcomes = [
         measured(f"c{value}", value, 0.01, tolerance=Relative(0.5)) for value in (0.002, 0.007)
     ]
@@ -258,7 +258,7 @@ def test_convergence_sentence_states_the_largest_error():
     assert convergence_sentence(outcomes) == ""
 
 
-def test_torsion_of_a_strip_is_not_compared(tmp_path):
+def test_thin_strip_torsion_is_skipped(tmp_path):
     """A leaf of 0.5 by 20 mm: cells 20 times as long as thick leave 0.5 % of J open."""
     leaf = '{ shape = "rectangle", width = 0.0005, height = 0.02 }'
     text = SOUND.replace(HOLLOW, leaf)

@@ -41,7 +41,7 @@ def outcome(identifier):
     return next(one for one in outcomes() if one.case.id == identifier)
 
 
-def test_all_mesh_cases_of_a_leg_agree():
+def test_mesh_cases_of_leg_agree():
     assert {one.case.id for one in outcomes()} == {
         "refinement.leg1.solid.order[c22]",
         "refinement.leg1.solid.order[c44]",
@@ -54,7 +54,7 @@ def test_all_mesh_cases_of_a_leg_agree():
     assert {one.verdict for one in outcomes()} == {"agree"}
 
 
-def test_limits_are_those_of_the_cantilever():
+def test_mesh_limits_equal_cantilever():
     """f1 = 114.518 Hz (Huang 1961) with ends free; a wave of 3-D elasticity changes 1e-5 of it."""
     study = outcome("leg1.converged[solid-free-f1]").measurement.studies[0]
     name = "hexahedra, free ends"
@@ -63,7 +63,7 @@ def test_limits_are_those_of_the_cantilever():
     assert study.x == (585.0, 3375.0)
 
 
-def test_tetrahedra_and_hexahedra_have_one_frequency():
+def test_tetrahedra_match_hexahedra():
     """Unstructured quadratic tetrahedra are above the limit, two across within 0.1 % of it."""
     leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
     for modes in tetrahedral_modes(leg).values():
@@ -83,7 +83,7 @@ def random_leg(seed):
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_random_solids_converge_as_their_theory(seed):
+def test_random_solids_have_theoretical_order(seed):
     """Free ends: h⁴ in bending; held ends: the order of their edges. From one element across on.
 
     Each half-width from two meshes on contains the next finer mesh; for (1, 2) and (2, 4) that is a
@@ -101,7 +101,7 @@ def test_random_solids_converge_as_their_theory(seed):
             assert (half_width_shares(refinement) <= 1.0).all()
 
 
-def test_half_width_too_narrow_is_noticed():
+def test_too_narrow_half_width_disagrees():
     """Order 1 taken for order 4: 3/15 of a step is less than the next step, a half of it."""
     divisions = (1, 2, 4)
     values = np.multiply.outer(1.0 + 1.0 / np.array(divisions), np.eye(6))
@@ -109,7 +109,7 @@ def test_half_width_too_narrow_is_noticed():
     assert half_width_shares(Refinement(divisions, values, 1.0)).max() <= 1.0
 
 
-def test_caption_names_the_command_for_missing_orders():
+def test_caption_names_command_for_orders():
     """The quick preset has two meshes for f1, from which no order follows."""
     (family,) = families(outcomes())
     command = (
@@ -122,7 +122,7 @@ def test_caption_names_the_command_for_missing_orders():
     assert "flexproof converge" not in mesh_curves(doubled).caption
 
 
-def test_figure_shows_errors_orders_and_costs():
+def test_mesh_figure_has_errors_orders_and_cost():
     """Panels, curves and data of the figure by a second reading of the cases."""
     (family,) = families(outcomes())
     shown = mesh_curves(family.studies)
@@ -159,7 +159,7 @@ def test_figure_shows_errors_orders_and_costs():
             assert name not in study.orders
 
 
-def test_times_stay_out_of_verdicts():
+def test_cpu_times_do_not_affect_verdicts():
     """Measurements with other CPU times have equal values and verdicts."""
     first = outcome("leg1.converged[tetrahedra-free-f1]")
     leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])

@@ -18,7 +18,7 @@ def study():
     return leg_mesh_convergence("", "leg", LEG, divisions=(1, 2, 3, 4))
 
 
-def test_solid_limit_is_the_timoshenko_cantilever(study):
+def test_solid_limit_is_timoshenko_cantilever(study):
     """ν = 0 and ends free to warp: beam theory is exact in bending and tension."""
     series = next(one for one in study.series if one.discretisation.ends == "free")
     expected = np.diag(tip_compliance(LEG.timoshenko, LEG.length))[:3]
@@ -28,7 +28,7 @@ def test_solid_limit_is_the_timoshenko_cantilever(study):
     assert (series.limit_half_widths[4:] < 1e-3).all()
 
 
-def test_needed_divisions_are_the_smallest_sufficient(study):
+def test_needed_divisions_are_smallest(study):
     """Of the meshes that were computed; 0 if the finest misses the target."""
     found = set()
     for series in study.series:
@@ -45,13 +45,13 @@ def test_needed_divisions_are_the_smallest_sufficient(study):
     assert len(found) >= 3
 
 
-def test_half_width_contains_mesh_twice_as_fine():
+def test_half_width_contains_doubled_mesh():
     coarse = leg_mesh_convergence("", "leg", LEG, [FREE], (1, 2)).series[0]
     fine = leg_mesh_convergence("", "leg", LEG, [FREE], (2, 4)).series[0]
     assert (np.abs(fine.values[-1] / coarse.values[-1] - 1.0) <= coarse.half_widths[-1]).all()
 
 
-def test_orders_are_near_the_formal_one(study):
+def test_observed_orders_are_near_formal(study):
     """Quadratic elements without edges that hold contraction (ν = 0): energies of fourth order."""
     for series in study.series:
         assert series.formal_order == pytest.approx(4.0)
@@ -76,6 +76,6 @@ def test_random_free_legs_have_fourth_order(seed):
     assert orders[[0, 1, 5, 6]] == pytest.approx(4.0, abs=0.15)
 
 
-def test_one_mesh_is_refused():
+def test_single_mesh_is_refused():
     with pytest.raises(InputError, match="two or more different"):
         leg_mesh_convergence("", "leg", LEG, divisions=(3, 3))

@@ -45,7 +45,7 @@ def bar(tmp_path_factory):
     return Body("bar", Part(file, Material.isotropic(E, 0.0, RHO), ends, None), points)
 
 
-def test_bar_has_the_values_of_the_cantilever(bar):
+def test_cad_bar_equals_cantilever(bar):
     solid, stepped = solid_values(bar).values, stepped_values(bar, Discretisation("beam"))
     speed = np.sqrt(E * SECOND_MOMENT / (RHO * AREA)) / LENGTH**2 / (2.0 * np.pi)
     for values in (solid, stepped):
@@ -57,7 +57,7 @@ def test_bar_has_the_values_of_the_cantilever(bar):
         assert values[AT["f1"]] == pytest.approx(3.5160 * speed, rel=5e-3)
 
 
-def test_condensed_bar_equals_one_consistent_element(bar):
+def test_condensed_bar_equals_one_beam_element(bar):
     solid, condensed = solid_values(bar).values, condensed_values(bar)
     shares = condensed / solid - 1.0
     np.testing.assert_allclose(shares[: AT["f1"]], 0.0, atol=1e-6)
@@ -76,7 +76,7 @@ def outcomes_of(path):
     ]
 
 
-def test_table_of_part_has_no_verdicts(tmp_path):
+def test_part_table_has_no_verdicts(tmp_path):
     (outcome,) = outcomes_of(write_crane(tmp_path))
     assert outcome.verdict == "agree"
     (table,) = agreement_tables([outcome])
@@ -105,7 +105,7 @@ def test_table_of_part_has_no_verdicts(tmp_path):
     assert sentence.startswith(start)
 
 
-def test_condensed_frequency_below_the_solid_disagrees(tmp_path, monkeypatch):
+def test_condensed_part_below_solid_disagrees(tmp_path, monkeypatch):
     """A condensed part with 2 % more mass than its solid: f1 and f2 are 0.3 % above it else."""
     right = part_models_vs_solid.condensed_values
     monkeypatch.setattr(
@@ -115,7 +115,7 @@ def test_condensed_frequency_below_the_solid_disagrees(tmp_path, monkeypatch):
     assert outcome.verdict == "disagree"
 
 
-def test_unsteppable_part_has_only_condensed_values(tmp_path):
+def test_unsteppable_part_is_condensed_only(tmp_path):
     write_overlapping_crane(tmp_path)
     (outcome,) = outcomes_of(tmp_path / "robot.toml")
     (table,) = agreement_tables([outcome])

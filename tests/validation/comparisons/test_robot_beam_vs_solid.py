@@ -43,7 +43,7 @@ def shares(outcome):
     return {one.cause: one.amount / measurement.reference for one in measurement.allowances}
 
 
-def test_ids_are_those_of_the_interface():
+def test_robot_case_ids_are_stable():
     assert len(BY_ID) == 4 * 6 + 2 * 4
     assert "robot.agrees[beam-solid-f1]" in BY_ID
     assert "robot.agrees[vjm-solid-φz]" in BY_ID
@@ -51,7 +51,7 @@ def test_ids_are_those_of_the_interface():
 
 
 @pytest.mark.parametrize("model", ["segments", "beam"])
-def test_first_frequency_of_the_biglide_agrees(model):
+def test_biglide_f1_agrees_with_solid_legs(model):
     """f1 = 112.396 Hz at x = 0.4975 m by beams, 0.5 % below the robot on held solid legs."""
     outcome = outcome_of("ifw", f"robot.agrees[{model}-solid-f1]")
     measurement = outcome.measurement
@@ -67,7 +67,7 @@ def test_first_frequency_of_the_biglide_agrees(model):
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
 @pytest.mark.parametrize("motion", ["x", "z", "φx", "φz"])
-def test_motion_of_biglide_differs_by_held_faces_only(model, motion):
+def test_biglide_differs_by_held_faces_only(model, motion):
     """Held warping of the legs makes the robot 2.9 % stiffer about x, not stiffer along x."""
     outcome = outcome_of("ifw", f"robot.agrees[{model}-solid-{motion}]")
     measurement = outcome.measurement
@@ -78,7 +78,7 @@ def test_motion_of_biglide_differs_by_held_faces_only(model, motion):
     assert shares(outcome)[FORMULA] == pytest.approx(0.0, abs=1e-4)
 
 
-def test_frequencies_of_thin_walled_legs_agree():
+def test_thin_walled_frequencies_agree():
     """Boxes of the five-bar: textbook torsion constants are 1.4 % of f3, held faces 0.6 %."""
     outcome = outcome_of("five-bar", "robot.agrees[beam-solid-f3]")
     assert outcome.verdict == "agree"
@@ -89,7 +89,7 @@ def test_frequencies_of_thin_walled_legs_agree():
     assert shares(fourth)[DISTORTION] == pytest.approx(0.0007, abs=1e-4)
 
 
-def test_branching_robot_is_skipped_by_vjm_alone():
+def test_branching_robot_skips_only_vjm():
     with pytest.raises(Skip, match="serial chains"):
         BY_ID["robot.agrees[vjm-solid-x]"].measure(context_of("delta"))
     assert outcome_of("delta", "robot.agrees[links-solid-x]").verdict == "agree"
@@ -103,7 +103,7 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-def test_wrong_model_of_the_legs_disagrees(monkeypatch, mistake):
+def test_wrong_leg_model_disagrees(monkeypatch, mistake):
     options, name = MISTAKES[mistake]
     monkeypatch.setattr(robot_beam_vs_solid, "DEFAULT_OPTIONS", options)
     context = Context(load_robot("ifw"), "quick")
@@ -126,7 +126,7 @@ def changed(context, function, change):
 
 
 @pytest.mark.parametrize("field", ["specified_ends", "computed"])
-def test_wrong_ingredient_is_not_explained(field):
+def test_wrong_input_stays_unexplained(field):
     """3 % off in one of the frequencies that the named differences are made of."""
     outcome_of("ifw", "robot.agrees[beam-solid-f2]")
 
@@ -138,7 +138,7 @@ def test_wrong_ingredient_is_not_explained(field):
     assert judge(case, case.measure(context), 0.0).verdict == "disagree"
 
 
-def test_other_pose_in_the_model_disagrees(monkeypatch):
+def test_model_at_other_pose_disagrees(monkeypatch):
     """Solid legs in the middle of the path, the judged model at its end."""
     robot_file = load_robot("ifw")
     end = replace(robot_file.mechanism, poses=robot_file.mechanism.poses[:1])
@@ -159,7 +159,7 @@ def elsewhere_named(function):
     return function
 
 
-def test_robot_of_cad_parts_is_skipped_with_reason(tmp_path):
+def test_cad_part_robot_is_skipped_with_reason(tmp_path):
     write_crane(tmp_path)
     context = Context(load_robot(tmp_path / "robot.toml"), "quick")
     for case in BY_ID.values():

@@ -55,7 +55,7 @@ def shell(line, **environment):
         ("LC_ALL=C.UTF-8 flexproof faces µ-é-中-α", 2, "µ-é-中-α: not a part"),
     ],
 )
-def test_unusual_stream_gives_exit_code_and_one_line(line, code, message):
+def test_unusual_stream_gives_one_line(line, code, message):
     done = shell(line)
     assert done.returncode == code, done.stderr
     assert done.stdout.isascii()
@@ -63,7 +63,7 @@ def test_unusual_stream_gives_exit_code_and_one_line(line, code, message):
     assert len(done.stderr.splitlines()) == bool(message)
 
 
-def test_missing_characters_of_encoding_are_replaced():
+def test_unencodable_characters_are_replaced():
     streams.prepare()
     text = "µ − ′ “” × · ± ≤ ≥ → ø § √ ∫ ° Φ ² é 中"
     plain = 'u - \' "" x * +- <= >= -> o section  sqrt  integral   deg Phi 2 e \\u4e2d'
@@ -79,7 +79,7 @@ def test_refused_run_writes_nothing_to_home(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_relative_home_is_replaced_by_temporary_folder(monkeypatch):
+def test_relative_home_uses_temporary_folder(monkeypatch):
     """Files that libraries write to the home folder are deleted at the end."""
     files = []
     monkeypatch.setattr(cli, "_run", lambda _: files.append(Path.home() / "x") or files[0].touch())
@@ -90,7 +90,7 @@ def test_relative_home_is_replaced_by_temporary_folder(monkeypatch):
     assert not files[0].parent.exists()
 
 
-def test_second_sigterm_during_message_has_no_effect():
+def test_second_sigterm_has_no_effect():
     program = """
 import os, signal
 from validation import cli
@@ -102,7 +102,7 @@ raise SystemExit(cli.main())
     assert (done.returncode, done.stderr) == (3, "flexproof: interrupted\n")
 
 
-def test_address_space_limit_bounds_available_memory(monkeypatch):
+def test_address_space_limit_is_respected(monkeypatch):
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     monkeypatch.setattr(resource, "getrlimit", lambda _: (used + 10**8, -1))
     assert 0.5e8 < available_memory() <= 1.1e8
@@ -131,7 +131,7 @@ def test_file_of_other_kind_is_not_replaced(words, tmp_path, command):
     assert robot.read_bytes() == content
 
 
-def test_missing_folders_are_made_if_permitted(tmp_path, capsys, monkeypatch):
+def test_missing_folders_are_created(tmp_path, capsys, monkeypatch):
     path = tmp_path / "new" / "deeper" / "table"
     require_writable(path, ".csv")
     assert not (tmp_path / "new").exists()
@@ -143,7 +143,7 @@ def test_missing_folders_are_made_if_permitted(tmp_path, capsys, monkeypatch):
         require_writable(tmp_path / "table", ".csv")
 
 
-def test_results_are_printed_if_file_cannot_be_written(tmp_path, capsys, command):
+def test_results_are_printed_if_write_fails(tmp_path, capsys, command):
     # No file can be made there, which cannot be detected in advance.
     assert cli.main([*TABLE, "/proc/none/table"]) == 2
     printed = capsys.readouterr()
@@ -171,7 +171,7 @@ def test_deleted_working_folder_gives_one_line(words, tmp_path):
 
 
 @pytest.mark.parametrize("module", ["cyclopts", "fem.machine", "validation.export.command"])
-def test_interrupt_while_modules_load_is_one_line(module):
+def test_interrupt_during_import_is_one_line(module):
     """The signal arrives within the first third of a second."""
     program = f"""
 import os, signal, sys
@@ -193,7 +193,7 @@ EXPORT = ("export", "five-bar", "--to", "npz", "--out")
 @pytest.mark.parametrize(
     ("words", "name"), [(TABLE, "table.csv"), (EXPORT, "robot.npz")], ids=["table", "export"]
 )
-def test_full_disk_ends_with_3_and_nothing_written(words, name, tmp_path, monkeypatch, capsys):
+def test_full_disk_exits_with_3_without_files(words, name, tmp_path, monkeypatch, capsys):
     """A full disk is not a wrong input, which would have exit code 2."""
     monkeypatch.setattr("meshes.processes.in_own_process", lambda *_: b"content")
     monkeypatch.setattr(os, "fsync", refusing(errno.ENOSPC))
@@ -213,7 +213,7 @@ def test_full_disk_leaves_no_incomplete_template(tmp_path):
     assert not path.exists()
 
 
-def test_link_is_replaced_and_its_target_stays(tmp_path):
+def test_output_link_is_replaced_not_followed(tmp_path):
     foreign, link = tmp_path / "foreign.csv", tmp_path / "link.csv"
     foreign.write_bytes(b"mine")
     link.symlink_to(foreign)

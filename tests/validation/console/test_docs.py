@@ -53,7 +53,7 @@ def site(tmp_path_factory):
 
 
 @pytest.mark.exhaustive
-def test_site_has_a_page_for_each_page_of_the_guide(site):
+def test_site_has_every_guide_page(site):
     folder, pages = site
     guide = {file.stem for file in (docs.SOURCES / "guide").glob("*.md")}
     assert {page.stem for page in pages if page.parent == folder / "guide"} == guide
@@ -69,7 +69,7 @@ def test_site_loads_nothing_from_the_network(site):
 
 
 @pytest.mark.exhaustive
-def test_links_of_the_site_lead_to_files_and_anchors(site):
+def test_site_links_are_valid(site):
     _, pages = site
     checked = 0
     for file, page in pages.items():
@@ -99,7 +99,7 @@ def test_external_links_are_complete_addresses(site):
 
 
 @pytest.mark.exhaustive
-def test_gallery_shows_a_picture_of_each_example(site):
+def test_gallery_has_picture_of_each_example(site):
     folder, pages = site
     scripts = {path.stem for path in (ROOT / "examples/gallery").glob("plot_*.py")}
     thumbnails = pages[folder / "gallery" / "index.html"].loaded
@@ -155,7 +155,7 @@ def found_pages(folder, words, tmp_path):
 @pytest.mark.exhaustive
 @needs_browser
 @pytest.mark.parametrize("question", QUESTIONS)
-def test_search_answers_question_of_newcomer(site, question, tmp_path):
+def test_search_finds_newcomer_questions(site, question, tmp_path):
     """One search in a browser, from files and without a network, and one page."""
     folder, _ = site
     words, page, answer = QUESTIONS[question]
@@ -175,18 +175,18 @@ def test_search_answers_question_of_newcomer(site, question, tmp_path):
         ("dictionary robot", "gallery/plot_04_five_bar.html"),
     ],
 )
-def test_search_finds_page_of_subject(site, words, page, tmp_path):
+def test_search_finds_subject_pages(site, words, page, tmp_path):
     folder, _ = site
     assert page in found_pages(folder, words, tmp_path)
 
 
-def test_folder_of_another_kind_is_refused(command, tmp_path):
+def test_foreign_output_folder_is_refused(command, tmp_path):
     (tmp_path / "notes.txt").write_text("mine", "utf-8")
     assert "is not an earlier site" in command.refused("docs", "--out", str(tmp_path))
     assert [file.name for file in tmp_path.iterdir()] == ["notes.txt"]
 
 
-def test_earlier_site_is_not_refused(tmp_path, monkeypatch):
+def test_earlier_site_is_replaced(tmp_path, monkeypatch):
     (tmp_path / MARK).write_text("", "utf-8")
     calls = []
     monkeypatch.setattr("sphinx.cmd.build.build_main", lambda options: calls.append(options) or 0)

@@ -62,7 +62,7 @@ def test_missing_packages_include_dependencies(packages):
 
 @pytest.mark.usefixtures("packages")
 @pytest.mark.parametrize("name", ["fourth", "windows"])
-def test_package_that_the_lock_lacks_is_named(name):
+def test_package_missing_in_lock_is_named(name):
     with pytest.raises(ComputationError, match=f"no version of {name} for this machine in req"):
         missing(name)
 
@@ -142,7 +142,7 @@ def test_extras_are_listed_and_names_checked(command, monkeypatch):
         ),
     ],
 )
-def test_missing_extra_is_reported_before_computation(module, words, message, command, monkeypatch):
+def test_missing_extra_is_reported_first(module, words, message, command, monkeypatch):
     """The robot file, which does not exist, is not read either."""
     monkeypatch.setitem(sys.modules, module, None)
     assert message in command.refused(*words)

@@ -67,7 +67,7 @@ def extras_lines(log):
     return [line for line in log if "validation.console.locked" in line]
 
 
-def test_first_set_up_installs_no_extras(start):
+def test_first_setup_installs_no_extras(start):
     log = start("check", "ifw")
     assert start.stdout == "runs check ifw\n"
     assert any("--require-hashes --requirement" in line for line in log)
@@ -78,7 +78,7 @@ def test_first_set_up_installs_no_extras(start):
 
 
 @pytest.mark.parametrize("again", ["new-recipe", "unfinished", "broken-environment"])
-def test_later_set_up_installs_extras_again(start, again):
+def test_later_setup_reinstalls_extras(start, again):
     start("check", "ifw")
     environment = start.root / ".venv"
     (environment / NOTE).write_text("hammer\nnastran\n")
@@ -97,7 +97,7 @@ def test_later_set_up_installs_extras_again(start, again):
     assert start("check", "ifw") == []
 
 
-def test_failed_extras_are_installed_at_next_start(start):
+def test_failed_extras_are_retried_at_start(start):
     start("check", "ifw")
     (start.root / ".venv" / NOTE).write_text("hammer\n")
     (start.root / "requirements.lock").write_text("other packages")
@@ -109,6 +109,6 @@ def test_failed_extras_are_installed_at_next_start(start):
     assert start.stdout == "runs check ifw\n"
 
 
-def test_extras_command_goes_to_the_program(start):
+def test_extras_command_is_passed_on(start):
     start("extras", "hammer")
     assert start.stdout == "runs extras hammer\n"

@@ -58,14 +58,14 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_mark_does_not_change_the_content_read(kind):
+def test_author_mark_keeps_file_content(kind):
     content, read = KINDS[kind]
     assert with_mark(content, kind) != content
     assert read(with_mark(content, kind)) == read(content)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_mark_is_valid_for_unchanged_file_only(kind, tmp_path):
+def test_author_mark_detects_changed_file(kind, tmp_path):
     content, path = KINDS[kind][0], tmp_path / f"own{kind}"
     result = with_mark(content, kind)
     path.write_bytes(result)
@@ -115,7 +115,7 @@ WRITTEN = {
 
 
 @pytest.mark.parametrize("name", WRITTEN)
-def test_command_replaces_only_its_own_result(name, folder, command):
+def test_command_replaces_only_own_results(name, folder, command):
     path, words = folder / name, WRITTEN[name]
     path.write_bytes(FOREIGN)
     message = command.refused(*words)
@@ -135,7 +135,7 @@ def test_command_replaces_only_its_own_result(name, folder, command):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_own_result_is_replaced_under_any_name(kind, folder):
+def test_own_result_is_replaced_if_renamed(kind, folder):
     """`identify --out matrices` refused to replace its own file, as if it were a foreign one."""
     path, (content, _) = folder / "matrices", KINDS[kind]
     for _ in range(2):
@@ -164,7 +164,7 @@ def test_own_result_is_replaced_under_any_name(kind, folder):
         (ROBOT, ("new", ROBOT)),
     ],
 )
-def test_no_command_replaces_a_foreign_file(name, words, folder, command):
+def test_foreign_file_is_never_replaced(name, words, folder, command):
     """The refusal comes before the computation, which would fail for these robots and parts."""
     path = folder / name
     path.write_bytes(FOREIGN)

@@ -68,7 +68,7 @@ def test_wrong_ranks_are_refused(command, monkeypatch):
     assert 'FLEXPROOF_RANKS = "two": must be a whole number' in command.refused(*SOLVE)
 
 
-def test_petsc_that_is_missing_is_refused(command, monkeypatch):
+def test_missing_petsc_is_refused(command, monkeypatch):
     monkeypatch.setenv("FLEXPROOF_PETSC_PYTHON", "/nowhere/python")
     assert command.refused(*SOLVE, "--solver", "petsc") == (
         "flexproof: solver petsc: /nowhere/python does not exist; install the Debian packages "
@@ -77,7 +77,7 @@ def test_petsc_that_is_missing_is_refused(command, monkeypatch):
     )
 
 
-def test_petsc_solves_as_rslab(command, monkeypatch):
+def test_petsc_equals_rslab(command, monkeypatch):
     require_petsc()
     words = ("solve", "five-bar", "--model", "solid", "--modes", "3", "--json")
     expected = json.loads(command.told(*words, "--solver", "rslab"))
@@ -94,7 +94,7 @@ def test_petsc_solves_as_rslab(command, monkeypatch):
     assert versions()["linear solver"].startswith("PETSc 3.")
 
 
-def test_option_overrules_variable_for_one_command(command, monkeypatch):
+def test_solver_option_overrides_variable(command, monkeypatch):
     monkeypatch.setenv(VARIABLE, "pardiso")
     command.told(*SOLVE, "--solver", "rslab")
     assert os.environ[VARIABLE] == "pardiso"
@@ -103,7 +103,7 @@ def test_option_overrules_variable_for_one_command(command, monkeypatch):
     assert VARIABLE not in os.environ
 
 
-def test_request_reaches_processes(monkeypatch):
+def test_solver_request_reaches_workers(monkeypatch):
     monkeypatch.setenv(VARIABLE, "rslab")
     assert in_own_process(requested_solver) is Solver.RSLAB
     with on_cores(1) as cores:
@@ -120,7 +120,7 @@ class OneWorker:
             return {"tcp://worker:1": error}
 
 
-def test_worker_of_cluster_takes_request_over(monkeypatch):
+def test_solver_request_reaches_cluster(monkeypatch):
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(RANKS_VARIABLE, "2")
     request = request_variables()
@@ -141,13 +141,13 @@ def warn_of_fallback():
     return 1
 
 
-def test_solver_warning_of_process_is_repeated():
+def test_worker_solver_warning_is_repeated():
     with pytest.warns(SolverFallbackWarning, match="graphics card: lost") as caught:
         assert in_own_process(warn_of_fallback) == 1
     assert len(caught) == 1
 
 
-def test_solver_warnings_are_one_line_of_command(command, monkeypatch, capsys):
+def test_solver_warnings_are_merged_in_one_line(command, monkeypatch, capsys):
     """Three equal warnings give one line. Results and exit code are unchanged."""
     plain = command.told(*SOLVE)
     monkeypatch.setattr(
@@ -169,7 +169,7 @@ def test_version_and_provenance_name_the_solver(command, monkeypatch):
         assert versions()["linear solver"].startswith(expected)
 
 
-def test_cache_keys_depend_on_request(monkeypatch):
+def test_cache_keys_depend_on_solver(monkeypatch):
     keys = set()
     for request, ranks in (("auto", 1), ("rslab", 1), ("cudss", 1), ("petsc", 1), ("petsc", 2)):
         monkeypatch.setenv(VARIABLE, request)

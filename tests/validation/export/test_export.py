@@ -56,7 +56,7 @@ def folder(tmp_path_factory):
     return path
 
 
-def test_files_are_readable_equal_legs_written_once(folder):
+def test_equal_legs_are_exported_once(folder):
     assert_read_back(folder)
     solids = {path.name for path in folder.glob("*_solid.vtu")}
     assert solids == {"mechanism_solid.vtu", "rod1l_solid.vtu"}
@@ -67,7 +67,7 @@ def test_files_are_readable_equal_legs_written_once(folder):
     assert (deck.count("*STEP\n"), deck.count("*FREQUENCY\n"), deck.count("*CLOAD")) == (7, 1, 6)
 
 
-def test_solid_tip_displacement_matches_compliance(folder):
+def test_exported_tip_displacement_is_compliance(folder):
     mesh = read_vtk(folder / "mechanism_solid.vtu")
     assert mesh.bounds[1] == pytest.approx(LEG.length, rel=1e-12)
     assert mesh.volume == pytest.approx(LEG.section.area * LEG.length, rel=1e-9)
@@ -109,7 +109,7 @@ def test_leg_matrices_give_compliance_and_frequency(folder):
     assert [first, written] == pytest.approx(2 * [clamped_modes(leg, 1).frequencies[0]], rel=1e-6)
 
 
-def test_rod_ends_move_with_the_rigid_platform(folder):
+def test_exported_rod_ends_follow_platform(folder):
     """The motions of the joints on a rigid platform belong to one twist, that of the tool."""
     posture = postures_of(MECHANISM, MECHANISM.poses[4:5])[0]
     (expected,) = answers("beam", [posture], 6)
@@ -212,7 +212,7 @@ def crank():
 
 
 @pytest.mark.exhaustive
-def test_calculix_reads_the_deck(folder, tmp_path):
+def test_calculix_solves_exported_deck(folder, tmp_path):
     try:
         program = calculix_program()
     except CalculixMissing as missing:
@@ -227,7 +227,7 @@ def test_calculix_reads_the_deck(folder, tmp_path):
     assert "*ERROR" not in done.stdout
 
 
-def test_state_space_matches_solid_modes_and_statics(robot):
+def test_state_space_has_solid_modes_and_statics(robot):
     arrays = np.load(BytesIO(as_statespace(robot, ".npz")))
     A, B, C, D = (arrays[name] for name in "ABCD")
     (solid,) = mechanism_modes("solid", [reference_posture(FIVE_BAR)], COUNT, COARSE)
@@ -277,7 +277,7 @@ def test_drive_deflection_times_stiffness_is_torque(robot):
     assert np.allclose(joint.drive.stiffness * deflections, torques[0], rtol=1e-6)
 
 
-def test_frequency_bounds_cover_a_finer_reduction(crank):
+def test_frequency_bounds_cover_finer_reduction(crank):
     finer = reduced_body(FIVE_BAR, "crank1", 4000.0)
     count = len(crank.frequencies)
     assert count >= 2
@@ -327,7 +327,7 @@ def test_exudyn_script_prints_the_frequencies(robot, tmp_path):
 
 
 @pytest.mark.exhaustive
-def test_export_has_all_modes_if_there_are_few(tmp_path, monkeypatch, command):
+def test_export_of_few_modes_has_all(tmp_path, monkeypatch, command):
     """The gantry has three modes. The default is twenty."""
     monkeypatch.chdir(tmp_path)
     Path("gantry.toml").write_text(GANTRY)
@@ -339,7 +339,7 @@ def test_export_has_all_modes_if_there_are_few(tmp_path, monkeypatch, command):
     assert "stiffness" in loadmat("arm.arm.mat")
 
 
-def test_time_estimate_counts_different_solids(tmp_path, monkeypatch, command):
+def test_time_estimate_counts_distinct_solids(tmp_path, monkeypatch, command):
     """The cranks are equal, and so are the rods. Legs known by their 6×6 have no solids."""
     seconds = []
     monkeypatch.setattr(

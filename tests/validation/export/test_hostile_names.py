@@ -53,7 +53,7 @@ def reduced():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_script_runs_the_same_under_any_name(name, reduced):
+def test_script_runs_for_any_robot_name(name, reduced):
     script = as_exudyn(replace(reduced, name=name))
     # ast.parse decodes bytes as Python decodes a file, with the declared encoding.
     assert ast.dump(ast.parse(script)) == ast.dump(ast.parse(as_exudyn(reduced)))
@@ -82,7 +82,7 @@ def body():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_deck_has_the_same_cards_under_any_name(name, body):
+def test_deck_cards_are_independent_of_name(name, body):
     pytest.importorskip("pyyeti.nastran", reason="pyyeti is not installed")
 
     def cards(content):
@@ -93,7 +93,7 @@ def test_deck_has_the_same_cards_under_any_name(name, body):
     assert cards(deck) == cards(as_nastran(body))
 
 
-def test_deck_has_exactly_one_point_for_each_unknown(body):
+def test_deck_has_one_point_per_unknown(body):
     """A scalar point in no matrix would be a free motion without mass: a singular system."""
     nastran = pytest.importorskip("pyyeti.nastran", reason="pyyeti is not installed")
     text = as_nastran(body).decode()
@@ -113,7 +113,7 @@ def test_deck_has_exactly_one_point_for_each_unknown(body):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_arrays_hold_any_name_without_pickle(name, reduced):
+def test_npz_has_any_name_without_pickle(name, reduced):
     named = replace(reduced, name=name)
     arrays = np.load(io.BytesIO(as_npz(named)), allow_pickle=False)
     assert str(arrays["about"]).startswith(f"{name}: ")
@@ -129,7 +129,7 @@ def test_name_with_control_characters_is_refused(sign, tmp_path):
         robot_of(GANTRY.replace('"gantry"', f'"gan{sign}try"'), tmp_path)
 
 
-def test_formulas_in_tables_are_texts():
+def test_spreadsheet_formulas_are_escaped():
     formulas = ("=1+2", "+A1", "-A1*2", "@SUM(A1)", "\t=1", " =1", "\uff1d1", "-1-1", "-cmd|' '!A")
     numbers = ("-0.3", "+1.5e-3", "-0.6 0.8 0", "0.1, -0.2", "-12 %", "", "vjm", "a=1", "x-y")
     columns = {"=HYPERLINK(A1)": [*formulas, *numbers, -1.5, None]}
@@ -139,7 +139,7 @@ def test_formulas_in_tables_are_texts():
     assert cells == [*(f"'{formula}" for formula in formulas), *numbers, "-1.5", ""]
 
 
-def test_names_of_faces_leave_json_valid(tmp_path, command):
+def test_face_names_keep_json_valid(tmp_path, command):
     part = read_part(ROCKER)
     named = replace(part.faces[0], name="\x85\x9b\u202e\U000e0001\"</script>'")
     part = replace(part, faces=(named, *part.faces[1:]))
@@ -176,7 +176,7 @@ class Elements(HTMLParser):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_page_has_the_same_elements_under_any_text(monkeypatch):
+def test_report_elements_are_text_independent(monkeypatch):
     def page(text):
         def with_text(record, *names):
             copy = msgspec.structs.replace if isinstance(record, msgspec.Struct) else replace

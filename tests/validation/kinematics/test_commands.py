@@ -42,14 +42,14 @@ def test_text_has_degrees_and_millimetres(robot, joint, pose, pose_text, factor,
     assert f"{factor * value:+.3f}{unit}" in joint_line
 
 
-def test_each_invalid_pose_has_a_message(capsys):
+def test_invalid_poses_have_messages(capsys):
     assert cli.main(["kinematics", "five-bar", "--pose", "1,2,3", "--pose", "a,b"]) == 2
     faults = capsys.readouterr().err.splitlines()
     assert len(faults) == 2
     assert "--pose 1,2,3: must be x,y as finite numbers separated by commas" in faults[0]
 
 
-def test_many_poses_write_an_estimate_of_their_time(monkeypatch, capsys):
+def test_many_poses_have_time_estimate(monkeypatch, capsys):
     monkeypatch.setattr("validation.kinematics.poses._SILENT_SECONDS", 0.0)
     assert cli.main(["kinematics", "five-bar", *["--pose=0,0.5"] * 11]) == 0
     assert capsys.readouterr().err.startswith("flexproof: 11 poses, about ")
@@ -58,7 +58,7 @@ def test_many_poses_write_an_estimate_of_their_time(monkeypatch, capsys):
 @pytest.mark.parametrize(
     "robot", ["biglide", "five-bar", "3-rrr", "delta", "orthoglide", "hexapod"]
 )
-def test_new_file_is_sound_and_not_overwritten(robot, tmp_path, command):
+def test_new_robot_file_is_not_overwritten(robot, tmp_path, command):
     path = tmp_path / "a\nforged.toml"
     (line,) = command.told("new", "--type", robot, path).splitlines()
     assert "a\\nforged.toml written" in line
@@ -70,7 +70,7 @@ def test_new_file_is_sound_and_not_overwritten(robot, tmp_path, command):
     assert path.read_text(encoding="utf-8") == content
 
 
-def test_picture_has_colours_of_legs_and_drives(tmp_path, command):
+def test_picture_has_leg_and_drive_colours(tmp_path, command):
     path = tmp_path / "robot.png"
     pose = ",".join(f"{value:g}" for value in load_robot("five-bar").mechanism.reference_pose)
     command.told("kinematics", "five-bar", f"--pose={pose}", "--picture", path)

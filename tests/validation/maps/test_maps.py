@@ -104,7 +104,7 @@ def test_worst_posture_lies_between_grid_points(bipod):
 GRID_OF_THREE = f"{GANTRY}path = {{ from = [0, 0, 0], to = [1.0, 2.0, 0.4], counts = [4, 5, 3] }}"
 
 
-def test_search_reaches_minimum_between_grid_points(tmp_path):
+def test_search_finds_minimum_between_points(tmp_path):
     """Two paraboloids in three directions. The deeper one has its minimum between grid points."""
     mechanism = robot_of(GRID_OF_THREE, tmp_path).mechanism
     space = workspace(mechanism, 100)
@@ -135,7 +135,7 @@ def test_search_reaches_minimum_between_grid_points(tmp_path):
 
 
 @pytest.mark.exhaustive
-def test_large_grid_of_three_directions_is_thinned(tmp_path, monkeypatch):
+def test_large_3d_grid_is_thinned(tmp_path, monkeypatch):
     monkeypatch.setitem(_MAX_POSES, "quick", 12)
     monkeypatch.setattr("validation.maps.workspace._EVALUATIONS", 4)
     figure = maps(Context(robot_of(GRID_OF_THREE, tmp_path), "quick"))
@@ -174,7 +174,7 @@ def test_grid_values_match_command_solve(five_bar, command):
     assert frequency["values"][2][1] == pytest.approx(result["frequencies"][0], rel=1e-5)
 
 
-def test_grid_errors_match_errors_of_verdicts(five_bar):
+def test_grid_errors_match_verdict_errors(five_bar):
     """The file has one reading: all ends are rigid."""
     context, figure = five_bar
     study, robot = studies_by_id(figure)["map.error"], robot_on_path(context)
@@ -189,7 +189,7 @@ def test_grid_errors_match_errors_of_verdicts(five_bar):
     np.testing.assert_allclose(100.0 * errors, mapped, rtol=1e-6)
 
 
-def test_mapped_error_is_largest_over_references():
+def test_mapped_error_is_largest_of_references():
     robot = load_robot("five-bar").mechanism
     compliances = tip_compliances(robot)
     softer = compliances | {"rod1": 1.1 * compliances["rod1"]}
@@ -200,7 +200,7 @@ def test_mapped_error_is_largest_over_references():
     np.testing.assert_allclose(_error(model, references, postures), errors, rtol=1e-9)
 
 
-def test_poses_out_of_reach_are_blank_and_counted(five_bar, tmp_path, command):
+def test_unreachable_poses_are_blank(five_bar, tmp_path, command):
     context, figure = five_bar
     study = studies_by_id(figure)["map.stiffness"]
     blank = np.equal(study["values"], None)
@@ -220,7 +220,7 @@ def test_poses_out_of_reach_are_blank_and_counted(five_bar, tmp_path, command):
         robot_of(far, tmp_path)
 
 
-def test_maps_are_planned_for_grids_only(five_bar):
+def test_only_grids_have_maps(five_bar):
     context, figure = five_bar
     planned = {task.id: task for task in catalogue(context.robot_file)}
     assert "mechanism.maps" not in {task.id for task in catalogue(load_robot("five-bar"))}
@@ -229,7 +229,7 @@ def test_maps_are_planned_for_grids_only(five_bar):
     assert run_record({}, (), (), [restored]).studies == figure.studies
 
 
-def test_star_is_in_slice_nearest_to_worst_posture():
+def test_star_is_in_slice_nearest_to_worst_pose():
     """Three directions, slices at z = 0, 1, 2, 3, worst posture at z = 2.2."""
     axes = (np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.arange(4.0))
     space = SimpleNamespace(axes=axes, moves=(0, 1, 2))

@@ -30,7 +30,7 @@ from validation.report.words import sentence
 LOAD = 1000.0
 
 
-def test_independent_parts_add_as_squares():
+def test_independent_uncertainties_add_as_squares():
     compared = Comparison(10.0, -8.0, 0.1, 0.2, 0.2)
     assert compared.error == pytest.approx(18.0 / 8.0)
     # 95 % of a standard uncertainty of 0.3.
@@ -38,14 +38,14 @@ def test_independent_parts_add_as_squares():
     assert compared.uncertainties["numerics"] == pytest.approx(0.1959964 / 8.0)
 
 
-def test_inputs_propagate_as_their_derivatives():
+def test_input_uncertainty_is_linear():
     # y = a·b² with relative uncertainties 1 % and 2 %: √(1² + (2·2)²) % to first order.
     found = propagated([(0.99, 1.01), (0.98**2, 1.02**2)])
     assert found == pytest.approx(hypot(0.01, 0.04))
     assert propagated([]) == 0.0
 
 
-def test_the_verdict_is_that_of_the_whole_interval():
+def test_measured_verdict_uses_whole_interval():
     for verdict, intervals in {
         "adequate": [(1.02, 0.001), (0.98, 0.001)],
         "inadequate": [(1.12, 0.001), (0.90, 0.001)],
@@ -55,7 +55,7 @@ def test_the_verdict_is_that_of_the_whole_interval():
             assert Comparison(value, 1.0, 0.0, 0.0, uncertainty).verdict(0.05) == verdict
 
 
-def test_measured_values_are_reference_of_own_entries():
+def test_measurements_are_own_references():
     robot_file = load_robot("biglide")
     robot = robot_file.mechanism
     (x,), (first,) = robot.reference_pose, robot.poses[0]
@@ -98,7 +98,7 @@ def test_measured_values_are_reference_of_own_entries():
     assert "leg1.c33" in sentence(more)
 
 
-def test_leg_entries_alone_have_a_chart():
+def test_measured_leg_entries_have_chart():
     """Of a robot whose poses have one coordinate, too, though entries of a leg have no pose."""
     biglide = load_robot("biglide")
     ones = tuple(
@@ -114,7 +114,7 @@ def test_leg_entries_alone_have_a_chart():
     assert chart_svg(chart)
 
 
-def test_value_without_solution_affects_one_entry(monkeypatch):
+def test_unsolved_value_affects_one_entry(monkeypatch):
     robot_file = load_robot("five-bar")
     robot = robot_file.mechanism
     first, last = (tuple(map(float, robot.poses[place])) for place in (0, -1))
@@ -145,7 +145,7 @@ def test_value_without_solution_affects_one_entry(monkeypatch):
     assert chart_svg(measured_curves(matrix))
 
 
-def test_error_of_the_program_costs_one_value_alone(monkeypatch, capsys):
+def test_program_error_affects_one_value(monkeypatch, capsys):
     robot_file = load_robot("five-bar")
     pose = tuple(map(float, robot_file.mechanism.poses[0]))
     ones = tuple(Measured(measured_quantity(axis), 1e-6, 1e-9, "gauge", pose) for axis in "xy")
@@ -172,7 +172,7 @@ def test_error_of_the_program_costs_one_value_alone(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("lacking", ["inputs", "elements"])
-def test_missing_value_of_changed_model_is_undecided(monkeypatch, tmp_path, lacking):
+def test_value_lost_by_changed_input_is_undecided(monkeypatch, tmp_path, lacking):
     """As zeros they were no uncertainty at all, or all of the value: adequate, or open by 67 %."""
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     predictions = Predictions.of(Context(robot_file, "quick"))
@@ -194,7 +194,7 @@ def test_missing_value_of_changed_model_is_undecided(monkeypatch, tmp_path, lack
     assert matrix.faults == ()
 
 
-def test_mode_far_above_measured_one_keeps_matrix(tmp_path):
+def test_mode_far_above_measured_keeps_matrix(tmp_path):
     """Along itself the arm is so stiff that its mode lies far above what a hammer excites."""
     robot_file = robot_of(ONE_ARM + "[path]\nposes = [[0.0]]\n", tmp_path)
     places, along = np.array([[0.5, 0.0, 0.0], [0.25, 0.0, 0.0]]), np.eye(3)[[1, 1]]
@@ -243,7 +243,7 @@ relative = 0.1
 """
 
 
-def test_models_are_held_against_what_was_measured(tmp_path):
+def test_predictions_are_compared_with_measurement(tmp_path):
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     at = postures_of(robot_file.mechanism, np.array([[0.1, 0.525]]))
     matrix = measured_matrix(Context(robot_file, "quick"))
@@ -276,7 +276,7 @@ def test_models_are_held_against_what_was_measured(tmp_path):
     assert "adequacy.measured" in {task.id for task in catalogue(robot_file)}
 
 
-def test_leg_entry_load_and_mode_match_measured_values():
+def test_leg_load_and_mode_match_measurement():
     five_bar = load_robot("five-bar")
     mechanism = five_bar.mechanism
     predictions = Predictions.of(Context(five_bar, "quick"))
@@ -303,7 +303,7 @@ def test_leg_entry_load_and_mode_match_measured_values():
     assert Predictions.of(Context(delta, "quick")).value("vjm", one) is None
 
 
-def test_error_of_the_program_in_a_model_is_a_fault(monkeypatch, capsys):
+def test_program_error_in_model_is_reported(monkeypatch, capsys):
     robot_file = load_robot("five-bar")
     pose = tuple(map(float, robot_file.mechanism.poses[0]))
     one = Measured(measured_quantity("x"), 1e-6, 1e-9, "gauge", pose)

@@ -93,7 +93,7 @@ def entries_of(robot_file):
 
 
 @pytest.mark.parametrize("derivatives", [0, 1, 2])
-def test_response_is_static_at_rest_damped_at_modes(held, derivatives):
+def test_static_and_resonant_response_match_theory(held, derivatives):
     """1/k at rest, and 1/(2 ζ k) at the modes."""
     ratios = RATIO * np.array([1.0, 1.5, 0.8])
     # In mm and kN, by data set 164.
@@ -115,7 +115,7 @@ def test_response_is_static_at_rest_damped_at_modes(held, derivatives):
         )
 
 
-def test_below_all_modes_the_largest_response_is_read(held):
+def test_response_below_modes_is_the_largest(held):
     """The spring of the lowest mode is hardly struck: far below, all others move more."""
     struck = (1, 10, 10)
     text = robot_text().replace("x = [1, 1, 1]", f"x = {list(struck)}")
@@ -126,7 +126,7 @@ def test_below_all_modes_the_largest_response_is_read(held):
     assert entry.error == pytest.approx(0.0, abs=1e-3)
 
 
-def test_a_robot_that_is_too_stiff_is_told_by_how_much(held):
+def test_too_stiff_model_has_its_error(held):
     entries = entries_of(held(functions(), robot_text(stiffer=1.2)))
     for n in (1, 2, 3):
         assert entries[f"hammer.f{n}"].error == pytest.approx(1 / 1.2 - 1, abs=1e-3)
@@ -135,7 +135,7 @@ def test_a_robot_that_is_too_stiff_is_told_by_how_much(held):
     assert {one.verdict for one in entries.values()} == {"inadequate"}
 
 
-def test_models_have_damping_of_robot_file(held):
+def test_models_use_damping_of_robot_file(held):
     entries = entries_of(held(functions(), robot_text("[damping]\nratio = 0.02")))
     assert entries["hammer.f2"].error == pytest.approx(-0.5, abs=1e-3)
     assert entries["hammer.low"].error == pytest.approx(0.0, abs=1e-3)
@@ -150,13 +150,13 @@ def test_models_have_damping_of_robot_file(held):
         (1 / 9.80665, "inadequate", "9.81 times the measured value; check the unit"),
     ],
 )
-def test_a_wrong_sign_or_unit_is_noticed(held, factor, verdict, said):
+def test_wrong_sign_or_unit_is_detected(held, factor, verdict, said):
     for one in entries_of(held(functions(factor=factor))).values():
         assert one.verdict == verdict
         assert said in one.reason
 
 
-def test_what_scatters_lies_within_the_uncertainty(held):
+def test_noise_is_within_stated_uncertainty(held):
     """Of 1 % of noise by part; coherence of eight blows says the same of it."""
     clean = {one.quantity: one.value for one in held(functions()).measured}
     noisy = functions(noise=0.01)
@@ -173,7 +173,7 @@ def test_what_scatters_lies_within_the_uncertainty(held):
     assert random == pytest.approx(0.01 * np.sqrt(59 / 231), rel=0.02)
 
 
-def test_force_on_tool_along_response_gives_its_peak(held):
+def test_measured_tool_response_gives_its_peak(held):
     asked = """[damping]
 ratio = 0.01
 [[responses]]

@@ -100,7 +100,7 @@ def here(monkeypatch):
 
 
 @pytest.mark.parametrize("binary", [0, 1])
-def test_poles_of_two_masses_come_back(tmp_path, monkeypatch, binary):
+def test_identified_poles_match_two_masses(tmp_path, monkeypatch, binary):
     if binary:
         monkeypatch.undo()
     # Equal masses m between three springs k: ω² = k/m and 3k/m, shapes (1, 1) and (1, −1).
@@ -117,7 +117,7 @@ def test_poles_of_two_masses_come_back(tmp_path, monkeypatch, binary):
 
 
 @pytest.mark.parametrize("first", [1, 51, 77])
-def test_first_line_as_printed_shifts_no_pole(tmp_path, first):
+def test_rounded_first_frequency_shifts_no_pole(tmp_path, first):
     """The start has six digits: divided by the step it is 51.00006, which made 52 lines."""
     own, step = 2.0 * np.pi * np.array([40.0, 110.0]), 0.390625
     speeds = 2j * np.pi * step * np.arange(first, first + 500)[:, None]
@@ -132,7 +132,7 @@ def test_first_line_as_printed_shifts_no_pole(tmp_path, first):
 
 
 @pytest.mark.parametrize("singular", [30, 8])
-def test_orders_end_before_singular_equations(tmp_path, monkeypatch, singular):
+def test_model_order_stops_before_singularity(tmp_path, monkeypatch, singular):
     """Without noise the equations of high orders are singular, on some processors exactly."""
     own = 2.0 * np.pi * np.array([40.0, 110.0])
     speeds = 2j * np.pi * 0.5 * np.arange(1, 501)[:, None]
@@ -159,7 +159,7 @@ def test_orders_end_before_singular_equations(tmp_path, monkeypatch, singular):
             read_modes(path)
 
 
-def test_blanks_after_end_of_data_set_are_ignored(tmp_path):
+def test_trailing_blanks_are_ignored(tmp_path):
     path = written(tmp_path / "h.uff", accelerations())
     plain = read_modes(path)
     path.write_bytes(path.read_bytes().replace(b"    -1\n", b"    -1   \n"))
@@ -205,7 +205,7 @@ def struck_all_over(sets):
     "changed",
     [list, in_mm_and_g, as_displacements, turned_over, struck_from_behind, struck_all_over],
 )
-def test_modes_do_not_depend_on_form_of_file(tmp_path, changed):
+def test_modes_are_equal_in_text_and_binary_files(tmp_path, changed):
     found = read_modes(written(tmp_path / "h.uff", changed(accelerations())))
     order = np.argsort(FREQUENCIES)
     assert np.abs(found.poles) == pytest.approx(2 * np.pi * FREQUENCIES[order], rel=1e-4)
@@ -231,7 +231,7 @@ def held(folder, sets, robot=ROBOT + ALONG):
     return robot_file, measured_matrix(Context(robot_file, "quick"))
 
 
-def test_a_noisy_test_judges_every_mode_of_every_model(tmp_path):
+def test_noisy_test_gives_verdict_on_every_mode(tmp_path):
     robot_file, matrix = held(tmp_path, accelerations(noise=0.01))
     told = [f"f{n}" for n in range(1, 7)]
     more = [f"response:hammer.{one}" for one in (*told, "low")]
@@ -248,7 +248,7 @@ def test_a_noisy_test_judges_every_mode_of_every_model(tmp_path):
 
 
 @pytest.mark.parametrize("scatter", [None, 0.05], ids=["normal", "complex"])
-def test_given_modes_are_paired_by_shape_not_number(tmp_path, scatter):
+def test_measured_modes_are_paired_by_shape(tmp_path, scatter):
     # An eighth of a turn, and a little more or less from place to place.
     phases = 0.25 * np.pi + (scatter or 0.0) * (-1.0) ** np.arange(len(PLACES))
     turned = np.exp(1j * phases) if scatter else 1.0
@@ -262,7 +262,7 @@ def test_given_modes_are_paired_by_shape_not_number(tmp_path, scatter):
     assert errors == pytest.approx({"f2": 1 / 1.1 - 1, "f3": 0.0}, abs=2e-3)
 
 
-def test_modes_similar_at_measured_points_are_unjudged(tmp_path):
+def test_similar_modes_are_undecided(tmp_path):
     """All modes of a plane look alike at the tip: f2 and f4 do, far below and above 47 Hz."""
     sets = [shape(1, 1.8 * FREQUENCIES[0], SHAPES[:, 0])]
     robot_file, matrix = held(tmp_path, sets, ROBOT)
@@ -280,14 +280,14 @@ def test_modes_similar_at_measured_points_are_unjudged(tmp_path):
     assert entry.reason.startswith("not paired: MAC 0.")
 
 
-def test_nearest_of_similar_modes_is_partner(tmp_path):
+def test_nearest_similar_mode_is_partner(tmp_path):
     sets = [shape(n, 0.95 * FREQUENCIES[mode], SHAPES[:, mode]) for n, mode in ((1, 0), (2, 4))]
     _, matrix = held(tmp_path, sets, ROBOT)
     errors = {one.quantity.name: one.error for one in matrix.of_model("beam")}
     assert errors == pytest.approx({"f2": 1 / 0.95 - 1, "f3": 1 / 0.95 - 1}, abs=3e-3)
 
 
-def test_mixture_of_a_repeated_pair_is_a_mode_of_it(tmp_path):
+def test_mixture_of_repeated_modes_is_paired(tmp_path):
     """A square section bends alike about any axis: along 45° neither of the pair looks like it."""
     square = ROBOT.replace("height = 0.012", "height = 0.020") + ALONG
     # Of both first modes, each of half the square; the frequency along the side of 0.020 m.
@@ -304,14 +304,14 @@ def at_one_point(frequency):
     return shape(1, frequency, np.eye(len(PLACES))[0])
 
 
-def test_mode_at_one_point_is_identified_by_frequency(tmp_path):
+def test_one_point_mode_is_paired_by_frequency(tmp_path):
     """Along x there are modes at 25.9, 162 and 455 Hz: a single one is near."""
     _, matrix = held(tmp_path, [at_one_point(1.05 * FREQUENCIES[0])])
     (entry,) = matrix.of_model("beam")
     assert entry.error == pytest.approx(1 / 1.05 - 1, abs=2e-3)
 
 
-def test_mode_at_one_point_near_no_mode_is_not_judged(tmp_path):
+def test_distant_one_point_mode_is_undecided(tmp_path):
     _, matrix = held(tmp_path, [at_one_point(2.2 * FREQUENCIES[0])])
     (entry,) = matrix.of_model("beam")
     assert (entry.verdict, entry.error) == ("undecided", None)
@@ -321,7 +321,7 @@ def test_mode_at_one_point_near_no_mode_is_not_judged(tmp_path):
     )
 
 
-def test_swapped_nodes_judge_no_mode(tmp_path):
+def test_exchanged_nodes_give_no_verdict(tmp_path):
     """Nodes 2, 3 and 4 in turn: one mode of each plane is alike by chance, MAC 0.83."""
     along = {1: 0.30, 2: 0.60, 3: 0.75, 4: 0.45}
     swapped = "".join(
@@ -336,7 +336,7 @@ def test_swapped_nodes_judge_no_mode(tmp_path):
     assert reason.startswith("4 of 6 modes of the test have no partner in the model")
 
 
-def test_functions_beside_given_modes_are_responses(tmp_path):
+def test_file_with_modes_and_functions_has_both(tmp_path):
     """Modes as somebody else identified them; their functions are held against models as well."""
     poles = 2.0 * np.pi * FREQUENCIES * complex(-DAMPING, np.sqrt(1.0 - DAMPING**2))
     modes = [
@@ -358,7 +358,7 @@ def test_functions_beside_given_modes_are_responses(tmp_path):
         (lambda content: content.replace(b"      1000 ", b"      1001 "), "function 1 must be"),
     ],
 )
-def test_a_damaged_file_is_one_line(tmp_path, monkeypatch, damaged, said):
+def test_damaged_file_gives_one_line(tmp_path, monkeypatch, damaged, said):
     if said == "cannot be read":
         monkeypatch.undo()
     path = written(tmp_path / "h.uff", accelerations()[:2])
@@ -389,14 +389,14 @@ def test_ambiguous_file_is_refused(tmp_path, changed, said):
     assert said in fault
 
 
-def test_without_the_extra_it_is_said_how_to_get_it(tmp_path, monkeypatch):
+def test_missing_extra_message_names_command(tmp_path, monkeypatch):
     path = written(tmp_path / "h.uff", accelerations()[:2])
     monkeypatch.setitem(sys.modules, "pyuff", None)
     with pytest.raises(InputError, match=r"h.uff: needs pyuff, not .* \./flexproof extras hammer"):
         read_modes(path)
 
 
-def test_rigid_robot_is_compared_by_its_few_modes(tmp_path):
+def test_rigid_robot_is_compared_by_few_modes(tmp_path):
     """A block on six springs has no eight modes; that of the spring about x swings its tip."""
     block = """[bodies.beam]
 points = ["A", "P"]
@@ -419,7 +419,7 @@ root = { type = "fixed", between = ["ground", "beam"], at = "A", stiffness = 1.5
 
 
 @pytest.mark.exhaustive
-def test_a_run_shows_the_likeness_beside_the_verdict(tmp_path, command):
+def test_report_shows_mac_beside_verdict(tmp_path, command):
     path, out = written(tmp_path / "h.uff", accelerations()), tmp_path / "out"
     robot = robot_of(ROBOT + ALONG, tmp_path).source
     told = ["run", robot, "--preset", "quick", "--only", "adequacy.measured", "--jobs", 1]

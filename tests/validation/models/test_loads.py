@@ -73,7 +73,7 @@ def on(mechanism, **what):
     ("model", "close"),
     [("vjm", 1e-9), ("links", 1e-9), ("beam", 1e-9), ("segments", 2e-3), ("solid", 1e-3)],
 )
-def test_a_cantilever_under_its_weight_swung_and_spun(model, close):
+def test_cantilever_under_weight_and_rotation(model, close):
     """qL⁴/8EI + qL²/2κGA; −αs per mass: Σ f s²(3L − s)/6EI + f s/κGA and ρI α; ρω²L³/3E."""
     arm = described(ARM)
     swung, spun = on(arm, acceleration=[5.0, 0, 0]), on(arm, speed=[2.0, 0, 0])
@@ -100,7 +100,7 @@ def test_a_cantilever_under_its_weight_swung_and_spun(model, close):
         ("solid", 0.04, 1e-3),
     ],
 )
-def test_arm_spinning_on_cone_is_pulled_outwards(model, height, close):
+def test_conical_rotation_pulls_arm_outwards(model, height, close):
     """Across it ρAω²sc of each place and −ρIω²sc, s and c of its slope; along it ρAω²c².
 
     The couple is spread to a few percent of itself.
@@ -115,7 +115,7 @@ def test_arm_spinning_on_cone_is_pulled_outwards(model, height, close):
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
-def test_force_inside_leg_obeys_reciprocity(model):
+def test_force_on_leg_is_reciprocal(model):
     """Maxwell and Betti: P a²(3L − a)/6EI + P a/κGA, which a force at the tip does at a."""
     force = Load("within", "inner", "M", wrench=np.array([0.0, 0.0, 3.0, 0.0, 0.0, 0.0]))
     a = 0.2
@@ -127,7 +127,7 @@ def test_force_inside_leg_obeys_reciprocity(model):
 
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
-def test_bodies_that_translate_are_masses_on_springs(model):
+def test_translating_bodies_act_as_masses(model):
     """m a/k along each slide; an acceleration is gravity the other way."""
     gantry = described(GANTRY)
     pulled = on(gantry, acceleration=[4.0, 3.0, 2.0]), on(gantry, gravity=[-4.0, -3.0, -2.0])
@@ -138,7 +138,7 @@ def test_bodies_that_translate_are_masses_on_springs(model):
 
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
-def test_pendulum_turns_drive_by_inertia_about_pivot(model):
+def test_pendulum_inertia_acts_on_drive(model):
     """(J + mc²) α = 0.86 α on the drive, its weight m g c where it hangs aside, nothing by spin."""
     bob = described(PENDULUM)
     swung, spun = on(bob, acceleration=[2.0, 0, 0]), on(bob, speed=[3.0, 0, 0])
@@ -150,7 +150,7 @@ def test_pendulum_turns_drive_by_inertia_about_pivot(model):
 
 
 @pytest.mark.parametrize("name", ["five-bar", "delta", "ifw", "hexapod"])
-def test_accelerations_are_derivatives_of_positions(name):
+def test_accelerations_match_differences(name):
     """Second differences of postures along x = ẋt + ẍt²/2; a hexapod's drives swing with legs."""
     robot = load_robot(name).mechanism
     drive = replace(next(joint.drive for joint in robot.joints if joint.drive), inertia=3.0)
@@ -182,7 +182,7 @@ def test_accelerations_are_derivatives_of_positions(name):
         assert force == pytest.approx(due, rel=1e-4, abs=1e-4)
 
 
-def test_what_the_mechanism_cannot_do_is_no_load():
+def test_impossible_acceleration_is_refused():
     robot = load_robot("ifw").mechanism
     end, pull = posture(robot, robot.poses[0]), np.array([1.0, 0.0, 0.0])
     with pytest.raises(ComputationError, match="cannot move that way"):
@@ -193,7 +193,7 @@ def test_what_the_mechanism_cannot_do_is_no_load():
     assert np.isnan(stopped).all()
 
 
-def test_wrench_over_path_acts_in_its_pose_only():
+def test_path_wrench_acts_in_its_pose_only():
     arm = described(ARM + "path = { poses = [[0.1], [-0.2]] }")
     rows = np.array([[3.0, 0, 5.0, 0, 0, 0], [0, 2.0, 0, 0, 0.4, 0]])
     over = Load("cutting", "inner", "M", path_wrenches=rows)
@@ -206,7 +206,7 @@ def test_wrench_over_path_acts_in_its_pose_only():
 
 
 @pytest.mark.parametrize("name", ["ifw", "3-rrr", "hexapod"])
-def test_virtual_joints_and_links_give_one_answer(name):
+def test_vjm_equals_links_under_loads(name):
     robot = load_robot(name).mechanism
     wrench = np.array([1.0, 2.0, 3.0, 0.4, 0.5, 0.6])
     loads = [
@@ -261,7 +261,7 @@ class _Moving(multibody._ExudynModel):
 
 
 @pytest.mark.parametrize(("speed", "close"), [(0.0, 1e-4), (1.0, 1e-3)], ids=["rest", "moving"])
-def test_drive_motion_moves_tool_as_in_other_program(speed, close):
+def test_accelerated_drive_matches_other_program(speed, close):
     """A hexapod of rigid bodies in EXUDYN, with forces instead of drives.
 
     Without the inertia forces of its speed the tool would be 13 % slower along z.
@@ -324,7 +324,7 @@ def with_rotor(kind, give, *, by_key):
 
 @pytest.mark.parametrize("kind", ROTORS)
 @pytest.mark.parametrize("give", [{}, GIVE], ids=["stiff", "giving"])
-def test_a_rotor_by_its_key_is_a_rotor_by_its_body(kind, give):
+def test_rotor_key_equals_rotor_body(kind, give):
     found = []
     for by_key in (True, False):
         arm = with_rotor(kind, give, by_key=by_key)
@@ -350,6 +350,6 @@ WITH_MASS = ("simplified", "segments", "beam", "solid")
         ("1e5, ratio = 5.0", "drive.ratio: must be left out without `inertia`"),
     ],
 )
-def test_rotors_that_would_change_nothing_are_refused(drive, fault):
+def test_rotors_without_effect_are_refused(drive, fault):
     with pytest.raises(InputError, match=fault):
         described(PENDULUM.replace("4.0e4", drive))

@@ -22,7 +22,7 @@ THIRD = np.kron(
 )
 
 
-def test_beams_links_and_segments_have_equal_statics():
+def test_beams_links_segments_have_equal_statics():
     """Of loops in space, away from the reference; serial chains are held against closed forms."""
     mechanism = load_robot("delta").mechanism
     at = [posture(mechanism, pose) for pose in mechanism.poses[::4]]
@@ -34,7 +34,7 @@ def test_beams_links_and_segments_have_equal_statics():
         np.testing.assert_allclose(other, links, rtol=0, atol=1e-9 * np.abs(links[0]).max())
 
 
-def test_reason_against_chains_crosses_processes():
+def test_branching_error_crosses_processes():
     at = [reference_posture(load_robot("delta").mechanism)]
     with pytest.raises(NoChainError, match=r"branches at .*; take --model links") as raised:
         answers("vjm", at, 0)
@@ -44,7 +44,7 @@ def test_reason_against_chains_crosses_processes():
 
 
 @pytest.mark.parametrize(("name", "model"), [("delta", "beam"), ("hexapod", "segments")])
-def test_threefold_symmetry_of_compliance_and_modes(name, model):
+def test_threefold_robot_has_symmetric_results(name, model):
     """Twelve digits of the files' points leave 1e-11."""
     (found,) = answers(model, [reference_posture(load_robot(name).mechanism)], 10)
     turned = THIRD @ found.compliance @ THIRD.T
@@ -63,7 +63,7 @@ def test_equal_bodies_are_reduced_once():
     assert len(shapes) == len(sections)
 
 
-def test_leg_has_printed_joint_at_its_tip():
+def test_printed_release_is_at_leg_tip():
     """The platform of the paper's robot is fixed to the tip of leg 1, leg 2 hinged there."""
     mechanism = load_robot("ifw").mechanism
     joints = [
@@ -82,7 +82,7 @@ def test_simplified_model_ignores_joint_compliance():
     assert found.compliance == pytest.approx(expected.compliance, rel=1e-12)
 
 
-def test_legs_are_one_only_if_equal_to_last_digits():
+def test_legs_are_shared_only_if_identical():
     described = load_robot("five-bar").mechanism
     lengths = {name: leg.length for name, leg, _ in sectioned_legs(described, DEFAULT_OPTIONS)}
     assert len(set(lengths.values())) < len(lengths)
@@ -94,7 +94,7 @@ def test_legs_are_one_only_if_equal_to_last_digits():
         assert (known["rod1"] != known["rod2"]) is apart
 
 
-def test_more_modes_than_two_elements_have_are_solved():
+def test_many_modes_refine_the_elements():
     middle = reference_posture(load_robot("ifw").mechanism)
     (answer,) = answers("beam", [middle], 60, ModelOptions(elements=10))
     assert len(answer.frequencies) == 60
@@ -124,7 +124,7 @@ def strains_of(leg, twists_at):
     }
 
 
-def test_energy_shares_match_strains_of_modes():
+def test_energy_shares_match_mode_strains():
     """Shares to 1e-5: difference quotients of 1e-3 of an element."""
     at = reference_posture(load_robot("five-bar").mechanism)
     (found,) = mechanism_modes("beam", [at], 8)
@@ -147,7 +147,7 @@ def test_energy_shares_match_strains_of_modes():
                 assert share == pytest.approx(energy / whole, abs=1e-9)
 
 
-def test_energy_shares_of_sixty_modes_sum_to_one():
+def test_energy_shares_sum_to_one():
     """Those of rigid bodies are in the drives."""
     at = [reference_posture(load_robot("hexapod").mechanism)]
     (found,) = mechanism_modes("segments", at, 60)
@@ -162,7 +162,7 @@ def test_energy_shares_of_sixty_modes_sum_to_one():
     np.testing.assert_allclose(sum(rigid.strain.values()), np.ones(6), rtol=1e-12)
 
 
-def test_a_model_is_its_own_partner(command):
+def test_model_modes_are_paired_with_themselves(command):
     asked = ("--model", "beam", "--modes", "12", "--against", "beam")
     (result,) = command.json("solve", "orthoglide", *asked)["results"]
     pairs = result["partners"]["pairs"]

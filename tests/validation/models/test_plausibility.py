@@ -114,11 +114,11 @@ moves = ["x"]
 
 
 @pytest.mark.parametrize("robot", ["ifw", *get_args(RobotType), *EXAMPLES], ids=str)
-def test_ordinary_robots_raise_no_doubt(robot):
+def test_ordinary_robots_have_no_warning(robot):
     assert robot_findings(load_robot(str(robot)).mechanism) == ()
 
 
-def test_millimetres_as_metres_are_doubted():
+def test_lengths_in_mm_have_warning():
     found = robot_findings(described(LEAVES))
     assert [one.where for one in found] == ["bodies.leaf1", "bodies.leaf2", "bodies.stage"]
     # 60 m × 20 m × 0.5 m of steel are 4710 t.
@@ -126,12 +126,12 @@ def test_millimetres_as_metres_are_doubted():
     assert all("are lengths given in mm? Lengths must be in m" in one.wrong for one in found)
 
 
-def test_large_crane_raises_no_doubt():
+def test_large_crane_has_no_warning():
     assert robot_findings(described(CRANE)) == ()
 
 
 @pytest.mark.parametrize("gravity", [[0, 0, -9810.0], [0, 9810.0, 0], [0, -6937.0, -6937.0]])
-def test_gravity_in_millimetres_is_doubted(gravity):
+def test_gravity_in_mm_has_warning(gravity):
     load = f'[[loads]]\nname = "weight"\ngravity = {gravity}\n'
     (found,) = robot_findings(described(PENDULUM + load))
     assert found.where == "loads.weight.gravity"
@@ -139,12 +139,12 @@ def test_gravity_in_millimetres_is_doubted(gravity):
 
 
 @pytest.mark.parametrize("gravity", [[0, 0, -9.81], [0, 6.94, -6.94], [0, 0, -1.62]])
-def test_gravity_of_earth_and_moon_raises_no_doubt(gravity):
+def test_earth_and_moon_gravity_has_no_warning(gravity):
     load = f'[[loads]]\nname = "weight"\ngravity = {gravity}\n'
     assert robot_findings(described(PENDULUM + load)) == ()
 
 
-def test_bore_across_its_joint_is_doubted(tmp_path):
+def test_bore_across_joint_axis_has_warning(tmp_path):
     written(tmp_path / "lug.step", lug)
     along = ARM.format(at="[-0.02, 0.0, 0.0]", y="[0.0, 1.0, 0.0]")
     assert robot_findings(robot_of(along, tmp_path).mechanism) == ()
@@ -155,6 +155,6 @@ def test_bore_across_its_joint_is_doubted(tmp_path):
 
 
 @pytest.mark.parametrize(("start", "gap"), [(0.2, None), (0.5, None), (0.7, 0.2)])
-def test_gap_between_sliding_bodies_is_doubted(start, gap):
+def test_gap_in_sliding_joint_has_warning(start, gap):
     found = robot_findings(described(TELESCOPE.format(start=start)))
     assert [one.numbers["gap"] for one in found] == pytest.approx([] if gap is None else [gap])

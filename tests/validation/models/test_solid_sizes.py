@@ -42,7 +42,7 @@ def refused(*_):
 
 
 @pytest.mark.parametrize("divisions", [1, 3])
-def test_unknowns_are_those_of_the_mesh(divisions):
+def test_estimated_unknowns_equal_mesh(divisions):
     for section in (Rectangle(0.1, 0.06), Rectangle(0.002, 0.06)):
         leg = ConstantLeg(0.5, section, STEEL)
         assert solid_unknowns(leg, divisions) == 3 * len(solid_mesh(leg, divisions).nodes)
@@ -52,7 +52,7 @@ def test_unknowns_are_those_of_the_mesh(divisions):
     assert meshed <= counted <= 1.8 * meshed
 
 
-def test_what_a_run_takes_is_said_leg_by_leg():
+def test_too_large_legs_are_listed():
     stout = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL, name="leg 2")
     assert too_large([stout, stout], [2, 2], "quick") == ""
     said = too_large([BLADE, stout], [4, 2], "fine")
@@ -61,7 +61,7 @@ def test_what_a_run_takes_is_said_leg_by_leg():
     assert f"preset fine allows {LARGEST['fine']}" in said
 
 
-def test_frequencies_without_reference_have_reason(context):
+def test_missing_frequency_reference_has_reason(context):
     """Without alternatives all verdicts are undecided."""
     robot = robot_at(context, placed_at(SLENDER.mechanism))
     found = of_mechanisms.dynamic_reference(Responses(robot))
@@ -69,12 +69,12 @@ def test_frequencies_without_reference_have_reason(context):
     assert re.match(REASON, found.decides)
 
 
-def test_modes_without_partners_have_reason_in_figure(context):
+def test_unpaired_modes_figure_has_reason(context):
     with pytest.raises(Skip, match="no reference for the frequencies: leg1 as a solid"):
         modes.pairs(context)
 
 
-def test_export_is_refused_before_computation(tmp_path):
+def test_too_large_export_is_refused_first(tmp_path):
     request = Request(SLENDER, "quick", tmp_path / "run", 1, exports=True)
     with pytest.raises(InputError, match=REASON.replace("^", "^--export: ")):
         validate(request, catalogue)
@@ -84,7 +84,7 @@ def test_export_is_refused_before_computation(tmp_path):
 @pytest.mark.parametrize(
     ("thickness", "said"), [(2e-4, "preset fine allows it$"), (5e-5, "no preset allows it$")]
 )
-def test_too_large_reference_names_sufficient_preset(thickness, said):
+def test_too_large_leg_names_sufficient_preset(thickness, said):
     foil = ConstantLeg(0.85, Tube(0.12, thickness), STEEL, name="leg 1")
     with pytest.raises(InputError, match=said):
         solid_leg(Context(IFW, "quick"), foil)
@@ -94,7 +94,7 @@ def test_too_large_reference_names_sufficient_preset(thickness, said):
     ("preset", "said"),
     [("quick", "--preset fine"), ("standard", "--preset fine"), ("fine", "no preset")],
 )
-def test_undecided_entry_names_finer_preset_if_any(preset, said):
+def test_undecided_entry_names_finer_preset(preset, said):
     # 0.1 m by 0.06 m: 900 unknowns are six divisions, and so they are at standard; fine has more.
     leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL)
     uncertain = "undecided because of the mesh uncertainty of the reference"

@@ -79,7 +79,7 @@ def turning(force):
 
 
 @pytest.mark.parametrize("name", ["3-rrr", "orthoglide", "hexapod"])
-def test_rigid_turn_has_stiffness_of_loads_only(name):
+def test_rigid_rotation_has_load_stiffness_only(name):
     """They keep their directions while all else turns: θ × F, and half of θ × M by either side."""
     robot = on_pedestal(name)
     at, tool = posture(robot, robot.poses[len(robot.poses) // 3]), robot.tool
@@ -129,7 +129,7 @@ def held_twice(first, wrench, *compliances):
     return joints, solution.system.motions.twists[0], geometric_stiffness(solution, load, {})
 
 
-def test_elastic_joints_of_bar_press_it_by_stiffness():
+def test_axial_force_splits_by_end_stiffness():
     """A quarter of P pulls one end, three press the other: −½ (¾ − ¼) P L/2 θ²."""
     give = 1e-6 * np.eye(6)
     _, twists, found = held_twice('type = "fixed"', [8.0, 0, 0, 0, 0, 0], give, give / 3.0)
@@ -137,7 +137,7 @@ def test_elastic_joints_of_bar_press_it_by_stiffness():
     np.testing.assert_allclose(found, due, rtol=0, atol=1e-9 * np.abs(due).max())
 
 
-def test_moment_on_universal_joint_works_on_two_angles():
+def test_universal_joint_moment_couples_angles():
     """M·θ(α, β) of the rotation vector θ, whose second derivative by both is ½ a₁ × a₂."""
     first = 'type = "universal", axes = [[1.0, 0.0, 0.0], [0.6, 0.8, 0.0]]'
     give, moment = np.diag([1e3, 1e3, 1e3, 1e-4, 1e-4, 1e-4]), [0, 0, 0, 0, 0, 7.0]
@@ -148,7 +148,7 @@ def test_moment_on_universal_joint_works_on_two_angles():
 
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
-def test_mass_above_drive_falls_if_weight_is_stiffer(model):
+def test_inverted_pendulum_buckles_at_closed_form(model):
     """k/Σ m g h, nothing the other way; half the load at twice the factor; frequencies under it."""
     up = Load("up", "bob", "P", gravity=np.array([0.0, 9.81, 0.0]))
     down, twice = replace(up, gravity=-up.gravity), replace(up, gravity=2.0 * up.gravity)
@@ -173,7 +173,7 @@ def test_mass_above_drive_falls_if_weight_is_stiffer(model):
     [("revolute", ", axis = [0, 0, 1]", 1.8213), ("fixed", "", 7.3787)],
     ids=["hinged", "fixed"],
 )
-def test_a_portal_sways_at_its_published_load(base, axis, due):
+def test_portal_buckles_at_published_load(base, axis, due):
     """kh tan kh = 6 and −kh cot kh = 6 (Timoshenko and Gere, 1961, §2.4), P = (kh)² EI/h² each."""
     frame = described(PORTAL.replace("BASE", base).replace(" AXIS", axis))
     at = reference_posture(frame)
@@ -244,7 +244,7 @@ def buckled(tables, rotation, force, gravity, model="beam"):
 
 
 @pytest.mark.parametrize("across", [0.0, 2.0, 20.0])
-def test_load_across_an_idle_rod_leaves_eulers_load(across):
+def test_idle_rod_keeps_euler_load(across):
     """π²EI/L² (Engesser's by 1e-4 less) in all base axes: it adds no force along a round rod."""
     tables = tomllib.loads(ROD)
     euler = np.pi**3 * 2.1e11 * 0.01**4 / 64.0
@@ -258,7 +258,7 @@ def test_load_across_an_idle_rod_leaves_eulers_load(across):
 
 
 @pytest.mark.parametrize("kind", ["rods", "elastic balls", "rigid rod"])
-def test_buckling_with_idle_spins_is_frame_invariant(kind):
+def test_buckling_is_frame_invariant_with_spins(kind):
     """The built-in Delta, six idle spins, under wrench and gravity across its rods."""
     tables = deepcopy(load_robot("delta").tables)
     if kind == "elastic balls":
@@ -277,7 +277,7 @@ def test_buckling_with_idle_spins_is_frame_invariant(kind):
     np.testing.assert_allclose(found, found[0] * np.ones((3, 1)), rtol=1e-5)
 
 
-def test_torque_on_idle_rod_is_frame_invariant():
+def test_idle_rod_torque_is_frame_invariant():
     """Inertia of the spinning rod balances the torque, no moment is left for its ball joints."""
     tables, found = load_robot("delta").tables, []
     axis = np.subtract(tables["points"]["C1l"], tables["points"]["E1l"]) / 0.56
@@ -327,7 +327,7 @@ def rods_under_acceleration(acceleration, tables, leg):
     return float(1.0 / eigh(geometric, stiffness, eigvals_only=True)[-1])
 
 
-def test_accelerated_delta_buckles_as_its_rods_do():
+def test_accelerated_delta_buckles_as_its_rods():
     """230.6 times 100 m/s² with ends of the rods in place; 229.6 as its drives give way.
 
     Elastic drives let the ends move sideways under the pressed rods: 0.4 %.
@@ -349,7 +349,7 @@ def test_accelerated_delta_buckles_as_its_rods_do():
 
 
 @pytest.mark.parametrize("up", [[0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1], [1, 0, 0]])
-def test_column_of_any_direction_buckles_by_its_weight(up):
+def test_column_buckles_under_own_weight(up):
     """Q L²/EI = 7.837 (Greenhill), and never upside down."""
     section = '{ shape = "circle", diameter = 0.01 }'
     text = ONE_ARM.replace("P = [0.0, 0.5, 0.0]", f"P = {[0.5 * one for one in up]}")
@@ -369,7 +369,7 @@ def test_column_of_any_direction_buckles_by_its_weight(up):
     assert hangs.factor is None
 
 
-def test_models_differ_by_their_statics_alone():
+def test_buckling_differs_by_statics_of_models():
     robot = load_robot("ifw").mechanism
     weight = Load("weight", robot.tool.body, robot.tool.point, gravity=np.array([0, 0, -9.81]))
     stop = replace(weight, gravity=np.zeros(3), acceleration=np.array([1.0, 0, 0]))
@@ -384,7 +384,7 @@ def test_models_differ_by_their_statics_alone():
 WIDE = '{ shape = "i-section", width = 0.06, height = 0.02, flange = 0.004, web = 0.004 }'
 
 
-def test_solids_buckle_where_no_formula_of_shear_holds():
+def test_solid_buckles_without_shear_formula():
     """κ of this section is negative at such a Poisson's ratio; its solid is none the worse."""
     arm = ONE_ARM.replace("nu = 0.0", "nu = -0.9").replace("P = [0.0, 0.5", "P = [0.0, 0.3")
     press = '[[loads]]\nname = "press"\nwrench = [0.0, -1.0, 0.0, 0.0, 0.0, 0.0]\n'

@@ -36,7 +36,7 @@ def body_of(file, length, coupling=None, unit="mm"):
     return Body("arm", Part(file, STEEL, plane_ends(length, coupling), unit), points)
 
 
-def test_channel_twists_about_shear_centre_like_solid(tmp_path):
+def test_channel_twists_about_shear_centre(tmp_path):
     """60 × 40 mm, 300 mm long, 8 mm thick, open along y: a force along z on its back twists it.
 
     Ends are averaged and free to warp, so that Saint-Venant's torsion is the whole of it.
@@ -73,7 +73,7 @@ def test_channel_twists_about_shear_centre_like_solid(tmp_path):
     assert abs(wrong[3, 2]) > 5.0 * abs(off(leg)[3, 2])
 
 
-def test_unsteppable_part_is_reported_and_judged(tmp_path):
+def test_unsteppable_part_has_reason_and_verdict(tmp_path):
     write_overlapping_crane(tmp_path)
     mechanism = load_robot(tmp_path / "robot.toml").mechanism
     at = posture(mechanism, mechanism.poses[0])
@@ -144,7 +144,7 @@ def hollow_wedge(occ):
 
 
 @pytest.mark.parametrize(("draw", "why"), REFUSED.values(), ids=REFUSED)
-def test_nonprismatic_section_is_refused_and_named(tmp_path, draw, why):
+def test_nonprismatic_section_is_refused(tmp_path, draw, why):
     with pytest.raises(InputError, match=why) as error:
         stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0, 12.0), 0.4))
     (line,) = error.value.faults
@@ -152,7 +152,7 @@ def test_nonprismatic_section_is_refused_and_named(tmp_path, draw, why):
 
 
 @pytest.mark.parametrize(("draw", "left"), PRISMS.values(), ids=PRISMS)
-def test_sections_as_long_as_their_size_are_pieces(tmp_path, draw, left):
+def test_long_enough_sections_become_pieces(tmp_path, draw, left):
     leg = stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0), 0.4))
     areas = np.array([piece.properties.mu for piece in leg.pieces]) / STEEL.rho
     # Of the bar, of what is left of it, and nothing between: a plane in a step's face is on one
@@ -177,7 +177,7 @@ def sections(x):
     return 0.04 * heights - 0.02 * 0.016, about_y, about_z
 
 
-def test_pieces_of_hollow_wedge_match_its_drawing(legs):
+def test_hollow_wedge_pieces_match_formula(legs):
     exact = sections(0.4 * (np.arange(8) + 0.5) / 8.0)
     for name, values in zip(("EA", "EIy", "EIz"), exact, strict=True):
         found = [getattr(piece.properties, name) for piece in legs[8].pieces]
@@ -201,13 +201,13 @@ def test_pieces_converge_with_second_order(legs, component, section):
     assert abs(fine) < 0.01
 
 
-def test_beams_and_segments_are_one_statics(legs):
+def test_stepped_beams_equal_segments_in_statics(legs):
     for theory in ("timoshenko", "euler-bernoulli"):
         beam, segments = (compliance(legs[4], model, theory) for model in ("beam", "segments"))
         assert scaled_difference(segments, beam) < 1e-9
 
 
-def test_leg_and_points_beyond_move_rigidly_with_part(legs):
+def test_points_beyond_leg_move_rigidly_with_part(legs):
     """A wedge of eight pieces somewhere in a body, under unit twists about the body's origin."""
     start, along = np.array([0.1, -0.2, 0.05]), np.array([1.0, 2.0, 2.0]) / 3.0
     ends = np.array([start, start + 0.4 * along])
@@ -240,7 +240,7 @@ def coarse(monkeypatch, tmp_path):
 
 @pytest.mark.exhaustive
 @pytest.mark.usefixtures("coarse")
-def test_rocker_of_three_bores_in_every_model():
+def test_rocker_with_three_bores_has_all_models():
     robot = load_robot(ROCKER / "robot.toml")
     at = [reference_posture(robot.mechanism)]
     (links,) = answers("links", at, 0)
@@ -271,7 +271,7 @@ def test_rocker_of_three_bores_in_every_model():
         ),
     ],
 )
-def test_a_part_that_is_not_where_the_joints_are(tmp_path, command, asked, old, new, message):
+def test_misplaced_part_has_warning(tmp_path, command, asked, old, new, message):
     text = (ROCKER / "robot.toml").read_text("utf-8")
     assert old in text
     (tmp_path / "robot.toml").write_text(text.replace(old, new), "utf-8")
@@ -281,7 +281,7 @@ def test_a_part_that_is_not_where_the_joints_are(tmp_path, command, asked, old, 
     assert "bodies.rocker" in said
 
 
-def test_checking_a_robot_opens_the_files_of_its_parts(command):
+def test_check_opens_part_files(command):
     said = command.told("check", ROCKER / "robot.toml")
     assert "rocker: rocker.step, read in mm: 343 × 263 × 60 mm" in said
     for point, radius in (("A", 22), ("B", 16), ("C", 16)):

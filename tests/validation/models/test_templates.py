@@ -80,7 +80,7 @@ def test_template_has_mobility_of_its_kind(robot, motions, redundant):
     assert found.mobility == 6 * bodies - (found.constraints - found.redundant)
 
 
-def test_scara_tool_deflects_as_two_arms_and_quill():
+def test_scara_deflects_as_arms_and_quill():
     """Arms at a right angle: the upper one bends, and twists under the forearm's length."""
     nu, L1, L2 = 0.33, 0.35, 0.25
     A1, Iy1, _, _, kz1 = box(0.12, 0.09, 0.012, nu)
@@ -102,7 +102,7 @@ def test_scara_tool_deflects_as_two_arms_and_quill():
     assert compliance("scara")[2, 2] == pytest.approx(down, rel=ROUNDING, abs=0.0)
 
 
-def test_gantry_tool_deflects_down_as_clamped_bridge():
+def test_gantry_deflects_as_clamped_bridge():
     """A force in the middle of a beam with both ends clamped: L³/192 EI + L/(4 κGA)."""
     nu, L = 0.33, 1.2
     area, Iy, _, _, kappa = box(0.12, 0.16, 0.015, nu)
@@ -113,7 +113,7 @@ def test_gantry_tool_deflects_down_as_clamped_bridge():
     assert compliance("gantry")[2, 2] == pytest.approx(down, rel=ROUNDING, abs=0.0)
 
 
-def test_stage_probe_deflects_as_springs_in_series():
+def test_stage_deflects_as_springs_in_series():
     """Drives and guides along their axes, guides that tilt 290 and 230 mm below it, the post."""
     nu, L = 0.3, 0.2
     area = pi / 4.0 * (0.04**2 - 0.028**2)
@@ -131,7 +131,7 @@ def test_stage_probe_deflects_as_springs_in_series():
     assert found[1, 1] == pytest.approx(y, rel=ROUNDING, abs=0.0)
 
 
-def test_5r_tool_deflects_as_rods_along_their_axes():
+def test_5r_deflects_as_axial_rods():
     """Rods at right angles to the cranks, at ±(0.6, 0.8): C = c (1/(2·0.6²), 1/(2·0.8²)).
 
     c of one rod: motor and crank of 0.3 m under a force across it, elbow and rod along it.
@@ -145,7 +145,7 @@ def test_5r_tool_deflects_as_rods_along_their_axes():
     assert found[1, 1] == pytest.approx(along / (2.0 * 0.8**2), rel=ROUNDING, abs=0.0)
 
 
-def test_tricept_tool_deflects_down_as_three_legs():
+def test_tricept_deflects_as_three_legs():
     """Legs between a cardan and a ball joint carry along themselves alone: 1/(3 k cos²)."""
     length = np.hypot(0.18, 0.9)
     strut = pi / 4.0 * (0.08**2 - 0.07**2)

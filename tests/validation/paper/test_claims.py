@@ -100,7 +100,7 @@ def test_summary_of_claims_excludes_circular_ones(claims):
     )
 
 
-def test_spring_layout_and_eq_25_change_the_values(claims):
+def test_layout_and_eq_25_change_statements(claims):
     (layout,) = claim_starting(claims, "With 20 elements").curves
     assert layout.printed == pytest.approx(1.05 * 181.8, rel=2e-3)
     assert layout.corrected == pytest.approx(181.8, rel=1e-3)
@@ -139,7 +139,7 @@ STATED = {
 }
 
 
-def test_statement_values_match_table_and_can_disagree(outcomes):
+def test_statement_values_match_table(outcomes):
     for outcome in outcomes:
         assert_agrees_and_can_turn(outcome)
     outcome_by_id = {outcome.case.id.removeprefix("paper."): outcome for outcome in outcomes}
@@ -173,7 +173,7 @@ def drive_compliance(stroke, x):
 
 
 @pytest.mark.parametrize("fraction", [0.1, 0.8])
-def test_simplified_family_matches_virtual_power(fraction):
+def test_simplified_family_matches_closed_form(fraction):
     """Check eqs (1), (2) and, with the work balance, (12): J K⁻¹ Jᵀ and a platform of 46 kg."""
     members = family(IFW, fraction, (1.1, 1.25))
     deflection = deflections("simplified", members)
@@ -194,7 +194,7 @@ def test_simplified_family_matches_virtual_power(fraction):
     assert np.isnan(deflection.along_z).all()
 
 
-def test_longer_legs_are_stiff_in_plane_soft_along_z():
+def test_longer_legs_are_softer_along_z():
     """Values of a hand calculation, α = 1 and 2 at the centre, to half a unit of the last digit."""
     slender = ModelOptions(legs="equivalent", theory="euler-bernoulli")
     deflection = deflections("vjm", family(IFW, 0.5, (1.0, 2.0)), slender)
@@ -202,7 +202,7 @@ def test_longer_legs_are_stiff_in_plane_soft_along_z():
     assert deflection.along_z == pytest.approx([23.0, 85.0], abs=0.5)
 
 
-def test_simplified_model_is_rigid_at_stroke_ends():
+def test_simplified_model_is_rigid_at_stroke_end():
     stroke = stroke_of(IFW.mechanism)
     for x in stroke.ends:
         assert_allclose(drive_compliance(stroke, x)[0], 0.0, atol=1e-16)
@@ -218,7 +218,7 @@ def test_impossible_family_member_is_refused():
         IFW.with_values({"foot.compliance[6,6]": 3.16e-9})
 
 
-def test_cosine_spacing_includes_ends_and_centre():
+def test_cosine_spacing_has_ends_and_centre():
     x = cosine_spaced(0.145, 0.85, 21)
     assert (x[0], x[10], x[-1]) == pytest.approx((0.145, 0.4975, 0.85), rel=1e-12)
     assert (np.diff(x) > 0.0).all()
@@ -228,7 +228,7 @@ def test_cosine_spacing_includes_ends_and_centre():
 
 
 @pytest.mark.exhaustive
-def test_stroke_figure_has_curve_for_printed_eq_25():
+def test_stroke_figure_has_printed_eq_25():
     figure = frequencies_over_the_stroke(Context(IFW, "quick"))
     centre = list(csv.DictReader(io.StringIO(figure.data)))[10]
     # Values of an independent computation: 184 Hz, and about 300 Hz as printed.
@@ -264,13 +264,13 @@ def evidence(where: str, check: str) -> str:
     return FINDINGS[where, check].evidence
 
 
-def test_erratum_of_captions_gives_ends_of_stroke():
+def test_caption_erratum_gives_stroke_ends():
     assert evidence("captions of Figs 6c, 12c, 13c", "caption") == (
         f"L1 − a = {L1 - A:.3g} m, the stroke goes from {A - L2:.3g} to {L1:.3g} m"
     )
 
 
-def test_erratum_of_foot_gives_stiffness_along_y():
+def test_foot_erratum_gives_stiffness_along_y():
     printed, used = (
         np.array(tables["foot"]["compliance"]) for tables in (as_printed(IFW), IFW.tables)
     )
@@ -289,7 +289,7 @@ def test_erratum_of_foot_gives_stiffness_along_y():
     )
 
 
-def test_erratum_gives_longitudinal_to_bending_ratio():
+def test_longitudinal_erratum_gives_ratio():
     """Frequency ratio of a clamped-free beam: π/2L √(EA/μ) over (1.8751/L)² √(EI/μ)."""
     ratios = [
         f"{np.pi / 2.0 * leg.length * np.sqrt(beam.EA / stiffness) / ROOT**2:.2g} "
@@ -301,7 +301,7 @@ def test_erratum_gives_longitudinal_to_bending_ratio():
     assert evidence("§1", "longitudinal frequencies").endswith(f": {', '.join(ratios)}")
 
 
-def test_erratum_of_eq_12_gives_error_of_its_stiffness():
+def test_eq_12_erratum_gives_stiffness_error():
     """Solution of A t = B q̇ by hand with drives of 1e9 and 2e9 N/m and 46 kg."""
     s1, s2 = np.sqrt(L1**2 - CENTRE**2), np.sqrt(L2**2 - (A - CENTRE) ** 2)
     J = np.linalg.solve(np.array([[CENTRE, s1], [CENTRE - A, s2]]), np.diag([s1, s2]))
@@ -323,7 +323,7 @@ def test_erratum_of_eq_12_gives_error_of_its_stiffness():
     )
 
 
-def test_erratum_of_literal_layout_gives_first_order():
+def test_layout_erratum_gives_first_order():
     beam = LEG_1.properties("euler-bernoulli")
     exact = ROOT**2 / (2.0 * np.pi * L1**2) * np.sqrt(beam.EIz / beam.mu)
     coarse, fine = (
@@ -338,7 +338,7 @@ def test_erratum_of_literal_layout_gives_first_order():
     )
 
 
-def test_errata_of_springs_give_energy_of_rotations():
+def test_spring_errata_give_rotation_energy():
     """Energy ½ uᵀKu of a spring of EA/l, 12EI/l³, EI/l under a rigid rotation, or in bending."""
     beam = LEG_1.properties("euler-bernoulli")
     axial, shear = beam.EA / ELEMENT_LENGTH, 12.0 * beam.EIz / ELEMENT_LENGTH**3
@@ -354,13 +354,13 @@ def test_errata_of_springs_give_energy_of_rotations():
     assert len(FINDINGS) == 9
 
 
-def test_errata_of_text_are_notes_of_kind_read():
+def test_text_errata_are_notes():
     findings = [finding for finding in paper_findings(IFW) if finding.kind == "read"]
     assert any("§3.3" in finding.where and "eq. (10)" in finding.used for finding in findings)
     assert {finding.severity for finding in findings} == {"note"}
 
 
-def test_copy_of_the_robot_has_no_errata(tmp_path):
+def test_copied_robot_has_no_errata(tmp_path):
     path = tmp_path / "copy.toml"
     path.write_text(IFW.text, encoding="utf-8")
     for robot in ("biglide", "five-bar", path):

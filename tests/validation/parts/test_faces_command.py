@@ -41,7 +41,7 @@ def interface_at(part, choice):
 
 
 @pytest.mark.usefixtures("read_once")
-def test_faces_are_listed_in_mm_and_drawn_in_colours(capsys, tmp_path):
+def test_faces_are_listed_in_mm_and_drawn(capsys, tmp_path):
     image = pytest.importorskip("PIL.Image")
     assert cli.main(["faces", str(ROCKER), "--out", str(tmp_path)]) == 0
     written = capsys.readouterr()
@@ -65,14 +65,14 @@ def test_json_of_faces_is_in_metres(command):
     assert bores == pytest.approx({8: 0.022, 9: 0.028, 10: 0.016, 11: 0.016}, rel=1e-9)
 
 
-def test_interfaces_in_text_of_faces_can_be_pasted(part):
+def test_printed_interface_example_is_valid(part):
     choices = re.findall(r"\{ (?:cylinder|faces) = .*? \}(?: \})?", as_text(part))
     by_cylinder, by_number = (interface_at(part, choice) for choice in choices)
     assert set(by_number.faces) <= set(by_cylinder.faces)
     np.testing.assert_allclose(by_cylinder.on_axis, by_number.on_axis, atol=1e-9)
 
 
-def test_interfaces_in_guide_are_valid():
+def test_guide_interface_examples_are_valid():
     guide = (HOME / "docs" / "guide" / "parts.md").read_text(encoding="utf-8")
     choices = re.findall(r"^\| `(\{.*\})` \|", guide, re.MULTILINE)
     assert len(choices) == 4
@@ -92,12 +92,12 @@ def test_point_selects_one_of_two_equal_bores(part):
         np.testing.assert_allclose(interface.on_axis[:2], point[:2], atol=1e-9)
 
 
-def test_unknown_key_is_refused_with_the_right_one(part):
+def test_unknown_interface_key_has_suggestion(part):
     with pytest.raises(InputError, match=r"at.*point"):
         interface_at(part, "{ cylinder = { radius = 0.016 }, at = [0.26, 0.0, 0.0] }")
 
 
-def test_stored_part_file_equals_the_one_read(tmp_path, monkeypatch):
+def test_cached_part_equals_file(tmp_path, monkeypatch):
     """A plate with a bore. With one more byte, or another unit, it is read again."""
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "cache"))
 
@@ -137,7 +137,7 @@ def test_stored_part_file_equals_the_one_read(tmp_path, monkeypatch):
     ],
     ids=lambda command: command[0],
 )
-def test_file_that_crashes_the_kernel_is_one_line(tmp_path, capfd, coarse_parts, command):
+def test_crashing_cad_file_gives_one_line(tmp_path, capfd, coarse_parts, command):
     coarse_parts.undo()
     part, robot = tmp_path / "rocker.step", tmp_path / "robot.toml"
     part.write_text(ROCKER.read_text().replace("MANIFOLD_SOLID_BREP", "SHELL_BASED_SURFACE_MODEL"))

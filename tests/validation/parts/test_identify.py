@@ -133,7 +133,7 @@ def shaft(folder):
     return document | arrays
 
 
-def test_shaft_compliance_matches_section_integrals(folder, shaft):
+def test_shaft_compliance_matches_integrals(folder, shaft):
     exact = compliance_of_sections()
     error = np.diag(shaft["compliance"]) / np.diag(exact) - 1.0
     half_width = np.diag(shaft["uncertainty"]) / np.diag(exact)
@@ -144,7 +144,7 @@ def test_shaft_compliance_matches_section_integrals(folder, shaft):
     np.testing.assert_allclose(stored, shaft["compliance"], rtol=1e-15)
 
 
-def test_shaft_mass_and_inertia_match_sum_of_discs(shaft):
+def test_shaft_mass_matches_sum_of_discs(shaft):
     masses = [STEEL.rho * np.pi * radius**2 * length for _, radius, length in sections()]
     centres = np.array([disc_centre for disc_centre, _, _ in sections()])
     centre = masses @ centres / sum(masses)
@@ -160,7 +160,7 @@ def test_shaft_mass_and_inertia_match_sum_of_discs(shaft):
     assert shaft["inertia"] == pytest.approx(meshed * inertia, abs=1e-3 * np.abs(inertia).max())
 
 
-def test_condensed_shaft_has_rigid_motions_and_mass(shaft):
+def test_condensed_shaft_has_rigid_motions(shaft):
     motions = np.vstack([np.eye(6), wrench_transport(END - START).T])
     mass_at_centre = np.zeros((6, 6))
     mass_at_centre[:3, :3], mass_at_centre[3:, 3:] = shaft["mass"] * np.eye(3), shaft["inertia"]
@@ -174,7 +174,7 @@ def test_condensed_shaft_has_rigid_motions_and_mass(shaft):
     assert np.linalg.eigvalsh(shaft["bracket"] * np.outer(scale, scale))[0] > -1e-9
 
 
-def test_text_has_all_numbers_from_the_cache(command, folder, shaft, monkeypatch):
+def test_cached_text_has_all_numbers(command, folder, shaft, monkeypatch):
     forget()
     monkeypatch.setattr(identifying, "_identification", lambda *_: pytest.fail("computed again"))
     text = command.told(*arguments(folder / "shaft.step", *SMALL))
@@ -205,7 +205,7 @@ def test_given_mesh_has_no_half_width(command, folder):
     assert re.search(r"^  1 +\d+\.\d\d  ± +–  ", text, re.MULTILINE)
 
 
-def test_uncertainty_follows_from_meshes_and_couplings(folder, shaft):
+def test_uncertainty_has_meshes_and_couplings(folder, shaft):
     file = read_part(folder / "shaft.step")
     ends = find_interfaces(file, *interfaces_of(ENDS))
     meshes = [part_mesh(file, ends, int(SMALL[1]), level) for level in LEVELS]
@@ -249,7 +249,7 @@ WRONG = [
 @pytest.mark.parametrize(
     ("ends", "material", "options", "message"), WRONG, ids=lambda value: str(value)[-25:]
 )
-def test_wrong_request_is_refused_before_computation(
+def test_wrong_request_is_refused_early(
     command, folder, monkeypatch, ends, material, options, message
 ):
     monkeypatch.setattr(identifying, "identify", lambda *_: pytest.fail("computed"))
@@ -307,7 +307,7 @@ def test_crank_compliance_is_shaft_plus_drive(crank, model, parts):
     assert scaled_difference(answer.compliance, crank_compliance()) < REFERENCE_ERROR
 
 
-def test_crank_frequencies_match_mass_on_springs(crank):
+def test_crank_frequencies_match_mass_on_spring(crank):
     """ω² are the eigenvalues of C⁻¹/m with C the compliance of translations."""
     (answer,) = answers("segments", [crank], 3, ModelOptions(parts="condensed"))
     compliances = np.linalg.eigvalsh(crank_compliance()[:3, :3])[::-1]
@@ -318,7 +318,7 @@ def test_crank_frequencies_match_mass_on_springs(crank):
 
 
 @pytest.mark.exhaustive
-def test_condensed_leg_is_accurate_equivalent_is_not(tmp_path):
+def test_condensed_leg_beats_equivalent_leg(tmp_path):
     """Tapered hollow leg with lugs: its solid, and two equivalent legs of it.
 
     The known values were computed with meshes of another program on the same drawing and compared

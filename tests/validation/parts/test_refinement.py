@@ -13,14 +13,14 @@ H = np.array([RATIO**2, RATIO, 1.0])
 
 
 @pytest.mark.parametrize(("order", "width"), [(1.0, 1.5), (1.42, 1.5), (2.0, 1.5), (4.0, 9.0)])
-def test_half_width_covers_series_of_one_order(order, width):
+def test_half_width_covers_single_order_series(order, width):
     values = 2.0 + np.outer(0.01 * H**order, [0.3, -0.1])
     half_widths = refinement_uncertainty(*values)
     # Orders above two are not believed, so that the half-width is then wider than necessary.
     assert half_widths / np.abs(values[-1] - 2.0) == pytest.approx([width, width], rel=1e-5)
 
 
-def test_half_width_uses_common_order_of_all_numbers():
+def test_half_width_uses_common_order():
     # The second number hardly changed in the last step by chance. The first gives the order.
     values = np.array([[1.04, 2.2], [1.02, 2.1], [1.01, 2.0999]])
     assert refinement_uncertainty(*values)[1] > 0.05
@@ -29,7 +29,7 @@ def test_half_width_uses_common_order_of_all_numbers():
     assert diverging == pytest.approx(1.5 * np.array([0.02, 0.1]) / (RATIO - 1.0), rel=1e-6)
 
 
-def test_compliance_half_widths_scale_with_diagonal():
+def test_compliance_half_width_uses_diagonal():
     fine = np.diag([1e-8, 1e-6])
     change = np.array([[1e-10, 1e-10], [1e-10, 1e-8]])
     half_widths = compliance_uncertainty(fine + 2.0 * change, fine + change, fine)
@@ -44,7 +44,7 @@ def test_compliance_half_widths_scale_with_diagonal():
     ],
     ids=["one", "calibration"],
 )
-def test_half_widths_cover_errors_of_random_parts(seeds, tmp_path, monkeypatch):
+def test_half_widths_cover_random_part_errors(seeds, tmp_path, monkeypatch):
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     parts = (random_part(np.random.default_rng([1, seed])) for seed in seeds)
     uncertainty, error = np.moveaxis([stated(part, tmp_path) for part in parts], 1, 0)
@@ -56,7 +56,7 @@ def test_half_widths_cover_errors_of_random_parts(seeds, tmp_path, monkeypatch):
 
 
 @pytest.mark.exhaustive
-def test_torsion_of_tube_with_corners_is_accurate(tmp_path, monkeypatch):
+def test_cornered_tube_torsion_is_accurate(tmp_path, monkeypatch):
     """Error below 0.2 %. Meshes that are not cut at the corners are 0.6 % too stiff.
 
     The other five compliances are within 0.06 %, because the edges of the rigid ends are singular,

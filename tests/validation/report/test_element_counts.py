@@ -35,7 +35,7 @@ def rows(*studies):
     return element_counts([figure(*studies)]).rows
 
 
-def test_rows_have_worst_quantity_of_each_formulation():
+def test_rows_have_worst_quantity():
     """8 of 5 and 8 elements, 0.12 % of +0.05 % and −0.12 %; other theories stay out."""
     table = element_counts(
         [
@@ -51,7 +51,7 @@ def test_rows_have_worst_quantity_of_each_formulation():
     assert table.rows == (segments, beams)
 
 
-def test_missed_limit_is_more_than_the_finest_count():
+def test_missed_limit_exceeds_finest_count():
     first, second = rows(study((5, 2, 3), (0, 0, 0)), study((None, 2, 3), (0, 0, 0)))
     assert (first.needed, second.needed) == ("more than 40", "2")
 
@@ -64,7 +64,7 @@ def test_coarsest_count_is_an_upper_bound():
     assert one.needed == "1"
 
 
-def test_error_is_empty_without_twenty_elements():
+def test_error_is_empty_without_stated_count():
     (first, _) = rows(study((5, 2, 3), (0, 0, 0), x=(10, 30, 40)))
     assert (first.error, first.worst) == ("", "")
 

@@ -102,7 +102,7 @@ ALIKE = matrix_of(*(entry(m, "x", 0.0) for m in ("vjm", "beam")))
         ("", matrix_of(), "No verdict on any model."),
     ],
 )
-def test_the_sentence_answers_what_was_asked(rely, matrix, expected):
+def test_sentence_has_verdicts_on_relied_models(rely, matrix, expected):
     accepted = "3 % to 5 %" if matrix is LOADED else "5 %"
     if rely.split()[:1] == [expected.partition(":")[0]]:
         expected = f"You rely on {expected}. Accepted error: {accepted}."
@@ -111,7 +111,7 @@ def test_the_sentence_answers_what_was_asked(rely, matrix, expected):
 
 @pytest.mark.timeout(60)  # It takes less than a second; a loop that finds no model is endless.
 @pytest.mark.parametrize("seed", range(20))
-def test_models_to_use_share_what_is_adequate(seed):
+def test_recommended_models_cover_quantities(seed):
     """In turn the model that is adequate for most of what is left, the simplest of equals."""
     draw = np.random.default_rng(seed)
     names = ("simplified", "vjm", "links", "segments", "beam")
@@ -134,7 +134,7 @@ def test_models_to_use_share_what_is_adequate(seed):
     assert [(model, {one.name for one in reasons}) for model, reasons in found] == chosen
 
 
-def test_unfit_models_are_folded_unless_named():
+def test_inadequate_models_are_folded():
     theories = [entry(name, "x", 0.01) for name in ("beam", "beam-euler-bernoulli")]
     lacking = [entry(name, "z", -1.0) for name in ("simplified", "links")]
     useful = [entry("simplified", "x", 0.5), entry("links", "x", 0.01)]
@@ -153,7 +153,7 @@ def test_unfit_models_are_folded_unless_named():
         assert [row.note.model for row in rows if not row.folded] == shown
 
 
-def test_assumption_is_stated_for_decided_frequencies():
+def test_frequency_verdicts_state_assumption():
     assert plain(sentence(sample_matrix())) == (
         "Within the accepted errors, use vjm (deflections and rotations); undecided: frequencies."
     )
@@ -169,7 +169,7 @@ def test_assumption_is_stated_for_decided_frequencies():
     assert "solid" not in sentence(decided)
 
 
-def test_half_width_below_0_05_percent_is_hidden():
+def test_tiny_half_width_is_hidden():
     small = [1e-9, 4e-4, 6e-4]
     table = table_of(matrix_of(*(entry(f"m{u}", "x", u, uncertainty=u) for u in small)))
     found = [(plain(cell.text), plain(cell.spread)) for cell in table.cells]
@@ -179,7 +179,7 @@ def test_half_width_below_0_05_percent_is_hidden():
     assert (plain(order.text), order.spread) == ("−11 %", "at most")
 
 
-def test_robot_row_has_values_of_the_reference():
+def test_reference_row_has_reference_values():
     """At most 25 nm/N, a quarter too many, are 20 µm under 1000 N; 30 nrad/(N m) 3 µrad.
 
     Each stands in the middle of what the reference leaves open: 100 Hz between 95 and 115 Hz are
@@ -201,7 +201,7 @@ def test_robot_row_has_values_of_the_reference():
     ]
 
 
-def test_entries_with_equal_cause_and_remedy_share_line():
+def test_equal_causes_and_remedies_share_line():
     matrix = sample_matrix()
     *simple, off = lines = remedies_of(matrix, {entry.model for entry in matrix.entries})
     equivalent = "VJM on equivalent legs, segments and beams"
@@ -225,7 +225,7 @@ def test_entries_with_equal_cause_and_remedy_share_line():
     assert (screen.remedies, screen.other_remedies) == ((off,), tuple(simple))
 
 
-def test_reasons_of_undecided_stand_with_their_models():
+def test_undecided_reasons_name_their_models():
     """Models of a second theory are folded, and so is what decides their verdicts."""
     theory = "beam-euler-bernoulli"
     reasons = {"beam": "say the ends", theory: "needs a finer reference"}
@@ -243,7 +243,7 @@ def test_reasons_of_undecided_stand_with_their_models():
     }
 
 
-def test_range_of_a_remedy_is_sorted_by_size():
+def test_remedy_error_range_is_sorted():
     """Frequencies 8 % too low and 20 % too high, each with a sign."""
     causes = (Cause("shear", 1.0),)
     entries = tuple(
@@ -255,7 +255,7 @@ def test_range_of_a_remedy_is_sorted_by_size():
     assert plain(line.with_remedy) == "−0.3 to +4 %"
 
 
-def test_legs_and_measured_values_have_own_tables():
+def test_legs_and_measurements_have_own_tables():
     by_gauge = tuple(
         entry(model, "z", size, measured=True, reference="measured: gauge")
         for model, size in (("vjm", 0.01), ("segments", -0.2))
@@ -285,7 +285,7 @@ def test_legs_and_measured_values_have_own_tables():
     assert f"<dd>{number(by_gauge[1].value, 6)} m</dd>" in alone
 
 
-def test_matrix_has_uncertain_inputs_and_probabilities():
+def test_matrix_has_inputs_and_probabilities():
     uncertain = entry(
         *("beam", "f1", 0.03),
         probability=0.97,

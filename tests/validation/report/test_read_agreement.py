@@ -88,12 +88,12 @@ def read(share):
     return pytest.approx(share, abs=SHOWN * 1.01)
 
 
-def test_outcomes_have_every_verdict():
+def test_drawn_outcomes_have_every_verdict():
     assert {one.verdict for outcomes in DRAWN for one in outcomes} == set(MARKS)
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
-def test_every_cell_is_that_of_its_outcome(outcomes):
+def test_cells_match_their_comparisons(outcomes):
     by_place = {(one.case.body, one.case.model, one.case.label): one for one in outcomes}
     tables = agreement_tables(outcomes)
     assert [table.subject for table in tables] == ["leg1", "leg2"]
@@ -124,7 +124,7 @@ def assert_cell(cell, outcome):
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
-def test_values_of_the_solid_have_unit_and_prefix(outcomes):
+def test_solid_values_have_unit_and_prefix(outcomes):
     for table in agreement_tables(outcomes):
         for label, text in zip(table.quantities, table.solid, strict=True):
             (known, *_) = [
@@ -140,7 +140,7 @@ def test_values_of_the_solid_have_unit_and_prefix(outcomes):
             assert float(digits) * factor == pytest.approx(known, rel=6e-4)
 
 
-def test_quantity_without_any_value_has_no_column():
+def test_empty_quantity_has_no_column():
     outcomes = [one for one in DRAWN[0] if one.case.label != "f2" or not one.measurement]
     for table in agreement_tables(outcomes):
         assert "f2" not in table.quantities
@@ -173,7 +173,7 @@ def test_cause_rows_have_every_amount(outcomes):
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
-def test_explanations_and_reasons_name_quantities(outcomes):
+def test_explanations_name_quantities(outcomes):
     for table in agreement_tables(outcomes):
         own = [one for one in outcomes if one.case.body == table.subject]
         reasons = {}
@@ -204,7 +204,7 @@ def test_explanations_and_reasons_name_quantities(outcomes):
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
-def test_csv_of_comparisons_equals_their_outcomes(outcomes):
+def test_csv_matches_comparisons(outcomes):
     rows = list(csv.DictReader(io.StringIO(agreement_rows(outcomes).csv())))
     assert len(rows) == len(outcomes)
     for row, one in zip(rows, outcomes, strict=True):
@@ -230,7 +230,7 @@ def test_csv_of_comparisons_equals_their_outcomes(outcomes):
         )
 
 
-def test_page_and_run_folder_have_csv_of_comparisons():
+def test_page_and_folder_have_comparison_csv():
     outcomes = [redeclared(one, section=AGREEMENT, group="bodies") for one in DRAWN[0]]
     report = sample_report(outcomes=outcomes)
     markup = render(report)
@@ -298,7 +298,7 @@ def assert_causes(sentence, agreed):
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
-def test_sentence_of_agreement_separates_kinds(outcomes):
+def test_agreement_sentence_separates_statics(outcomes):
     agreed = [one for one in outcomes if one.verdict == "agree"]
     sentence = agreement_sentence(agreed)
     for kind, own in (
@@ -318,7 +318,7 @@ def test_sentence_of_agreement_separates_kinds(outcomes):
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
-def test_sentence_counts_decided_comparisons(outcomes):
+def test_agreement_sentence_counts_decided(outcomes):
     decided = [one for one in outcomes if one.verdict in {"agree", "disagree"}]
     sentence = agreement_sentence(outcomes)
     wrong = sum(one.verdict == "disagree" for one in decided)
@@ -335,7 +335,7 @@ def test_sentence_counts_decided_comparisons(outcomes):
 
 
 @pytest.mark.parametrize("verdict", ["undecided", "failed"])
-def test_all_agree_only_if_all_are_decided(verdict):
+def test_undecided_comparison_is_in_sentence(verdict):
     own = {"kind": "agreement", "model": "beam", "tolerance": Relative(TOLERANCE)}
     good = measured("good", 1.0001, 1.0, **own)
     start = "Beam FE agree with solid FE of the same legs within 0.01"
@@ -349,7 +349,7 @@ def test_all_agree_only_if_all_are_decided(verdict):
     )
 
 
-def test_convergence_sentence_is_of_the_stated_count():
+def test_convergence_sentence_uses_stated_count():
     errors = {15: (0.002, 0.007), 0: (0.4,)}
     outcomes = [
         redeclared(one, kind="convergence", elements=elements)

@@ -128,7 +128,7 @@ def run_of(request, folder):
     return (out / "report.html").read_text("utf-8"), document
 
 
-def test_page_shows_the_numbers_of_results(run_of):
+def test_page_shows_numbers_of_results(run_of):
     page, document = run_of
     assert any(case["verdict"] == "agree" for case in document["cases"])
     assert misread(page, document) == ([], set())
@@ -153,7 +153,7 @@ def rel(case):
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-def test_mistake_of_the_page_is_noticed(run_of, mistake):
+def test_wrong_number_on_page_is_detected(run_of, mistake):
     page, document = run_of
 
     def change(case):
@@ -164,7 +164,7 @@ def test_mistake_of_the_page_is_noticed(run_of, mistake):
     assert misread(page, spoilt(document, change))[0]
 
 
-def test_rows_and_columns_of_other_cases_are_noticed(run_of):
+def test_exchanged_rows_or_columns_are_detected(run_of):
     """Numbers of the neighbouring quantity in a row, and of the neighbouring row."""
     page, document = run_of
     measured = [case for case in document["cases"] if case["verdict"] != "skipped"]

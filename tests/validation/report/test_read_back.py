@@ -117,12 +117,12 @@ def assert_error_is_told(entry, text, spread):
         assert distance < 5e-4 or told(ends[0]) == ends[-1]
 
 
-def test_numbers_are_read_as_they_are_printed():
+def test_printed_numbers_are_read_back():
     assert numbers("−1.06 × 10⁻⁶ m/N, +12 %, 0 %") == pytest.approx([-1.06e-6, 0.12, 0.0])
 
 
 @pytest.mark.parametrize("matrix", MATRICES)
-def test_every_cell_and_its_sheet(matrix):
+def test_cells_and_sheets_match_entries(matrix):
     shown = table_of(matrix)
     cells = [
         (row.note.model, heading, cell)
@@ -181,7 +181,7 @@ def test_every_cell_and_its_sheet(matrix):
 
 
 @pytest.mark.parametrize("matrix", MATRICES)
-def test_every_line_of_the_csv(matrix):
+def test_csv_lines_match_entries(matrix):
     rows = list(csv.DictReader(io.StringIO(csv_of_matrix(matrix))))
     assert {"error", "uncertainty", "limit", "value", "error with remedy"} <= rows[0].keys()
     fields = {"error along the load": "along", "reference value": "expected"}
@@ -206,7 +206,7 @@ def test_every_line_of_the_csv(matrix):
 
 
 @pytest.mark.parametrize("matrix", MATRICES)
-def test_every_curve_and_its_table(matrix):
+def test_curves_match_their_tables(matrix):
     chart = error_curves(matrix)
     # Two coordinates: the number of the pose, from 1.
     assert chart.x_label == "pose"
@@ -297,7 +297,7 @@ def counted_quantities(matrix, text):
     )
 
 
-def test_each_remedy_line_states_range_of_its_errors():
+def test_remedy_line_has_range_of_errors():
     """One line for each set of two foremost causes and remedy, in the order of the matrix."""
     for matrix in MATRICES:
         off = [entry for entry in matrix.entries if entry.verdict == "inadequate"]
@@ -332,7 +332,7 @@ def test_each_remedy_line_states_range_of_its_errors():
                     assert [ends[0], ends[-1]] == [told(known[0]), told(known[-1])], shown
 
 
-def test_matrix_survives_its_record_with_fixed_keys():
+def test_matrix_record_round_trip_keeps_keys():
     record = to_builtins(stored_entries(MATRICES[0])[0])
     keys = (
         "model quantity verdict error uncertainty low high limit along value expected reference "
@@ -347,7 +347,7 @@ def test_matrix_survives_its_record_with_fixed_keys():
         assert from_plain(assessment, plain(result)) == result
 
 
-def test_the_record_and_the_line_of_the_api():
+def test_api_line_matches_record():
     for own, matrix in zip(SUBJECTS, MATRICES, strict=True):
         records = stored_entries(matrix)
         found = api.Adequacy(matrix, Requirement(), own)
@@ -375,7 +375,7 @@ def test_the_record_and_the_line_of_the_api():
                 assert f"remedy: {entry.remedy}" in line
 
 
-def test_numbers_and_tolerances_are_printed_in_style():
+def test_numbers_and_tolerances_have_style():
     written = {1.06e-6: "1.06\u00a0×\u00a010⁻⁶", -123456.0: "−123460", 0.0: "0", None: "–"}
     written |= {"centre": "centre", float("inf"): "∞"}
     assert {value: text.number(value) for value in written} == written
@@ -393,7 +393,7 @@ def test_numbers_and_tolerances_are_printed_in_style():
             assert numbers(said) == [pytest.approx(number, rel=digits)], said
 
 
-def test_lines_sum_and_junit_say_the_verdicts():
+def test_console_and_junit_have_verdicts():
     values = (1.6, 2.19, 2.21, 1.79, 1.81, 2.0, 9.5)
     wrong = [True, False, True, True, False, False, True]
     own = {"quantity": "deflection", "unit": "µm", "tolerance": Relative(0.1)}

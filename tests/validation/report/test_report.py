@@ -61,7 +61,7 @@ def markup():
     return render(sample_report())
 
 
-def test_page_is_well_formed_and_self_contained(markup):
+def test_page_is_valid_and_self_contained(markup):
     page = Page(markup)
     assert page.open == []
     ids = page.values["id"]
@@ -76,7 +76,7 @@ def test_page_is_well_formed_and_self_contained(markup):
     assert not re.search(r"<script src|@import|fetch\(", markup)
 
 
-def test_verdict_is_at_the_top_and_checks_follow(markup):
+def test_verdict_is_at_top_of_page(markup):
     banner = markup[markup.index('id="verdict"') : markup.index("</header>")]
     answer = re.search(r"<strong>([^<]*)</strong>", banner)[1]
     assert answer.startswith("Within the accepted errors, use vjm (deflections and rotations); ")
@@ -93,7 +93,7 @@ def test_inadequate_relied_model_colours_the_banner():
         assert f'<div class="banner {colour}" id="verdict">' in page
 
 
-def test_the_page_says_why_there_is_no_matrix():
+def test_missing_matrix_has_reason_on_page():
     page = render(sample_report(matrix=None, unjudged={ADEQUACY: "the sections are too thin"}))
     assert "No model was judged by finite elements: the sections are too thin." in page
     assert 'id="adequacy"' not in page
@@ -105,7 +105,7 @@ def test_the_page_says_why_there_is_no_matrix():
     assert "<strong>Within the accepted errors, use" in page
 
 
-def test_the_worst_comparisons_of_a_section_come_first():
+def test_worst_comparisons_come_first():
     report = sample_report()
     assert [outcome.verdict for outcome in report.bad] == ["disagree", "failed"]
     found = {one.title: one for chapter in report.chapters for one in chapter.sections}
@@ -114,7 +114,7 @@ def test_the_worst_comparisons_of_a_section_come_first():
     ]
 
 
-def test_page_shows_cases_data_findings_and_provenance(markup):
+def test_page_has_cases_findings_and_provenance(markup):
     cases = len(sample_outcomes())
     for shown in ("Timoshenko &amp; Gere, Table 1", "shear is in both models", ".never</code>"):
         assert markup.count(shown) >= cases
@@ -134,7 +134,7 @@ def test_page_shows_cases_data_findings_and_provenance(markup):
     assert data["study.elements.csv"] == drawn().data
 
 
-def test_an_empty_and_an_interrupted_run_have_a_page():
+def test_empty_and_interrupted_runs_have_page():
     empty = sample_report(outcomes=(), figures=(), findings=(), missing=(), matrix=None)
     assert "No comparison was made." in render(empty)
     part = sample_report(unfinished=4)
@@ -144,7 +144,7 @@ def test_an_empty_and_an_interrupted_run_have_a_page():
     assert not any(drawn for section in found for _, drawn in section.plots)
 
 
-def test_a_study_shared_by_several_cases_is_shown_once():
+def test_shared_study_is_shown_once():
     outcomes = [measured(f"legs.{n}", 1.0, 1.0, studies=(CONVERGENCE,)) for n in "ab"]
     report = sample_report(outcomes=outcomes, figures=(drawn(),), matrix=None)
     ((section,),) = (chapter.sections for chapter in report.chapters)
@@ -156,7 +156,7 @@ def test_a_study_shared_by_several_cases_is_shown_once():
     assert len(ids) == len(set(ids))
 
 
-def test_only_equality_has_percent_of_unexplained_part():
+def test_percent_is_shown_for_equality_only():
     for more, share in (
         ({}, 0.005),
         ({"tolerance": Absolute(0.1)}, None),
@@ -190,7 +190,7 @@ def test_budget_shows_difference_causes_and_rest():
     }
 
 
-def test_all_figures_of_the_page_are_written(markup):
+def test_page_figures_are_written_to_files(markup):
     shown = sample_report().shown
     in_page = set(re.findall(r'<figure id="([^"]+)"', markup))
     assert {text.anchor(figure.id) for figure in shown} == in_page
@@ -199,12 +199,12 @@ def test_all_figures_of_the_page_are_written(markup):
     assert {"fig5.png", "fig5.csv", "study.elements.svg", "study.elements.csv"} <= set(names)
 
 
-def test_a_plot_that_fails_costs_nothing_but_itself(monkeypatch):
+def test_failing_plot_affects_only_itself(monkeypatch):
     monkeypatch.setattr(sections, "study_figure", lambda _: 1 / 0)
     assert "Agrees barely" in render(sample_report(matrix=None))
 
 
-def test_chapters_answer_in_turn_whatever_came_first():
+def test_chapter_order_is_fixed():
     names = ("crank", "The paper's statements", "Leg 2", "The mechanism over its path")
     names += ("The robot over its stroke",)
     found = chapters_of([measured(n, 1.0, 1.0, section=n) for n in names], (), plotted=False)
@@ -216,7 +216,7 @@ def test_chapters_answer_in_turn_whatever_came_first():
     ]
 
 
-def test_page_shows_scenes_missing_pictures_and_nan():
+def test_page_shows_scenes_and_missing_pictures():
     """The viewer stands in the page once, and only where there is something to be turned."""
     scene = InteractiveScene("(a) mode 1", b"PK state")
     one, two, left_out = (
@@ -236,7 +236,7 @@ def test_page_shows_scenes_missing_pictures_and_nan():
     assert "not a number" in shown
 
 
-def test_data_of_curves_belong_to_their_names():
+def test_curve_data_match_their_names():
     rows = list(csv.DictReader(io.StringIO(drawn().data)))
     named = {f"{name} (Hz)": values for name, values in CONVERGENCE.series.items()}
     assert {name: tuple(float(row[name]) for row in rows) for name in rows[0]} == {
@@ -261,7 +261,7 @@ def test_studies_of_a_family_share_axes():
     ]
 
 
-def test_plots_have_unique_ids_and_reproducible_files(undrawn):
+def test_plot_files_are_unique_and_reproducible(undrawn):
     undrawn.undo()
     first, again, second = (
         study_figure(family_of([replace(CONVERGENCE, id=name)])) for name in ("one", "one", "two")
@@ -275,7 +275,7 @@ def test_plots_have_unique_ids_and_reproducible_files(undrawn):
     assert set(used) <= ids[0]
 
 
-def test_cross_validation_leads_the_page_unfolded():
+def test_cross_validation_is_first_and_open():
     """Directly below the verdict, above the matrix of the models."""
     outcome = measured("agrees", 1.0, 1.0, section=AGREEMENT)
     other = measured("robot", 1.0, 1.0, section=PATH)
@@ -286,7 +286,7 @@ def test_cross_validation_leads_the_page_unfolded():
     assert not second.leads
 
 
-def test_section_of_skipped_comparisons_has_reasons():
+def test_skipped_section_has_reasons():
     """Each reason once, with the bodies that it is about; none if anything was compared."""
     skipped = tuple(
         redeclared(unmeasured(name, "skipped", "too large"), body=name) for name in ("rod", "crank")

@@ -33,7 +33,7 @@ def rotation(rng, size):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_separate_modes_have_the_assigned_partners(seed):
+def test_separate_modes_have_assigned_partners(seed):
     """Shapes turned by up to some 15°, shuffled; modes of one model see a part of their energy."""
     rng = RNG_OF([1, seed])
     shapes, weights = orthonormal(rng, MODES + 2)
@@ -56,7 +56,7 @@ def test_separate_modes_have_the_assigned_partners(seed):
     assert not pairs.undecided.any()
 
 
-def test_pairs_maximise_the_sum_of_likeness():
+def test_pairs_maximise_sum_of_mac():
     """Greedy takes 0.6 for the first and leaves 0; together 0.5 + 0.5 is more."""
     first, second = [1.0, 0.0, 0.0, 0.0], [0.5, 0.5057, 0.7030, 0.0]
     others = [[0.7746, 0.6325, 0.0, 0.0], [0.7071, -0.2126, -0.35, 0.5762]]
@@ -72,7 +72,7 @@ def test_pairs_maximise_the_sum_of_likeness():
 
 @pytest.mark.parametrize("size", [2, 3])
 @pytest.mark.parametrize("tilt", [0.0, 0.3])
-def test_repeated_modes_compare_by_principal_angles(size, tilt):
+def test_repeated_modes_use_principal_angles(size, tilt):
     rng = RNG_OF([2, size])
     shapes, weights = orthonormal(rng, 6)
     one, rest = shapes[:, :size], shapes[:, size : size + 2]
@@ -91,7 +91,7 @@ def test_repeated_modes_compare_by_principal_angles(size, tilt):
     np.testing.assert_allclose(pairs.likeness[size:], 1.0, atol=1e-12)
 
 
-def test_missing_direction_of_a_triple_has_no_partner():
+def test_missing_mode_of_triple_has_no_partner():
     shapes, weights = orthonormal(RNG_OF(3), 4)
     own = modes_of(np.full(3, 10.0), shapes[:, :3] @ rotation(RNG_OF(4), 3), weights)
     other = modes_of(np.full(3, 11.0), shapes[:, [0, 1, 3]], weights)
@@ -100,7 +100,7 @@ def test_missing_direction_of_a_triple_has_no_partner():
     assert pairs.likeness[:2] == pytest.approx(1.0)
 
 
-def test_repeated_modes_may_split_in_the_other_model():
+def test_repeated_modes_pair_with_split_modes():
     """Each direction finds its half; the frequencies are those of both, ascending."""
     rng = RNG_OF(5)
     shapes, weights = orthonormal(rng, 3)
@@ -117,7 +117,7 @@ def test_repeated_modes_may_split_in_the_other_model():
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_permutation_of_close_modes_is_recovered(seed):
+def test_permuted_close_modes_are_recovered(seed):
     """Gaps of 1 to 8 %, however long the chain."""
     rng = RNG_OF([6, seed])
     shapes, weights = orthonormal(rng, MODES)
@@ -142,7 +142,7 @@ def test_shapes_turned_by_45_degrees_are_mixed(degrees, mixed):
 
 
 @pytest.mark.parametrize("share", [0.002, 0.12, 0.3])
-def test_local_mode_likeness_is_bounded_by_energy(share):
+def test_local_mode_mac_is_bounded_by_energy(share):
     """All that the samples see of it is the shape of a mode: MAC 1, likeness its share."""
     shapes, weights = orthonormal(RNG_OF(8), 2)
     own = modes_of(np.array([10.0, 11.0]), shapes, weights, np.array([share, 1.0]))
@@ -154,7 +154,7 @@ def test_local_mode_likeness_is_bounded_by_energy(share):
     assert pair_modes(other, own).partner.tolist() == [-1, 1]
 
 
-def test_mode_space_spans_at_most_its_uncertainty():
+def test_mode_cluster_is_within_uncertainty():
     """A chain of gaps of 0.9 % is not one frequency; a certain mode is not one with others."""
     chain = 100.0 * 1.009 ** np.arange(5)
     assert one_frequency(chain, np.full(5, 0.01)).tolist() == [0, 0, 1, 1, 2]

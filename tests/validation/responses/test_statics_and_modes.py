@@ -20,7 +20,7 @@ def wrenches(*shape):
 
 
 @pytest.mark.parametrize(("place", "quantity"), list(enumerate(QUANTITIES)))
-def test_displacements_are_products_pose_by_pose(place, quantity):
+def test_displacements_are_compliance_times_load(place, quantity):
     """Three deflections, three rotations, any force, then the loads."""
     own, forces = statics(0), wrenches(FORCES)
     found = own.displacements(quantity, forces)

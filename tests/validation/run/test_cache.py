@@ -26,7 +26,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path / "cache"
 
 
-def test_arrays_are_stored_and_invalid_files_ignored(folder):
+def test_invalid_cache_files_are_ignored(folder):
     keep("a", ARRAYS)
     forget()
     assert_array_equal(find("a")["powers"], ARRAYS["powers"])
@@ -62,14 +62,14 @@ def read_powers(arrays):
 @pytest.mark.parametrize(
     "wrong", [{"total": 1.0}, {**ARRAYS, "powers": np.zeros(0)}, {**ARRAYS, "total": np.ones(2)}]
 )
-def test_what_was_sealed_with_other_arrays_is_nothing(wrong):
+def test_cache_entry_with_wrong_arrays_is_ignored(wrong):
     keep("a", wrong)
     for computed in (lambda: ARRAYS, pytest.fail):
         forget()
         assert CacheEntry("a", computed, read_powers).value() == 6.0
 
 
-def test_entry_is_kept_once_its_arrays_hold():
+def test_cache_entry_with_valid_arrays_is_used():
     needed = CacheEntry("needed", lambda: {"half": 3.0}, lambda arrays: float(arrays["half"]))
     entry = CacheEntry("a", lambda: ARRAYS | {"half": needed.value()}, read_powers, (needed,))
     # Nothing is computed for the answer.
@@ -85,7 +85,7 @@ def test_entry_is_kept_once_its_arrays_hold():
     assert not entry.is_stored
 
 
-def test_nothing_that_is_read_is_unpickled(folder):
+def test_cache_reading_never_unpickles(folder):
     """Whoever knows how to seal a file has no code run by it."""
     bomb = BytesIO()
     np.savez(bomb, bomb=np.array([Bomb()]))
@@ -102,7 +102,7 @@ class Bomb:
         return pytest.fail, ("unpickled",)
 
 
-def test_where_nothing_can_be_kept_all_is_computed(folder, monkeypatch, tmp_path):
+def test_unwritable_cache_recomputes_everything(folder, monkeypatch, tmp_path):
     folder.write_text("a file")
     assert CacheEntry("a", lambda: ARRAYS, dict).value()["total"] == 6.0
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
@@ -121,7 +121,7 @@ def test_where_nothing_can_be_kept_all_is_computed(folder, monkeypatch, tmp_path
         assert cache.cache_folder() == found / "flexproof"
 
 
-def test_cache_above_limit_drops_oldest_use_first(folder, monkeypatch):
+def test_full_cache_drops_least_recently_used(folder, monkeypatch):
     for number, key in enumerate("abcd"):
         keep(key, {"much": np.zeros(1000)})
         os.utime(folder / f"{key}.npz", (number, number))
@@ -154,7 +154,7 @@ def computing(seconds):
     return subprocess.Popen(line, cwd=ROOT, stdout=subprocess.PIPE, text=True)
 
 
-def test_kill_leaves_valid_entries_and_one_computes(folder):
+def test_killed_run_leaves_valid_cache(folder):
     for moment in (0.0, 0.02):
         process = computing(0.0)
         process.stdout.readline()

@@ -87,7 +87,7 @@ def silent(_line):
     """Nothing is expected to be said."""
 
 
-def test_varied_robots_are_the_same_on_the_cluster(command, monkeypatch):
+def test_cluster_results_equal_local_results(command, monkeypatch):
     """Of a scheduler and a worker in threads of this process, to which all is sent as to others."""
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 60.0)
@@ -102,7 +102,7 @@ def test_varied_robots_are_the_same_on_the_cluster(command, monkeypatch):
 
 
 @pytest.mark.exhaustive
-def test_parts_are_reduced_by_workers_alone(tmp_path, monkeypatch, cluster):
+def test_parts_are_reduced_on_workers(tmp_path, monkeypatch, cluster):
     """A worker with a cache of its own, and without the file: what it reduces lies here then."""
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
@@ -139,7 +139,7 @@ def test_parts_are_reduced_by_workers_alone(tmp_path, monkeypatch, cluster):
 
 
 @pytest.mark.exhaustive
-def test_killed_worker_and_scheduler_lose_no_results(cluster, monkeypatch):
+def test_killed_worker_loses_no_results(cluster, monkeypatch):
     """The last test on the cluster that all of them share."""
     monkeypatch.setattr(on_dask, "_WORKER_TIMEOUT", 1.0)
     found, said = {}, []
@@ -182,7 +182,7 @@ def test_killed_worker_and_scheduler_lose_no_results(cluster, monkeypatch):
         ("tcp://127.0.0.1:1", "no Dask scheduler answers there: Connection refused"),
     ],
 )
-def test_earlier_run_survives_missing_scheduler(address, said, tmp_path, command):
+def test_missing_scheduler_keeps_earlier_run(address, said, tmp_path, command):
     with open_folder(tmp_path / "run", {}, "afresh") as folder:
         folder.write({"results.json": "precious"})
         folder.complete = True
@@ -198,7 +198,7 @@ def test_earlier_run_survives_missing_scheduler(address, said, tmp_path, command
     ("greeting", "answer", "said"),
     [(b"HTTP/1.1 400", 60.0, "is not a Dask scheduler"), (b"", 0.2, "timed out")],
 )
-def test_something_else_at_the_address(greeting, answer, said, monkeypatch):
+def test_non_dask_service_is_refused(greeting, answer, said, monkeypatch):
     monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", answer)
     with socket.create_server(("127.0.0.1", 0)) as server:
         if greeting:
@@ -218,7 +218,7 @@ def test_something_else_at_the_address(greeting, answer, said, monkeypatch):
         b"".join(one.to_bytes(8, "little") for one in (8, 0)),
     ],
 )
-def test_junk_like_a_greeting_is_no_scheduler(greeting, monkeypatch):
+def test_invalid_greeting_is_no_scheduler(greeting, monkeypatch):
     monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 2.0)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
@@ -234,7 +234,7 @@ def test_junk_like_a_greeting_is_no_scheduler(greeting, monkeypatch):
             pass
 
 
-def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
+def test_missing_dask_message_names_command(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.setattr(on_dask, "require_scheduler", silent)
     needed = r"--cluster: needs distributed, not installed; \./flexproof extras cluster adds"
@@ -243,7 +243,7 @@ def test_without_dask_the_message_says_how_to_get_it(monkeypatch):
 
 
 @pytest.mark.exhaustive
-def test_worker_of_another_version_is_refused_by_name(tmp_path):
+def test_worker_of_other_version_is_refused(tmp_path):
     other = tmp_path / "other"
     for package in ("lumped", "meshes", "fem", "validation"):
         shutil.copytree(ROOT / package, other / package)

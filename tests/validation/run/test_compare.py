@@ -44,7 +44,7 @@ def saved(tmp_path):
     return save
 
 
-def test_changes_of_verdicts_and_cases_are_listed():
+def test_changed_verdicts_and_cases_are_listed():
     from_good_to_bad = ("agree", "skipped", "undecided", "disagree", "failed")
     for (i, before), (j, after) in permutations(enumerate(from_good_to_bad), 2):
         comparison = compare(
@@ -75,7 +75,7 @@ def test_changes_of_verdicts_and_cases_are_listed():
         ((1e-16, 2e-12), (None, None), True),
     ],
 )
-def test_drift_is_what_exceeds_the_uncertainty(values, uncertainties, beyond):
+def test_drift_is_change_beyond_uncertainty(values, uncertainties, beyond):
     known = {} if values[0] == 1.0 else {"reference": 0.0}
     case = Declaration(id="steady", title="", tolerance=Absolute(1e-9 if known else 0.1))
     before, after = (
@@ -95,7 +95,7 @@ def test_drift_is_what_exceeds_the_uncertainty(values, uncertainties, beyond):
     assert with_drift(after, None) == after
 
 
-def test_text_and_json_have_exactly_the_changes():
+def test_compare_output_has_exactly_the_changes():
     before = run_of(STEADY, replace(STEADY, id="worse"), replace(STEADY, id="gone"))
     case = dataclasses.replace(STEADY.case, unit="Hz")
     after = run_of(
@@ -123,7 +123,7 @@ def test_text_and_json_have_exactly_the_changes():
     assert not any((same | {"seconds": [], "schema": 0}).values())
 
 
-def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, saved, command):
+def test_worse_verdict_exits_with_1(tmp_path, saved, command):
     (tmp_path / "bad").mkdir()
     good = saved("good.json", STEADY)
     saved("bad/results.json", replace(STEADY, verdict="failed", found=None))
@@ -151,7 +151,7 @@ def test_compare_ends_with_1_when_a_verdict_worsened(tmp_path, saved, command):
         (json.dumps({"cases": [CASE | {"value": 1e300}]}), "a number exceeds 1e+150"),
     ],
 )
-def test_what_is_no_run_ends_with_2_and_one_line(content, said, tmp_path, command):
+def test_invalid_run_exits_with_2(content, said, tmp_path, command):
     path = tmp_path / "x.json"
     if content is not None:
         path.write_bytes(content.encode(errors="surrogateescape"))
@@ -160,7 +160,7 @@ def test_what_is_no_run_ends_with_2_and_one_line(content, said, tmp_path, comman
         load_run(tmp_path)
 
 
-def test_inputs_are_compared_however_deep_they_are():
+def test_nested_inputs_are_compared():
     deep = 1.0
     for _ in range(5000):
         deep = [deep]
@@ -190,7 +190,7 @@ def test_values_are_matched_by_pose():
 
 
 @pytest.mark.parametrize("poses", [((0.1,), (0.2, 0.3)), ((), (0.1,)), ((0.1, 0.2),) * 2])
-def test_poses_of_different_lengths_share_no_values(poses):
+def test_poses_of_other_length_are_not_compared(poses):
     """None, of robots that move otherwise and of files that somebody made."""
     entries = (
         replace(judged("x", "adequate"), poses=some, values=(1.0, 2.0))
@@ -228,14 +228,14 @@ def test_errors_are_compared_in_percent(saved, command):
     }
 
 
-def test_runs_of_models_alone_are_compared_by_these(saved, command):
+def test_runs_without_cases_compare_models(saved, command):
     verdicts = ("adequate", "inadequate")
     paths = [saved(f"{one}.json", adequacy=(judged("x", one),)) for one in verdicts]
     said = command.told("compare", *paths)
     assert re.search(r"vjm +x +\+2\.00 % +adequate +\+2\.00 % +inad", said)
 
 
-def test_variants_differ_in_input_without_drift():
+def test_variants_have_no_drift():
     """Values side by side where both runs have the pose; numbers of two inputs are no drift."""
     tables = [{"leg1": {"section": {"t": [4, t]}, "length": 0.8}} for t in (0.004, 0.003)]
     thick = run_of(
@@ -271,14 +271,14 @@ def test_variants_differ_in_input_without_drift():
     assert "Adequacy" not in as_text(thick, thick, same)
 
 
-def test_values_of_two_postures_are_not_compared():
+def test_different_postures_are_not_compared():
     at_start = moved(pose=(0.21,))
     here, there = (moved(value=2.0, pose=(x,)) for x in (0.21, 0.6))
     assert drift(at_start, here).beyond
     assert drift(at_start, there) is None
 
 
-def test_different_robots_are_neither_better_nor_worse(saved, tmp_path, command):
+def test_different_robots_have_no_ranking(saved, tmp_path, command):
     """Cases of one name in runs of two robots have nothing to do with each other."""
     wrong = replace(moved(value=9.0), verdict="disagree")
     first = saved("first.json", wrong, robot="five-bar", robot_tables={"a": 1})

@@ -45,7 +45,7 @@ class Unit:
         return Powers(powers, float(powers.sum()))
 
 
-def test_finished_units_are_kept_and_computed_once(tmp_path, monkeypatch):
+def test_finished_units_are_computed_once(tmp_path, monkeypatch):
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path))
     units = [Unit(base) for base in (2.0, 3.0, 2.0, 5.0)]
 
@@ -89,7 +89,7 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
-def test_ctrl_c_and_a_kill_end_all_processes(tmp_path, monkeypatch, how):
+def test_ctrl_c_and_kill_end_all_processes(tmp_path, monkeypatch, how):
     # A script that does not ask whether it is run by hand is not run again by its processes.
     (tmp_path / "script.py").write_text(SCRIPT, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -104,7 +104,7 @@ def test_ctrl_c_and_a_kill_end_all_processes(tmp_path, monkeypatch, how):
     wait_for(lambda: not any(Path(f"/proc/{worker}").exists() for worker in workers))
 
 
-def test_a_call_that_dies_is_lost_alone(tmp_path):
+def test_crashed_call_affects_only_itself(tmp_path):
     """Its neighbours are computed, the rest of its group as well, and how it died is told."""
     lives = partial(abs, -1)
     groups = [
@@ -130,7 +130,7 @@ def test_a_call_that_dies_is_lost_alone(tmp_path):
     assert "ZeroDivisionError" in (tmp_path / "log").read_text()
 
 
-def test_lost_unit_ends_its_sweep_with_cause():
+def test_lost_unit_ends_sweep_with_reason():
     with on_cores(1) as executor:
         with pytest.raises(ComputationError, match="code 9; what was finished is kept: start it"):
             list(executor([partial(os._exit, 9)]))
@@ -138,7 +138,7 @@ def test_lost_unit_ends_its_sweep_with_cause():
             list(executor([partial(load_robot, "no-such-robot")]))
 
 
-def test_what_is_given_up_is_not_waited_for():
+def test_cancelled_units_are_not_awaited():
     begun = time.monotonic()
     with on_cores(2) as cores:
         groups = [[(number, partial(time.sleep, 60.0 * (number > 0)))] for number in range(3)]
@@ -175,7 +175,7 @@ assert here == there
 """
 
 
-def test_python_and_worker_give_equal_bits(tmp_path):
+def test_worker_results_are_bit_identical(tmp_path):
     """Whatever the user's BLAS may use: with two threads these numbers differ by up to 1e-9."""
     (tmp_path / "bits.py").write_text(BITS, encoding="utf-8")
     (tmp_path / "equal.py").write_text(EQUAL, encoding="utf-8")

@@ -44,7 +44,7 @@ def undisturbed(tmp_path_factory):
 
 
 @pytest.mark.exhaustive
-def test_run_killed_four_times_has_same_results(undisturbed, tmp_path):
+def test_resumed_run_equals_uninterrupted_run(undisturbed, tmp_path):
     expected, duration = undisturbed
     path = tmp_path / "run"
     moments = random.Random(0)  # noqa: S311  any moments will do
@@ -75,7 +75,7 @@ def test_run_killed_four_times_has_same_results(undisturbed, tmp_path):
 
 
 @pytest.mark.exhaustive
-def test_under_nohup_a_hang_up_changes_nothing(undisturbed, tmp_path):
+def test_nohup_run_ignores_hangup(undisturbed, tmp_path):
     path = tmp_path / "run"
     run = toys.started(["nohup", *toys.command("real", *ASKED, path)])
     toys.wait_for(lambda: toys.lines(path))
@@ -86,7 +86,7 @@ def test_under_nohup_a_hang_up_changes_nothing(undisturbed, tmp_path):
     assert toys.numbers(path) == undisturbed[0]
 
 
-def test_hang_up_ends_run_like_ctrl_c(tmp_path):
+def test_hangup_ends_run_like_ctrl_c(tmp_path):
     path = tmp_path / "run"
     # The tests themselves may run under nohup.
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
@@ -101,7 +101,7 @@ def test_hang_up_ends_run_like_ctrl_c(tmp_path):
     assert summary(path)[1] == ["agree"]
 
 
-def test_ctrl_c_on_a_terminal_ends_the_run(tmp_path):
+def test_ctrl_c_on_terminal_ends_run(tmp_path):
     path = tmp_path / "run"
     asked = toys.command("endless", "run", "--out", path)
     code, screen = toys.on_terminal(asked, toys.ENVIRONMENT, pressed=lambda _: toys.lines(path))
@@ -114,7 +114,7 @@ def test_ctrl_c_on_a_terminal_ends_the_run(tmp_path):
 
 @pytest.mark.exhaustive
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a small disk")
-def test_full_disk_has_message_and_keeps_results(tmp_path):
+def test_full_disk_keeps_finished_results(tmp_path):
     disk = tmp_path / "disk"
     disk.mkdir()
     asked = ("chatty", "run", "--out", disk / "run", "--jobs", "1")
@@ -208,7 +208,7 @@ def damage(path, chance):
     "seed",
     [*range(FEW), *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(FEW, COUNT))],
 )
-def test_a_corrupted_run_goes_on_to_the_same_numbers(untouched, tmp_path, seed):
+def test_corrupted_run_resumes_to_same_results(untouched, tmp_path, seed):
     path = tmp_path / "run"
     shutil.copytree(untouched, path)
     mark, records = path / "run.json", path / "results.jsonl"

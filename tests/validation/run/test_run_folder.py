@@ -40,7 +40,7 @@ def assert_refused(said, path, header, start):
         pass
 
 
-def test_records_survive_and_keep_what_is_no_number(tmp_path):
+def test_records_keep_nan_and_infinity(tmp_path):
     path = tmp_path / "run"
     with open_folder(path, HEADER, "afresh") as folder:
         folder.keep({"id": "a[x=0.5]/b", "value": nan}, 3.0)
@@ -54,7 +54,7 @@ def test_records_survive_and_keep_what_is_no_number(tmp_path):
         assert folder.remarks == []
 
 
-def test_earlier_run_stays_until_new_run_is_complete(tmp_path):
+def test_earlier_run_stays_until_completion(tmp_path):
     path = tmp_path / "run"
     finished(path)
     before = content(path)
@@ -73,7 +73,7 @@ def test_earlier_run_stays_until_new_run_is_complete(tmp_path):
         assert not partial(path).exists()
 
 
-def test_abandoned_run_is_replaced_by_the_next(tmp_path):
+def test_abandoned_run_is_replaced(tmp_path):
     path = tmp_path / "run"
     with open_folder(path, OTHER, "afresh") as folder:
         fill(folder, 2.0)
@@ -111,7 +111,7 @@ def killed(moment, path):
     return code != 0
 
 
-def test_a_kill_at_any_step_leaves_one_of_the_two_runs(tmp_path, monkeypatch):
+def test_kill_leaves_old_or_new_run(tmp_path, monkeypatch):
     # Costs time, and saves from other ends than these.
     monkeypatch.setattr(os, "fsync", lambda _: None)
     replaced = 0
@@ -141,7 +141,7 @@ def test_a_kill_at_any_step_leaves_one_of_the_two_runs(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("beside", ["", ".partial"])
-def test_a_folder_of_something_else_is_left_alone(tmp_path, beside):
+def test_foreign_folder_is_refused(tmp_path, beside):
     path, foreign = tmp_path / "run", tmp_path / f"run{beside}"
     (foreign / "figures").mkdir(parents=True)
     (foreign / "figures" / "thesis.png").write_text("years of work")
@@ -153,7 +153,7 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path, beside):
         assert content(tmp_path) == before
 
 
-def test_only_what_a_run_wrote_is_ever_removed(tmp_path):
+def test_only_own_files_are_removed(tmp_path):
     path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
     finished(path)
     elsewhere.mkdir()
@@ -191,7 +191,7 @@ ODD_FILES = [Path.symlink_to, linked_hard, lambda place, _: os.mkfifo(place), fo
 
 @pytest.mark.parametrize("shift", range(4))
 @pytest.mark.parametrize("whole", [True, False])
-def test_no_link_is_followed(tmp_path, whole, shift):
+def test_links_in_run_folder_are_not_followed(tmp_path, whole, shift):
     """One of the two witnesses of what was run, the mark and the records, is left."""
     spared = "run.json" if shift % 2 else "results.jsonl"
     path, precious = tmp_path / "run", tmp_path / "precious"
@@ -213,7 +213,7 @@ def test_no_link_is_followed(tmp_path, whole, shift):
 
 
 @pytest.mark.parametrize("whole", [True, False])
-def test_a_folder_that_is_a_link_is_not_written_into(tmp_path, whole):
+def test_linked_subfolder_is_not_written_into(tmp_path, whole):
     path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
     finished(path, whole=whole)
     figures = (path if whole else partial(path)) / "figures"
@@ -227,7 +227,7 @@ def test_a_folder_that_is_a_link_is_not_written_into(tmp_path, whole):
     assert (path / "figures" / "a.svg").read_text() == "figure 2.0"
 
 
-def test_a_link_that_the_user_names_is_that_folder(tmp_path):
+def test_linked_out_folder_is_used(tmp_path):
     (tmp_path / "disk").mkdir()
     (tmp_path / "report").symlink_to("disk")
     finished(tmp_path / "report")
@@ -239,7 +239,7 @@ ODD = [b"", b"[]", b"5", b"{}", b"null", b'{"seal": "', 100_000 * b"[", b"\x00\x
        b'{"flexproof": "run", "files": 5}', b'{"seal": "%s", "a": 5}' % (32 * b"0")]  # fmt: skip
 
 
-def test_only_valid_records_count_as_finished(tmp_path):
+def test_invalid_records_are_recomputed(tmp_path):
     path = tmp_path / "odd"
     finished(path)
     records = path / "results.jsonl"
@@ -261,7 +261,7 @@ def test_only_valid_records_count_as_finished(tmp_path):
 
 
 @pytest.mark.parametrize("lost", ["run.json", "results.jsonl"])
-def test_one_witness_of_what_was_run_is_enough(tmp_path, lost):
+def test_resume_needs_only_one_run_record(tmp_path, lost):
     path = tmp_path / "run"
     finished(path)
     (path / lost).write_bytes(b"\xff odd")
@@ -270,7 +270,7 @@ def test_one_witness_of_what_was_run_is_enough(tmp_path, lost):
         assert ("a" in folder.records) == (lost == "run.json")
 
 
-def test_a_second_run_in_the_same_folder_is_refused(tmp_path):
+def test_second_run_in_folder_is_refused(tmp_path):
     path = tmp_path / "run"
     finished(path)
     with open_folder(path, HEADER, "afresh") as folder:
@@ -282,7 +282,7 @@ def test_a_second_run_in_the_same_folder_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("whole", [True, False])
-def test_a_different_run_is_not_resumed(tmp_path, whole):
+def test_different_run_is_not_resumed(tmp_path, whole):
     finished(tmp_path / "run", whole=whole)
     for change, named in (
         ({"preset": "fine"}, "preset"),
@@ -294,7 +294,7 @@ def test_a_different_run_is_not_resumed(tmp_path, whole):
         assert_refused(said, tmp_path / "run", HEADER | change, "resumed")
 
 
-def test_unusable_folders_are_refused_unchanged(tmp_path, monkeypatch):
+def test_unusable_folder_is_refused_unchanged(tmp_path, monkeypatch):
     (tmp_path / "empty").mkdir()
     (tmp_path / "file").write_text("")
     finished(tmp_path / "run")
@@ -319,7 +319,7 @@ def test_unusable_folders_are_refused_unchanged(tmp_path, monkeypatch):
     assert {entry.name for entry in tmp_path.iterdir()} == {"empty", "file", "run"}
 
 
-def test_what_is_exported_is_there_whole_or_not_at_all(tmp_path):
+def test_export_is_complete_or_absent(tmp_path):
     path = tmp_path / "run"
     with open_folder(path, HEADER, "afresh") as folder:
         with pytest.raises(KeyError), folder.exporting() as target:

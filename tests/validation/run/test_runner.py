@@ -37,7 +37,7 @@ def troubled_run(robot_file, tmp_path_factory):
     return validate(asked(robot_file, path), toys.troubled), path
 
 
-def test_a_run_leaves_everything_in_its_folder(troubled_run):
+def test_run_folder_has_all_results(troubled_run):
     gathered, path = troubled_run
     written = {*("log.txt", "run.json", "results.json", "results.jsonl")}
     written |= {"junit.xml", "report.html", "figures"}
@@ -59,7 +59,7 @@ def test_a_run_leaves_everything_in_its_folder(troubled_run):
     assert notes[0] == notes[1]
 
 
-def test_whatever_happens_in_a_case_is_its_verdict(troubled_run):
+def test_error_in_case_becomes_its_verdict(troubled_run):
     gathered, path = troubled_run
     messages = {name: outcome.message for name, outcome in gathered.done.items()}
     assert gathered.standing.exit_code == 3
@@ -77,7 +77,7 @@ def test_whatever_happens_in_a_case_is_its_verdict(troubled_run):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_resumed_run_computes_only_what_is_missing(robot_file, troubled_run, capfd, monkeypatch):
+def test_resumed_run_computes_missing_tasks(robot_file, troubled_run, capfd, monkeypatch):
     first, path = troubled_run
     # A busy machine takes as long as it likes: no line says how far the work is.
     monkeypatch.setattr(telling, "_SILENT_SECONDS", 1e6)
@@ -92,7 +92,7 @@ def test_a_resumed_run_computes_only_what_is_missing(robot_file, troubled_run, c
     assert again.standing.exit_code == 3
 
 
-def test_workers_that_cannot_start_end_the_run(robot_file, tmp_path, monkeypatch):
+def test_failed_worker_start_ends_run(robot_file, tmp_path, monkeypatch):
     monkeypatch.setenv("TOY_PARENT", str(os.getpid()))
     with pytest.raises(ComputationError, match="before it began"):
         validate(asked(robot_file, tmp_path / "run"), toys.unloadable)
@@ -100,7 +100,7 @@ def test_workers_that_cannot_start_end_the_run(robot_file, tmp_path, monkeypatch
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_verdict_against_its_numbers_is_recomputed(robot_file, tmp_path, monkeypatch):
+def test_inconsistent_stored_verdict_is_recomputed(robot_file, tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "run", run_here)
     request = asked(robot_file, tmp_path, only="toy.agrees")
     validate(request, toys.disagreeing)
@@ -116,7 +116,7 @@ def test_verdict_against_its_numbers_is_recomputed(robot_file, tmp_path, monkeyp
     assert again.done["toy.agrees"].found.value == 1.0 / 3.0
 
 
-def test_patterns_take_brackets_literally(robot_file):
+def test_only_pattern_matches_brackets_literally(robot_file):
     tasks = toys.sound(robot_file)
     for pattern, chosen in {
         "toy.first*": ["toy.first[x=1]"],
@@ -130,14 +130,14 @@ def test_patterns_take_brackets_literally(robot_file):
         runner.select(tasks, "quick", "toy.agree")
 
 
-def test_control_characters_in_messages_give_valid_xml():
+def test_junit_xml_is_valid_for_control_characters():
     case = toys.case("toy.escape", toys.agrees)
     text = junit_xml([outcome_of(case, "failed", 0.0, "\x1b[31mred\x00 <&>")], "toys")
     error = ET.fromstring(text).find("testsuite/testcase/error")  # noqa: S314  our own
     assert error.get("message") == "?[31mred? <&>"
 
 
-def test_long_run_reports_progress_short_run_none(monkeypatch, capsys):
+def test_only_long_runs_report_progress(monkeypatch, capsys):
     tasks = list(toys.sound(load_robot("ifw")))
     with progress.showing(tasks, 0.0) as shown:
         shown.started(tasks[0])
@@ -160,7 +160,7 @@ def test_long_run_reports_progress_short_run_none(monkeypatch, capsys):
     assert abs(left - 1.1 * (1.0 / share - 1.0)) < 0.3 / share + 1.0
 
 
-def test_a_file_on_a_terminal_may_have_any_name(monkeypatch, capsys):
+def test_progress_escapes_file_names(monkeypatch, capsys):
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     with telling.stage("reading [/red]a[bold].step"):
@@ -168,7 +168,7 @@ def test_a_file_on_a_terminal_may_have_any_name(monkeypatch, capsys):
     assert "reading [/red]a[bold].step" in capsys.readouterr().err
 
 
-def test_long_work_is_forecast_by_machine_speed(monkeypatch, capsys):
+def test_time_forecast_uses_machine_speed(monkeypatch, capsys):
     """A hundred seconds elsewhere are 200 here, and three minutes are told as such."""
     monkeypatch.setattr(telling, "slowness", lambda: 2.0)
     monkeypatch.setattr(telling, "_ESTIMATE_DELAY", 0.02)

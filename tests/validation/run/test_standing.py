@@ -60,7 +60,7 @@ def results(tasks, *verdicts, **fields):
         ([MODELS], ["failed"], "No comparison was made, 1 assessment of the models failed.", 3),
     ],
 )
-def test_sentence_tells_what_the_exit_code_stands_for(tasks, said, sentence, code):
+def test_summary_sentence_matches_exit_code(tasks, said, sentence, code):
     found = results(tasks, *said)
     assert found.standing.exit_code == code
     assert found.standing.sentence.startswith(sentence)
@@ -69,7 +69,7 @@ def test_sentence_tells_what_the_exit_code_stands_for(tasks, said, sentence, cod
     assert sample_report().checks == sample_report().results.standing.sentence
 
 
-def test_model_that_ends_with_an_error_is_a_failure():
+def test_model_with_program_error_is_a_failure():
     """Its entries are undecided, which alone would be exit code 0; of a leg alone, too."""
     leg = sample_matrix(robot="leg 1", faults=("beam",))
     matrix = sample_matrix(faults=("links", "beam"), parts=(leg,))
@@ -86,7 +86,7 @@ def test_model_that_ends_with_an_error_is_a_failure():
     assert standing_of([MODELS], done).exit_code == 3
 
 
-def test_no_run_that_fails_says_that_all_is_well():
+def test_failed_run_never_reports_success():
     kinds = [CASES[0], CASES[1], FIGURE, MODELS]
     for said in product(["agree", "skipped", "failed", None], repeat=len(kinds)):
         done = {task.id: result(task, one) for task, one in zip(kinds, said, strict=True) if one}
@@ -115,7 +115,7 @@ def by_gauge(size):
 
 
 @pytest.mark.parametrize(("size", "code"), [(16.0, 1), (0.001, 0)])
-def test_measured_values_alone_refuse_a_model(size, code):
+def test_measured_values_refuse_a_model(size, code):
     done = {MEASURED: Result(MEASURED, "made", 0.1, found=by_gauge(size))}
     tasks = [Assessment(MEASURED, "", never)]
     found = Results(HEADER, tasks, done=done, rely=("simplified",))
@@ -128,7 +128,7 @@ def test_measured_values_alone_refuse_a_model(size, code):
     assert replace(found, tasks=tasks, done=both).standing.exit_code == 1
 
 
-def test_unjudged_models_are_refused_only_if_strict():
+def test_missing_verdict_fails_only_if_strict():
     """The assessment was skipped: nothing is known of the model that is relied on."""
     for strict in (False, True):
         found = results([MODELS], "skipped", rely=("beam",), strict=strict)

@@ -59,7 +59,7 @@ MISSING = CalculixMissing("CalculiX is not installed")
         ([ComputationError("no mesh")], 1, "failed: ComputationError: no mesh"),
     ],
 )
-def test_result_is_printed_and_quoted_by_runs(selftest, outcomes, code, message):
+def test_selftest_result_is_quoted_by_runs(selftest, outcomes, code, message):
     assert provenance.last_selftest(HEADER) == "not run"
     text = selftest(*outcomes, code=code)
     assert message in text
@@ -73,7 +73,7 @@ def test_explained_difference_agrees():
     assert not KnownNumber("q", "Hz", 2.0, 2.0, 1e-3, explained=0.01).agrees
 
 
-def test_record_of_other_installation_is_ignored(selftest, tmp_path):
+def test_other_installation_record_is_ignored(selftest, tmp_path):
     selftest(numbers(2.0))
     changes = {"versions": {**HEADER["versions"], "numpy": "0"}, "suite_sha256": "0"}
     for name, changed in changes.items():
@@ -102,7 +102,7 @@ LISTED = {benchmark.title: benchmark for benchmark in (*OWN, *FURTHER)}
 
 
 @pytest.mark.parametrize("title", LISTED)
-def test_benchmark_agrees_and_is_in_the_manual(title):
+def test_benchmark_agrees_and_is_documented(title):
     outcome = benchmarks.outcome(LISTED[title])
     if outcome.verdict == "skipped":
         pytest.skip(outcome.message)
@@ -111,7 +111,7 @@ def test_benchmark_agrees_and_is_in_the_manual(title):
     assert MANUAL["section"](list(LISTED).index(title) + 1, outcome) in PAGE, outdated
 
 
-def test_manual_has_all_benchmarks():
+def test_guide_has_all_benchmarks():
     """The self-test has at most 40 numbers."""
     assert PAGE.startswith(MANUAL["head"]())
     assert PAGE.endswith(MANUAL["FOOT"])
@@ -120,7 +120,7 @@ def test_manual_has_all_benchmarks():
     assert len(re.findall(r"^\| (?!quantity)", PAGE[:end], re.MULTILINE)) <= 40
 
 
-def test_simply_supported_solid_rotates_at_its_ends():
+def test_fv5_solid_rotates_at_its_ends():
     beam = benchmarks.extruded(benchmarks.DEEP, 2, 6)
     shapes = benchmarks.simply_supported(beam).modes(2).shapes
     twists = section_twists(beam.mesh, np.array([0.0, 5.0, 10.0])) @ shapes
@@ -134,7 +134,7 @@ def test_simply_supported_solid_rotates_at_its_ends():
     assert 0.8 * pi / 10.0 < np.abs(first[4:]).max() / largest < pi / 10.0
 
 
-def test_explained_part_is_wave_error_of_beam_theory():
+def test_fv5_explained_part_is_beam_error():
     kinds = ("bending", "torsion", "tension", "bending", "torsion", "bending")
     # Half waves of each mode along the beam.
     halves = (1.0, 0.5, 0.5, 2.0, 1.5, 3.0)

@@ -53,7 +53,7 @@ def free(robot, model, modes, **options):
     return answer.frequencies
 
 
-def test_slender_bar_has_euler_bernoulli_frequencies():
+def test_free_slender_bar_is_euler_bernoulli():
     """(x / L)² √(EI/ρA) / 2π in both planes; this theory leaves rotary inertia out."""
     found = free(bar(1.0, 0.02, 0.01), "beam", 5, theory="euler-bernoulli", elements=80)
     along_z = [x**2 / (2.0 * pi) * 0.01 * sqrt(E / RHO / 12.0) for x in ROOTS]
@@ -85,7 +85,7 @@ KAPPA = 10.0 * (1.0 + NU) / (12.0 + 11.0 * NU)
 THICK = bar(0.2, 0.03, 0.02)
 
 
-def test_thick_bar_has_timoshenko_frequencies():
+def test_free_thick_bar_is_timoshenko():
     """Bending in both planes, order 4 in 1/elements; rods in tension: √(E/ρ) / 2L."""
     found = free(THICK, "beam", 8, elements=80)
     A, L = 6e-4, 0.2
@@ -97,7 +97,7 @@ def test_thick_bar_has_timoshenko_frequencies():
     assert np.abs(found / stretch - 1.0).min() < 1e-4
 
 
-def test_segments_converge_to_the_free_beam():
+def test_free_segments_converge_to_beam():
     coarse, fine = (free(THICK, "segments", 2, elements=n) for n in (20, 40))
     beam = free(THICK, "beam", 2, elements=80)
     order = np.log2((coarse - beam) / (fine - beam))
@@ -105,7 +105,7 @@ def test_segments_converge_to_the_free_beam():
     assert order == pytest.approx([2.0, 2.0], abs=0.1)
 
 
-def test_solid_bar_is_free_and_its_modes_are_counted():
+def test_free_solid_bar_has_all_modes():
     """Timoshenko with Cowper's coefficient is 1e-3 off a solid of L/h = 10 (physics of shear)."""
     found = free(THICK, "solid", 3, divisions=2)
     exact = timoshenko(0.2, 0.03 * 0.02**3 / 12, 6e-4, KAPPA, found[0])
@@ -117,7 +117,7 @@ def test_solid_bar_is_free_and_its_modes_are_counted():
     assert below == [6, 7]
 
 
-def test_body_that_something_holds_is_not_called_free():
+def test_supported_body_is_not_free():
     """A spring of the size of the bar's own stiffness between one end and ground: five motions."""
     leg = ConstantLeg(0.2, Rectangle(0.03, 0.02), Material.isotropic(E, NU, RHO), None, "bar")
     matrices = leg_matrices("beam", leg)
@@ -128,7 +128,7 @@ def test_body_that_something_holds_is_not_called_free():
         free_frequencies(replace(matrices, stiffness=stiffness), 3)
 
 
-def test_free_body_needs_a_body_and_a_dynamic_model(tmp_path, capsys):
+def test_free_ends_need_body_and_dynamic_model(tmp_path, capsys):
     with pytest.raises(InputError) as refused:
         api.solve(THICK, "vjm", ends="free-free")
     assert refused.value.faults == (
@@ -147,7 +147,7 @@ def test_free_body_needs_a_body_and_a_dynamic_model(tmp_path, capsys):
     assert "compliance" not in result
 
 
-def test_digits_of_free_leg_concern_frequencies_alone():
+def test_free_leg_rounding_affects_frequencies():
     """The 6×6 of the paper's leg has three digits; a free body has no compliance."""
     (answer,) = api.solve("ifw", "segments", leg=1, modes=3, ends="free-free").answers
     assert answer.rigid == 6

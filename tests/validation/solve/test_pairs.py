@@ -28,7 +28,7 @@ from validation.solve.question import Question
         ),
     ],
 )
-def test_partner_or_its_lack_is_shown_with_the_reason(monkeypatch, seen, line):
+def test_missing_partner_has_reason(monkeypatch, seen, line):
     """The second of three modes of beams as if so much of it were seen."""
     sampled, of_models = pairs.vibration_of, []
 

@@ -60,7 +60,7 @@ def own(crane):
 
 
 @pytest.mark.exhaustive
-def test_mesh_uncertainty_covers_much_finer_mesh(own, crane, coarse_parts):
+def test_part_half_width_covers_finer_mesh(own, crane, coarse_parts):
     with coarse_parts.context() as patch:
         patch.setattr(reduced_parts, "UNKNOWNS", 20_000)
         (finer,) = answers("solid", [reference_posture(crane.mechanism)], COUNT)
@@ -73,7 +73,7 @@ def test_mesh_uncertainty_covers_much_finer_mesh(own, crane, coarse_parts):
     assert (half_widths <= 0.1 * values(own)).all()
 
 
-def test_half_width_of_f1_is_independent_of_mode_count(crane, monkeypatch):
+def test_f1_half_width_ignores_mode_count(crane, monkeypatch):
     """Errors of 1 % fall from mesh to mesh, of the lowest mode with order 1, of others faster."""
     shapes, falls = np.eye(12), RATIO ** np.linspace(1.0, 2.0, 12)
 
@@ -94,7 +94,7 @@ def test_half_width_of_f1_is_independent_of_mode_count(crane, monkeypatch):
 
 
 @pytest.mark.exhaustive
-def test_requested_accuracy_refines_meshes_of_parts(crane, coarse_parts):
+def test_accuracy_option_refines_part_meshes(crane, coarse_parts):
     with coarse_parts.context() as patch:
         patch.setattr(reduced_parts, "UNKNOWNS", 1500)
         rough = answer_of(crane, 0)
@@ -111,7 +111,7 @@ def test_requested_accuracy_refines_meshes_of_parts(crane, coarse_parts):
     assert (apart <= 1.5 * rough.of_parts.compliance).all()
 
 
-def test_bracket_equals_change_by_averaged_interfaces(own, crane):
+def test_bracket_is_effect_of_averaged_interfaces(own, crane):
     text = crane.text.replace(" } }", ' }, coupling = "average" }')
     average = robot_of(text, Path(crane.source).parent).mechanism
     (said,) = answers("solid", [reference_posture(average)], COUNT)
@@ -126,7 +126,7 @@ def test_bracket_equals_change_by_averaged_interfaces(own, crane):
 
 
 @pytest.mark.parametrize("by", ["fixed", "free"])
-def test_dropped_modes_stay_within_stated_bound(own, crane, by):
+def test_omitted_modes_are_within_stated_bound(own, crane, by):
     found = own if by == "fixed" else answer_of(crane, reduction="free")
     ((count, below),) = found.of_parts.counted.values()
     highest = 4.0 * below / CUTOFF["solid"]
@@ -144,7 +144,7 @@ def test_dropped_modes_stay_within_stated_bound(own, crane, by):
     )
 
 
-def test_statics_alone_are_those_of_the_part(own, crane):
+def test_static_solution_equals_part_compliance(own, crane):
     """Of the part, not of a prism that is equivalent to it; the same is left open."""
     static = answer_of(crane, 0)
     assert static.compliance == pytest.approx(own.compliance, rel=1e-6, abs=1e-15)
@@ -153,7 +153,7 @@ def test_statics_alone_are_those_of_the_part(own, crane):
     assert ((share > 1e-6) & (share < 0.1)).all()
 
 
-def test_unit_force_motion_is_as_uncertain_as_compliance(crane):
+def test_load_and_compliance_share_half_width(crane):
     """Exactly for how the part is held; for its meshes with an order of convergence of its own."""
     push = '[[loads]]\nname = "push"\nwrench = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]\n'
     found = answer_of(robot_of(f"{crane.text}\n{push}", Path(crane.source).parent), 0)
@@ -163,7 +163,7 @@ def test_unit_force_motion_is_as_uncertain_as_compliance(crane):
     assert 0.5 < left.loads["push"][1] / left.compliance[1] < 2.0
 
 
-def test_modes_have_partners_in_another_model(crane):
+def test_part_modes_have_partners_in_other_model(crane):
     (answer,) = solve(Question(crane, "solid", {}, 2, against="segments")).answers
     first = answer.paired.pairs[0]
     # An equivalent leg swings alike, at a frequency of its own.
@@ -172,7 +172,7 @@ def test_modes_have_partners_in_another_model(crane):
 
 
 @pytest.mark.parametrize("by", ["fixed", "free"])
-def test_a_reduction_that_lacks_a_mode_is_refused(crane, monkeypatch, by):
+def test_incomplete_reduction_is_refused(crane, monkeypatch, by):
     arm = crane.mechanism.bodies["arm"]
     whole = reduced_parts.reduced(arm, 1000.0, 2500.0, by=by)
     entry = reduced_parts.reduced_entry(arm, 1000.0, 2500.0, by=by)
@@ -194,7 +194,7 @@ def matrix(crane):
 
 
 @pytest.mark.exhaustive
-def test_equivalent_leg_of_tapered_arm_is_too_soft(crane, matrix):
+def test_tapered_arm_equivalent_is_too_soft(crane, matrix):
     assert [note.model for note in matrix.models] == list(judged_models(crane.mechanism))
     entry = matrix.entry("segments", "z")
     assert entry.verdict == "inadequate"
@@ -209,7 +209,7 @@ def test_equivalent_leg_of_tapered_arm_is_too_soft(crane, matrix):
 
 
 @pytest.mark.exhaustive
-def test_condensed_part_is_solid_within_uncertainty(matrix):
+def test_condensed_part_matches_solid(matrix):
     for model in ("vjm", "links", "segments-condensed"):
         for quantity in ("x", "y", "z"):
             entry = matrix.entry(model, quantity)
@@ -226,7 +226,7 @@ def test_condensed_part_is_solid_within_uncertainty(matrix):
     assert abs(first.error) <= first.uncertainty + 5e-3
 
 
-def test_what_the_file_says_of_the_faces_is_not_open(crane):
+def test_specified_coupling_has_no_uncertainty(crane):
     mechanism = crane.mechanism
     assert list(holding(mechanism).alternatives) == ["interfaces rigid", "interfaces averaged"]
     arm = mechanism.bodies["arm"]
@@ -238,7 +238,7 @@ def test_what_the_file_says_of_the_faces_is_not_open(crane):
     assert list(settled.alternatives) == ["interfaces as given"]
 
 
-def test_report_has_kept_modes_and_reduction_error(crane):
+def test_report_has_reduction_error(crane):
     postures = path_postures(Context(crane, "quick"))
     (note,) = reduction_note(postures, 8, {"arm": "rigid"}, 4)
     (arm,) = solid_parts(postures, 8, {"arm": "rigid"}).values()
@@ -247,7 +247,7 @@ def test_report_has_kept_modes_and_reduction_error(crane):
     assert note.endswith("frequencies by <\u00a01\u00a0×\u00a010⁻⁶\u00a0% at most")
 
 
-def test_run_compares_fixed_and_free_modes_of_parts(crane):
+def test_run_compares_both_part_reductions(crane):
     """Within both bounds, which are worth something."""
     listed = {case.id: case for case in part_reductions.cases(mechanism=crane.mechanism)}
     case = listed["mechanism.parts.frequency[2]"]
@@ -256,7 +256,7 @@ def test_run_compares_fixed_and_free_modes_of_parts(crane):
     assert 0.0 < found.value_uncertainty + found.reference_uncertainty < 1e-3 * found.value
 
 
-def test_part_with_three_interfaces_is_not_stepped():
+def test_three_interface_part_is_not_stepped():
     rocker = load_robot(str(Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"))
     said = why_unable(path_postures(Context(rocker, "quick")), JUDGED["segments-stepped"])
     assert said.startswith("no part has exactly two interfaces")

@@ -57,7 +57,7 @@ def bar(tmp_path):
 
 
 @pytest.mark.parametrize("model", ["simplified", "segments", "beam"])
-def test_robot_of_one_mode_gives_that_one(tmp_path, model):
+def test_one_mode_robot_has_one_frequency(tmp_path, model):
     """The pendulum is one rigid body on a spring: f = √(k/J)/2π, J = 0.11 + 3 · 0.5² kg m²."""
     asked = Question(robot_of(PENDULUM, tmp_path), model, {})
     (answer,) = solve(asked).answers
@@ -101,7 +101,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("typed", "said"), REFUSED, ids=lambda words: words[:40])
-def test_useless_options_and_bad_numbers_are_refused(robot, typed, said, command):
+def test_options_without_effect_are_refused(robot, typed, said, command):
     name, *words = typed.split()
     line = command.refused("solve", robot if name == "ROBOT" else name, "--model", *words)
     assert said in line
@@ -126,7 +126,7 @@ def test_answer_lists_effective_options(robot, command):
     assert alone == {"theory": "timoshenko", "elements": 2}
 
 
-def test_a_number_that_rounding_has_eaten_is_no_answer(tmp_path, capsys):
+def test_round_off_dominated_result_is_refused(tmp_path, capsys):
     robot_of(SOUND.replace("nu = 0.3", "nu = -0.999999999"), tmp_path)
     asked = ["solve", str(tmp_path / "robot.toml"), "--model", "solid", "--divisions", "2"]
     assert cli.main(asked) == 3
@@ -135,7 +135,7 @@ def test_a_number_that_rounding_has_eaten_is_no_answer(tmp_path, capsys):
     assert "material with ν = -0.999999999: changes of shape" in printed.err
 
 
-def test_solids_say_the_uncertainty_of_their_mesh(bar, command):
+def test_solid_leg_has_mesh_uncertainty(bar, command):
     def answer(divisions):
         asked = ["--model", "solid", "--leg", 1, "--divisions", divisions, "--modes", 1]
         return command.json("solve", bar, *asked)["results"][0]
@@ -153,7 +153,7 @@ def test_solids_say_the_uncertainty_of_their_mesh(bar, command):
     np.testing.assert_allclose(stated["frequencies"], factor * np.abs(step), rtol=1e-6)
 
 
-def test_solids_of_a_mechanism_have_mesh_uncertainty():
+def test_solid_robot_has_mesh_uncertainty():
     """One factor for all, Roache's: orders 2λ(ν = 0.33) to 4, elements 1.5 to 2 times as large."""
     robot_file = load_robot("five-bar")
     bars = with_bars(reference_posture(robot_file.mechanism)).mechanism
@@ -181,7 +181,7 @@ def test_solids_of_a_mechanism_have_mesh_uncertainty():
     np.testing.assert_allclose(coarse.uncertainty.compliance, (factors[0] + 3.0) * step, rtol=1e-6)
 
 
-def test_numbers_with_observed_order_are_extrapolated(command, tmp_path):
+def test_values_with_order_are_extrapolated(command, tmp_path):
     """Torsion of a square bar with free ends: Saint-Venant's L/GJ, known to every digit."""
     side, length, G = 0.05, 0.15, 2.1e11 / 2.6
     odd = np.arange(1, 40, 2)
@@ -214,7 +214,7 @@ SECTIONS = [
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=str)
-def test_uncertainty_is_from_a_different_mesh(section):
+def test_uncertainty_uses_another_mesh(section):
     # A circle has five elements with one to three divisions, a thin tube forty with one to four.
     leg = ConstantLeg(5.0, section, Material.isotropic(2.1e11, 0.3, 7850.0))
     for divisions in (1, 2, 4, 8):
@@ -224,7 +224,7 @@ def test_uncertainty_is_from_a_different_mesh(section):
         assert fine >= 1.44 * coarse
 
 
-def test_a_mesh_that_nothing_stands_beside_says_so(bar, command, monkeypatch):
+def test_single_mesh_has_unknown_uncertainty(bar, command, monkeypatch):
     asked = ["solve", bar, "--model", "solid", "--leg", "1", "--divisions", "1", "--modes", "0"]
     leg = equivalent_leg(legs_of(load_robot(bar).mechanism)["leg1"])
     only = 1.2 * solid_cost((leg,), 1, 0).memory
@@ -234,7 +234,7 @@ def test_a_mesh_that_nothing_stands_beside_says_so(bar, command, monkeypatch):
     assert command.json(*asked)["results"][0]["uncertainty"] is None
 
 
-def test_every_number_of_an_answer_has_its_own_name():
+def test_json_numbers_have_unique_names():
     numbers = iter(np.arange(1.0, 200.0))
 
     def take(count):
@@ -290,7 +290,7 @@ def test_every_number_of_an_answer_has_its_own_name():
     assert "<td>1.9e+10</td><td>2.6e+10</td><td>3.3e+10</td>" in solution._repr_html_()
 
 
-def test_loads_of_the_file_have_named_displacements(tmp_path, command):
+def test_load_displacements_are_named(tmp_path, command):
     """Under a wrench C F, whatever the model; at the end of its reach no arm moves on."""
     path = robot_of(ONE_ARM + LOADS, tmp_path).source
     for model in ("vjm", "segments"):
@@ -330,7 +330,7 @@ RIGID_DRIVE = (
 
 
 @pytest.mark.parametrize("driven", [True, False], ids=["rigid-drive", "no-drive"])
-def test_simplified_model_with_rigid_drives_is_rigid(tmp_path, command, driven):
+def test_simplified_on_rigid_drives_is_rigid(tmp_path, command, driven):
     text = RIGID_DRIVE
     if not driven:
         text = re.sub("joints.motor = .*", "joints.root = ROOT", text).replace('["x"]', "[]")
@@ -347,7 +347,7 @@ def test_simplified_model_with_rigid_drives_is_rigid(tmp_path, command, driven):
     assert "legs bending as beams" in command.told(*asked[:3], "beam", "--modes", "0")
 
 
-def test_displacement_under_a_load_is_in_um(tmp_path, command):
+def test_load_displacement_is_in_micrometres(tmp_path, command):
     """3 N on 1 N/µm: 3 µm in the text, 3e-6 m in JSON."""
     text = """
 schema = 2
@@ -365,7 +365,7 @@ loads = [{ name = "push", wrench = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0] }]
     assert "push: x 3, y 0, z 0, magnitude 3, φx 0, φy 0, φz 0" in command.told(*asked)
 
 
-def test_models_with_mass_have_responses_and_losses(tmp_path, command):
+def test_models_with_mass_have_responses(tmp_path, command):
     """Every loss is twice the ratio; what hardly swings is the compliance."""
     wanted = '{ name = "hit", direction = [2, 0, 0], from = 0.01, to = 90.0, at = 30.0 }'
     text = f"damping.ratio = 0.02\nresponses = [{wanted}]\n{ONE_ARM}"
@@ -385,7 +385,7 @@ def test_models_with_mass_have_responses_and_losses(tmp_path, command):
     assert "responses" not in command.json(*asked, "links")["results"][0]
 
 
-def test_round_off_about_zero_is_shown_as_zero():
+def test_round_off_is_printed_as_zero():
     compliance, moved = np.zeros((6, 6)), np.array([1.8e-52, -1.57e-5, 0.0, 0.0, 0.0, 0.0])
     np.fill_diagonal(compliance, [5e-7, 2e-7, 3e-71])
     answer = Answer(Place(pose=()), compliance, np.zeros(0), loads={"weight": moved})
@@ -402,7 +402,7 @@ def test_round_off_about_zero_is_shown_as_zero():
     ],
     ids=lambda section: section.shape,
 )
-def test_cost_estimate_is_near_real_mesh_and_factor(section):
+def test_cost_estimate_is_near_real_cost(section):
     leg = ConstantLeg(0.3, section, Material.isotropic(2.1e11, 0.3, 7850.0))
     solid = solid_leg(leg, solid_mesh(leg, 4))
     unknowns = solid.stiffness.shape[0]
@@ -416,13 +416,13 @@ def test_cost_estimate_is_near_real_mesh_and_factor(section):
     assert cost.memory < 4.0 * factor.peak_bytes
 
 
-def test_an_hour_is_the_most_that_an_answer_may_take():
+def test_answer_above_one_hour_is_refused():
     require_affordable(Cost(9.0, 1.0, 3599.0), "--elements 9")
     with pytest.raises(InputError, match="and 1 h, more than the allowed 60 minutes"):
         require_affordable(Cost(9.0, 1.0, 3601.0), "--elements 9")
 
 
-def test_ctrl_c_ends_a_long_solve_at_once(robot):
+def test_ctrl_c_ends_long_solve(robot):
     program = "import sys; from validation.cli import main; sys.exit(main())"
     asked = [sys.executable, "-c", program, "solve", robot, "--model", "solid", "--divisions", "6"]
     # What is computed, and what it will take, is shown while one waits.
@@ -432,7 +432,7 @@ def test_ctrl_c_ends_a_long_solve_at_once(robot):
     assert "Traceback" not in screen
 
 
-def test_number_that_json_lacks_is_a_computation_error():
+def test_non_finite_json_number_is_an_error():
     for document in ({"frequencies": [1.0, float("inf")]}, {"compliance": float("nan")}):
         with pytest.raises(ComputationError, match="a result is not a finite number"):
             finite_json(document)

@@ -30,7 +30,7 @@ HALVING = 0.4 / 2.0 ** np.arange(10)
 COARSE = HALVING[:6]
 
 
-def test_order_of_pure_power_on_unequal_grids():
+def test_pure_power_has_exact_order():
     draws = np.random.default_rng(0).uniform([0.5, 1.2, 1.2, -5.0], [8.0, 3.0, 3.0, 5.0], (5, 4))
     for order, first, second, limit in draws:
         sizes = np.array([first * second, second, 1.0])
@@ -49,12 +49,12 @@ def test_order_of_pure_power_on_unequal_grids():
         (np.array([1.2, 1.1, 1.05, 1.0, 1.0 + 1e-14, 1.0 - 1e-14]), "round-off plateau"),
     ],
 )
-def test_behaviour_of_values_is_classified(values, behaviour):
+def test_convergence_behaviour_is_classified(values, behaviour):
     assert classify(COARSE, values, 1e-12) == behaviour
 
 
 @pytest.mark.parametrize(("order", "safety"), [(2.0, 1.25), (1.85, 1.25), (1.7, 3.0), (2.4, 3.0)])
-def test_safety_factor_is_smaller_near_formal_order(order, safety):
+def test_safety_factor_is_small_near_formal_order(order, safety):
     study = analyse(COARSE, 3.0 + 0.7 * COARSE**order, formal_order=2.0)
     assert study.observed_order == pytest.approx(order, rel=1e-6)
     # The true error of the finest value, 0.7 hᵖ, times the safety factor; with an order above the
@@ -73,7 +73,7 @@ def test_safety_factor_is_smaller_near_formal_order(order, safety):
         (np.cumsum([0.0, 1.0, 0.5, 0.25, 0.125, 0.125 / 8.0]), "outside the asymptotic range"),
     ],
 )
-def test_no_uncertainty_outside_the_asymptotic_range(values, reason):
+def test_non_asymptotic_range_has_no_uncertainty(values, reason):
     study = analyse(COARSE, values, formal_order=2.0)
     assert (study.uncertainty, study.extrapolated, study.observed_order) == (None, None, None)
     assert reason in study.refusal
@@ -130,7 +130,7 @@ def test_fit_weights_grids_by_inverse_size():
         uncertainty_of_known_orders(sizes[:3], values[:3], (1.42, 4.0))
 
 
-def test_published_study_gives_printed_order_and_limit():
+def test_published_study_is_reproduced():
     # NASA Glenn: pressure recovery on three grids of ratio 2, p = 1.786, limit 0.97130.
     coarse, middle, fine = 0.96178, 0.96854, 0.97050
     order = three_grid_order(coarse, middle, fine, 2.0, 2.0)
@@ -141,7 +141,7 @@ def test_published_study_gives_printed_order_and_limit():
         assert isnan(three_grid_order(*values, 2.0, 2.0))
 
 
-def test_two_grids_use_formal_order_and_factor_three():
+def test_two_grids_use_formal_order():
     for order, half_width in ((2.0, 1.0), (4.0, 0.2)):
         policy = MeshPolicy.of_order(2.0, order)
         assert mesh_half_widths([1.0], policy) == pytest.approx(half_width)
@@ -160,13 +160,13 @@ def test_two_grids_use_formal_order_and_factor_three():
         ((1.0, 0.0), 0.125),
     ],
 )
-def test_half_width_on_three_meshes_is_by_hand(changes, half_width) -> None:
+def test_three_mesh_half_width_matches_hand(changes, half_width) -> None:
     policy = MeshPolicy(2.0, orders=(1.0, 2.0), safety=1.5)
     found = mesh_half_widths([np.array([one]) for one in changes], policy)
     assert found == pytest.approx([half_width], rel=1e-12)
 
 
-def test_richardson_intervals_contain_the_limits():
+def test_richardson_intervals_contain_limits():
     rng = np.random.default_rng(14)
     for ladder in ((1, 2, 3, 4), (2, 4, 8, 16)):
         limits, orders = rng.uniform(1.0, 3.0, 4), rng.uniform(1.0, 4.0, 4)
@@ -197,20 +197,20 @@ def refined_to(asked: float):
 
 
 @pytest.mark.parametrize("asked", [0.2, 0.01, 1e-4])
-def test_refinement_stops_at_first_fine_mesh(asked: float) -> None:
+def test_refinement_stops_at_first_accurate_mesh(asked: float) -> None:
     found, told = refined_to(asked)
     assert left(found) <= asked
     assert told == Accuracy(asked, left(found))
     assert found == 2 or left(found // 2) > asked
 
 
-def test_accuracy_beyond_largest_mesh_is_reported() -> None:
+def test_unreached_accuracy_is_reported() -> None:
     found, told = refined_to(1e-6)
     assert (found, told.reached) == (64, left(64))
     assert told.text.startswith("accuracy ±0.0024 %, asked for ±0.0001 %; --divisions 128: takes m")
 
 
-def test_refinement_on_a_slow_machine_is_the_same(monkeypatch) -> None:
+def test_refinement_ignores_machine_speed(monkeypatch) -> None:
     """Every look at a clock takes 90 s: the mesh is refined as far as its size allows."""
     clock = count(step=90)
     monkeypatch.setattr(refinement, "perf_counter", lambda: float(next(clock)), raising=False)

@@ -133,7 +133,7 @@ def test_tallest_bar_has_smallest_deflection(curves_by_objective):
     assert np.isnan(decision.correlation("simplified")[0])
 
 
-def test_cases_are_for_models_the_file_relies_on(light_bar):
+def test_cases_exist_for_relied_models(light_bar):
     variations = variations_of(light_bar, ["tool.mass=2:4:3"])
     ids = {case.id for case in cases_over(light_bar, variations)}
     assert "decision.frequency.loss.beam[tool.mass]" in ids
@@ -174,7 +174,7 @@ def test_value_without_reference_is_skipped(tmp_path, monkeypatch):
         case.measure(Context(bar, "quick"))
 
 
-def test_stored_and_sent_units_keep_all_digits(light_bar, tmp_path, monkeypatch):
+def test_stored_units_keep_all_digits(light_bar, tmp_path, monkeypatch):
     (variation,) = variations_of(light_bar, ["tool.mass=2:4:2"])
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     in_process = variation_study(light_bar, variation, "quick")
@@ -189,7 +189,7 @@ def test_stored_and_sent_units_keep_all_digits(light_bar, tmp_path, monkeypatch)
             np.testing.assert_equal(asdict(study[objective].decision), asdict(curves.decision))
 
 
-def test_robot_with_one_reading_uses_it_for_all():
+def test_single_reading_is_used_for_all_values():
     """The first robot, with legs known by their 6×6, has one reading; the second has two."""
     names = (
         np.array(["beam", "specified 6×6 of the legs"]),
@@ -211,7 +211,7 @@ def test_robot_with_one_reading_uses_it_for_all():
     np.testing.assert_allclose(half_widths, [[0.3, 0.5], [0.3, 0.6]])
 
 
-def test_uncertain_reference_makes_losses_uncertain(light_bar, monkeypatch):
+def test_uncertain_reference_widens_losses(light_bar, monkeypatch):
     values = {"first": np.array([1.0, 1.001, 2.0]), "second": np.array([1.02, 1.0, 2.0])}
     uncertainties = {"first": np.full(3, 0.002), "second": np.zeros(3)}
     decision = Decision("deflection", {"model": values["second"]}, values, uncertainties)
@@ -230,7 +230,7 @@ def test_uncertain_reference_makes_losses_uncertain(light_bar, monkeypatch):
     assert [percent.value, percent.reference_uncertainty] == pytest.approx([0.1, 0.4], rel=0.01)
 
 
-def test_uncertainty_of_extreme_covers_both_directions():
+def test_extreme_value_interval_is_two_sided():
     """The smaller of 1.0 (± 10 %) and 1.01 is at most 10 % smaller, or 1 % larger."""
     values, uncertainties = np.array([[1.0], [1.01]]), np.array([[0.1], [0.0]])
     extremes = _extremes({"beam": values, "solid": values}, {"solid": uncertainties}, np.min)
@@ -251,7 +251,7 @@ def test_choice_and_loss_match_hand_calculation():
 
 
 @pytest.mark.parametrize("levels", [4, 1000])
-def test_spearman_matches_scipy_and_ignores_rounding(levels):
+def test_spearman_matches_scipy(levels):
     """With few levels there are ties, which share their mean rank."""
     pairs = np.random.default_rng(levels).integers(1, levels, (5, 2, 9)).astype(float)
     for first, second in pairs:

@@ -32,7 +32,7 @@ def table(path):
         ("biglide", "leg2.section.diameter", "diameter = 0.12,", "beam"),
     ],
 )
-def test_varied_value_gives_result_of_edited_file(name, key, original, model, tmp_path, command):
+def test_varied_value_equals_edited_file(name, key, original, model, tmp_path, command):
     text = load_robot(name).text
     assert original in text
     old = original.rsplit(" ", 1)[-1].strip("[,")
@@ -85,7 +85,7 @@ def test_two_variations_give_all_combinations(tmp_path, command):
         ("*=1:1:1", "schema"),
     ],
 )
-def test_wrong_variation_is_refused_with_one_line(typed, message, command):
+def test_wrong_variation_gives_one_line(typed, message, command):
     line = command.refused("solve", "five-bar", "--model", "beam", "--vary", typed)
     assert line.startswith("flexproof: --vary ")
     assert message in line
@@ -98,7 +98,7 @@ def test_wrong_variation_is_refused_with_one_line(typed, message, command):
         (["--cluster", "tcp://a:1"], "--cluster: computes the robots of --vary and the parts"),
     ],
 )
-def test_refused_run_writes_nothing(typed, message, tmp_path, command):
+def test_refused_variation_writes_nothing(typed, message, tmp_path, command):
     arm, folder = robot_of(ARM, tmp_path).source, tmp_path / "report"
     assert message in command.refused("run", arm, "--preset", "quick", "--out", folder, *typed)
     assert not folder.exists()
@@ -107,7 +107,7 @@ def test_refused_run_writes_nothing(typed, message, tmp_path, command):
 @pytest.mark.parametrize(
     ("model", "vary"), [("vjm", "tool.mass=1:2:2"), ("beam", "path.count=3:9:2")]
 )
-def test_variation_without_effect_has_a_message(model, vary, capsys):
+def test_variation_without_effect_is_refused(model, vary, capsys):
     assert main(["solve", "five-bar", "--vary", vary, "--model", model]) == 0
     key = vary.partition("=")[0]
     message = (
@@ -117,7 +117,7 @@ def test_variation_without_effect_has_a_message(model, vary, capsys):
 
 
 @pytest.mark.exhaustive
-def test_curves_of_run_match_solve_vary(tmp_path, command):
+def test_run_curves_match_solve_vary(tmp_path, command):
     """Models match `solve --vary`. Solid and beam of a slender bar differ by end restraint only."""
     arm, folder = robot_of(ARM, tmp_path).source, tmp_path / "report"
     arguments = ["run", arm, "--preset", "quick", "--only", "*y.*", "--out", folder]
@@ -163,5 +163,5 @@ def test_curves_of_run_match_solve_vary(tmp_path, command):
         ("ifw", "accept.deflection", ""),
     ],
 )
-def test_unit_of_number_in_robot_file(robot, key, unit):
+def test_varied_number_has_its_unit(robot, key, unit):
     assert unit_of(load_robot(robot).tables, key) == unit

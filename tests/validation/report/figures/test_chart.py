@@ -37,7 +37,7 @@ def series(label, values, quantity="deflection (µm)", **more):
     return Series(label, X, np.array(values, dtype=float), quantity, **more)
 
 
-def test_differences_are_in_percent_below_their_curves():
+def test_differences_are_percent_below_curves():
     turned = [series("a", [4, 4, np.nan], "turn"), series("b", [5, 4, 4], "turn")]
     panel = compared(Panel([series("a", [1, 2, 0]), series("b", [1.1, 1, 3]), *turned]), "a")
     assert compared(panel, "c").below == []
@@ -52,7 +52,7 @@ def test_differences_are_in_percent_below_their_curves():
     assert (below.get_xlabel(), above.get_xlabel()) == ("x (m)", "")
 
 
-def test_table_has_abscissa_and_all_finite_curves():
+def test_csv_has_abscissa_and_finite_curves():
     chart = Chart(
         [
             Panel([series("a", [1, 2, 3]), series("b", [np.nan] * 3)], column_prefix="left end"),
@@ -66,7 +66,7 @@ def test_table_has_abscissa_and_all_finite_curves():
     assert [[float(cell) for cell in row] for row in rows[1:]] == [[0, 1, 4], [1, 2, 5], [2, 3, 6]]
 
 
-def test_curves_with_one_label_share_a_legend_entry():
+def test_equal_labels_share_a_legend_entry():
     first = Panel([*(series("a", [n, 2, 3]) for n in (1, 2)), series("b", [np.nan] * 3)], "first")
     others = [*(series(name, [1, 2, 3]) for name in "ac"), series("d", [1, 1, 1], best=2)]
     with plot_style():
@@ -95,7 +95,7 @@ def test_legend_shows_all_entries_above_axes(names):
     assert box.y1 <= picture.bbox.height
 
 
-def test_bars_stack_away_from_zero_in_rows():
+def test_bars_stack_away_from_zero():
     bars = [Bars("shear", np.array([1.0, -2.0])), Bars("unexplained", np.array([-3.0, -4.0]))]
     point = Series("difference", X[:2], np.array([-2.0, -6.0]), bars=np.array([0.1, 0.2]))
     more = {"names": ["upper", "lower\nin two lines"], "band": (-1.0, 1.0)}
@@ -123,7 +123,7 @@ def test_bars_stack_away_from_zero_in_rows():
     assert set(legend) == {"shear", "unexplained", "difference", "tolerance", "0", "1"}
 
 
-def test_percent_axis_has_ticks_at_limit_and_beyond():
+def test_percent_axis_has_tick_at_limit():
     with plot_style():
         axes, finer = Figure().subplots(1, 2)
         axes.plot([0.0, 1.0], [0.5, -50.0])
@@ -165,7 +165,7 @@ def test_every_model_has_a_unique_line_style():
     assert len(set(as_points)) == len(as_points)
 
 
-def test_alternative_references_have_unique_styles():
+def test_references_have_unique_styles():
     """As solids, and where legs are known by a 6×6 and a mass."""
     held = [(f"{one} as given",) for one in ("ends", "interfaces")]
     held += [("ends rigid", "ends free"), ("interfaces rigid", "interfaces averaged")]
@@ -180,7 +180,7 @@ def test_alternative_references_have_unique_styles():
 
 
 @pytest.mark.parametrize("declare", [error_curves, measured_curves])
-def test_panels_and_legend_agree_on_every_model(declare):
+def test_panels_and_legend_share_styles(declare):
     """Some models are missing in some panels; each curve is its model's numbers in its look."""
     quantities = {"x": MODEL_KINDS, "y": MODEL_KINDS[2:], "f1": MODEL_KINDS[4::2]}
     errors = np.random.default_rng(1).uniform(-0.3, 0.3, (99, len(POSES))).tolist()
@@ -207,7 +207,7 @@ def test_panels_and_legend_agree_on_every_model(declare):
         assert handle.get_linestyle().lower() == look.line
 
 
-def test_names_are_not_drawn_as_formulas():
+def test_names_are_not_drawn_as_math():
     with plot_style():
         picture = Figure()
         picture.suptitle("a $\\frac{1$")

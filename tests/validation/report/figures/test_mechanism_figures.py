@@ -66,7 +66,7 @@ def drawn_alike(fine, coarse, mode):
 @pytest.mark.parametrize(
     "name", ["ifw", "delta", pytest.param("hexapod", marks=pytest.mark.exhaustive)]
 )
-def test_drawn_tool_moves_with_tool_and_mass_is_kept(name):
+def test_drawn_tool_moves_and_keeps_mass(name):
     """The nearest point drawn of the tool's body, carried to the tool by its own turn."""
     found = modes_of(name)
     system = found.system
@@ -88,7 +88,7 @@ def test_drawn_tool_moves_with_tool_and_mass_is_kept(name):
         assert min(nearest) <= 1e-12 * np.abs(twist).max()
 
 
-def test_drawn_leg_root_follows_its_interface():
+def test_drawn_leg_root_follows_interface():
     """The rim turns with the interface; drawn enlarged, and coloured by what it moves."""
     found = modes_of("delta")
     system, shape = found.system, found.modes.shapes[:, 3]
@@ -110,13 +110,13 @@ def test_drawn_leg_root_follows_its_interface():
         assert drawn.values == pytest.approx(1e2 * np.linalg.norm(leg.displacements, axis=1))
 
 
-def test_drawn_segments_match_sense_of_beam_modes():
+def test_segment_shapes_have_sense_of_beam_modes():
     """Double modes of a Delta: whatever mixture each solver returns, both pictures agree."""
     for mode in range(6):
         assert drawn_alike(modes_of("delta"), modes_of("delta", "segments", 8), mode), mode
 
 
-def test_scenes_move_by_modes_and_by_compliance(five_bar):
+def test_scenes_move_by_mode_and_load(five_bar):
     shapes, deformed = pictures.mode_shapes(five_bar), pictures.deformed(five_bar)
     mechanism = five_bar.robot_file.mechanism
     (expected,) = answers("beam", postures_of(mechanism, mechanism.poses[4:5]), 4)
@@ -142,7 +142,7 @@ def test_strain_energies_of_a_mode_sum_to_one(five_bar, monkeypatch):
         assert sum(float(row[name]) for name in shares) == pytest.approx(100.0, abs=1e-9)
 
 
-def test_modes_are_paired_by_shape_in_middle_pose(five_bar, monkeypatch):
+def test_mode_pairs_are_at_middle_pose(five_bar, monkeypatch):
     """Made up: two modes of the models exchanged, each a tenth too high."""
     shapes = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 12, 4)))[0]
     frequencies = np.outer([1.0, 2.0, 3.0], [10.0, 20.0, 40.0, 80.0])
@@ -164,7 +164,7 @@ def test_modes_are_paired_by_shape_in_middle_pose(five_bar, monkeypatch):
         assert [float(row[name]) for row in rows] == pytest.approx(expected), name
 
 
-def test_deflections_and_percent_differences_of_loads():
+def test_figure_has_load_deflections():
     """Of made-up compliances: µm under a force, µrad under a moment, and what they differ by."""
     rng = np.random.default_rng(4)
     names = ("simplified", "vjm", "beam", "solid, ends rigid")
@@ -189,7 +189,7 @@ def test_deflections_and_percent_differences_of_loads():
 
 
 @pytest.mark.exhaustive
-def test_part_is_drawn_as_solid_and_condensed(tmp_path):
+def test_part_is_drawn_solid_and_condensed(tmp_path):
     """Of a bore that is held rigidly the surface goes with the interface's twist."""
     crane = Context(load_robot(write_crane(tmp_path)), "quick")
     found = finite_elements(crane, 4)
@@ -215,7 +215,7 @@ def test_part_is_drawn_as_solid_and_condensed(tmp_path):
         assert float(row["A drive (%)"]) + float(row["arm (%)"]) == pytest.approx(100.0, abs=1e-9)
 
 
-def test_interpolation_reproduces_linear_fields():
+def test_interpolation_is_exact_for_linear_fields():
     rng = np.random.default_rng(5)
     nodes, points, gradient = rng.random((300, 3)), rng.random((40, 3)), rng.random((3, 3))
     found = reduced_parts.interpolated(nodes, (nodes @ gradient + 2.0).reshape(-1, 1))(
@@ -258,7 +258,7 @@ def closed_forms():
 
 
 @pytest.mark.parametrize("model", ["beam", "segments"])
-def test_cantilever_mode_names_match_closed_forms(model):
+def test_cantilever_mode_names_are_correct(model):
     (found,) = mechanism_modes(model, [reference_posture(described(BLADE))], 6)
     names = mode_names(found.system, found.modes.shapes)
     said = [names.name(mode) for mode in range(6)]

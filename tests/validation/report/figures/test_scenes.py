@@ -73,7 +73,7 @@ def test_rectangular_prism_has_twelve_edges():
 
 
 @pytest.mark.parametrize("robot", ["delta", "ifw"])
-def test_bodies_and_joints_are_drawn_in_position(robot):
+def test_bodies_and_joints_are_drawn_in_place(robot):
     """Legs reach from interface to interface, slides lie where they have slid to."""
     mechanism = load_robot(robot).mechanism
     (at,) = postures_of(mechanism, mechanism.poses[1:2])
@@ -98,7 +98,7 @@ def test_enlargement_is_round_and_bounded():
     assert {one: readable_factor(one, target=0.1) for one in factors} == pytest.approx(factors)
 
 
-def test_fitted_view_shows_all_points_and_fills_page():
+def test_fitted_view_shows_all_points():
     points = np.array([[x, y, z] for x in (0.0, 2.0) for y in (0.0, 1.0) for z in (-0.2, 0.2)])
     view = fitted_view(points, np.array([1.0, -2.0, 0.7]), np.array([0, 0, 1.0]), (800, 600))
     seen = view.pixels(points)
@@ -144,7 +144,7 @@ def test_browser_scene_equals_drawn_scene():
 
 
 @pytest.mark.usefixtures("needs_opengl")
-def test_small_box_is_drawn_at_its_projection():
+def test_box_is_drawn_at_its_projection():
     """VTK's own camera against `pixels`: the centre of what is coloured."""
     corners = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
     view = fitted_view(corners, np.array([0.5, -1.0, 0.4]), np.array([0, 0, 1.0]), (200, 160))
@@ -158,7 +158,7 @@ def test_small_box_is_drawn_at_its_projection():
 
 
 @pytest.mark.usefixtures("needs_opengl")
-def test_names_are_beside_points_and_colours_remain():
+def test_point_names_are_beside_points():
     cuboid = prism(rectangle(1.0, 0.1), np.array([-1.0, 1.0]))
     wire = Wire(np.array([[-1.0, 0.0, 0.2], [1.0, 0.0, 0.2]]), np.array([[0, 1]]), "#D55E00", 2.5)
     names = [Label(name, np.zeros(3), "#0000ff") for name in ("one", "two")]

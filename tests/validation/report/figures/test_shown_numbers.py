@@ -43,7 +43,7 @@ def vibration(scale=1.0):
     return PathModes(frequencies, samples, np.ones(4), seen, receptances=receptances)
 
 
-def test_response_band_belongs_to_middle_pose(robot, monkeypatch):
+def test_response_band_is_at_middle_pose(robot, monkeypatch):
     known = {"rigid": vibration(1.0), "free": vibration(1.5)}
     budgets = [meshes(receptances=[wide * LEFT_OPEN]) for wide in (1.0, 2.0)]
     truth = reference("s", known, budgets)
@@ -63,7 +63,7 @@ def test_response_band_belongs_to_middle_pose(robot, monkeypatch):
     assert "with the tool at x = 0 m, y = 0.55 m" in shown.caption
 
 
-def test_response_band_starts_at_lowest_reading(robot, monkeypatch):
+def test_response_band_includes_all_readings(robot, monkeypatch):
     known = {"rigid": vibration(1.0), "free": vibration(3.0)}
     truth = reference("s", known, [meshes(receptances=[np.full((3, 2), 0.4)])] * 2)
     monkeypatch.setattr(responses, "robot_on_path", lambda _: robot)
@@ -74,14 +74,14 @@ def test_response_band_starts_at_lowest_reading(robot, monkeypatch):
     assert solid.interval == pytest.approx(np.array([[6.0, 12.0], [42.0, 84.0]]))
 
 
-def test_note_on_masses_uses_middle_pose(robot):
+def test_mass_note_is_at_middle_pose(robot):
     robot.has_solids = True
     truth = reference("", {"wedge": vibration(1.0), "lump": vibration(0.9)}, supposed="plausible")
     (note,) = mass_notes(Responses(robot), truth)
     assert "give f1 9 to 10 Hz, f2 18 to 20 Hz at the middle pose of the path" in note
 
 
-def test_varied_robot_uses_middle_pose(monkeypatch):
+def test_varied_robot_is_at_middle_pose(monkeypatch):
     found = {"beam": np.arange(3.0)[:, None] + 1.0, "solid": np.arange(3.0)[:, None] + 10.0}
     off = {"beam": np.arange(3.0)[:, None] / 10.0}
     compared = Compared(found, off, "solid")
@@ -120,7 +120,7 @@ def measured_entry(poses):
     )
 
 
-def test_measured_chart_has_bars_with_inputs():
+def test_measured_chart_bars_include_inputs():
     pose = ((0.4,),)
     matrix = sample_matrix(entries=(measured_entry(pose),), quantities=("z",), poses=pose)
     chart = measured_curves(matrix)
@@ -134,7 +134,7 @@ def test_measured_chart_has_bars_with_inputs():
     assert values == pytest.approx([1.1e-6, 1e-6])
 
 
-def test_measured_chart_over_poses_has_whole_intervals():
+def test_measured_path_chart_has_full_intervals():
     poses = ((0.4,), (0.5,))
     matrix = sample_matrix(entries=(measured_entry(poses),), quantities=("z",), poses=poses)
     (panel,) = measured_curves(matrix).panels
@@ -146,5 +146,5 @@ def test_measured_chart_over_poses_has_whole_intervals():
 @pytest.mark.parametrize(
     ("name", "unit", "label"), [("x", "m", "x (m)"), ("phi_z", "rad", "rotation about z (rad)")]
 )
-def test_axis_of_a_coordinate_has_its_unit(name, unit, label):
+def test_coordinate_axis_has_unit(name, unit, label):
     assert Coordinate(name, unit).axis == label

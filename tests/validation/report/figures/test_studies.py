@@ -17,7 +17,7 @@ from validation.studies_and_figures import Study
     [[2.0, 4.0, 8.0], [0.4, 0.2, 0.1]],
     ids=["divisions", "mesh-size"],
 )
-def test_slope_line_falls_with_its_order(x):
+def test_slope_line_has_formal_order(x):
     """Halving the mesh divides an error of second order by four."""
     x = np.array(x)
     (line,) = _slopes(x, [Series("solid", x, np.array([8.0, 2.0, 0.5]))], [2.0])
@@ -27,7 +27,7 @@ def test_slope_line_falls_with_its_order(x):
     assert line.label == "slope 2"
 
 
-def test_study_chart_is_in_percent():
+def test_convergence_chart_is_in_percent():
     """f = 200 (1 − 1/n²): from its limit 4 % at five divisions; ± 0.5 of 200 is 0.25 %."""
     x = (5.0, 10.0, 20.0)
     values = tuple(200.0 * (1.0 - 1.0 / n**2) for n in x)
@@ -52,7 +52,7 @@ def test_study_chart_is_in_percent():
             assert deviation.bars is None
 
 
-def test_budget_of_several_causes_is_hatched():
+def test_budget_bars_of_causes_are_hatched():
     """Hatches are patterns, which a drawing may have."""
     allowances = tuple(Allowance(cause, -0.03) for cause in ("warping", "shear", "contraction"))
     outcome = measured("solid", 1.9, 2.0, 1e-4, exact=False, allowances=allowances)

@@ -20,7 +20,7 @@ SECTIONS = [
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_end_triangles_fill_the_section(section):
+def test_end_face_triangles_fill_section(section):
     loops = section.centred_loops
     a, b, c = (np.vstack(loops)[end_triangles(loops)[:, k]] for k in range(3))
     (uy, uz), (vy, vz) = (b - a).T, (c - a).T
@@ -30,7 +30,7 @@ def test_end_triangles_fill_the_section(section):
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_walled_prism_is_closed_around_its_volume(section):
+def test_hollow_prism_surface_is_closed(section):
     """By Gauss: a third of the sum of x·n dA, normals outwards."""
     surface = walled(section.centred_loops, np.array([0.0, 0.3, 2.0]))
     first, second, third, fourth = (surface.points[surface.faces[:, k]] for k in range(4))
