@@ -24,6 +24,12 @@ from lumped.mechanism.body import (
     Rigid,
     Selection,
 )
+from lumped.mechanism.catalogue.ball_contact import (
+    BallBearing,
+    bearing_compliance,
+    bearing_of_size,
+    bearing_stiffness,
+)
 from lumped.mechanism.catalogue.directions import joint_axes, joint_matrix
 from lumped.mechanism.joint import BallScrew, Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
@@ -31,6 +37,7 @@ from lumped.mechanism.placing import axes_along, place_leg, place_rigid_body
 from lumped.robot_file.mechanism.draft import Draft
 from lumped.robot_file.rules.relations import Entry
 from lumped.robot_file.rules.several_materials import CompositeTable, LaminateTable
+from lumped.screws import turn_matrix
 
 
 def mechanism_of(description: Draft, name: str, folder: Path) -> Mechanism:
@@ -124,9 +131,31 @@ def _joint(description: Draft, name: str) -> Joint:
     compliance, damping = table["compliance"], None
     if table["stiffness"] is not None:
         compliance = joint_matrix(kind, own_axes, _compliances(table["stiffness"]))
+    if table["bearing"] is not None:
+        compliance = turn_matrix(_bearing_compliance(table["bearing"]), own_axes)
     if table["damping"] is not None:
         damping = joint_matrix(kind, own_axes, _present(table["damping"]))
     return Joint(name, kind, first, second, unit, drive, compliance, table["loss"], damping)
+
+
+def _bearing_compliance(table: Entry) -> Array:
+    """Compliance (6×6, x along the shaft) of a preloaded ball bearing."""
+    if table["size"] is not None:
+        bearing = bearing_of_size(table["size"])
+    else:
+        sizes = (table[key] for key in ("balls", "ball_diameter", "pitch_diameter"))
+        angle = float(np.radians(table["contact_angle"] or 0.0))
+        grooves = table["inner_groove"] or 0.52, table["outer_groove"] or 0.53
+        bearing = BallBearing(*sizes, angle, *grooves)
+    return bearing_compliance(
+        bearing_stiffness(
+            bearing,
+            table["preload"],
+            table["rows"],
+            table["arrangement"],
+            table["distance"] or 0.0,
+        )
+    )
 
 
 def _screw(table: Entry) -> BallScrew:

@@ -5,7 +5,7 @@ begins with the key.
 """
 
 from collections.abc import Iterator, Sequence
-from math import prod
+from math import pi, prod
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -218,7 +218,7 @@ def joint_faults(joint: Entry) -> Iterator[str]:
     first, second = joint["between"]
     if first == second:
         yield f'{key}.between: "{first}" twice; must be two different bodies'
-    if joint["loss"] and joint["compliance"] is None and joint["stiffness"] is None:
+    if joint["loss"] and not _present_keys(joint, "compliance", "stiffness", "bearing"):
         yield (
             f"{key}.loss: must be left out without {key}.compliance or {key}.stiffness, to which "
             "it belongs"
@@ -279,7 +279,33 @@ def _direction_faults(joint: Entry) -> Iterator[str]:
                     f"{key}.damping.{name}: the joint is rigid there, a dashpot has no effect; "
                     "must be left out, or the direction be given a stiffness"
                 )
+    if joint["bearing"] is not None:
+        yield from _bearing_faults(joint, joint["bearing"])
     yield from _up_faults(joint)
+
+
+def _bearing_faults(joint: Entry, bearing: Entry) -> Iterator[str]:
+    """Faults of a ball bearing."""
+    key = f"{joint['key']}.bearing"
+    if joint["type"] != "revolute":
+        yield f"{key}: does not belong to a {joint['type']} joint; must be a revolute one"
+    for name in _present_keys(joint, "compliance", "stiffness"):
+        yield f"{key}: must be left out beside {joint['key']}.{name}, which it determines"
+    inside = ("balls", "ball_diameter", "pitch_diameter")
+    others = ("contact_angle", "inner_groove", "outer_groove")
+    if bearing["size"] is not None:
+        for name in _present_keys(bearing, *inside, *others):
+            yield f"{key}.{name}: must be left out beside {key}.size, which determines it"
+    else:
+        missing = [name for name in inside if bearing[name] is None]
+        for name in missing:
+            yield f"{key}.{name}: missing; must be given, or {key}.size"
+        if not missing and bearing["balls"] * bearing["ball_diameter"] > (
+            pi * bearing["pitch_diameter"]
+        ):
+            yield f"{key}.balls = {bearing['balls']}: do not fit into their circle"
+    if (bearing["rows"] > 1) != (bearing["distance"] is not None):
+        yield f"{key}.distance: must be given for several rows, and left out for one"
 
 
 def _strange_directions(

@@ -20,6 +20,7 @@ from lumped.acceptance.requirement import (
 )
 from lumped.legs import Ends
 from lumped.mechanism.body import Coupling, LengthUnit
+from lumped.mechanism.catalogue.ball_contact import SIZES, Arrangement
 from lumped.mechanism.catalogue.directions import DIRECTIONS, Direction
 from lumped.mechanism.joint import JointKind
 from lumped.mechanism.length_unit import COORDINATES, LENGTH_UNITS, METRE, UnitOfLength
@@ -474,6 +475,20 @@ _JOINT_DAMPING = _along_directions(
     free=True,
 )
 _DASHPOTS = "viscous dashpots along directions of the joint, free ones included"
+_GROOVE = Number(above=0.5, most=0.6)
+_BEARING = TableRule(
+    Key("size", OneOf(tuple(SIZES)), "designation of a bearing whose inside is published"),
+    Key("balls", Number(least=3, most=200, whole=True), "number of balls of a row, without `size`"),
+    Key("ball_diameter", _LENGTH, "diameter of the balls"),
+    Key("pitch_diameter", _LENGTH, "diameter of the circle of their centres"),
+    Key("contact_angle", Number("°", least=0.0, most=75.0), "contact angle without load"),
+    Key("inner_groove", _GROOVE, "radius of the inner groove / ball diameter; default 0.52"),
+    Key("outer_groove", _GROOVE, "radius of the outer groove / ball diameter; default 0.53"),
+    needed("preload", Number("N", above=0.0, most=1e7, slip=1e-6), "axial preload of each row"),
+    Key("rows", Number(least=1, most=20, whole=True), "number of rows along the axis", default=1),
+    Key("distance", _LENGTH, "distance of neighbouring rows; required for several"),
+    Key("arrangement", OneOf(get_args(Arrangement)), "arrangement of several rows", default="O"),
+)
 _CATALOGUE = "instead of `compliance`: stiffness along directions of the joint, each required"
 _JOINT_UP = "direction of a slide's normal; of the axis of a fixed or spherical joint"
 JOINT = TableRule(
@@ -489,6 +504,7 @@ JOINT = TableRule(
     Key("drive", _DRIVE, "drive of a revolute or prismatic joint; default: passive"),
     Key("compliance", _COMPLIANCE, _SERIES),
     Key("stiffness", _JOINT_STIFFNESS, _CATALOGUE),
+    Key("bearing", _BEARING, "instead of both: preloaded ball bearing of a revolute joint"),
     Key("damping", _JOINT_DAMPING, _DASHPOTS),
     Key("up", _DIRECTION, _JOINT_UP),
     Key("loss", _LOSS, "loss factor of the compliance or stiffness", default=0.0),

@@ -1,0 +1,191 @@
+"""Hertzian contact of a ball between two grooves, and preloaded ball bearings.
+
+A ball of diameter D between the grooves of two rings yields by δ under the load Q = c δ^(3/2), with
+
+    δ = δ* (3Q (1 − ν²) / (E Σρ))^(2/3) Σρ/2,    δ* = (2K/π) (π/(2κ²E))^(1/3)
+
+of each contact (Hertz; Harris, Rolling Bearing Analysis, chapter 6), where Σρ is the sum of the
+principal curvatures and κ the ratio of the axes of the contact ellipse, which follows from the
+curvature difference F(ρ) = ((κ² + 1)E − 2K)/((κ² − 1)E) with the complete elliptic integrals K and
+E of the parameter 1 − 1/κ².
+
+The centres of both grooves are A = (f_i + f_o − 1)D apart without load, and ℓ = A + δ under load.
+The distance rotates from the angle α₀ to α, cos α = cos α₀/(1 + δ/A), and Z balls carry the preload
+F = Z Q sin α (ISO/TS 16281). The stiffness of a ball between the rings is the derivative of its
+force: dQ/dδ along the line of contact, and Q/ℓ across it in the plane of the axis.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from lumped.arrays import Array
+from lumped.screws import shift
+
+Arrangement: TypeAlias = Literal["O", "X", "tandem"]
+# Axial direction in which the inner ring presses against the balls, in the first and in the second
+# half of the rows along the shaft. Lines of contact of O meet the shaft beyond the rows.
+_SIGNS: dict[Arrangement, tuple[float, float]] = {
+    "O": (1.0, -1.0),
+    "X": (-1.0, 1.0),
+    "tandem": (1.0, 1.0),
+}
+# Bearings whose inside is published: balls, their diameter and that of their circle (m), contact
+# angle (°), radii of inner and outer groove relative to the ball's diameter. 6203, 6205: Case Western
+# Reserve University, Bearing Data Center, with the largest grooves of ISO/TS 16281; 6209, 7218:
+# Harris, Rolling Bearing Analysis, bearings 209 and 218 of its examples.
+SIZES: dict[str, tuple[int, float, float, float, float, float]] = {
+    "6203": (8, 6.746e-3, 28.5e-3, 0.0, 0.52, 0.53),
+    "6205": (9, 7.94e-3, 39.04e-3, 0.0, 0.52, 0.53),
+    "6209": (9, 12.7e-3, 65.0e-3, 0.0, 0.52, 0.52),
+    "7218": (16, 22.23e-3, 125.3e-3, 40.0, 0.5232, 0.5232),
+}
+# Young's modulus (Pa) and Poisson's ratio of bearing steel (Harris).
+_E, _NU = 2.075e11, 0.3
+# Largest ratio of the axes of a contact ellipse that is searched: grooves touch at infinity.
+_LONGEST = 1e6
+# Largest contact angle (rad): a thrust bearing's.
+_STEEPEST = 0.5 * np.pi - 1e-6
+
+
+@dataclass(frozen=True)
+class BallBearing:
+    """A row of a ball bearing: `balls`, their diameter and that of their circle (m).
+
+    `angle` is the contact angle without load (rad). `inner` and `outer` are the radii of the
+    grooves relative to the ball's diameter.
+    """
+
+    balls: int
+    ball_diameter: float
+    pitch_diameter: float
+    angle: float
+    inner: float
+    outer: float
+
+    @property
+    def distance(self) -> float:
+        """Distance A (m) of the centres of both grooves without load."""
+        return (self.inner + self.outer - 1.0) * self.ball_diameter
+
+    @property
+    def contact_constant(self) -> float:
+        """C (N/m^1.5) of a ball with both contacts in series."""
+        D = self.ball_diameter
+        gamma = D * np.cos(self.angle) / self.pitch_diameter
+        along = 2.0 / D * np.array([gamma / (1.0 - gamma), -gamma / (1.0 + gamma)])
+        across = -1.0 / (D * np.array([self.inner, self.outer]))
+        compliances = [
+            hertz_constant((2.0 / D, 2.0 / D, *raceway)) ** (-2.0 / 3.0)
+            for raceway in zip(along, across, strict=True)
+        ]
+        return float(np.sum(compliances) ** -1.5)
+
+    def under_preload(self, preload: float) -> tuple[float, float]:
+        """Contact angle (rad) and approach δ (m) of the grooves under an axial `preload` (N)."""
+
+        def approach(angle: float) -> float:
+            return self.distance * (np.cos(self.angle) / np.cos(angle) - 1.0)
+
+        def excess(angle: float) -> float:
+            load = self.contact_constant * max(approach(angle), 0.0) ** 1.5
+            return float(self.balls * load * np.sin(angle) - preload)
+
+        angle = float(brentq(excess, self.angle, _STEEPEST, xtol=1e-15, rtol=1e-14))
+        return angle, approach(angle)
+
+    def stiffness(self, preload: float, sign: float, position: float) -> Array:
+        """6×6 stiffness (SI, axes with x along the shaft) of a row under an axial `preload` (N).
+
+        The row is at `position` (m) along the shaft; `sign` is the direction in which its inner
+        ring presses against the balls. Referred to the origin of the axes.
+        """
+        angle, approach = self.under_preload(preload)
+        length = self.distance + approach
+        load = self.contact_constant * approach**1.5
+        radius = 0.5 * self.pitch_diameter + (self.inner - 0.5) * self.ball_diameter * np.cos(
+            self.angle
+        )
+        offset = position + sign * (self.inner - 0.5) * self.ball_diameter * np.sin(self.angle)
+        total = np.zeros((6, 6))
+        for turned in 2.0 * np.pi * np.arange(self.balls) / self.balls:
+            radial = np.array([0.0, np.cos(turned), np.sin(turned)])
+            axial = np.array([sign, 0.0, 0.0])
+            along = np.cos(angle) * radial + np.sin(angle) * axial
+            across = np.cos(angle) * axial - np.sin(angle) * radial
+            block = 1.5 * load / approach * np.outer(along, along)
+            block += load / length * np.outer(across, across)
+            arm = shift(radius * radial + np.array([offset, 0.0, 0.0]))[:3]
+            total += arm.T @ block @ arm
+        return total
+
+
+def bearing_of_size(size: str) -> BallBearing:
+    """A row of a bearing of `SIZES`."""
+    balls, ball, pitch, angle, inner, outer = SIZES[size]
+    return BallBearing(balls, ball, pitch, float(np.radians(angle)), inner, outer)
+
+
+def hertz_constant(curvatures: Sequence[float]) -> float:
+    """C (N/m^1.5) in Q = c δ^(3/2) of two steel bodies with principal `curvatures` (4, 1/m).
+
+    Those of the first body, then those of the second, in the same two planes. Negative if hollow.
+    """
+    total = float(sum(curvatures))
+    ratio = ellipse_ratio(curvature_difference(curvatures))
+    parameter = 1.0 - ratio**-2
+    approach = 2.0 * ellipk(parameter) / np.pi
+    approach *= (np.pi / (2.0 * ratio**2 * ellipe(parameter))) ** (1.0 / 3.0)
+    compliance = approach * (3.0 * (1.0 - _NU**2) / (_E * total)) ** (2.0 / 3.0) * total / 2.0
+    return float(compliance**-1.5)
+
+
+def curvature_difference(curvatures: Sequence[float]) -> float:
+    """F(ρ) of Hertz: the relative difference of the curvatures in both planes."""
+    first, second, third, fourth = curvatures
+    return abs((first - second) + (third - fourth)) / sum(curvatures)
+
+
+def ellipse_ratio(difference: float) -> float:
+    """Ratio κ of the axes of a contact ellipse from the curvature difference; 1 for a sphere."""
+    if difference < 1e-9:
+        return 1.0
+
+    def excess(ratio: float) -> float:
+        first, second = ellipk(1.0 - ratio**-2), ellipe(1.0 - ratio**-2)
+        own = ((ratio**2 + 1.0) * second - 2.0 * first) / ((ratio**2 - 1.0) * second)
+        return float(own - difference)
+
+    return float(brentq(excess, 1.0 + 1e-7, _LONGEST, xtol=1e-12, rtol=1e-14))
+
+
+def bearing_stiffness(
+    bearing: BallBearing, preload: float, rows: int, arrangement: Arrangement, distance: float
+) -> Array:
+    """6×6 stiffness (SI, x along the shaft) of `rows` rows, `distance` (m) apart, about the middle.
+
+    Each row has the axial `preload` (N). The rotation about the shaft is free.
+    """
+    signs = [_SIGNS[arrangement][int(2 * row >= rows)] for row in range(rows)]
+    positions = distance * (np.arange(rows) - 0.5 * (rows - 1))
+    total = sum(
+        (
+            bearing.stiffness(preload, sign, float(x))
+            for sign, x in zip(signs, positions, strict=True)
+        ),
+        start=np.zeros((6, 6)),
+    )
+    total[3, :] = total[:, 3] = 0.0
+    return np.asarray(total)
+
+
+def bearing_compliance(stiffness: Array) -> Array:
+    """6×6 compliance of a bearing (x along the shaft), zero about the shaft."""
+    held = [0, 1, 2, 4, 5]
+    compliance = np.zeros((6, 6))
+    compliance[np.ix_(held, held)] = np.linalg.inv(stiffness[np.ix_(held, held)])
+    return compliance

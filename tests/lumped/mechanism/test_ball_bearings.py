@@ -1,0 +1,191 @@
+"""Ball bearings: Hertz in closed form, examples of Harris, and rings moved by small steps."""
+
+import numpy as np
+import pytest
+from written_robot import described
+
+from lumped.errors import InputError
+from lumped.mechanism.catalogue.ball_contact import (
+    BallBearing,
+    bearing_of_size,
+    bearing_stiffness,
+    curvature_difference,
+    hertz_constant,
+)
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.system.assembly import assemble
+from lumped.system.solution import compliance, solved
+
+# Of bearing steel, in both bodies: E/2(1 − ν²).
+E_STAR = 2.075e11 / (2.0 * (1.0 - 0.3**2))
+
+
+def test_contact_of_two_spheres_equals_hertz():
+    """Q = (4/3) E* √R δ^(3/2) with 1/R = 1/R₁ + 1/R₂ (Johnson, Contact Mechanics, eq. 4.23)."""
+    first, second = 5e-3, 8e-3
+    radius = 1.0 / (1.0 / first + 1.0 / second)
+    own = hertz_constant((1.0 / first, 1.0 / first, 1.0 / second, 1.0 / second))
+    assert own == pytest.approx(4.0 / 3.0 * E_STAR * np.sqrt(radius), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("size", "inner", "outer"),
+    [("6209", (202.0, 0.9399), (138.0, 0.9120)), ("7218", (108.0, 0.9260), (83.2, 0.9038))],
+)
+def test_curvatures_of_contacts_equal_harris(size, inner, outer):
+    """Harris, Rolling Bearing Analysis, bearings 209 and 218: Σρ (1/m) and F(ρ), three digits."""
+    bearing = bearing_of_size(size)
+    D = bearing.ball_diameter
+    gamma = D * np.cos(bearing.angle) / bearing.pitch_diameter
+    along = {"inner": gamma / (1.0 - gamma), "outer": -gamma / (1.0 + gamma)}
+    for side, (total, difference) in (("inner", inner), ("outer", outer)):
+        groove = -1.0 / (getattr(bearing, side) * D)
+        curvatures = (2.0 / D, 2.0 / D, 2.0 / D * along[side], groove)
+        assert sum(curvatures) == pytest.approx(total, rel=3e-3)
+        assert curvature_difference(curvatures) == pytest.approx(difference, abs=5e-4)
+
+
+def test_contact_constant_of_steel_equals_harris():
+    """K = 2.15e5 Σρ^(−1/2) δ*^(−3/2) N/mm^1.5 of Harris; inner contact of 218: 0.108/mm, δ* 0.634."""
+    bearing = bearing_of_size("7218")
+    D = bearing.ball_diameter
+    gamma = D * np.cos(bearing.angle) / bearing.pitch_diameter
+    own = hertz_constant(
+        (2.0 / D, 2.0 / D, 2.0 / D * gamma / (1.0 - gamma), -1.0 / (bearing.inner * D))
+    )
+    expected = 2.15e5 * 0.108**-0.5 * 0.634**-1.5 * 1e3**1.5
+    assert own == pytest.approx(expected, rel=5e-3)
+
+
+def test_contact_angle_under_thrust_is_near_harris():
+    """Bearing 218 under 17.8 kN: 41.6° by Harris with Jones' chart for the constant, 10 % softer."""
+    angle, _ = bearing_of_size("7218").under_preload(17.8e3)
+    assert np.degrees(angle) == pytest.approx(41.6, abs=0.15)
+    # With the constant of the chart, K = 896.7 N/mm² of Q = K D² (cos α₀/cos α − 1)^1.5.
+    angles = np.radians(np.linspace(41.0, 42.0, 100_001))
+    stretch = np.cos(np.radians(40.0)) / np.cos(angles) - 1.0
+    thrust = 16.0 * 896.7 * 22.23**2 * stretch**1.5 * np.sin(angles)
+    chart = np.degrees(angles[np.argmin(np.abs(thrust - 17.8e3))])
+    assert chart == pytest.approx(41.6, abs=0.05)
+
+
+BEARINGS = {
+    "angular": (BallBearing(12, 10e-3, 60e-3, np.radians(25.0), 0.52, 0.53), 600.0),
+    "deep groove": (bearing_of_size("6205"), 300.0),
+}
+
+
+@pytest.mark.parametrize("kind", BEARINGS)
+def test_stiffness_is_the_derivative_of_the_forces(kind):
+    """Forces of all balls from the distance of the grooves' centres, the inner ring moved by 1 nm."""
+    bearing, preload = BEARINGS[kind]
+    angle, approach = bearing.under_preload(preload)
+    own = bearing.stiffness(preload, 1.0, 0.0)
+    offset = (bearing.inner - 0.5) * bearing.ball_diameter
+    radius = 0.5 * bearing.pitch_diameter + offset * np.cos(bearing.angle)
+    start = (bearing.distance + approach) * np.sin(angle) - bearing.distance * np.sin(bearing.angle)
+
+    def wrench(move):
+        total = np.zeros(6)
+        for turned in 2.0 * np.pi * np.arange(bearing.balls) / bearing.balls:
+            radial = np.array([0.0, np.cos(turned), np.sin(turned)])
+            axial = np.array([1.0, 0.0, 0.0])
+            arm = radius * radial + offset * np.sin(bearing.angle) * axial
+            moved = move[:3] + np.cross(move[3:], arm) + start * axial
+            line = bearing.distance * np.array([np.sin(bearing.angle), np.cos(bearing.angle)])
+            line = line + np.array([moved @ axial, moved @ radial])
+            length = np.linalg.norm(line)
+            load = bearing.contact_constant * (length - bearing.distance) ** 1.5
+            force = load / length * (line[0] * axial + line[1] * radial)
+            total += np.concatenate([force, np.cross(arm, force)])
+        return total
+
+    assert wrench(np.zeros(6))[0] == pytest.approx(preload, rel=1e-9)
+    steps = 1e-9 * np.eye(6)
+    steps[3:] /= radius
+    numeric = np.column_stack(
+        [(wrench(step) - wrench(-step)) / (2.0 * np.abs(step).max()) for step in steps]
+    )
+    unit = np.array([1.0, 1.0, 1.0, radius, radius, radius])
+    size = np.abs(own / np.outer(unit, unit)).max()
+    # Differences of 1e-9 m in forces of 1e2 N: 1e-6.
+    assert np.abs((own - numeric) / np.outer(unit, unit)).max() <= 1e-5 * size
+
+
+def test_pair_is_twice_as_stiff_and_uncoupled():
+    """O and X: axial and radial 2k, no coupling; tilting of O is higher, by its wider base."""
+    bearing, preload = BEARINGS["angular"]
+    single = bearing.stiffness(preload, 1.0, 0.0)
+    matrices = {
+        kind: bearing_stiffness(bearing, preload, 2, kind, 0.03) for kind in ("O", "X", "tandem")
+    }
+    for kind in ("O", "X"):
+        np.testing.assert_allclose(np.diag(matrices[kind])[:3], 2.0 * np.diag(single)[:3])
+        off = matrices[kind] - np.diag(np.diag(matrices[kind]))
+        assert np.abs(off).max() <= 1e-9 * matrices[kind].max()
+    assert matrices["O"][4, 4] > 2.0 * matrices["X"][4, 4]
+    assert abs(matrices["tandem"][1, 5]) > 1e-3 * matrices["tandem"][1, 1] * 0.03
+    assert not single[3:, 3].any() or abs(single[3, 3]) <= 1e-9 * single[4, 4]
+
+
+def test_preload_stiffens_with_its_cube_root():
+    """dF/dx ∝ F^(1/3) at a constant contact angle; its growth adds a few percent."""
+    bearing, preload = BEARINGS["angular"]
+    soft, stiff = (bearing.stiffness(k * preload, 1.0, 0.0)[0, 0] for k in (1.0, 8.0))
+    assert 2.0 < stiff / soft < 2.4
+
+
+ARM = """
+schema = 2
+name = "arm"
+points = { A = [0.0, 0.0, 0.0], P = [0.3, 0.0, 0.0] }
+bodies.arm = { points = ["A", "P"], mass = 3.0, centre = "P" }
+tool = { body = "arm", point = "P", moves = ["y"] }
+[joints.a]
+type = "revolute"
+between = ["ground", "arm"]
+at = "A"
+axis = [0.0, 0.0, 1.0]
+drive = { stiffness = "rigid" }
+bearing = { BEARING }
+"""
+
+
+def test_joint_on_bearing_has_its_compliance():
+    """A pair of angular contact bearings: the tool yields along x by 1/(2k) of the rings."""
+    inside = "balls = 12, ball_diameter = 10e-3, pitch_diameter = 60e-3, contact_angle = 25.0"
+    text = ARM.replace("BEARING", f"{inside}, preload = 600.0, rows = 2, distance = 0.03")
+    own = compliance(solved(assemble(reference_posture(described(text)), {})))
+    matrix = bearing_stiffness(*BEARINGS["angular"], 2, "O", 0.03)
+    assert own[0, 0] == pytest.approx(1.0 / matrix[1, 1], rel=1e-9)
+    assert own[2, 2] == pytest.approx(1.0 / matrix[0, 0] + 0.3**2 / matrix[4, 4], rel=1e-9)
+    sized = ARM.replace("BEARING", 'size = "6205", preload = 300.0')
+    own = compliance(solved(assemble(reference_posture(described(sized)), {})))
+    assert 1e-9 < own[0, 0] < 1e-7
+
+
+FAULTS = {
+    'size = "6205"': "joints.a.bearing.preload: missing; must be a number above 0 and at most 1e+07 N",
+    'size = "6205", preload = 100.0, balls = 9': (
+        "joints.a.bearing.balls: must be left out beside joints.a.bearing.size, which determines it"
+    ),
+    "balls = 9, ball_diameter = 0.01, preload = 100.0": (
+        "joints.a.bearing.pitch_diameter: missing; must be given, or joints.a.bearing.size"
+    ),
+    "balls = 29, ball_diameter = 0.01, pitch_diameter = 0.06, preload = 100.0": (
+        "joints.a.bearing.balls = 29: do not fit into their circle"
+    ),
+    'size = "6205", preload = 100.0, rows = 2': (
+        "joints.a.bearing.distance: must be given for several rows, and left out for one"
+    ),
+    'size = "6299", preload = 100.0': (
+        'joints.a.bearing.size = "6299": must be "6203" or "6205" or "6209" or "7218"'
+    ),
+}
+
+
+@pytest.mark.parametrize("bearing", FAULTS)
+def test_wrong_bearing_gives_one_line(bearing):
+    with pytest.raises(InputError) as error:
+        described(ARM.replace("BEARING", bearing))
+    assert error.value.faults == (FAULTS[bearing],)
