@@ -35,9 +35,9 @@ _SIGNS: dict[Arrangement, tuple[float, float]] = {
     "tandem": (1.0, 1.0),
 }
 # Bearings whose inside is published: balls, their diameter and that of their circle (m), contact
-# angle (°), radii of inner and outer groove relative to the ball's diameter. 6203, 6205: Case Western
-# Reserve University, Bearing Data Center, with the largest grooves of ISO/TS 16281; 6209, 7218:
-# Harris, Rolling Bearing Analysis, bearings 209 and 218 of its examples.
+# angle (°), radii of inner and outer groove relative to the ball's diameter. 6203, 6205: Case
+# Western Reserve University, Bearing Data Center, with the largest grooves of ISO/TS 16281; 6209,
+# 7218: Harris, Rolling Bearing Analysis, bearings 209 and 218 of its examples.
 SIZES: dict[str, tuple[int, float, float, float, float, float]] = {
     "6203": (8, 6.746e-3, 28.5e-3, 0.0, 0.52, 0.53),
     "6205": (9, 7.94e-3, 39.04e-3, 0.0, 0.52, 0.53),
@@ -89,7 +89,7 @@ class BallBearing:
         """Contact angle (rad) and approach δ (m) of the grooves under an axial `preload` (N)."""
 
         def approach(angle: float) -> float:
-            return self.distance * (np.cos(self.angle) / np.cos(angle) - 1.0)
+            return float(self.distance * (np.cos(self.angle) / np.cos(angle) - 1.0))
 
         def excess(angle: float) -> float:
             load = self.contact_constant * max(approach(angle), 0.0) ** 1.5
@@ -172,13 +172,9 @@ def bearing_stiffness(
     """
     signs = [_SIGNS[arrangement][int(2 * row >= rows)] for row in range(rows)]
     positions = distance * (np.arange(rows) - 0.5 * (rows - 1))
-    total = sum(
-        (
-            bearing.stiffness(preload, sign, float(x))
-            for sign, x in zip(signs, positions, strict=True)
-        ),
-        start=np.zeros((6, 6)),
-    )
+    total = np.zeros((6, 6))
+    for sign, position in zip(signs, positions.tolist(), strict=True):
+        total += bearing.stiffness(preload, sign, position)
     total[3, :] = total[:, 3] = 0.0
     return np.asarray(total)
 

@@ -143,10 +143,14 @@ def _bearing_compliance(table: Entry) -> Array:
     if table["size"] is not None:
         bearing = bearing_of_size(table["size"])
     else:
-        sizes = (table[key] for key in ("balls", "ball_diameter", "pitch_diameter"))
-        angle = float(np.radians(table["contact_angle"] or 0.0))
-        grooves = table["inner_groove"] or 0.52, table["outer_groove"] or 0.53
-        bearing = BallBearing(*sizes, angle, *grooves)
+        bearing = BallBearing(
+            balls=table["balls"],
+            ball_diameter=table["ball_diameter"],
+            pitch_diameter=table["pitch_diameter"],
+            angle=float(np.radians(table["contact_angle"] or 0.0)),
+            inner=table["inner_groove"] or 0.52,
+            outer=table["outer_groove"] or 0.53,
+        )
     return bearing_compliance(
         bearing_stiffness(
             bearing,
