@@ -6,7 +6,7 @@ of nodes: K_ab = C_ijkl D_ab,jl. Only pairs (a, b) with a ≤ b are summed and t
 the matrix is symmetric to the last bit.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -171,8 +171,11 @@ def _inverse(jacobian: Array, determinant: Array) -> Array:
     return np.stack(rows, axis=-2) / determinant[..., None, None]
 
 
-def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
-    """D_ab = ∫ ∂_j N_a ∂_l N_b dV (P×3×3, m) for the pairs of nodes of a mesh."""
+def _gradient_products(mesh: VolumeMesh, pairs: NodePairs, factors: Array | None = None) -> Array:
+    """D_ab = ∫ ∂_j N_a ∂_l N_b dV (P×3×3, m) for the pairs of nodes of a mesh.
+
+    `factors` (M) multiply the integrals over the elements.
+    """
     cubature = _cubature(mesh.element, _STIFFNESS_DEGREE[mesh.element])
     k, _, points = cubature.gradients.shape
     reference = cubature.gradients.transpose(2, 0, 1)
@@ -182,7 +185,10 @@ def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
     def integrate(chunk: slice) -> None:
         jacobian, determinant = _jacobians(mesh, chunk, cubature.gradients)
         gradient = reference @ _inverse(jacobian, determinant)
-        gradient *= np.sqrt(cubature.weights * determinant)[:, :, None, None]
+        weights = cubature.weights * determinant
+        if factors is not None:
+            weights *= factors[chunk, None]
+        gradient *= np.sqrt(weights)[:, :, None, None]
         gradient = gradient.reshape(-1, points, 3 * k)
         product = gradient.transpose(0, 2, 1) @ gradient
         product = product.reshape(-1, k, 3, k, 3).transpose(0, 1, 3, 2, 4)
@@ -234,7 +240,10 @@ def _require_resolvable(material: Material) -> None:
         )
 
 
-def _scalar_mass(mesh: VolumeMesh, rho: float, pairs: NodePairs) -> SparseMatrix:
+def _scalar_mass(
+    mesh: VolumeMesh, rho: float, pairs: NodePairs, factors: Array | None = None
+) -> SparseMatrix:
+    """∫ ρ N_a N_b dV (csr N×N, kg), the density of each element times one of the `factors` (M)."""
     cubature = _cubature(mesh.element, _MASS_DEGREE[mesh.element])
     k, points = cubature.shapes.shape
     table = np.einsum("aq,bq,q->qab", cubature.shapes, cubature.shapes, rho * cubature.weights)
@@ -243,6 +252,8 @@ def _scalar_mass(mesh: VolumeMesh, rho: float, pairs: NodePairs) -> SparseMatrix
 
     def integrate(chunk: slice) -> None:
         _, determinant = _jacobians(mesh, chunk, cubature.gradients)
+        if factors is not None:
+            determinant = determinant * factors[chunk, None]
         element_masses = (determinant @ table.reshape(points, k * k)).reshape(-1, k, k)
         rows = slice(chunk.start * per_element, chunk.stop * per_element)
         entries[rows] = element_masses[pairs.upper[chunk]]
@@ -272,6 +283,19 @@ def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatr
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     K = symmetric_matrix(pairs, _node_blocks(_gradient_products(mesh, pairs), material))
     return K, _scalar_mass(mesh, material.rho, pairs)
+
+
+def composite_stiffness_and_mass(
+    mesh: VolumeMesh, regions: IntArray, materials: Sequence[Material]
+) -> tuple[SparseMatrix, SparseMatrix]:
+    """`stiffness_and_mass` of a solid whose elements (M) have the materials of their `regions`."""
+    pairs = node_pairs(mesh.cells, len(mesh.nodes))
+    blocks = np.zeros((len(pairs.rows), 3, 3))
+    for region, material in enumerate(materials):
+        products = _gradient_products(mesh, pairs, (regions == region).astype(float))
+        blocks += _node_blocks(products, material)
+    densities = np.array([material.rho for material in materials])
+    return symmetric_matrix(pairs, blocks), _scalar_mass(mesh, 1.0, pairs, densities[regions])
 
 
 def on_three_components(scalar: SparseMatrix) -> SparseMatrix:

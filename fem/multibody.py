@@ -80,9 +80,10 @@ def require_beams(mechanism: Mechanism) -> None:
 
 
 def _is_coupled(leg: ConstantLeg) -> bool:
-    """True if bending is coupled, or if the section is given by constants only."""
-    beam = leg.properties("euler-bernoulli")
-    return beam.couples_bending or beam.couples_torsion or not leg.section.has_outline
+    """True if bending is coupled, or if the section has no outline of one material."""
+    beam, section = leg.properties("euler-bernoulli"), leg.section
+    outlined = section.has_outline and section.is_uniform
+    return beam.couples_bending or beam.couples_torsion or not outlined
 
 
 def frequencies(posture: Posture, elements: int, count: int) -> Array:

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from lumped.arrays import Array, IntArray
 from meshes.elements import SolidElement
 from meshes.section.section_mesh import SectionMesh
@@ -44,6 +46,12 @@ class SolidMesh(VolumeMesh):
     root: EndFace
     tip: EndFace
     slices: int | None
+
+    @property
+    def regions(self) -> IntArray | None:
+        """Number of the part (M) of each cell in a leg of several materials. None in others."""
+        regions = self.root.mesh.regions
+        return None if regions is None or self.slices is None else np.tile(regions, self.slices)
 
     @property
     def length(self) -> float:

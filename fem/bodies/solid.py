@@ -11,14 +11,20 @@ from scipy.sparse import block_diag, csr_array, eye_array, kron
 from fem.bodies.rooted import RootedBody, rooted_body
 from fem.couplings.coupled_solid import CoupledSolid, coupled_solid
 from fem.couplings.grips import Grip, rigid_motions, saint_venant_loads
-from fem.elasticity import on_three_components, stiffness_and_mass
+from fem.elasticity import (
+    composite_stiffness_and_mass,
+    on_three_components,
+    stiffness_and_mass,
+)
+from fem.sections.composite import composite_tractions
 from fem.sections.saint_venant import section_quadrature
 from lumped.arrays import Array, SparseMatrix
 from lumped.centre_line import CentreLine
 from lumped.errors import InputError, naming
-from lumped.legs import LineLeg, Material, SectionedLeg
+from lumped.legs import ConstantLeg, LineLeg, Material, SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import turn
+from lumped.sections import Composite
 from meshes.elements import ELEMENTS
 from meshes.loft import LoftedMesh, loft, slices_along
 from meshes.part.boundary import Facets
@@ -69,7 +75,11 @@ def solid_mesh(
 def solid_leg(leg: SectionedLeg, mesh: SolidMesh) -> SolidLeg:
     """Stiffness and mass of a leg on a mesh. Raises ComputationError for folded elements."""
     with naming(leg.name):
-        K, scalar_mass = stiffness_and_mass(mesh, leg.material)
+        if mesh.regions is not None:
+            materials = materials_of(leg)
+            K, scalar_mass = composite_stiffness_and_mass(mesh, mesh.regions, materials)
+        else:
+            K, scalar_mass = stiffness_and_mass(mesh, leg.material)
     return SolidLeg(leg, mesh, K, on_three_components(scalar_mass))
 
 
@@ -79,25 +89,35 @@ def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:
     `ends` is the condition on the end faces: "rigid", or "free" to warp and contract as in
     Saint-Venant's theory.
     """
-    mesh, material = solid.mesh, solid.leg.material
-    grips = []
+    mesh, grips = solid.mesh, []
     for face, x in ((mesh.root, 0.0), (mesh.tip, mesh.length)):
         facets, point = Facets(face.nodes[face.mesh.cells], face.mesh.element), np.array([x, 0, 0])
         if ends == "rigid":
             grips.append(Grip("rigid", facets, point))
         else:
-            tractions = _end_tractions(face, mesh.nodes[face.nodes], point, material)
+            tractions = _end_tractions(solid, face, point)
             grips.append(Grip("saint-venant", facets, point, tractions=tractions))
     return coupled_solid(solid.stiffness, solid.mass, mesh.nodes, grips)
 
 
-def _end_tractions(face: EndFace, points: Array, point: Array, material: Material) -> Array:
+def _end_tractions(solid: SolidLeg, face: EndFace, point: Array) -> Array:
     """Nodal loads (3n×6, leg axes) of unit wrenches at a point of an end face."""
+    leg, points = solid.leg, solid.mesh.nodes[face.nodes]
+    if face.mesh.regions is not None:
+        # The axis of the leg goes through the centroid of the stiffness of every section.
+        return composite_tractions(face.mesh, materials_of(leg))
     if face.axes is None:
-        return saint_venant_loads(face, points, point, material)
-    local = saint_venant_loads(face, (points - point) @ face.axes, np.zeros(3), material)
+        return saint_venant_loads(face, points, point, leg.material)
+    local = saint_venant_loads(face, (points - point) @ face.axes, np.zeros(3), leg.material)
     turned = np.einsum("ij,njk->nik", face.axes, local.reshape(-1, 3, 6)) @ turn(face.axes).T
     return np.asarray(turned.reshape(-1, 6))
+
+
+def materials_of(leg: SectionedLeg) -> tuple[Material, ...]:
+    """Materials of the parts of a composite leg. () for other legs."""
+    if not isinstance(leg, ConstantLeg) or not isinstance(leg.section, Composite):
+        return ()
+    return tuple(Material.isotropic(part.E, part.nu, part.rho) for part in leg.section.parts)
 
 
 def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> RootedBody:

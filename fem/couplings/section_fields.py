@@ -24,7 +24,7 @@ from fem.sections.saint_venant import section_quadrature
 from fem.sections.waveguide import assembled, elasticity, mass_matrix, strains
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.legs import Material
-from meshes.section.section_mesh import SectionMesh
+from meshes.section.section_mesh import SectionMesh, require_one_material
 
 # Largest distance between a node and the mirror image of another, relative to the section's size.
 _SAME_PLACE = 1e-6
@@ -123,6 +123,7 @@ def section_fields(mesh: SectionMesh, material: Material) -> list[SectionFields]
     With two axes of symmetry these are "tension", "torsion", "bending y" and "bending z". With less
     symmetry the kinds of deformation that are coupled form one entry.
     """
+    require_one_material(mesh)
     quad = section_quadrature(mesh)
     in_section = strains(quad, 0.0)
     along = strains(quad, 1.0) - in_section

@@ -25,7 +25,7 @@ from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError
 from lumped.text import counted
 from meshes.elements import ELEMENTS
-from meshes.section.section_mesh import SectionMesh
+from meshes.section.section_mesh import SectionMesh, require_one_material
 from meshes.shape_functions import gradients, quadrature, values
 
 
@@ -142,6 +142,7 @@ def saint_venant(mesh: SectionMesh, poisson_shear_ratio: float) -> SaintVenant:
 
     Raises ComputationError if the section is not connected.
     """
+    require_one_material(mesh)
     quad = section_quadrature(mesh)
     y, z = quad.points
     area = float(quad.weights.sum())

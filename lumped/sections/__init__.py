@@ -4,7 +4,7 @@ Input: dimensions in m. Output: area, second moments of area, torsion constant, 
 shear coefficients.
 """
 
-from lumped.sections.composite import Composite, CompositePart, outline
+from lumped.sections.composite import Composite, CompositePart
 from lumped.sections.constants import SectionProperties
 from lumped.sections.fourth_moments import fourth_moments
 from lumped.sections.laminate import Laminate, LaminateBox, LaminateTube, Layer
@@ -15,8 +15,9 @@ from lumped.sections.outlined import (
     Polygon,
     Tee,
     distances_to_edges,
+    distances_to_segments,
 )
-from lumped.sections.saint_venant import is_inside
+from lumped.sections.saint_venant import Partition, is_inside, partition_edges
 from lumped.sections.shapes import (
     Circle,
     HollowRectangle,
@@ -60,6 +61,7 @@ __all__ = [
     "LaminateTube",
     "Layer",
     "OutlinedSection",
+    "Partition",
     "Polygon",
     "Rectangle",
     "Section",
@@ -67,8 +69,9 @@ __all__ = [
     "Tee",
     "Tube",
     "distances_to_edges",
+    "distances_to_segments",
     "fourth_moments",
     "is_inside",
-    "outline",
+    "partition_edges",
     "rectangle_torsion_constant",
 ]

@@ -109,8 +109,14 @@ class Composite(Section):
     shape: ClassVar[str] = "composite"
 
     @property
-    def has_outline(self) -> bool:
+    def is_uniform(self) -> bool:
         return False
+
+    @property
+    def centred_loops(self) -> tuple[tuple[Loop, ...], ...]:
+        """Loops of each part in coordinates from the centroid of the stiffness."""
+        centroid, _ = _stiffness_moments(self)
+        return tuple(tuple(loop - centroid for loop in part.loops) for part in self.parts)
 
     @property
     def is_doubly_symmetric(self) -> bool:

@@ -90,6 +90,10 @@ class Laminate(Section):
         return False
 
     @property
+    def is_uniform(self) -> bool:
+        return False
+
+    @property
     def thickness(self) -> float:
         """Thickness (m) of the wall."""
         return float(sum(layer.thickness for layer in self.layers))

@@ -265,7 +265,12 @@ def _edge_distances(first: Loop, second: Loop) -> Array:
     a, b = first[:, None], np.roll(first, -1, axis=0)[:, None]
     c, d = second[None], np.roll(second, -1, axis=0)[None]
     distances = np.minimum.reduce(
-        [_to_edge(a, c, d), _to_edge(b, c, d), _to_edge(c, a, b), _to_edge(d, a, b)]
+        [
+            distances_to_segments(a, c, d),
+            distances_to_segments(b, c, d),
+            distances_to_segments(c, a, b),
+            distances_to_segments(d, a, b),
+        ]
     )
     across = twice_area(a, b, c) * twice_area(a, b, d) < 0.0
     crossing = across & (twice_area(c, d, a) * twice_area(c, d, b) < 0.0)
@@ -277,10 +282,11 @@ def distances_to_edges(point: Array, loop: Loop) -> Array:
 
     Edge i starts at corner i.
     """
-    return _to_edge(point, loop, np.roll(loop, -1, axis=0))
+    return distances_to_segments(point, loop, np.roll(loop, -1, axis=0))
 
 
-def _to_edge(point: Array, start: Array, end: Array) -> Array:
+def distances_to_segments(point: Array, start: Array, end: Array) -> Array:
+    """Distance (n values, m) of a point from each edge between `start` and `end` (n×2)."""
     edge = end - start
     share = np.clip(((point - start) * edge).sum(axis=-1) / (edge**2).sum(axis=-1), 0.0, 1.0)
     return np.asarray(np.linalg.norm(point - start - share[..., None] * edge, axis=-1))

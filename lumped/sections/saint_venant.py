@@ -302,6 +302,14 @@ class Partition:
     left: IntArray
     right: IntArray
 
+    def vertices_along(self, loop: Loop) -> list[int]:
+        """Numbers of all vertices on a closed line, in its order."""
+        numbers: list[int] = []
+        gap = TOUCHING * float(np.ptp(self.vertices, axis=0).max())
+        for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):
+            numbers += _vertices_between(self.vertices, start, end, gap)[:-1]
+        return numbers
+
 
 def partition_edges(regions: Sequence[Sequence[Loop]]) -> Partition:
     """Edges of regions that do not overlap, split at all vertices on them.
@@ -319,19 +327,22 @@ def partition_edges(regions: Sequence[Sequence[Loop]]) -> Partition:
     for number, loops in enumerate(regions):
         for loop in loops:
             for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):
-                way = end - start
-                length = float(np.linalg.norm(way))
-                along = (places - start) @ way / length
-                across = np.abs((places - start) @ np.array([-way[1], way[0]])) / length
-                on_edge = (across <= gap) & (along >= -gap) & (along <= length + gap)
-                passed = np.flatnonzero(on_edge)
-                passed = passed[np.argsort(along[passed])].tolist()
-                for a, b in pairwise(passed):
+                for a, b in pairwise(_vertices_between(places, start, end, gap)):
                     pair = sides.setdefault((min(a, b), max(a, b)), [-1, -1])
                     pair[int(a > b)] = number
     ends = np.array(list(sides))
     beside = np.array(list(sides.values()))
     return Partition(places, ends, beside[:, 0], beside[:, 1])
+
+
+def _vertices_between(places: Array, start: Array, end: Array, gap: float) -> list[int]:
+    """Numbers of the `places` (n×2) on an edge from `start` to `end`, in this order."""
+    way = end - start
+    length = float(np.linalg.norm(way))
+    along = (places - start) @ way / length
+    across = np.abs((places - start) @ np.array([-way[1], way[0]])) / length
+    passed = np.flatnonzero((across <= gap) & (along >= -gap) & (along <= length + gap))
+    return [int(number) for number in passed[np.argsort(along[passed])]]
 
 
 def _smallest_at_vertices(partition: Partition, kept: NDArray[np.bool_]) -> Array:

@@ -58,7 +58,12 @@ class Section(ABC):
 
     @property
     def has_outline(self) -> bool:
-        """True if solids are made of the section: an outline of one material."""
+        """True if solids are made of the section."""
+        return True
+
+    @property
+    def is_uniform(self) -> bool:
+        """True if the section has one material, False if its parts have materials of their own."""
         return True
 
     @property

@@ -27,6 +27,7 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.sections import (
     Circle,
+    Composite,
     HollowRectangle,
     ISection,
     OutlinedSection,
@@ -126,7 +127,8 @@ def element_count(section: Section, divisions: Divisions) -> int:
 
     For a polygon without blocks this is an estimate: the number of squares that fill its area.
     """
-    if isinstance(section, OutlinedSection) and not has_blocks(section):
+    polygon = isinstance(section, OutlinedSection) and not has_blocks(section)
+    if polygon or isinstance(section, Composite):
         size = min(section.extent) / (_COARSEST * 2 ** refinements(divisions))
         return int(np.ceil(section.area / size**2))
     blocks = section_blocks(section, divisions)

@@ -14,7 +14,16 @@ import scipy
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError, InputError
 from lumped.memo import memo
-from lumped.sections import OutlinedSection, Rectangle, Section, distances_to_edges
+from lumped.sections import (
+    Composite,
+    OutlinedSection,
+    Partition,
+    Rectangle,
+    Section,
+    distances_to_edges,
+    distances_to_segments,
+    partition_edges,
+)
 from meshes.elements import ELEMENTS, SectionElement
 from meshes.gmsh_session import connectivity, gmsh_model, numbered
 from meshes.section.section_blocks import (
@@ -31,12 +40,14 @@ class SectionMesh:
     """Mesh of a section in the y–z plane of the leg. Cells are counter-clockwise seen from +x.
 
     `nodes` (N×2) are y and z in m. `cells` (M×k) are node numbers in the order of
-    `meshes.elements`.
+    `meshes.elements`. `regions` (M) is the number of the part of each cell in a section of several
+    materials, None in others.
     """
 
     nodes: Array
     cells: IntArray
     element: SectionElement
+    regions: IntArray | None = None
 
 
 # Memoised, because studies of one leg use the same few meshes repeatedly.
@@ -49,6 +60,8 @@ def section_mesh(section: Section, divisions: Divisions) -> SectionMesh:
     """
     require_section(section, divisions)
     part = f"section mesh ({section.shape})"
+    if isinstance(section, Composite):
+        return _composite_mesh(section, refinements(divisions), part)
     free = isinstance(section, OutlinedSection) and not has_blocks(section)
     with gmsh_model(part) as gmsh:
         if isinstance(section, OutlinedSection) and free:
@@ -64,6 +77,57 @@ def section_mesh(section: Section, divisions: Divisions) -> SectionMesh:
         nodes = symmetrised(nodes, part)
     cells = counter_clockwise(nodes, np.searchsorted(tags, tagged), "quad9")
     return SectionMesh(nodes, cells, "quad9")
+
+
+def _composite_mesh(section: Composite, refinements: int, part: str) -> SectionMesh:
+    """Mesh of a section of several materials, each part filled as a polygon (see `_fill`)."""
+    loops_by_part = section.centred_loops
+    partition = partition_edges(loops_by_part)
+    with gmsh_model(part) as gmsh:
+        geo = gmsh.model.geo
+        sizes = _vertex_sizes(partition, 0.25 * min(section.extent))
+        points = [
+            geo.addPoint(0.0, *vertex, 2.0 * size)
+            for vertex, size in zip(partition.vertices.tolist(), sizes.tolist(), strict=True)
+        ]
+        lines: dict[tuple[int, int], int] = {}
+        for start, end in partition.ends.tolist():
+            lines[start, end] = geo.addLine(points[start], points[end])
+            lines[end, start] = -lines[start, end]
+        surfaces = []
+        for loops in loops_by_part:
+            ways = [partition.vertices_along(loop) for loop in loops]
+            curves = [
+                geo.addCurveLoop(
+                    [lines[pair] for pair in zip(way, [*way[1:], way[0]], strict=True)]
+                )
+                for way in ways
+            ]
+            surfaces.append(geo.addPlaneSurface(curves))
+        geo.synchronize()
+        for option, value in _QUADRILATERALS.items():
+            gmsh.option.setNumber(option, value)
+        gmsh.model.mesh.generate(2)
+        for _ in range(refinements):
+            gmsh.model.mesh.refine()
+        gmsh.model.mesh.setOrder(2)
+        tagged = [connectivity(gmsh, "quad9", surface) for surface in surfaces]
+        tags, places = numbered(gmsh, np.vstack(tagged))
+    nodes = places[:, 1:]
+    cells = counter_clockwise(nodes, np.searchsorted(tags, np.vstack(tagged)), "quad9")
+    regions = np.repeat(np.arange(len(tagged)), [len(cells) for cells in tagged])
+    return SectionMesh(nodes, cells, "quad9", regions)
+
+
+def _vertex_sizes(partition: Partition, largest: float) -> Array:
+    """Size of the elements (m) at each vertex: the distance to the nearest edge not at it."""
+    starts, ends = (partition.vertices[partition.ends[:, i]] for i in (0, 1))
+    sizes = np.full(len(partition.vertices), largest)
+    for number, vertex in enumerate(partition.vertices):
+        apart = ~(partition.ends == number).any(axis=1)
+        distances = distances_to_segments(vertex, starts[apart], ends[apart])
+        sizes[number] = min(largest, float(distances.min()))
+    return sizes
 
 
 def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> None:
@@ -182,16 +246,22 @@ def symmetrised(nodes: Array, part: str) -> Array:
 def require_section(section: Section, divisions: Divisions) -> None:
     """Raise InputError with all faults of the shape of a section and of its divisions.
 
-    Sections given by constants or of several materials have no mesh.
+    Sections given by constants and laminates have no mesh.
     """
     if not section.has_outline:
         raise InputError(
-            f"{section.shape}: solids are not made of this section; they need the outline of one "
-            "material, a polygon for instance"
+            f"{section.shape}: solids are not made of this section; they need outlines of "
+            "isotropic materials, a polygon for instance"
         )
     faults = section.faults() + _division_faults(section, divisions)
     if faults:
         raise InputError(f"{section.shape}: {fault}" for fault in faults)
+
+
+def require_one_material(mesh: SectionMesh) -> None:
+    """Raise InputError for the mesh of a section of several materials."""
+    if mesh.regions is not None:
+        raise InputError("composite: this comparison takes sections of one material")
 
 
 def require_leg(section: Section, length: float, divisions: Divisions) -> None:

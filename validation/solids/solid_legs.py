@@ -27,7 +27,14 @@ from lumped.legs import BeamProperties, ConstantLeg, LineLeg, SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.models.bodies import clamped_modes
-from lumped.sections import HollowRectangle, ISection, OutlinedSection, Rectangle, Section
+from lumped.sections import (
+    Composite,
+    HollowRectangle,
+    ISection,
+    OutlinedSection,
+    Rectangle,
+    Section,
+)
 from meshes.loft import mesh_section
 from meshes.prism import hexahedra
 from meshes.section.section_blocks import Divisions, element_length, side_ratio
@@ -155,7 +162,12 @@ def formal_order(leg: SectionedLeg, ends: Ends) -> float:
 
 
 def corner_order(section: Section) -> float:
-    """Order 2π/α of energies, with the largest inward angle α of a section's corners."""
+    """Order 2π/α of energies, with the largest inward angle α of a section's corners.
+
+    Where edges of several materials meet, it is above 1 in all but extreme contrasts of moduli.
+    """
+    if isinstance(section, Composite):
+        return 1.0
     if isinstance(section, OutlinedSection):
         return min(FORMAL_ORDER, 2.0 * np.pi / section.largest_angle)
     return CORNER_ORDER if isinstance(section, HollowRectangle | ISection) else FORMAL_ORDER

@@ -1,0 +1,120 @@
+"""Sections of several materials by finite elements: closed forms, boundary elements, solids."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
+from fem.elasticity import composite_stiffness_and_mass, stiffness_and_mass
+from fem.sections.composite import wrench_states
+from fem.sections.section_constants import beam_properties, section_constants
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Material
+from lumped.screws import move_compliance
+from lumped.sections import Channel, Circle, Composite, CompositePart, Rectangle, Tube
+from meshes.prism import extrude, stations
+from meshes.section.section_mesh import section_mesh
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+# Two rectangles without an axis of symmetry, of one Poisson's ratio.
+STEPPED = Composite(
+    (
+        CompositePart(Rectangle(0.05, 0.02), E=2.1e11, nu=0.3, rho=2000.0),
+        CompositePart(Rectangle(0.03, 0.04), E=3.5e10, nu=0.3, rho=7000.0, at=(-0.01, 0.03)),
+    )
+)
+
+
+def states_of(section, divisions=4):
+    materials = [Material.isotropic(part.E, part.nu, part.rho) for part in section.parts]
+    return wrench_states(section_mesh(section, divisions), materials)
+
+
+def per_length(properties):
+    """6×6 strains per length of unit wrenches on the section of a beam."""
+    length = 1e-6 * np.sqrt(properties.EIy / properties.EA)
+    return properties.piece_compliance(length) / length
+
+
+def scaled(difference, compliance):
+    size = np.sqrt(np.diag(compliance))
+    return np.abs(difference / np.outer(size, size)).max()
+
+
+def test_states_of_one_material_are_saint_venants():
+    """Two formulations on one mesh: stresses from potentials, and displacements."""
+    mesh = section_mesh(Channel(0.05, 0.1, 0.02, 0.02), 4)
+    expected = per_length(beam_properties(section_constants(mesh, STEEL.nu), STEEL))
+    assert scaled(wrench_states(mesh, [STEEL]).compliance - expected, expected) < 1e-8
+
+
+def test_states_of_two_materials_equal_boundary_elements():
+    """One Poisson's ratio; 2e-3 on the coarsest mesh, which falls by refinement."""
+    leg = ConstantLeg(1.0, STEPPED, Material(*STEPPED.mean_material))
+    expected = per_length(leg.timoshenko)
+    assert scaled(states_of(STEPPED).compliance - expected, expected) < 2e-3
+    # The couplings are not small: shear, shear centre.
+    assert scaled(np.triu(expected, 1), expected) > 0.05
+
+
+@pytest.mark.parametrize(("inner", "outer"), [(0.45, 0.1), (0.1, 0.45)])
+def test_cylinder_of_two_poisson_ratios_has_hashins_tension(inner, outer):
+    """Z. Hashin, B. W. Rosen, J. Appl. Mech. 31 (1964) 223 (R. M. Christensen, Mechanics of
+    Composite Materials, §3.2): a core of the share c in a tube, its outside free,
+
+    E = c E_f + (1 − c) E_m + 4c(1 − c)(ν_f − ν_m)² / (c/k_m + (1 − c)/k_f + 1/μ_m), with plane
+    strain bulk moduli k. Circles are polygons of 64 sides (1e-4 of the extra term).
+    """
+    tube, core = Tube(0.08, 0.015), Circle(0.05)
+    E_m, E_f = 7.0e10, 2.0e10
+    section = Composite(
+        (CompositePart(tube, E_m, outer, 2700.0), CompositePart(core, E_f, inner, 1200.0))
+    )
+    c = core.area / (core.area + tube.area)
+    k_m, k_f = (E / (2.0 * (1.0 + nu) * (1.0 - 2.0 * nu)) for E, nu in ((E_m, outer), (E_f, inner)))
+    mu_m = E_m / (2.0 * (1.0 + outer))
+    extra = 4.0 * c * (1.0 - c) * (inner - outer) ** 2
+    extra /= c / k_m + (1.0 - c) / k_f + 1.0 / mu_m
+    mixed = c * E_f + (1.0 - c) * E_m
+    area = pi * 0.04**2
+    stiffness = 1.0 / states_of(section).compliance[0, 0] / area
+    assert extra > 0.004 * mixed
+    assert stiffness - mixed == pytest.approx(extra, rel=2e-3)
+
+
+def test_parts_of_one_material_assemble_to_one_solid():
+    mesh = extrude(section_mesh(STEPPED, 4), stations(0.1, 3))
+    plain = stiffness_and_mass(mesh, STEEL)
+    parted = composite_stiffness_and_mass(mesh, mesh.regions, [STEEL, STEEL])
+    for one, other in zip(parted, plain, strict=True):
+        assert abs(one - other).max() < 1e-12 * abs(other).max()
+
+
+def test_solid_of_two_materials_is_its_beam():
+    """Ends free to warp: quadratic slices, as long as the elements are wide, leave 1e-4.
+
+    The mass is that of both parts.
+    """
+    length = 0.2
+    leg = ConstantLeg(length, STEPPED, Material(*STEPPED.mean_material))
+    solid = solid_leg(leg, solid_mesh(leg, 2))
+    ones = np.zeros(3 * len(solid.mesh.nodes))
+    ones[::3] = 1.0
+    mass = sum(part.rho * part.section.area * length for part in STEPPED.parts)
+    assert ones @ (solid.mass @ ones) == pytest.approx(mass, rel=1e-9)
+    section = states_of(STEPPED).compliance
+    beam = np.zeros((6, 6))
+    points, weights = np.polynomial.legendre.leggauss(3)
+    for point, weight in zip(points, weights, strict=True):
+        away = length * (0.5 - 0.5 * point)
+        beam += 0.5 * length * weight * move_compliance(section, np.array([away, 0.0, 0.0]))
+    tip = clamped_leg(solid, "free").compliance
+    assert scaled(tip - beam, beam) < 1e-4
+    # A force along z through the centroid twists the leg about its shear centre.
+    assert abs(beam[3, 2]) > 1e-3 * np.sqrt(beam[3, 3] * beam[2, 2])
+
+
+def test_formulas_of_one_material_refuse_composites():
+    with pytest.raises(InputError, match="takes sections of one material"):
+        section_constants(section_mesh(STEPPED, 4), 0.3)
