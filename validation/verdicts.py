@@ -188,7 +188,7 @@ class Matrix:
     `formulation`: if models use legs that differ from the robot's, their comparison with solids of
     those legs; an error of the matrix that is absent there is due to the legs, not to the model.
     `faults`: names of the models, and other computations, that ended with an error of the program;
-    an entry left undecided by it is no statement about the robot.
+    an entry left undecided by it is no statement about the robot. Shapes: p poses, n coordinates.
     """
 
     robot: str

@@ -87,7 +87,7 @@ class Errors:
     of the file requires in any pose. `budget`: half-width of the error
     by source of uncertainty, that of meshes included in any case. `pairing`: for modes only.
     `numbers` (R×P×m), for the order of modes only: index from 0 of the model's mode with the shape
-    of each mode of the reference, −1 if there is none.
+    of each mode of the reference, −1 if there is none. Shapes: m modes of the reference.
     """
 
     names: tuple[str, ...]
@@ -117,7 +117,10 @@ class Errors:
 
     @property
     def missing(self) -> NDArray[np.bool_]:
-        """True (R×P) for errors that do not exist because there is no number to compare."""
+        """True (R×P) for errors that do not exist because there is no number to compare.
+
+        Shapes: R interpretations of the reference, P poses.
+        """
         return np.isnan(self.error)
 
     @property
@@ -133,12 +136,18 @@ class Errors:
 
     @property
     def spread(self) -> Array:
-        """Half-width of each error (R×P): the sum over all sources of uncertainty."""
+        """Half-width of each error (R×P): the sum over all sources of uncertainty.
+
+        Shapes: R interpretations of the reference, P poses.
+        """
         return np.asarray(sum(self.budget.values()))
 
     @property
     def farthest(self) -> Array:
-        """Distance (R×P) from each error to the farther end of its interval."""
+        """Distance (R×P) from each error to the farther end of its interval.
+
+        Shapes: R interpretations of the reference, P poses.
+        """
         if self.pairing is None:
             return self.spread
         low, high = self.bounds
@@ -148,7 +157,8 @@ class Errors:
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper end of each error's interval (R×P each).
 
-        The interval contains the half-widths and the errors with other possible partners.
+        The interval contains the half-widths and the errors with other possible partners. Shapes: R
+        interpretations of the reference, P poses.
         """
         low, high = self.error - self.spread, self.error + self.spread
         if self.pairing is None:
@@ -166,7 +176,7 @@ class Errors:
         The error of a displacement vector is never below zero, and its lower end is zero if the
         model lies between two interpretations. For the order of modes, the interval is that of the
         interpretation with the largest error, since there is nothing between a mode in its place
-        and a mode in another.
+        and a mode in another. Shapes: P poses.
         """
         low, high = self.bounds
         if self.numbers is not None:
@@ -180,14 +190,20 @@ class Errors:
 
     @property
     def bound(self) -> Array:
-        """Largest absolute error (P) within the interval. NaN if an error is missing."""
+        """Largest absolute error (P) within the interval. NaN if an error is missing.
+
+        Shapes: P poses.
+        """
         low, high = self.interval
         bound = np.maximum(np.abs(low), np.abs(high))
         return np.where(self.missing.any(axis=0), np.nan, bound)
 
     @property
     def worst(self) -> Array:
-        """Error (P) of largest magnitude over all interpretations. NaN if an error is missing."""
+        """Error (P) of largest magnitude over all interpretations. NaN if an error is missing.
+
+        Shapes: P poses.
+        """
         worst = self.error[self.largest, np.arange(self.error.shape[1])]
         return np.where(self.missing.any(axis=0), np.nan, worst)
 
@@ -195,7 +211,7 @@ class Errors:
     def largest(self) -> IntArray:
         """Index (P) of the interpretation with the error of largest magnitude.
 
-        Missing errors are skipped.
+        Missing errors are skipped. Shapes: P poses.
         """
         return first_largest(np.where(self.missing, -1.0, np.abs(self.error)))
 
@@ -287,6 +303,7 @@ class ModelErrors:
         """Smallest relative error (P) against any displacement between two interpretations.
 
         `wrenches` (R×P×6): one load for each interpretation, of which the largest error counts.
+        Shapes: R interpretations of the reference, P poses.
         """
         statics_pairs = self.statics(model)
         nearest = []
@@ -326,7 +343,7 @@ class ModelErrors:
         """Lowest and highest error (P each) of the modes that can take this `number`.
 
         `rows` are the interpretations at the ends of a range of stiffness inside the legs. Infinite
-        if the model has no partner of such a mode.
+        if the model has no partner of such a mode. Shapes: P poses.
         """
         interpretations = self.subject.dynamics.interpretations
         solved = [
@@ -517,7 +534,10 @@ def first_largest(sizes: Array) -> IntArray:
 
 
 def stack_errors(errors: Sequence[Errors]) -> Errors:
-    """Errors against all R interpretations (R×P…), from those against each one (P…)."""
+    """Errors against all R interpretations (R×P…), from those against each one (P…).
+
+    Shapes: P poses.
+    """
     first = errors[0]
 
     def columns(records: Sequence[Any]) -> dict[str, Any]:
@@ -553,7 +573,7 @@ class _MisplacedModes(NamedTuple):
     `numbers` (P×K): index of the model's mode for each mode of the reference. `mode` (P): index of
     the reference's mode whose misplacement causes the largest error. `frequency` (P, Hz): the
     model's frequency with this index. `below`, `above` (P, Hz): distances to the frequencies that
-    decide if modes take other places that mixed shapes allow.
+    decide if modes take other places that mixed shapes allow. Shapes: K judged modes.
     """
 
     numbers: IntArray
@@ -564,7 +584,10 @@ class _MisplacedModes(NamedTuple):
 
 
 def _misplaced_modes(pairs: Partners, frequencies: Array) -> _MisplacedModes:
-    """Misplaced modes of a model, for `frequencies` (P×K, Hz) of the reference."""
+    """Misplaced modes of a model, for `frequencies` (P×K, Hz) of the reference.
+
+    Shapes: P poses, K judged modes.
+    """
     poses, modes = np.arange(len(frequencies)), np.arange(frequencies.shape[1])
     solved = np.isfinite(frequencies) & ~pairs.undecided
     # A mode in its place causes no error, nor does one of unknown frequency.
@@ -588,7 +611,7 @@ def _misplaced_modes(pairs: Partners, frequencies: Array) -> _MisplacedModes:
 def _largest_error(errors: Array) -> tuple[Array, IntArray]:
     """Error of largest magnitude (P) among errors (P×K), and its column (P).
 
-    A missing frequency (NaN) counts as larger than any error.
+    A missing frequency (NaN) counts as larger than any error. Shapes: P poses, K judged modes.
     """
     column = np.argmax(np.where(np.isnan(errors), np.inf, np.abs(errors)), axis=1)
     return errors[np.arange(len(errors)), column], column

@@ -172,7 +172,7 @@ def _entry(
 def _pose_limits(errors: Errors, quantity: Quantity, requirement: Requirement) -> Array:
     """Largest accepted relative error (P) of a quantity in each pose.
 
-    An absolute limit is divided by the length of the reference's displacement.
+    An absolute limit is divided by the length of the reference's displacement. Shapes: P poses.
     """
     absolute = requirement.absolute(quantity)
     if absolute is None or errors.displacement is None:
@@ -213,7 +213,7 @@ def verdicts_of(errors: Errors, limits: Array) -> list[Adequacy]:
     """Verdict in each pose from the interval of errors and the limit (P).
 
     The order of modes is judged for each interpretation on its own, and undecided if these
-    disagree.
+    disagree. Shapes: P poses.
     """
     poses = range(errors.error.shape[1])
     if errors.numbers is None:
@@ -251,7 +251,7 @@ def _deciding_pose(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Arra
     """Index of the pose with the overall `verdict` and the largest error over its limit.
 
     `shares` (P) are errors over limits. Of equal ones, up to round-off, the first, as in a
-    symmetric robot.
+    symmetric robot. Shapes: P poses.
     """
     deciding = np.array([pose_verdict == verdict for pose_verdict in verdicts])
     size = np.where(np.isnan(shares), -0.5, np.abs(shares))
@@ -376,7 +376,8 @@ def _interpretation_rows(errors: Errors, pose: int) -> IntArray:
     """Index (P) of the interpretation whose numbers an entry shows: that of the largest error.
 
     All poses use the one of the deciding `pose`, so that a curve over the poses has one meaning.
-    The order of modes, which jumps in any case, uses the largest error in each pose.
+    The order of modes, which jumps in any case, uses the largest error in each pose. Shapes: P
+    poses.
     """
     largest = errors.largest
     return largest if errors.numbers is not None else np.full_like(largest, largest[pose])
@@ -494,9 +495,9 @@ def _removed_error(
     models: tuple[Model, Model],
     position: Position,
 ) -> float | None:
-    """Change of an error by the step from the first to the second model.
+    """Change of a model's error by the step from the first to the second of two models.
 
-    None if one is unsolved.
+    None if one of them is unsolved.
     """
     row, pose = position
     displacement = errors.displacement

@@ -59,7 +59,7 @@ def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, 
     """Statics by name of model and, last, of interpretation; half-widths of the interpretations.
 
     Half-widths (P×7, relative) are those of meshes plus those of the robot file's digits. Raises
-    InputError or ComputationError if there is no reference.
+    InputError or ComputationError if there is no reference. Shapes: P postures.
     """
     responses = Responses(robot)
     statics = {
@@ -86,7 +86,7 @@ def compared_compliances(
 ) -> Compared:
     """Compliance (P×6, SI) along and about each base axis, under a force or moment about that axis.
 
-    The arguments are the results of `compared_statics`.
+    The arguments are the results of `compared_statics`. Shapes: P postures.
     """
     compliances = {
         name: np.diagonal(model_statics.compliances, axis1=1, axis2=2)
@@ -115,7 +115,8 @@ def _grouped_by_ends(reference: Reference) -> dict[str, list[Interpretation]]:
 def compared_frequencies(robot: RobotOnPath) -> Compared:
     """First natural frequencies (P×k, Hz), ascending, with differences of modes of the same shape.
 
-    Raises InputError or ComputationError if there is no reference.
+    Raises InputError or ComputationError if there is no reference. Shapes: P postures, k
+    frequencies.
     """
     responses = Responses(robot)
     modes_by_name = solved_modes(responses)

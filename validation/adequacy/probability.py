@@ -71,7 +71,7 @@ class Slope:
 
     `key`: the input in the robot file. `relative`: its relative standard uncertainty. `below`,
     `above`: components of the errors, in the shape of `ErrorOfInputs.nominal`, NaN if the error is
-    missing. `values` (2×P): the model's value of the quantity, down and up.
+    missing. `values` (2×P): the model's value of the quantity, down and up. Shapes: P poses.
     """
 
     key: str
@@ -100,7 +100,10 @@ class ErrorOfInputs:
     lost: float = 0.0
 
     def intervals(self, draws: Array) -> Array:
-        """Lowest and highest error (n×2×P) for n samples of ξ (n×inputs). NaN if there is none."""
+        """Lowest and highest error (n×2×P) for n samples of ξ (n×inputs). NaN if there is none.
+
+        Shapes: P poses.
+        """
         rows = max(1, _MOST_NUMBERS // max(self.nominal.size, 1))
         pieces = np.split(draws, range(rows, len(draws), rows))
         return np.concatenate(
@@ -139,7 +142,10 @@ class ErrorOfInputs:
         return float(np.nanquantile(sizes, CONFIDENCE))
 
     def _interval(self, components: Array) -> Array:
-        """Lowest and highest error (n×2×P) from components (n×R×P×f×k) of n samples."""
+        """Lowest and highest error (n×2×P) from components (n×R×P×f×k) of n samples.
+
+        Shapes: R interpretations of the reference, P poses, f forces, k components.
+        """
         half_width, vectors = components[..., 0, -1], self._vectors(components)
         error = np.linalg.norm(vectors, axis=-1).max(axis=-1)
         error = vectors[..., 0, 0] if self.signed else error
@@ -167,7 +173,10 @@ class ErrorOfInputs:
 
     @cached_property
     def _ends(self) -> tuple[Array, Array]:
-        """Components of errors with each of m inputs changed down and up (m×R×P×f×k each)."""
+        """Components of errors with each of m inputs changed down and up (m×R×P×f×k each).
+
+        Shapes: R interpretations of the reference, P poses, f forces, k components.
+        """
         below, above = ([getattr(slope, side) for slope in self.slopes] for side in _SIDES)
         return np.array(below), np.array(above)
 
@@ -196,7 +205,8 @@ class ErrorOfInputs:
     def _largest_components(self, pose: int) -> tuple[Array, Array, Array]:
         """Components (k) of the largest error in a pose, and with each input changed (m×k each).
 
-        The largest with the inputs of the file, over all interpretations and forces.
+        The largest with the inputs of the file, over all interpretations and forces. Shapes: k
+        components, m inputs.
         """
         sizes = np.linalg.norm(self._vectors(self.nominal[:, pose]), axis=-1)
         interpretation, force = np.unravel_index(np.argmax(sizes), sizes.shape)
@@ -368,7 +378,7 @@ class _RobotErrors:
     def components(self, nominal: Errors, forces: Array | None) -> Array:
         """Components as in `ErrorOfInputs.nominal`.
 
-        Under the wrenches `forces` (P×f×6) if given.
+        Under the wrenches `forces` (P×f×6) if given. Shapes: P poses, f forces.
         """
         errors, vectorial = self.errors, nominal.displacement is not None
         count = 1 if forces is None else forces.shape[1]
@@ -389,13 +399,19 @@ class _RobotErrors:
         return np.where(errors.missing[..., None, None], np.nan, components)
 
     def interval(self, nominal: Errors) -> Array:
-        """Lowest and highest error in each pose (2×P)."""
+        """Lowest and highest error in each pose (2×P).
+
+        Shapes: P poses.
+        """
         if self.errors is None:
             return np.full((2, nominal.error.shape[1]), np.nan)
         return np.stack(self.errors.interval)
 
     def value(self, nominal: Errors) -> Array:
-        """Value (P) of the quantity by the model."""
+        """Value (P) of the quantity by the model.
+
+        Shapes: P poses.
+        """
         if self.errors is None:
             return np.full(nominal.error.shape[1], np.nan)
         return np.asarray(self.errors.value[0])
@@ -410,7 +426,7 @@ def _worst_forces(errors: Sequence[Errors | None]) -> Array:
     """At most `_FORCES` worst forces of several robots, as unit wrenches (P×f×6).
 
     The first is that of the largest error of the first robot. Each further one is the force least
-    parallel to all before it.
+    parallel to all before it. Shapes: P poses, f forces.
     """
     first = errors[0]
     loads = [

@@ -185,7 +185,10 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
 
 
 def path_round_off(postures: tuple[Posture, ...], model: ModelName, options: ModelOptions) -> Array:
-    """Half-widths (p×6×6, SI, 95 %) of a model's compliances due to round-off."""
+    """Half-widths (p×6×6, SI, 95 %) of a model's compliances due to round-off.
+
+    Shapes: p poses.
+    """
     mechanism = postures[0].mechanism
     if model == "vjm":
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
@@ -202,7 +205,7 @@ def farthest_posture(values: Array, reference: Array, mobile: NDArray[np.bool_])
     """Index of the posture (of p) with the largest relative error, among the `mobile` ones.
 
     If errors are only round-off, which depends on the machine, the posture with the largest
-    reference. A missing value counts as the largest error.
+    reference. A missing value counts as the largest error. Shapes: p poses.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         errors = np.round(np.abs(values / reference - 1.0), _DIFFERENCE_DIGITS)
@@ -216,7 +219,10 @@ def _half_width(value: float, *others: float) -> float:
 
 
 def _above_round_off(numbers: Array, size: float) -> NDArray[np.bool_]:
-    """True for compliances (p×6) above the round-off of the largest, with `size` (m) as length."""
+    """True for compliances (p×6) above the round-off of the largest, with `size` (m) as length.
+
+    Shapes: p poses.
+    """
     units = np.array([1.0] * 3 + [size**2] * 3)
     return np.asarray(numbers * units > _RIGID_SHARE * np.max(numbers * units))
 

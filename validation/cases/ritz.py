@@ -112,7 +112,7 @@ def fields(beam: BeamProperties, length: float, points: Array, degree: int) -> t
     """Twist of the centreline and its slope (6×p×n) on the n coefficients of `ritz_beam`.
 
     `points` (p): from −1 at the root to 1 at the tip. Order of the coefficients: u, φx, φy, φz,
-    then v of the root with γy, then w of the root with γz.
+    then v of the root with γy, then w of the root with γz. Shapes: p points.
     """
     unit = np.eye(degree + 1)
     values = legendre.legvander(points, degree)
@@ -177,7 +177,7 @@ def free_basis(stiffness: Array, conditions: Array) -> Array:
 
     Each unknown is scaled by its diagonal entry of the `stiffness` (n×n), each condition to unit
     size. Otherwise torsion of a thin wall would be lost in the round-off of its axial stiffness,
-    and a small lever arm would count as zero.
+    and a small lever arm would count as zero. Shapes: c conditions, k vectors.
     """
     diagonal = np.diag(stiffness)
     # Rigid motions have no stiffness and are scaled by the softest unknown.
@@ -194,7 +194,10 @@ def _sum(parts: list[Array], size: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _System:
-    """Stiffness and mass (n×n), and twist of the loaded point (6×n, base axes), in SI units."""
+    """Stiffness and mass (n×n), and twist of the loaded point (6×n, base axes), in SI units.
+
+    Shapes: n unknowns.
+    """
 
     stiffness: Array
     mass: Array
@@ -277,7 +280,10 @@ def _frequencies(system: _System, count: int) -> Array:
 
 
 def _elastic_and_idle(system: _System) -> tuple[Array, Array]:
-    """Basis (n×k) in which the stiffness is a unit matrix, and idle motions without stiffness."""
+    """Basis (n×k) in which the stiffness is a unit matrix, and idle motions without stiffness.
+
+    Shapes: k vectors, n unknowns.
+    """
     values, vectors = eigh(system.stiffness)
     idle = values < _IDLE * len(values) * values.max(initial=0.0)
     return vectors[:, ~idle] / np.sqrt(values[~idle]), vectors[:, idle]
@@ -385,7 +391,7 @@ class _Joint:
 def _free_twists(posture: Posture, joint: Joint) -> Array:
     """Free relative twists (6×k, base axes) for the kind of a joint.
 
-    The driven one is the first.
+    The driven one is the first. Shapes: k vectors.
     """
     first, second = _rotations(posture, joint)
     axes = joint.axes @ first.T

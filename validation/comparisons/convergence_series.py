@@ -68,7 +68,10 @@ class ConvergenceSeries:
 
     @cached_property
     def errors(self) -> Array:
-        """Relative errors f(n)/f∞ − 1 (n×q)."""
+        """Relative errors f(n)/f∞ − 1 (n×q).
+
+        Shapes: n element counts, q quantities.
+        """
         return relative_errors(self.values, self.limits)
 
     @property
@@ -77,24 +80,30 @@ class ConvergenceSeries:
 
     @cached_property
     def exact(self) -> Array:
-        """True (q) for quantities whose values are exact for every count, apart from round-off."""
+        """True (q) for quantities whose values are exact for every count, apart from round-off.
+
+        Shapes: q quantities.
+        """
         return np.asarray(
             np.abs(self.errors).max(axis=0) <= self._round_off + self.limit_half_widths
         )
 
     @cached_property
     def largest_errors(self) -> Array:
-        """Largest |error| over each count and all higher ones (n×q)."""
+        """Largest |error| over each count and all higher ones (n×q).
+
+        Shapes: n element counts, q quantities.
+        """
         sizes = np.abs(self.errors)
         return np.asarray(np.maximum.accumulate(sizes[::-1], axis=0)[::-1])
 
     @cached_property
     def half_widths(self) -> Array:
-        """Relative half-widths of the discretisation uncertainty (n×q). NaN for the first count.
+        """Relative half-widths of the discretisation uncertainty (n counts × q quantities).
 
-        If there is an order, a half-width follows from this and lower counts only, so that it can
-        be tested against the limit. Otherwise it is three times the largest error of this and all
-        higher counts.
+        NaN for the first count. If there is an order, a half-width follows from this and lower
+        counts only, so that it can be tested against the limit. Otherwise it is three times the
+        largest error of this and all higher counts.
         """
         columns = range(self.values.shape[1])
         return np.column_stack([self._half_widths(column) for column in columns])
@@ -126,7 +135,7 @@ class ConvergenceSeries:
     def pairwise_orders(self, column: int) -> Array:
         """Order between each count and the one before it (n).
 
-        NaN for the first and close to the limit.
+        NaN for the first and close to the limit. Shapes: n element counts.
         """
         sizes = np.abs(self.errors[:, column])
         floor = _FITTED + _ABOVE_LIMIT * self.limit_half_widths[column]
@@ -158,7 +167,7 @@ def relative_errors(values: Array, limits: Array) -> Array:
     """Relative errors (n×q) of values v (n×q) against their limits f∞ (q): v/f∞ − 1.
 
     Zero if value and limit are both zero, as in a direction in which a tool cannot move. Infinite
-    if only the limit is zero.
+    if only the limit is zero. Shapes: n element counts, q quantities.
     """
     exact = np.where(values == 0.0, 0.0, np.inf)
     return np.divide(values, limits, out=exact + 1.0, where=limits != 0.0) - 1.0
@@ -168,6 +177,7 @@ def fitted_orders(counts: Sequence[int], errors: Array, limit_half_widths: Array
     """Orders in 1/n (q) of relative errors (n×q) against known limits. NaN if there is none.
 
     An order requires errors above round-off and a hundred times above the half-width of the limit.
+    Shapes: n element counts, q quantities.
     """
     floors = np.maximum(_FITTED, _ABOVE_LIMIT * limit_half_widths)
     return orders_to_limits(counts, errors, floors)

@@ -92,7 +92,10 @@ def _values(leg: SectionedLeg, discretisation: Discretisation) -> Array:
 
 
 def _limits(counts: tuple[int, ...], values: Array, formal: float) -> tuple[Array, Array, Array]:
-    """Limits (q), their half-widths (q, in the units of the values) and observed orders (q)."""
+    """Limits (q), their half-widths (q, in the units of the values) and observed orders (q).
+
+    Shapes: q quantities.
+    """
     ratio = counts[-1] / counts[-2]
     policy = MeshPolicy.of_order(ratio, formal)
     limits = richardson(values[-2], values[-1], ratio, formal)

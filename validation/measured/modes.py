@@ -254,7 +254,10 @@ def _modes(
 
 
 def _motions(system: System, shapes: Array, freedoms: Freedoms) -> Array:
-    """Motions (k×m) of m shapes (n×m) at k measured points along the measured axes."""
+    """Motions (k×m) of m shapes (n×m) at k measured points along the measured axes.
+
+    Shapes: n unknowns.
+    """
     rows = []
     for body, position, direction in zip(
         freedoms.bodies, freedoms.places, freedoms.directions, strict=True

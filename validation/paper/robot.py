@@ -144,7 +144,10 @@ def family(
 def compliances(
     model: ModelName, robots: Sequence[RobotOnStroke], options: ModelOptions = DEFAULT_OPTIONS
 ) -> Array:
-    """Compliances at point B (m×6×6, SI, base axes) of all robots in all their postures."""
+    """Compliances at point B (m×6×6, SI, base axes) of all robots in all their postures.
+
+    Shapes: m robots or postures.
+    """
     solutions = (answers(model, robot.postures, 0, options) for robot in robots)
     return np.array([solution.compliance for solution in chain(*solutions)])
 
@@ -166,7 +169,10 @@ def frequencies(
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
 ) -> Array:
-    """Lowest natural frequencies (m×count, Hz). Infinite if the model has fewer modes."""
+    """Lowest natural frequencies (m×count, Hz). Infinite if the model has fewer modes.
+
+    Shapes: m robots or postures.
+    """
     solutions = chain(*(answers(model, robot.postures, count, options) for robot in robots))
     rows = [solution.frequencies for solution in solutions]
     return np.array([np.pad(row, (0, count - len(row)), constant_values=np.inf) for row in rows])

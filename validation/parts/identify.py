@@ -214,7 +214,10 @@ class Identified:
 
 
 def _in_percent(values: Array, *parts: Array) -> Array:
-    """Parts over values in per cent, one column for each part (n×k)."""
+    """Parts over values in per cent, one column for each part (n×k).
+
+    Shapes: k kinds of uncertainty, n values.
+    """
     return 100.0 * np.column_stack([part / values for part in parts])
 
 

@@ -161,7 +161,8 @@ def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
 
     The half-width is unknown for a mode that the coarser solid or the beams do not have. For CAD
     parts, the order of convergence is always observed on the first `MOST_MODES` frequencies, so
-    that half-widths do not depend on the number of judged modes.
+    that half-widths do not depend on the number of judged modes. Shapes: P poses, K judged
+    frequencies.
     """
     robot, solve = responses.robot, responses.required_modes
     fine = solve(SOLID, reading)
@@ -187,7 +188,8 @@ def _all_changes(first: PathModes, second: PathModes, fine: PathModes) -> Array:
 def _frequency_changes(coarse: PathModes, middle: PathModes, fine: PathModes, count: int) -> Array:
     """Relative changes of `count` frequencies (P×count) between two meshes, each paired by shape.
 
-    Both meshes are first compared with the finest one, then the changes are subtracted.
+    Both meshes are first compared with the finest one, then the changes are subtracted. Shapes: P
+    poses.
     """
     first, second = (
         np.zeros(1) if modes is fine else frequency_changes(fine, modes, count)
@@ -202,6 +204,7 @@ def response_half_widths(
     """Relative half-widths of harmonic responses due to all meshes. 1 if unknown.
 
     `numbers` selects the responses: it returns an array for modes, such as peak sizes (P×q).
+    Shapes: P poses, q judged numbers of responses.
     """
     robot, solve = responses.robot, responses.required_modes
 

@@ -2,10 +2,10 @@
 
 Input: a robot along its path and a reading of its file. Output: statics (compliances and
 displacements) or modes. Intermediate models replace each leg by the compliance of its tip, with one
-more effect in each model: measured couplings, computed section constants, restrained warping,
-restrained contraction. The compliances are summed along serial chains (virtual joint method) if the
-legs are such chains, which shares no code with the assembler of the reference; otherwise the legs
-are assembled as links.
+more effect in each model: the couplings of the file's 6×6, computed section constants, restrained
+warping, restrained contraction. The compliances are summed along serial chains (virtual joint
+method) if the legs are such chains, which shares no code with the assembler of the reference;
+otherwise the legs are assembled as links.
 """
 
 from collections.abc import Callable, Sequence

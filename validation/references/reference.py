@@ -75,7 +75,8 @@ class SourceHalfWidths:
 
     `displacements` (P×(7+L)): of the displacement behind each static quantity, in the columns of
     `Quantity.static_column`. `frequencies` (P×K), `peaks` (P×q) and `receptances` (one P×n for each
-    excitation) belong to the modes. None if the source does not affect them.
+    excitation) belong to the modes. None if the source does not affect them. Shapes: P poses, K
+    judged frequencies, q judged numbers of responses, n frequencies of an excitation.
     """
 
     displacements: Array | None = None
@@ -84,7 +85,10 @@ class SourceHalfWidths:
     receptances: Sequence[Array] = ()
 
     def of(self, quantity: Quantity) -> Array | None:
-        """Half-widths (P) of a quantity in all poses. None if the source does not affect it."""
+        """Half-widths (P) of a quantity in all poses. None if the source does not affect it.
+
+        Shapes: P poses.
+        """
         if quantity.static:
             values, column = self.displacements, quantity.static_column
         else:
@@ -234,7 +238,7 @@ class Subject:
     be solids, a subject with other legs, on which the formulations are judged. `inputs`: uncertain
     inputs, None if the file names none. `loads` and `harmonics`: quantities of the file's loads and
     of its harmonic responses, in order. `faults`: names of computations, models excluded, that
-    failed by an error of the program.
+    failed by an error of the program. Shapes: P poses, n frequencies of an excitation.
     """
 
     robot: str
@@ -276,7 +280,10 @@ class InputUncertainties:
     draws: Array
 
     def alone(self, direction: int) -> list[Factors]:
-        """Relative changes of one input each by one standard uncertainty, up (1) or down (−1)."""
+        """Relative changes of the inputs, one input at a time by one standard uncertainty.
+
+        `direction` is 1 for an increase and −1 for a decrease.
+        """
         return [((key, direction * share),) for key, share in self.relative.items()]
 
     @property

@@ -119,7 +119,8 @@ def _flattened_statics(statics: Statics) -> Array:
 def _sizes(unperturbed: Statics, changes: Array) -> Array:
     """Magnitudes (n×P×(7+L)) of n changes (n×P×k) relative to the unperturbed displacements.
 
-    Zero if the robot is rigid under the load, since a relative error does not exist then.
+    Zero if the robot is rigid under the load, since a relative error does not exist then. Shapes: P
+    poses, k numbers.
     """
     count, poses, _ = changes.shape
     loads = unperturbed.load_displacements.shape[1]
@@ -206,7 +207,7 @@ def modes_by_digits(
     """Modes by beams and legs known by their 6×6, and half-widths due to digits (P×m, relative).
 
     Half-widths combine the frequency changes by all digits of the `printed` 6×6, to first order.
-    `masses` is the mass distribution of these legs.
+    `masses` is the mass distribution of these legs. Shapes: P poses, m modes.
     """
     roundings = roundings_of(printed, postures)
     mechanism = postures[0].mechanism
@@ -306,7 +307,8 @@ def _response_digit_half_widths(
 ) -> tuple[Array, list[Array]]:
     """Relative half-widths of peaks (P×q) and receptances (P×n for each excitation) due to digits.
 
-    `digits` are the relative half-widths (P×K) of the frequencies due to printed digits.
+    `digits` are the relative half-widths (P×K) of the frequencies due to printed digits. Shapes: P
+    poses, K judged frequencies, q judged numbers of responses, n excitation frequencies.
     """
     peak_half_widths: list[Array] = []
     receptances = []
@@ -348,7 +350,8 @@ def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, masses: Ma
     """Relative half-widths (P×K) of the judged frequencies of `fine` due to printed digits.
 
     Each mode of the solid model has the half-width of the beam mode of the same shape. A mode
-    without such a partner has the largest half-width of all judged modes.
+    without such a partner has the largest half-width of all judged modes. Shapes: P poses, K judged
+    frequencies.
     """
     beams, share = robot.context.get(
         modes_by_digits, robot.printed, robot.postures, robot.offered, masses

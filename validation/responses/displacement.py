@@ -126,6 +126,7 @@ def difference_under(
     """Difference (P×3) of two models' displacements under wrenches (P×6), and a length (P).
 
     The length is that of the reference's displacement, with the lower limit that `relative` uses.
+    Shapes: P poses.
     """
     expected, displacement = (
         statics.displacements(quantity, wrench) for statics in (reference, model)

@@ -53,6 +53,7 @@ class SampledModes:
 
     `frequencies` (m, Hz, ascending). `shapes` (k×m): unit columns, each sample multiplied by the
     root of its mass. `seen` (m): share of each mode's kinetic energy that the samples contain.
+    Shapes: m modes of the first model, k samples.
     """
 
     frequencies: Array
@@ -88,7 +89,8 @@ class Pairs:
 def sampled_modes(frequencies: Array, samples: Array, seen: Array | None = None) -> SampledModes:
     """Modes with unit shapes, from `samples` (k×m) already multiplied by the root of each mass.
 
-    `seen` (m): share of kinetic energy that the samples contain. If it is None, all of it.
+    `seen` (m): share of kinetic energy that the samples contain. If it is None, all of it. Shapes:
+    m modes of the first model, k samples.
     """
     sizes = np.linalg.norm(samples, axis=0)
     shapes = samples / np.where(sizes > 0.0, sizes, 1.0)
@@ -96,12 +98,18 @@ def sampled_modes(frequencies: Array, samples: Array, seen: Array | None = None)
 
 
 def likeness_matrix(own: SampledModes, other: SampledModes) -> Array:
-    """Likeness (m×n) of each mode of one model with each mode of another."""
+    """Likeness (m×n) of each mode of one model with each mode of another.
+
+    Shapes: m modes of the first model, n modes of the second model.
+    """
     return np.square(_overlaps(own, other))
 
 
 def space_likeness(own: SampledModes, other: SampledModes) -> Array:
-    """Likeness (m×n) of the modes of two models, averaged over modes of equal frequency."""
+    """Likeness (m×n) of the modes of two models, averaged over modes of equal frequency.
+
+    Shapes: m modes of the first model, n modes of the second model.
+    """
     spaces = one_frequency(own.frequencies), one_frequency(other.frequencies)
     return _means(_overlaps(_in_spaces(own, spaces[0]), _in_spaces(other, spaces[1])), *spaces)
 
@@ -115,7 +123,7 @@ def pair_modes(
     """Partners of the modes `own` of one model among the modes `other` of another model.
 
     `unsure` (m): relative uncertainties of the first model's frequencies. `excluded` (m×n): pairs
-    that cannot be partners.
+    that cannot be partners. Shapes: m modes of the first model, n modes of the second model.
     """
     own_spaces, other_spaces = one_frequency(own.frequencies), one_frequency(other.frequencies)
     overlaps = _overlaps(_in_spaces(own, own_spaces), _in_spaces(other, other_spaces))
@@ -210,7 +218,7 @@ class _Blocks:
     def exchange(self, means: Array, likeness: Array) -> Array:
         """Likeness (m×m) of two pairs after exchanging partners, relative to before.
 
-        Zero for modes of equal frequency.
+        Zero for modes of equal frequency. Shapes: m modes of the first model.
         """
         crossed = means[:, self.partner] + means[:, self.partner].T
         together = np.add.outer(likeness, likeness)
@@ -255,7 +263,10 @@ class _Blocks:
 
 
 def _overlaps(own: SampledModes, other: SampledModes) -> Array:
-    """Cosines (m×n) between shapes, times the root of the ratio of the sampled energy shares."""
+    """Cosines (m×n) between shapes, times the root of the ratio of the sampled energy shares.
+
+    Shapes: m modes of the first model, n modes of the second model.
+    """
     smaller, larger = (ufunc.outer(own.seen, other.seen) for ufunc in (np.minimum, np.maximum))
     ratio = np.divide(smaller, larger, out=np.zeros_like(smaller), where=larger > 0.0)
     overlaps: Array = (own.shapes.T @ other.shapes) * np.sqrt(ratio)
@@ -279,7 +290,10 @@ def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
 
 
 def _means(overlaps: Array, own_spaces: IntArray, other_spaces: IntArray) -> Array:
-    """Squared overlaps (m×n) summed over two groups of equal frequencies, over the smaller size."""
+    """Squared overlaps (m×n) summed over two groups of equal frequencies, over the smaller size.
+
+    Shapes: m modes of the first model, n modes of the second model.
+    """
     own_members, other_members = (
         (spaces[:, None] == np.unique(spaces)).astype(float)
         for spaces in (own_spaces, other_spaces)

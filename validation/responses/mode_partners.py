@@ -61,7 +61,10 @@ class Partners:
 
     @property
     def local(self) -> BoolArray:
-        """True (p×K) for modes that the model lacks because they are local to a leg's section."""
+        """True (p×K) for modes that the model lacks because they are local to a leg's section.
+
+        Shapes: p poses, K modes.
+        """
         return (self.number < 0) & ~self.undecided & (self.seen < _LOCAL)
 
 
@@ -73,7 +76,7 @@ def partners(
 ) -> Partners:
     """Partners in a model of the first `count` modes of the reference, by shape, in each pose.
 
-    `unsure` (p×K): relative uncertainties of the reference's frequencies.
+    `unsure` (p×K): relative uncertainties of the reference's frequencies. Shapes: p poses, K modes.
     """
     poses = len(reference.frequencies)
     rows = [
@@ -91,7 +94,8 @@ def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, cou
     NaN without a partner. `amounts` (p×m×n, ≥ 0): a number, such as a change of frequency, for each
     pair of modes of both models. A mode whose partner is certain has the amount of that pair. Modes
     that mix have the sum over all of them: a perturbation determines the sum of the squares of
-    their changes, but not each change.
+    their changes, but not each change. Shapes: p poses, m modes of the reference, n modes of the
+    model.
     """
     partner_amounts = np.full((len(amounts), count), np.nan)
     poses = zip(
@@ -119,7 +123,8 @@ def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, cou
 def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count: int) -> Array:
     """Share (p×count) of each of the reference's first modes, that of its partner in `other`.
 
-    `shares` (p×n, ≥ 0) belong to the modes of `other`. NaN without a partner.
+    `shares` (p×n, ≥ 0) belong to the modes of `other`. NaN without a partner. Shapes: p poses, n
+    modes of the model.
     """
     modes = reference.frequencies.shape[1]
     return amounts_by_shape(reference, other, np.repeat(shares[:, None, :], modes, axis=1), count)
@@ -128,7 +133,8 @@ def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count
 def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
     """Lowest and highest frequency (p×m each, Hz) of each reading's modes over all readings.
 
-    Frequencies of different readings belong together if their modes have the same shape.
+    Frequencies of different readings belong together if their modes have the same shape. Shapes: p
+    poses, m modes of the reference.
     """
     ranges = []
     for reading in readings:
@@ -146,7 +152,7 @@ def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
 def frequency_changes(fine: PathModes, coarse: PathModes, count: int) -> Array:
     """Relative changes of the first frequencies from a coarse mesh to a fine one (p×count).
 
-    Modes are paired by shape. NaN for a mode that the coarse mesh does not have.
+    Modes are paired by shape. NaN for a mode that the coarse mesh does not have. Shapes: p poses.
     """
     changes = np.abs(coarse.frequencies[:, None, :] / fine.frequencies[:, :, None] - 1.0)
     return amounts_by_shape(fine, coarse, changes, count)

@@ -51,6 +51,7 @@ class Statics:
 
         Translations, or rotations if the quantity is one. For a quantity of a load of the robot
         file, displacements under that load; the wrenches then only give the result its shape.
+        Shapes: P poses.
         """
         if quantity.kind is QuantityKind.LOAD:
             poses, *inner_shape, _ = wrenches.shape
@@ -71,7 +72,8 @@ class PathModes:
     (P×k×m): mode shapes at the sample points, the same for all models of a robot. `weights` (k,
     kg): mass of each sample. `seen` (P×m): share of each mode's kinetic energy that the samples
     contain. `peaks` (P×q): judged numbers of the tool's harmonic responses, infinite without
-    damping. `receptances` (one P×n for each excitation, m/N).
+    damping. `receptances` (one P×n for each excitation, m/N). Shapes: k samples, m modes, n
+    frequencies of an excitation, q judged numbers of responses.
     """
 
     frequencies: Array

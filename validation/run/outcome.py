@@ -80,7 +80,7 @@ class Outcome(Result[Verdict, Measurement], frozen=True, kw_only=True):
     def share(self) -> float:
         """Largest violation of the relation over the tolerance, of all poses.
 
-        Above 1 it disagrees.
+        Above 1, the comparison disagrees.
         """
         tolerance, relation = self.case.tolerance, self.case.relation
         if self.found is None or tolerance is None:

@@ -294,7 +294,10 @@ def decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
 
 
 def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends, Refinement]:
-    """Tip compliances (m×6×6, SI, leg axes) with rigid and with free ends, by doubling."""
+    """Tip compliances (m×6×6, SI, leg axes) with rigid and with free ends, by doubling.
+
+    Shapes: m meshes.
+    """
     tips = [doubled_tips(leg, number, static_slices(leg, number)) for number in divisions]
     rigid, free = (np.array([tip[ends] for tip in tips]) for ends in _ENDS)
     relaxed = Refinement(divisions, free, formal_order(leg, "free"))

@@ -101,7 +101,10 @@ def of_parts(
 
 
 def _lengths(displacements: Array) -> Array:
-    """Lengths of translations and of rotations (p×6l), repeated for each of their components."""
+    """Lengths of translations and of rotations (p×6l), repeated for each of their components.
+
+    Shapes: p postures, l loads.
+    """
     sizes = np.linalg.norm(displacements.reshape(len(displacements), -1, 3), axis=2)
     return np.repeat(sizes, 3, axis=1)
 

@@ -83,7 +83,10 @@ def richardson(middle: F, fine: F, ratio: float, order: float) -> F:
 
 
 def pairwise_orders(sizes: Array, values: Array) -> Array:
-    """Observed order of each three neighbouring meshes (n − 2). NaN if there is none."""
+    """Observed order of each three neighbouring meshes (n − 2). NaN if there is none.
+
+    Shapes: n meshes.
+    """
     ratios = sizes[:-1] / sizes[1:]
     return np.array(
         [

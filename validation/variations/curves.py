@@ -46,7 +46,7 @@ class VariedModels:
     under each reading that the robot file allows; those before are models. `values` (c×k, SI) and
     `differences` (c×k, relative to the first reference) belong to `pose` in the middle of the path.
     `extremes` (c): largest deflection (µm) or smallest first frequency (Hz) over the path;
-    `uncertainties` (c): their relative half-widths, zero for models.
+    `uncertainties` (c): their relative half-widths, zero for models. Shapes: k quantities.
     """
 
     pose: Array
@@ -98,7 +98,10 @@ class VariedRobot:
         )
 
     def _over_path(self, robot: RobotOnPath) -> tuple[Compared, tuple[Array, Array]]:
-        """Results of the models in all poses, and their extremes (c) with uncertainties (c)."""
+        """Results of the models in all poses, and their extremes (c) with uncertainties (c).
+
+        Shapes: c curves.
+        """
         if self.objective == "frequency":
             compared = compared_frequencies(robot)
             first = {name: values[:, :1] for name, values in compared.values.items()}
@@ -155,7 +158,8 @@ def _extremes(
     """Largest or smallest of the values (p×k) of each of c curves (c), and its uncertainty (c).
 
     `extreme` is np.min or np.max. The uncertainty is the largest relative change if all values of
-    the curve change by their relative `uncertainties` in one direction.
+    the curve change by their relative `uncertainties` in one direction. Shapes: p poses, k
+    quantities.
     """
     extremes = np.array([extreme(values) for values in curves.values()])
     half_widths = np.zeros(len(curves))

@@ -55,7 +55,10 @@ class Decision:
 
     @property
     def reference(self) -> Array:
-        """Values (n) of the reference under its first reading."""
+        """Values (n) of the reference under its first reading.
+
+        Shapes: n designs.
+        """
         return next(iter(self.references.values()))
 
     @property
@@ -91,7 +94,10 @@ class Decision:
         return correlation, half_width
 
     def _half_width(self, number: Callable[[Array], float], directions: Array) -> float:
-        """Largest change of a number if the reference changes along `directions` (n, −1 to 1)."""
+        """Largest change of a number if the reference changes along `directions` (n, −1 to 1).
+
+        Shapes: n designs.
+        """
         nominal = number(self.reference)
         return max(
             abs(number(values * np.exp(sign * directions * self.uncertainties[name])) - nominal)
@@ -101,7 +107,10 @@ class Decision:
 
 
 def choice(values: Array, reference: Array, objective: Objective) -> Choice:
-    """Design that a model chooses by its `values` (n), and its loss by those of the `reference`."""
+    """Design that a model chooses by its `values` (n), and its loss by those of the `reference`.
+
+    Shapes: n designs.
+    """
     candidates, relative_losses = equally_good(values, objective), losses(reference, objective)
     design = int(candidates[np.argmin(relative_losses[candidates])])
     return Choice(design, tuple(candidates.tolist()), float(relative_losses[design]))
@@ -118,7 +127,7 @@ def losses(reference: Array, objective: Objective) -> Array:
     """Relative loss (n) of each design by the reference: 0.02 if it is 2 % worse than the best.
 
     For deflections, the ratio to the smallest minus 1. For frequencies, 1 minus the ratio to the
-    largest.
+    largest. Shapes: n designs.
     """
     if objective == "deflection":
         return np.asarray(reference / reference.min() - 1.0)
@@ -129,6 +138,7 @@ def spearman(first: Array, second: Array) -> float:
     """Rank correlation (Spearman's ρ, −1 to 1) of two sets of values (n) of the designs.
 
     Equally good designs share their mean rank. NaN if all designs are equally good by one set.
+    Shapes: n designs.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return float(np.corrcoef(_ranks(first), _ranks(second))[0, 1])
@@ -137,7 +147,7 @@ def spearman(first: Array, second: Array) -> float:
 def _ranks(values: Array) -> Array:
     """Ranks (n) from 0.
 
-    Values within `INDIFFERENT` of the next smaller one share their mean rank.
+    Values within `INDIFFERENT` of the next smaller one share their mean rank. Shapes: n designs.
     """
     order = np.argsort(values, kind="stable")
     ascending, ties = values[order], np.zeros(len(values), dtype=int)

@@ -47,7 +47,8 @@ def displacements(
 ) -> Array:
     """Displacements (p×l×6, m and rad, base axes) of the loaded point under each load.
 
-    NaN if the mechanism cannot move as a load requires. Raises as `answers` does.
+    NaN if the mechanism cannot move as a load requires. Raises as `answers` does. Shapes: p
+    postures, l loads.
     """
     mechanism = postures[0].mechanism
     if not mechanism.loads:
@@ -65,7 +66,7 @@ def displacements(
 
 
 def displacements_of(bodies: Mapping[str, BodyModel], postures: Sequence[Posture]) -> Array:
-    """Displacements (p×l×6) of a mechanism assembled from models of its bodies.
+    """Displacements of the tool (p postures × l loads × 6) with given models of its bodies.
 
     Loads act on the masses of these models.
     """

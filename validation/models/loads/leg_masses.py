@@ -1,11 +1,11 @@
-"""Plausible distributions of mass and stiffness inside a leg that is known by its 6×6.
+"""Plausible distributions of mass and stiffness along a leg that is known by its 6×6.
 
 Input: the 6×6 of a leg, its mass and, if given, centre of mass and inertia. Output: matrices of the
-leg with each plausible inside. Rule: between its ends the leg has exactly its 6×6. Inside it is a
-uniform beam with that 6×6, once as soft and once as stiff as such beams can be
-(`fem.beams.interior`). All distributions have the mass of the file, and its centre if one is given.
-Only the lump can have the inertia of the file, which no mass along a line has. A verdict that is
-the same for all distributions holds for any leg; if verdicts differ, more data are needed.
+leg with each plausible distribution. Rule: between its ends the leg has exactly its 6×6. Along its
+length it is a uniform beam with that 6×6, once as soft and once as stiff as such beams can be
+(`fem.beams.interior`). All distributions have the mass of the file, and its centre of mass if one
+is given. Only the lump can have the inertia of the file, which no mass along a line has. A verdict
+that is the same for all distributions holds for any leg; if verdicts differ, more data are needed.
 """
 
 from collections.abc import Collection, Mapping
@@ -90,7 +90,10 @@ def ends_mass(leg: GivenLeg, masses: Masses) -> Array:
 
 
 def shapes_inside(leg: GivenLeg, inside: Inside, highest: float, elements: int) -> Array:
-    """Shapes (n×r) of the inside: static ones due to the ends, then modes with clamped ends."""
+    """Shapes (n×r) of the inside: static ones due to the ends, then modes with clamped ends.
+
+    Shapes: n unknowns of the beam, r shapes.
+    """
     beam = interior_beam(leg, inside.interior, elements)
     held_beam = held_leg(beam)
     if inside.masses == "mass in lumps":
@@ -103,7 +106,7 @@ def by_shapes(shapes: Array, leg: GivenLeg, inside: Inside, elements: int) -> Le
     """Matrices of a leg reduced to given shapes (n×r).
 
     `shapes` belong to this leg, or to one with a slightly different 6×6; matrices are then accurate
-    to first order.
+    to first order. Shapes: n unknowns of the beam, r shapes.
     """
     beam = interior_beam(leg, inside.interior, elements)
     stiffness = shapes.T @ (beam.stiffness @ shapes)
@@ -123,7 +126,10 @@ def by_shapes(shapes: Array, leg: GivenLeg, inside: Inside, elements: int) -> Le
 
 
 def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> SparseMatrix:
-    """Mass matrix (n×n) of sections at stations along the leg, or of the lump."""
+    """Mass matrix (n×n) of sections at stations along the leg, or of the lump.
+
+    Shapes: n unknowns of the beam.
+    """
     if masses == "mass in lumps":
         stations = np.array([0.5 * leg.length if leg.mass_centre is None else leg.mass_centre])
         weights = np.diag([leg.mass] * 3 + [0.0] * 3)

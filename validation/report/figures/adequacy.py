@@ -101,7 +101,7 @@ def _chart(panels: Sequence[Panel], matrix: Matrix, table: Mapping[str, Column])
 def _abscissa(matrix: Matrix) -> tuple[Array, str]:
     """Abscissa (p) with its label: the only coordinate of the poses, or the number along the path.
 
-    Entries of legs have no pose.
+    Entries of legs have no pose. Shapes: p poses.
     """
     poses = np.reshape(matrix.poses, (len(matrix.poses), len(matrix.coordinates)))
     if len(matrix.coordinates) == 1:
@@ -115,7 +115,10 @@ def _numbers(values: Sequence[float | None]) -> Array:
 
 
 def _error_ranges(entry: Entry) -> Array:
-    """Distances (2×p) of each pose's error from its lowest and highest value."""
+    """Distances (2×p) of each pose's error from its lowest and highest value.
+
+    Shapes: p poses.
+    """
     errors, lows, highs = map(_numbers, (entry.errors, entry.lows, entry.highs))
     # Negative differences are round-off.
     return np.maximum([errors - lows, highs - errors], 0.0)

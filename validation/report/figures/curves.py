@@ -91,7 +91,7 @@ def deflection_chart(
 ) -> Chart:
     """Chart of compliances (p×6, SI) over x (p), as deflections under `_FORCE` and `_MOMENT`.
 
-    The columns of `abscissa` are added to the table.
+    The columns of `abscissa` are added to the table. Shapes: p poses.
     """
     panels = []
     for direction, name in enumerate(AXES):
@@ -105,7 +105,10 @@ def deflection_chart(
 def frequency_chart(
     compared: Compared, x: Array, label: str, abscissa: Mapping[str, Column]
 ) -> Chart:
-    """Chart of the first frequencies (p×k, Hz) over x (p), one panel each."""
+    """Chart of the first frequencies (p×k, Hz) over x (p), one panel each.
+
+    Shapes: p poses, k modes.
+    """
     count = min(JUDGED_MODES, next(iter(compared.values.values())).shape[1])
     panels = [_panel(compared, x, mode, f"f{mode + 1} (Hz)", 1.0) for mode in range(count)]
     return _chart(panels, label, abscissa, columns=count)
@@ -128,7 +131,10 @@ def _panel(compared: Compared, x: Array, column: int, title: str, factor: float)
 
 
 def _path_abscissa(context: Context) -> tuple[Array, str, Mapping[str, Column]]:
-    """Abscissa (p): the only coordinate that changes along the path, or the number of the pose."""
+    """Abscissa (p): the only coordinate that changes along the path, or the number of the pose.
+
+    Shapes: p poses.
+    """
     moves = coordinates(context.robot_file.mechanism)
     poses = np.array([posture.pose for posture in path_postures(context)])
     columns = {

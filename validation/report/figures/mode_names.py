@@ -84,7 +84,10 @@ def leading_kind(strain: Mapping[str, Array], mode: int) -> str:
 
 
 def mode_names(system: System, shapes: Array) -> ModeNames:
-    """Names of the modes of a system, whose shapes (n×m) are given."""
+    """Names of the modes of a system, whose shapes (n×m) are given.
+
+    Shapes: m modes, n unknowns.
+    """
     mechanism = system.posture.mechanism
     strain = shares_by_kind(strain_shares(system, shapes), mechanism)
     return ModeNames(strain, kinetic_shares(system, shapes), in_one_plane(system.posture))
@@ -118,13 +121,19 @@ def sum_shares(
 
 
 def kinetic_shares(system: System, shapes: Array) -> Array:
-    """Shares (3×m) of the kinetic energy of mode shapes (n×m) along base x, y and z."""
+    """Shares (3×m) of the kinetic energy of mode shapes (n×m) along base x, y and z.
+
+    Shapes: m modes, n unknowns.
+    """
     energy = kinetic_energies(system, shapes)
     return np.asarray(energy / energy.sum(axis=0))
 
 
 def kinetic_energies(system: System, shapes: Array) -> Array:
-    """∫ρ uᵢ² dV (3×m, kg m²) along base x, y and z, with the mass of bodies lumped in points."""
+    """∫ρ uᵢ² dV (3×m, kg m²) along base x, y and z, with the mass of bodies lumped in points.
+
+    Shapes: m modes.
+    """
     mechanism, posture = system.posture.mechanism, system.posture
     energy = np.zeros((3, shapes.shape[1]))
     for name, model in system.models.items():
