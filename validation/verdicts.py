@@ -93,7 +93,7 @@ class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
     expected: Annotated[float | None, Column("reference value")] = None
     # Description of the reference.
     reference: Annotated[str, COLUMN] = ""
-    # Likeness (0 to 1) of the modes whose measured and computed frequencies are compared.
+    # MAC (0 to 1) of the modes whose measured and computed frequencies are compared.
     mac: Annotated[float | None, COLUMN] = None
     # Change of the model that reduces the error. "" if there is none.
     remedy: Annotated[str, COLUMN] = ""

@@ -59,7 +59,7 @@ class ModePairing:
     that mixed shapes allow; for the order of modes, with other positions. `undecided`: true if
     shapes do not show whether the model has the mode. `local`: true if the mode is local to a leg's
     section. `rigid_share`: share of the mode's kinetic energy in cross-sections and bodies that
-    move as wholes. `likeness`: MAC with the partner; without a partner, the largest MAC with any
+    move as wholes. `mac`: MAC with the partner; without a partner, the largest MAC with any
     mode of the model. `exchange_below`, `exchange_above`: further distances, to errors of modes
     that take this mode's number if the stiffness inside the legs lies between those of two
     interpretations.
@@ -70,7 +70,7 @@ class ModePairing:
     undecided: NDArray[np.bool_]
     local: NDArray[np.bool_]
     rigid_share: Array
-    likeness: Array
+    mac: Array
     exchange_below: Array
     exchange_above: Array
 
@@ -431,8 +431,8 @@ class ModelErrors:
                 above=np.nan_to_num(above / expected),
                 undecided=pairs.undecided[poses, mode],
                 local=pairs.local[poses, mode],
-                rigid_share=pairs.seen[poses, mode],
-                likeness=pairs.likeness[poses, mode],
+                rigid_share=pairs.energy_shares[poses, mode],
+                mac=pairs.mac[poses, mode],
                 exchange_below=np.zeros(len(frequencies)),
                 exchange_above=np.zeros(len(frequencies)),
             ),

@@ -97,7 +97,7 @@ def judged_model(robot: RobotOnPath, name: str, recipe: JudgedModel) -> Model:
         title=recipe.title,
         statics=None if unable else model.statics,
         modes=None if unable or static else model.modes,
-        silent=unable or (_STATIC if static else ""),
+        undefined_reason=unable or (_STATIC if static else ""),
         rigid=_RIGID if name == "simplified" else "",
         computed_by=(f"validation.models.robot_models.answers({recipe.kind!r})",),
     )

@@ -88,7 +88,7 @@ def verdict_matrix(subject: Subject, requirement: Requirement) -> Matrix:
 def _undefined_reason(subject: Subject, model: Model) -> str:
     """Reason why a model does not define statics or modes. "" if it defines both."""
     massless = model.modes is not None and subject.responses.modes(model, NOMINAL) is None
-    return model.silent or (_NO_MASS if massless else "")
+    return model.undefined_reason or (_NO_MASS if massless else "")
 
 
 def _entry(
@@ -320,10 +320,8 @@ def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str
     if quantity == ORDER or errors.pairing is None:
         return "has too few modes"
     pairing = errors.pairing
-    share, likeness = (
-        float(values[:, pose].max()) for values in (pairing.rigid_share, pairing.likeness)
-    )
-    lacking = f"energy-weighted MAC of at most {likeness:.2f} with each of its modes"
+    share, mac = (float(values[:, pose].max()) for values in (pairing.rigid_share, pairing.mac))
+    lacking = f"energy-weighted MAC of at most {mac:.2f} with each of its modes"
     if pairing.local[:, pose].all():
         return (
             "lacks this mode, which is local to the section of a leg: rigid motion of "

@@ -122,7 +122,7 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
     modes_by_name = solved_modes(responses)
     reference = dynamic_reference(responses)
     uncertainties = {}
-    judged = robot.judged
+    judged = robot.judged_count
     for name, (first, *others) in _grouped_by_ends(reference).items():
         first_modes = responses.required_modes(SOLID, first.reading)
         half_widths = first.frequency_half_widths(judged)

@@ -213,7 +213,11 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
 def _without_modes(models: Iterable[Model]) -> list[Model]:
     """Models reduced to their statics. The reason for missing modes is removed."""
     return [
-        replace(model, modes=None, silent=model.silent if model.statics is None else "")
+        replace(
+            model,
+            modes=None,
+            undefined_reason=model.undefined_reason if model.statics is None else "",
+        )
         for model in models
     ]
 
@@ -285,7 +289,9 @@ def _notes(robot: RobotOnPath) -> list[str]:
         if (count := impossible_poses(robot.postures, load))
     ]
     with suppress(*UNSOLVED):
-        notes += reduction_note(robot.postures, robot.offered, robot.holding.first, robot.judged)
+        notes += reduction_note(
+            robot.postures, robot.computed_count, robot.holding.first, robot.judged_count
+        )
     return notes
 
 

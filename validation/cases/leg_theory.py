@@ -37,12 +37,12 @@ from validation.solids.solid_legs import (
     GRIDS_FOR_ORDER,
     Refinement,
     SolidModes,
+    computed_properties,
     dynamic_ladder,
     face_mesh,
     face_restraint,
     formal_order,
     leg_constants,
-    own_properties,
     solid_compliances,
     solid_frequencies,
     static_ladder,
@@ -150,7 +150,7 @@ def computed_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
 
     The constants are those of each of m section meshes.
     """
-    beams = (own_properties(leg, number) for number in divisions)
+    beams = (computed_properties(leg, number) for number in divisions)
     return np.array([tip_compliance(beam, leg.length) for beam in beams])
 
 
@@ -169,7 +169,7 @@ def computed_frequencies(
 
     `kinds`: kind of deformation and order of each of k modes.
     """
-    beams = [own_properties(leg, number) for number in divisions]
+    beams = [computed_properties(leg, number) for number in divisions]
     return frequencies_by_kind(beams, leg.length, kinds)
 
 
@@ -288,12 +288,12 @@ def _percent(changed: float, base: float) -> str:
 )
 def _mode(context: Context, body: str, index: int) -> Measurement:
     leg = constant_leg_of(context, body)
-    offered = beam_mode_count(context, leg)
+    count = beam_mode_count(context, leg)
     modes = exact_modes(leg)
     exact = modes[index]
     if reason := context.get(why_no_beam, leg, exact):
         raise Skip(f"{exact.kind} mode {exact.order}: {reason}")
-    rigid, free = (frequencies(context, body, ends, offered) for ends in ("rigid", "free"))
+    rigid, free = (frequencies(context, body, ends, count) for ends in ("rigid", "free"))
     solid = free.frequencies
     kinds = tuple((mode.kind, mode.order) for mode in modes)
     beams = context.get(computed_frequencies, leg, solid.divisions, kinds)[:, index]

@@ -77,13 +77,13 @@ def wave_changes(
     waves: Waves,
     *,
     elements: int,
-    offered: int,
+    basis_count: int,
     count: int,
 ) -> Array:
     """Relative change (p×count) of the first frequencies due to waves, in p postures.
 
-    Computed in the space of `offered` modes. `beams` have `elements` elements and the constants of
-    the same section meshes; `legs` are their reductions. NaN for a mode whose waves have no beam
+    Computed in the space of `basis_count` modes. `beams` have `elements` elements and the constants
+    of the same section meshes; `legs` are their reductions. NaN for a mode whose waves have no beam
     counterpart, or which needs pieces shorter than elements.
     """
     bodies = {name: filled(leg.matrices) for name, leg in legs.items()}
@@ -95,7 +95,7 @@ def wave_changes(
     rows = []
     for posture in postures:
         system = prepared.at(posture)
-        beam_modes = modes(solved(system), offered)
+        beam_modes = modes(solved(system), basis_count)
         leg_shapes = [
             leg.reduced.recover(system.body_unknowns(name, beam_modes.shapes))
             for name, leg in leg_pieces.items()

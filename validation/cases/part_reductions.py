@@ -41,7 +41,7 @@ def _judged_modes(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
 )
 def _part_frequency(context: Context, index: int) -> Measurement:
     robot = robot_on_path(context)
-    arguments = robot.postures, robot.offered, robot.holding.first
+    arguments = robot.postures, robot.computed_count, robot.holding.first
     free, fixed = (
         context.get(bounded_frequencies, *arguments, JUDGED_MODES, COARSE, interfaces)
         for interfaces in ("free", "fixed")

@@ -170,12 +170,12 @@ def _frequency(
     context: Context, body: str, model: ModelName, index: int, limits: AgreementLimits
 ) -> Measurement:
     leg = constant_leg_of(context, body)
-    offered = beam_mode_count(context, leg)
+    count = beam_mode_count(context, leg)
     modes = exact_modes(leg)
     if reason := context.get(why_no_beam, leg, modes[index]):
         raise Skip(f"{modes[index].kind} mode {modes[index].order}: {reason}")
-    specified_ends = frequencies(context, body, limits.ends_of(leg.ends), offered)
-    free_ends = frequencies(context, body, "free", offered)
+    specified_ends = frequencies(context, body, limits.ends_of(leg.ends), count)
+    free_ends = frequencies(context, body, "free", count)
     divisions = free_ends.frequencies.divisions
     kinds = tuple((mode.kind, mode.order) for mode in modes)
     beam_frequencies = context.get(computed_frequencies, leg, divisions, kinds)[:, index]

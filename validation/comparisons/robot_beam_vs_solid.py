@@ -56,8 +56,8 @@ from validation.models.robot_models import CUTOFF, answers, highest_frequency, m
 from validation.references.mode_samples import samples_of
 from validation.references.modes_on_path import (
     SolidMeshes,
+    computed_beam_vibration,
     model_vibration,
-    own_vibration,
     solid_meshes,
     solid_vibration,
     vibration_of,
@@ -70,8 +70,8 @@ from validation.references.reference_legs import (
 from validation.references.robot_on_path import (
     Holds,
     Reading,
+    computed_count,
     known_legs,
-    offered,
     path_postures,
     why_not_serial,
 )
@@ -82,13 +82,13 @@ from validation.solids.solid_legs import (
     ELEMENTS,
     FORMAL_ORDER,
     SHARED_SOLIDS,
+    computed_beam,
+    computed_properties,
     decay_of_warping,
     doubled_tips,
     face_restraint,
     has_meshes,
     mesh_pair,
-    own_beam,
-    own_properties,
 )
 from validation.solids.solid_size import too_large, why_shapeless
 from validation.studies_and_figures import AGREEMENT
@@ -259,7 +259,7 @@ def robot_statics(
 @memo(16)
 def _computed_tip(leg: ConstantLeg, divisions: int) -> Array:
     """Tip compliance (6×6, SI) of the beam with section constants computed on `divisions`."""
-    return tip_compliance(own_properties(leg, divisions), leg.length)
+    return tip_compliance(computed_properties(leg, divisions), leg.length)
 
 
 @cases.case(
@@ -355,7 +355,7 @@ def robot_modes(
     faces = [{name: mesh.section_divisions(leg) for name, leg in legs.items()} for mesh in meshes]
     computed, distortion = [], []
     for section_divisions in faces:
-        beams = {leg: own_beam(leg, section_divisions[name]) for name, leg in legs.items()}
+        beams = {leg: computed_beam(leg, section_divisions[name]) for name, leg in legs.items()}
         vibration, reduced = _beam_vibration(posture, beams, count)
         frequencies, numbers = partner(vibration)
         by_waves = wave_changes(
@@ -364,14 +364,14 @@ def robot_modes(
             {name: beams[leg] for name, leg in legs.items()},
             waves_of(legs, section_divisions),
             elements=ELEMENTS,
-            offered=count,
+            basis_count=count,
             count=int(numbers.max()) + 1,
         )[0]
         computed.append(frequencies)
         distortion.append(np.where(numbers >= 0, by_waves[numbers], np.nan))
 
     def warping(hold: Holds) -> Array:
-        return partner(own_vibration((posture,), meshes.fine, hold, count))[0]
+        return partner(computed_beam_vibration((posture,), meshes.fine, hold, count))[0]
 
     def by_formula(side: int) -> Array:
         beams = {
@@ -424,7 +424,11 @@ def _mode_count(context: Context) -> int:
     """
     legs = known_legs(context.robot_file.mechanism).values()
     shared = all(isinstance(leg, ConstantLeg) for leg in legs)
-    return offered(max(MODES, context.robot_file.requirement.modes)) if shared else offered(1)
+    return (
+        computed_count(max(MODES, context.robot_file.requirement.modes))
+        if shared
+        else computed_count(1)
+    )
 
 
 def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidMeshes) -> None:

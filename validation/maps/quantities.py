@@ -135,7 +135,7 @@ def _references(robot: RobotOnPath) -> list[Assembly]:
     references = []
     for ends in robot.holding.alternatives.values():
         tips = {name: solid_tip(robot.context, leg, ends[name]) for name, leg in robot.legs.items()}
-        parts = solid_parts(robot.postures, robot.offered, ends)
+        parts = solid_parts(robot.postures, robot.computed_count, ends)
         references.append(assembly(robot.mechanism, {**links(robot.mechanism, tips), **parts}))
     return references
 
@@ -143,7 +143,7 @@ def _references(robot: RobotOnPath) -> list[Assembly]:
 def _finite_elements(robot: RobotOnPath) -> Assembly:
     """Assembly of reduced beams, with CAD parts as solids."""
     mechanism, options = robot.mechanism, ModelOptions(parts="condensed")
-    parts = solid_parts(robot.postures, robot.offered, robot.holding.first)
+    parts = solid_parts(robot.postures, robot.computed_count, robot.holding.first)
 
     def reduced_assembly(highest: float) -> Assembly:
         def reduce(leg: SectionedLeg | SteppedLeg, leg_options: ModelOptions) -> LegMatrices:

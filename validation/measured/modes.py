@@ -35,7 +35,7 @@ from validation.responses.mode_pairing import (
     one_frequency,
     pair_modes,
     sampled_modes,
-    space_likeness,
+    space_mac,
 )
 
 # Smallest MAC of partners. Partners usually have 0.9 and other modes 0.1; sensors a few centimetres
@@ -163,7 +163,7 @@ def modal_prediction(
     frequencies = solution.modes.frequencies[visible]
     measured = sampled_modes(test.frequencies, test.shapes)
     modelled = sampled_modes(frequencies, motions[:, visible])
-    mac = space_likeness(measured, modelled)
+    mac = space_mac(measured, modelled)
     similar, spaces = mac >= LEAST_MAC, one_frequency(frequencies)
     ratios = np.divide.outer(test.frequencies, frequencies)
     near = similar & (np.maximum(ratios, 1.0 / ratios) < _NEAR_RATIO)
@@ -172,7 +172,7 @@ def modal_prediction(
     pairs = pair_modes(measured, modelled, excluded=excluded)
     for column, nearest in enumerate(pairs.nearest):
         if nearest >= 0:
-            similar_modes, likeness = mac[column] >= LEAST_MAC, float(mac[column, nearest])
+            similar_modes, partner_mac = mac[column] >= LEAST_MAC, float(mac[column, nearest])
             reason = ""
             if likeness < LEAST_MAC:
                 reason = (
@@ -188,7 +188,7 @@ def modal_prediction(
                     "measure at more points"
                 )
             partners[column] = Partner(
-                int(visible[nearest]) + 1, float(frequencies[nearest]), likeness, reason
+                int(visible[nearest]) + 1, float(frequencies[nearest]), partner_mac, reason
             )
     if model != "simplified":
         partners = _without_verdicts_if_most_misfit(partners)

@@ -169,11 +169,11 @@ def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
     half_widths = np.zeros((len(robot.postures), MOST_MODES))
     half_widths += _MODAL_LEGS.half_widths(responses, reading, solve, _first_changes)
     half_widths += _PARTS.half_widths(responses, robot.first_reading, solve, _first_changes)
-    half_widths = half_widths[:, : robot.judged]
+    half_widths = half_widths[:, : robot.judged_count]
     if robot.prisms:
         beams = solve(_section_beams(reading), reading)
         section_half_widths = _MODAL_SECTIONS.half_widths(responses, reading, solve, _all_changes)
-        half_widths += shares_by_shape(fine, beams, section_half_widths, robot.judged)
+        half_widths += shares_by_shape(fine, beams, section_half_widths, robot.judged_count)
     return np.where(np.isnan(half_widths), UNKNOWN, half_widths)
 
 

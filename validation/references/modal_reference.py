@@ -69,14 +69,14 @@ def dynamic_reference(responses: Responses) -> Reference:
                 budget(MODAL_ROWS, responses, reading),
             )
         )
-    mass_unsaid = Source.MASSES if robot.given else ""
+    unspecified_masses = Source.MASSES if robot.given else ""
     return Reference(
         title=_reference_title(robot),
         model=SOLID,
         interpretations=interpretations,
-        open=" and ".join(filter(None, (holding.unsaid, mass_unsaid))),
-        decides="; ".join(filter(None, (holding.decides, robot.say_masses))),
-        interior=robot.say_interior,
+        open=" and ".join(filter(None, (holding.unspecified, unspecified_masses))),
+        decides="; ".join(filter(None, (holding.decides, robot.masses_instruction))),
+        interior=robot.interior_instruction,
         finer=FINER_PARTS if parts else _finer_preset(robot.prisms, preset),
         remedy=None if robot.given else USE_SOLID,
         supposed=_SUPPOSED if robot.given else "",
@@ -124,7 +124,7 @@ def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
         if (modes := responses.known_modes(reference.model, interpretation.reading))
     ]
     middle_frequencies = np.array(
-        [path[len(path) // 2, : robot.judged] for path in all_frequencies]
+        [path[len(path) // 2, : robot.judged_count] for path in all_frequencies]
     )
     lows, highs = np.nanmin(middle_frequencies, axis=0), np.nanmax(middle_frequencies, axis=0)
     spans = [
@@ -141,7 +141,7 @@ def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
         return (note,)
     middle = robot.postures[len(robot.postures) // 2]
     massless = links(robot.mechanism, tip_compliances(robot.mechanism))
-    (upper_bound,) = modes_along(assembly(robot.mechanism, massless), [middle], robot.judged)
+    (upper_bound,) = modes_along(assembly(robot.mechanism, massless), [middle], robot.judged_count)
     bounds = [
         f"f{k + 1} {frequency:.4g} Hz" for k, frequency in enumerate(upper_bound.modes.frequencies)
     ]

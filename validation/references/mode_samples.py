@@ -80,7 +80,7 @@ class Samples:
             rows += [(shift(position) @ twist)[:3] for position in points]
         return np.vstack(rows)
 
-    def seen(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
+    def energy_shares(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
         """Share (m) of each mode's kinetic energy for which the sampled displacements account.
 
         `shapes` (n×m) are mass-normalised. Samples of a prismatic leg move with whole

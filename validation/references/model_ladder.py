@@ -29,21 +29,21 @@ from validation.models.loads.displacements import (
 from validation.models.options import ModelName, ModelOptions, PartLegs
 from validation.models.robot_models import answers
 from validation.references.modes_on_path import (
-    OWN_SECTIONS,
+    COMPUTED_SECTIONS,
     LegMesh,
     modes_by_model,
-    modes_of_own_beams,
+    modes_of_computed_beams,
     modes_of_solids,
     solid_meshes,
 )
 from validation.references.reference_legs import (
     SECTION_DIVISIONS,
-    held_spring,
-    own_spring,
+    computed_spring,
     restrained_spring,
     shares_section,
     solid_tip,
     straight_spring,
+    warping_spring,
 )
 from validation.references.reference_parts import assembled, solid_parts
 from validation.references.responses import Model
@@ -104,11 +104,11 @@ def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
         body: solid_tip(robot.context, leg, reading.ends[body], mesh=reading.mesh)
         for body, leg in robot.legs.items()
     }
-    parts = solid_parts(robot.postures, robot.offered, reading.ends, reading.part_mesh)
+    parts = solid_parts(robot.postures, robot.computed_count, reading.ends, reading.part_mesh)
     return assembled(robot.postures, tips, parts, reading.masses)
 
 
-def own_statics(robot: RobotOnPath, reading: Reading) -> Statics:
+def computed_statics(robot: RobotOnPath, reading: Reading) -> Statics:
     """Statics with beams whose section constants are computed by finite elements of the section.
 
     With the reading's coarse section mesh, a leg whose two solids share a section mesh gets
@@ -120,7 +120,8 @@ def own_statics(robot: RobotOnPath, reading: Reading) -> Statics:
         return COARSEST_WALLS if coarse else SECTION_DIVISIONS
 
     springs = {
-        body: own_spring(robot.context, leg, divisions(leg)) for body, leg in robot.legs.items()
+        body: computed_spring(robot.context, leg, divisions(leg))
+        for body, leg in robot.legs.items()
     }
     return _by_springs(robot, springs)
 
@@ -134,7 +135,7 @@ def _spring_statics(spring: Spring, robot: RobotOnPath, reading: Reading) -> Sta
 
 
 def _by_springs(robot: RobotOnPath, springs: Springs) -> Statics:
-    return (_summed if robot.climbs == "vjm" else assembled)(robot.postures, springs)
+    return (_summed if robot.static_model == "vjm" else assembled)(robot.postures, springs)
 
 
 def _summed(postures: Sequence[Posture], springs: Springs) -> Statics:
@@ -157,25 +158,25 @@ def _straight(_robot: RobotOnPath, leg: Leg, _ends: Ends) -> Array:
 
 
 def _held(robot: RobotOnPath, leg: Leg, ends: Ends) -> Array:
-    return held_spring(robot.context, leg, ends)
+    return warping_spring(robot.context, leg, ends)
 
 
 def _restrained(robot: RobotOnPath, leg: Leg, ends: Ends) -> Array:
     return restrained_spring(robot.context, leg, ends)
 
 
-def _own_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
-    return modes_of_own_beams(robot, None, _section_mesh(robot, reading))
+def _computed_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
+    return modes_of_computed_beams(robot, None, _section_mesh(robot, reading))
 
 
 def _held_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
-    return modes_of_own_beams(robot, reading.ends, _section_mesh(robot, reading))
+    return modes_of_computed_beams(robot, reading.ends, _section_mesh(robot, reading))
 
 
 def _section_mesh(robot: RobotOnPath, reading: Reading) -> LegMesh:
     """Mesh for the section constants: the fine one, or that of the reference's solids."""
     if reading.section_mesh:
-        return OWN_SECTIONS
+        return COMPUTED_SECTIONS
     fine = solid_meshes(robot.context.meshes).fine
     return fine._replace(walls=max(fine.walls, COARSEST_WALLS))
 
@@ -184,8 +185,8 @@ def _section_mesh(robot: RobotOnPath, reading: Reading) -> LegMesh:
 # restrained at rigid ends.
 OWN = Model(
     "constants from the section's mesh",
-    statics=own_statics,
-    modes=_own_modes,
+    statics=computed_statics,
+    modes=_computed_modes,
     static_fields=("section_mesh",),
     modal_fields=("section_mesh",),
 )

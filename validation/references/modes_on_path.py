@@ -35,7 +35,7 @@ from validation.models.robot_models import (
     with_enough_modes,
 )
 from validation.references.mode_samples import Samples, samples_of
-from validation.references.reference_legs import SECTION_DIVISIONS, own_elements
+from validation.references.reference_legs import SECTION_DIVISIONS, computed_elements
 from validation.references.reference_parts import Bodies, condensed_parts, solid_parts
 from validation.references.robot_on_path import Holds, Reading, RobotOnPath, known_legs
 from validation.responses.statics_and_modes import PathModes
@@ -54,10 +54,10 @@ Build = Callable[[Leg, Ends, float], LegMatrices]
 def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) -> PathModes | None:
     """Modes of a robot by a judged model. None if nothing has mass."""
     if model == "simplified":
-        drives = modes_on_drives(robot.postures, robot.offered)
-        modes = vibration_of(robot.samples, drives, robot.offered)
+        drives = modes_on_drives(robot.postures, robot.computed_count)
+        modes = vibration_of(robot.samples, drives, robot.computed_count)
         return modes if np.isfinite(modes.frequencies).any(axis=1).all() else None
-    return robot.context.get(model_vibration, robot.postures, model, options, robot.offered)
+    return robot.context.get(model_vibration, robot.postures, model, options, robot.computed_count)
 
 
 class LegMesh(NamedTuple):
@@ -80,7 +80,7 @@ class LegMesh(NamedTuple):
         return divisions_across(leg, self.across, max(self.walls, self.least))
 
 
-OWN_SECTIONS = LegMesh(SECTION_DIVISIONS, SECTION_DIVISIONS)
+COMPUTED_SECTIONS = LegMesh(SECTION_DIVISIONS, SECTION_DIVISIONS)
 
 
 class SolidMeshes(NamedTuple):
@@ -110,17 +110,19 @@ def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
     """
     meshes = solid_meshes(robot.context.meshes)
     mesh = meshes.fine._replace(least=COARSEST_WALLS) if reading.mesh else meshes.coarse
-    return robot.context.get(solid_vibration, robot.postures, reading, mesh, robot.offered)
+    return robot.context.get(solid_vibration, robot.postures, reading, mesh, robot.computed_count)
 
 
-def modes_of_own_beams(
-    robot: RobotOnPath, ends: Holds | None, mesh: LegMesh = OWN_SECTIONS
+def modes_of_computed_beams(
+    robot: RobotOnPath, ends: Holds | None, mesh: LegMesh = COMPUTED_SECTIONS
 ) -> PathModes:
     """Modes by beams whose section constants are computed on `mesh`.
 
     If `ends` are given, warping is restrained at rigid ends; otherwise it is free.
     """
-    return robot.context.get(own_vibration, robot.postures, mesh, ends, robot.offered)
+    return robot.context.get(
+        computed_beam_vibration, robot.postures, mesh, ends, robot.computed_count
+    )
 
 
 def vibration_of(samples: Samples, posture_modes: Iterable[PostureModes], count: int) -> PathModes:
@@ -141,7 +143,9 @@ def vibration_of(samples: Samples, posture_modes: Iterable[PostureModes], count:
             )
         )
         energy_shares.append(
-            np.pad(samples.seen(posture.system, posture.modes.shapes, displacements), padding)
+            np.pad(
+                samples.energy_shares(posture.system, posture.modes.shapes, displacements), padding
+            )
         )
         responses.append(posture.responses)
     return PathModes(
@@ -236,7 +240,7 @@ def _reduced_solid(
     return craig_bampton(held_solid(leg, divisions, ends, section_divisions), highest).matrices
 
 
-def own_vibration(
+def computed_beam_vibration(
     postures: tuple[Posture, ...], mesh: LegMesh, ends: Holds | None, count: int
 ) -> PathModes:
     """Modes in each posture by beams whose section constants are computed on `mesh`.
@@ -244,7 +248,7 @@ def own_vibration(
     If `ends` are given, warping is restrained at rigid ends; otherwise it is free.
     """
     mechanism = postures[0].mechanism
-    build = partial(_own_leg, mesh=mesh, warping=ends is not None)
+    build = partial(_computed_leg, mesh=mesh, warping=ends is not None)
     hold: Holds = ends or dict.fromkeys(known_legs(mechanism), "rigid")
     return built_vibration(postures, build, condensed_parts(mechanism), hold, count)
 

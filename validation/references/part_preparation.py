@@ -102,7 +102,7 @@ def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[
     """Bodies with the reductions that a run needs, finest meshes first, since they take longest."""
     alternatives = tuple(robot.holding.alternatives.values())
     first = alternatives[:1]
-    highest, cutoff = highest_of_parts(robot.postures, robot.offered)
+    highest, cutoff = highest_of_parts(robot.postures, robot.computed_count)
     ask = partial(_reduction, highest=highest, cutoff=cutoff)
     # Coarser meshes serve the discretisation uncertainty, and the coarsest one also a check with
     # modes of free interfaces. Both are needed under the first end conditions only.

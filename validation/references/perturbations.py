@@ -84,6 +84,6 @@ def scaled(reference: PathModes, nominal: PathModes, perturbed: PathModes) -> Pa
         reference,
         frequencies=reference.frequencies[:, :count] * ratio,
         samples=reference.samples[:, :, :count],
-        seen=reference.seen[:, :count],
+        energy_shares=reference.energy_shares[:, :count],
         peaks=peaks,
     )

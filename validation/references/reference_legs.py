@@ -171,7 +171,7 @@ def straight_spring(leg: Leg) -> Array:
     return np.asarray(tip * mask)
 
 
-def own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
+def computed_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
     """6×6 tip compliance (SI, leg axes) of a beam with computed section constants.
 
     A leg given by its 6×6 returns that.
@@ -184,15 +184,15 @@ def own_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -
     return tip_compliance(beam_properties(constants, leg.material), leg.length)
 
 
-def held_spring(context: Context, leg: Leg, ends: Ends) -> Array:
+def warping_spring(context: Context, leg: Leg, ends: Ends) -> Array:
     """6×6 tip compliance (SI, leg axes) of a beam with computed section constants and end warping.
 
     Torsion is non-uniform, with restrained warping, if the ends are rigid. If they are free, it is
     Saint-Venant's.
     """
-    spring = own_spring(context, leg)
+    spring = computed_spring(context, leg)
     if isinstance(leg, ConstantLeg) and ends == "rigid":
-        constants = context.get(own_constants, leg)
+        constants = context.get(computed_constants, leg)
         beam = beam_properties(constants, leg.material)
         # Motion of the tip's centroid as the tip turns about its shear centre.
         motion = np.array([0.0, beam.centre_z, -beam.centre_y, 1.0, 0.0, 0.0])
@@ -212,7 +212,7 @@ def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
     return spring
 
 
-def own_elements(
+def computed_elements(
     leg: Leg, ends: Ends | None, elements: int, divisions: int = SECTION_DIVISIONS
 ) -> LegMatrices:
     """Matrices of a leg's beam elements with computed section constants.
@@ -223,13 +223,13 @@ def own_elements(
     if isinstance(leg, LineLeg):
         return line_beam(own_sections(leg, divisions), elements)
     constant = equivalent_leg(leg)
-    constants, material = own_constants(constant, divisions), constant.material
+    constants, material = computed_constants(constant, divisions), constant.material
     if ends is None:
         return beam_leg(beam_properties(constants, material), constant.length, elements)
     return warping_beam_leg(constants, material, constant.length, elements, ends)
 
 
-def own_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
+def computed_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
     """Section constants of a leg from finite elements of its section.
 
     They contain no thin-wall assumptions.

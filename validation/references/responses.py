@@ -34,10 +34,11 @@ class Model:
 
     `statics` is None if the model does not define statics. `modes` is None if it does not define
     modes; the function returns None if nothing has mass. `static_fields` and `modal_fields` are the
-    fields of a reading on which each function depends. `silent`: reason why statics or modes are
-    not defined. `rigid`: reason for zeros in the compliance. `computed_by`: names of the functions
-    that compute it. `stand_in`: a cheaper model whose changes by uncertain inputs are applied to
-    this one if the robot has solids. If it is None, this model is solved for each change of inputs.
+    fields of a reading on which each function depends. `undefined_reason`: reason why statics or
+    modes are not defined. `rigid`: reason for zeros in the compliance. `computed_by`: names of the
+    functions that compute it. `stand_in`: a cheaper model whose changes by uncertain inputs are
+    applied to this one if the robot has solids. If it is None, this model is solved for each change
+    of inputs.
     """
 
     name: str
@@ -46,7 +47,7 @@ class Model:
     modes: Solve[PathModes | None] | None = None
     static_fields: tuple[str, ...] = ()
     modal_fields: tuple[str, ...] = ()
-    silent: str = ""
+    undefined_reason: str = ""
     rigid: str = ""
     computed_by: tuple[str, ...] = ()
     stand_in: "Model | None" = None

@@ -114,12 +114,13 @@ class Holding:
 
     `alternatives`: end condition of each leg and part, by name of the alternative. For parts,
     "free" means averaged. There is one alternative if the file specifies all conditions, otherwise
-    a rigid and a free one. `unsaid` is a text on the conditions that the file does not specify;
-    `decides` is the instruction that specifies them. Both are "" if the file specifies all.
+    a rigid and a free one. `unspecified` is a text on the conditions that the file does not
+    specify; `decides` is the instruction that specifies them. Both are "" if the file specifies
+    all.
     """
 
     alternatives: Mapping[str, Holds]
-    unsaid: str = ""
+    unspecified: str = ""
     decides: str = ""
 
     @property
@@ -164,20 +165,20 @@ class RobotOnPath:
         return bool(self.prisms or self.mechanism.parts)
 
     @property
-    def say_masses(self) -> str:
+    def masses_instruction(self) -> str:
         """Instruction that specifies the mass distribution of legs known by their 6×6.
 
         "" without any.
         """
-        return say_masses(self.given, self.context.robot_file.schema)
+        return masses_instruction(self.given, self.context.robot_file.schema)
 
     @property
-    def say_interior(self) -> str:
+    def interior_instruction(self) -> str:
         """Instruction that specifies the stiffness inside legs known by their 6×6.
 
         "" without any.
         """
-        return say_interior(self.given, self.context.robot_file.schema)
+        return interior_instruction(self.given, self.context.robot_file.schema)
 
     @property
     def first_reading(self) -> Reading:
@@ -185,14 +186,14 @@ class RobotOnPath:
         return Reading(self.holding.first)
 
     @property
-    def judged(self) -> int:
+    def judged_count(self) -> int:
         """Number of natural frequencies that are judged in each pose."""
         return self.context.robot_file.requirement.modes
 
     @property
-    def offered(self) -> int:
+    def computed_count(self) -> int:
         """Number of modes that each model computes, of which the first are judged."""
-        return offered(self.judged)
+        return computed_count(self.judged_count)
 
     @cached_property
     def samples(self) -> Samples:
@@ -205,7 +206,7 @@ class RobotOnPath:
         return roundings_of(self.printed, self.postures)
 
     @cached_property
-    def climbs(self) -> str:
+    def static_model(self) -> str:
         """Name of the model by which causes of static errors are computed.
 
         "vjm" (virtual joint method) if the legs are serial chains without CAD parts, otherwise
@@ -242,7 +243,7 @@ def _postures(mechanism: Mechanism, largest: int) -> tuple[Posture, ...]:
     return tuple(postures_on_path(mechanism, mechanism.poses[rows]))
 
 
-def offered(judged: int) -> int:
+def computed_count(judged: int) -> int:
     """Number of modes to compute for each model if `judged` frequencies are judged.
 
     It is larger, since equal legs have clusters of close modes that must not be cut.
@@ -294,7 +295,7 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
     )
 
 
-def say_masses(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
+def masses_instruction(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
     """Instruction that specifies the mass distribution of legs known by their 6×6: missing keys.
 
     If no key is missing, the instruction is to replace the 6×6 by a section or solid. "" without
@@ -308,10 +309,10 @@ def say_masses(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
         f"{keys} in {_tables(bodies, schema)}" for keys, bodies in lacking.items() if keys
     ]:
         return f"specify the mass distribution of the legs beside the 6×6: {', '.join(missing)}"
-    return say_interior(legs, schema)
+    return interior_instruction(legs, schema)
 
 
-def say_interior(legs: Iterable[str], schema: int = 2) -> str:
+def interior_instruction(legs: Iterable[str], schema: int = 2) -> str:
     """Instruction that specifies the inside of legs known by their 6×6. "" without legs."""
     tables = _tables(dict.fromkeys(legs), schema)
     return f"specify the section or the solid instead of the 6×6 in {tables}" if tables else ""

@@ -56,9 +56,9 @@ def static_reference(responses: Responses) -> Reference:
         title=_reference_title(robot),
         model=SOLID,
         interpretations=interpretations,
-        open=robot.holding.unsaid,
+        open=robot.holding.unspecified,
         decides=robot.holding.decides,
-        masses=robot.say_masses,
+        masses=robot.masses_instruction,
         finer=FINER_PARTS if parts else finer_statics(context, robot.legs.values()),
         remedy=None if robot.given else USE_SOLID,
         computed_by=(
@@ -97,14 +97,16 @@ def static_steps(robot: RobotOnPath) -> Steps:
     models |= {kind: with_parts(kind) for kind in part_kinds(robot.mechanism)}
     if robot.prisms:
         models |= {"own": OWN, "warping": HELD, "contraction": RESTRAINED}
-    return ladders(_LADDERS, STATIC_STEPS, models, by=_BY[robot.climbs], climbs=robot.climbs)
+    return ladders(
+        _LADDERS, STATIC_STEPS, models, by=_BY[robot.static_model], static_model=robot.static_model
+    )
 
 
 STATIC_STEPS: Mapping[str, StepTexts] = {
     "drives": StepTexts(
         "elastic drives only, bodies and joints rigid",
         "{by}the specified legs",
-        use("{climbs}"),
+        use("{static_model}"),
     ),
     "shear": StepTexts(
         "shear deformation neglected",
@@ -120,7 +122,7 @@ STATIC_STEPS: Mapping[str, StepTexts] = {
     "couplings": StepTexts(
         "equivalent leg, which lacks couplings of the 6×6",
         "{by}the specified 6×6",
-        use("{climbs}", " with the specified 6×6: --legs given", "--legs"),
+        use("{static_model}", " with the specified 6×6: --legs given", "--legs"),
     ),
     **PART_STEPS,
     # and last those from textbook section constants to solids with rigid end faces.

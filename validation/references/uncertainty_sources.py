@@ -354,10 +354,10 @@ def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, masses: Ma
     frequencies.
     """
     beams, share = robot.context.get(
-        modes_by_digits, robot.printed, robot.postures, robot.offered, masses
+        modes_by_digits, robot.printed, robot.postures, robot.computed_count, masses
     )
-    by_shape = shares_by_shape(fine, beams, share, robot.judged)
-    largest = share[:, : robot.judged].max(axis=1, keepdims=True)
+    by_shape = shares_by_shape(fine, beams, share, robot.judged_count)
+    largest = share[:, : robot.judged_count].max(axis=1, keepdims=True)
     return np.where(np.isnan(by_shape), largest, by_shape)
 
 

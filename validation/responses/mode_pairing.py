@@ -1,14 +1,15 @@
 """Pairs of modes of two models with the same shape.
 
 Input: frequencies and sampled shapes of two models in one pose. Output: for each mode of the first
-model its partner in the second, or none. Rule: modes are assigned so that the sum of their likeness
-is largest, and two modes are partners if their likeness is at least 0.5.
+model its partner in the second, or none. Rule: modes are assigned so that the sum of their
+energy-weighted MAC is largest, and two modes are partners if it is at least 0.5.
 
-The likeness is MAC = (aᵀWb)² / (aᵀWa · bᵀWb), with the masses W at the sample points (Allemang &
-Brown, IMAC 1982), times the smaller over the larger of the two modes' sampled shares of kinetic
-energy. A beam mode is sampled entirely. Against it, the likeness is the squared overlap (aᵀMb)² in
-the mass matrix M of the whole robot. A local mode of a section, of whose energy the samples contain
-5 %, has a likeness of at most 0.05 with any beam mode.
+The energy-weighted MAC is (aᵀWb)² / (aᵀWa · bᵀWb), with the masses W at the sample points
+(Allemang & Brown, IMAC 1982), times the smaller over the larger of the two modes' sampled shares of
+kinetic energy. The samples contain all energy of a beam mode. For a beam mode and another mode,
+the energy-weighted MAC is therefore the squared overlap (aᵀMb)² in the mass matrix M of the whole
+robot. A local mode of a section, of whose energy the samples contain 5 %, has an energy-weighted
+MAC of at most 0.05 with any beam mode.
 
 Modes of equal frequency span a space, and any combination of them is a mode, too. Such spaces are
 compared by the squared cosines of their principal angles (Björck & Golub, Math. Comput. 27 (1973)
@@ -24,12 +25,12 @@ from numpy.typing import NDArray
 from lumped.arrays import Array, IntArray
 from lumped.legs import BeamProperties
 
-# Smallest likeness of partners. Of several orthogonal shapes, at most one can have more than half
-# of its square in common with a given shape.
-ALIKE = 0.5
+# Smallest energy-weighted MAC of partners. Of several orthogonal shapes, at most one can have a MAC
+# above one half with a given shape.
+PARTNER_MAC = 0.5
 # First number: two pairs are ambiguous if exchanging their partners keeps at least this fraction of
-# their likeness, as for modes rotated into each other by 35 to 55 degrees. Second number: a pair
-# above this likeness is certain, since other orthogonal shapes share at most the remainder.
+# their MAC, as for modes rotated into each other by 35 to 55 degrees. Second number: a pair
+# above this MAC is certain, since other orthogonal shapes share at most the remainder.
 _UNDECIDED, _DECIDED = 0.5, 2.0 / 3.0
 # Relative frequency gap beyond which modes of mixed shapes are distinct: modes so far apart are
 # rotated into each other by 35 degrees only if the models differ by as much (Davis & Kahan, SIAM J.
@@ -38,8 +39,8 @@ _FAR = 0.25
 # Relative gap up to which frequencies are repeated: coordinates with six digits split them by some
 # millionths.
 _REPEATED = 1e-5
-# Penalty on the squared difference of mode numbers. It decides only if likeness is equal, since it
-# is smaller than any likeness.
+# Penalty on the squared difference of mode numbers. It decides only between equal values of the
+# MAC, since it is smaller than any difference of the MAC that matters.
 _TIE = 1e-9
 # Singular values below this fraction of the largest one are round-off.
 _RANK = 1e-6
@@ -52,108 +53,117 @@ class SampledModes:
     """Modes of one model in one posture, sampled at points common to all models.
 
     `frequencies` (m, Hz, ascending). `shapes` (k×m): unit columns, each sample multiplied by the
-    root of its mass. `seen` (m): share of each mode's kinetic energy that the samples contain.
-    Shapes: m modes of the first model, k samples.
+    root of its mass. `energy_shares` (m): share of each mode's kinetic energy that the samples
+    contain. Shapes: m modes, k samples.
     """
 
     frequencies: Array
     shapes: Array
-    seen: Array
+    energy_shares: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
     """Partners of m modes of one model among the modes of another.
 
-    `nearest` (m): index of the mode assigned by the largest sum of likeness, −1 if the other model
-    has fewer modes. `partner` (m): index of the partner, −1 if the shape of `nearest` differs.
-    Modes of equal frequency have partners in ascending order. `likeness` (m): squared cosine
-    between the mode and the space of its partner. Without a partner, the largest likeness with any
-    mode. `exchange` (m×m): likeness of two pairs after exchanging their partners, relative to
-    before. Zero for modes of equal frequency and for modes with well separated frequencies. `mixed`
-    (m×m): true for two pairs of different frequencies whose partners cannot be told apart by shape.
-    `undecided` (m): true for modes without a partner because m of them share the shapes of fewer
-    than m modes of the other model. `ordered` (m): partners rearranged in the most ascending order
-    that mixed modes, and modes closer than their uncertainty, allow.
+    `nearest` (m): index of the mode assigned by the largest sum of energy-weighted MAC, −1 if the
+    other model has fewer modes. `partner` (m): index of the partner, −1 if the shape of `nearest`
+    differs. Modes of equal frequency have partners in ascending order. `mac` (m): squared cosine
+    between the mode and the space of its partner. Without a partner, the largest energy-weighted
+    MAC with any mode. `exchange` (m×m): sum of the MAC of two pairs after exchanging their
+    partners, relative to before. Zero for modes of equal frequency and for modes with well
+    separated frequencies. `mixed` (m×m): true for two pairs of different frequencies whose partners
+    cannot be told apart by shape. `undecided` (m): true for modes without a partner because m of
+    them share the shapes of fewer than m modes of the other model. `ordered` (m): partners
+    rearranged in the most ascending order that mixed modes, and modes closer than their
+    uncertainty, allow.
     """
 
     nearest: IntArray
     partner: IntArray
-    likeness: Array
+    mac: Array
     exchange: Array
     mixed: BoolArray
     undecided: BoolArray
     ordered: IntArray
 
 
-def sampled_modes(frequencies: Array, samples: Array, seen: Array | None = None) -> SampledModes:
-    """Modes with unit shapes, from `samples` (k×m) already multiplied by the root of each mass.
+def sampled_modes(
+    frequencies: Array, samples: Array, energy_shares: Array | None = None
+) -> SampledModes:
+    """Modes with unit shapes, from samples (k×m) already multiplied by the root of each mass.
 
-    `seen` (m): share of kinetic energy that the samples contain. If it is None, all of it. Shapes:
-    m modes of the first model, k samples.
+    `energy_shares` (m): share of kinetic energy that the samples contain; None: all of it. Shapes:
+    m modes, k samples.
     """
     sizes = np.linalg.norm(samples, axis=0)
     shapes = samples / np.where(sizes > 0.0, sizes, 1.0)
-    return SampledModes(frequencies, shapes, np.ones_like(sizes) if seen is None else seen)
+    return SampledModes(
+        frequencies, shapes, np.ones_like(sizes) if energy_shares is None else energy_shares
+    )
 
 
-def likeness_matrix(own: SampledModes, other: SampledModes) -> Array:
-    """Likeness (m×n) of each mode of one model with each mode of another.
-
-    Shapes: m modes of the first model, n modes of the second model.
-    """
-    return np.square(_overlaps(own, other))
-
-
-def space_likeness(own: SampledModes, other: SampledModes) -> Array:
-    """Likeness (m×n) of the modes of two models, averaged over modes of equal frequency.
+def mac_matrix(first: SampledModes, second: SampledModes) -> Array:
+    """Energy-weighted MAC (m×n) of each mode of one model with each mode of another.
 
     Shapes: m modes of the first model, n modes of the second model.
     """
-    spaces = one_frequency(own.frequencies), one_frequency(other.frequencies)
-    return _means(_overlaps(_in_spaces(own, spaces[0]), _in_spaces(other, spaces[1])), *spaces)
+    return np.square(_overlaps(first, second))
+
+
+def space_mac(first: SampledModes, second: SampledModes) -> Array:
+    """Energy-weighted MAC (m×n) of two models' modes, averaged over modes of equal frequency.
+
+    Shapes: m modes of the first model, n modes of the second model.
+    """
+    spaces = one_frequency(first.frequencies), one_frequency(second.frequencies)
+    return _means(_overlaps(_in_spaces(first, spaces[0]), _in_spaces(second, spaces[1])), *spaces)
 
 
 def pair_modes(
-    own: SampledModes,
-    other: SampledModes,
-    unsure: Array | None = None,
+    first: SampledModes,
+    second: SampledModes,
+    frequency_uncertainties: Array | None = None,
     excluded: BoolArray | None = None,
 ) -> Pairs:
-    """Partners of the modes `own` of one model among the modes `other` of another model.
+    """Partners of the modes `first` of one model among the modes `second` of another model.
 
-    `unsure` (m): relative uncertainties of the first model's frequencies. `excluded` (m×n): pairs
-    that cannot be partners. Shapes: m modes of the first model, n modes of the second model.
+    `frequency_uncertainties` (m): relative uncertainties of the first model's frequencies.
+    `excluded` (m×n): pairs that cannot be partners. Shapes: m modes of the first model, n modes of
+    the second model.
     """
-    own_spaces, other_spaces = one_frequency(own.frequencies), one_frequency(other.frequencies)
-    overlaps = _overlaps(_in_spaces(own, own_spaces), _in_spaces(other, other_spaces))
+    first_groups, second_groups = (
+        one_frequency(first.frequencies),
+        one_frequency(second.frequencies),
+    )
+    overlaps = _overlaps(_in_spaces(first, first_groups), _in_spaces(second, second_groups))
     if excluded is not None:
         overlaps[excluded] = 0.0
     # The assignment needs at least as many columns as rows: missing modes are zero shapes.
-    lacking = max(len(own_spaces) - len(other_spaces), 0)
+    lacking = max(len(first_groups) - len(second_groups), 0)
     overlaps = np.pad(overlaps, ((0, 0), (0, lacking)))
-    other_spaces = np.append(other_spaces, -1 - np.arange(lacking))
-    means = _means(overlaps, own_spaces, other_spaces)
+    second_groups = np.append(second_groups, -1 - np.arange(lacking))
+    means = _means(overlaps, first_groups, second_groups)
     nearest = _assigned(means)
-    blocks = _Blocks(overlaps, own_spaces, other_spaces, nearest)
-    likeness = blocks.likeness()
-    exchange = blocks.exchange(means, likeness)
+    blocks = _Blocks(overlaps, first_groups, second_groups, nearest)
+    mac = blocks.mac()
+    exchange = blocks.exchange(means, mac)
     lower, upper = (
-        ufunc.outer(own.frequencies, own.frequencies) for ufunc in (np.minimum, np.maximum)
+        ufunc.outer(first.frequencies, first.frequencies) for ufunc in (np.minimum, np.maximum)
     )
     exchange[upper > (1.0 + _FAR) * lower] = 0.0
-    open_pairs = likeness <= _DECIDED
+    open_pairs = mac <= _DECIDED
     linked = (exchange >= _UNDECIDED) & np.logical_and.outer(open_pairs, open_pairs)
-    likeness, undecided = blocks.mixture_likeness(linked, likeness)
-    paired = (likeness >= ALIKE) & ~undecided
-    near = one_frequency(own.frequencies, unsure)
+    mac, undecided = blocks.mixture_mac(linked, mac)
+    paired = (mac >= PARTNER_MAC) & ~undecided
+    near = one_frequency(first.frequencies, frequency_uncertainties)
     same_frequency = np.equal.outer(near, near)
     partner = np.where(paired, nearest, -1)
     partner = _ascending(partner, linked & same_frequency)
     return Pairs(
-        np.where(nearest < len(other.frequencies), nearest, -1),
+        np.where(nearest < len(second.frequencies), nearest, -1),
         partner,
-        np.where(paired, likeness, means.max(axis=1, initial=0.0)),
+        np.where(paired, mac, means.max(axis=1, initial=0.0)),
         exchange,
         linked & ~same_frequency & np.logical_and.outer(paired, paired),
         undecided,
@@ -161,25 +171,27 @@ def pair_modes(
     )
 
 
-def _assigned(likeness: Array) -> IntArray:
+def _assigned(mac: Array) -> IntArray:
     """Column (m) assigned to each row of a matrix (m×n, m ≤ n), with the largest sum.
 
     By the Hungarian method. Equal rows and columns are assigned in ascending order.
     """
-    distances = np.subtract.outer(*(np.arange(float(size)) for size in likeness.shape))
-    penalised = likeness - _TIE * distances**2
+    distances = np.subtract.outer(*(np.arange(float(size)) for size in mac.shape))
+    penalised = mac - _TIE * distances**2
     columns: IntArray = scipy.optimize.linear_sum_assignment(penalised, maximize=True)[1]
     return columns
 
 
-def one_frequency(frequencies: Array, unsure: Array | None = None) -> IntArray:
+def one_frequency(frequencies: Array, frequency_uncertainties: Array | None = None) -> IntArray:
     """Index (m) of the group of equal frequencies to which each mode belongs, ascending.
 
-    Frequencies are equal if they lie within the smallest relative uncertainty `unsure` (m) of the
-    group, and at least within the gap of repeated frequencies. A chain of small gaps is split into
-    several groups, so that no group is wider than this.
+    Frequencies are equal if they lie within the smallest relative uncertainty
+    `frequency_uncertainties` (m) of the group, and at least within the gap of repeated frequencies.
+    A chain of small gaps is split into several groups, so that no group is wider than this.
     """
-    width = np.zeros(len(frequencies)) if unsure is None else unsure
+    width = (
+        np.zeros(len(frequencies)) if frequency_uncertainties is None else frequency_uncertainties
+    )
     width = np.maximum(width, _REPEATED)
     spaces = np.zeros(len(frequencies), dtype=int)
     group, lowest, narrowest = -1, -np.inf, 0.0
@@ -199,61 +211,61 @@ class _Blocks:
     """
 
     overlaps: Array
-    own_spaces: IntArray
-    other_spaces: IntArray
+    first_groups: IntArray
+    second_groups: IntArray
     partner: IntArray
 
-    def likeness(self) -> Array:
+    def mac(self) -> Array:
         """Squared cosines (m) of the principal angles between the spaces of each pair of modes.
 
         Among modes of equal frequency, the first have the smallest angles.
         """
-        likeness = np.zeros(len(self.partner))
-        pairs = np.column_stack([self.own_spaces, self.other_spaces[self.partner]])
+        mac = np.zeros(len(self.partner))
+        pairs = np.column_stack([self.first_groups, self.second_groups[self.partner]])
         for pair in np.unique(pairs, axis=0):
             inside = np.flatnonzero((pairs == pair).all(axis=1))
-            likeness[inside] = self._cosines(inside)[: len(inside)]
-        return likeness
+            mac[inside] = self._cosines(inside)[: len(inside)]
+        return mac
 
-    def exchange(self, means: Array, likeness: Array) -> Array:
-        """Likeness (m×m) of two pairs after exchanging partners, relative to before.
+    def exchange(self, means: Array, mac: Array) -> Array:
+        """Sum of the MAC (m×m) of two pairs after exchanging partners, relative to before.
 
         Zero for modes of equal frequency. Shapes: m modes of the first model.
         """
         crossed = means[:, self.partner] + means[:, self.partner].T
-        together = np.add.outer(likeness, likeness)
-        partner_spaces = self.other_spaces[self.partner]
-        separate = ~np.equal.outer(self.own_spaces, self.own_spaces)
+        together = np.add.outer(mac, mac)
+        partner_spaces = self.second_groups[self.partner]
+        separate = ~np.equal.outer(self.first_groups, self.first_groups)
         separate &= ~np.equal.outer(partner_spaces, partner_spaces) & (together > 0.0)
         return np.divide(crossed, together, out=np.zeros_like(crossed), where=separate)
 
-    def mixture_likeness(self, linked: BoolArray, likeness: Array) -> tuple[Array, BoolArray]:
-        """Likeness (m) of each mode; in a linked group, with the space of all partners of it.
+    def mixture_mac(self, linked: BoolArray, mac: Array) -> tuple[Array, BoolArray]:
+        """MAC (m) of each mode; in a linked group, with the space of all partners of the group.
 
         The second array (m) is true for modes of a group that shares the shapes of fewer partners
         than it has modes.
         """
-        group_likeness, undecided = likeness.copy(), np.zeros(len(likeness), dtype=bool)
+        group_mac, undecided = mac.copy(), np.zeros(len(mac), dtype=bool)
         groups = _components(linked)
         for group in np.flatnonzero(np.bincount(groups) > 1):
             inside = np.flatnonzero(groups == group)
             rows, columns = self._spaces(inside)
             squares = np.square(self.overlaps[np.ix_(rows, columns)]).sum(axis=1)
             spanned = np.array(
-                [squares[self.own_spaces[rows] == self.own_spaces[i]].mean() for i in inside]
+                [squares[self.first_groups[rows] == self.first_groups[i]].mean() for i in inside]
             )
-            if (self._cosines(inside)[: len(inside)] >= ALIKE).all():
-                group_likeness[inside] = spanned
+            if (self._cosines(inside)[: len(inside)] >= PARTNER_MAC).all():
+                group_mac[inside] = spanned
             else:
-                undecided[inside] = spanned >= 0.5 * ALIKE
-        return group_likeness, undecided
+                undecided[inside] = spanned >= 0.5 * PARTNER_MAC
+        return group_mac, undecided
 
     def _spaces(self, modes: IntArray) -> tuple[IntArray, IntArray]:
         """Indices of all modes with the frequencies of `modes`, and of all with their partners'."""
-        partner_spaces = self.other_spaces[self.partner[modes]]
+        partner_spaces = self.second_groups[self.partner[modes]]
         return (
-            np.flatnonzero(np.isin(self.own_spaces, self.own_spaces[modes])),
-            np.flatnonzero(np.isin(self.other_spaces, partner_spaces)),
+            np.flatnonzero(np.isin(self.first_groups, self.first_groups[modes])),
+            np.flatnonzero(np.isin(self.second_groups, partner_spaces)),
         )
 
     def _cosines(self, modes: IntArray) -> Array:
@@ -262,14 +274,16 @@ class _Blocks:
         return np.pad(np.square(cosines), (0, max(len(modes) - len(cosines), 0)))
 
 
-def _overlaps(own: SampledModes, other: SampledModes) -> Array:
+def _overlaps(first: SampledModes, second: SampledModes) -> Array:
     """Cosines (m×n) between shapes, times the root of the ratio of the sampled energy shares.
 
     Shapes: m modes of the first model, n modes of the second model.
     """
-    smaller, larger = (ufunc.outer(own.seen, other.seen) for ufunc in (np.minimum, np.maximum))
+    smaller, larger = (
+        ufunc.outer(first.energy_shares, second.energy_shares) for ufunc in (np.minimum, np.maximum)
+    )
     ratio = np.divide(smaller, larger, out=np.zeros_like(smaller), where=larger > 0.0)
-    overlaps: Array = (own.shapes.T @ other.shapes) * np.sqrt(ratio)
+    overlaps: Array = (first.shapes.T @ second.shapes) * np.sqrt(ratio)
     return overlaps
 
 
@@ -278,29 +292,29 @@ def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
 
     Dependent shapes are zero.
     """
-    shapes, seen = modes.shapes.copy(), modes.seen.copy()
+    shapes, energy_shares = modes.shapes.copy(), modes.energy_shares.copy()
     for space in np.flatnonzero(np.bincount(spaces) > 1):
         inside = spaces == space
         basis, sizes, _ = np.linalg.svd(shapes[:, inside], full_matrices=False)
         count = basis.shape[1]
         shapes[:, inside] = 0.0
         shapes[:, np.flatnonzero(inside)[:count]] = basis * (sizes > _RANK * sizes[0])
-        seen[inside] = seen[inside].mean()
-    return SampledModes(modes.frequencies, shapes, seen)
+        energy_shares[inside] = energy_shares[inside].mean()
+    return SampledModes(modes.frequencies, shapes, energy_shares)
 
 
-def _means(overlaps: Array, own_spaces: IntArray, other_spaces: IntArray) -> Array:
+def _means(overlaps: Array, first_groups: IntArray, second_groups: IntArray) -> Array:
     """Squared overlaps (m×n) summed over two groups of equal frequencies, over the smaller size.
 
     Shapes: m modes of the first model, n modes of the second model.
     """
-    own_members, other_members = (
+    first_members, second_members = (
         (spaces[:, None] == np.unique(spaces)).astype(float)
-        for spaces in (own_spaces, other_spaces)
+        for spaces in (first_groups, second_groups)
     )
-    sums = own_members.T @ np.square(overlaps) @ other_members
-    counts = np.minimum.outer(own_members.sum(axis=0), other_members.sum(axis=0))
-    means: Array = own_members @ (sums / counts) @ other_members.T
+    sums = first_members.T @ np.square(overlaps) @ second_members
+    counts = np.minimum.outer(first_members.sum(axis=0), second_members.sum(axis=0))
+    means: Array = first_members @ (sums / counts) @ second_members.T
     return means
 
 

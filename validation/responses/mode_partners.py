@@ -13,7 +13,7 @@ import numpy as np
 
 from lumped.arrays import Array, IntArray
 from validation.responses.mode_pairing import (
-    ALIKE,
+    PARTNER_MAC,
     BoolArray,
     Pairs,
     SampledModes,
@@ -23,8 +23,8 @@ from validation.responses.statics_and_modes import PathModes
 
 # A mode is local to a section if the samples, in which cross-sections and bodies move as wholes,
 # contain less than this share of its kinetic energy.
-_LOCAL = ALIKE
-# Relative likeness of exchanged partners from which on modes count as mixed: shapes with 0.9 and
+_LOCAL = PARTNER_MAC
+# Relative MAC of exchanged partners from which on modes count as mixed: shapes with 0.9 and
 # 0.1 in common.
 _SHARED = 0.1
 
@@ -36,12 +36,12 @@ class Partners:
     `frequency` (Hz) of the partner, NaN without one; `number`, its index from 0, −1 without one.
     `lowest`, `highest` (Hz): range of frequencies among which mixed shapes leave the partner open;
     both equal `frequency` if shapes do not mix. `undecided`: true if shapes do not show whether the
-    model has the mode. `likeness`: squared cosine between the shape and the space of its partner;
-    without a partner, the largest likeness with any mode. `seen`: share of the reference's kinetic
-    energy in cross-sections and bodies that move as wholes. `ordered`: partners' indices in the
-    most ascending order that shapes and uncertainties allow. `loose`: true for modes whose place in
-    that order is open. `by_number`: k-th frequency (Hz) of the model regardless of shape, NaN if it
-    has fewer.
+    model has the mode. `mac`: squared cosine between the shape and the space of its partner;
+    without a partner, the largest energy-weighted MAC with any mode. `energy_shares`: share of the
+    reference's kinetic energy in cross-sections and bodies that move as wholes. `ordered`:
+    partners' indices in the most ascending order that shapes and uncertainties allow. `loose`: true
+    for modes whose place in that order is open. `by_number`: k-th frequency (Hz) of the model
+    regardless of shape, NaN if it has fewer.
     """
 
     frequency: Array
@@ -49,8 +49,8 @@ class Partners:
     lowest: Array
     highest: Array
     undecided: BoolArray
-    likeness: Array
-    seen: Array
+    mac: Array
+    energy_shares: Array
     ordered: IntArray
     loose: BoolArray
     by_number: Array
@@ -65,22 +65,28 @@ class Partners:
 
         Shapes: p poses, K modes.
         """
-        return (self.number < 0) & ~self.undecided & (self.seen < _LOCAL)
+        return (self.number < 0) & ~self.undecided & (self.energy_shares < _LOCAL)
 
 
 def partners(
     reference: PathModes,
     model: PathModes,
     count: int,
-    unsure: Array | None = None,
+    frequency_uncertainties: Array | None = None,
 ) -> Partners:
     """Partners in a model of the first `count` modes of the reference, by shape, in each pose.
 
-    `unsure` (p×K): relative uncertainties of the reference's frequencies. Shapes: p poses, K modes.
+    `frequency_uncertainties` (p×K): relative uncertainties of the reference's frequencies. Shapes:
+    p poses, K modes.
     """
     poses = len(reference.frequencies)
     rows = [
-        _at_pose(own, other, count, None if unsure is None else unsure[pose])
+        _at_pose(
+            own,
+            other,
+            count,
+            None if frequency_uncertainties is None else frequency_uncertainties[pose],
+        )
         for pose, (own, other) in zip(range(poses), _sampled(reference, model), strict=True)
     ]
     return Partners(
@@ -165,13 +171,13 @@ def _sampled(reference: PathModes, model: PathModes) -> Iterator[tuple[SampledMo
 
 
 def _at_pose(
-    own: SampledModes, other: SampledModes, count: int, unsure: Array | None
+    own: SampledModes, other: SampledModes, count: int, frequency_uncertainties: Array | None
 ) -> dict[str, Array | IntArray | BoolArray]:
     """Fields of `Partners` in one pose, by name."""
     uncertainties = np.zeros(len(own.frequencies))
-    if unsure is not None:
-        judged = min(len(uncertainties), len(unsure))
-        uncertainties[:judged] = unsure[:judged]
+    if frequency_uncertainties is not None:
+        judged = min(len(uncertainties), len(frequency_uncertainties))
+        uncertainties[:judged] = frequency_uncertainties[:judged]
     pairs = pair_modes(own, other, uncertainties)
     frequency, lowest, highest = _frequencies(pairs, other.frequencies)
     loose = pairs.mixed.any(axis=1) | (pairs.ordered != pairs.partner)
@@ -187,8 +193,8 @@ def _at_pose(
         "lowest": first(lowest, np.nan),
         "highest": first(highest, np.nan),
         "undecided": first(pairs.undecided, missing=False),
-        "likeness": first(pairs.likeness, 0.0),
-        "seen": first(own.seen, 1.0),
+        "mac": first(pairs.mac, 0.0),
+        "energy_shares": first(own.energy_shares, 1.0),
         "ordered": first(pairs.ordered, -1),
         "loose": first(loose, missing=False),
         "by_number": first(other.frequencies, np.nan),

@@ -70,16 +70,16 @@ class PathModes:
 
     `frequencies` (P×m, Hz): NaN for a mode that the model does not have in a pose. `samples`
     (P×k×m): mode shapes at the sample points, the same for all models of a robot. `weights` (k,
-    kg): mass of each sample. `seen` (P×m): share of each mode's kinetic energy that the samples
-    contain. `peaks` (P×q): judged numbers of the tool's harmonic responses, infinite without
-    damping. `receptances` (one P×n for each excitation, m/N). Shapes: k samples, m modes, n
+    kg): mass of each sample. `energy_shares` (P×m): share of each mode's kinetic energy that the
+    samples contain. `peaks` (P×q): judged numbers of the tool's harmonic responses, infinite
+    without damping. `receptances` (one P×n for each excitation, m/N). Shapes: k samples, m modes, n
     frequencies of an excitation, q judged numbers of responses.
     """
 
     frequencies: Array
     samples: Array
     weights: Array
-    seen: Array
+    energy_shares: Array
     peaks: Array = field(default_factory=lambda: np.zeros((0, 0)))
     receptances: Sequence[ComplexArray] = ()
 
@@ -87,4 +87,6 @@ class PathModes:
         """Modes that exist in a pose, given by its index."""
         exists = np.isfinite(self.frequencies[pose])
         shapes = self.samples[pose][:, exists] * np.sqrt(self.weights)[:, None]
-        return sampled_modes(self.frequencies[pose, exists], shapes, self.seen[pose, exists])
+        return sampled_modes(
+            self.frequencies[pose, exists], shapes, self.energy_shares[pose, exists]
+        )

@@ -140,7 +140,7 @@ class Refinement:
 class SolidModes:
     """Frequencies (m×k, Hz) on m meshes, in the order of the beam's first k modes, and their MAC.
 
-    `mac` (m×k): likeness to the beam's modes. `unknowns` (m) of the meshes. `seconds` (m): CPU time
+    `mac` (m×k): MAC with the beam's modes. `unknowns` (m) of the meshes. `seconds` (m): CPU time
     for mesh, factorisation and modes.
     """
 
@@ -275,7 +275,7 @@ def leg_constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
     return section_constants(face_mesh(leg, divisions), material.nu, material.G / material.E)
 
 
-def own_properties(leg: ConstantLeg, divisions: int) -> BeamProperties:
+def computed_properties(leg: ConstantLeg, divisions: int) -> BeamProperties:
     """Timoshenko beam with the section constants of `leg_constants`."""
     return beam_properties(leg_constants(leg, divisions), leg.material)
 
@@ -346,7 +346,7 @@ def solid_frequencies(
             if (pairs.partner >= 0).all():
                 break
         frequencies.append(modes.frequencies[pairs.nearest])
-        mac.append(pairs.likeness)
+        mac.append(pairs.mac)
         unknowns.append(mesh.nodes.size)
         seconds.append(process_time() - start)
     refinement = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))
@@ -365,7 +365,7 @@ def held_solid(
         return held_solid_leg(clamped_leg(solid, ends), solid.mesh)
 
 
-def own_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
+def computed_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
     """Timoshenko beam elements with section constants computed on the solid's section mesh."""
     material = leg.material
     mesh = section_mesh(leg.section, divisions)

@@ -21,7 +21,7 @@ from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
-from validation.solids.solid_legs import face_mesh, own_properties, solid_frequencies
+from validation.solids.solid_legs import computed_properties, face_mesh, solid_frequencies
 
 ALUMINIUM = Material.isotropic(7.0e10, 0.33, 2700.0)
 SCARA_ARM = ConstantLeg(0.35, HollowRectangle(0.12, 0.09, 0.006), ALUMINIUM)
@@ -42,7 +42,7 @@ def test_beam_of_saint_venant_states_is_timoshenkos(section):
     """Huang's equation with the constants of `fem.sections`, which knows no field along x."""
     material = replace(STEEL, G=0.6 * STEEL.G)
     leg, kinds = ConstantLeg(0.4, section, material), waves_by_kind(section, material)
-    modes = cantilever_frequencies(own_properties(leg, 4), leg.length, 6)
+    modes = cantilever_frequencies(computed_properties(leg, 4), leg.length, 6)
     # The second spectrum of stubby legs has two waves that travel.
     below = [mode for mode in modes if mode.frequency < cut_off(kinds[mode.kind])]
     assert len(below) > 3
@@ -72,7 +72,7 @@ def test_torsion_of_circle_has_no_distortion():
 def test_distortion_is_solid_minus_beam(leg, expected):
     """Solids of one section mesh, elements along the leg, share no code with fields along it."""
     solid = solid_frequencies(leg, (4,), "free", 2)
-    beams = cantilever_frequencies(own_properties(leg, 4), leg.length, 2)
+    beams = cantilever_frequencies(computed_properties(leg, 4), leg.length, 2)
     kinds = waves_by_kind(leg.section, leg.material)
     for mode, frequency, change in zip(beams, solid.frequencies.values[0], expected, strict=True):
         kind = kinds[mode.kind]

@@ -113,7 +113,7 @@ def subject(seed):
         size = 10.0 ** rng.uniform(-2.5, -0.5)
         static_steps[name] = ladder(size)
         modal_steps[name] = () if silent else ladder(size)
-        models.append(model(name, *answer(size, still=bool(silent)), silent=silent))
+        models.append(model(name, *answer(size, still=bool(silent)), undefined_reason=silent))
     what = "ends" if len(names) > 1 else ""
     decides = "say how ends are held" if what else ""
     remedy = Remedy("use the solid", model="solid") if seed % 2 else None

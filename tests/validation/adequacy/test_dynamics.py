@@ -177,7 +177,7 @@ def test_frequency_half_widths_cover_finer_mesh(section, ends):
     modes = responses.modes(SOLID, own.reading)
     hold = finer.first_reading
     mesh = LegMesh(2, 2, 2 * COARSEST_WALLS)
-    of_sections = solid_vibration(quick.postures, hold, mesh, quick.offered)
+    of_sections = solid_vibration(quick.postures, hold, mesh, quick.computed_count)
     for truth in (modes_of_solids(finer, hold), of_sections):
         changes = frequency_changes(modes, truth, 4)
         assert (changes <= own.budget[Source.MESHES].frequencies).all()

@@ -103,7 +103,7 @@ class Twins:
             return craig_bampton(held(self.solids[names[id(leg)]]), highest).matrices
 
         ends = dict.fromkeys(self.solids, "rigid")
-        return built_vibration(robot.postures, build, {}, ends, robot.offered)
+        return built_vibration(robot.postures, build, {}, ends, robot.computed_count)
 
 
 @cache

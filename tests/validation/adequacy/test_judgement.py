@@ -86,7 +86,7 @@ def test_close_modes_are_paired_by_shape():
     found = partners(close, swapped, 3)
     assert found.frequency[0] == pytest.approx([102.0, 100.0, 200.0])
     assert found.number[0].tolist() == [1, 0, 2]
-    assert found.likeness[0] == pytest.approx(1.0)
+    assert found.mac[0] == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(("unsure", "open_to"), [(0.0, [(110, 112), (110, 112)]), (0.03, None)])
@@ -97,7 +97,7 @@ def test_mixed_modes_are_compared_as_a_subspace(unsure, open_to):
         for start, pair in ((100.0, (A, B)), (110.0, MIXED))
     )
     found = partners(close, mixed, 3, np.full((1, 3), unsure))
-    assert found.likeness[0] == pytest.approx(1.0)
+    assert found.mac[0] == pytest.approx(1.0)
     assert sorted(found.frequency[0]) == pytest.approx([110.0, 112.0, 200.0])
     if open_to is None:
         assert found.number[0].tolist() == [0, 1, 2]
@@ -193,7 +193,7 @@ def test_mac_below_half_is_no_partner(common, number):
     model = vibration([100.0], np.sqrt(common) * A + np.sqrt(1.0 - common) * D)
     found = partners(vibration([100.0, 150.0, 200.0], A, B, C), model, 1)
     assert found.number.tolist() == [[number]]
-    assert found.likeness[0, 0] == pytest.approx(common)
+    assert found.mac[0, 0] == pytest.approx(common)
 
 
 def test_entry_has_larger_error_of_two_readings():

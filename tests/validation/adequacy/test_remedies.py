@@ -37,7 +37,7 @@ from validation.references.reference import (
 )
 from validation.references.reference_parts import FINER_PARTS
 from validation.references.responses import Responses
-from validation.references.robot_on_path import holding, known_legs, say_masses
+from validation.references.robot_on_path import holding, known_legs, masses_instruction
 from validation.references.static_reference import STATIC_STEPS
 from validation.responses.statics_and_modes import Statics
 from validation.solids.solid_legs import COARSEST_WALLS
@@ -217,9 +217,9 @@ def test_refinement_depends_on_reference_size(tmp_path, preset, length, refused)
 
 STEPS = (*STATIC_STEPS.values(), *DYNAMIC_STEPS.values())
 REMEDIES = {
-    remedy.formatted(climbs=climbs)
+    remedy.formatted(static_model=static_model)
     for remedy in (USE_SOLID, *(step.remedy for step in STEPS if step.remedy))
-    for climbs in ("vjm", "links")
+    for static_model in ("vjm", "links")
 }
 FINER = larger_preset("quick", lambda preset: preset == "fine")
 
@@ -269,7 +269,7 @@ def test_mass_remedy_names_missing_keys(leg1, leg2, said):
     legs = known_legs(load_robot("ifw").mechanism)
     for name, keys in (("leg1", leg1), ("leg2", leg2)):
         legs[name] = replace(legs[name], **dict.fromkeys(keys))
-    decides = say_masses(legs, 1)
+    decides = masses_instruction(legs, 1)
     assert said in decides
     assert ("mass_centre" in decides) == ("mass_centre" in leg1)
     schema = dumps(json_schema())
@@ -289,7 +289,7 @@ def test_end_remedy_lines_are_valid_in_robot_file(tmp_path):
     values = re.findall(r'"\w+"', values)
     said += [crane.replace(" } }", f" }}, {key} = {value} }}") for value in values]
     assert (len(lines), len(values)) == (2, 3)
-    assert not any(holding(robot_of(text, tmp_path).mechanism).unsaid for text in said)
+    assert not any(holding(robot_of(text, tmp_path).mechanism).unspecified for text in said)
 
 
 @pytest.mark.parametrize("ends", [0.3, 0.8])

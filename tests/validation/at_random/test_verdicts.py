@@ -115,7 +115,7 @@ def frequency_errors(robot, ends):
     )
     pairs = partners(reference, segments, MODES)
     off = pairs.frequency / reference.frequencies[:, :MODES] - 1.0
-    sure = (pairs.likeness > 0.9).all(axis=0)
+    sure = (pairs.mac > 0.9).all(axis=0)
     return {("segments", f"f{k + 1}"): off[:, k] for k in range(MODES) if sure[k]}
 
 

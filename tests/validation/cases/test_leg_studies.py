@@ -28,11 +28,11 @@ from validation.run.outcome import judge
 from validation.solids.solid_legs import (
     ELEMENTS,
     Refinement,
+    computed_beam,
+    computed_properties,
     doubled_tips,
     face_mesh,
     held_solid,
-    own_beam,
-    own_properties,
     solid_frequencies,
     static_slices,
 )
@@ -66,7 +66,7 @@ def doubled(leg: ConstantLeg, divisions: int):
     pieces = [doubling.condensed_leg(leg, face_mesh(leg, divisions), static_slices(leg, divisions))]
     for _ in LENGTHS[1:]:
         pieces.append(doubling.doubled(pieces[-1]))
-    beam = own_properties(leg, divisions).as_euler_bernoulli()
+    beam = computed_properties(leg, divisions).as_euler_bernoulli()
     return (
         np.array([np.diag(doubling.tip_compliance(one, "rigid")) for one in pieces]),
         np.array([np.diag(doubling.tip_compliance(one, "free")) for one in pieces]),
@@ -171,10 +171,10 @@ STUB = ConstantLeg(0.2, Rectangle(0.08, 0.1), STEEL)
 )
 def test_wrong_beam_disagrees_despite_distortion(mistake, verdict, monkeypatch):
     def wrong(leg, divisions):
-        right = own_properties(leg, divisions)
+        right = computed_properties(leg, divisions)
         return replace(right, **{name: by * getattr(right, name) for name, by in mistake.items()})
 
-    monkeypatch.setattr(leg_theory, "own_properties", wrong)
+    monkeypatch.setattr(leg_theory, "computed_properties", wrong)
     monkeypatch.setattr(leg_theory, "dynamic_ladder", two_coarse_meshes)
     # Bending y, the second mode.
     assert measured_mode(STUB, 2).verdict == verdict
@@ -201,7 +201,7 @@ def test_tube_with_own_shear_modulus_agrees(section, length, nu):
     carbon = replace(Material.isotropic(1.2e11, nu, 1600.0), G=5.0e9)
     leg = ConstantLeg(length, section, carbon)
     solid = doubled_tips(leg, 8, static_slices(leg, 8))["free"]
-    beam = tip_compliance(own_properties(leg, 8), leg.length)
+    beam = tip_compliance(computed_properties(leg, 8), leg.length)
     # Fourth order in the opening angle of the cells: 7e-7 and less at four divisions.
     assert_allclose(np.diag(solid), np.diag(beam), rtol=2e-7)
 
@@ -213,7 +213,7 @@ def test_wrong_density_disagrees_despite_waves():
     """
     leg = ConstantLeg(0.3, Rectangle(0.03, 0.05), STEEL)
     mechanism = biglide("heavy", 0.4, leg, leg, platform_mass=1e-3, drive_stiffness=1e10)
-    right = own_beam(leg, 2)
+    right = computed_beam(leg, 2)
     places, found = placed_at(mechanism), []
     for beam in (right, replace(right, mass=1.02 * right.mass)):
         beams = dict.fromkeys(legs_of(mechanism), beam)
@@ -223,7 +223,7 @@ def test_wrong_density_disagrees_despite_waves():
             beams,
             waves_of(legs_of(mechanism), dict.fromkeys(beams, 2)),
             elements=ELEMENTS,
-            offered=20,
+            basis_count=20,
             count=3,
         )[0]
         found.append((modes(solved(assemble(places[0], beams)), 3).frequencies, changes))
@@ -243,7 +243,7 @@ def test_wave_correction_exists_for_fixed_ends():
     thick = ConstantLeg(0.07, Rectangle(0.01, 0.01), stiff)
     mechanism = biglide("rest", 0.12, thin, thick, platform_mass=10.0, drive_stiffness=3e11)
     legs, divisions = legs_of(mechanism), {"leg1": 2, "leg2": 2}
-    beams = {name: own_beam(leg, divisions[name]) for name, leg in legs.items()}
+    beams = {name: computed_beam(leg, divisions[name]) for name, leg in legs.items()}
     places = placed_at(mechanism)
     changes = wave_changes(
         places,
@@ -251,7 +251,7 @@ def test_wave_correction_exists_for_fixed_ends():
         beams,
         waves_of(legs, divisions),
         elements=ELEMENTS,
-        offered=12,
+        basis_count=12,
         count=5,
     )[0]
     own = modes(solved(assemble(places[0], beams)), 5).frequencies

@@ -17,7 +17,7 @@ from validation.responses.displacement import FLOOR, relative, sizes, worst_forc
 from validation.responses.mode_pairing import (
     centreline_samples,
     centreline_weights,
-    likeness_matrix,
+    mac_matrix,
     pair_modes,
     sampled_modes,
 )
@@ -128,7 +128,7 @@ def test_clamped_beam_modes_are_paired():
     root = np.sqrt(weights)[:, None]
     own = sampled_modes(modes.frequencies, root * shapes)
     assert_allclose(
-        likeness_matrix(own, sampled_modes(modes.frequencies, -3.0 * root * shapes)),
+        mac_matrix(own, sampled_modes(modes.frequencies, -3.0 * root * shapes)),
         np.eye(6),
         atol=1e-7,
     )

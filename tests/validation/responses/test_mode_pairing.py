@@ -6,11 +6,11 @@ from scipy.linalg import subspace_angles
 from scipy.optimize import linear_sum_assignment
 
 from validation.responses.mode_pairing import (
-    likeness_matrix,
+    mac_matrix,
     one_frequency,
     pair_modes,
     sampled_modes,
-    space_likeness,
+    space_mac,
 )
 
 SAMPLES, MODES = 30, 8
@@ -51,7 +51,7 @@ def test_separate_modes_have_assigned_partners(seed):
         expected[i, j] = mac * seen[i]
     rows, columns = linear_sum_assignment(expected, maximize=True)
     assert pairs.partner.tolist() == columns.tolist()
-    assert pairs.likeness == pytest.approx(expected[rows, columns], rel=1e-10)
+    assert pairs.mac == pytest.approx(expected[rows, columns], rel=1e-10)
     assert not pairs.mixed.any()
     assert not pairs.undecided.any()
 
@@ -64,7 +64,7 @@ def test_pairs_maximise_sum_of_mac():
         modes_of(np.array([1.0, 2.0]), np.transpose(one), np.ones(4))
         for one in ([first, second], others)
     )
-    np.testing.assert_allclose(likeness_matrix(own, other), [[0.6, 0.5], [0.5, 0.0]], atol=1e-3)
+    np.testing.assert_allclose(mac_matrix(own, other), [[0.6, 0.5], [0.5, 0.0]], atol=1e-3)
     assert pair_modes(own, other).nearest.tolist() == [1, 0]
     alone = modes_of(np.array([1.0]), np.transpose(others[:1]), np.ones(4))
     assert pair_modes(own, alone).nearest.tolist() == [0, -1]
@@ -87,8 +87,8 @@ def test_repeated_modes_use_principal_angles(size, tilt):
     assert pairs.partner.tolist() == [*range(2, 2 + size), 0, 1]
     root = np.sqrt(weights)[:, None]
     expected = np.cos(subspace_angles(root * one, root * other)) ** 2
-    np.testing.assert_allclose(np.sort(pairs.likeness[:size]), np.sort(expected), atol=1e-12)
-    np.testing.assert_allclose(pairs.likeness[size:], 1.0, atol=1e-12)
+    np.testing.assert_allclose(np.sort(pairs.mac[:size]), np.sort(expected), atol=1e-12)
+    np.testing.assert_allclose(pairs.mac[size:], 1.0, atol=1e-12)
 
 
 def test_missing_mode_of_triple_has_no_partner():
@@ -97,7 +97,7 @@ def test_missing_mode_of_triple_has_no_partner():
     other = modes_of(np.full(3, 11.0), shapes[:, [0, 1, 3]], weights)
     pairs = pair_modes(own, other)
     assert pairs.partner.tolist() == [0, 1, -1]
-    assert pairs.likeness[:2] == pytest.approx(1.0)
+    assert pairs.mac[:2] == pytest.approx(1.0)
 
 
 def test_repeated_modes_pair_with_split_modes():
@@ -113,7 +113,7 @@ def test_repeated_modes_pair_with_split_modes():
     assert pair_modes(pair, split).partner.tolist() == [0, 2, 1]
     # Of the pair, the first direction belongs to both.
     assert pair_modes(split, pair).partner.tolist() == [0, 2, 1]
-    np.testing.assert_allclose(space_likeness(split, pair)[[0, 2], :2], 1.0, atol=1e-12)
+    np.testing.assert_allclose(space_mac(split, pair)[[0, 2], :2], 1.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -138,7 +138,7 @@ def test_shapes_turned_by_45_degrees_are_mixed(degrees, mixed):
     pairs = pair_modes(own, other)
     assert pairs.mixed.any() == mixed
     assert sorted(pairs.partner) == [0, 1]
-    np.testing.assert_allclose(pairs.likeness, 1.0 if mixed else cosine**2, atol=1e-12)
+    np.testing.assert_allclose(pairs.mac, 1.0 if mixed else cosine**2, atol=1e-12)
 
 
 @pytest.mark.parametrize("share", [0.002, 0.12, 0.3])
@@ -147,10 +147,10 @@ def test_local_mode_mac_is_bounded_by_energy(share):
     shapes, weights = orthonormal(RNG_OF(8), 2)
     own = modes_of(np.array([10.0, 11.0]), shapes, weights, np.array([share, 1.0]))
     other = modes_of(np.array([10.0, 12.0]), shapes, weights)
-    np.testing.assert_allclose(likeness_matrix(own, other), np.diag([share, 1.0]), atol=1e-12)
+    np.testing.assert_allclose(mac_matrix(own, other), np.diag([share, 1.0]), atol=1e-12)
     pairs = pair_modes(own, other)
     assert pairs.partner.tolist() == [-1, 1]
-    assert pairs.likeness[0] == pytest.approx(share)
+    assert pairs.mac[0] == pytest.approx(share)
     assert pair_modes(other, own).partner.tolist() == [-1, 1]
 
 

@@ -52,7 +52,7 @@ def test_missing_modes_are_omitted():
     for pose, count in enumerate((2, 1)):
         found = modes.at(pose)
         assert found.frequencies.tolist() == frequencies[pose, :count].tolist()
-        assert found.seen.tolist() == seen[pose, :count].tolist()
+        assert found.energy_shares.tolist() == seen[pose, :count].tolist()
         # Columns of unit length, weighed by the roots of the masses.
         weighed = np.array([[1.0], [2.0], [3.0], [0.0]]) * samples[pose][:, :count]
         weighed /= np.linalg.norm(weighed, axis=0)

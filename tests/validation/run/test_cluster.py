@@ -27,7 +27,7 @@ from validation.context import Context
 from validation.models import reduced_parts
 from validation.references.part_preparation import prepare_parts
 from validation.references.reference_parts import highest_of_parts, solid_parts
-from validation.references.robot_on_path import holding, offered, path_postures
+from validation.references.robot_on_path import computed_count, holding, path_postures
 from validation.run import cluster as on_dask
 from validation.run.cluster import on_cluster
 from validation.run.folder import open_folder
@@ -125,10 +125,10 @@ def test_parts_are_reduced_on_workers(tmp_path, monkeypatch, cluster):
             patch.setattr(reduced_parts, one, lambda *_: pytest.fail("reduced again"))
         postures = path_postures(context)
         for ends in holding(context.robot_file.mechanism).alternatives.values():
-            assert solid_parts(postures, offered(4), ends)["arm"].size > 12
+            assert solid_parts(postures, computed_count(4), ends)["arm"].size > 12
     # One of the reductions made here: another process, the same numbers.
     arm = context.robot_file.mechanism.bodies["arm"]
-    highest, cutoff = highest_of_parts(path_postures(context), offered(4))
+    highest, cutoff = highest_of_parts(path_postures(context), computed_count(4))
     found = reduced_parts.reduced(arm, highest, cutoff)
     shutil.rmtree(tmp_path / "here")
     forget()

@@ -234,7 +234,7 @@ def test_specified_coupling_has_no_uncertainty(crane):
     said = {name: PartInterface(ByCylinder(radius), "rigid") for name, radius in radii.items()}
     body = Body("arm", replace(arm.shape, interfaces=said), arm.interfaces)
     settled = holding(replace(mechanism, bodies=dict(mechanism.bodies) | {"arm": body}))
-    assert (settled.unsaid, settled.decides) == ("", "")
+    assert (settled.unspecified, settled.decides) == ("", "")
     assert list(settled.alternatives) == ["interfaces as given"]
 
 

@@ -33,14 +33,14 @@ from validation.references.modes_on_path import modes_by_model
 from validation.references.reference_parts import solid_parts
 from validation.references.responses import Responses
 from validation.references.robot_on_path import (
+    computed_count,
     holding,
     known_legs,
-    offered,
     path_postures,
     robot_on_path,
 )
 from validation.report.figures.mode_names import DRIVES, JOINTS, shares_by_kind, sum_shares
-from validation.responses.mode_pairing import likeness_matrix
+from validation.responses.mode_pairing import mac_matrix
 from validation.responses.mode_partners import partners
 from validation.responses.statics_and_modes import PathModes
 from validation.solids.solid_legs import SHARED_SOLIDS
@@ -62,8 +62,8 @@ def finite_elements(context: Context, count: int) -> PostureModes:
     """
     postures = path_postures(context)
     if postures[0].mechanism.parts:
-        offers = offered(context.robot_file.requirement.modes)
-        return context.get(_modes_with_solid_parts, postures, offers, count)
+        modes_of_run = computed_count(context.robot_file.requirement.modes)
+        return context.get(_modes_with_solid_parts, postures, modes_of_run, count)
     (posture_modes,) = context.get(mechanism_modes, "beam", (_middle_posture(postures),), count)
     return posture_modes
 
@@ -81,10 +81,12 @@ def _middle_posture(postures: Sequence[Posture]) -> Posture:
     return postures[len(postures) // 2]
 
 
-def _modes_with_solid_parts(postures: tuple[Posture, ...], offers: int, count: int) -> PostureModes:
+def _modes_with_solid_parts(
+    postures: tuple[Posture, ...], modes_of_run: int, count: int
+) -> PostureModes:
     """Modes with CAD parts as solids, under the first of the run's end conditions."""
     middle, mechanism = _middle_posture(postures), postures[0].mechanism
-    parts = solid_parts(postures, offers, holding(mechanism).first)
+    parts = solid_parts(postures, modes_of_run, holding(mechanism).first)
     highest = min(part.highest for part in parts.values())
     bodies = dynamic_bodies("beam", mechanism, highest, _CONDENSED)
     (posture_modes,) = modes_along(assembly(mechanism, {**bodies, **parts}), [middle], count)
@@ -129,7 +131,7 @@ def pairs(context: Context) -> Chart:
     panels: list[Panel] = []
     changes: list[Series] = []
     for name, model in models.items():
-        mac = likeness_matrix(*(path_modes.at(0) for path_modes in (middle_modes, model)))
+        mac = mac_matrix(*(path_modes.at(0) for path_modes in (middle_modes, model)))
         label = "" if panels else "mode of the reference"
         panels.append(Panel((), f"MAC with {name}", label, x_label=f"mode of {name}", matrix=mac))
         pairing = partners(middle_modes, model, count)
@@ -138,7 +140,7 @@ def pairs(context: Context) -> Chart:
         columns |= {
             f"{name}: partner": [float(k) + 1.0 for k in pairing.number[0]],
             f"{name} (Hz)": pairing.frequency[0].tolist(),
-            f"{name}: MAC": pairing.likeness[0].tolist(),
+            f"{name}: MAC": pairing.mac[0].tolist(),
         }
     panels.append(Panel(changes, "difference (%)", levels=(0.0,), staggered=False))
     return Chart(panels, "mode of the reference", len(panels), 2.0, columns).captioned(
@@ -161,7 +163,7 @@ def _middle_pose_modes(modes: PathModes) -> PathModes:
         modes.frequencies[middle : middle + 1, finite],
         modes.samples[middle : middle + 1][:, :, finite],
         modes.weights,
-        modes.seen[middle : middle + 1, finite],
+        modes.energy_shares[middle : middle + 1, finite],
     )
 
 
