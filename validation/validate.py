@@ -266,7 +266,7 @@ def _prepare_parts(request: Request, cluster: Executor | None) -> None:
     parts = len(request.robot_file.mechanism.parts)
     progress_stage = stage("meshing and reducing parts", PER_PART * parts / request.jobs)
     with progress_stage, _executor(cluster, request.jobs) as executor:
-        prepare_parts(context, executor, carried=cluster is not None)
+        prepare_parts(context, executor, remote=cluster is not None)
 
 
 def _refuse_large_exports(request: Request) -> None:

@@ -20,7 +20,7 @@ from validation.references.reference import Interpretation, Reference, Source, S
 from validation.references.responses import Model
 from validation.references.robot_on_path import Factors, Reading
 from validation.responses.displacement import difference_under, nearest_between, relative
-from validation.responses.mode_pairing import one_frequency
+from validation.responses.mode_pairing import equal_frequency_groups
 from validation.responses.mode_partners import Partners, partners, shape_ranges
 from validation.responses.statics_and_modes import PathModes, Statics
 
@@ -362,7 +362,7 @@ class ModelErrors:
             solved, self._shape_ranges(tuple(rows), references), strict=True
         ):
             pairs = self._partners(model, interpretation, reference, modes)
-            mode_spaces = np.array([one_frequency(row) for row in reference.frequencies])
+            mode_spaces = np.array([equal_frequency_groups(row) for row in reference.frequencies])
             # Modes of equal frequency do not pass each other.
             possible = (mode_spaces != mode_spaces[:, [number]]) | (
                 np.arange(low.shape[1]) == number

@@ -100,9 +100,10 @@ class ErrorOfInputs:
     lost: float = 0.0
 
     def intervals(self, draws: Array) -> Array:
-        """Lowest and highest error (n×2×P) for n samples of ξ (n×inputs). NaN if there is none.
+        """Lowest and highest error (n×2×P) for n samples of the inputs.
 
-        Shapes: P poses.
+        `draws` (n×inputs): changes ξ of the inputs, in units of their standard uncertainties. NaN
+        if there is no error. Shapes: P poses.
         """
         rows = max(1, _MOST_NUMBERS // max(self.nominal.size, 1))
         pieces = np.split(draws, range(rows, len(draws), rows))
@@ -182,7 +183,7 @@ class ErrorOfInputs:
 
     @property
     def losing_inputs(self) -> list[str]:
-        """Keys of the inputs of which a change of one alone can remove the error (and its mode)."""
+        """Keys of inputs of which a change of one alone removes the mode, and with it the error."""
         sides = {slope.key: np.array([slope.below, slope.above]) for slope in self.slopes}
         return [key for key, ends in sides.items() if np.isnan(ends).any()]
 
@@ -216,9 +217,11 @@ class ErrorOfInputs:
 
 
 def _components_at(nominal: Array, below: Array, above: Array, draws: Array) -> Array:
-    """Components (n×…) for n samples of ξ (n×m), from the `nominal` ones (…).
+    """Components (n×…) of errors for n samples of m uncertain inputs.
 
-    `below` and `above` (m×…) are the components with one of m inputs changed down and up.
+    `draws` (n×m): changes ξ of the inputs, in units of their standard uncertainties. `nominal` (…):
+    components with the inputs of the file. `below` and `above` (m×…): components with one of the
+    inputs changed by one standard uncertainty, down and up.
     """
     components = np.repeat(nominal[None], len(draws), axis=0)
     for low, high, draw in zip(below - nominal, above - nominal, draws.T, strict=True):
@@ -227,10 +230,11 @@ def _components_at(nominal: Array, below: Array, above: Array, draws: Array) -> 
 
 
 def _change(below: Array, above: Array, draw: Array) -> Array:
-    """Change of a number at ξ = `draw`, given its changes `below` at ξ = −1 and `above` at ξ = 1.
+    """Change of a number if an input changes by ξ = `draw` standard uncertainties.
 
-    By g ξ/(1 + c ξ), which is the dependence of any linear response on one stiffness; by g ξ + h
-    ξ²/2 if the pole is too near. NaN on the side of a NaN, from |ξ| = `_LOST_FROM` on.
+    `below` and `above`: changes of the number at ξ = −1 and ξ = 1. Between them the change is g
+    ξ/(1 + c ξ), which is the dependence of any linear response on one stiffness, or g ξ + h ξ²/2 if
+    the pole is too near. NaN on the side of a NaN, from |ξ| = `_LOST_FROM` on.
     """
     linear, square = _derivatives(below, above)
     bend = np.divide(-0.5 * square, linear, out=np.full_like(linear, np.inf), where=linear != 0.0)
@@ -244,9 +248,11 @@ def _change(below: Array, above: Array, draw: Array) -> Array:
 
 
 def _derivatives(below: Array, above: Array) -> tuple[Array, Array]:
-    """First and second derivative in ξ of a number that changes by `below` at −1 and `above` at 1.
+    """First and second derivative of a number with respect to the change ξ of an input.
 
-    Linear if the change is known on one side only, constant if it is unknown on both.
+    ξ is in units of the input's standard uncertainty. The number changes by `below` at ξ = −1 and
+    by `above` at ξ = 1. Linear if the change is known on one side only, constant if it is unknown
+    on both.
     """
     below, above = (
         np.nan_to_num(np.where(np.isnan(change), -other, change))
@@ -481,10 +487,10 @@ def _deciding_inputs(
 
 
 def _normal_shares(verdicts: Callable[[Array], NDArray[np.bool_]]) -> Array:
-    """Probabilities (m) that m conditions hold for a normal number.
+    """Probabilities (m) that m conditions on a normally distributed variable hold.
 
-    `verdicts` returns the conditions (m×n) for n samples (n×1). The number at which a condition
-    changes between two of 4096 points is found by bisection.
+    `verdicts` returns the conditions (m×n) for n values (n×1) of the variable. The value at which a
+    condition changes between two of 4096 points is found by bisection.
     """
     count = 2**_POWER
     points = scipy.special.ndtri((np.arange(count) + 0.5) / count)

@@ -108,10 +108,11 @@ def _largest_mesh_half_width(matrix: Matrix, accuracy: float | None) -> float:
 
 
 def finer_context(context: Context, factor: float) -> Context:
-    """Run with finer meshes: prisms by the next preset, parts with half-widths over `factor`.
+    """Run with finer meshes: the next finer preset for legs, more unknowns for CAD parts.
 
-    Raises InputError if neither mesh can be refined, or, without --accuracy, if the preset does not
-    refine or does not allow so many unknowns. Raises ComputationError for lack of memory.
+    The half-widths of CAD parts become smaller by `factor`. Raises InputError if neither mesh can
+    be refined, or, without --accuracy, if the preset does not refine or does not allow so many
+    unknowns. Raises ComputationError for lack of memory.
     """
     robot_file = context.robot_file
     requested = robot_file.requirement.accuracy is not None
@@ -223,10 +224,10 @@ def _without_modes(models: Iterable[Model]) -> list[Model]:
 
 
 def _constant_section_subject(robot: RobotOnPath, models: Mapping[str, Model]) -> Subject | None:
-    """Subject on equivalent legs: models that use legs of constant section, against such solids.
+    """Subject on which models of legs of constant section are judged, against solids of such legs.
 
-    None if no leg is known by its 6×6, or if the robot has CAD parts, whose idealisation would be
-    part of the error.
+    The legs are the equivalent prisms of those known by their 6×6. None if no leg is known by its
+    6×6, or if the robot has CAD parts, whose idealisation would be part of the error.
     """
     if not robot.given or robot.mechanism.parts:
         return None

@@ -38,14 +38,14 @@ from validation.solids.solid_legs import (
     Refinement,
     SolidModes,
     computed_properties,
-    dynamic_ladder,
     face_mesh,
     face_restraint,
     formal_order,
     leg_constants,
+    modal_divisions,
     solid_compliances,
     solid_frequencies,
-    static_ladder,
+    static_divisions,
 )
 from validation.solids.solid_size import larger_preset, why_shapeless
 
@@ -71,7 +71,7 @@ HUANG = (
     "equation solved numerically"
 )
 # Function that returns the divisions of a leg's meshes, for a largest number of unknowns.
-Ladder: TypeAlias = Callable[[ConstantLeg, int], tuple[int, ...]]
+DivisionsWithin: TypeAlias = Callable[[ConstantLeg, int], tuple[int, ...]]
 # Largest number of unknowns: of a section mesh for statics by doubling, of a solid for modes.
 STATICS: dict[Preset, int] = {"quick": 1000, "standard": 2000, "fine": 4000}
 DYNAMICS: dict[Preset, int] = {"quick": 9_000, "standard": 30_000, "fine": 100_000}
@@ -118,27 +118,33 @@ _compliances = cases.family(
 def compliances(context: Context, body: str, ends: Ends) -> Refinement:
     """Tip compliances of a leg as a solid, on all meshes that the preset allows."""
     leg = constant_leg_of(context, body)
-    divisions = _divisions(context, leg, static_ladder, STATICS, "section meshes")
+    divisions = _divisions(context, leg, static_divisions, STATICS, "section meshes")
     return context.get(solid_compliances, leg, divisions)[ends]
 
 
 def frequencies(context: Context, body: str, ends: Ends, count: int) -> SolidModes:
     """First `count` frequencies of a leg as a solid, on all meshes that the preset allows."""
     leg = constant_leg_of(context, body)
-    divisions = _divisions(context, leg, dynamic_ladder, DYNAMICS, "solid meshes")
+    divisions = _divisions(context, leg, modal_divisions, DYNAMICS, "solid meshes")
     return context.get(solid_frequencies, leg, divisions, ends, count)
 
 
 def _divisions(
-    context: Context, leg: ConstantLeg, ladder: Ladder, limits: Mapping[Preset, int], meshes: str
+    context: Context,
+    leg: ConstantLeg,
+    divisions_within: DivisionsWithin,
+    limits: Mapping[Preset, int],
+    meshes: str,
 ) -> tuple[int, ...]:
     """Divisions of the meshes that the preset allows. Raises Skip if they are fewer than two."""
     if shapeless := why_shapeless([leg]):
         raise Skip(shapeless)
     largest_unknowns = limits[context.preset]
-    if divisions := context.get(ladder, leg, largest_unknowns):
+    if divisions := context.get(divisions_within, leg, largest_unknowns):
         return divisions
-    fitting_preset = larger_preset(context.preset, lambda preset: bool(ladder(leg, limits[preset])))
+    fitting_preset = larger_preset(
+        context.preset, lambda preset: bool(divisions_within(leg, limits[preset]))
+    )
     raise Skip(
         f"two {meshes} of this section have more than {largest_unknowns} unknowns, too "
         f"many for preset {context.preset}; {fitting_preset} allows them"
@@ -246,14 +252,16 @@ def _entry(
 def _require_decided(
     context: Context, body: str, residuals: Refinement, entry: tuple[int, int], tolerance: float
 ) -> None:
-    """Raise Skip if the meshes show no order and their uncertainty exceeds the tolerance."""
+    """Raise Skip if meshes show no order of convergence and are too coarse for the tolerance."""
     uncertainty = residuals.uncertainty(*entry)
     undecided = abs(residuals.values[-1][entry]) <= tolerance < uncertainty
     if undecided and len(residuals.divisions) < GRIDS_FOR_ORDER:
         leg, preset = constant_leg_of(context, body), context.preset
         finer_preset = larger_preset(
             preset,
-            lambda other_preset: static_ladder(leg, STATICS[other_preset]) != residuals.divisions,
+            lambda other_preset: (
+                static_divisions(leg, STATICS[other_preset]) != residuals.divisions
+            ),
         )
         meshes = counted(len(residuals.divisions), "mesh", "meshes")
         raise Skip(
@@ -328,7 +336,7 @@ def beam_mode_count(context: Context, leg: ConstantLeg) -> int:
 
     Raises Skip for sections too large to mesh as a solid, which are also too large for their waves.
     """
-    _divisions(context, leg, dynamic_ladder, DYNAMICS, "solid meshes")
+    _divisions(context, leg, modal_divisions, DYNAMICS, "solid meshes")
     follow_beam_theory = [not context.get(why_no_beam, leg, mode) for mode in exact_modes(leg)]
     return max(
         (number for number, follows in enumerate(follow_beam_theory, start=1) if follows), default=1

@@ -120,7 +120,7 @@ class _LegInPieces:
         return tuple(saint_venant_beam(kind) for kind in self.waves)
 
     @cached_property
-    def held_ends_omega(self) -> float:
+    def fixed_ends_omega(self) -> float:
         """Lowest angular frequency (rad/s) of the leg with both ends fixed."""
         stiffness, mass = (
             dense(matrix)[ENDS:, ENDS:] for matrix in (self.beam.stiffness, self.beam.mass)
@@ -131,7 +131,7 @@ class _LegInPieces:
     def pieces(self, omega: float) -> int:
         """Number of equal pieces of whole elements, into which the leg is divided at ω (rad/s)."""
         # Frequencies of tension grow with 1/L, those of bending faster.
-        needed = omega / (_SHARE_OF_LOWEST * self.held_ends_omega)
+        needed = omega / (_SHARE_OF_LOWEST * self.fixed_ends_omega)
         for pieces in range(1, self.elements + 1):
             if self.elements % pieces == 0 and pieces >= needed:
                 return pieces

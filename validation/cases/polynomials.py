@@ -214,7 +214,10 @@ def farthest_posture(values: Array, reference: Array, mobile: NDArray[np.bool_])
 
 
 def _half_width(value: float, *others: float) -> float:
-    """Half-width of a value due to round-off, from the values by `others`, further degrees."""
+    """Half-width of a value due to round-off.
+
+    It follows from `others`, the same value by polynomials of other degrees.
+    """
     return _ROUND_OFF_FACTOR * max(abs(value - other) for other in others)
 
 

@@ -117,9 +117,10 @@ def _panel(
 
 
 def _notes(texts: Sequence[tuple[float, float, str]], away: float, below: float) -> list[Note]:
-    """Notes at points (error, count), `away` and `below` in points.
+    """Notes at points (error, count), those of close points stacked.
 
-    Notes of close points are stacked.
+    `away` and `below`: offsets of a note from its point, to the right and downwards (typographic
+    points).
     """
     notes: list[Note] = []
     height, last = below, 0.0

@@ -50,7 +50,7 @@ from validation.solids.solid_legs import (
     formal_order,
     has_meshes,
     mesh_pair,
-    static_ladder,
+    static_divisions,
 )
 from validation.solids.solid_size import why_shapeless
 from validation.studies_and_figures import AGREEMENT
@@ -190,7 +190,7 @@ def _frequency(
         (float(band[0] - beam_frequencies[-1]), float(band[1] - beam_frequencies[-1])),
         Refinement(divisions, beam_frequencies).uncertainty(),
     )
-    stiffening = context.get(held_share, leg, divisions[-1], modes[index].kind)
+    stiffening = context.get(rigid_end_share, leg, divisions[-1], modes[index].kind)
     stiffening *= (2 * modes[index].order - 1) ** _GROWTH[modes[index].kind]
     faces = limited(
         float(free_frequencies[-1]) - reference,
@@ -221,7 +221,7 @@ def _solid_statics(context: Context, body: str, ends: Ends) -> tuple[Refinement,
     if shapeless := why_shapeless([leg]):
         raise Skip(shapeless)
     largest_unknowns = most_unknowns(context.meshes, leg)
-    if context.get(static_ladder, leg, STATICS[context.preset]) or not has_meshes(
+    if context.get(static_divisions, leg, STATICS[context.preset]) or not has_meshes(
         leg, largest_unknowns
     ):
         solid = compliances(context, body, ends)
@@ -245,7 +245,7 @@ def is_strip(leg: ConstantLeg) -> bool:
     return larger > max(WALL_ASPECT * smaller, _SHORT * leg.length)
 
 
-def held_share(leg: ConstantLeg, divisions: int, kind: str) -> float:
+def rigid_end_share(leg: ConstantLeg, divisions: int, kind: str) -> float:
     """Relative increase of a leg's stiffness due to rigid end faces, under a load at its tip.
 
     It is twice the relative change of a first frequency (Rayleigh), because the load strains both

@@ -282,9 +282,9 @@ def _solid_modes(rows: Sequence[tuple[float, int, float]], order: float) -> Soli
 
 
 def _convergence(refinement: Refinement) -> Convergence:
-    """Convergence record of the first value.
+    """Result of the refinement study of the first value.
 
-    With too few meshes the limit follows the formal order.
+    With too few meshes to observe an order, the limit is extrapolated by the formal order.
     """
     if len(refinement.divisions) >= GRIDS_FOR_ORDER:
         return refinement.at(0)

@@ -44,9 +44,9 @@ from validation.comparisons.leg_beam_vs_solid import (
     HELD_FACES,
     MOTIONS,
     STATIC_MODELS,
-    held_share,
     is_strip,
     limited,
+    rigid_end_share,
 )
 from validation.comparisons.section_formulas import Band, formula_band, leg_formula_band
 from validation.context import Context, Preset
@@ -157,7 +157,7 @@ class RobotModes:
     On a coarse and a fine mesh (2×k): solids with `specified_ends` and with `free_ends`;
     `computed`, beams with section constants computed on the mesh of the solid; `distortion`,
     relative change of the latter by distortion of the section (waves in the legs).
-    `held_end_changes` (k): relative changes due to rigid ends, by beams with warping. `textbook`,
+    `rigid_end_changes` (k): relative changes due to rigid ends, by beams with warping. `textbook`,
     `soft` and `stiff` (k) as in `RobotStatics`. NaN for a mode without a partner. `reference`:
     modes with `specified_ends` on the fine mesh, with which models are paired.
     """
@@ -165,7 +165,7 @@ class RobotModes:
     reference: PathModes
     specified_ends: Array
     free_ends: Array
-    held_end_changes: Array
+    rigid_end_changes: Array
     computed: Array
     distortion: Array
     textbook: Array
@@ -384,7 +384,7 @@ def robot_modes(
         reference=reference,
         specified_ends=np.array([partner(solution)[0] for solution in specified]),
         free_ends=np.array([partner(solution)[0] for solution in free_ends]),
-        held_end_changes=warping(ends) / warping(free) - 1.0,
+        rigid_end_changes=warping(ends) / warping(free) - 1.0,
         computed=np.array(computed),
         distortion=np.array(distortion),
         textbook=partner(model_vibration((posture,), "beam", DEFAULT_OPTIONS, count))[0],
@@ -498,7 +498,7 @@ def _frequency(
         half_width(computed - float(modes.computed[_COARSE, index])),
     )
     shares = [
-        context.get(held_share, leg, meshes.fine.section_divisions(leg), kind)
+        context.get(rigid_end_share, leg, meshes.fine.section_divisions(leg), kind)
         for leg in legs
         if limits.ends_of(leg.ends) == "rigid"
         for kind in ("tension", "bending y", "bending z")
@@ -508,7 +508,7 @@ def _frequency(
         float(free[_FINE] - free[_COARSE]),
     )
     difference = float(free[_FINE]) - reference
-    share = _REISSNER * float(modes.held_end_changes[index]) + max(shares, default=0.0)
+    share = _REISSNER * float(modes.rigid_end_changes[index]) + max(shares, default=0.0)
     faces = limited(difference, (-share * reference, 0.0), half_width(*steps))
     # Static fields underestimate the end restraint in vibration, for short waves by less than a
     # factor of two. Within this factor the comparison is undecided; beyond it the solid is wrong.

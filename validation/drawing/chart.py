@@ -194,7 +194,7 @@ def _ticker() -> Any:
 
 
 def from_zero(axes: "Axes", *, top: float | None = None) -> None:
-    """Scale: y axis from zero, with room above the curves, or above `top`."""
+    """Let the y axis start at zero, with room above the curves, or above `top`."""
     axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1] if top is None else 1.15 * top)
 
 
@@ -205,7 +205,7 @@ def largest(curves: Iterable[Array]) -> float:
 
 
 def plain_log(axes: "Axes", *, low: float, high: float) -> None:
-    """Scale: logarithmic y axis from `low` to `high` with ticks 1, 2, 5 and plain numbers."""
+    """Make the y axis logarithmic from `low` to `high`, with ticks 1, 2, 5 and plain numbers."""
     axes.set(yscale="log", ylim=(low, high))
     axes.yaxis.set_major_locator(_ticker().LogLocator(10.0, subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(_ticker().FuncFormatter(lambda value, _: f"{value:g}"))
@@ -213,31 +213,31 @@ def plain_log(axes: "Axes", *, low: float, high: float) -> None:
 
 
 def powers(axes: "Axes") -> None:
-    """Scale: logarithmic y axis with ticks at powers of ten, or at 1, 2 and 5 times these."""
+    """Make the y axis logarithmic, with ticks at powers of ten, or at 1, 2 and 5 times these."""
     axes.set_yscale("log")
     power_ticks(axes.yaxis)
 
 
 def octaves(axes: "Axes") -> None:
-    """Scale: logarithmic x axis with ticks at powers of ten, or at 1, 2 and 5 times these."""
+    """Make the x axis logarithmic, with ticks at powers of ten, or at 1, 2 and 5 times these."""
     axes.set_xscale("log")
     power_ticks(axes.xaxis)
 
 
 def degrees(axes: "Axes") -> None:
-    """Scale: linear y axis of phases from 0 to −180°, for a response at the point of the force."""
+    """Let the y axis show phases from 0 to −180°, for a response at the point of the force."""
     axes.set_ylim(-190.0, 10.0)
     axes.set_yticks([0.0, -45.0, -90.0, -135.0, -180.0])
 
 
 def round_angles(axes: "Axes") -> None:
-    """Scale: linear y axis of phases from −270° to 90°, for responses away from the force."""
+    """Let the y axis show phases from −270° to 90°, for responses away from the force."""
     axes.set_ylim(-280.0, 100.0)
     axes.set_yticks([-270.0, -180.0, -90.0, 0.0, 90.0])
 
 
 def percent(axes: "Axes", *, limit: float = 1.0, steps: Sequence[float] = (1.0,)) -> None:
-    """Scale: y axis linear within ± `limit` and logarithmic beyond, for differences of any size.
+    """Make the y axis linear within ± `limit` and logarithmic beyond, for differences of any size.
 
     Ticks at zero, at the limit, and at `steps` times each power of ten beyond it.
     """
@@ -257,19 +257,19 @@ def percent(axes: "Axes", *, limit: float = 1.0, steps: Sequence[float] = (1.0,)
 
 
 def few_ticks(axes: "Axes", *, count: int = 4, whole: bool = False) -> None:
-    """Scale: x axis with at most `count` intervals. Ticks are integers if `whole`."""
+    """Divide the x axis into at most `count` intervals. Ticks are integers if `whole`."""
     fewest = 1 if whole else 2
     axes.xaxis.set_major_locator(_ticker().MaxNLocator(count, integer=whole, min_n_ticks=fewest))
     axes.xaxis.set_major_formatter(_ticker().FuncFormatter(lambda value, _: short_number(value)))
 
 
 def side_by_side(axes: "Axes") -> None:
-    """Scale: x axis without ticks, for items side by side."""
+    """Remove the ticks of the x axis, for items side by side."""
     axes.set_xticks([])
 
 
 def refined(axes: "Axes", *, x: Array, decay: bool = False) -> None:
-    """Scale: logarithmic x axis with ticks at `x`, labelled if there is room.
+    """Make the x axis logarithmic with ticks at `x`, labelled if there is room.
 
     The y axis is logarithmic too if `decay`.
     """
@@ -289,7 +289,7 @@ def refined(axes: "Axes", *, x: Array, decay: bool = False) -> None:
 
 
 def around_zero(axes: "Axes", *, least: float) -> None:
-    """Scale: x axis symmetric about zero that contains all curves and at least ± `least`."""
+    """Make the x axis symmetric about zero, with all curves and at least ± `least` on it."""
     values = [np.abs(np.asarray(line.get_xdata(), dtype=float)) for line in axes.get_lines()]
     limit = max(least, 1.1 * largest(values))
     axes.set_xlim(-limit, limit)

@@ -198,7 +198,10 @@ def _draw_bars(axes: Axes, panel: Panel, positions: Array, fills: Mapping[str, s
 
 
 def _draw_matrix(axes: Axes, matrix: Array) -> None:
-    """Draw a matrix with dark ones. Rows run from the top; rows and columns count from one."""
+    """Draw a matrix of values from 0 (white) to 1 (dark).
+
+    Rows run from the top; rows and columns count from one.
+    """
     sides = [np.arange(count + 1) + 0.5 for count in matrix.shape]
     axes.pcolormesh(sides[1], sides[0], matrix, cmap="Greys", vmin=0.0, vmax=1.0)
     axes.set(aspect="equal")
@@ -287,7 +290,10 @@ def _columns(labels: Sequence[str]) -> int:
 
 
 def _shortened(label: str, columns: int) -> str:
-    """Label whose lines are at most as long as an axis. Of longer lines, the end follows "…"."""
+    """Label whose lines are at most as long as an axis.
+
+    A longer line is shortened to "…" and its end.
+    """
     room = _LABEL_ROOM // columns
     lines = label.split("\n")
     return "\n".join(line if len(line) <= room else f"…{line[1 - room :]}" for line in lines)

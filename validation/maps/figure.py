@@ -68,7 +68,7 @@ class WorkspaceMaps:
     def chart(self) -> Chart:
         """Chart with a column for each quantity and a row for each slice."""
         space, maps = self.space, self.maps
-        names = [str(coordinates(space.mechanism)[move]) for move in space.moves]
+        names = [str(coordinates(space.mechanism)[move]) for move in space.varied]
         return Chart(
             _panels(space, names, maps),
             names[0],
@@ -192,7 +192,7 @@ def _panels(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> list
     for indices in slices:
         level = [names[2].replace(" (", f" = {third[0][k]:.4g} ")[:-1] + "\n" for k in indices]
         for mapped, values, worst in maps:
-            star = worst.pose[list(space.moves)]
+            star = worst.pose[list(space.varied)]
             nearest = min(slices, key=lambda index: [abs(third[0][k] - star[2]) for k in index])
             contours = Contours(
                 x,
@@ -245,7 +245,7 @@ def _table(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> dict[
     poses += [worst.pose for *_, worst in maps]
     kinds = ["grid"] * (len(poses) - len(maps)) + [f"worst {mapped.title}" for mapped, *_ in maps]
     table: dict[str, Column] = {"posture": kinds}
-    for name, move in zip(names, space.moves, strict=True):
+    for name, move in zip(names, space.varied, strict=True):
         table[name] = [float(pose[move]) for pose in poses]
     for k, (mapped, values, worst) in enumerate(maps):
         column = [*_none_if_nan(values).ravel(), *[None] * len(maps)]

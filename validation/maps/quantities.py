@@ -111,7 +111,7 @@ def mapped_quantities(context: Context, mechanism: Mechanism) -> list[MappedQuan
 def _mapped_model(
     robot: RobotOnPath, references: Sequence[Assembly], requirement: Requirement
 ) -> tuple[str, JudgedModel]:
-    """Name and options of the model to be mapped. Beams if no model has an error."""
+    """Name and options of the model to be mapped: beams if the error of no model is known."""
     models = {
         name: model
         for name, model in judged_models(robot.mechanism).items()

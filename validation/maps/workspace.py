@@ -23,7 +23,7 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 # Function that returns one number for each posture. Raises ComputationError if a posture cannot be
 # solved.
 Solve: TypeAlias = Callable[[Sequence[Posture]], Array]
-# Indices of a grid point along each axis, or indices of the tool's moves.
+# Indices of a grid point along each axis, or indices of coordinates of a pose.
 Indices: TypeAlias = tuple[int, ...]
 
 # Number of searches, each from one of the worst local extrema of the grid; largest number of
@@ -38,12 +38,12 @@ _DEFAULT_STEP, _SMALLEST_STEP = 0.3, 0.1
 class Workspace:
     """Postures on a grid of poses.
 
-    `moves`: indices of the tool's moves that vary. `axes`: values of each (m or rad). `postures`:
-    posture by indices of its grid point; poses out of reach are missing.
+    `varied`: indices of the coordinates of a pose that vary. `axes`: values of each (m or rad).
+    `postures`: posture by indices of its grid point; poses out of reach are missing.
     """
 
     mechanism: Mechanism
-    moves: Indices
+    varied: Indices
     axes: Sequence[Array]
     postures: dict[Indices, Posture] = field(default_factory=dict)
 
@@ -58,7 +58,7 @@ class Workspace:
         Fractional indices give a pose between grid points.
         """
         pose = np.array([values[0] for values in self.mechanism.grid])
-        for move, values, index in zip(self.moves, self.axes, indices, strict=True):
+        for move, values, index in zip(self.varied, self.axes, indices, strict=True):
             pose[move] = np.interp(index, np.arange(len(values)), values)
         return pose
 
@@ -71,7 +71,7 @@ class WorstPosture(NamedTuple):
 
 
 def directions(mechanism: Mechanism) -> Indices:
-    """Indices of the tool's moves that vary on the grid of the path. () unless two or three do."""
+    """Indices of the coordinates of a pose that vary on the grid of the path. () unless two or three do."""
     varied = tuple(move for move, values in enumerate(mechanism.grid) if np.ptp(values) > 0.0)
     return varied if len(varied) in (2, 3) else ()
 

@@ -32,7 +32,7 @@ from validation.measured.tested import SUFFIXES, read_modes
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.models.robot_models import PostureModes, mechanism_modes
 from validation.responses.mode_pairing import (
-    one_frequency,
+    equal_frequency_groups,
     pair_modes,
     sampled_modes,
     space_mac,
@@ -164,7 +164,7 @@ def modal_prediction(
     measured = sampled_modes(test.frequencies, test.shapes)
     modelled = sampled_modes(frequencies, motions[:, visible])
     mac = space_mac(measured, modelled)
-    similar, spaces = mac >= LEAST_MAC, one_frequency(frequencies)
+    similar, spaces = mac >= LEAST_MAC, equal_frequency_groups(frequencies)
     ratios = np.divide.outer(test.frequencies, frequencies)
     near = similar & (np.maximum(ratios, 1.0 / ratios) < _NEAR_RATIO)
     excluded = similar & ~near & near.any(axis=1, keepdims=True)

@@ -219,5 +219,5 @@ def free_leg_frequencies(
 
 
 def constant_leg_of(context: Context, body: str) -> ConstantLeg:
-    """Prism with the same compliance as a leg of the run's robot, by body name."""
+    """Prism with the same compliance as the leg `body` of the run's robot."""
     return context.get(equivalent_leg, legs_of(context.robot_file.mechanism)[body])

@@ -113,7 +113,7 @@ def shape_of(body: Body) -> Part:
     return body.shape
 
 
-def is_held_as_said(body: Body) -> bool:
+def has_specified_couplings(body: Body) -> bool:
     """True if the robot file specifies the coupling of every interface of a CAD part."""
     return all(interface.coupling for interface in shape_of(body).interfaces.values())
 

@@ -18,7 +18,7 @@ import numpy as np
 from lumped.acceptance.quantities import MOST_MODES, UNIT_LOADS
 from lumped.arrays import Array
 from validation.parts.meshes import LEVELS
-from validation.references.model_ladder import HELD, OWN, SOLID
+from validation.references.model_ladder import COMPUTED_BEAMS, SOLID, WARPING_BEAMS
 from validation.references.modes_on_path import solid_meshes
 from validation.references.reference_legs import (
     SECTION_RATIO,
@@ -123,12 +123,14 @@ def _section_beams(reading: Reading) -> Model:
     If ends are free, the beams are free to warp. They then depend more on the section mesh than
     solids with free ends do, so that the half-width errs on the safe side.
     """
-    return OWN if "free" in reading.ends.values() else HELD
+    return COMPUTED_BEAMS if "free" in reading.ends.values() else WARPING_BEAMS
 
 
 _PARTS = MeshRow("part_mesh", LEVELS, lambda robot: part_policy(robot.mechanism))
 _STATIC_LEGS = MeshRow("mesh", _TWO_LEVELS, _static_leg_policy)
-_STATIC_SECTIONS = MeshRow("section_mesh", _TWO_LEVELS, _shared_section_policy, lambda _: OWN)
+_STATIC_SECTIONS = MeshRow(
+    "section_mesh", _TWO_LEVELS, _shared_section_policy, lambda _: COMPUTED_BEAMS
+)
 _MODAL_LEGS = MeshRow("mesh", _TWO_LEVELS, _modal_leg_policy)
 _MODAL_SECTIONS = MeshRow("section_mesh", _TWO_LEVELS, _modal_section_policy, _section_beams)
 

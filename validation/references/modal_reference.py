@@ -21,7 +21,13 @@ from validation.models.loads.leg_masses import plausible_insides
 from validation.models.options import ModelOptions
 from validation.models.robot_models import modes_along
 from validation.parts.meshes import MIDDLE
-from validation.references.model_ladder import HELD, OWN, SOLID, formulation_modes, with_parts
+from validation.references.model_ladder import (
+    COMPUTED_BEAMS,
+    SOLID,
+    WARPING_BEAMS,
+    formulation_modes,
+    with_parts,
+)
 from validation.references.modes_on_path import modes_of_solids, solid_meshes
 from validation.references.reference import (
     TIMOSHENKO,
@@ -33,7 +39,7 @@ from validation.references.reference import (
     Steps,
     StepTexts,
     finer_by,
-    ladders,
+    steps_by_model,
     use,
 )
 from validation.references.reference_parts import FINER_PARTS, PART_STEPS, part_kinds
@@ -166,8 +172,8 @@ def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
     if parts:
         models["modes inside"] = Model("solids on a coarser mesh", modes=_on_middle_mesh)
     if robot.prisms and not robot.given:
-        models |= {"own": OWN, "warping": HELD}
-    return ladders(_LADDERS, DYNAMIC_STEPS, models)
+        models |= {"own": COMPUTED_BEAMS, "warping": WARPING_BEAMS}
+    return steps_by_model(_LADDERS, DYNAMIC_STEPS, models)
 
 
 def _on_twice_as_many(robot: RobotOnPath, reading: Reading) -> PathModes | None:

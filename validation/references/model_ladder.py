@@ -157,7 +157,7 @@ def _straight(_robot: RobotOnPath, leg: Leg, _ends: Ends) -> Array:
     return straight_spring(leg)
 
 
-def _held(robot: RobotOnPath, leg: Leg, ends: Ends) -> Array:
+def _warping(robot: RobotOnPath, leg: Leg, ends: Ends) -> Array:
     return warping_spring(robot.context, leg, ends)
 
 
@@ -169,7 +169,7 @@ def _computed_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
     return modes_of_computed_beams(robot, None, _section_mesh(robot, reading))
 
 
-def _held_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
+def _warping_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
     return modes_of_computed_beams(robot, reading.ends, _section_mesh(robot, reading))
 
 
@@ -183,29 +183,29 @@ def _section_mesh(robot: RobotOnPath, reading: Reading) -> LegMesh:
 
 # Beams with computed section constants: first free to warp at their ends, then with warping
 # restrained at rigid ends.
-OWN = Model(
+COMPUTED_BEAMS = Model(
     "constants from the section's mesh",
     statics=computed_statics,
     modes=_computed_modes,
     static_fields=("section_mesh",),
     modal_fields=("section_mesh",),
 )
-HELD = Model(
+WARPING_BEAMS = Model(
     "restrained warping",
-    statics=partial(_spring_statics, _held),
-    modes=_held_modes,
+    statics=partial(_spring_statics, _warping),
+    modes=_warping_modes,
     static_fields=("ends",),
     modal_fields=("ends", "section_mesh"),
 )
 # The reference model of statics and modes. Under uncertain inputs a few per cent off, it is not
-# solved anew: the changes of HELD are applied to it.
+# solved anew: the changes of WARPING_BEAMS are applied to it.
 SOLID = Model(
     "solid",
     statics=solid_statics,
     modes=modes_of_solids,
     static_fields=("ends", "masses", "mesh", "part_mesh"),
     modal_fields=("ends", "masses", "interior", "mesh", "part_mesh"),
-    stand_in=HELD,
+    stand_in=WARPING_BEAMS,
 )
 # Beams with computed section constants, stiffened by rigid end faces that hinder contraction.
 RESTRAINED = Model(

@@ -22,7 +22,7 @@ from validation.context import Context
 from validation.models import reduced_parts
 from validation.models.stepped_parts import stepped_entry
 from validation.parts.meshes import COARSE, FINEST, MIDDLE, part_key
-from validation.references.reference_parts import highest_of_parts, hold_of
+from validation.references.reference_parts import highest_of_parts, interface_coupling
 from validation.references.robot_on_path import RobotOnPath, robot_on_path
 from validation.run.cache import Arrays, CacheEntry, find, keep
 from validation.run.executor import Executor
@@ -35,27 +35,28 @@ Question = Callable[[Body], Sequence[CacheEntry[Any]]]
 class PartWork:
     """Work on one CAD part, executed on this machine or sent to another: cache entries to compute.
 
-    `content` is the content of the part's file, for machines that cannot read it. `ask` lists the
-    entries. `carried` is true if another machine does the work and returns the computed arrays.
+    `content` is the content of the part's file, for machines that cannot read it. `entries_of`
+    lists the entries. `remote` is true if another machine does the work and returns the computed
+    arrays.
     """
 
     body: Body
     content: bytes
-    ask: Question
-    carried: bool
+    entries_of: Question
+    remote: bool
 
     def __call__(self) -> dict[str, Arrays]:
-        """Compute the entries. If `carried`, return their arrays and those of their inputs, by key.
+        """Compute the entries. If `remote`, return their arrays and those of their inputs, by key.
 
         An entry whose computation fails is skipped; the comparison that needs it reports the
         reason.
         """
         with self._local_body() as body:
-            entries = _entries(self.ask, body)
+            entries = _entries(self.entries_of, body)
             for entry in entries:
                 with suppress(InputError, ComputationError):
                     entry.value()
-            if not self.carried:
+            if not self.remote:
                 return {}
             return {key: arrays for entry in entries for key, arrays in entry.stored_arrays.items()}
 
@@ -63,7 +64,7 @@ class PartWork:
     def _local_body(self) -> Iterator[Body]:
         """The part as a body whose file exists on the machine that executes this."""
         shape = reduced_parts.shape_of(self.body)
-        if not self.carried:
+        if not self.remote:
             yield self.body
             return
         with tempfile.TemporaryDirectory(prefix="flexproof-part-") as folder:
@@ -72,7 +73,7 @@ class PartWork:
             yield replace(self.body, shape=replace(shape, file=copy))
 
 
-def prepare_parts(context: Context, executor: Executor, *, carried: bool) -> None:
+def prepare_parts(context: Context, executor: Executor, *, remote: bool) -> None:
     """Compute and store the cache entries of all CAD parts: identifications first, then reductions.
 
     Raises the executor's error if a process or the cluster is lost.
@@ -82,11 +83,9 @@ def prepare_parts(context: Context, executor: Executor, *, carried: bool) -> Non
         part_key(*reduced_parts.found_in(body), reduced_parts.shape_of(body).material): body
         for body in mechanism.parts.values()
     }
-    _compute_missing(
-        [(body, _identification) for body in bodies.values()], executor, carried=carried
-    )
+    _compute_missing([(body, _identification) for body in bodies.values()], executor, remote=remote)
     requests = list(_reductions(robot_on_path(context), bodies.values()))
-    _compute_missing(requests, executor, carried=carried)
+    _compute_missing(requests, executor, remote=remote)
 
 
 def _identification(body: Body) -> list[CacheEntry[Any]]:
@@ -103,37 +102,40 @@ def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[
     alternatives = tuple(robot.holding.alternatives.values())
     first = alternatives[:1]
     highest, cutoff = highest_of_parts(robot.postures, robot.computed_count)
-    ask = partial(_reduction, highest=highest, cutoff=cutoff)
+    entries_of = partial(_reduction, highest=highest, cutoff=cutoff)
     # Coarser meshes serve the discretisation uncertainty, and the coarsest one also a check with
     # modes of free interfaces. Both are needed under the first end conditions only.
     for question, several in (
-        (partial(ask, level=FINEST), alternatives),
-        (partial(ask, level=MIDDLE), first),
-        (partial(ask, level=COARSE), first),
-        (partial(ask, level=COARSE, by="free"), first),
+        (partial(entries_of, level=FINEST), alternatives),
+        (partial(entries_of, level=MIDDLE), first),
+        (partial(entries_of, level=COARSE), first),
+        (partial(entries_of, level=COARSE, by="free"), first),
     ):
         for ends, body in product(several, bodies):
-            yield body, partial(question, hold=hold_of(ends[body.name]))
+            yield body, partial(question, hold=interface_coupling(ends[body.name]))
 
 
-def _entries(ask: Question, body: Body) -> Sequence[CacheEntry[Any]]:
+def _entries(entries_of: Question, body: Body) -> Sequence[CacheEntry[Any]]:
     """Cache entries of a part. Empty if its file cannot be read or does not fit the robot."""
     try:
-        return ask(body)
+        return entries_of(body)
     except (InputError, ComputationError):
         return ()
 
 
 def _compute_missing(
-    requests: Sequence[tuple[Body, Question]], executor: Executor, *, carried: bool
+    requests: Sequence[tuple[Body, Question]], executor: Executor, *, remote: bool
 ) -> None:
     """Compute those requested entries that are not in the cache, and store them."""
     missing_work = [
         PartWork(
-            body, part_content(reduced_parts.shape_of(body).file) if carried else b"", ask, carried
+            body,
+            part_content(reduced_parts.shape_of(body).file) if remote else b"",
+            entries_of,
+            remote,
         )
-        for body, ask in requests
-        if not all(entry.is_stored for entry in _entries(ask, body))
+        for body, entries_of in requests
+        if not all(entry.is_stored for entry in _entries(entries_of, body))
     ]
     if missing_work:
         for _, entries in executor(missing_work):

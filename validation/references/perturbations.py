@@ -44,10 +44,11 @@ def _with_factors(robot: RobotOnPath, factors: Factors) -> Mechanism:
 
 
 def congruent(reference: Statics, nominal: Statics, perturbed: Statics) -> Statics:
-    """Statics of a reference under perturbed inputs, by those of its stand-in.
+    """Statics of a reference under perturbed inputs, from those of a cheaper beam model.
 
-    `nominal` and `perturbed` are statics of the stand-in (a beam model) without and with the change
-    of inputs. Displacements under loads change by T (module docstring) times the stand-in's change.
+    `nominal` and `perturbed` are statics of the beam model (the stand-in) without and with the
+    change of inputs. Displacements under loads change by T (module docstring) times the change of
+    the beam model.
     """
     change = perturbed - nominal
     try:
@@ -67,11 +68,11 @@ def congruent(reference: Statics, nominal: Statics, perturbed: Statics) -> Stati
 
 
 def scaled(reference: PathModes, nominal: PathModes, perturbed: PathModes) -> PathModes:
-    """Modes of a reference under perturbed inputs, by the frequency ratios of its stand-in.
+    """Modes of a reference under perturbed inputs, from those of a cheaper beam model.
 
-    `nominal` and `perturbed` are modes of the stand-in without and with the change of inputs. Each
-    mode has the ratio of the stand-in's mode of the same shape; peaks of harmonic responses have
-    the ratio of the stand-in's peaks.
+    `nominal` and `perturbed` are modes of the beam model (the stand-in) without and with the change
+    of inputs. Each frequency changes in the ratio of the beam mode of the same shape; peaks of
+    harmonic responses change in the ratio of the beam model's peaks.
     """
     count = min(modes.frequencies.shape[1] for modes in (reference, nominal, perturbed))
     partner_indices = partners(reference, nominal, count).number

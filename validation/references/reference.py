@@ -202,7 +202,7 @@ class StepTexts(NamedTuple):
 Steps: TypeAlias = dict[str, Sequence[Step]]
 
 
-def ladders(
+def steps_by_model(
     orders: Mapping[str, Sequence[str]],
     texts: Mapping[str, StepTexts],
     models: Mapping[str, Model],

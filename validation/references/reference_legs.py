@@ -90,10 +90,10 @@ def solid_leg(context: Context, leg: SectionedLeg) -> TwoMeshes:
     except InputError as error:
         if has_meshes(leg, limit):
             raise
-        takes = larger_preset(
+        larger = larger_preset(
             context.meshes, lambda preset: has_meshes(leg, most_unknowns(preset, leg))
         )
-        raise InputError(f"{error}; {takes} allows it") from error
+        raise InputError(f"{error}; {larger} allows it") from error
 
 
 def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
@@ -117,7 +117,7 @@ def shares_section(context: Context, leg: Leg) -> bool:
     """True if both solids of a leg use one section mesh, since a second one is not affordable."""
     if not isinstance(leg, ConstantLeg):
         return False
-    return not context.get(static_ladder, leg, most_unknowns(context.meshes, leg))
+    return not context.get(static_divisions, leg, most_unknowns(context.meshes, leg))
 
 
 def most_unknowns(preset: Preset, leg: ConstantLeg) -> int:
@@ -126,7 +126,7 @@ def most_unknowns(preset: Preset, leg: ConstantLeg) -> int:
     The second limit of the preset, if the first one allows only one mesh.
     """
     first, second = UNKNOWNS[preset]
-    return first if static_ladder(leg, first) else second
+    return first if static_divisions(leg, first) else second
 
 
 def _line_divisions(preset: Preset, leg: LineLeg) -> tuple[int, int]:

@@ -71,12 +71,12 @@ def solid_parts(
         return {}
     highest, cutoff = highest_of_parts(postures, count)
     return {
-        name: reduced(body, highest, cutoff, level, hold_of(ends[name]), by)
+        name: reduced(body, highest, cutoff, level, interface_coupling(ends[name]), by)
         for name, body in mechanism.parts.items()
     }
 
 
-def hold_of(ends: Ends) -> Hold:
+def interface_coupling(ends: Ends) -> Hold:
     """Coupling of an interface for an end condition: rigid, or averaged if the ends are free."""
     return "rigid" if ends == "rigid" else "average"
 

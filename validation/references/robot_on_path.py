@@ -267,7 +267,8 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
         for name, leg in legs_of(mechanism).items()
     }
     parts: dict[str, Ends | None] = {
-        name: "rigid" if is_held_as_said(body) else None for name, body in mechanism.parts.items()
+        name: "rigid" if has_specified_couplings(body) else None
+        for name, body in mechanism.parts.items()
     }
     specified = {**legs, **parts}
     unspecified = [

@@ -9,13 +9,13 @@ solids if they are prisms and the 6×6 of the file otherwise, and from its CAD p
 from collections.abc import Mapping, Sequence
 
 from validation.references.model_ladder import (
+    COMPUTED_BEAMS,
     EQUIVALENT,
     GIVEN,
-    HELD,
-    OWN,
     RESTRAINED,
     SOLID,
     STRAIGHT,
+    WARPING_BEAMS,
     with_parts,
 )
 from validation.references.reference import (
@@ -25,7 +25,7 @@ from validation.references.reference import (
     Reference,
     Steps,
     StepTexts,
-    ladders,
+    steps_by_model,
     use,
 )
 from validation.references.reference_legs import finer_statics, solid_leg
@@ -96,8 +96,8 @@ def static_steps(robot: RobotOnPath) -> Steps:
         models |= {"diagonal": STRAIGHT, "couplings": GIVEN}
     models |= {kind: with_parts(kind) for kind in part_kinds(robot.mechanism)}
     if robot.prisms:
-        models |= {"own": OWN, "warping": HELD, "contraction": RESTRAINED}
-    return ladders(
+        models |= {"own": COMPUTED_BEAMS, "warping": WARPING_BEAMS, "contraction": RESTRAINED}
+    return steps_by_model(
         _LADDERS, STATIC_STEPS, models, by=_BY[robot.static_model], static_model=robot.static_model
     )
 

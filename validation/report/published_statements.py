@@ -24,7 +24,10 @@ _YES = {True: "yes", False: "no"}
 
 @dataclass(frozen=True)
 class StatementCell:
-    """Cell for a statement as printed or corrected: its number, or the count of curves."""
+    """Table cell for a statement: its number if it has one curve, otherwise the count of curves.
+
+    There is one cell for the statement as printed and one for it as corrected.
+    """
 
     text: str
     verdict: str

@@ -143,9 +143,10 @@ class PageSection:
 
     @property
     def largest(self) -> float | None:
-        """Largest unexplained difference over its reference, see `unexplained_share`.
+        """Largest difference of a comparison from its reference, relative to the reference.
 
-        None without any.
+        Parts with named causes are subtracted, see `unexplained_share`. None without such a
+        comparison.
         """
         shares = (unexplained_share(outcome) for outcome in self.outcomes)
         return max((share for share in shares if share is not None), default=None)

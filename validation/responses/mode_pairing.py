@@ -116,7 +116,7 @@ def space_mac(first: SampledModes, second: SampledModes) -> Array:
 
     Shapes: m modes of the first model, n modes of the second model.
     """
-    spaces = one_frequency(first.frequencies), one_frequency(second.frequencies)
+    spaces = equal_frequency_groups(first.frequencies), equal_frequency_groups(second.frequencies)
     return _means(_overlaps(_in_spaces(first, spaces[0]), _in_spaces(second, spaces[1])), *spaces)
 
 
@@ -133,8 +133,8 @@ def pair_modes(
     the second model.
     """
     first_groups, second_groups = (
-        one_frequency(first.frequencies),
-        one_frequency(second.frequencies),
+        equal_frequency_groups(first.frequencies),
+        equal_frequency_groups(second.frequencies),
     )
     overlaps = _overlaps(_in_spaces(first, first_groups), _in_spaces(second, second_groups))
     if excluded is not None:
@@ -156,7 +156,7 @@ def pair_modes(
     linked = (exchange >= _UNDECIDED) & np.logical_and.outer(open_pairs, open_pairs)
     mac, undecided = blocks.mixture_mac(linked, mac)
     paired = (mac >= PARTNER_MAC) & ~undecided
-    near = one_frequency(first.frequencies, frequency_uncertainties)
+    near = equal_frequency_groups(first.frequencies, frequency_uncertainties)
     same_frequency = np.equal.outer(near, near)
     partner = np.where(paired, nearest, -1)
     partner = _ascending(partner, linked & same_frequency)
@@ -182,7 +182,9 @@ def _assigned(mac: Array) -> IntArray:
     return columns
 
 
-def one_frequency(frequencies: Array, frequency_uncertainties: Array | None = None) -> IntArray:
+def equal_frequency_groups(
+    frequencies: Array, frequency_uncertainties: Array | None = None
+) -> IntArray:
     """Index (m) of the group of equal frequencies to which each mode belongs, ascending.
 
     Frequencies are equal if they lie within the smallest relative uncertainty

@@ -95,13 +95,13 @@ def partners(
 
 
 def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, count: int) -> Array:
-    """Amount (p×count) of each of the reference's first modes with its partner.
+    """Amount (p×count) of each of the reference's first modes together with its partner.
 
-    NaN without a partner. `amounts` (p×m×n, ≥ 0): a number, such as a change of frequency, for each
-    pair of modes of both models. A mode whose partner is certain has the amount of that pair. Modes
-    that mix have the sum over all of them: a perturbation determines the sum of the squares of
-    their changes, but not each change. Shapes: p poses, m modes of the reference, n modes of the
-    model.
+    `amounts` (p×m×n, ≥ 0): a number, such as a change of frequency, for each pair of modes of both
+    models. A mode whose partner is certain has the amount of that pair, NaN without a partner.
+    Modes that mix have the sum over all of them: a perturbation determines the sum of the squares
+    of their changes, but not each change. Shapes: p poses, m modes of the reference, n modes of the
+    model `other`.
     """
     partner_amounts = np.full((len(amounts), count), np.nan)
     poses = zip(
@@ -127,20 +127,20 @@ def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, cou
 
 
 def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count: int) -> Array:
-    """Share (p×count) of each of the reference's first modes, that of its partner in `other`.
+    """Share (p×count) of the partner in `other` of each of the reference's first modes.
 
-    `shares` (p×n, ≥ 0) belong to the modes of `other`. NaN without a partner. Shapes: p poses, n
-    modes of the model.
+    `shares` (p×n, ≥ 0): a number for each mode of `other`. NaN without a partner. Shapes: p poses,
+    n modes of `other`.
     """
     modes = reference.frequencies.shape[1]
     return amounts_by_shape(reference, other, np.repeat(shares[:, None, :], modes, axis=1), count)
 
 
 def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
-    """Lowest and highest frequency (p×m each, Hz) of each reading's modes over all readings.
+    """Range (p×m each, Hz) of the frequency of each mode over several readings of the robot file.
 
-    Frequencies of different readings belong together if their modes have the same shape. Shapes: p
-    poses, m modes of the reference.
+    One pair (lowest, highest) for the modes of each reading. Frequencies of different readings
+    belong together if their modes have the same shape. Shapes: p poses, m modes of the reading.
     """
     ranges = []
     for reading in readings:

@@ -139,7 +139,7 @@ class Cores:
                 worker.process.end()
 
     def _worker(self, todo: deque[tuple[Any, Call]]) -> _Worker:
-        """Process that computes the first of these calls."""
+        """Process that computes the first of the calls `todo`."""
         if self.idle:
             worker = self.idle.pop()
             worker.todo = todo

@@ -144,7 +144,7 @@ def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
 
 def outcome_of(
     case: Case,
-    reached: Verdict,
+    case_verdict: Verdict,
     seconds: float,
     message: str,
     measurement: Measurement | None = None,
@@ -152,7 +152,7 @@ def outcome_of(
     """Outcome of a case with a given verdict."""
     return Outcome(
         case.id,
-        reached,
+        case_verdict,
         seconds,
         message,
         measurement,

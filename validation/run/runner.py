@@ -113,12 +113,12 @@ def _failed(task: Task, error: Exception) -> Record:
 
 
 def _without_numbers(
-    task: Task, reached: Literal["failed", "skipped"], seconds: float, message: str
+    task: Task, task_verdict: Literal["failed", "skipped"], seconds: float, message: str
 ) -> AnyResult:
     """Result of a task without content, with the reason."""
     if isinstance(task, Case):
-        return outcome_of(task, reached, seconds, message)
-    return Result(task.id, reached, seconds, message)
+        return outcome_of(task, task_verdict, seconds, message)
+    return Result(task.id, task_verdict, seconds, message)
 
 
 def _groups(tasks: Sequence[Task]) -> list[list[str]]:

@@ -289,7 +289,7 @@ def torsion_constant(ratio: float) -> KnownNumber:
 
 
 def hexapod() -> list[KnownNumber]:
-    """Deflections of the hexapod's platform, known from the stiffness summed over the legs."""
+    """Deflections of the hexapod's platform, and those from the stiffness summed over the legs."""
     mechanism = load_robot("hexapod").mechanism
     first_posture = posture(mechanism, mechanism.poses[0])
     (answer,) = answers("beam", [first_posture], 0, ModelOptions(elements=1))
@@ -351,7 +351,7 @@ def bar() -> list[KnownNumber]:
 
 
 def by_calculix() -> list[KnownNumber]:
-    """Deflections and frequencies of one mesh, known from CalculiX."""
+    """Deflections and frequencies of one mesh, by this program and by CalculiX."""
     mesh = tetrahedra(_BLOCK.section, _BLOCK.length, 1)
     calculix_compliance, calculix_frequencies = compliance_and_frequencies(mesh, _STEEL, _MODES)
     clamped = solid.clamped_leg(solid.solid_leg(_BLOCK, mesh))
@@ -362,7 +362,7 @@ def by_calculix() -> list[KnownNumber]:
 
 
 def by_exudyn() -> list[KnownNumber]:
-    """Frequencies of the built-in five-bar, known from EXUDYN."""
+    """Frequencies of the built-in five-bar, by this program and by EXUDYN."""
     reference = reference_posture(load_robot("five-bar").mechanism)
     coarse, fine = (frequencies(reference, elements, _MODES) for elements in _ELEMENTS)
     (answer,) = answers("beam", [reference], _MODES)

@@ -197,7 +197,7 @@ def edge_order(nu: float) -> float:
     )
 
 
-def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
+def static_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
     """Divisions whose section mesh has at most `most` unknowns, for studies by doubling.
 
     () if fewer than two meshes are that small.
@@ -205,7 +205,7 @@ def static_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
     return _ladder(leg, most, lambda _: 1)
 
 
-def dynamic_ladder(leg: ConstantLeg, most: int) -> tuple[int, ...]:
+def modal_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
     """Divisions whose solid mesh has at most `most` unknowns, for studies of modes.
 
     () if fewer than two meshes are that small.
@@ -218,8 +218,8 @@ def _ladder(leg: ConstantLeg, most: int, layers: Callable[[int], int]) -> tuple[
         return 3 * len(face_mesh(leg, divisions).nodes) * layers(divisions) <= most
 
     steps = _RECTANGLE_LADDER if isinstance(leg.section, Rectangle) else _DOUBLING_LADDER
-    ladder = tuple(takewhile(affordable, steps))
-    return ladder if len(ladder) >= _FEWEST_GRIDS else ()
+    meshes = tuple(takewhile(affordable, steps))
+    return meshes if len(meshes) >= _FEWEST_GRIDS else ()
 
 
 def divisions_across(leg: SectionedLeg, rectangle: int, walls: int) -> int:
@@ -407,9 +407,9 @@ def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, 
     error of the section mesh is the same in the section constants. Raises InputError if not even
     one is small enough.
     """
-    ladder = static_ladder(leg, most)
-    if ladder:
-        coarse, fine = ladder[-2:]
+    meshes = static_divisions(leg, most)
+    if meshes:
+        coarse, fine = meshes[-2:]
         return (coarse, static_slices(leg, coarse)), (fine, static_slices(leg, fine))
     if (unknowns := _coarsest_unknowns(leg)) > most:
         raise InputError(
@@ -423,7 +423,7 @@ def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, 
 
 def has_meshes(leg: ConstantLeg, most: int) -> bool:
     """True if a leg has a `mesh_pair` with at most `most` unknowns per section mesh."""
-    return bool(static_ladder(leg, most)) or _coarsest_unknowns(leg) <= most
+    return bool(static_divisions(leg, most)) or _coarsest_unknowns(leg) <= most
 
 
 def _coarsest_unknowns(leg: ConstantLeg) -> int:

@@ -82,10 +82,12 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
     )
 
 
-def larger_preset(preset: Preset, takes: Callable[[Preset], bool]) -> str:
-    """Option for the first larger preset for which `takes` is true, "--preset fine".
+def larger_preset(preset: Preset, accepts: Callable[[Preset], bool]) -> str:
+    """Option for the first larger preset that `accepts` allows, such as "--preset fine".
 
     "no preset" if there is none.
     """
     larger = PRESETS[PRESETS.index(preset) + 1 :]
-    return next((f"--preset {candidate}" for candidate in larger if takes(candidate)), "no preset")
+    return next(
+        (f"--preset {candidate}" for candidate in larger if accepts(candidate)), "no preset"
+    )

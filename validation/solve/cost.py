@@ -43,11 +43,11 @@ class Cost:
 
     @property
     def size(self) -> str:
-        """Text such as "about 22 000 unknowns, 0.3 GB"."""
+        """Size of the computation as text, such as "about 22 000 unknowns, 0.3 GB"."""
         return f"about {self.unknowns:.2g} unknowns, {self.memory / 1e9:.2g} GB"
 
     def __str__(self) -> str:
-        """Text such as "about 22 000 unknowns, 0.3 GB and 12 s"."""
+        """Size and time of the computation, such as "about 22 000 unknowns, 0.3 GB and 12 s"."""
         hours = self.seconds / _HOUR
         time = f"{self.seconds:.2g} s" if self.seconds < _HOUR else f"{hours:.3g} h"
         return f"{self.size} and {time}"

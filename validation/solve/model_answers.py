@@ -44,7 +44,7 @@ from validation.solve.cost import (
     solid_cost,
 )
 from validation.solve.question import OF_ELEMENTS, Question
-from validation.solve.uncertainty import beside, extrapolated, with_uncertainty
+from validation.solve.uncertainty import extrapolated, second_divisions, with_uncertainty
 from validation.uncertainty.combiners import Combiner, combined, relative_sizes
 from validation.uncertainty.refinement import refined
 
@@ -93,7 +93,9 @@ def _solved(question: Question) -> Solution:
             question.accuracy,
         )
     options = asdict(question.options)
-    effective = {name: value for name, value in options.items() if name in question.listens}
+    effective = {
+        name: value for name, value in options.items() if name in question.effective_options
+    }
     if question.digits and question.model != "simplified":
         solved = _with_digits(question, question.postures(), solved)
     tool = question.mechanism.tool
@@ -113,7 +115,7 @@ def _answers_with_uncertainty(
     postures = question.postures()
     solved, options = _answers(question, postures), question.options
     if question.model == "solid" and (legs := _shapes(question)):
-        divisions = beside(options, legs)
+        divisions = second_divisions(options, legs)
         other_mesh = meshes.get(divisions) or _on_other_mesh(question, postures, divisions)
         meshes |= {options.divisions: solved} | ({divisions: other_mesh} if other_mesh else {})
         solved = with_uncertainty(solved, other_mesh, legs, options, divisions)

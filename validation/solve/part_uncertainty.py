@@ -18,7 +18,7 @@ from lumped.system.assembly import System, assembly
 from lumped.system.sweep import swept
 from validation.models.loads.displacements import displacements_of
 from validation.models.options import ReductionBy
-from validation.models.reduced_parts import Hold, ReducedPart, is_held_as_said, reduced
+from validation.models.reduced_parts import Hold, ReducedPart, has_specified_couplings, reduced
 from validation.models.robot_models import CUTOFF
 from validation.parts.meshes import FINEST, LEVELS
 from validation.references.reference_parts import UNKNOWN, part_policy
@@ -75,7 +75,7 @@ def of_parts(
     kinds = slice(6), slice(6, 6 + count), slice(6 + count, None)
     share = np.hstack([mesh_shares(columns) for columns in kinds])
     half_widths = np.where(np.equal(share, UNKNOWN), np.inf, share * scale)
-    all_specified = all(is_held_as_said(body) for body in bodies.values())
+    all_specified = all(has_specified_couplings(body) for body in bodies.values())
     bracket = np.zeros_like(fine) if all_specified else again(FINEST, "average") - fine
     prepared = assembly(mechanism, models)
 

@@ -99,7 +99,7 @@ class Question:
         return ModelOptions(**self.given)
 
     @property
-    def listens(self) -> tuple[str, ...]:
+    def effective_options(self) -> tuple[str, ...]:
         """Names of the options that affect the answer."""
         ignored = self._ignored()
         return tuple(name for name in self._allowed() if name not in ignored)

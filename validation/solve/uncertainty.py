@@ -27,7 +27,7 @@ from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 _RATIO = 1.2
 
 
-def beside(options: ModelOptions, legs: Sequence[Leg]) -> int:
+def second_divisions(options: ModelOptions, legs: Sequence[Leg]) -> int:
     """Divisions of a second mesh: half of the first, one, or the fewest more that change enough.
 
     Round and thin-walled sections need so many elements that fewer divisions often give the same

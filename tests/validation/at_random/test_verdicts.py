@@ -32,7 +32,7 @@ from validation.responses.mode_partners import partners
 from validation.solids.solid_legs import (
     COARSEST_WALLS,
     section_counts,
-    static_ladder,
+    static_divisions,
     static_slices,
 )
 
@@ -82,7 +82,7 @@ def contradictions(subject, errors):
 def static_errors(robot, ends):
     springs = {}
     for name, leg in legs_of(robot).items():
-        divisions = (static_ladder(leg, FINER) or (COARSEST_WALLS,))[-1]
+        divisions = (static_divisions(leg, FINER) or (COARSEST_WALLS,))[-1]
         mesh = section_mesh(leg.section, section_counts(leg, divisions))
         condensed = doubling.condensed_leg(leg, mesh, static_slices(leg, divisions))
         springs[name] = doubling.tip_compliance(condensed, ends)

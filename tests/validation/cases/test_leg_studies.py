@@ -148,7 +148,7 @@ def four_elements(*_):
 @pytest.mark.parametrize(("mode", "expected"), [(1, -0.0285), (2, -0.0132)])
 def test_short_box_agrees_with_distortion_allowance(mode, expected, monkeypatch):
     """Solids of this arm are 2.9 and 1.3 % below Timoshenko's beam."""
-    monkeypatch.setattr(leg_theory, "dynamic_ladder", four_elements)
+    monkeypatch.setattr(leg_theory, "modal_divisions", four_elements)
     monkeypatch.setattr("validation.solids.solid_legs.Refinement.uncertainty", lambda *_: 0.0)
     found = measured_mode(SCARA_ARM, mode)
     measurement = found.measurement
@@ -175,7 +175,7 @@ def test_wrong_beam_disagrees_despite_distortion(mistake, verdict, monkeypatch):
         return replace(right, **{name: by * getattr(right, name) for name, by in mistake.items()})
 
     monkeypatch.setattr(leg_theory, "computed_properties", wrong)
-    monkeypatch.setattr(leg_theory, "dynamic_ladder", two_coarse_meshes)
+    monkeypatch.setattr(leg_theory, "modal_divisions", two_coarse_meshes)
     # Bending y, the second mode.
     assert measured_mode(STUB, 2).verdict == verdict
 
@@ -188,7 +188,7 @@ def heavier_solid(leg, *rest):
 
 def test_wrong_solid_disagrees_despite_distortion(monkeypatch):
     monkeypatch.setattr(leg_theory, "solid_frequencies", heavier_solid)
-    monkeypatch.setattr(leg_theory, "dynamic_ladder", two_coarse_meshes)
+    monkeypatch.setattr(leg_theory, "modal_divisions", two_coarse_meshes)
     assert measured_mode(STUB, 2).verdict == "disagree"
 
 

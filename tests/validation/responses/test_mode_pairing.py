@@ -6,8 +6,8 @@ from scipy.linalg import subspace_angles
 from scipy.optimize import linear_sum_assignment
 
 from validation.responses.mode_pairing import (
+    equal_frequency_groups,
     mac_matrix,
-    one_frequency,
     pair_modes,
     sampled_modes,
     space_mac,
@@ -157,8 +157,13 @@ def test_local_mode_mac_is_bounded_by_energy(share):
 def test_mode_cluster_is_within_uncertainty():
     """A chain of gaps of 0.9 % is not one frequency; a certain mode is not one with others."""
     chain = 100.0 * 1.009 ** np.arange(5)
-    assert one_frequency(chain, np.full(5, 0.01)).tolist() == [0, 0, 1, 1, 2]
-    assert one_frequency(chain).tolist() == [0, 1, 2, 3, 4]
+    assert equal_frequency_groups(chain, np.full(5, 0.01)).tolist() == [0, 0, 1, 1, 2]
+    assert equal_frequency_groups(chain).tolist() == [0, 1, 2, 3, 4]
     certain = np.array([0.05, 0.0, 0.05, 0.05])
-    assert one_frequency(np.array([100.0, 101.0, 102.0, 103.0]), certain).tolist() == [0, 1, 2, 2]
-    assert one_frequency(np.array([100.0, 100.0 + 1e-9, 50.0])).tolist() == [1, 1, 0]
+    assert equal_frequency_groups(np.array([100.0, 101.0, 102.0, 103.0]), certain).tolist() == [
+        0,
+        1,
+        2,
+        2,
+    ]
+    assert equal_frequency_groups(np.array([100.0, 100.0 + 1e-9, 50.0])).tolist() == [1, 1, 0]

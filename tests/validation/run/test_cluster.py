@@ -113,13 +113,13 @@ def test_parts_are_reduced_on_workers(tmp_path, monkeypatch, cluster):
     robot.write_text(said, "utf-8")
     context = Context(load_robot(robot), "quick")
     with on_cluster(cluster.address, silent) as executor:
-        prepare_parts(context, executor, carried=True)
+        prepare_parts(context, executor, remote=True)
     places = (tmp_path / "here", cluster.folder)
     names = [{file.name for file in place.rglob("*.npz")} for place in places]
     assert len(names[0]) >= 4
     assert names[0] <= names[1]
     forget()
-    prepare_parts(context, lambda work: pytest.fail(f"{len(work)} computed again"), carried=True)
+    prepare_parts(context, lambda work: pytest.fail(f"{len(work)} computed again"), remote=True)
     with monkeypatch.context() as patch:
         for one in ("reduction", "free_interface"):
             patch.setattr(reduced_parts, one, lambda *_: pytest.fail("reduced again"))

@@ -118,8 +118,8 @@ def test_bracket_is_effect_of_averaged_interfaces(own, crane):
     bracket = np.concatenate([own.of_parts.bracket.compliance, own.of_parts.bracket.frequencies])
     # Interfaces of which nothing is said are rigid.
     assert bracket == pytest.approx(values(said) - values(own), rel=1e-6)
-    assert reduced_parts.is_held_as_said(average.parts["arm"])
-    assert not reduced_parts.is_held_as_said(crane.mechanism.parts["arm"])
+    assert reduced_parts.has_specified_couplings(average.parts["arm"])
+    assert not reduced_parts.has_specified_couplings(crane.mechanism.parts["arm"])
     # An averaged interface is the softer one.
     assert (bracket[:6] > 0.0).all()
     assert (bracket[6:] < 0.0).all()

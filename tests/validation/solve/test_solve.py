@@ -41,7 +41,7 @@ from validation.solve.answer_text import as_text
 from validation.solve.cost import Cost, require_affordable, solid_cost
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
-from validation.solve.uncertainty import beside
+from validation.solve.uncertainty import second_divisions
 
 
 @pytest.fixture
@@ -218,7 +218,7 @@ def test_uncertainty_uses_another_mesh(section):
     # A circle has five elements with one to three divisions, a thin tube forty with one to four.
     leg = ConstantLeg(5.0, section, Material.isotropic(2.1e11, 0.3, 7850.0))
     for divisions in (1, 2, 4, 8):
-        other = beside(ModelOptions(divisions=divisions), [leg])
+        other = second_divisions(ModelOptions(divisions=divisions), [leg])
         meshes = (section_mesh(section, d) for d in (divisions, other))
         coarse, fine = sorted(len(mesh.cells) for mesh in meshes)
         assert fine >= 1.44 * coarse

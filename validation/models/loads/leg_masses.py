@@ -52,8 +52,9 @@ class Inside(NamedTuple):
 
 
 def plausible_insides(legs: Collection[GivenLeg]) -> tuple[Inside | None, ...]:
-    """All plausible insides: uniform, then each mass distribution with soft and stiff interior.
+    """All plausible distributions of mass and stiffness inside the legs.
 
+    First the uniform one, then each mass distribution with the softest and the stiffest interior.
     (None,) without legs known by their 6×6.
     """
     if not legs:
@@ -74,25 +75,26 @@ def plausible_masses(legs: Collection[GivenLeg]) -> tuple[Masses, ...]:
 
 
 def leg_with_inside(leg: GivenLeg, inside: Inside, highest: float) -> LegMatrices:
-    """Matrices of a leg with its 6×6 and a plausible inside, accurate up to `highest` (Hz).
+    """Matrices of a leg from its 6×6 and an assumed distribution of mass and stiffness.
 
-    Without `mass_centre` the lump lies in the middle; without `inertia` it is a point. With
-    `mass_centre`, a wedge equals the mass along the leg.
+    They are accurate up to `highest` (Hz). A lumped mass lies at `mass_centre`, without one in the
+    middle; without `inertia` it is a point. With `mass_centre`, a wedge is the same as mass along
+    the leg.
     """
     return by_shapes(shapes_inside(leg, inside, highest, _ELEMENTS), leg, inside, _ELEMENTS)
 
 
 def ends_mass(leg: GivenLeg, masses: Masses) -> Array:
-    """Mass matrix (12×12, SI, leg axes) on the twists of the ends, with the inside condensed."""
+    """Mass matrix (12×12, SI, leg axes) on the twists of the ends, the interior condensed."""
     beam = interior_beam(leg, "uniform", _ELEMENTS)
     modes = held_leg(beam).constraint_modes
     return np.asarray(modes.T @ (_mass(beam, leg, masses, _ELEMENTS) @ modes))
 
 
 def shapes_inside(leg: GivenLeg, inside: Inside, highest: float, elements: int) -> Array:
-    """Shapes (n×r) of the inside: static ones due to the ends, then modes with clamped ends.
+    """Shapes (n×r) of the motion between the ends: static ones due to the ends, then modes.
 
-    Shapes: n unknowns of the beam, r shapes.
+    The modes are those with both ends clamped. Shapes: n unknowns of the beam, r shapes.
     """
     beam = interior_beam(leg, inside.interior, elements)
     held_beam = held_leg(beam)
@@ -126,7 +128,7 @@ def by_shapes(shapes: Array, leg: GivenLeg, inside: Inside, elements: int) -> Le
 
 
 def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> SparseMatrix:
-    """Mass matrix (n×n) of sections at stations along the leg, or of the lump.
+    """Mass matrix (n×n) of a leg: mass of sections along the leg, or one lumped mass.
 
     Shapes: n unknowns of the beam.
     """
@@ -146,7 +148,7 @@ def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> Sp
 
 
 def _line(leg: GivenLeg, masses: Masses, elements: int) -> tuple[Array, Array]:
-    """Stations (m from the root) and the share of the leg's mass at each. Not for the lump."""
+    """Stations (m from the root) and the share of the leg's mass at each. Not for a lumped mass."""
     centre = _CENTRES.get(masses, 0.5)
     if leg.mass_centre is not None:
         centre = leg.mass_centre / leg.length

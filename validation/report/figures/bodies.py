@@ -60,7 +60,7 @@ class DisplacedSolid:
         return np.asarray(np.linalg.norm(self.displacements, axis=1))
 
     def body(self, factor: float, unit: float) -> DrawnBody:
-        """Drawing with displacements times `factor`.
+        """Surface to be drawn, with displacements times `factor`.
 
         Legs are coloured by displacement in `unit` (m).
         """

@@ -103,7 +103,10 @@ def _values(study: Study) -> tuple[float, ...]:
 
 
 def _error(study: Study, index: int) -> float | None:
-    """Relative error in per cent. None without a limit."""
+    """Relative error in per cent of one value of a study against its limit.
+
+    None without a limit.
+    """
     limit = study.limits.get(study.variant)
     return None if limit is None else 100.0 * (_values(study)[index] / limit - 1.0)
 

@@ -30,7 +30,7 @@ from validation.report.figures.bodies import (
 )
 from validation.report.figures.mode_names import IN_THE_PLANE, mode_names
 from validation.report.figures.modes import finite_elements, segments
-from validation.responses.mode_pairing import one_frequency
+from validation.responses.mode_pairing import equal_frequency_groups
 from validation.studies_and_figures import PATH, PORTRAIT
 
 FORCE = 1000.0  # N
@@ -193,7 +193,9 @@ def _matching_shape(beam: PostureModes, lumped: PostureModes, mode: int) -> Arra
     """
     beam_samples = compared_points(beam.system, beam.modes.shapes[:, mode])[1].ravel()
     nearest = int(np.argmin(np.abs(lumped.modes.frequencies - beam.modes.frequencies[mode])))
-    spaces = one_frequency(lumped.modes.frequencies, np.full(len(lumped.modes.frequencies), _MIX))
+    spaces = equal_frequency_groups(
+        lumped.modes.frequencies, np.full(len(lumped.modes.frequencies), _MIX)
+    )
     close = np.flatnonzero(spaces == spaces[nearest])
     shapes = lumped.modes.shapes[:, close]
     sampled = compared_points(lumped.system, shapes)[1].reshape(len(beam_samples), -1)
