@@ -71,7 +71,7 @@ class WorstPosture(NamedTuple):
 
 
 def directions(mechanism: Mechanism) -> Indices:
-    """Indices of the coordinates of a pose that vary on the grid of the path. () unless two or three do."""
+    """Indices of pose coordinates that vary on the path's grid. () unless two or three do."""
     varied = tuple(move for move, values in enumerate(mechanism.grid) if np.ptp(values) > 0.0)
     return varied if len(varied) in (2, 3) else ()
 
