@@ -214,7 +214,7 @@ def test_mass_distribution_affects_only_weight(tmp_path):
     assert weight.uncertainties[Source.MASSES] > 0.01 > 10.0 * push.uncertainty
     assert Source.MASSES not in push.uncertainties
     assert weight.verdict == "undecided"
-    assert weight.reason == robot.say_masses
+    assert weight.reason == robot.masses_instruction
     # At both ends of its stroke the robot cannot accelerate along x.
     assert stop.errors[0] is None is stop.errors[-1]
     assert stop.uncertainty > 0.0
