@@ -1,5 +1,8 @@
 """Cases declared beside the function that computes them, with common fields stated once.
 
+Input: a function that computes a measurement, texts, and values of parameters. Output: one `Case`
+for each combination of the parameters. Example:
+
     cases = CaseGroup(section="The mechanism over its path", group="mine", unit="Hz")
 
     @cases.case(

@@ -5,7 +5,8 @@ uncertainty lower and higher, and for some robots with all inputs changed. Outpu
 that the error is within the limit and that it is beyond it, the half-width of the error due to
 inputs, and the share of each input. Rule: a verdict less probable than 95 % becomes undecided.
 
-An input x with relative standard uncertainty v is x₀ (1 + v ξ), with independent normal numbers ξ.
+An input x with relative standard uncertainty v is x₀ (1 + v ξ). The changes ξ of different inputs
+are independent and have a standard normal distribution.
 The change of an error with each ξ alone is g ξ/(1 + c ξ) or g ξ + h ξ²/2, fitted to the two robots
 with that input changed; changes by different inputs are added. This is done for frequencies with
 the signed error, and for displacements with the vectors u of the model and u* of the reference,

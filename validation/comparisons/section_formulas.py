@@ -1,24 +1,27 @@
-"""Known inaccuracy of textbook section constants: largest error of a correct formula.
+"""Largest errors of textbook section constants, as known limits of correct formulas.
 
-Areas and second moments of area are exact for all sections, and so are the torsion constants and
-Cowper's shear coefficients of rectangle, circle and tube (`lumped.sections`). Those of outlines are
-computed on the rim by boundary elements, shear coefficients by strain energy.
-Formulas for thin
-walls count them on their middle lines, which is wrong in the first order of thickness over width:
+Input: a leg of constant section, and its section constants by finite elements. Output: the softest
+and the stiffest beam that correct formulas allow. Rule: areas and second moments of area are exact
+for all sections, and so are the torsion constants and Cowper's shear coefficients of rectangle,
+circle and tube (`lumped.sections`). For outlines, constants are computed on the rim by boundary
+elements, and shear coefficients by strain energy. Formulas for thin walls, of thickness t, use the
+middle lines of the walls. Their errors are of first order in thickness over width:
 
-box     J by Bredt counts the corners, t×t, as walls. They are stiffer, at most rigid, which
-        shortens the line about the hole from 2 (b + h) to 2 (b + h) − 4t.
-        κ by Cowper counts the webs up to the middle lines of the flanges. In fact they extend to
-        the outer faces, t/2 farther at both ends: the error is at most t over the web's height.
-I       J = Σ b t³/3 leaves out 2αD⁴ where web and flanges join, α = −0.042 + 0.2204 w/f −
-        0.0725 (w/f)², D = f + w²/4f, counts four free ends with 0.42 f⁴ in all, and f of the web
-        within the joints (A. A. El Darwish, B. G. Johnston, J. Struct. Div. ASCE 91 (1965) 203).
-        κ along the web: it is counted up to the middle lines of the flanges, as for the box. If the
-        web is thicker than the flanges, the joints are as deep as the web is thick.
-        κ along the flanges, as rectangles: the web stiffens their middle over its thickness w, at
-        most like a rigid body. A share 1.5² w/1.2b of the strain energy of shear is there. The ν in
-        Cowper's κ is that of a mean displacement: up to 12 (1 + ν)/(12 + 11ν) times the κ by strain
-        energy.
+box     Torsion constant J: Bredt's formula treats the corners, t×t, as walls. They are stiffer, at
+        most rigid, which shortens the line about the hole from 2 (b + h) to 2 (b + h) − 4t.
+        Shear coefficient κ: Cowper's formula ends the webs at the middle lines of the flanges. In
+        fact they extend to the outer faces, t/2 farther at both ends: the error is at most t over
+        the height of the web.
+I       Torsion constant: J = Σ b t³/3 omits 2αD⁴ where web and flanges join, with the thicknesses w
+        of the web and f of the flanges, α = −0.042 + 0.2204 w/f − 0.0725 (w/f)² and D = f + w²/4f.
+        It includes 0.42 f⁴ for four free ends, which do not contribute, and the length f of the web
+        inside the joints (A. A. El Darwish, B. G. Johnston, J. Struct. Div. ASCE 91 (1965) 203).
+        Shear coefficient along the web: the web ends at the middle lines of the flanges, as for the
+        box. If the web is thicker than the flanges, the joints are as deep as the web is thick.
+        Shear coefficient along the flanges, which count as rectangles of width b: the web stiffens
+        their middle over its thickness w, at most like a rigid body. A share of 1.5² w/1.2b of the
+        strain energy of shear is there. The ν in Cowper's κ belongs to a mean displacement: κ is up
+        to 12 (1 + ν)/(12 + 11ν) times the coefficient by strain energy.
 
 Cowper's coefficient follows from a mean displacement. The beam with computed section constants has
 the coefficient by strain energy (`fem.sections.section_constants`). Both are known from finite

@@ -1,4 +1,7 @@
-"""Names of the models, and the options that the command line offers for them."""
+"""Names of the models, and the record of the options that select their variants.
+
+Input: none. Output: `ModelOptions`, with the defaults of the command line and of Python.
+"""
 
 from dataclasses import dataclass
 from typing import Literal, TypeAlias

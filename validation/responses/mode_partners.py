@@ -98,10 +98,10 @@ def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, cou
     """Amount (p×count) of each of the reference's first modes together with its partner.
 
     `amounts` (p×m×n, ≥ 0): a number, such as a change of frequency, for each pair of modes of both
-    models. A mode whose partner is certain has the amount of that pair, NaN without a partner.
-    Modes that mix have the sum over all of them: a perturbation determines the sum of the squares
-    of their changes, but not each change. Shapes: p poses, m modes of the reference, n modes of the
-    model `other`.
+    models. A mode whose partner is certain has the amount of that pair; a mode without a partner
+    has NaN. Modes that mix have the sum over all of them: a perturbation determines the sum of the
+    squares of their changes, but not each change. Shapes: p poses, m modes of the reference, n
+    modes of `other`.
     """
     partner_amounts = np.full((len(amounts), count), np.nan)
     poses = zip(

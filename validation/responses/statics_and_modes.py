@@ -31,7 +31,7 @@ class Statics:
 
     `compliances` (P×6×6, SI): twist by wrench at that point; zeros mean rigid. `load_displacements`
     (P×L×6, m and rad): twists under the L loads of the robot file, in its order. NaN in poses where
-    the tool cannot move as the load requires.
+    the tool cannot move as the load requires. Shapes: P poses.
     """
 
     compliances: Array

@@ -149,7 +149,7 @@ def outcome_of(
     message: str,
     measurement: Measurement | None = None,
 ) -> Outcome:
-    """Outcome of a case with a given verdict."""
+    """Outcome of a case with the verdict `case_verdict`."""
     return Outcome(
         case.id,
         case_verdict,

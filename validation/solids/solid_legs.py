@@ -198,7 +198,7 @@ def edge_order(nu: float) -> float:
 
 
 def static_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions whose section mesh has at most `most` unknowns, for studies by doubling.
+    """Divisions whose section mesh has at most `most` unknowns, for the doubling method.
 
     () if fewer than two meshes are that small.
     """
@@ -206,7 +206,7 @@ def static_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
 
 
 def modal_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions whose solid mesh has at most `most` unknowns, for studies of modes.
+    """Divisions whose solid mesh has at most `most` unknowns, for natural frequencies.
 
     () if fewer than two meshes are that small.
     """

@@ -47,7 +47,7 @@ class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
 
     @property
     def title(self) -> str:
-        """Pose, or body with its end conditions."""
+        """Text with the pose, or with the body and its end conditions."""
         if self.leg is not None:
             return f"leg {self.leg}, root clamped"
         if self.body is not None:
@@ -59,12 +59,12 @@ class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
 
     @property
     def free_title(self) -> str:
-        """Body that nothing holds."""
+        """Text with the name of a free body."""
         return f"{self.body or f'leg {self.leg}'}, nothing held"
 
     @property
     def axes(self) -> str:
-        """Point and axes of the compliance."""
+        """Text with the point and the axes of the compliance."""
         if self.leg is not None:
             return "leg axes"
         if self.body is not None:
@@ -332,7 +332,7 @@ class Solution:
         return loads_plot(self._abscissa(), displacements, factors)
 
     def _abscissa(self) -> tuple[Array, str]:
-        """Abscissa (p): the only coordinate that differs between poses, or the pose's number."""
+        """Abscissa (p poses): the only coordinate that differs, or the number of the pose."""
         poses = [np.array(answer.place.coordinates) for answer in self.answers]
         same_length = len({len(pose) for pose in poses}) == 1
         changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0) if same_length else np.zeros(0)

@@ -1,6 +1,7 @@
-"""Solutions as JSON (schema 1): the records that list its keys, and their making from answers.
+"""Solutions as JSON (schema 1), made by records whose fields are the keys of the JSON.
 
-Keys without a value are omitted. Numbers have the units of the answers.
+Input: a `Solution`. Output: the text of the JSON. Rule: keys without a value are omitted, and
+numbers have the units of the answers.
 """
 
 import json
@@ -29,7 +30,10 @@ from validation.solve.answer import (
 
 
 class HalfWidthRecord(msgspec.Struct, frozen=True, omit_defaults=True):
-    """`HalfWidths`. Those of a displacement are None if one of them is unknown."""
+    """JSON object of `HalfWidths`: half-widths (95 %) of compliance, frequencies and loads.
+
+    Those of a displacement are None if one of them is unknown.
+    """
 
     compliance: Array
     frequencies: Array
@@ -37,7 +41,7 @@ class HalfWidthRecord(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class MeshRecord(HalfWidthRecord, frozen=True, omit_defaults=True, kw_only=True):
-    """`MeshUncertainty`."""
+    """JSON object of `MeshUncertainty`: half-widths due to the mesh of prisms."""
 
     divisions: int
     extrapolated_from: tuple[int, ...] = ()
@@ -51,7 +55,10 @@ class CountRecord(msgspec.Struct, frozen=True):
 
 
 class PartRecord(msgspec.Struct, frozen=True):
-    """`PartUncertainty`. `uncertainty`: half-widths due to meshes, None if unknown."""
+    """JSON object of `PartUncertainty`: half-widths due to CAD parts.
+
+    `uncertainty`: half-widths due to meshes, None if unknown.
+    """
 
     uncertainty: HalfWidthRecord | None
     averaged_less_rigid: HalfWidthRecord
@@ -60,7 +67,10 @@ class PartRecord(msgspec.Struct, frozen=True):
 
 
 class BucklingRecord(msgspec.Struct, frozen=True):
-    """Buckling of `Stability`. `body` has the largest share of the buckling mode's energy."""
+    """JSON object of a buckling factor, from `Stability`.
+
+    `body` has the largest share of the buckling mode's energy.
+    """
 
     factor: float | None
     reversed: float | None
@@ -91,7 +101,7 @@ class SizeRecord(msgspec.Struct, frozen=True):
 
 
 class ResponseRecord(msgspec.Struct, frozen=True):
-    """`HarmonicResponse`: receptance (m/N) over frequencies (Hz), and its peak.
+    """JSON object of a `HarmonicResponse`: receptance (m/N) over frequencies (Hz), and its peak.
 
     `force` and `displacement` are points of the robot file (body and point).
     """
@@ -113,7 +123,7 @@ class DampedRecord(msgspec.Struct, frozen=True):
 
 
 class AnswerRecord(Place, frozen=True, omit_defaults=True, kw_only=True):
-    """An `Answer`: an object of "results", with the keys of its place.
+    """JSON object of an `Answer` in "results", with the keys of its pose or body.
 
     An infinite frequency is None. `uncertainty` is None if the mesh that would show it is too
     large.
@@ -256,10 +266,10 @@ def _response_record(response: HarmonicResponse) -> ResponseRecord:
 
 
 def _finite(number: float) -> float | None:
-    """The number. None if it is infinite or NaN."""
+    """The number itself, or None if it is infinite or NaN."""
     return number if np.isfinite(number) else None
 
 
 def _known(values: Array) -> Array | None:
-    """The values. None if any of them is infinite or NaN."""
+    """The values themselves, or None if any of them is infinite or NaN."""
     return values if np.isfinite(values).all() else None

@@ -1,4 +1,8 @@
-"""The commands `faces` and `identify`, as the command line takes them up."""
+"""Commands `faces` and `identify` of the command line.
+
+Input: the path of a CAD part, or its name in a robot file, and the options of the command. Output:
+text on stdout and the requested files.
+"""
 
 from io import BytesIO
 from pathlib import Path

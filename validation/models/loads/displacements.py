@@ -92,8 +92,8 @@ def displacements_by(
 ) -> Array:
     """Displacements (p×l×6) of the tool under all loads in each posture, by `solve`.
 
-    Beam theory `theory` reduces loads along legs to their ends.
-    NaN if the mechanism cannot move as a load requires.
+    `theory`: beam theory that reduces loads along legs to loads at their ends. NaN if the mechanism
+    cannot move as a load requires. Shapes: p postures, l loads.
     """
     loads = postures[0].mechanism.loads
     displacements = np.full((len(postures), len(loads), 6), np.nan)

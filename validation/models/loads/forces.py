@@ -1,4 +1,10 @@
-"""Forces in the joints and bodies of a mechanism under the loads of its file, by every model."""
+"""Forces in the joints and in the legs of a mechanism under the loads of its file, by any model.
+
+Input: postures of a mechanism with loads, and a model. Output: `LoadForces` for each posture and
+load: the wrench that each joint transmits, and the forces and moments along each leg. Rule: they
+follow from equilibrium with the displacements of the model and the masses on which its loads act
+(`displacements.load_masses`).
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,7 +35,7 @@ class LoadForces:
 def load_forces(
     model: ModelName, postures: Sequence[Posture], options: ModelOptions = DEFAULT_OPTIONS
 ) -> list[list[LoadForces | None]]:
-    """Forces in each posture under each load.
+    """Forces in joints and legs for each posture (outer list) under each load (inner list).
 
     None if the mechanism cannot move as a load requires. Raises as `displacements` does.
     """
