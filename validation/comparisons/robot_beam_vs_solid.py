@@ -350,7 +350,7 @@ def robot_modes(
 
     def partner(other: PathModes) -> tuple[Array, IntArray]:
         paired = partners(reference, other, MODES)
-        return paired.frequency[0], paired.number[0]
+        return paired.frequency[0], paired.partner_indices[0]
 
     faces = [{name: mesh.section_divisions(leg) for name, leg in legs.items()} for mesh in meshes]
     computed, distortion = [], []

@@ -75,7 +75,7 @@ def scaled(reference: PathModes, nominal: PathModes, perturbed: PathModes) -> Pa
     harmonic responses change in the ratio of the beam model's peaks.
     """
     count = min(modes.frequencies.shape[1] for modes in (reference, nominal, perturbed))
-    partner_indices = partners(reference, nominal, count).number
+    partner_indices = partners(reference, nominal, count).partner_indices
     partner_indices = np.where(partner_indices >= 0, partner_indices, np.arange(count))
     changes = perturbed.frequencies[:, :count] / nominal.frequencies[:, :count]
     ratio = np.take_along_axis(changes, partner_indices, 1)

@@ -33,19 +33,19 @@ _SHARED = 0.1
 class Partners:
     """A model's partners of the first K modes of the reference, in p poses (all arrays p×K).
 
-    `frequency` (Hz) of the partner, NaN without one; `number`, its index from 0, −1 without one.
-    `lowest`, `highest` (Hz): range of frequencies among which mixed shapes leave the partner open;
-    both equal `frequency` if shapes do not mix. `undecided`: true if shapes do not show whether the
-    model has the mode. `mac`: squared cosine between the shape and the space of its partner;
-    without a partner, the largest energy-weighted MAC with any mode. `energy_shares`: share of the
-    reference's kinetic energy in cross-sections and bodies that move as wholes. `ordered`:
-    partners' indices in the most ascending order that shapes and uncertainties allow. `loose`: true
-    for modes whose place in that order is open. `by_number`: k-th frequency (Hz) of the model
-    regardless of shape, NaN if it has fewer.
+    `frequency` (Hz) of the partner, NaN without one; `partner_indices`, counted from 0, −1 without
+    one. `lowest`, `highest` (Hz): range of frequencies among which mixed shapes leave the partner
+    open; both equal `frequency` if shapes do not mix. `undecided`: true if shapes do not show
+    whether the model has the mode. `mac`: squared cosine between the shape and the space of its
+    partner; without a partner, the largest energy-weighted MAC with any mode. `energy_shares`:
+    share of the reference's kinetic energy in cross-sections and bodies that move as wholes.
+    `ordered`: partners' indices in the most ascending order that shapes and uncertainties allow.
+    `loose`: true for modes whose place in that order is open. `by_number`: k-th frequency (Hz) of
+    the model regardless of shape, NaN if it has fewer.
     """
 
     frequency: Array
-    number: IntArray
+    partner_indices: IntArray
     lowest: Array
     highest: Array
     undecided: BoolArray
@@ -65,7 +65,7 @@ class Partners:
 
         Shapes: p poses, K modes.
         """
-        return (self.number < 0) & ~self.undecided & (self.energy_shares < _LOCAL)
+        return (self.partner_indices < 0) & ~self.undecided & (self.energy_shares < _LOCAL)
 
 
 def partners(
@@ -189,7 +189,7 @@ def _at_pose(
 
     return {
         "frequency": first(frequency, np.nan),
-        "number": first(pairs.partner, -1),
+        "partner_indices": first(pairs.partner, -1),
         "lowest": first(lowest, np.nan),
         "highest": first(highest, np.nan),
         "undecided": first(pairs.undecided, missing=False),

@@ -38,7 +38,7 @@ def paired(
 
 def _pair(pairing: Partners, posture: int, mode: int) -> ModePair:
     """Partner of a mode in a posture, both given by index."""
-    partner_index = int(pairing.number[posture, mode])
+    partner_index = int(pairing.partner_indices[posture, mode])
     low, high = float(pairing.lowest[posture, mode]), float(pairing.highest[posture, mode])
     return ModePair(
         mode=mode + 1,

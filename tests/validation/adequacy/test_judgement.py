@@ -85,7 +85,7 @@ def test_close_modes_are_paired_by_shape():
     close, swapped = (vibration([100.0, 102.0, 200.0], *pair, C) for pair in ((A, B), (B, A)))
     found = partners(close, swapped, 3)
     assert found.frequency[0] == pytest.approx([102.0, 100.0, 200.0])
-    assert found.number[0].tolist() == [1, 0, 2]
+    assert found.partner_indices[0].tolist() == [1, 0, 2]
     assert found.mac[0] == pytest.approx(1.0)
 
 
@@ -100,7 +100,7 @@ def test_mixed_modes_are_compared_as_a_subspace(unsure, open_to):
     assert found.mac[0] == pytest.approx(1.0)
     assert sorted(found.frequency[0]) == pytest.approx([110.0, 112.0, 200.0])
     if open_to is None:
-        assert found.number[0].tolist() == [0, 1, 2]
+        assert found.partner_indices[0].tolist() == [0, 1, 2]
         open_to = [(110.0, 110.0), (112.0, 112.0)]
     spans = np.column_stack([found.lowest[0], found.highest[0]])
     np.testing.assert_allclose(spans, [*open_to, (200.0, 200.0)])
@@ -192,7 +192,7 @@ def test_frequency_change_follows_mode_shape(coarse, changes):
 def test_mac_below_half_is_no_partner(common, number):
     model = vibration([100.0], np.sqrt(common) * A + np.sqrt(1.0 - common) * D)
     found = partners(vibration([100.0, 150.0, 200.0], A, B, C), model, 1)
-    assert found.number.tolist() == [[number]]
+    assert found.partner_indices.tolist() == [[number]]
     assert found.mac[0, 0] == pytest.approx(common)
 
 

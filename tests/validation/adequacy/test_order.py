@@ -86,8 +86,10 @@ def test_frequency_error_needs_a_partner_mode(seed):
     model = PathModes(frequencies[None, :6], shapes[None][:, :, order], weights, np.ones((1, 6)))
     truth = PathModes(frequencies[None], shapes[None], weights, np.ones((1, 9)))
     found = partners(truth, model, 9)
-    assert (np.isnan(found.frequency) == (found.number < 0)).all()
+    assert (np.isnan(found.frequency) == (found.partner_indices < 0)).all()
     expected = [int(np.flatnonzero(order == k)[0]) if k in kept else -1 for k in range(9)]
-    assert found.number[0].tolist() == expected
-    there = found.number[0] >= 0
-    np.testing.assert_array_equal(found.frequency[0, there], frequencies[found.number[0, there]])
+    assert found.partner_indices[0].tolist() == expected
+    there = found.partner_indices[0] >= 0
+    np.testing.assert_array_equal(
+        found.frequency[0, there], frequencies[found.partner_indices[0, there]]
+    )

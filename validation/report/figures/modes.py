@@ -138,7 +138,7 @@ def pairs(context: Context) -> Chart:
         change = 100.0 * (pairing.frequency[0] / middle_modes.frequencies[0] - 1.0)
         changes.append(Series(name, numbers, change))
         columns |= {
-            f"{name}: partner": [float(k) + 1.0 for k in pairing.number[0]],
+            f"{name}: partner": [float(k) + 1.0 for k in pairing.partner_indices[0]],
             f"{name} (Hz)": pairing.frequency[0].tolist(),
             f"{name}: MAC": pairing.mac[0].tolist(),
         }
