@@ -267,9 +267,9 @@ def _computed(outcome: Outcome) -> AgreementRow:
     return agreement_row(outcome)
 
 
-def _not_computed(what: str, name: str, known: Iterable[str]) -> str:
-    listed = ", ".join(one or "None (the robot)" for one in known) or "none"
-    return f"{what} {name}: not computed; must be one of {listed}"
+def _not_computed(subject: str, name: str, known: Iterable[str]) -> str:
+    listed = ", ".join(item or "None (the robot)" for item in known) or "none"
+    return f"{subject} {name}: not computed; must be one of {listed}"
 
 
 def cross_validation(context: Context) -> CrossValidation:

@@ -105,7 +105,9 @@ def _entry(
         return _unsolved_entry(subject, model, quantity, requirement.limit(quantity))
     limits = _pose_limits(errors, quantity, requirement)
     verdicts, compared = verdicts_of(errors, limits), errors.compared
-    verdict = worst_of([one for one, counts in zip(verdicts, compared, strict=True) if counts])
+    verdict = worst_of(
+        [verdict for verdict, counts in zip(verdicts, compared, strict=True) if counts]
+    )
     pose = _deciding_pose(verdicts, verdict, np.where(compared, errors.bound / limits, np.nan))
     limit = float(limits[pose])
     path = np.arange(len(limits))
@@ -194,7 +196,7 @@ def _unsolved_entry(
     None if the model does not define the quantity.
     """
     responses, reference = subject.responses, subject.reference(quantity)
-    if responses.half(model, NOMINAL, quantity) is None:
+    if responses.solution(model, NOMINAL, quantity) is None:
         return None
     unsolved = responses.unsolved(model, NOMINAL, quantity)
     return Entry(
@@ -396,10 +398,12 @@ def _expected_range(errors: Errors, pose: int) -> tuple[float, float]:
     """Lowest and highest value of the reference over all interpretations, half-widths included."""
     expected, spread = errors.expected[:, pose], errors.spread[:, pose]
     # Ratio of the error's half-width to that of the reference.
-    reach = np.ones_like(expected)
-    reach = np.abs(np.divide(errors.value[:, pose], expected, out=reach, where=expected != 0.0))
-    half = np.divide(spread, reach, out=spread.copy(), where=reach > 0.0)
-    return float(np.min(expected * (1.0 - half))), float(np.max(expected * (1.0 + half)))
+    ratio = np.ones_like(expected)
+    ratio = np.abs(np.divide(errors.value[:, pose], expected, out=ratio, where=expected != 0.0))
+    half_width = np.divide(spread, ratio, out=spread.copy(), where=ratio > 0.0)
+    return float(np.min(expected * (1.0 - half_width))), float(
+        np.max(expected * (1.0 + half_width))
+    )
 
 
 def _errors_along_load(errors: Errors, rows: IntArray) -> tuple[float | None, ...]:

@@ -106,7 +106,7 @@ class Responses:
             self._modes[key] = self._solved(model.modes, self.required_modes, scaled, *key)
         return self._modes[key]
 
-    def half(
+    def solution(
         self, model: Model, reading: Reading, quantity: Quantity
     ) -> Statics | PathModes | Unsolved | None:
         """Statics or modes of a model, whichever the quantity is computed from."""
@@ -114,13 +114,13 @@ class Responses:
 
     def known_statics(self, model: Model, reading: Reading) -> Statics | None:
         """Statics of a model. None if the model does not define them or they are unsolved."""
-        half = self.statics(model, reading)
-        return half if isinstance(half, Statics) else None
+        solution = self.statics(model, reading)
+        return solution if isinstance(solution, Statics) else None
 
     def known_modes(self, model: Model, reading: Reading) -> PathModes | None:
         """Modes of a model. None if the model does not define them or they are unsolved."""
-        half = self.modes(model, reading)
-        return half if isinstance(half, PathModes) else None
+        solution = self.modes(model, reading)
+        return solution if isinstance(solution, PathModes) else None
 
     def required_statics(self, model: Model, reading: Reading) -> Statics:
         """Statics of a model.
@@ -138,8 +138,8 @@ class Responses:
 
     def unsolved(self, model: Model, reading: Reading, quantity: Quantity) -> str:
         """Reason why a quantity of a model cannot be computed. "" if it can."""
-        half = self.half(model, reading, quantity)
-        return half.reason if isinstance(half, Unsolved) else ""
+        solution = self.solution(model, reading, quantity)
+        return solution.reason if isinstance(solution, Unsolved) else ""
 
     def _solved(
         self,
@@ -171,19 +171,19 @@ class Responses:
     @property
     def faults(self) -> tuple[str, ...]:
         """Names of the models whose statics or modes ended with an error of the program."""
-        halves = (*self._statics.items(), *self._modes.items())
+        solutions = (*self._statics.items(), *self._modes.items())
         return tuple(
             dict.fromkeys(
                 model.name
-                for (model, _), half in halves
-                if isinstance(half, Unsolved) and half.fault
+                for (model, _), solution in solutions
+                if isinstance(solution, Unsolved) and solution.fault
             )
         )
 
 
-def _required(model: Model, half: H | Unsolved | None) -> H:
-    if isinstance(half, Unsolved):
-        raise ComputationError(half.reason)
-    if half is None:
+def _required(model: Model, solution: H | Unsolved | None) -> H:
+    if isinstance(solution, Unsolved):
+        raise ComputationError(solution.reason)
+    if solution is None:
         raise ComputationError(f"{model.name} defines no such response")
-    return half
+    return solution

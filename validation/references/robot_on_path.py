@@ -44,10 +44,12 @@ MeshKind: TypeAlias = Literal["mesh", "section_mesh", "part_mesh"]
 # Largest number of computed poses. Of a longer path, evenly spaced poses are computed.
 MOST_POSES: Mapping[Preset, int] = {"quick": 9, "standard": 25, "fine": 81}
 HOLD: tuple[Ends, Ends] = ("rigid", "free")
-_SAY_PARTS = (
+_PARTS_INSTRUCTION = (
     'the coupling of the interfaces, coupling = "rigid", "average" or "pin" in the interfaces of'
 )
-_SAY_ENDS = 'the end condition, ends = "rigid" (bolted flat) or ends = "free" (free to warp), in'
+_ENDS_INSTRUCTION = (
+    'the end condition, ends = "rigid" (bolted flat) or ends = "free" (free to warp), in'
+)
 
 
 @dataclass(frozen=True)
@@ -272,10 +274,10 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
     }
     specified = {**legs, **parts}
     unspecified = [
-        (name, question, f"specify in the robot file {say} {_tables(bodies, schema)}")
-        for name, question, say, bodies in (
-            ("ends", "end conditions of the legs", _SAY_ENDS, legs),
-            ("interfaces", "coupling of the parts' interfaces", _SAY_PARTS, parts),
+        (name, question, f"specify in the robot file {instruction} {_tables(bodies, schema)}")
+        for name, question, instruction, bodies in (
+            ("ends", "end conditions of the legs", _ENDS_INSTRUCTION, legs),
+            ("interfaces", "coupling of the parts' interfaces", _PARTS_INSTRUCTION, parts),
         )
         if not all(bodies.values())
     ]

@@ -74,14 +74,14 @@ def _reference_title(robot: RobotOnPath) -> str:
     names = ", ".join(robot.given)
     if robot.mechanism.parts:
         solid = " and solid legs" if robot.prisms else ""
-        own = f", {names} by their specified 6×6" if names else ""
-        return f"robot assembled from solid parts{solid}{own}"
+        legs_text = f", {names} by their specified 6×6" if names else ""
+        return f"robot assembled from solid parts{solid}{legs_text}"
     if not robot.legs:
         return "robot assembled from rigid bodies"
     if not robot.prisms:
         return "robot assembled from the specified 6×6 of its legs"
-    own = f" and {names} by their specified 6×6" if names else ""
-    return f"robot assembled from solid legs{own}"
+    legs_text = f" and {names} by their specified 6×6" if names else ""
+    return f"robot assembled from solid legs{legs_text}"
 
 
 def static_steps(robot: RobotOnPath) -> Steps:

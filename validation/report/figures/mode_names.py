@@ -144,14 +144,16 @@ def kinetic_energies(system: System, shapes: Array) -> Array:
         motions = np.einsum("ij,njm->nim", posture.frames[name].rotation, local_motions)
         energy += np.einsum("n,nim->im", masses, np.square(motions))
     loaded = Side(mechanism.tool.body, mechanism.tool.point)
-    carried = [(loaded, interface_position(posture, loaded)[None], np.array([mechanism.tool.mass]))]
+    point_masses = [
+        (loaded, interface_position(posture, loaded)[None], np.array([mechanism.tool.mass]))
+    ]
     for name, body in mechanism.bodies.items():
         if isinstance(body.shape, Rigid) and body.shape.mass and body.interfaces:
             points, masses = _mass_points(body)
             frame = posture.frames[name]
             places = frame.position + points @ frame.rotation.T
-            carried.append((Side(name, next(iter(body.interfaces))), places, masses))
-    for side, places, masses in carried:
+            point_masses.append((Side(name, next(iter(body.interfaces))), places, masses))
+    for side, places, masses in point_masses:
         point = interface_position(posture, side)
         twists = system.motions.at(side.body, side.point, point) @ shapes[: system.outer]
         rotations = np.cross(twists[3:].T, (places - point)[:, None])
