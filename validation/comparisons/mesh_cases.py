@@ -152,9 +152,10 @@ def _half_width(context: Context, body: str, ends: Ends) -> Measurement:
 
 
 def half_width_shares(refinement: Refinement) -> Array:
-    """Changes of the diagonal compliances to the next finer mesh, over half-widths (m−2 × 6).
+    """Change of each diagonal compliance to the next finer mesh, over its half-width (m−2 × 6).
 
-    The half-width of each of m meshes follows from this and the coarser ones.
+    The half-width of each of m meshes follows from this mesh and the coarser ones. Values above 1
+    show a half-width that is too small.
     """
     rows = []
     for count in range(2, len(refinement.divisions)):

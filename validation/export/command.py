@@ -133,7 +133,7 @@ def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:
 def _content(
     robot_file: "RobotFile", to: str, pose: str | None, body: str | None, count: int, ending: str
 ) -> bytes:
-    """Content of the file. Runs in a process of its own."""
+    """Bytes of the exported file, computed in a process of its own."""
     from lumped.mechanism.kinematics.postures import posture, reference_posture  # noqa: PLC0415
     from validation.export import formats, reduced  # noqa: PLC0415
     from validation.kinematics.poses import parsed_pose  # noqa: PLC0415

@@ -78,9 +78,10 @@ class ReducedPart(BodyModel):
         return _below(squares[np.abs(squares / expected - 1.0) < _SAME_MODE], self.cutoff)
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Changes of stiffness and mass that bound the error at a squared angular frequency.
+        """Changes of stiffness and mass that bound the effect of the omitted modes on frequencies.
 
-        See `fem.reduction.craig_bampton.Truncated`.
+        `squared` is the square of an angular frequency; see
+        `fem.reduction.craig_bampton.Truncated`.
         """
         if self.free is None:
             return heavier_at_interfaces(self.truncated, self.cutoff, self.size, squared)

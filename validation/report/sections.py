@@ -129,7 +129,10 @@ class PageSection:
 
     @property
     def skipped(self) -> tuple[str, ...]:
-        """Reasons for skipping, with the names of bodies, if nothing was compared. () otherwise."""
+        """Reasons why all comparisons of the section were skipped, with the names of bodies.
+
+        () if any comparison was made.
+        """
         if any(outcome.verdict != "skipped" for outcome in self.outcomes):
             return ()
         bodies: dict[str, dict[str, None]] = {}

@@ -342,7 +342,11 @@ def _file_locks() -> ModuleType:
 
 @contextmanager
 def _locked(path: Path, folder: Path) -> Iterator[None]:
-    """Context with the lock of a folder. It moves with the folder; a finished run has none."""
+    """Context with the lock of a run's folder, which other processes then cannot use.
+
+    The lock file moves with the folder; the folder of a finished run has none. Raises InputError if
+    another run has the lock.
+    """
     lock_path, locks = folder / LOCK, _file_locks()
     with _input_errors(path), ExitStack() as stack:
         is_own_file = (

@@ -230,7 +230,10 @@ def _choices_sentence(varied: VariedCurves, variation: Variation) -> str:
 
 
 def _location(context: Context, varied: VariedCurves) -> str:
-    """Text on the pose of the robots. They differ if the paths are varied."""
+    """Text on the pose of the compared robots: each in the middle of its path.
+
+    The pose is named unless it differs between the robots because their paths are varied.
+    """
     pose = shown_pose(context.robot_file.mechanism, varied.poses[0])
     same_pose = pose and np.ptp(varied.poses, axis=0).max() == 0.0
     return f"with the tool at {pose}" if same_pose else "in the middle of the path"
