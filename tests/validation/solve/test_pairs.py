@@ -36,9 +36,9 @@ def test_missing_partner_has_reason(monkeypatch, seen, line):
         of_models.append(sampled(*of))
         if len(of_models) > 1:
             return of_models[1]
-        shares = of_models[0].seen.copy()
+        shares = of_models[0].energy_shares.copy()
         shares[:, 1] = seen
-        return replace(of_models[0], seen=shares)
+        return replace(of_models[0], energy_shares=shares)
 
     monkeypatch.setattr(pairs, "vibration_of", second_seen)
     solution = solve(Question(load_robot("five-bar"), "beam", {}, 3, against="beam"))
