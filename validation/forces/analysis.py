@@ -25,7 +25,7 @@ from validation.models.reduced_parts import found_in, unknowns_of, with_unknowns
 from validation.models.robot_models import sectioned_legs
 from validation.solve.model_answers import checked
 from validation.solve.question import Question
-from validation.solve.uncertainty import beside, mesh_policy
+from validation.solve.uncertainty import mesh_policy, second_divisions
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 # Order of convergence of segments over their number, of loads on their mass; of the paper's layout.
@@ -47,7 +47,8 @@ def forces(question: Question, loads: Sequence[str] = (), *, on_path: bool = Fal
     checked(question)
     mechanism, options = question.mechanism, asdict(question.options)
     postures = postures_on_path(mechanism, mechanism.poses) if on_path else question.postures()
-    effective = {name: value for name, value in options.items() if name in question.listens}
+    names = question.effective_options
+    effective = {name: value for name, value in options.items() if name in names}
     return forces_in(question.model, postures, question.options, effective)
 
 

@@ -263,7 +263,7 @@ def _study(
         title=mapped.title,
         unit=mapped.unit,
         model=mapped.model,
-        moves=tuple(space.mechanism.tool.moves[move] for move in space.moves),
+        moves=tuple(space.mechanism.tool.moves[move] for move in space.varied),
         x=tuple(tuple(axis.tolist()) for axis in space.axes),
         values=tuple(_none_if_nan(values).tolist()),
         worst=WorstValue(tuple(worst.pose.tolist()), worst.value),

@@ -174,9 +174,9 @@ def modal_prediction(
         if nearest >= 0:
             similar_modes, partner_mac = mac[column] >= LEAST_MAC, float(mac[column, nearest])
             reason = ""
-            if likeness < LEAST_MAC:
+            if partner_mac < LEAST_MAC:
                 reason = (
-                    f"not paired: MAC {likeness:.2f} is below {LEAST_MAC}; another mode, "
+                    f"not paired: MAC {partner_mac:.2f} is below {LEAST_MAC}; another mode, "
                     "or wrong positions of the nodes"
                 )
             elif len(set(spaces[similar_modes])) > 1 or (

@@ -79,10 +79,11 @@ class BucklingRecord(msgspec.Struct, frozen=True):
 
 
 class LoadRecord(msgspec.Struct, frozen=True):
-    """Displacement under a load, None without a solution, reactions, and `Stability` near it.
+    """JSON object of a load: displacement of the tool, reactions, buckling and lost stiffness.
 
-    `reactions` (6, N and N m, joint axes) by joint; None for a number that statics leaves open. A
-    buckled mechanism has no stiffness: what depends on it is None.
+    The displacement is None without a solution. `reactions` (6, N and N m, joint axes) by joint;
+    None for a number that statics does not determine. A buckled mechanism has no stiffness: numbers
+    that depend on it are None.
     """
 
     displacement: Array | None
