@@ -149,7 +149,7 @@ def _mesh_half_widths(
             (lambda: load_forces(model, postures, finer), MeshPolicy.of_order(0.5, order))
         )
     if model == "solid" and (legs := [leg for _, leg, _ in sectioned_legs(mechanism, options)]):
-        divisions = beside(options, legs)
+        divisions = second_divisions(options, legs)
         other = replace(options, divisions=divisions)
         studies.append(
             (lambda: load_forces(model, postures, other), mesh_policy(options, legs, divisions))

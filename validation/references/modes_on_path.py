@@ -253,7 +253,9 @@ def computed_beam_vibration(
     return built_vibration(postures, build, condensed_parts(mechanism), hold, count)
 
 
-def _own_leg(leg: Leg, ends: Ends, highest: float, *, mesh: LegMesh, warping: bool) -> LegMatrices:
+def _computed_leg(
+    leg: Leg, ends: Ends, highest: float, *, mesh: LegMesh, warping: bool
+) -> LegMatrices:
     divisions = mesh.divisions(sectioned_leg(leg))
-    elements = own_elements(leg, ends if warping else None, ELEMENTS, divisions)
+    elements = computed_elements(leg, ends if warping else None, ELEMENTS, divisions)
     return craig_bampton(held_leg(elements), highest, CUTOFF["beam"] * highest).matrices

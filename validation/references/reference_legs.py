@@ -39,12 +39,12 @@ from validation.solids.solid_legs import (
     DIVISIONS,
     WALL_DIVISIONS,
     TwoMeshes,
+    computed_properties,
     has_meshes,
     leg_constants,
     mesh_pair,
-    own_properties,
     section_of,
-    static_ladder,
+    static_divisions,
     two_meshes,
 )
 from validation.solids.solid_size import larger_preset, why_shapeless
@@ -97,7 +97,7 @@ def solid_leg(context: Context, leg: SectionedLeg) -> TwoMeshes:
 
 
 def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
-    """Instruction naming the larger preset that gives these legs finer solids, if any."""
+    """Instruction naming the larger preset with finer solids for these legs, or that none has."""
     solids = [leg for leg in legs if isinstance(leg, ConstantLeg)]
     lines = [leg for leg in legs if isinstance(leg, LineLeg)]
 
@@ -180,7 +180,7 @@ def computed_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIO
         return leg.compliance
     if isinstance(leg, LineLeg):
         return context.get(own_sections, leg, divisions).tip_compliance
-    constants = context.get(own_constants, leg, divisions)
+    constants = context.get(computed_constants, leg, divisions)
     return tip_compliance(beam_properties(constants, leg.material), leg.length)
 
 
@@ -206,7 +206,7 @@ def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
 
     The loss is due to hindered contraction and shear warping at both ends. Zero if ends are free.
     """
-    spring = own_spring(context, leg)
+    spring = computed_spring(context, leg)
     if not isinstance(leg, GivenLeg) and ends == "rigid":
         spring = spring + solid_leg(context, leg).restrained
     return spring
@@ -242,4 +242,4 @@ def computed_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> 
 def own_sections(leg: LineLeg, divisions: int = SECTION_DIVISIONS) -> LineSections:
     """Sections along a line with constants from finite elements."""
     with naming(leg.name):
-        return leg.sections_by(lambda prism: own_properties(prism, divisions))
+        return leg.sections_by(lambda prism: computed_properties(prism, divisions))

@@ -26,7 +26,7 @@ from validation.kinematics.poses import postures_on_path
 from validation.models.loads.leg_masses import MASSES, Inside, Masses
 from validation.models.options import DEFAULT_OPTIONS
 from validation.models.part_legs import part_springs, require_legs
-from validation.models.reduced_parts import is_held_as_said
+from validation.models.reduced_parts import has_specified_couplings
 from validation.models.robot_models import sectioned_legs
 from validation.models.roundings import Rounding, roundings_of
 from validation.parts.meshes import FINEST

@@ -35,7 +35,7 @@ from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from meshes.part.interfaces import find_interfaces
 from meshes.prism import tetrahedra
 from meshes.section.section_mesh import section_mesh
-from validation.solids.solid_legs import own_beam
+from validation.solids.solid_legs import computed_beam
 
 # The second bore is referred to a point beside its axis.
 OFF = np.array([1e-3, 2e-3, 0.0])
@@ -333,7 +333,7 @@ def test_thin_tube_ovals_at_hoppe_frequency():
 def test_slow_waves_are_a_timoshenko_beam(section):
     """Both are Saint-Venant's states as ω → 0: what is left falls with ω²."""
     omega = 2.0 * np.pi * 2.0
-    beam = own_beam(ConstantLeg(LENGTH, section, STEEL), 4)
+    beam = computed_beam(ConstantLeg(LENGTH, section, STEEL), 4)
     dynamic = dense(beam.stiffness) - omega**2 * dense(beam.mass)
     inside = np.linalg.solve(dynamic[12:, 12:], dynamic[12:, :12])
     expected = dynamic[:12, :12] - dynamic[:12, 12:] @ inside

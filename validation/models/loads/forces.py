@@ -26,7 +26,10 @@ from validation.models.robot_models import on_drives_alone, released, static_bod
 
 @dataclass(frozen=True, eq=False)
 class LoadForces:
-    """Forces under one load in one posture: of all joints and straight legs, in file order."""
+    """Wrenches of all joints, and forces along all straight legs, under one load in one posture.
+
+    Joints and legs have the order of the file.
+    """
 
     reactions: tuple[Reaction, ...]
     members: tuple[MemberForces, ...]
