@@ -74,7 +74,8 @@ def section_stresses(mesh: SectionMesh, material: Material) -> SectionStresses:
     normal[:, 0] = 1.0 / solution.area
     about_y, about_z = np.linalg.solve(solution.moments, [[0.0, -1.0], [1.0, 0.0]]).T
     normal[:, 4], normal[:, 5] = about_y @ places, about_z @ places
-    return SectionStresses(mesh, normal, shear, _regular(mesh, solution.area))
+    regular = regular_nodes(mesh, solution.area / _perimeter(mesh))
+    return SectionStresses(mesh, normal, shear, regular)
 
 
 class _NodalGradient:
@@ -98,18 +99,21 @@ class _NodalGradient:
         )
 
 
-def _regular(mesh: SectionMesh, area: float) -> Array:
-    """False for nodes (N) within half the mean wall thickness of a re-entrant corner."""
+def regular_nodes(mesh: SectionMesh, distance: float) -> Array:
+    """False for nodes (N) of a section mesh within `distance` (m) of a re-entrant corner."""
     rim = _rim(mesh)
     on_rim = np.zeros(len(mesh.nodes), dtype=bool)
     on_rim[rim.ravel()] = True
     reentrant = mesh.nodes[on_rim & (_angles(mesh) > pi + _REENTRANT)]
     if not len(reentrant):
         return np.ones(len(mesh.nodes), dtype=bool)
-    perimeter = float(np.linalg.norm(np.diff(mesh.nodes[rim], axis=1), axis=2).sum())
     distances = np.linalg.norm(mesh.nodes[:, None] - reentrant, axis=2).min(axis=1)
-    # Twice the area over the perimeter is the thickness of thin walls.
-    return np.asarray(distances > area / perimeter)
+    return np.asarray(distances > distance)
+
+
+def _perimeter(mesh: SectionMesh) -> float:
+    """Length of the rim (m). The area over half of it is the thickness of thin walls."""
+    return float(np.linalg.norm(np.diff(mesh.nodes[_rim(mesh)], axis=1), axis=2).sum())
 
 
 def _rim(mesh: SectionMesh) -> IntArray:

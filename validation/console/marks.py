@@ -121,6 +121,7 @@ _FORMATS: Mapping[str, _Format] = {
     ".bdf": _Text(b"$ "),
     ".html": _MARKUP,
     ".svg": _MARKUP,
+    ".vtu": _MARKUP,
     ".png": _Png(),
     ".npz": _Zip(),
     ".mat": _Matlab(),

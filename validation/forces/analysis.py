@@ -17,6 +17,7 @@ from lumped.system.members import MemberForces
 from lumped.system.reactions import Reaction
 from validation.forces.record import Forces
 from validation.forces.results import ForcesUnderLoad, PoseForces
+from validation.forces.solids import solid_stresses
 from validation.forces.stresses import member_stress, reason_without_stress
 from validation.kinematics.poses import postures_on_path
 from validation.models.loads.forces import LoadForces, load_forces
@@ -35,21 +36,34 @@ _HALF, _LITERAL = 2.0, 1.0
 _PART_RATIO, _PART_ORDER = 2.0 ** (1.0 / 3.0), 1.0
 
 
-def forces(question: Question, loads: Sequence[str] = (), *, on_path: bool = False) -> Forces:
+def forces(
+    question: Question,
+    loads: Sequence[str] = (),
+    *,
+    on_path: bool = False,
+    solids: bool = False,
+) -> Forces:
     """Forces in the poses of a question, or in those of the path, under all loads or those named.
 
-    Raises InputError for a wrong question, a robot without loads or an unknown load, and
-    ComputationError if the drives do not hold the tool.
+    With `solids`, stress fields of all bodies are included. Raises InputError for a wrong question,
+    a robot without loads or an unknown load, and ComputationError if the drives do not hold the
+    tool.
     """
     if on_path and (question.x or question.poses):
         raise InputError("--path: takes all poses of [path]; leave out --pose or --path")
     question = replace(question, robot_file=_with_loads(question.robot_file, loads), modes=0)
     checked(question)
     mechanism, options = question.mechanism, asdict(question.options)
+    if solids and question.model != "solid":
+        raise InputError(
+            f"--vtu: the {question.model} model has no stress fields; add --model solid"
+        )
     postures = postures_on_path(mechanism, mechanism.poses) if on_path else question.postures()
+    if solids and len(mechanism.loads) * len(postures) > 1:
+        raise InputError("--vtu: writes one load in one pose; name them with --load and --pose")
     names = question.effective_options
     effective = {name: value for name, value in options.items() if name in names}
-    return forces_in(question.model, postures, question.options, effective)
+    return forces_in(question.model, postures, question.options, effective, solids=solids)
 
 
 def forces_in(
@@ -59,10 +73,12 @@ def forces_in(
     shown_options: Mapping[str, object] | None = None,
     *,
     part_meshes: bool = True,
+    solids: bool = False,
 ) -> Forces:
     """Forces in postures of one mechanism under all of its loads.
 
-    Half-widths include those of the meshes of CAD parts if `part_meshes`.
+    Half-widths include those of the meshes of CAD parts if `part_meshes`. With `solids`, stress
+    fields of all bodies are included.
     """
     mechanism = postures[0].mechanism
     rows = load_forces(model, postures, options)
@@ -78,7 +94,12 @@ def forces_in(
                 tuple(posture.pose.tolist()),
                 shown_pose(mechanism, posture.pose) or "the only posture",
                 {
-                    load.name: None if found is None else _under_load(mechanism, found, width)
+                    load.name: None
+                    if found is None
+                    else replace(
+                        _under_load(mechanism, found, width),
+                        solids=solid_stresses(posture, load, found.ends, options) if solids else {},
+                    )
                     for load, found, width in zip(mechanism.loads, row, widths, strict=True)
                 },
             )

@@ -40,6 +40,7 @@ def forces(
     parts: Literal["equivalent", "stepped", "condensed"] | None = None,
     csv: PathArgument | None = None,
     picture: PathArgument | None = None,
+    vtu: PathArgument | None = None,
     solver: SolverName = None,
     ranks: RankCount = None,
     force: Force = False,
@@ -78,6 +79,9 @@ def forces(
     picture
         Also draw the first load into this PNG file: forces along the legs in one pose, over the
         poses for several.
+    vtu
+        solid: also write displacements and stresses of all legs and CAD parts under one load in one
+        pose into this VTU file, for ParaView.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.console.progress import stage  # noqa: PLC0415
@@ -89,7 +93,8 @@ def forces(
     request_solver(solver, ranks)
     require_writable(csv, ".csv", force=force)
     require_writable(picture, ".png", force=force)
-    require_distinct(csv, picture)
+    require_writable(vtu, ".vtu", force=force)
+    require_distinct(csv, picture, vtu)
     robot_file = load_robot(robot)
     choices = {
         "legs": legs,
@@ -103,7 +108,7 @@ def forces(
     given = {name: value for name, value in choices.items() if value is not None}
     question = Question(robot_file, model, given, poses=pose)
     with stage(f"forces by the {model} model"):
-        found = computed(question, load, on_path=path)
+        found = computed(question, load, on_path=path, solids=vtu is not None)
     write_results(found.json() if json else as_text(found))
     if csv is not None:
         write(csv, found.csv().encode(), ".csv")
@@ -111,4 +116,8 @@ def forces(
         from validation.drawing.plot import chart_png  # noqa: PLC0415
 
         write(picture, chart_png(found.chart(found.first_load), _DOTS), ".png")
+    if vtu is not None:
+        from validation.forces.fields import vtu_of  # noqa: PLC0415
+
+        write(vtu, vtu_of(found), ".vtu")
     return 0

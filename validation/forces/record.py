@@ -287,6 +287,15 @@ def _record(found: ForcesUnderLoad) -> dict[str, Any]:
             for leg, stress in found.stresses.items()
         },
         "without_stress": dict(found.without_stress),
+        "solids": {
+            body: {
+                "von_mises": one.largest,
+                "half_width": finite(one.half_width),
+                "place": list(one.place),
+                "distance": one.distance,
+            }
+            for body, one in found.solids.items()
+        },
         "uncertainty": {
             "reactions": {one.joint: listed(one.half_width) for one in found.reactions},
             "members": {one.leg: listed(one.half_width) for one in found.members},

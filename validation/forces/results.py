@@ -1,13 +1,14 @@
 """Forces under one load in one pose, and their numbers as they are shown."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.system.members import MemberForces
 from lumped.system.reactions import Reaction
+from validation.forces.solids import SolidStress
 from validation.forces.stresses import MemberStress
 
 REACTION_UNITS = ("N", "N", "N", "N m", "N m", "N m")
@@ -22,13 +23,14 @@ class ForcesUnderLoad:
     """Forces under one load in one pose, joints and legs in the order of the file.
 
     `stresses` are the largest stresses of legs by name, `without_stress` the reasons for which
-    other legs have none.
+    other legs have none. `solids` are the stress fields of bodies as solids, if requested.
     """
 
     reactions: tuple[Reaction, ...]
     members: tuple[MemberForces, ...]
     stresses: Mapping[str, MemberStress]
     without_stress: Mapping[str, str]
+    solids: Mapping[str, SolidStress] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

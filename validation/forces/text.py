@@ -61,6 +61,13 @@ def _lines(found: ForcesUnderLoad) -> list[str]:
                 f"at {stress.station:.4g} m, in y = {y} mm, z = {z} mm "
                 f"(σ {1e-6 * stress.normal:.4g} MPa, τ {1e-6 * stress.shear:.4g} MPa)"
             )
+    for body, solid in found.solids.items():
+        place = ", ".join(f"{value:.4g}" for value in solid.place)
+        lines.append(
+            f"{_INDENT}{body} as a solid: {1e-6 * solid.largest:.4g} ± "
+            f"{1e-6 * solid.half_width:.2g} MPa at ({place}) m, farther than "
+            f"{1e3 * solid.distance:.3g} mm from singular edges"
+        )
     for leg, reason in found.without_stress.items():
         lines.append(f"{_INDENT}{leg}: no stress, {reason}")
     half_width = max((float(one.half_width[:3].max()) for one in found.reactions), default=0.0)

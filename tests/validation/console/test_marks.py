@@ -47,6 +47,10 @@ KINDS = {
         b'<svg >\n<g id="a"/></svg>\n',
         lambda text: ET.canonicalize(text.decode(), strip_text=True),
     ),
+    ".vtu": (
+        b'<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid"><a/></VTKFile>\n',
+        lambda text: ET.canonicalize(text.decode(), strip_text=True),
+    ),
     ".html": (
         b"<!DOCTYPE html>\n<html><p>x</p></html>\n",
         lambda text: text[text.index(b"<html>") :],
@@ -87,7 +91,7 @@ def test_author_mark_detects_changed_file(kind, tmp_path):
     # A mark of one format is not valid in another, except in two formats with equal comments.
     for other in KINDS:
         path.write_bytes(with_mark(KINDS[other][0], other))
-        equal_comments = {kind, other} <= {".svg", ".html"}
+        equal_comments = {kind, other} <= {".svg", ".html", ".vtu"}
         assert is_marked(path, kind) is (kind == other or equal_comments), other
 
 

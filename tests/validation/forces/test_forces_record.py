@@ -154,7 +154,7 @@ def test_command_writes_text_table_and_picture(loaded, command, tmp_path):
     [
         (["--load", "pull"], "--load pull: must be one of push, weight"),
         (["--path", "--pose", "1"], "--path: takes all poses of [path]"),
-        (["--divisions", "2"], "--divisions: not an option of the beam model here"),
+        (["--divisions", "2"], "--divisions: has no effect on model beam here"),
     ],
 )
 def test_wrong_requests_are_refused_in_one_line(loaded, command, arguments, said):
@@ -169,8 +169,12 @@ def test_robot_without_loads_is_refused(command):
 
 def test_figure_over_path_has_curves_of_drives_joints_and_legs():
     text = (Path(fp.__file__).parent / "lumped/robots/five-bar.toml").read_text("utf-8")
-    found = fp.forces(robot_of(text + LOADS), path=True, loads=["push"])
-    chart = found.chart("push")
+    drag = '[[loads]]\nname = "drag"\nwrench = [100.0, 50.0, -30.0, 0.0, 0.0, 0.0]\n'
+    found = fp.forces(robot_of(text + LOADS + drag), path=True, loads=["drag", "push"])
+    # A force across the plane of the robot leaves its drives and its axial forces at zero.
+    across = [panel.title for panel in found.chart("push").panels]
+    assert across == ["force in the joint (N)", "moment in the joint (N m)", across[-1]]
+    chart = found.chart("drag")
     titles = [panel.title for panel in chart.panels]
     assert "torque of the drive (N m)" in titles
     assert "largest von Mises stress (MPa)" in titles

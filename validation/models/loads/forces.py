@@ -6,9 +6,10 @@ follow from equilibrium with the displacements of the model and the masses on wh
 (`displacements.load_masses`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from lumped.arrays import Array
 from lumped.errors import ComputationError
 from lumped.legs import is_bent
 from lumped.mechanism.load import Loading
@@ -25,14 +26,28 @@ from validation.models.robot_models import on_drives_alone, released, static_bod
 
 
 @dataclass(frozen=True, eq=False)
+class BodyEnds:
+    """Interfaces of a deformable body, m of them, in body axes.
+
+    `wrenches` (6m, N and N m) are those of joints and loads at points, `twists` (6m, m and rad) the
+    displacements.
+    """
+
+    wrenches: Array
+    twists: Array
+
+
+@dataclass(frozen=True, eq=False)
 class LoadForces:
     """Wrenches of all joints, and forces along all straight legs, under one load in one posture.
 
-    Joints and legs have the order of the file.
+    Joints and legs have the order of the file. `ends` are wrenches and twists of the interfaces of
+    deformable bodies by name.
     """
 
     reactions: tuple[Reaction, ...]
     members: tuple[MemberForces, ...]
+    ends: Mapping[str, BodyEnds]
 
 
 def load_forces(
@@ -78,4 +93,11 @@ def _load_forces(solution: Solved, load: Loading, forces: InternalForces) -> Loa
             for name, leg in legs_of(posture.mechanism).items()
             if not is_bent(leg)
         ),
+        {
+            name: BodyEnds(
+                of_body.at_interfaces,
+                solution.system.body_unknowns(name, forces.displacements)[: len(of_body.elastic)],
+            )
+            for name, of_body in forces.bodies.items()
+        },
     )

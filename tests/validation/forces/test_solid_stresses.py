@@ -1,0 +1,130 @@
+"""Stress fields of solids: exact fields of elasticity, equilibrium, and beam theory inside legs."""
+
+import tomllib
+
+import numpy as np
+import pytest
+from frames_by_hand import CANTILEVER, RHO, B, H, L
+
+import flexproof as fp
+from fem.bodies.stresses import away_from, nodal_stresses, von_mises
+from lumped.legs import Material
+from lumped.sections import Rectangle
+from meshes.prism import hexahedra, tetrahedra
+from validation.forces.analysis import forces
+from validation.forces.fields import vtu_of
+from validation.forces.text import as_text
+from validation.solve.question import Question
+
+STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
+CUBIC = Material(E=2.1e11, G=1.3e11, nu=0.25, rho=7850.0)
+LOADED = (
+    CANTILEVER
+    + """
+[[loads]]
+name = "push"
+wrench = [2000.0, 0.0, -1000.0, 0.0, 0.0, 0.0]
+gravity = [0.0, 0.0, -9.81]
+"""
+)
+
+
+@pytest.mark.parametrize("material", [STEEL, CUBIC], ids=["isotropic", "cubic"])
+@pytest.mark.parametrize("element", ["hex27", "tet10"])
+def test_stress_of_linear_displacement_is_hookes(element, material):
+    """σxx = E εxx and σyy = σzz = 0 under ε = (1, −ν, −ν)ε; τ = Gγ under simple shear."""
+    box = Rectangle(0.1, 0.2)
+    mesh = hexahedra(box, 0.4, 1, 2) if element == "hex27" else tetrahedra(box, 0.4, 1)
+    x, y, z = mesh.nodes.T
+    stretched = 1e-4 * np.column_stack([x, -material.nu * y, -material.nu * z])
+    stress = nodal_stresses(mesh, material, stretched)
+    expected = [1e-4 * material.E, 0.0, 0.0, 0.0, 0.0, 0.0]
+    np.testing.assert_allclose(
+        stress, np.tile(expected, (len(x), 1)), atol=1e-8 * material.E * 1e-4
+    )
+    np.testing.assert_allclose(von_mises(stress), 1e-4 * material.E, rtol=1e-8)
+    sheared = 1e-4 * np.column_stack([z, 0.0 * y, 0.0 * z])
+    stress = nodal_stresses(mesh, material, sheared)
+    expected = [0.0, 0.0, 0.0, 0.0, 0.0, 1e-4 * material.G]
+    np.testing.assert_allclose(
+        stress, np.tile(expected, (len(x), 1)), atol=1e-8 * material.G * 1e-4
+    )
+    np.testing.assert_allclose(von_mises(stress), np.sqrt(3.0) * 1e-4 * material.G, rtol=1e-8)
+
+
+def solid_field(text, divisions=2):
+    """Stress field of the bar under the only load."""
+    robot = fp.load(tomllib.loads(text))
+    found = forces(Question(robot, "solid", {"divisions": divisions}), solids=True)
+    return found, found.poses[0].loads["push"].solids["bar"]
+
+
+@pytest.fixture(scope="module")
+def bar():
+    return solid_field(LOADED)
+
+
+def test_solid_cantilever_has_beam_stresses_between_its_ends(bar):
+    """σxx = N/A + My z/Iy farther than the height from the ends (Saint-Venant)."""
+    _, field = bar
+    x, _, z = field.mesh.nodes.T
+    inside = (x > H) & (x < L - H)
+    weight = RHO * B * H * 9.81
+    beyond = L - x
+    moment = 1000.0 * beyond + weight * beyond**2 / 2.0
+    due = 2000.0 / (B * H) + moment * z / (B * H**3 / 12.0)
+    error = (field.stresses[:, 0] - due)[inside]
+    # Quadratic elements of half the width: stresses to 1 % of the largest.
+    assert np.abs(error).max() <= 0.01 * np.abs(due).max()
+    # The tip moves as a Timoshenko cantilever's does, to the restraint of the clamp.
+    tip = field.displacements[np.isclose(x, L)][:, 2].mean()
+    iy = B * H**3 / 12.0
+    bent = 1000.0 * L**3 / (3.0 * 2e11 * iy) + weight * L**4 / (8.0 * 2e11 * iy)
+    assert -tip == pytest.approx(bent, rel=5e-3)
+
+
+def test_largest_stress_of_solid_contains_beam_value_at_clamp(bar):
+    """N/A + M/W at the clamp, ν = 0: no singular stress, so the field there is the beam's."""
+    found, field = bar
+    weight = RHO * B * H * 9.81
+    due = 2000.0 / (B * H) + (1000.0 * L + weight * L**2 / 2.0) * 6.0 / (B * H**2)
+    # It counts from a tenth of the width on.
+    assert field.distance == pytest.approx(0.1 * B)
+    at_distance = due - (1000.0 + weight * L) * field.distance * 6.0 / (B * H**2)
+    assert field.largest <= 1.02 * due
+    assert abs(field.largest - at_distance) <= field.half_width
+    assert abs(field.place[2]) == pytest.approx(H / 2.0)
+    assert "bar as a solid" in as_text(found)
+
+
+def test_vtu_has_the_fields_of_all_bodies(bar, tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    found, field = bar
+    path = tmp_path / "bar.vtu"
+    path.write_bytes(vtu_of(found))
+    grid = pyvista.read(path)
+    assert grid.n_points == len(field.mesh.nodes)
+    largest = np.asarray(grid.point_data["von Mises stress"])
+    np.testing.assert_allclose(largest, von_mises(field.stresses))
+    assert set(np.asarray(grid.cell_data["body"]).tolist()) == {1}
+
+
+def test_nodes_near_reentrant_corners_of_profile_are_left_out():
+    nodes = np.array([[0.0, 0.0, 0.0], [0.0, 0.02, 0.0], [1.0, 0.0, 0.0]])
+    assert away_from(nodes, np.array([0]), 0.01).tolist() == [False, True, True]
+    assert away_from(nodes, np.zeros(0, dtype=int), 0.01).all()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--model", "beam"), "--vtu: the beam model has no stress fields; add --model solid"),
+        (("--model", "solid", "--path"), "--vtu: writes one load in one pose"),
+    ],
+)
+def test_vtu_of_more_than_one_field_is_refused(words, said, command, tmp_path):
+    robot = tmp_path / "arm.toml"
+    robot.write_text(LOADED + LOADED[LOADED.index("[[loads]]") :].replace("push", "pull"), "utf-8")
+    line = command.refused("forces", robot, *words, "--vtu", tmp_path / "x.vtu")
+    assert said in line
+    assert not (tmp_path / "x.vtu").exists()

@@ -1,0 +1,188 @@
+"""Stress fields of legs and CAD parts as solids, with the forces of a load on their interfaces.
+
+The first interface is clamped, the others have their wrenches, and weight and inertia act on the
+mass. The reaction of the first interface then is its own wrench, by the equilibrium of the body.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.bodies.part import grips_of, held_part, meshed_part
+from fem.bodies.rooted import RootedBody
+from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
+from fem.bodies.stresses import away_from, nodal_stresses, von_mises
+from fem.elasticity import on_three_components
+from fem.sections.stresses import regular_nodes
+from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Material
+from lumped.mechanism.body import Body
+from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
+from lumped.mechanism.load import Load
+from lumped.mechanism.mechanism import Posture
+from meshes.elements import ELEMENTS
+from meshes.part.boundary import PartMesh
+from meshes.part.inner_edges import inner_edges
+from meshes.solid_mesh import SolidMesh, VolumeMesh
+from validation.models.loads.forces import BodyEnds
+from validation.models.options import ModelOptions
+from validation.models.reduced_parts import found_in, shape_of, unknowns_of
+from validation.models.robot_models import sectioned_legs
+from validation.parts.meshes import FINEST, part_mesh
+from validation.solve.uncertainty import beside
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+
+# Distance from singular edges, over the smallest side of the body's bounding box, within which
+# stresses do not count.
+_NEAR = 0.1
+# Order of convergence of stresses in half-widths: the lowest, as where edges are near.
+_ORDER = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class SolidStress:
+    """Stress field of a body as a solid: `mesh` in base axes (m).
+
+    `displacements` (N×3, m) and `stresses` (N×6, Pa) are in base axes and body axes. `largest` (Pa)
+    is the largest von Mises stress farther than `distance` (m) from singular edges, at `place` (3,
+    m, base axes), with its `half_width`, infinite if the mesh cannot be refined.
+    """
+
+    body: str
+    mesh: VolumeMesh
+    displacements: Array
+    stresses: Array
+    largest: float
+    half_width: float
+    place: tuple[float, float, float]
+    distance: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Solid:
+    """A body on one mesh: factorised with its first interface clamped, and its nodal mass."""
+
+    mesh: VolumeMesh
+    material: Material
+    rooted: RootedBody
+    mass: SparseMatrix
+    singular: IntArray
+
+
+def solid_stresses(
+    posture: Posture, load: Load, ends: Mapping[str, BodyEnds], options: ModelOptions
+) -> dict[str, SolidStress]:
+    """Stress fields of all legs and CAD parts under a load, by name.
+
+    `ends` are the wrenches and twists of their interfaces. Raises InputError for a load along a
+    leg, whose distribution over the section is not known.
+    """
+    if load.lines:
+        raise InputError(f"--vtu: load {load.name} acts along legs, which solids do not support")
+    motions = accelerations(posture, load.speed, load.acceleration) if load.moves_tool else {}
+    legs = {
+        name: (leg, own)
+        for name, leg, own in sectioned_legs(posture.mechanism, options)
+        if isinstance(leg, ConstantLeg)
+    }
+    fields = {}
+    for name, of_body in ends.items():
+        body = posture.mechanism.bodies[name]
+        motion = motions.get(name, REST)
+        rotation = posture.frames[name].rotation
+        in_body = Motion(
+            rotation.T @ (motion.linear_acceleration - load.gravity),
+            rotation.T @ motion.angular_acceleration,
+            rotation.T @ motion.angular_velocity,
+        )
+        if name in legs:
+            leg, own = legs[name]
+            fine = _leg(leg, own, own.divisions)
+            coarse = _leg(leg, own, beside(own, [leg]))
+        elif name in posture.mechanism.parts:
+            fine, coarse = _part(body, FINEST), _part(body, FINEST - 1)
+        else:
+            raise InputError(f"--vtu: {name} has no stress field, its section varies along it")
+        fields[name] = _field(posture, body, (fine, coarse), of_body, in_body)
+    return fields
+
+
+def _leg(leg: ConstantLeg, options: ModelOptions, divisions: int) -> _Solid:
+    mesh = solid_mesh(leg, divisions)
+    solid = solid_leg(leg, mesh)
+    planes = len(mesh.nodes) // len(mesh.root.nodes)
+    corners = np.flatnonzero(np.tile(regular_nodes(mesh.root.mesh, 0.0), planes) == 0)
+    held = options.ends == "rigid"
+    edges = np.concatenate([_rim(mesh.root.nodes, mesh), _rim(mesh.tip.nodes, mesh)])
+    singular = np.union1d(corners, edges) if held else corners
+    return _Solid(mesh, leg.material, clamped_leg(solid, options.ends), solid.mass, singular)
+
+
+def _rim(face: IntArray, mesh: SolidMesh) -> IntArray:
+    """Nodes of the edges of an end face."""
+    section = mesh.root.mesh
+    corners = section.cells[:, list(ELEMENTS[section.element].corner_nodes)]
+    edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2))
+    unique, counts = np.unique(edges, axis=0, return_counts=True)
+    return np.asarray(face[np.unique(unique[counts == 1])])
+
+
+def _part(body: Body, level: int) -> _Solid:
+    file, interfaces = found_in(body)
+    mesh = part_mesh(file, interfaces, unknowns_of(body), level)
+    meshed = meshed_part(mesh, shape_of(body).material)
+    grips = grips_of(mesh, interfaces)
+    faces = np.concatenate([grip.nodes for grip in grips])
+    singular = np.union1d(_edges(mesh), faces)
+    rooted = held_part(meshed, grips, body.name)
+    mass = on_three_components(meshed.scalar_mass)
+    return _Solid(mesh, meshed.material, rooted, mass, singular)
+
+
+def _edges(mesh: PartMesh) -> IntArray:
+    return inner_edges(mesh) if mesh.element in {"tet4", "tet10"} else np.zeros(0, dtype=np.int64)
+
+
+def _field(
+    posture: Posture, body: Body, solids: tuple[_Solid, _Solid], ends: BodyEnds, motion: Motion
+) -> SolidStress:
+    fine, coarse = solids
+    distance = _NEAR * float(np.ptp(fine.mesh.nodes, axis=0).min())
+    displacements, stresses = _solved(fine, ends, motion)
+    counted = away_from(fine.mesh.nodes, fine.singular, distance)
+    sizes = np.where(counted, von_mises(stresses), 0.0)
+    node = int(np.argmax(sizes))
+    half_width = np.inf
+    if len(coarse.mesh.nodes) != len(fine.mesh.nodes):
+        counted = away_from(coarse.mesh.nodes, coarse.singular, distance)
+        other = float(von_mises(_solved(coarse, ends, motion)[1])[counted].max(initial=0.0))
+        ratio = (len(fine.mesh.nodes) / len(coarse.mesh.nodes)) ** (1.0 / 3.0)
+        change = np.array(abs(float(sizes[node]) - other))
+        half_width = float(mesh_half_widths([change], MeshPolicy.of_order(ratio, _ORDER)))
+    frame = posture.frames[body.name]
+    places = frame.position + fine.mesh.nodes @ frame.rotation.T
+    return SolidStress(
+        body.name,
+        VolumeMesh(places, fine.mesh.cells, fine.mesh.element),
+        displacements @ frame.rotation.T,
+        stresses,
+        float(sizes[node]),
+        half_width,
+        tuple(places[node].tolist()),
+        distance,
+    )
+
+
+def _solved(solid: _Solid, ends: BodyEnds, motion: Motion) -> tuple[Array, Array]:
+    """Displacements (N×3) and stresses (N×6) in body axes."""
+    coupled, nodes = solid.rooted.solid, solid.mesh.nodes
+    accelerations_of_nodes = np.array([motion.acceleration_at(arm) for arm in nodes])
+    inertia = -(solid.mass @ accelerations_of_nodes.ravel())
+    forces = coupled.transformation.T @ inertia + solid.rooted.loads @ ends.wrenches[6:]
+    unknowns = solid.rooted.flexibility(np.asarray(forces)[:, None])[:, 0]
+    deformed = (coupled.transformation @ unknowns).reshape(-1, 3)
+    stresses = nodal_stresses(solid.mesh, solid.material, deformed)
+    carried = (coupled.transformation @ (coupled.motions @ ends.twists[:6])).reshape(-1, 3)
+    return deformed + carried, stresses
