@@ -228,3 +228,16 @@ def test_press_has_forces_of_slider_crank(example):
     bending = 6.0 * by_hand["motor"] / (0.02 * 0.04**2) + axial / (0.02 * 0.04)
     # The shear stress of the crank vanishes where it bends most.
     assert stresses["crank"].largest == pytest.approx(bending, rel=1e-3)
+
+
+def test_catalogue_joints_are_springs_in_series(example):
+    """1/k = L/EA + nut + bearing of the screw, l²/pitch, l³/3EI + l/κGA with κ of Cowper."""
+    found = example(17)
+    height, side, E = 0.25, 0.08, 2.1e11
+    shear = 10.0 * 1.3 / (12.0 + 11.0 * 0.3) * E / 2.6 * side**2
+    column = height**3 / (3.0 * E * side**4 / 12.0) + height / shear
+    shaft = (found["poses"] - 0.1) / (2.06e11 * np.pi * 0.0217**2 / 4.0)
+    expected = shaft + 1.0 / 4.0e8 + 1.0 / 2.5e8 + height**2 / 1.5e6 + column
+    assert found["along_x"] == pytest.approx(expected, rel=1e-8)
+    tool, slide = found["middle"].answers[0].responses
+    assert 0.0 < slide.judged[0] < 0.5 * tool.judged[0]

@@ -1,17 +1,22 @@
 """Drives on ball screws: k = 1/(L/EA + 1/bearing + 1/nut) by hand in every posture and model."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from written_robot import described
 
 from lumped.errors import ComputationError, InputError
+from lumped.mechanism.free_twists import drive_in
 from lumped.mechanism.kinematics.postures import posture
 from lumped.models import serial_chains
+from lumped.robot_file import load_robot
 from lumped.system.assembly import assemble, assembly
 from lumped.system.loads import loading, tool_displacements
 from lumped.system.solution import compliance, modes, solved
 from lumped.system.sweep import swept
 
+EXAMPLE = Path(__file__).parents[3] / "examples" / "catalogue-gantry" / "robot.toml"
 MASS, E, DIAMETER, NUT, BEARING = 25.0, 2.06e11, 0.0278, 6.0e8, 4.0e8
 EA = E * np.pi * DIAMETER**2 / 4.0
 SLIDE = f"""
@@ -134,3 +139,13 @@ def test_drive_without_stiffness_or_screw_gives_one_line():
     assert error.value.faults == (
         'joints.axis.drive.stiffness: missing; must be a number in N/m or N m/rad, or "rigid"',
     )
+
+
+def test_example_gantry_is_softer_far_from_the_bearing():
+    """The screw of a truck is 200 and 400 mm long at both ends of its path."""
+    robot = load_robot(EXAMPLE).mechanism
+    rail = next(joint for joint in robot.joints if joint.name == "rail_left")
+    for pose, length in ((robot.poses[0], 0.2), (robot.poses[-1], 0.4)):
+        drive = drive_in(posture(robot, pose), rail)
+        shaft = length / (2.06e11 * np.pi * 0.0217**2 / 4.0)
+        assert drive.stiffness == pytest.approx(1.0 / (shaft + 1 / 4.0e8 + 1 / 2.5e8), rel=1e-9)
