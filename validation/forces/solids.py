@@ -31,7 +31,7 @@ from validation.models.options import ModelOptions
 from validation.models.reduced_parts import found_in, shape_of, unknowns_of
 from validation.models.robot_models import sectioned_legs
 from validation.parts.meshes import FINEST, part_mesh
-from validation.solve.uncertainty import beside
+from validation.solve.uncertainty import second_divisions
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 # Distance from singular edges, over the smallest side of the body's bounding box, within which
@@ -100,7 +100,7 @@ def solid_stresses(
         if name in legs:
             leg, own = legs[name]
             fine = _leg(leg, own, own.divisions)
-            coarse = _leg(leg, own, beside(own, [leg]))
+            coarse = _leg(leg, own, second_divisions(own, [leg]))
         elif name in posture.mechanism.parts:
             fine, coarse = _part(body, FINEST), _part(body, FINEST - 1)
         else:
