@@ -25,7 +25,7 @@ from validation.record_fields import LISTING, RESULTS
 from validation.studies_and_figures import Study
 
 # Comparison of two models, of a model with its own refinement, or of all formulations of one leg.
-CaseKind: TypeAlias = Literal["comparison", "convergence", "agreement"]
+CaseKind: TypeAlias = Literal["comparison", "convergence", "agreement", "decision"]
 ReferenceKind: TypeAlias = Literal[
     "closed-form", "published", "paper-statement", "finer-model", "independent-solver"
 ]

@@ -287,7 +287,8 @@ def run(
     if lines := [*summary.verdicts(gathered), *changes]:
         write_results("\n".join(lines))
     write_results(f"report: {visible(str(gathered.path / 'report.html'))}")
-    for line in (*summary.adequacy(gathered), *summary.cross_validation(gathered)):
+    parts = summary.adequacy, summary.cross_validation, summary.decisions
+    for line in (line for part in parts for line in part(gathered)):
         write_results(line)
     if gathered.unfinished:
         write_messages(["interrupted", go_on], 3)
@@ -348,6 +349,9 @@ def solve(
     accuracy: float | None = None,
     against: Literal["simplified", "segments", "beam", "solid"] | None = None,
     vary: tuple[str, ...] = (),
+    minimise: str | None = None,
+    maximise: str | None = None,
+    where: tuple[str, ...] = (),
     jobs: ProcessCount = None,
     cluster: str | None = None,
     csv: PathArgument | None = None,
@@ -405,6 +409,14 @@ def solve(
     vary
         A number of the robot file over a range, bodies.rod1.section.diameter=0.02:0.06:9 say; a *
         in the key stands for any part of a name. Given again: every combination.
+    minimise
+        With --vary: quantity whose smallest value decides which robot is best: mass (kg), f1 f2 …
+        (Hz), deflection.x … deflection.phi_z (m at 1000 N, rad at 100 N m), load:NAME (m).
+    maximise
+        With --vary: the same for the largest value.
+    where
+        With --vary: condition that robots must meet, f1>=60 or deflection.x<=20e-6 say, in the
+        units of --minimise; the worst pose counts. May be repeated. Exit code 1 if none meets all.
     jobs
         With --vary: number of processes; 1 if left out.
     cluster
@@ -458,11 +470,23 @@ def solve(
         accuracy=accuracy,
         free=free,
     )
-    if vary or csv or jobs or picture or cluster is not None:
+    belongs_to_vary = (csv, jobs, picture, cluster, minimise, maximise, *where)
+    if vary or any(option is not None for option in belongs_to_vary):
         from validation.solve.varied import write_varied  # noqa: PLC0415
 
-        write_varied(question, vary, jobs or 1, cluster, csv, picture, json=json)
-        return 0
+        found = write_varied(
+            question,
+            vary,
+            jobs or 1,
+            cluster,
+            csv,
+            picture,
+            json=json,
+            minimise=minimise,
+            maximise=maximise,
+            where=where,
+        )
+        return 0 if found else 1
     cost = checked(question)
     # Parts are not counted.
     size = f", {cost.size}" if cost.unknowns else ""

@@ -65,7 +65,8 @@ class Bars:
 class Contours:
     """Values (n×m, NaN is blank) over x (n) and y (m), as shaded contours. A `star` marks (x, y).
 
-    `span`: lowest and highest value over all panels of the quantity.
+    `span`: lowest and highest value over all panels of the quantity. `star_label`: the star in the
+    legend.
     """
 
     x: Array
@@ -73,6 +74,7 @@ class Contours:
     values: Array
     span: tuple[float, float]
     star: tuple[float, float] | None = None
+    star_label: str = "worst posture"
 
 
 @dataclass(frozen=True)

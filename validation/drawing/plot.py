@@ -223,7 +223,7 @@ def _draw_contours(axes: Axes, contours: Contours) -> None:
     axes.plot(x[finite], y[finite], ".", color="white", markersize=2.0)
     if contours.star:
         style: dict[str, Any] = {"markersize": 13.0, "markeredgecolor": "black", "clip_on": False}
-        style |= {"color": VERMILLION, "mfc": VERMILLION, "label": "worst posture"}
+        style |= {"color": VERMILLION, "mfc": VERMILLION, "label": contours.star_label}
         axes.plot(*contours.star, "*", **style)
     axes.set(
         xlim=(contours.x.min(), contours.x.max()),

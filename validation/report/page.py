@@ -17,6 +17,7 @@ from lumped.text import counted
 from validation.drawing import text
 from validation.drawing.turnable import viewer
 from validation.report.agreement import MARKS
+from validation.report.decisions import decision_sentences
 from validation.report.first_screen import FirstScreen, first_screen
 from validation.report.sections import Chapter, chapters_of
 from validation.run.outcome import Outcome, Verdict
@@ -68,6 +69,11 @@ class Report:
     def sentence(self) -> str:
         """Sentence with the verdict on the models. Without models, on the comparisons."""
         return self.answered.sentence if self.answered else self.checks
+
+    @property
+    def decisions(self) -> list[str]:
+        """Sentences on the values of varied numbers that the models choose. [] without --vary."""
+        return decision_sentences(self.outcomes)
 
     @property
     def checks(self) -> str:

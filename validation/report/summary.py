@@ -6,6 +6,7 @@ Input: `Results`. Output: lines on comparisons, models, missing figures and chan
 from collections.abc import Sequence
 
 from validation.report.agreement import agreement_sentence, convergence_sentence
+from validation.report.decisions import decision_sentences
 from validation.report.listing import outcome_line
 from validation.report.words import sentence, supposition
 from validation.run import compare
@@ -54,6 +55,11 @@ def cross_validation(gathered: Results) -> list[str]:
     parts = [agreement_sentence(outcomes), convergence_sentence(outcomes)]
     sentence = " ".join(part for part in parts if part)
     return [f"Cross-validation: {sentence}".replace("\N{NO-BREAK SPACE}", " ")] if sentence else []
+
+
+def decisions(gathered: Results) -> list[str]:
+    """Lines on the values of varied numbers that the models choose. [] without --vary."""
+    return decision_sentences(gathered.outcomes)
 
 
 def left_out(gathered: Results) -> list[str]:

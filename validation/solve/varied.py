@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from itertools import chain, zip_longest
 from math import prod
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,23 +29,48 @@ from validation.run.cluster import on_cluster
 from validation.run.executor import Executor, in_turn, on_cores
 from validation.solve.answer import Answer, Solution
 from validation.solve.answer_json import answer_record, finite_json
+from validation.solve.design_choice import (
+    DesignChoice,
+    DesignKind,
+    Purpose,
+    choice_record,
+    choice_text,
+    design_choice,
+    purpose_of,
+)
 from validation.solve.model_answers import checked, solve
 from validation.solve.question import Question
+
+if TYPE_CHECKING:
+    from validation.drawing.chart import Panel
 
 # Loads of the listed deflections: N for µm, N m for µrad.
 _LOADS = 3 * (1000.0,) + 3 * (100.0,)
 _MICRO = 1e6
 # Resolution of a picture (dots per inch), and largest number of distinguishable curves.
 _DOTS, _LARGEST_CURVE_COUNT = 150, len(OTHERS)
+# Panels side by side.
+_COLUMNS = 3
+# Numbers of a map, and the smallest number of values of each.
+_MAP_NUMBERS, _FEWEST_FOR_MAP = 2, 3
 
 
 @dataclass(frozen=True)
 class VariedAnswers:
-    """Answers for all combinations of the values of `variations`, in order."""
+    """Answers for all combinations of the values of `variations`, in order.
+
+    `choice`: the best of them for a purpose. None without a purpose.
+    """
 
     variations: tuple[Variation, ...]
     values: tuple[tuple[float, ...], ...]
     solutions: tuple[Solution, ...]
+    choice: DesignChoice | None = None
+
+    @property
+    def names(self) -> list[str]:
+        """Varied numbers of each robot with their keys."""
+        return [assignments(self.variations, values) for values in self.values]
 
     @property
     def rows(self) -> list[tuple[tuple[float, ...], Answer]]:
@@ -77,10 +103,14 @@ def write_varied(
     picture: Path | None,
     *,
     json: bool,
-) -> None:
+    minimise: str | None = None,
+    maximise: str | None = None,
+    where: Sequence[str] = (),
+) -> bool:
     """Print the answers for all varied robots as text or JSON, and write the requested files.
 
-    Raises InputError and ComputationError as `solve_varied` does.
+    The result is False if there are conditions (`where`) that no robot meets. Raises InputError and
+    ComputationError as `solve_varied` does.
     """
     if question.against:
         raise InputError(
@@ -91,24 +121,39 @@ def write_varied(
         raise InputError("--ends free-free: not with --vary; leave one of them out")
     if not vary:
         raise InputError(
-            "--jobs, --cluster, --csv and --picture are only for --vary; leave them out"
+            "--jobs, --cluster, --csv, --picture, --minimise, --maximise and --where are only for "
+            "--vary; leave them out"
         )
     variations = variations_of(question.robot_file, vary)
-    if picture is not None:
-        require_few_curves(variations, max(1, len(question.x) + len(question.poses)))
-    answers = solve_varied(question, variations, jobs, cluster)
+    purpose = None
+    if minimise or maximise or where:
+        if question.alone:
+            raise InputError("--minimise, --maximise, --where: of whole robots; leave out the body")
+        purpose = purpose_of(question.robot_file, minimise, maximise, where, question.count)
+    places = max(1, len(question.x) + len(question.poses))
+    if picture is not None and not _is_map(variations, places):
+        require_few_curves(variations, places)
+    answers = solve_varied(question, variations, jobs, cluster, purpose)
     write_results(as_json(answers) if json else as_text(answers))
     write_messages(numbers_without_effect(answers), 0)
     if csv is not None:
         write(csv, csv_of(columns(answers)).encode(), ".csv")
     if picture is not None:
         write(picture, png(question.robot_file, answers), ".png")
+    choice = answers.choice
+    return not (choice and choice.purpose.conditions) or bool(choice.meets.any())
 
 
 def solve_varied(
-    question: Question, variations: tuple[Variation, ...], jobs: int, cluster: str | None
+    question: Question,
+    variations: tuple[Variation, ...],
+    jobs: int,
+    cluster: str | None,
+    purpose: Purpose | None = None,
 ) -> VariedAnswers:
     """Answers for each robot of the variations, by `jobs` processes or on a `cluster`.
+
+    With a `purpose`, also the best of the robots.
 
     Raises InputError with the values, before any computing, if a robot is invalid or cannot reach a
     requested pose, and ComputationError if one cannot be solved.
@@ -129,11 +174,12 @@ def solve_varied(
         elif jobs > 1:
             executor = stack.enter_context(on_cores(jobs))
         solved = dict(executor(units))
-    return VariedAnswers(
-        variations,
-        tuple(values for values, _ in robots),
-        tuple(solved[number] for number in range(len(units))),
-    )
+    solutions = tuple(solved[number] for number in range(len(units)))
+    choice = None
+    if purpose:
+        mechanisms = [robot.mechanism for _, robot in robots]
+        choice = design_choice(purpose, mechanisms, [one.answers for one in solutions])
+    return VariedAnswers(variations, tuple(values for values, _ in robots), solutions, choice)
 
 
 def numbers_without_effect(answers: VariedAnswers) -> list[str]:
@@ -165,7 +211,8 @@ def numbers_without_effect(answers: VariedAnswers) -> list[str]:
 def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:
     """Columns of the table, one row for each robot and posture.
 
-    Values, pose, deflections and frequencies.
+    Values, pose, deflections and frequencies; with a purpose, also its other quantities (of the
+    robot, in its worst pose) and whether the robot meets all conditions.
     """
     rows = answers.rows
     table: dict[str, list[float | str]] = {
@@ -180,7 +227,16 @@ def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:
             }
         else:
             table[name] = [place[name] for place in places]
-    return table | quantities([answer for _, answer in rows])
+    table |= quantities([answer for _, answer in rows])
+    if (choice := answers.choice) is None:
+        return table
+    robots = [row for row, one in enumerate(answers.solutions) for _ in one.answers]
+    for quantity, values in choice.values.items():
+        if quantity.kind in {DesignKind.MASS, DesignKind.LOAD}:
+            table[f"{quantity.name} ({quantity.unit})"] = [float(values[row]) for row in robots]
+    if choice.purpose.conditions:
+        table["meets all"] = ["yes" if choice.meets[row] else "no" for row in robots]
+    return table
 
 
 def quantities(answers: Sequence[Answer]) -> dict[str, list[float | str]]:
@@ -203,7 +259,8 @@ def as_text(answers: VariedAnswers) -> str:
     ]
     head = f"{first.robot}, {first.model}, {counted(len(answers.values), 'robot')}"
     rows = list(zip(*texts, strict=True))
-    return f"{head}\n{aligned(list(numbers), rows, indent='')}"
+    text = f"{head}\n{aligned(list(numbers), rows, indent='')}"
+    return f"{text}\n{choice_text(answers.choice, answers.names)}" if answers.choice else text
 
 
 def as_json(answers: VariedAnswers) -> str:
@@ -224,6 +281,9 @@ def as_json(answers: VariedAnswers) -> str:
             for values, answer in answers.rows
         ],
     }
+    if answers.choice:
+        values = [dict(zip(keys, of_robot, strict=True)) for of_robot in answers.values]
+        document["choice"] = choice_record(answers.choice, values)
     return finite_json(document)
 
 
@@ -239,16 +299,76 @@ def require_few_curves(variations: Sequence[Variation], places: int) -> None:
 
 
 def png(robot_file: RobotFile, answers: VariedAnswers) -> bytes:
-    """PNG of deflections and frequencies over the first varied number, one panel each.
+    """PNG of deflections and frequencies over the varied numbers, one panel each.
 
-    One curve for each combination of the other numbers and poses.
+    Over two numbers with several values each in one pose: maps. Otherwise curves over the first,
+    one for each combination of the other numbers and poses.
     """
     # Imported here: only a picture needs the plotting library.
-    from validation.drawing.chart import Chart, Panel, Series, few_ticks, from_zero  # noqa: PLC0415
+    from validation.drawing.chart import Chart, few_ticks  # noqa: PLC0415
     from validation.drawing.plot import chart_png  # noqa: PLC0415
 
-    first, *other_variations = answers.variations
+    labels = [
+        f"{variation.key} ({unit})"
+        if (unit := unit_of(robot_file.tables, variation.keys[0]))
+        else variation.key
+        for variation in answers.variations
+    ]
     several = len(answers.solutions[0].answers) > 1
+    if _is_map(answers.variations, len(answers.solutions[0].answers)):
+        panels = _maps(answers, labels[1])
+    else:
+        panels = _curves(answers, several=several)
+    return chart_png(Chart(panels, labels[0], min(_COLUMNS, len(panels)), x_scale=few_ticks), _DOTS)
+
+
+def _is_map(variations: Sequence[Variation], places: int) -> bool:
+    """True if two numbers have enough values for a map, in one pose."""
+    enough = [len(variation.values) >= _FEWEST_FOR_MAP for variation in variations]
+    return places == 1 and len(enough) == _MAP_NUMBERS and all(enough)
+
+
+def _maps(answers: VariedAnswers, y_label: str) -> list["Panel"]:
+    """Maps over two numbers: of all columns, or of the quantities of a purpose.
+
+    A star marks the best robot. The objective is blank where a condition is missed.
+    """
+    from validation.drawing.chart import Contours, Panel  # noqa: PLC0415
+
+    x, y = (np.array(variation.values) for variation in answers.variations)
+    star = None
+    if choice := answers.choice:
+        maps = {f"{one.name} ({one.unit})": values for one, values in choice.values.items()}
+        if (objective := choice.purpose.objective) and choice.purpose.conditions:
+            heading = f"{objective.name} ({objective.unit})"
+            only = {
+                f"{heading}\nwhere all conditions are met": np.where(
+                    choice.meets, maps.pop(heading), np.nan
+                )
+            }
+            maps = only | maps
+        if choice.best is not None:
+            first, second = answers.values[choice.best]
+            star = float(first), float(second)
+    else:
+        table = quantities([answer for _, answer in answers.rows])
+        maps = {heading: np.array(numbers, dtype=float) for heading, numbers in table.items()}
+    panels: list[Panel] = []
+    for heading, numbers in maps.items():
+        if not np.isfinite(numbers).any():
+            continue
+        span = float(np.nanmin(numbers)), float(np.nanmax(numbers))
+        contours = Contours(x, y, numbers.reshape(len(x), len(y)), span, star, "best robot")
+        label = "" if len(panels) % _COLUMNS else y_label
+        panels.append(Panel(title=heading, y_label=label, contours=contours))
+    return panels
+
+
+def _curves(answers: VariedAnswers, *, several: bool) -> list["Panel"]:
+    """Curves over the first number. `several`: the labels name the pose."""
+    from validation.drawing.chart import Panel, Series, from_zero  # noqa: PLC0415
+
+    first, *other_variations = answers.variations
     names = [
         _curve(other_variations, values[1:], answer if several else None)
         or answers.solutions[0].model
@@ -258,7 +378,7 @@ def png(robot_file: RobotFile, answers: VariedAnswers) -> bytes:
         name: [row for row, other_name in enumerate(names) if other_name == name] for name in names
     }
     x = np.array(first.values)
-    panels = [
+    return [
         Panel(
             [Series(name, x, np.array(numbers)[places]) for name, places in rows_by_name.items()],
             heading,
@@ -266,9 +386,6 @@ def png(robot_file: RobotFile, answers: VariedAnswers) -> bytes:
         )
         for heading, numbers in quantities([answer for _, answer in answers.rows]).items()
     ]
-    unit = unit_of(robot_file.tables, first.keys[0])
-    label = f"{first.key} ({unit})" if unit else first.key
-    return chart_png(Chart(panels, label, x_scale=few_ticks), _DOTS)
 
 
 def _curve(variations: Sequence[Variation], values: Sequence[float], answer: Answer | None) -> str:

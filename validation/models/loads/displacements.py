@@ -71,7 +71,7 @@ def displacements_of(bodies: Mapping[str, BodyModel], postures: Sequence[Posture
     Loads act on the masses of these models.
     """
     mechanism = postures[0].mechanism
-    masses = {name: _interface_mass(body) for name, body in bodies.items()}
+    masses = {name: interface_mass(body) for name, body in bodies.items()}
     return displacements_by(_assembled(assembly(mechanism, bodies)), postures, masses)
 
 
@@ -138,10 +138,10 @@ def masses_of(
     if parts is None:
         parts = {name: condensed(body) for name, body in mechanism.parts.items()}
     legs = {name: _leg_mass(leg, masses) for name, leg in legs_of(mechanism).items()}
-    return legs | {name: _interface_mass(model) for name, model in parts.items()}
+    return legs | {name: interface_mass(model) for name, model in parts.items()}
 
 
-def _interface_mass(model: BodyModel) -> Array:
+def interface_mass(model: BodyModel) -> Array:
     """Mass matrix of a model on its interfaces. Craig and Bampton's equals Guyan's there."""
     ends = slice(6 * len(model.interfaces))
     return dense(model.mass)[ends, ends]
@@ -162,7 +162,7 @@ def load_masses(model: ModelName, mechanism: Mechanism, options: ModelOptions) -
     bodies = static_bodies(model, mechanism, options)
     if model == "segments":
         bodies |= bodies_of(mechanism, replace(options, release="condensed"), _segments)
-    return {name: _interface_mass(body) for name, body in bodies.items()}
+    return {name: interface_mass(body) for name, body in bodies.items()}
 
 
 def _segments(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
