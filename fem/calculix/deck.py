@@ -6,7 +6,7 @@ represented by the displacement of a separate node. Nodes are numbered from 0 he
 text. Components 0, 1, 2 are x, y, z. Units are SI.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isclose
 from typing import TypeAlias
@@ -24,6 +24,8 @@ OnFreedom: TypeAlias = tuple[Freedom, float]
 # CalculiX reads only the first twenty characters of a number, even if the exponent comes later.
 _NUMBER_WIDTH = 20
 _TERMS_PER_LINE = 4
+# CalculiX reads no more entries in one line.
+_ENTRIES_PER_LINE = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +130,8 @@ def _part(part: ElementSet, name: str, first: int) -> Iterator[str]:
         )
     yield f"*ELEMENT, TYPE={kind.abaqus}, ELSET={name}"
     for number, nodes in enumerate((part.cells + 1).tolist(), start=first):
-        yield f"{number}, " + ", ".join(map(str, nodes))
+        entries = [str(number), *map(str, nodes)]
+        yield from _continued(entries)
     yield f"*MATERIAL, NAME={name}"
     yield from _elastic(part.material)
     yield from ("*DENSITY", _number(part.material.rho))
@@ -139,6 +142,14 @@ def _part(part: ElementSet, name: str, first: int) -> Iterator[str]:
     yield f"*ORIENTATION, NAME={name}, SYSTEM=RECTANGULAR"
     yield ", ".join(_number(x) for x in part.axes[:, :2].T.ravel())
     yield f"{section}, ORIENTATION={name}"
+
+
+def _continued(entries: Sequence[str]) -> Iterator[str]:
+    """Lines of at most `_ENTRIES_PER_LINE` entries. A comma at its end continues a line."""
+    starts = range(0, len(entries), _ENTRIES_PER_LINE)
+    lines = [", ".join(entries[start : start + _ENTRIES_PER_LINE]) for start in starts]
+    yield from (f"{line}," for line in lines[:-1])
+    yield lines[-1]
 
 
 def _elastic(material: Material) -> Iterator[str]:

@@ -242,3 +242,17 @@ def test_impossible_constants_give_one_fault(changed, fault):
     assert sound.faults() == []
     (message,) = replace(sound, **changed).faults()
     assert message.startswith(fault), message
+
+
+def test_zed_has_peerys_moments():
+    """D. J. Peery, Aircraft Structures (1950), §6.2: web 2 × 12 in, flanges 4 × 2 in.
+
+    Moments of inertia 693.3 and 173.3 in⁴, product of inertia 240 in⁴ in size.
+    """
+    zed = Polygon(
+        ((-1, -6), (1, -6), (1, 4), (5, 4), (5, 6), (-1, 6), (-1, -4), (-5, -4), (-5, -6))
+    )
+    assert zed.area == pytest.approx(2 * 12 + 2 * 4 * 2)
+    assert zed.second_moment_y == pytest.approx(693.3, abs=0.05)
+    assert zed.second_moment_z == pytest.approx(173.3, abs=0.05)
+    assert abs(zed.product_moment) == pytest.approx(240.0, abs=0.05)

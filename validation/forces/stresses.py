@@ -46,7 +46,8 @@ def reason_without_stress(shape: Shape) -> str:
         return "its section varies along it"
     if not isinstance(shape, ConstantLeg):
         return "its section is not known"
-    return "" if shape.section.has_outline else _WITHOUT_MESH
+    uniform = shape.section.has_outline and shape.section.is_uniform
+    return "" if uniform else _WITHOUT_MESH
 
 
 def member_stress(leg: ConstantLeg, member: MemberForces) -> MemberStress | None:
