@@ -68,6 +68,11 @@ class FreePart:
     def table(self) -> ResultTable:
         """Table of frequencies with their half-widths, one row each.
 
+        Returns
+        -------
+        ResultTable
+            Frequencies (Hz), and their half-widths due to meshes in per cent.
+
         Examples
         --------
         >>> len(part.table().rows)
@@ -82,6 +87,11 @@ class FreePart:
 
     def plot(self) -> "Figure":
         """Bars of the frequencies with the half-widths of the meshes.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            A bar for each frequency.
 
         Examples
         --------

@@ -96,7 +96,7 @@ def test_hangup_ends_run_like_ctrl_c(tmp_path):
     os.killpg(run.pid, signal.SIGHUP)
     _, said = run.communicate(timeout=toys.PATIENCE)
     assert run.returncode == 3
-    assert "go on with: flexproof run ifw" in said
+    assert "continue with: flexproof run ifw" in said
     # The worker left it to the run: nothing has failed.
     assert summary(path)[1] == ["agree"]
 
@@ -129,7 +129,7 @@ def test_full_disk_keeps_finished_results(tmp_path):
         assert done.returncode == 3
         failed, how_to_go_on = done.stderr.splitlines()
         assert "No space left on device; what was finished before is kept" in failed
-        assert "go on with: flexproof run ifw" in how_to_go_on
+        assert "continue with: flexproof run ifw" in how_to_go_on
         assert toys.lines(disk / "run")
         assert set(summary(disk / "run")[1]) == {"agree"}
         subprocess.run([mount, "-o", "remount,size=8m", str(disk)], check=True)
