@@ -30,6 +30,7 @@ from lumped.mechanism.catalogue.ball_contact import (
     bearing_of_size,
     bearing_stiffness,
 )
+from lumped.mechanism.catalogue.ball_guide import BallGuide, guide_compliance
 from lumped.mechanism.catalogue.directions import joint_axes, joint_matrix
 from lumped.mechanism.joint import BallScrew, Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
@@ -133,6 +134,8 @@ def _joint(description: Draft, name: str) -> Joint:
         compliance = joint_matrix(kind, own_axes, _compliances(table["stiffness"]))
     if table["bearing"] is not None:
         compliance = turn_matrix(_bearing_compliance(table["bearing"]), own_axes)
+    if table["guide"] is not None:
+        compliance = turn_matrix(_guide_compliance(table["guide"]), own_axes)
     if table["damping"] is not None:
         damping = joint_matrix(kind, own_axes, _present(table["damping"]))
     return Joint(name, kind, first, second, unit, drive, compliance, table["loss"], damping)
@@ -160,6 +163,21 @@ def _bearing_compliance(table: Entry) -> Array:
             table["distance"] or 0.0,
         )
     )
+
+
+def _guide_compliance(table: Entry) -> Array:
+    """Compliance (6×6, x along the rail, z normal to it) of a profile rail guide."""
+    guide = BallGuide(
+        balls=table["balls"],
+        ball_diameter=table["ball_diameter"],
+        spacing=table["spacing"],
+        width=table["width"],
+        height=table["height"],
+        angle=float(np.radians(table["contact_angle"])),
+        groove=table["groove"],
+        lines=table["lines"],
+    )
+    return guide_compliance(guide.stiffness(table["preload"]))
 
 
 def _screw(table: Entry) -> BallScrew:

@@ -218,7 +218,7 @@ def joint_faults(joint: Entry) -> Iterator[str]:
     first, second = joint["between"]
     if first == second:
         yield f'{key}.between: "{first}" twice; must be two different bodies'
-    if joint["loss"] and not _present_keys(joint, "compliance", "stiffness", "bearing"):
+    if joint["loss"] and not _present_keys(joint, "compliance", "stiffness", "bearing", "guide"):
         yield (
             f"{key}.loss: must be left out without {key}.compliance or {key}.stiffness, to which "
             "it belongs"
@@ -281,7 +281,22 @@ def _direction_faults(joint: Entry) -> Iterator[str]:
                 )
     if joint["bearing"] is not None:
         yield from _bearing_faults(joint, joint["bearing"])
+    if joint["guide"] is not None:
+        yield from _guide_faults(joint, joint["guide"])
     yield from _up_faults(joint)
+
+
+def _guide_faults(joint: Entry, guide: Entry) -> Iterator[str]:
+    """Faults of a profile rail guide."""
+    key = f"{joint['key']}.guide"
+    if joint["type"] != "prismatic":
+        yield f"{key}: does not belong to a {joint['type']} joint; must be a prismatic one"
+    for name in _present_keys(joint, "compliance", "stiffness"):
+        yield f"{key}: must be left out beside {joint['key']}.{name}, which it determines"
+    if guide["spacing"] < guide["ball_diameter"]:
+        yield f"{key}.spacing: must be at least the diameter of the balls"
+    if joint["up"] is None:
+        yield f"{joint['key']}.up: missing; must be the direction of the normal of {key}"
 
 
 def _bearing_faults(joint: Entry, bearing: Entry) -> Iterator[str]:
@@ -327,6 +342,7 @@ def _up_faults(joint: Entry) -> Iterator[str]:
     """Faults of the direction `up` of a joint."""
     key, kind, up = joint["key"], joint["type"], joint["up"]
     numbers = {name: joint[name] for name in ("stiffness", "damping") if joint[name] is not None}
+    directed = bool(numbers) or joint["guide"] is not None
     unequal = [
         (first, second)
         for first, second in NEED_UP.get(kind, ())
@@ -343,7 +359,7 @@ def _up_faults(joint: Entry) -> Iterator[str]:
     axis = joint["vector"] if joint["vector"] is not None else [*joint["directions"], None][0]
     if kind not in NEED_UP:
         yield f"{key}.up: does not belong to a {kind} joint, which is equal all around its axis"
-    elif not numbers:
+    elif not directed:
         yield (
             f"{key}.up: must be left out without {key}.stiffness or {key}.damping, whose "
             "directions it gives"

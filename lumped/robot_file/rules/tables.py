@@ -21,6 +21,7 @@ from lumped.acceptance.requirement import (
 from lumped.legs import Ends
 from lumped.mechanism.body import Coupling, LengthUnit
 from lumped.mechanism.catalogue.ball_contact import SIZES, Arrangement
+from lumped.mechanism.catalogue.ball_guide import Lines
 from lumped.mechanism.catalogue.directions import DIRECTIONS, Direction
 from lumped.mechanism.joint import JointKind
 from lumped.mechanism.length_unit import COORDINATES, LENGTH_UNITS, METRE, UnitOfLength
@@ -489,6 +490,17 @@ _BEARING = TableRule(
     Key("distance", _LENGTH, "distance of neighbouring rows; required for several"),
     Key("arrangement", OneOf(get_args(Arrangement)), "arrangement of several rows", default="O"),
 )
+_GUIDE = TableRule(
+    needed("balls", Number(least=2, most=200, whole=True), "number of loaded balls of a row"),
+    needed("ball_diameter", _LENGTH, "diameter of the balls"),
+    needed("spacing", _LENGTH, "distance of neighbouring balls"),
+    needed("width", _LENGTH, "distance of the rows along lateral"),
+    needed("height", _LENGTH, "distance of the rows along normal"),
+    Key("contact_angle", Number("°", above=0.0, below=90.0), "angle to lateral", default=45.0),
+    Key("groove", _GROOVE, "radius of the grooves / ball diameter", default=0.52),
+    Key("lines", OneOf(get_args(Lines)), "where lines of contact meet: outside (O)", default="O"),
+    needed("preload", Number("N", above=0.0, most=1e7, slip=1e-6), "of upper on lower rows"),
+)
 _CATALOGUE = "instead of `compliance`: stiffness along directions of the joint, each required"
 _JOINT_UP = "direction of a slide's normal; of the axis of a fixed or spherical joint"
 JOINT = TableRule(
@@ -505,6 +517,7 @@ JOINT = TableRule(
     Key("compliance", _COMPLIANCE, _SERIES),
     Key("stiffness", _JOINT_STIFFNESS, _CATALOGUE),
     Key("bearing", _BEARING, "instead of both: preloaded ball bearing of a revolute joint"),
+    Key("guide", _GUIDE, "instead of all: carriage of a prismatic joint on four rows of balls"),
     Key("damping", _JOINT_DAMPING, _DASHPOTS),
     Key("up", _DIRECTION, _JOINT_UP),
     Key("loss", _LOSS, "loss factor of the compliance or stiffness", default=0.0),
