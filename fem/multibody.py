@@ -41,37 +41,39 @@ def exudyn_version() -> str:
 def require_beams(mechanism: Mechanism) -> None:
     """Raise InputError, one line per fault, for properties not supported by the EXUDYN model."""
     faults = [
-        f"{name}: EXUDYN's beams need a section; this body is a {description}"
+        f"{name}: the EXUDYN comparison needs a section; this body is a {description}"
         for kind, description in (
-            (GivenLeg, "leg given by its 6×6"),
+            (GivenLeg, "leg specified by its 6×6"),
             (Part, "part"),
         )
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, kind)
     ]
     faults += [
-        f"{name}: only straight legs of one section are written for EXUDYN"
+        f"{name}: the EXUDYN comparison is available only for straight legs of one section"
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, LineLeg)
     ]
     faults += [
-        f"{name}: EXUDYN takes no body without mass"
+        f"{name}: body without mass, which EXUDYN does not allow"
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, Rigid) and name != GROUND and not body.shape.mass
     ]
     faults += [
-        f"{name}: EXUDYN's beams need a shape with two axes of symmetry; it is: "
-        f"{body.shape.section.shape}"
+        (
+            f"{name}: the EXUDYN comparison needs a section with two axes of symmetry, not a "
+            f"{body.shape.section.shape}"
+        )
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, ConstantLeg) and _is_coupled(body.shape)
     ]
     faults += [
-        f"{joint.name}: joints with a compliance are not written for EXUDYN"
+        f"{joint.name}: the EXUDYN comparison does not support joints with a compliance"
         for joint in mechanism.joints
         if joint.compliance is not None
     ]
     faults += [
-        f"{joint.name}: rotors of drives are not written for EXUDYN"
+        f"{joint.name}: the EXUDYN comparison does not support rotors of drives"
         for joint in mechanism.joints
         if joint.drive is not None and joint.drive.inertia
     ]

@@ -70,7 +70,7 @@ def tetrahedra(section: Section, length: float, divisions: int) -> SolidMesh:
     ComputationError if gmsh fails or elements are too distorted.
     """
     if not isinstance(section, Rectangle):
-        raise InputError(f"{section.shape}: tetrahedra fill solid rectangles alone")
+        raise InputError(f"{section.shape}: only solid rectangles are meshed with tetrahedra")
     require_leg(section, length, divisions)
     part = f"tetrahedral leg ({section.shape})"
     with gmsh_model(part) as gmsh:

@@ -36,7 +36,10 @@ _HEARTBEAT = 0.5
 # Limit on the address space (bytes): sufficient for meshes of about three million unknowns.
 _MEMORY = 8_000_000_000
 # Likely reason why a process was ended by a signal.
-_REASONS = {"SIGKILL": ", probably for want of memory", "SIGXCPU": ", its time was up"}
+_REASONS = {
+    "SIGKILL": ", probably because of lack of memory",
+    "SIGXCPU": ", because it exceeded the time limit",
+}
 # The child inherits one end of a pipe, which works differently on Windows.
 _POSIX = os.name == "posix"
 
@@ -79,7 +82,7 @@ class Process:
     ) -> None:
         if not _POSIX:
             raise ComputationError(
-                "computing in processes of its own works on Linux and macOS alone; on Windows run "
+                "worker processes are available only on Linux and macOS; on Windows run "
                 "flexproof in the Windows Subsystem for Linux"
             )
         self.connection, child_end = Pipe()

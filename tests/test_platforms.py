@@ -60,7 +60,7 @@ def test_without_posix_only_runs_are_refused(tmp_path):
 
 def test_processes_need_inherited_pipes(monkeypatch):
     monkeypatch.setattr(processes, "_POSIX", False)
-    with pytest.raises(ComputationError, match="works on Linux and macOS alone"):
+    with pytest.raises(ComputationError, match="are available only on Linux and macOS"):
         processes.in_own_process(len, "abc")
 
 

@@ -139,6 +139,6 @@ def beam_wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array
                     return square, shape
                 break
     raise ComputationError(
-        f"waves: no {fields.name} like a beam's at {omega / (2.0 * np.pi):.4g} Hz: near it the "
-        "walls of the section move by themselves"
+        f"waves: no {fields.name} like that of a beam at {omega / (2.0 * np.pi):.4g} Hz: "
+        "near this frequency the walls of the section vibrate locally"
     )

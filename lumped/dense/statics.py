@@ -69,8 +69,9 @@ def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part
     worst = float(share.max(initial=0.0))
     if not worst <= _UNBALANCED:
         raise ComputationError(
-            f"the work of the loads and the energy stored differ by {100.0 * worst:.2g} %: "
-            "stiffnesses in the model differ by more than double precision resolves",
+            f"the work of the loads and the stored energy differ by {100.0 * worst:.2g} "
+            "%: stiffnesses in the model differ by more than double precision can "
+            "represent",
             part=part,
         )
     return np.asarray(0.5 * (flexibility + np.swapaxes(flexibility, -1, -2)))

@@ -164,7 +164,10 @@ def axes_of_drive(joint: Joint) -> tuple[Array, Array]:
     One of them is zero. Raises InputError if the joint does not have exactly one free twist.
     """
     if FREEDOMS[joint.kind] != 1:
-        raise InputError(f"joint {joint.name}: a {joint.kind} joint has no single motion to drive")
+        raise InputError(
+            f"joint {joint.name}: cannot be driven, because a {joint.kind} joint has more "
+            "than one free motion"
+        )
     translations, rotations = free_axes(joint)
     return translations.sum(axis=0), rotations.sum(axis=0)
 

@@ -47,7 +47,7 @@ def leg_of(body: Body) -> Leg:
     """Leg shape of a body. Raises InputError if the body is not a leg."""
     if isinstance(body.shape, ConstantLeg | GivenLeg | LineLeg):
         return body.shape
-    raise InputError(f"bodies.{body.name}: is no leg")
+    raise InputError(f"bodies.{body.name}: must be a leg")
 
 
 def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
@@ -164,7 +164,7 @@ def free_frequencies(leg: LegMatrices, count: int) -> Array:
     rigid = int(np.count_nonzero(np.abs(squared) <= _NO_FREQUENCY * shift_by))
     if rigid != RIGID_MOTIONS:
         raise ComputationError(
-            f"{rigid} motions without deformation were found; a free body has {RIGID_MOTIONS}",
+            f"{rigid} rigid-body motions found; a free body must have {RIGID_MOTIONS}",
             part=f"{leg.model} model of a leg",
         )
     frequencies: Array = np.sqrt(squared[RIGID_MOTIONS:]) / (2.0 * np.pi)

@@ -102,7 +102,7 @@ def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Gradin
     meshed, if gmsh crashes or if the part is a mesh already, ComputationError if no size succeeds.
     """
     if part.mesh is not None:
-        raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
+        raise InputError(f"{part.path}: is a mesh already; it cannot be meshed again")
     surface_error: InputError | None = None
     mesh_error: ComputationError | None = None
     start_time = monotonic()
@@ -124,8 +124,8 @@ def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Gradin
     if surface_error and crashed:
         raise surface_error
     raise (InputError if crashed else ComputationError)(
-        f"{part.path}: gmsh makes no sound mesh of elements of {grading.size:.3g} m: {mesh_error}; "
-        "ask for another number of unknowns"
+        f"{part.path}: gmsh makes no valid mesh of elements of {grading.size:.3g} m: "
+        f"{mesh_error}; choose another number of unknowns"
     )
 
 
@@ -165,7 +165,7 @@ def refined_gradings(
     its curvature is meshed without. Raises InputError as `volume_mesh` does.
     """
     if part.exact is None:
-        raise InputError(f"{part.path}: is a mesh already; it cannot be meshed anew")
+        raise InputError(f"{part.path}: is a mesh already; it cannot be meshed again")
     if not part.by_curvature:
         return _limited_gradings(part, interfaces, unknowns, 0.0)
     try:
@@ -184,7 +184,7 @@ def _limited_gradings(
         return within_limits(_SECONDS, _find_gradings, part, interfaces, unknowns, sides)
     except Crashed as crash:
         raise InputError(
-            f"{part.path}: gmsh fails to mesh it ({crash}); ask for another number of unknowns"
+            f"{part.path}: gmsh fails to mesh it ({crash}); choose another number of unknowns"
         ) from crash
 
 

@@ -86,7 +86,7 @@ def section_blocks(section: Section, divisions: Divisions) -> Blocks:
             return _i_section(i_section, count)
         case OutlinedSection() as outlined, int() as count if has_blocks(outlined):
             return _rectilinear(outlined, count)
-    raise InputError(f"{section.shape}: divisions = {divisions} do not suit it")
+    raise InputError(f"{section.shape}: divisions = {divisions} do not fit this section")
 
 
 def has_blocks(section: OutlinedSection) -> bool:

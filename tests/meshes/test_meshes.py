@@ -290,7 +290,7 @@ def test_extrusion_is_numbered_slice_by_slice():
         (lambda: require_leg(BOX, 0.25, 4), r"length = 0\.25: shorter .* 0\.26 m"),
         (lambda: extruded(BOX, 0.2, 4), "shorter than its rectangle section"),
         (lambda: tetrahedra(BOX, 0.2, 4), "shorter than its rectangle section"),
-        (lambda: tetrahedra(Circle(0.1), 0.2, 4), "solid rectangles alone"),
+        (lambda: tetrahedra(Circle(0.1), 0.2, 4), "only solid rectangles"),
         (lambda: stations(1.0, 0), "slices = 0"),
     ],
 )

@@ -74,7 +74,7 @@ def agreement_plot(panels: Mapping[str, Sequence[Difference]]) -> Figure:
                 )
                 whole_differences = [difference.whole for difference in of_model]
                 axes.plot(
-                    x, whole_differences, "D", color=_GREY, markersize=3.0, label="whole difference"
+                    x, whole_differences, "D", color=_GREY, markersize=3.0, label="total difference"
                 )
                 axes.errorbar(
                     x,

@@ -24,7 +24,7 @@ def as_text(part: FreePart, accuracy: Accuracy | None = None) -> str:
         *(f"{part.part.path}: {part.part.size}", "", meshes),
         *([accuracy.text] if accuracy else []),
         *(f"mass {part.total:.6g} kg, centre ({centre}) m", ""),
-        f"motions without deformation, counted and left out: {part.rigid}",
+        f"rigid-body motions, counted and omitted: {part.rigid}",
         f"frequencies without supports (Hz); {part.counted} counted below "
         f"{part.counted_below:.6g} Hz, none missing; ± half-width of the meshes",
     ]

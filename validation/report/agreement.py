@@ -226,9 +226,9 @@ def _largest_part(
 
 
 def _allowances_sentence(agreeing: Sequence[Outcome]) -> str:
-    """Sentence on the largest whole difference and on named causes with their largest amounts.
+    """Sentence on the largest total difference and on named causes with their largest amounts.
 
-    "Whole differences reach 21.27 % (φx of leg2). Explained by held end faces (up to 21.25 % …)."
+    "Total differences reach 21.27 % (φx of leg2). Named causes, …: held end faces (…)."
     "" without causes.
     """
     amounts: dict[str, tuple[float, str]] = {}

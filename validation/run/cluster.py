@@ -197,7 +197,7 @@ def _results(distributed: ModuleType, watch: _SchedulerWatch, calls: Sequence[Wo
     except distributed.KilledWorker as error:
         raise ComputationError(
             "--cluster: one unit of the sweep was lost with several workers, one after the other, "
-            "probably for want of memory; what was finished is kept"
+            "probably because of lack of memory; what was finished is kept"
         ) from error
     finally:
         if watch.client.status == "running":

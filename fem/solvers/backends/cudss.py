@@ -95,7 +95,7 @@ def _device_errors() -> Iterator[None]:
     try:
         yield
     except cupy.cuda.memory.OutOfMemoryError as error:
-        raise DeviceError("its memory ran out") from error
+        raise DeviceError("out of memory on the card") from error
     except (cudss.cuDSSError, *_FAILURES) as error:
         raise DeviceError(" ".join(str(error).split()) or type(error).__name__) from error
 

@@ -233,8 +233,8 @@ def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress:
     joint = closure.mechanism.joints[int(np.argmax(widths))]
     reason = (
         f'cannot be reached: joint "{joint.name}" stays open by '
-        f"{closure.mechanism.lengths.shown(widths.max(), 3)}; the way from the reference posture "
-        f"ends after {100.0 * progress:.0f} %, at "
+        f"{closure.mechanism.lengths.shown(widths.max(), 3)}; on the way from the "
+        f"reference posture the last reachable pose, after {100.0 * progress:.0f} %, is "
         f"{shown_pose(closure.mechanism, reached)}"
     )
     result = mobility_at(closure, placement)
@@ -242,8 +242,8 @@ def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress:
         return f"{reason}, where drives {', '.join(result.stirring)} move without the tool"
     if result.redundant and widths.max() < _INEXACT * closure.size:
         return (
-            f"{reason}; {result.redundant} of its constraints repeat others and contradict them by "
-            "that little: points and directions must be given with all their digits"
+            f"{reason}; {result.redundant} redundant constraints contradict the others by "
+            "this amount: give points and directions with all their digits"
         )
     if progress == 0.0 and result.barred:
         return f"{reason}; its joints do not let the tool move along {', '.join(result.barred)}"

@@ -54,11 +54,12 @@ def step_unit(content: bytes, source: str) -> str:
         if "LENGTH_UNIT" in by_number.get(number, "")
     }
     if not units:
-        raise InputError(f"{source}: says no unit of length; export it anew from the CAD system")
+        raise InputError(f"{source}: has no unit of length; export it anew from the CAD system")
     if len(units) > 1:
         unit_names = " and ".join(sorted(units))
         raise InputError(
-            f"{source}: its shapes are in {unit_names}; export them in one unit of length"
+            f"{source}: its shapes have different units of length, {unit_names}; export "
+            "them in one unit"
         )
     return units.pop()
 
@@ -129,7 +130,7 @@ def require_plausible(
     """
     if not _SMALLEST <= max(extent) <= _LARGEST:
         is_millimetres = unit == "m" and not unit_in_file and max(extent) > _LARGEST
-        advice = 'is it in mm? then say unit = "mm"' if is_millimetres else "is its unit right?"
+        advice = 'is it in mm? Then add unit = "mm"' if is_millimetres else "is its unit right?"
         raise InputError(
             f"{source}: {describe(extent, unit)} is not the size of a robot's part; {advice}"
         )

@@ -297,9 +297,9 @@ LOST = CuDSSError("EXECUTION_FAILED (5)")
         ("FACTORIZATION", LOST, "EXECUTION_FAILED"),
         ("REFACTORIZATION", LOST, "EXECUTION_FAILED"),
         ("SOLVE", LOST, "EXECUTION_FAILED"),
-        ("FACTORIZATION", OutOfMemoryError(), "its memory ran out"),
+        ("FACTORIZATION", OutOfMemoryError(), "out of memory on the card"),
         ("synchronize", CUDARuntimeError("unspecified launch failure"), "launch failure"),
-        ("empty", OutOfMemoryError(), "its memory ran out"),
+        ("empty", OutOfMemoryError(), "out of memory on the card"),
         ("empty", TypeError("no such\n layout"), "no such layout"),
     ],
 )

@@ -71,7 +71,9 @@ def test_killed_server_is_one_line_and_replaced(ranks, tmp_path):
     assert len(servers) == ranks
     os.kill(servers[-1], signal.SIGKILL)
     plural = "" if ranks == 1 else "s"
-    message = f"PETSc on {ranks} rank{plural} was ended by SIGKILL, probably for want of memory"
+    message = (
+        f"PETSc on {ranks} rank{plural} was ended by SIGKILL, probably because of lack of memory"
+    )
     with pytest.raises(ComputationError, match=f"^{message}$"):
         factor.solve(np.ones(300))
     assert_nothing_left(tmp_path)

@@ -60,10 +60,10 @@ def test_unmeshable_part_is_reported(bar, monkeypatch, error, kind):
         raise error
 
     monkeypatch.setattr(volume, "within_limits", failing)
-    with pytest.raises(kind, match=rf"box.step: gmsh makes no sound .* m: {error}; ask for"):
+    with pytest.raises(kind, match=rf"box.step: gmsh makes no valid .* m: {error}; choose"):
         volume_mesh(*bar, Grading(0.02))
     if isinstance(error, Crashed):
-        with pytest.raises(kind, match=rf"box.step: gmsh fails to mesh .* \({error}\); ask for"):
+        with pytest.raises(kind, match=rf"box.step: gmsh fails to mesh .* \({error}\); choose"):
             volume.refined_gradings(*bar, 20_000)
 
 

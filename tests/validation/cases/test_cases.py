@@ -59,7 +59,7 @@ SLOW = {
 }
 # Groups of which the quick preset compares nothing, and the reasons.
 BEYOND_QUICK = {
-    ("ifw", "mechanism.exudyn"): "EXUDYN's beams need a section",
+    ("ifw", "mechanism.exudyn"): "the EXUDYN comparison needs a section",
     (
         "five-bar",
         "rod1.modes",

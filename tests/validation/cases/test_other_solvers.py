@@ -222,9 +222,9 @@ def test_bodies_unsupported_by_exudyn_are_named():
     with pytest.raises(InputError) as raised:
         multibody.require_beams(load_robot("ifw").mechanism)
     said = "\n".join(raised.value.faults)
-    assert "leg1: EXUDYN's beams need a section; this body is a leg given by" in said
-    assert "without mass" in said
-    assert "joints with a compliance" in said
+    assert "leg1: the EXUDYN comparison needs a section; this body is a leg specified by" in said
+    assert "body without mass" in said
+    assert "does not support joints with a compliance" in said
 
 
 @pytest.mark.exhaustive

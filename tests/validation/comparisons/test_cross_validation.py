@@ -94,8 +94,8 @@ def test_half_width_counts_against_agreement(crossed):
     with pytest.raises(AssertionError) as raised:
         crossed.assert_agrees("beam", quantity="f1", within=0.00149, body="arm")
     assert str(raised.value) == (
-        "beam and solid, f1 of arm: 202 against 200 Hz, +1 %; explained: held end faces +0.9 %; "
-        "unexplained +0.1 % ± 0.05 %; allowed 0.149 %"
+        "beam compared with solid, f1 of arm: 202 against 200 Hz, +1 %; "
+        "explained: held end faces +0.9 %; unexplained +0.1 % ± 0.05 %; allowed 0.149 %"
     )
 
 
@@ -113,7 +113,7 @@ def test_whole_robot_is_compared_without_body(crossed):
 
 
 def test_skipped_comparison_does_not_agree(crossed):
-    with pytest.raises(AssertionError, match="not compared: too large"):
+    with pytest.raises(AssertionError, match="not compared, because too large"):
         crossed.assert_agrees("beam", quantity="phi_x", body="arm")
 
 
@@ -166,7 +166,7 @@ def test_plot_shows_unexplained_and_tolerance(crossed):
     figure = crossed.plot()
     arm, robot = figure.axes
     assert [one.get_title(loc="left") for one in (arm, robot)] == ["arm", "toy, whole robot"]
-    whole = [line for line in arm.get_lines() if line.get_label() == "whole difference"]
+    whole = [line for line in arm.get_lines() if line.get_label() == "total difference"]
     assert [line.get_ydata()[0] for line in whole] == pytest.approx([1.0, 3.0])
     bars = {container.get_label(): container for container in arm.containers}
     assert list(bars["beam, unexplained"].lines[0].get_ydata()) == pytest.approx([0.1])

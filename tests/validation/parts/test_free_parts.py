@@ -66,7 +66,7 @@ def test_free_bar_has_timoshenko_frequencies(bar):
 def test_free_part_command_prints_modes(bar, capsys):
     options = ["--material", "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }", "--unknowns", "2000"]
     assert cli.main(["identify", str(bar), "--free", "--modes", "1", *options]) == 0
-    assert "motions without deformation, counted and left out: 6" in capsys.readouterr().out
+    assert "rigid-body motions, counted and omitted: 6" in capsys.readouterr().out
     assert cli.main(["identify", str(bar), "--free", "--modes", "1", "--json", *options]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["rigid"] == 6

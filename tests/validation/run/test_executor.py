@@ -122,7 +122,7 @@ def test_crashed_call_affects_only_itself(tmp_path):
     assert sorted(found) == sorted(started) == sorted(name for group in groups for name, _ in group)
     assert {found[name] for name in ("sound", "after it", "after the odd")} == {1}
     said = {name: str(answer) for name, answer in found.items() if isinstance(answer, Exception)}
-    assert "was ended by SIGKILL, probably for want of memory" in said["killed"]
+    assert "was ended by SIGKILL, probably because of lack of memory" in said["killed"]
     assert said["full"] == "out of memory"
     assert said["odd"].startswith("ZeroDivisionError: ")
     assert isinstance(found["refused"], InputError)

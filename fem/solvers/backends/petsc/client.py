@@ -232,7 +232,7 @@ class Server:
         code = self._keeper.wait()
         if code > 128 and code - 128 in set(signal.Signals):
             name = signal.Signals(code - 128).name
-            why = ", probably for want of memory" if name == "SIGKILL" else ""
+            why = ", probably because of lack of memory" if name == "SIGKILL" else ""
             return f"was ended by {name}{why}"
         log = (self._folder / "log").read_text(encoding="utf-8", errors="replace").splitlines()
         last = next((line.strip() for line in reversed(log) if line.strip(" -")), "no message")

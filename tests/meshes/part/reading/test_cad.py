@@ -378,11 +378,11 @@ def test_changed_step_text_is_refused(tmp_path, box_step):
         (numbers.sub(_astronomical, text), "mm is not the size of a robot's part; is its unit ri"),
         (
             text.replace(point.group(), point.group().replace(point.group(2), "NAN")),
-            "says NAN where a value must be",
+            "has NAN in place of a value",
         ),
         (
             text.replace(f"\n#{point.group(1)} =", "\n#99999 ="),
-            f"refers to #{point.group(1)}, which it does not hold",
+            f"refers to #{point.group(1)}, which does not exist in the file",
         ),
     ):
         path.write_text(changed)
