@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from lumped.errors import InputError
+from lumped.errors import ComputationError, InputError
+from lumped.mechanism.free_twists import drive_in
 from lumped.mechanism.kinematics.diagnosis import legs_in_line, off_axes
 from lumped.mechanism.kinematics.mobility import (
     Mobility,
@@ -16,8 +17,13 @@ from lumped.mechanism.kinematics.mobility import (
     indeterminacy,
     mobility,
 )
-from lumped.mechanism.kinematics.postures import PoseError, posture, reference_posture
-from lumped.mechanism.mechanism import GROUND, Mechanism
+from lumped.mechanism.kinematics.postures import (
+    PoseError,
+    posture,
+    reference_posture,
+    shown_pose,
+)
+from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.robot_file.mechanism.draft import Draft
 from lumped.robot_file.rules.relations import body_faults, joint_faults, path_faults, tool_faults
 from lumped.robot_file.rules.rule import Text
@@ -229,13 +235,23 @@ def _axis_faults(mechanism: Mechanism, barred: Sequence[str]) -> list[str]:
     ]
 
 
+def _screw_faults(place: Posture, location: str) -> Iterator[str]:
+    """Faults of ball screws whose nut is beyond a bearing in a posture."""
+    for joint in place.mechanism.joints:
+        try:
+            drive_in(place, joint)
+        except ComputationError as error:
+            pose = shown_pose(place.mechanism, place.pose)
+            yield f"{location}, {pose}: joints.{joint.name}.drive.screw: {error}"
+
+
 def _path_faults(mechanism: Mechanism) -> Iterator[str]:
     count = len(mechanism.poses)
     checked = np.unique(np.linspace(0, count - 1, min(count, _CHECKED_POSES)).round().astype(int))
     faults: dict[int, list[str]] = {}
     for i in checked:
         try:
-            posture(mechanism, mechanism.poses[i])
+            yield from _screw_faults(posture(mechanism, mechanism.poses[i]), f"path, pose {i + 1}")
         except PoseError as error:
             faults[i] = [f"path, pose {i + 1}, {error.pose}: {error.reason}"]
         except InputError as error:

@@ -9,7 +9,7 @@ from lumped.mechanism.catalogue.directions import joint_axes, joint_matrix
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.models import serial_chains
-from lumped.screws import rotation_about
+from lumped.screws import rotation_about, turn_matrix
 from lumped.system.assembly import assemble
 from lumped.system.joint_motion import Portion, joint_motion
 from lumped.system.solution import compliance, solved
@@ -287,3 +287,34 @@ def test_wrong_slide_normal_gives_one_fault(up):
     with pytest.raises(InputError) as error:
         joined(*SLIDE[:2], up, *SLIDE[3:])
     assert error.value.faults == (SLIDE_FAULTS[up],)
+
+
+def test_copies_of_a_joint_turn_its_directions():
+    """A hub on three seats, 120° apart: the compliance of each is the first one's, turned."""
+    mechanism = described("""
+    schema = 2
+    name = "hub"
+    patterns.three = { about = "z", count = 3 }
+    points.A = { at = [0.3, 0.0, 0.0], pattern = "three" }
+    points.P = [0.0, 0.0, 0.0]
+    bodies.hub = { points = ["P", "A1", "A2", "A3"], mass = 2.0, centre = "P" }
+    tool = { body = "hub", point = "P", moves = [] }
+    [joints.seat]
+    type = "fixed"
+    between = ["ground", "hub"]
+    at = "A"
+    pattern = "three"
+    up = [1.0, 0.0, 0.5]
+    stiffness = { axial = 1.0e8, radial = 3.0e7, torsion = 2.0e4, tilting = "rigid" }
+    damping = { axial = 50.0, radial = 20.0 }
+    """)
+    for attribute in ("compliance", "damping"):
+        first, *copies = (getattr(joint, attribute) for joint in mechanism.joints)
+        for number, copy in enumerate(copies, start=1):
+            turned = turn_matrix(
+                first, rotation_about(np.array([0.0, 0.0, number * 2 * np.pi / 3]))
+            )
+            assert np.abs(copy - turned).max() <= 1e-13 * np.abs(first).max()
+    # Threefold symmetry.
+    own = tool_compliance(mechanism)
+    assert own[0, 0] == pytest.approx(own[1, 1], rel=1e-9)

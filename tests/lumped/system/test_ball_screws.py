@@ -109,9 +109,13 @@ def test_rotor_of_screw_moves_with_its_deflection():
 
 
 def test_nut_beyond_its_bearing_is_refused():
-    mechanism = of("", SLIDE.replace("from = [0.3]", "from = [0.2]"))
     with pytest.raises(ComputationError, match="the nut is 50 mm beyond its bearing"):
-        assemble(posture(mechanism, np.array([0.05])), {})
+        assemble(posture(of(), np.array([0.05])), {})
+    with pytest.raises(InputError) as error:
+        of("", SLIDE.replace("from = [0.3]", "from = [0.05]"))
+    assert error.value.faults == (
+        "path, pose 1, x = 0.05 m: joints.axis.drive.screw: the nut is 50 mm beyond its bearing",
+    )
 
 
 FAULTS = {
