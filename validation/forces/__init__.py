@@ -1,5 +1,5 @@
-"""Reactions, drive forces, member forces and stresses under the loads of a robot file.
+"""Reactions, drive forces, section forces and stresses of legs under the loads of a robot file.
 
-In: a question about a model and poses. Out: forces with their numerical uncertainty, as tables,
-JSON and figures.
+Input: a question about a model and poses. Output: forces with their numerical uncertainty, as
+tables, JSON and figures.
 """

@@ -1,4 +1,10 @@
-"""Forces and stresses of a model under the loads of a robot file, with their half-widths."""
+"""Forces and stresses of a model under the loads of a robot file, with their half-widths.
+
+Input: a `Question`, or postures of a mechanism with a model. Output: `Forces`, with reactions,
+section forces along legs and stresses for each pose and load. Rule: the half-width of a force is
+the change to a second mesh (more segments, other divisions of solids, or coarser CAD parts), scaled
+by the order of convergence.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
@@ -29,10 +35,11 @@ from validation.solve.question import Question
 from validation.solve.uncertainty import mesh_policy, second_divisions
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Order of convergence of segments over their number, of loads on their mass; of the paper's layout.
+# Order of convergence of the forces with the number of segments, whose mass is lumped: that of the
+# layout with springs of half length at both ends, and that of the paper's layout.
 _HALF, _LITERAL = 2.0, 1.0
-# Ratio of the element sizes of parts on meshes of half as many unknowns, and the lowest order of
-# their stiffness, that of bores whose edges are singular.
+# Ratio of element sizes between meshes of CAD parts with half as many unknowns, and the lowest
+# order of convergence of their stiffness, due to singular stresses at the edges of bores.
 _PART_RATIO, _PART_ORDER = 2.0 ** (1.0 / 3.0), 1.0
 
 
@@ -109,7 +116,7 @@ def forces_in(
 
 
 def _with_loads(robot_file: RobotFile, names: Sequence[str]) -> RobotFile:
-    """The robot with the loads of these names, or with all of its loads."""
+    """Robot with only the loads of these names; with all of its loads if no names are given."""
     mechanism = robot_file.mechanism
     known = [load.name for load in mechanism.loads]
     if not known:
@@ -121,7 +128,10 @@ def _with_loads(robot_file: RobotFile, names: Sequence[str]) -> RobotFile:
 
 
 def _under_load(mechanism: Mechanism, found: LoadForces, widths: Array) -> ForcesUnderLoad:
-    """Forces with the half-widths of meshes (a row of six for each joint, then each leg) added."""
+    """Forces under one load, with half-widths due to meshes added and stresses computed.
+
+    `widths` (n×6): half-widths (N, N m), first of the joints, then of the legs.
+    """
     count = len(found.reactions)
     reactions = tuple(
         replace(reaction, half_width=reaction.half_width + width)
@@ -159,7 +169,11 @@ def _mesh_half_widths(
     *,
     part_meshes: bool,
 ) -> list[list[Array]]:
-    """Half-widths due to meshes by pose and load: six for each joint, then for each leg."""
+    """Half-widths of forces due to meshes, for each posture (outer list) and load (inner list).
+
+    Arrays (n×6; N, N m) with a row for each joint, then for each leg. Infinite for a part given as
+    a mesh, which cannot be refined.
+    """
     mechanism = postures[0].mechanism
     zeros = [[np.zeros((_count(found), 6)) for found in row] for row in rows]
     studies: list[tuple[Callable[[], Sequence[Sequence[LoadForces | None]]], MeshPolicy]] = []
@@ -200,7 +214,10 @@ def _count(found: LoadForces | None) -> int:
 
 
 def _changes(found: LoadForces, other: LoadForces) -> Array:
-    """Magnitudes of changes: of each joint's six numbers, and of each leg's largest along it."""
+    """Magnitudes (n×6) of the changes of forces between two solutions.
+
+    First the wrench of each joint, then the largest change along each leg.
+    """
     rows = [_change(one, two) for one, two in zip(found.reactions, other.reactions, strict=True)]
     rows += [_change_along(one, two) for one, two in zip(found.members, other.members, strict=True)]
     return np.nan_to_num(np.reshape(rows, (-1, 6)))

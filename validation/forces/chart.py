@@ -1,6 +1,7 @@
 """Chart of the forces under one load: along the legs in one pose, or over the poses of a path.
 
-Over a path, only the joints, drives and legs with the largest values are drawn.
+Input: `PoseForces` of one or several poses, and the name of a load. Output: a `Chart`. Rule: over
+several poses, only the joints, drives and legs with the largest values are drawn.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -19,9 +20,9 @@ _NEGLIGIBLE = 1e-9
 
 
 def forces_chart(poses: Sequence[PoseForces], model: str, moves: Sequence[str], load: str) -> Chart:
-    """Chart of the forces of a `model` in `poses` under the `load` of this name.
+    """Chart of the forces by `model` in `poses` under the load with the name `load`.
 
-    `moves` are the coordinates of a pose with their units. Raises KeyError for an unknown load.
+    `moves`: coordinates of a pose with their units. Raises KeyError for an unknown load.
     """
     found = [pose.loads[load] for pose in poses]
     if len(found) == 1:
@@ -30,7 +31,7 @@ def forces_chart(poses: Sequence[PoseForces], model: str, moves: Sequence[str], 
 
 
 def _along_legs(found: ForcesUnderLoad | None, load: str) -> Chart:
-    """Axial force, shear force, moments and stress along the legs, as shares of their length."""
+    """Chart of section forces and stress along the legs, over the distance from each root."""
     members = [] if found is None else found.members
     columns: tuple[tuple[str, str, Callable[[Array], Array]], ...] = (
         ("axial force N (N)", "N (N)", lambda forces: forces[:, 0]),
@@ -78,7 +79,7 @@ def _along_legs(found: ForcesUnderLoad | None, load: str) -> Chart:
 
 
 def _over_poses(poses: Sequence[PoseForces], model: str, moves: Sequence[str], load: str) -> Chart:
-    """Drive forces, joint forces and moments, axial forces and stresses over the poses."""
+    """Chart of drive forces, joint forces and moments, axial forces and stresses over the poses."""
     found = [pose.loads[load] for pose in poses]
     x, label, ticks = _abscissa(poses, moves)
     drives: dict[str, dict[str, list[float]]] = {"N": {}, "N m": {}}
@@ -154,9 +155,10 @@ def _panel(
 
 
 def _largest_curves(panel: Panel, scale: float = 0.0) -> Panel:
-    """The panel with its largest curves alone, in their order.
+    """Copy of a panel with only its largest curves, in their order.
 
-    Curves of round-off are left out, beside the largest curve and beside `scale`.
+    A curve is omitted as round-off if it is negligible compared with the largest curve or with
+    `scale`.
     """
     sizes = [np.nanmax(np.abs(one.y)) if np.isfinite(one.y).any() else 0.0 for one in panel.series]
     ranked = sorted(range(len(sizes)), key=lambda number: -sizes[number])[:_MOST_CURVES]
@@ -166,7 +168,7 @@ def _largest_curves(panel: Panel, scale: float = 0.0) -> Panel:
 
 
 def _abscissa(poses: Sequence[PoseForces], moves: Sequence[str]) -> tuple[Array, str, Scale]:
-    """The only coordinate that differs between the poses, or their number; its label and ticks."""
+    """Abscissa with label and ticks: the only coordinate that varies, or the pose number."""
     coordinates = np.array([pose.pose for pose in poses])
     changing = np.flatnonzero(np.ptp(coordinates, axis=0) > 0.0)
     if len(changing) == 1:

@@ -1,4 +1,8 @@
-"""The command `forces`."""
+"""Command `forces` of the command line.
+
+Input: the name of a robot file and the options of the command. Output: text or JSON on stdout, and
+the requested files.
+"""
 
 from typing import Annotated, Literal
 

@@ -1,4 +1,7 @@
-"""Forces and stresses as records with tables, plots, CSV and JSON."""
+"""Result record of `forces`: forces and stresses with tables, plots, CSV and JSON.
+
+Input: `PoseForces` of each pose. Output: `Forces`.
+"""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -166,7 +169,7 @@ class Forces:
             return drawn_chart(self.chart(load))
 
     def chart(self, load: str) -> Chart:
-        """Chart of the forces under a load by name."""
+        """Chart of the forces under the load with the name `load`."""
         return forces_chart(self.poses, self.model, self.moves, load)
 
     def csv(self) -> str:
@@ -260,7 +263,7 @@ class Forces:
 
 
 def _record(found: ForcesUnderLoad) -> dict[str, Any]:
-    """Entry of a load in JSON."""
+    """Plain data of the forces under one load, for JSON."""
     return {
         "reactions": {reaction.joint: listed(reaction.wrench) for reaction in found.reactions},
         "drives": {

@@ -1,4 +1,9 @@
-"""Forces under one load in one pose, and their numbers as they are shown."""
+"""Data records of the forces under one load in one pose, and their rounded numbers for display.
+
+Input: reactions, section forces and stresses. Output: `ForcesUnderLoad` and `PoseForces`. Rule: a
+number that is negligible compared with the largest force or moment is round-off and displayed as
+zero.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,7 +25,7 @@ _ROUND_OFF = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class ForcesUnderLoad:
-    """Forces under one load in one pose, joints and legs in the order of the file.
+    """Reactions of joints, and forces and stresses of legs, under one load in one pose.
 
     `stresses` are the largest stresses of legs by name, `without_stress` the reasons for which
     other legs have none. `solids` are the stress fields of bodies as solids, if requested.
@@ -35,10 +40,10 @@ class ForcesUnderLoad:
 
 @dataclass(frozen=True, eq=False)
 class PoseForces:
-    """Forces in one `pose` (m, rad), described by `place`, by name of the load.
+    """Forces in one `pose` (m, rad) under each load, by name of the load.
 
-    None if the mechanism cannot move as the load requires, or if the load's file has no wrench for
-    the pose.
+    `place` describes the pose. The forces are None if the mechanism cannot move as the load
+    requires, or if the file of the load has no wrench for the pose.
     """
 
     pose: tuple[float, ...]
@@ -47,12 +52,12 @@ class PoseForces:
 
 
 def listed(values: Array) -> list[float | None]:
-    """Numbers as a list, None for those that are not finite."""
+    """Numbers as a list, with None for those that are infinite or NaN."""
     return [finite(value) for value in values.tolist()]
 
 
 def finite(value: float) -> float | None:
-    """The number, None if it is not finite."""
+    """The number itself, or None if it is infinite or NaN."""
     return float(value) if np.isfinite(value) else None
 
 
@@ -64,7 +69,7 @@ def largest_of(found: ForcesUnderLoad) -> float:
 
 
 def shown(values: Array, scale: float) -> list[float | None]:
-    """Numbers without the round-off of a largest one, None for those that are not finite."""
+    """Numbers for display: zero for round-off compared with `scale`, None for infinite or NaN."""
     return [
         0.0 if value is not None and abs(value) <= _ROUND_OFF * scale else value
         for value in listed(values)

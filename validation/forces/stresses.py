@@ -1,4 +1,10 @@
-"""Von Mises stresses in the sections of legs, by beam theory on the mesh of each section."""
+"""Von Mises stresses in the sections of legs, by beam theory on a mesh of each section.
+
+Input: a leg and its section forces along its length. Output: `MemberStress`, the largest stress and
+where it acts. Rule: normal and shear stresses of Saint-Venant's theory; the half-width is the
+change from a coarse to a fine section mesh, scaled by the order of convergence, plus the effect of
+the half-widths of the forces.
+"""
 
 from dataclasses import dataclass
 
@@ -21,12 +27,12 @@ _WITHOUT_MESH = "its section has no mesh of one material"
 
 @dataclass(frozen=True, eq=False)
 class MemberStress:
-    """Largest von Mises stress of a leg (Pa), its `half_width`, and where and how it arises.
+    """Largest von Mises stress of a leg (Pa) with its `half_width` (Pa), and where it acts.
 
-    It acts at `station` (m from the root) in the point (y, z) of the section (m, from its
-    centroid), from the normal stress σxx and the shear stress (Pa). `along` (s) are the largest
-    stresses at the `stations` (s) of the member forces. The half-width covers the mesh of the
-    section and the half-widths of the member forces.
+    It acts at the distance `station` (m) from the root in the point (y, z) of the section (m, from
+    its centroid). There, `normal` is the normal stress σxx and `shear` the shear stress (Pa).
+    `along` (s, Pa): largest stress in each of the s sections at `stations` (s, m). The half-width
+    covers the mesh of the section and the half-widths of the section forces.
     """
 
     leg: str
@@ -41,7 +47,7 @@ class MemberStress:
 
 
 def reason_without_stress(shape: Shape) -> str:
-    """Reason for which a leg has no stresses. Empty if it has some."""
+    """Reason why no stresses are computed for a leg. "" if they are."""
     if isinstance(shape, LineLeg):
         return "its section varies along it"
     if not isinstance(shape, ConstantLeg):
@@ -51,7 +57,7 @@ def reason_without_stress(shape: Shape) -> str:
 
 
 def member_stress(leg: ConstantLeg, member: MemberForces) -> MemberStress | None:
-    """Largest stress of a leg. None if statics does not determine its forces."""
+    """Largest von Mises stress of a leg. None if statics does not determine its section forces."""
     if not np.isfinite(member.forces).all():
         return None
     coarse, fine = (

@@ -1,4 +1,7 @@
-"""Forces and stresses as text for people."""
+"""Forces and stresses as text for the terminal.
+
+Input: `Forces`. Output: lines with reactions, section forces and stresses.
+"""
 
 from collections.abc import Sequence
 
@@ -21,7 +24,7 @@ _NONE = "  none: the mechanism cannot move that way here, or the load has no wre
 
 
 def as_text(forces: Forces) -> str:
-    """Reactions, member forces and stresses, pose by pose and load by load."""
+    """Text with reactions, section forces and stresses, for each pose and load."""
     options = ", ".join(f"{name} {value}" for name, value in forces.options.items())
     lines = [f"{forces.robot}, {forces.model}" + (f" ({options})" if options else "")]
     for pose in forces.poses:

@@ -100,9 +100,9 @@ def section_prism(
 
 
 def line_surface(leg: LineLeg, *, scale: float = 1.0, rims: bool = False) -> Surface:
-    """Surface of a leg along a line, leg axes, its sections enlarged by `scale`.
+    """Surface of a leg whose section varies along a line, in leg axes.
 
-    `rims` selects the drawn edges as in `prism`.
+    Sections are enlarged by `scale`. `rims` selects the drawn edges as in `prism`.
     """
     surfaces = []
     for span in leg.spans:

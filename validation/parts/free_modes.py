@@ -1,8 +1,9 @@
-"""Natural frequencies of a part that nothing holds, with their uncertainty.
+"""Natural frequencies of a part without supports, with their uncertainty.
 
 Input: a part file, a material and the number of unknowns. Output: `FreePart`, with the elastic
 frequencies on the finest of three meshes. Rule: the six rigid-body motions are counted below the
-first frequency and left out; the half-widths are those of the meshes, since nothing is coupled.
+first frequency and omitted. Half-widths are those due to the meshes; there are no interfaces that
+could add to them.
 """
 
 from collections.abc import Sequence
@@ -112,7 +113,7 @@ class FreePart:
 def free_entry(
     part: PartFile, material: Material, unknowns: int, modes: int
 ) -> CacheEntry[FreePart]:
-    """Cache entry for the free part; its value raises as `identify_free` does."""
+    """Cache entry for a `FreePart`. Its computation raises as `identify_free` does."""
     key = part_key(part, (), material, "free", unknowns, modes)
 
     def read(arrays: dict[str, Array]) -> FreePart:
@@ -166,7 +167,10 @@ def _free_modes(part: PartFile, material: Material, unknowns: int, modes: int) -
 
 
 def _refinement(frequencies: Sequence[Array]) -> Array:
-    """Half-widths from coarse to fine meshes. NaN for a single mesh."""
+    """Half-widths (Hz) on the finest mesh, from `frequencies` on coarse to fine meshes.
+
+    NaN for a single mesh.
+    """
     if len(frequencies) < len(LEVELS):
         return np.full_like(frequencies[-1], np.nan)
     return refinement_uncertainty(*frequencies)

@@ -37,7 +37,7 @@ def as_text(part: FreePart, accuracy: Accuracy | None = None) -> str:
 
 
 def as_json(part: FreePart, accuracy: Accuracy | None = None) -> str:
-    """All results as JSON (schema 1). null if unknown."""
+    """All results as JSON (schema 1), in SI units. null for an unknown number."""
     half_widths = part.frequency_refinement.astype(object)
     half_widths[~np.isfinite(part.frequency_refinement)] = None
     document = {

@@ -130,16 +130,20 @@ def most_unknowns(preset: Preset, leg: ConstantLeg) -> int:
 
 
 def _line_divisions(preset: Preset, leg: LineLeg) -> tuple[int, int]:
-    """Divisions of the coarse and the fine mesh of a leg along a line, of which neither doubles."""
+    """Divisions across the section of the coarse and the fine mesh of a leg of varying section.
+
+    The doubling method, which needs equal slices, cannot be used for such a leg.
+    """
     if isinstance(section_of(leg), Rectangle):
         return DIVISIONS[preset] - 1, DIVISIONS[preset]
     return COARSEST_WALLS // 2, max(COARSEST_WALLS, WALL_DIVISIONS[preset])
 
 
 def line_meshes(leg: LineLeg, coarse: int, fine: int) -> TwoMeshes:
-    """Tip compliances of a leg along a line as a solid on two meshes.
+    """Tip compliances of a leg of varying section as a solid on a coarse and a fine mesh.
 
-    The change by rigid faces is that of the fine solid: there is no theory of it for tapers.
+    The change due to rigid end faces is taken from the fine solid, since no theory gives it for
+    tapered legs.
     """
     tips = [
         {ends: clamped_solid(leg, divisions, ends).compliance for ends in get_args(Ends)}
@@ -179,7 +183,7 @@ def computed_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIO
     if isinstance(leg, GivenLeg):
         return leg.compliance
     if isinstance(leg, LineLeg):
-        return context.get(own_sections, leg, divisions).tip_compliance
+        return context.get(computed_sections, leg, divisions).tip_compliance
     constants = context.get(computed_constants, leg, divisions)
     return tip_compliance(beam_properties(constants, leg.material), leg.length)
 
@@ -217,11 +221,11 @@ def computed_elements(
 ) -> LegMatrices:
     """Matrices of a leg's beam elements with computed section constants.
 
-    With warping as an unknown if `ends` are given, otherwise free to warp, as legs along a line
-    always are.
+    For a prism, warping is an unknown if `ends` are given, otherwise free. Legs of varying section
+    are always free to warp.
     """
     if isinstance(leg, LineLeg):
-        return line_beam(own_sections(leg, divisions), elements)
+        return line_beam(computed_sections(leg, divisions), elements)
     constant = equivalent_leg(leg)
     constants, material = computed_constants(constant, divisions), constant.material
     if ends is None:
@@ -239,7 +243,7 @@ def computed_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> 
 
 
 @memo(16)
-def own_sections(leg: LineLeg, divisions: int = SECTION_DIVISIONS) -> LineSections:
-    """Sections along a line with constants from finite elements."""
+def computed_sections(leg: LineLeg, divisions: int = SECTION_DIVISIONS) -> LineSections:
+    """Sections along a leg of varying section, with constants computed by finite elements."""
     with naming(leg.name):
         return leg.sections_by(lambda prism: computed_properties(prism, divisions))

@@ -151,7 +151,7 @@ class SolidModes:
 
 
 def section_of(leg: SectionedLeg) -> Section:
-    """Section that is meshed: that of a prism, or the one in the middle of a line."""
+    """Section of a leg that is meshed: that of a prism, or the middle one of a varying section."""
     return mesh_section(leg) if isinstance(leg, LineLeg) else leg.section
 
 
@@ -162,9 +162,11 @@ def formal_order(leg: SectionedLeg, ends: Ends) -> float:
 
 
 def corner_order(section: Section) -> float:
-    """Order 2π/α of energies, with the largest inward angle α of a section's corners.
+    """Lowest order of convergence of energies that the corners of a section cause.
 
-    Where edges of several materials meet, it is above 1 in all but extreme contrasts of moduli.
+    It is 2π/α, with the largest inward angle α of the section's corners. For a composite it is
+    taken as 1: where edges of several materials meet, the order is above 1, except for extreme
+    ratios of moduli.
     """
     if isinstance(section, Composite):
         return 1.0

@@ -1,7 +1,7 @@
 """Subjects of an assessment at random: what models and references answer, with nothing computed.
 
 Modes are orthogonal shapes of which a model has most, in another order and a little turned, and
-lacks one or the other; steps_by_model of causes lead from the model to the reference.
+lacks one or the other; sequences of steps lead from the model to the reference.
 """
 
 import numpy as np

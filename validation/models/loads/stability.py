@@ -84,7 +84,7 @@ def stabilities(
 
 
 def bent_legs(mechanism: Mechanism) -> list[str]:
-    """Names of the legs whose line is not straight. They have no geometric stiffness here."""
+    """Names of the legs whose centre line is not straight, for which buckling is not computed."""
     return [name for name, leg in legs_of(mechanism).items() if is_bent(leg)]
 
 

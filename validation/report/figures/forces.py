@@ -1,4 +1,7 @@
-"""Forces and stresses over the path under each load of the robot file, by the beam model."""
+"""Figures of forces and stresses over the path, one for each load of the robot file, by beams.
+
+Input: a mechanism. Output: planned figures.
+"""
 
 from dataclasses import replace
 from functools import partial
@@ -15,7 +18,7 @@ from validation.studies_and_figures import PATH, PlannedFigure
 
 
 def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
-    """A figure for each load of the robot file."""
+    """Planned figures of forces and stresses, one for each load of the robot file."""
     group = FigureGroup(PATH, "")
     for load in mechanism.loads:
         identity = f"mechanism.forces.{load.name}", f"Forces and stresses: {load.name}"
