@@ -1,4 +1,8 @@
-"""The command `converge`."""
+"""Command `converge` of the command line.
+
+Input: the name of a robot file, a body or the whole robot, and options. Output: errors and orders
+of convergence as text on stdout, and the requested files.
+"""
 
 import re
 from pathlib import Path

@@ -132,9 +132,9 @@ def _notes(texts: Sequence[tuple[float, float, str]], away: float, below: float)
 
 
 def _ticks(counts: Array) -> Array:
-    """Element counts with tick labels: the computed ones of `_LABELLED`.
+    """Element counts at which the axis has labels: those of `_LABELLED` that were computed.
 
-    All if these are fewer than two.
+    All computed counts if these are fewer than two.
     """
     labelled = counts[np.isin(counts, _LABELLED)]
     return labelled if len(labelled) > 1 else counts

@@ -1,4 +1,7 @@
-"""Command `docs`: build the documentation site with Sphinx from docs/."""
+"""Command `docs` of the command line.
+
+Input: a folder. Output: the documentation site in this folder, built with Sphinx from docs/.
+"""
 
 import os
 import sys

@@ -1,4 +1,8 @@
-"""Command `export` of the command line."""
+"""Command `export` of the command line.
+
+Input: the name of a robot file, a pose or a body, and a format. Output: a file with a reduced
+model.
+"""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias

@@ -1,4 +1,8 @@
-"""Command `kinematics` of the command line."""
+"""Command `kinematics` of the command line.
+
+Input: the name of a robot file and poses. Output: mobility and joint coordinates on stdout, and a
+picture if requested.
+"""
 
 from typing import Annotated
 

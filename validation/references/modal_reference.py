@@ -155,9 +155,10 @@ def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
 
 
 def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
-    """Intermediate models from each judged model to the modal reference, by the judged name.
+    """Intermediate models between each judged model and the modal reference.
 
-    `judged` are all judged models by name. Each intermediate model removes one cause of error.
+    The result and `judged` have the name of the judged model as key. Each intermediate model
+    removes one cause of error.
     """
     beam, parts = judged["beam"], robot.mechanism.parts
     models = {

@@ -85,9 +85,10 @@ def _reference_title(robot: RobotOnPath) -> str:
 
 
 def static_steps(robot: RobotOnPath) -> Steps:
-    """Intermediate models from each judged model to the static reference, by the judged name.
+    """Intermediate models between each judged model and the static reference.
 
-    Each intermediate model removes one cause of error.
+    The result has the name of the judged model as key. Each intermediate model removes one cause of
+    error.
     """
     parts = robot.mechanism.parts
     equivalent = with_parts("equivalent") if parts else EQUIVALENT
