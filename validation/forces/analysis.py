@@ -127,19 +127,19 @@ def _with_loads(robot_file: RobotFile, names: Sequence[str]) -> RobotFile:
     return replace(robot_file, mechanism=replace(mechanism, loads=tuple(chosen)))
 
 
-def _under_load(mechanism: Mechanism, found: LoadForces, widths: Array) -> ForcesUnderLoad:
+def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> ForcesUnderLoad:
     """Forces under one load, with half-widths due to meshes added and stresses computed.
 
     `widths` (n×6): half-widths (N, N m), first of the joints, then of the legs.
     """
-    count = len(found.reactions)
+    count = len(result.reactions)
     reactions = tuple(
         replace(reaction, half_width=reaction.half_width + width)
-        for reaction, width in zip(found.reactions, widths[:count], strict=True)
+        for reaction, width in zip(result.reactions, widths[:count], strict=True)
     )
     members = tuple(
         replace(member, half_width=member.half_width + width)
-        for member, width in zip(found.members, widths[count:], strict=True)
+        for member, width in zip(result.members, widths[count:], strict=True)
     )
     stresses = {}
     without = {
@@ -175,7 +175,7 @@ def _mesh_half_widths(
     a mesh, which cannot be refined.
     """
     mechanism = postures[0].mechanism
-    zeros = [[np.zeros((_count(found), 6)) for found in row] for row in rows]
+    zeros = [[np.zeros((_count(result), 6)) for result in row] for row in rows]
     studies: list[tuple[Callable[[], Sequence[Sequence[LoadForces | None]]], MeshPolicy]] = []
     if model == "segments":
         finer = replace(options, elements=2 * options.elements)
@@ -203,32 +203,33 @@ def _mesh_half_widths(
         )
     for solve, policy in studies:
         for row, other_row, totals in zip(rows, solve(), zeros, strict=True):
-            for number, (found, compared) in enumerate(zip(row, other_row, strict=True)):
-                if found is not None and compared is not None:
-                    totals[number] += mesh_half_widths([_changes(found, compared)], policy)
+            for number, (result, compared) in enumerate(zip(row, other_row, strict=True)):
+                if result is not None and compared is not None:
+                    totals[number] += mesh_half_widths([_changes(result, compared)], policy)
     return zeros
 
 
-def _count(found: LoadForces | None) -> int:
-    return 0 if found is None else len(found.reactions) + len(found.members)
+def _count(result: LoadForces | None) -> int:
+    return 0 if result is None else len(result.reactions) + len(result.members)
 
 
-def _changes(found: LoadForces, other: LoadForces) -> Array:
+def _changes(result: LoadForces, other: LoadForces) -> Array:
     """Magnitudes (n×6) of the changes of forces between two solutions.
 
     First the wrench of each joint, then the largest change along each leg.
     """
-    rows = [_change(one, two) for one, two in zip(found.reactions, other.reactions, strict=True)]
-    rows += [_change_along(one, two) for one, two in zip(found.members, other.members, strict=True)]
+    rows = [_change(*pair) for pair in zip(result.reactions, other.reactions, strict=True)]
+    rows += [_change_along(*pair) for pair in zip(result.members, other.members, strict=True)]
     return np.nan_to_num(np.reshape(rows, (-1, 6)))
 
 
-def _change(one: Reaction, two: Reaction) -> Array:
-    return np.abs(one.wrench - two.wrench)
+def _change(first: Reaction, second: Reaction) -> Array:
+    return np.abs(first.wrench - second.wrench)
 
 
-def _change_along(one: MemberForces, two: MemberForces) -> Array:
+def _change_along(first: MemberForces, second: MemberForces) -> Array:
     columns = [
-        np.interp(one.stations, two.stations, two.forces[:, component]) for component in range(6)
+        np.interp(first.stations, second.stations, second.forces[:, component])
+        for component in range(6)
     ]
-    return np.asarray(np.abs(one.forces - np.column_stack(columns)).max(axis=0))
+    return np.asarray(np.abs(first.forces - np.column_stack(columns)).max(axis=0))

@@ -24,15 +24,15 @@ def forces_chart(poses: Sequence[PoseForces], model: str, moves: Sequence[str], 
 
     `moves`: coordinates of a pose with their units. Raises KeyError for an unknown load.
     """
-    found = [pose.loads[load] for pose in poses]
-    if len(found) == 1:
-        return _along_legs(found[0], load)
+    result = [pose.loads[load] for pose in poses]
+    if len(result) == 1:
+        return _along_legs(result[0], load)
     return _over_poses(poses, model, moves, load)
 
 
-def _along_legs(found: ForcesUnderLoad | None, load: str) -> Chart:
+def _along_legs(result: ForcesUnderLoad | None, load: str) -> Chart:
     """Chart of section forces and stress along the legs, over the distance from each root."""
-    members = [] if found is None else found.members
+    members = [] if result is None else result.members
     columns: tuple[tuple[str, str, Callable[[Array], Array]], ...] = (
         ("axial force N (N)", "N (N)", lambda forces: forces[:, 0]),
         ("shear force (N)", "Q (N)", lambda forces: np.linalg.norm(forces[:, 1:3], axis=1)),
@@ -52,12 +52,17 @@ def _along_legs(found: ForcesUnderLoad | None, load: str) -> Chart:
         )
         for title, name, values in columns
     ]
-    stresses = {} if found is None else found.stresses
+    stresses = {} if result is None else result.stresses
     panels.append(
         Panel(
             [
-                Series(leg, one.stations / one.stations[-1], 1e-6 * one.along, "von Mises (MPa)")
-                for leg, one in stresses.items()
+                Series(
+                    leg,
+                    stress.stations / stress.stations[-1],
+                    1e-6 * stress.along,
+                    "von Mises (MPa)",
+                )
+                for leg, stress in stresses.items()
             ],
             "largest von Mises stress (MPa)",
             scale=from_zero,
@@ -65,7 +70,7 @@ def _along_legs(found: ForcesUnderLoad | None, load: str) -> Chart:
         )
     )
     *of_forces, of_stresses = panels
-    scale = 0.0 if found is None else largest_of(found)
+    scale = 0.0 if result is None else largest_of(result)
     drawn = [*(_largest_curves(panel, scale) for panel in of_forces), _largest_curves(of_stresses)]
     return Chart(
         [panel for panel in drawn if panel.series],
@@ -80,7 +85,7 @@ def _along_legs(found: ForcesUnderLoad | None, load: str) -> Chart:
 
 def _over_poses(poses: Sequence[PoseForces], model: str, moves: Sequence[str], load: str) -> Chart:
     """Chart of drive forces, joint forces and moments, axial forces and stresses over the poses."""
-    found = [pose.loads[load] for pose in poses]
+    result = [pose.loads[load] for pose in poses]
     x, label, ticks = _abscissa(poses, moves)
     drives: dict[str, dict[str, list[float]]] = {"N": {}, "N m": {}}
     joint_forces: dict[str, list[float]] = {}
@@ -88,21 +93,23 @@ def _over_poses(poses: Sequence[PoseForces], model: str, moves: Sequence[str], l
     axial: dict[str, list[float]] = {}
     stresses: dict[str, list[float]] = {}
     half_widths: dict[str, list[float]] = {}
-    for number, under in enumerate(found):
+    for number, under in enumerate(result):
         if under is None:
             continue
-        for one in under.reactions:
-            force, moment = np.linalg.norm(one.wrench.reshape(2, 3), axis=1).tolist()
-            _set(joint_forces, one.joint, len(found), number, force)
-            _set(joint_moments, one.joint, len(found), number, moment)
-            if one.drive is not None:
-                _set(drives[one.drive_unit], one.joint, len(found), number, one.drive)
+        for reaction in under.reactions:
+            force, moment = np.linalg.norm(reaction.wrench.reshape(2, 3), axis=1).tolist()
+            _set(joint_forces, reaction.joint, len(result), number, force)
+            _set(joint_moments, reaction.joint, len(result), number, moment)
+            if reaction.drive is not None:
+                _set(
+                    drives[reaction.drive_unit], reaction.joint, len(result), number, reaction.drive
+                )
         for member in under.members:
             extreme = member.forces[np.argmax(np.abs(member.forces[:, 0])), 0]
-            _set(axial, member.leg, len(found), number, extreme)
+            _set(axial, member.leg, len(result), number, extreme)
         for leg, stress in under.stresses.items():
-            _set(stresses, leg, len(found), number, 1e-6 * stress.largest)
-            _set(half_widths, leg, len(found), number, 1e-6 * stress.half_width)
+            _set(stresses, leg, len(result), number, 1e-6 * stress.largest)
+            _set(half_widths, leg, len(result), number, 1e-6 * stress.half_width)
     panels = [
         _panel(x, "force of the drive (N)", drives["N"]),
         _panel(x, "torque of the drive (N m)", drives["N m"]),
@@ -112,7 +119,7 @@ def _over_poses(poses: Sequence[PoseForces], model: str, moves: Sequence[str], l
         _panel(x, "largest von Mises stress (MPa)", stresses, from_zero, half_widths),
     ]
     *of_forces, of_stresses = panels
-    scale = max((largest_of(under) for under in found if under is not None), default=0.0)
+    scale = max((largest_of(under) for under in result if under is not None), default=0.0)
     drawn = [*(_largest_curves(panel, scale) for panel in of_forces), _largest_curves(of_stresses)]
     drawn = [panel for panel in drawn if panel.series]
     return Chart(
@@ -160,11 +167,13 @@ def _largest_curves(panel: Panel, scale: float = 0.0) -> Panel:
     A curve is omitted as round-off if it is negligible compared with the largest curve or with
     `scale`.
     """
-    sizes = [np.nanmax(np.abs(one.y)) if np.isfinite(one.y).any() else 0.0 for one in panel.series]
+    sizes = [
+        np.nanmax(np.abs(curve.y)) if np.isfinite(curve.y).any() else 0.0 for curve in panel.series
+    ]
     ranked = sorted(range(len(sizes)), key=lambda number: -sizes[number])[:_MOST_CURVES]
     smallest = _NEGLIGIBLE * max([*sizes, scale])
-    kept = [one for n, one in enumerate(panel.series) if n in ranked and sizes[n] > smallest]
-    return Panel(kept, panel.title, scale=panel.scale, staggered=False)
+    drawn = [curve for n, curve in enumerate(panel.series) if n in ranked and sizes[n] > smallest]
+    return Panel(drawn, panel.title, scale=panel.scale, staggered=False)
 
 
 def _abscissa(poses: Sequence[PoseForces], moves: Sequence[str]) -> tuple[Array, str, Scale]:

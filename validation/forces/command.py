@@ -115,7 +115,7 @@ def forces(
         found = computed(question, load, on_path=path, solids=vtu is not None)
     write_results(found.json() if json else as_text(found))
     if csv is not None:
-        write(csv, found.csv().encode(), ".csv")
+        write(csv, result.csv().encode(), ".csv")
     if picture is not None:
         from validation.drawing.plot import chart_png  # noqa: PLC0415
 

@@ -78,8 +78,8 @@ class Forces:
         clamp: Fz = 100.000 N, My = -30.000 N m
         """
         rows: list[tuple[Cell, ...]] = []
-        for place, load, found in self._found():
-            scale = largest_of(found)
+        for place, load, result in self._results():
+            scale = largest_of(result)
             rows += [
                 (
                     place,
@@ -89,7 +89,7 @@ class Forces:
                     None if reaction.drive is None else finite(reaction.drive),
                     float(reaction.half_width[:3].max()),
                 )
-                for reaction in found.reactions
+                for reaction in result.reactions
             ]
         headings = [
             f"{name} ({unit})" for name, unit in zip(REACTIONS, REACTION_UNITS, strict=True)
@@ -115,10 +115,10 @@ class Forces:
         bar: My = 30.000 N m, von Mises 22.500 MPa
         """
         rows: list[tuple[Cell, ...]] = []
-        for place, load, found in self._found():
-            scale = largest_of(found)
-            for member in found.members:
-                stress = found.stresses.get(member.leg)
+        for place, load, result in self._results():
+            scale = largest_of(result)
+            for member in result.members:
+                stress = result.stresses.get(member.leg)
                 of_stress: tuple[Cell, ...] = (None, None, None)
                 if stress is not None:
                     of_stress = (1e-6 * stress.largest, 1e-6 * stress.half_width, stress.station)
@@ -207,8 +207,8 @@ class Forces:
             {
                 "pose": list(pose.pose),
                 "loads": {
-                    load: None if found is None else _record(found)
-                    for load, found in pose.loads.items()
+                    load: None if result is None else _record(result)
+                    for load, result in pose.loads.items()
                 },
             }
             for pose in self.poses
@@ -222,15 +222,15 @@ class Forces:
         }
         return json.dumps(document, allow_nan=False)
 
-    def _found(self) -> Iterator[tuple[str, str, ForcesUnderLoad]]:
+    def _results(self) -> Iterator[tuple[str, str, ForcesUnderLoad]]:
         for pose in self.poses:
-            for load, found in pose.loads.items():
-                if found is not None:
-                    yield pose.place, load, found
+            for load, result in pose.loads.items():
+                if result is not None:
+                    yield pose.place, load, result
 
     def _rows(self) -> Iterator[tuple[Cell, ...]]:
-        for place, load, found in self._found():
-            for reaction in found.reactions:
+        for place, load, result in self._results():
+            for reaction in result.reactions:
                 numbers = zip(
                     REACTIONS, reaction.wrench, REACTION_UNITS, reaction.half_width, strict=True
                 )
@@ -241,7 +241,7 @@ class Forces:
                     width = float(reaction.half_width[0 if reaction.drive_unit == "N" else 3])
                     drive = ("drive", None, finite(reaction.drive), reaction.drive_unit)
                     yield (place, load, reaction.joint, *drive, finite(width))
-            for member in found.members:
+            for member in result.members:
                 for station, values in zip(member.stations, member.forces, strict=True):
                     numbers = zip(
                         SECTION_FORCES, values, REACTION_UNITS, member.half_width, strict=True
@@ -249,7 +249,7 @@ class Forces:
                     for name, value, unit, width in numbers:
                         force = (name, float(station), finite(value), unit, finite(width))
                         yield (place, load, member.leg, *force)
-            for leg, stress in found.stresses.items():
+            for leg, stress in result.stresses.items():
                 largest = ("von Mises", stress.station, stress.largest, "Pa", stress.half_width)
                 yield (place, load, leg, *largest)
 
@@ -262,13 +262,13 @@ class Forces:
         return heading + self.table().html() + self.member_table().html()
 
 
-def _record(found: ForcesUnderLoad) -> dict[str, Any]:
+def _record(result: ForcesUnderLoad) -> dict[str, Any]:
     """Plain data of the forces under one load, for JSON."""
     return {
-        "reactions": {reaction.joint: listed(reaction.wrench) for reaction in found.reactions},
+        "reactions": {reaction.joint: listed(reaction.wrench) for reaction in result.reactions},
         "drives": {
             reaction.joint: finite(reaction.drive)
-            for reaction in found.reactions
+            for reaction in result.reactions
             if reaction.drive is not None
         },
         "members": {
@@ -276,7 +276,7 @@ def _record(found: ForcesUnderLoad) -> dict[str, Any]:
                 "stations": member.stations.tolist(),
                 "forces": [listed(row) for row in member.forces],
             }
-            for member in found.members
+            for member in result.members
         },
         "stresses": {
             leg: {
@@ -287,7 +287,7 @@ def _record(found: ForcesUnderLoad) -> dict[str, Any]:
                 "shear": stress.shear,
                 "along": stress.along.tolist(),
             }
-            for leg, stress in found.stresses.items()
+            for leg, stress in result.stresses.items()
         },
         "without_stress": dict(found.without_stress),
         "solids": {
@@ -300,8 +300,10 @@ def _record(found: ForcesUnderLoad) -> dict[str, Any]:
             for body, one in found.solids.items()
         },
         "uncertainty": {
-            "reactions": {one.joint: listed(one.half_width) for one in found.reactions},
-            "members": {one.leg: listed(one.half_width) for one in found.members},
-            "stresses": {leg: finite(one.half_width) for leg, one in found.stresses.items()},
+            "reactions": {
+                reaction.joint: listed(reaction.half_width) for reaction in result.reactions
+            },
+            "members": {member.leg: listed(member.half_width) for member in result.members},
+            "stresses": {leg: finite(stress.half_width) for leg, stress in result.stresses.items()},
         },
     }

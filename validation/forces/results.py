@@ -61,10 +61,10 @@ def finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def largest_of(found: ForcesUnderLoad) -> float:
+def largest_of(result: ForcesUnderLoad) -> float:
     """Largest magnitude (N, N m) of all reactions and member forces."""
-    wrenches = [one.wrench for one in found.reactions]
-    along = [one.forces.ravel() for one in found.members]
+    wrenches = [reaction.wrench for reaction in result.reactions]
+    along = [member.forces.ravel() for member in result.members]
     return float(np.nanmax(np.abs(np.concatenate([np.zeros(1), *wrenches, *along]))))
 
 

@@ -28,14 +28,14 @@ def as_text(forces: Forces) -> str:
     options = ", ".join(f"{name} {value}" for name, value in forces.options.items())
     lines = [f"{forces.robot}, {forces.model}" + (f" ({options})" if options else "")]
     for pose in forces.poses:
-        for load, found in pose.loads.items():
+        for load, result in pose.loads.items():
             lines += ["", f"{pose.place}, load {load}"]
-            lines += [_NONE] if found is None else _lines(found)
+            lines += [_NONE] if result is None else _lines(result)
     return "\n".join(lines)
 
 
-def _lines(found: ForcesUnderLoad) -> list[str]:
-    scale = largest_of(found)
+def _lines(result: ForcesUnderLoad) -> list[str]:
+    scale = largest_of(result)
     lines = ["  joints on their second bodies, joint axes (x along the joint):"]
     headings = ["joint", *_with_units(REACTIONS), "drive"]
     rows = [
@@ -44,20 +44,20 @@ def _lines(found: ForcesUnderLoad) -> list[str]:
             *_texts(reaction.wrench, scale),
             "" if reaction.drive is None else _texts(np.array([reaction.drive]), scale)[0],
         ]
-        for reaction in found.reactions
+        for reaction in result.reactions
     ]
     lines.append(aligned(headings, rows, _INDENT))
-    if found.members:
+    if result.members:
         lines.append("  legs, largest magnitudes along them, leg axes (x along the leg):")
         headings = ["leg", *_with_units(SECTION_FORCES)]
         rows = [
             [member.leg, *_texts(np.abs(member.forces).max(axis=0), scale)]
-            for member in found.members
+            for member in result.members
         ]
         lines.append(aligned(headings, rows, _INDENT))
-    if found.stresses:
+    if result.stresses:
         lines.append("  largest von Mises stresses in their sections (beam theory):")
-        for leg, stress in found.stresses.items():
+        for leg, stress in result.stresses.items():
             y, z = (f"{1e3 * value:.4g}" for value in stress.point)
             lines.append(
                 f"{_INDENT}{leg}: {1e-6 * stress.largest:.4g} ± {1e-6 * stress.half_width:.2g} MPa "
@@ -73,10 +73,12 @@ def _lines(found: ForcesUnderLoad) -> list[str]:
         )
     for leg, reason in found.without_stress.items():
         lines.append(f"{_INDENT}{leg}: no stress, {reason}")
-    half_width = max((float(one.half_width[:3].max()) for one in found.reactions), default=0.0)
-    along = max((float(one.half_width[:3].max()) for one in found.members), default=0.0)
+    half_width = max(
+        (float(reaction.half_width[:3].max()) for reaction in result.reactions), default=0.0
+    )
+    along = max((float(member.half_width[:3].max()) for member in result.members), default=0.0)
     lines.append(f"  half-width of the forces: joints {half_width:.2g} N, legs {along:.2g} N")
-    if any(np.isnan(reaction.wrench).any() for reaction in found.reactions):
+    if any(np.isnan(reaction.wrench).any() for reaction in result.reactions):
         lines.append(
             "  –: not determined by statics; loops of rigid bodies carry any self-balanced forces"
         )

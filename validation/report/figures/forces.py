@@ -28,9 +28,9 @@ def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
 
 def _forces(context: Context, load: str) -> Chart:
     mechanism = context.robot_file.mechanism
-    loads = tuple(one for one in mechanism.loads if one.name == load)
+    loads = tuple(item for item in mechanism.loads if item.name == load)
     postures = postures_on_path(replace(mechanism, loads=loads), mechanism.poses)
-    found = forces_in("beam", postures, DEFAULT_OPTIONS, part_meshes=False)
-    if all(pose.loads[load] is None for pose in found.poses):
+    result = forces_in("beam", postures, DEFAULT_OPTIONS, part_meshes=False)
+    if all(pose.loads[load] is None for pose in result.poses):
         raise Skip("the mechanism cannot move as the load requires")
-    return found.chart(load)
+    return result.chart(load)
