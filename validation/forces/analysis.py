@@ -102,12 +102,14 @@ def forces_in(
                 shown_pose(mechanism, posture.pose) or "the only posture",
                 {
                     load.name: None
-                    if found is None
+                    if result is None
                     else replace(
-                        _under_load(mechanism, found, width),
-                        solids=solid_stresses(posture, load, found.ends, options) if solids else {},
+                        _under_load(mechanism, result, width),
+                        solids=solid_stresses(posture, load, result.ends, options)
+                        if solids
+                        else {},
                     )
-                    for load, found, width in zip(mechanism.loads, row, widths, strict=True)
+                    for load, result, width in zip(mechanism.loads, row, widths, strict=True)
                 },
             )
             for posture, row, widths in zip(postures, rows, half_widths, strict=True)

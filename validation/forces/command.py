@@ -112,16 +112,16 @@ def forces(
     given = {name: value for name, value in choices.items() if value is not None}
     question = Question(robot_file, model, given, poses=pose)
     with stage(f"forces by the {model} model"):
-        found = computed(question, load, on_path=path, solids=vtu is not None)
-    write_results(found.json() if json else as_text(found))
+        result = computed(question, load, on_path=path, solids=vtu is not None)
+    write_results(result.json() if json else as_text(result))
     if csv is not None:
         write(csv, result.csv().encode(), ".csv")
     if picture is not None:
         from validation.drawing.plot import chart_png  # noqa: PLC0415
 
-        write(picture, chart_png(found.chart(found.first_load), _DOTS), ".png")
+        write(picture, chart_png(result.chart(result.first_load), _DOTS), ".png")
     if vtu is not None:
         from validation.forces.fields import vtu_of  # noqa: PLC0415
 
-        write(vtu, vtu_of(found), ".vtu")
+        write(vtu, vtu_of(result), ".vtu")
     return 0

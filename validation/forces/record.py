@@ -289,15 +289,15 @@ def _record(result: ForcesUnderLoad) -> dict[str, Any]:
             }
             for leg, stress in result.stresses.items()
         },
-        "without_stress": dict(found.without_stress),
+        "without_stress": dict(result.without_stress),
         "solids": {
             body: {
-                "von_mises": one.largest,
-                "half_width": finite(one.half_width),
-                "place": list(one.place),
-                "distance": one.distance,
+                "von_mises": solid.largest,
+                "half_width": finite(solid.half_width),
+                "place": list(solid.place),
+                "distance": solid.distance,
             }
-            for body, one in found.solids.items()
+            for body, solid in result.solids.items()
         },
         "uncertainty": {
             "reactions": {

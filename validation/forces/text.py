@@ -64,14 +64,14 @@ def _lines(result: ForcesUnderLoad) -> list[str]:
                 f"at {stress.station:.4g} m, in y = {y} mm, z = {z} mm "
                 f"(σ {1e-6 * stress.normal:.4g} MPa, τ {1e-6 * stress.shear:.4g} MPa)"
             )
-    for body, solid in found.solids.items():
+    for body, solid in result.solids.items():
         place = ", ".join(f"{value:.4g}" for value in solid.place)
         lines.append(
             f"{_INDENT}{body} as a solid: {1e-6 * solid.largest:.4g} ± "
             f"{1e-6 * solid.half_width:.2g} MPa at ({place}) m, farther than "
             f"{1e3 * solid.distance:.3g} mm from singular edges"
         )
-    for leg, reason in found.without_stress.items():
+    for leg, reason in result.without_stress.items():
         lines.append(f"{_INDENT}{leg}: no stress, {reason}")
     half_width = max(
         (float(reaction.half_width[:3].max()) for reaction in result.reactions), default=0.0
