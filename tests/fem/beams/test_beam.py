@@ -1,4 +1,4 @@
-"""Beams of a leg, loaded and not: elements against closed forms, published roots and solids."""
+"""Beam elements of legs: statics, vibration and buckling against closed forms and CalculiX."""
 
 import re
 import shutil
@@ -43,18 +43,18 @@ def square_leg(slenderness: float) -> ConstantLeg:
 
 
 def softer_along_y(p: BeamProperties) -> BeamProperties:
-    """Rectangles shear alike along both their sides."""
+    """Return the properties with 0.7 κGA along y; a rectangle has equal κGA along y and z."""
     return replace(p, GAy=0.7 * p.GAy)
 
 
-def test_off_axis_points_move_with_their_section():
-    """Those of the tip by its twist: t + φ × r."""
+def test_off_axis_points_move_with_section():
+    """The displacement of a point at r from the tip is t + φ × r."""
     leg, beside = beam_leg(LEG_1.timoshenko, 0.85, 1), np.array([[0.0, 0.1, -0.2], [0.0, 0.3, 0.4]])
     t, phi = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0])
     twists = np.zeros(leg.size)
     twists[6:12] = np.concatenate([t, phi])
-    found = (leg.displacements(np.array([0.85, 0.0, 0.0]) + beside) @ twists).reshape(-1, 3)
-    assert_allclose(found, t + np.cross(phi, beside), rtol=1e-12)
+    displacements = (leg.displacements(np.array([0.85, 0.0, 0.0]) + beside) @ twists).reshape(-1, 3)
+    assert_allclose(displacements, t + np.cross(phi, beside), rtol=1e-12)
 
 
 def test_euler_bernoulli_roots_equal_table():
@@ -62,15 +62,15 @@ def test_euler_bernoulli_roots_equal_table():
     tabulated = [1.8751041, 4.6940911, 7.8547574, 10.9955407, 14.1371684]
     roots = euler_bernoulli_roots(300)
     assert_allclose(roots[:5], tabulated, atol=6e-8)
-    # 1/cosh x is below rounding from the twelfth root on; the 300th would overflow cosh itself.
+    # From the twelfth root on 1/cosh x is below rounding; at the 300th cosh x would overflow.
     assert_allclose(roots[11:], (2.0 * np.arange(12, 301) - 1.0) * np.pi / 2.0, rtol=1e-14)
 
 
 def huang_function(p: BeamProperties, L: float, plane: str, omega):
-    """Huang's frequency equation of the clamped–free beam, J. Appl. Mech. 28 (1961) 579, Table 1.
+    """Return Huang's frequency equation of the clamped-free Timoshenko beam at `omega` (rad/s).
 
-    Divided by (1 + cosh bα), which is positive, so that its size stays moderate. Complex α takes
-    care of frequencies above the cut-off, where cosh and sinh become cos and sin.
+    T. C. Huang, J. Appl. Mech. 28 (1961) 579, Table 1, divided by the positive 1 + cosh bα to limit
+    its size. With complex α, cosh and sinh become cos and sin above the cut-off frequency.
     """
     EI, GA, rho_I = (p.EIy, p.GAz, p.rho_Iy) if plane == "y" else (p.EIz, p.GAy, p.rho_Iz)
     b = np.asarray(omega, dtype=complex) * np.sqrt(p.mu * L**4 / EI)
@@ -87,22 +87,22 @@ def huang_function(p: BeamProperties, L: float, plane: str, omega):
 
 @pytest.mark.parametrize("plane", ["y", "z"])
 @pytest.mark.parametrize("leg", [LEG_1, square_leg(1.0)])
-def test_timoshenko_frequencies_are_huang_roots(leg, plane):
+def test_timoshenko_frequencies_equal_huang_roots(leg, plane):
     p, L = softer_along_y(leg.timoshenko), leg.length
     omega = 2.0 * np.pi * bending_frequencies(p, L, plane, 20)
     # The cut-off of the second spectrum, √(κGA/ρI), lies below the 20th root of these legs.
     assert (
         omega[0] < np.sqrt((p.GAz / p.rho_Iy) if plane == "y" else (p.GAy / p.rho_Iz)) < omega[-1]
     )
-    # Each is a root: the sign changes within 1e-9 of it; and there are no others in between.
+    # The function changes its sign within 1e-9 of each frequency, and nowhere else.
     below, above = (huang_function(p, L, plane, omega * near) for near in (1 - 1e-9, 1 + 1e-9))
     assert np.all(np.sign(below) == -np.sign(above))
     scan = huang_function(p, L, plane, np.linspace(0.5 * omega[0], omega[-1] * 1.000001, 50_001))
     assert np.count_nonzero(np.diff(np.sign(scan))) == 20
 
 
-def test_tension_and_torsion_are_odd_quarter_waves():
-    # Steel bar of 1 m: √(E/ρ)/4L = 5172.2/4 Hz; torsion slower by √(GJ/E(Iy + Iz)).
+def test_axial_and_torsional_cantilever_frequencies():
+    # Steel bar of 1 m: √(E/ρ)/4L = 5172.2/4 Hz; torsional frequencies times √(GJ/E(Iy + Iz)).
     p = square_leg(10.0).timoshenko
     tension = tension_frequencies(p, 1.0, 3)
     assert_allclose(tension, 1293.05 * np.array([1.0, 3.0, 5.0]), rtol=1e-5)
@@ -113,7 +113,7 @@ def test_tension_and_torsion_are_odd_quarter_waves():
 
 @both_theories
 @pytest.mark.parametrize("part", PARTS)
-def test_frequencies_converge_with_order_four(theory, part):
+def test_beam_frequencies_converge_with_order_four(theory, part):
     p, L = LEG_2.properties(theory), LEG_2.length
     kind, _, plane = part.partition(" ")
     exact = {
@@ -123,23 +123,24 @@ def test_frequencies_converge_with_order_four(theory, part):
     }[kind]()[1]
     counts = [6, 8, 12, 16]
     errors = np.array([kind_frequencies(beam_leg(p, L, n), part, 2)[1] for n in counts]) / exact - 1
-    # The fit still sees the next term of the error, (kl)² of the leading one.
+    # The next term of the error, (kl)² of the leading one, changes the fitted order slightly.
     assert np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(-4.0, abs=0.1)
-    # From above, as Rayleigh and Ritz have it. With 16 elements the leading error (kl)⁴/1440 is
-    # 5.2e-6, kl = 3π/32, in tension and torsion, and 5.1e-6, 4.694/16, in bending; shear lowers it.
+    # Frequencies converge from above (Rayleigh–Ritz). With 16 elements the leading error
+    # (kl)⁴/1440 is 5.2e-6 in tension and torsion (kl = 3π/32) and 5.1e-6 in bending
+    # (kl = 4.694/16); shear makes it smaller.
     assert (errors > 0.0).all()
     assert errors[-1] < 6e-6
 
 
 @both_theories
-def test_tip_compliance_is_exact_for_any_mesh(theory):
+def test_beam_tip_compliance_is_exact_for_any_mesh(theory):
     for leg in (square_leg(1.0), square_leg(1e4), LEG_2):
         properties = leg.properties(theory)
         for elements in (1, 2, 7):
-            found = tip_compliance_of(beam_leg(properties, leg.length, elements))
-            # Rounding alone, which the condition of n elements raises as n⁴: 2400 eps for n = 7,
-            # 7.3e-13 by five kernels of OpenBLAS.
-            assert scaled_difference(found, tip_compliance(properties, leg.length)) < 1e-11
+            compliance = tip_compliance_of(beam_leg(properties, leg.length, elements))
+            # Rounding errors only; they grow as n⁴ with the condition number of n elements: 2400
+            # eps for n = 7, up to 7.3e-13 with five kernels of OpenBLAS.
+            assert scaled_difference(compliance, tip_compliance(properties, leg.length)) < 1e-11
 
 
 @both_theories
@@ -150,7 +151,7 @@ def test_tip_loads_give_exact_centreline_and_energy(theory):
     loads = np.zeros((leg.size - 6, 6))
     loads[:6] = np.eye(6)
     u = np.vstack([np.zeros((6, 6)), np.linalg.solve(dense(leg.stiffness)[6:, 6:], loads)])
-    # Elementary beam theory, unit loads at the tip; the section leans by the bending part only.
+    # Beam theory for unit loads at the tip; only the bending part rotates the section.
     expected = np.zeros((len(x), 6, 6))
     expected[:, 0, 0] = x / p.EA
     expected[:, 1, 1] = x**2 * (3.0 * L - x) / (6.0 * p.EIz) + x / p.GAy
@@ -163,20 +164,20 @@ def test_tip_loads_give_exact_centreline_and_energy(theory):
     expected[:, 1, 5] = x**2 / (2.0 * p.EIz)
     expected[:, 5, 5] = x / p.EIz
     curves = (leg.centreline(x) @ u).reshape(len(x), 6, 6)
-    # Rounding alone: the static solution is in the space everywhere, not at the nodes only.
+    # Rounding errors only: the elements contain the static solution everywhere, not only at nodes.
     assert_allclose(curves, expected, rtol=1e-11, atol=1e-12 * expected.max(axis=0).max())
     assert_allclose(sum(map(dense, leg.parts.values())), dense(leg.stiffness), rtol=0, atol=0)
-    # Clapeyron: uᵀKu = F² c; rounding alone.
+    # Clapeyron's theorem for unit loads: uᵀKu is the compliance, up to rounding errors.
     energies = {name: np.diag(u.T @ (part @ u)) for name, part in leg.parts.items()}
-    own = ("tension", "bending z", "bending y", "torsion", "bending y", "bending z")
+    kinds = ("tension", "bending z", "bending y", "torsion", "bending y", "bending z")
     compliance = np.diag(tip_compliance(p, L))
     for name in PARTS:
-        due = np.where(np.array(own) == name, compliance, 0.0)
-        assert energies.pop(name) == pytest.approx(due, rel=1e-11, abs=1e-30)
+        energy = np.where(np.array(kinds) == name, compliance, 0.0)
+        assert energies.pop(name) == pytest.approx(energy, rel=1e-11, abs=1e-30)
     assert not energies
 
 
-def test_no_elements_or_stations_outside_are_refused():
+def test_zero_elements_or_outside_station_is_refused():
     with pytest.raises(InputError, match="elements = 0"):
         beam_leg(LEG_1.timoshenko, 0.85, 0)
     with pytest.raises(InputError, match="station"):
@@ -192,7 +193,7 @@ def flanged() -> SectionConstants:
     return section_constants(section_mesh(section, 4), STEEL.nu)
 
 
-def test_free_ends_have_rod_torsion(flanged):
+def test_free_warping_gives_saint_venant_torsion(flanged):
     leg = warping_beam_leg(flanged, STEEL, LENGTH, 20, "free")
     expected = tip_compliance(beam_properties(flanged, STEEL), LENGTH)
     assert tip_compliance_of(leg) == pytest.approx(expected, rel=1e-8, abs=1e-16)
@@ -203,26 +204,27 @@ def test_free_ends_have_rod_torsion(flanged):
     assert torsional[:2] == pytest.approx(frequencies, rel=1e-4)
 
 
-def test_held_ends_have_closed_form_torsion(flanged):
+def test_held_warping_torsion_equals_closed_form(flanged):
     expected = tip_compliance(beam_properties(flanged, STEEL), LENGTH)
     expected[3, 3] = held_torsion_compliance(flanged, STEEL, LENGTH)
     coarse, fine = (
         tip_compliance_of(warping_beam_leg(flanged, STEEL, LENGTH, n, "rigid")) for n in (20, 40)
     )
-    # Layers of 1/k at the ends, four elements long: what the fourth order leaves.
+    # Discretisation error of fourth order: warping decays from the ends over four elements.
     assert coarse == pytest.approx(expected, rel=1e-4, abs=1e-16)
     assert abs(fine[3, 3] - expected[3, 3]) < abs(coarse[3, 3] - expected[3, 3]) / 12.0
-    # Round sections have nothing that warps.
+    # Round sections do not warp: their elements have no warping unknowns.
     constants = section_constants(section_mesh(Circle(diameter=0.1), 8), STEEL.nu)
-    found = warping_beam_leg(constants, STEEL, LENGTH, 4, "rigid")
-    assert found.size == beam_leg(beam_properties(constants, STEEL), LENGTH, 4).size
+    round_leg = warping_beam_leg(constants, STEEL, LENGTH, 4, "rigid")
+    assert round_leg.size == beam_leg(beam_properties(constants, STEEL), LENGTH, 4).size
 
 
-# Stocky, so that shear matters, and softer along y than along z.
+# A stocky column, in which shear matters, softer along y than along z.
 COLUMN = ConstantLeg(0.5, Rectangle(width=0.05, height=0.12), STEEL)
 L = COLUMN.length
 ALL = 10_000
-# Free twists of root and tip along y and about z, and the load in those of a column between pins.
+# Unknowns of root and tip that are free (7: tip along y; 5, 11: root and tip about z), and the
+# buckling load over that of a column between pins.
 ENDS = {
     "fixed-free": ((7, 11), 0.25),
     "pinned-pinned": ((5, 11), 1.0),
@@ -233,8 +235,12 @@ PUSH = np.array([1.0, 0, 0, 0, 0, 0, -1.0, 0, 0, 0, 0, 0])
 NOTHING = np.zeros(12)
 
 
-def freed(leg, ends, forces, spread=NOTHING):
-    """What the forces add to the stiffness, stiffness and mass, on what such ends leave free."""
+def reduced_matrices(leg, ends, forces, spread=NOTHING):
+    """Return geometric stiffness, stiffness and mass of a leg on the unknowns that are free.
+
+    `ends` are the free unknowns of root and tip, `forces` the twelve end forces, `spread` the part
+    of them that stands for a distributed load.
+    """
     stiffness, mass = dense(leg.matrices.stiffness), dense(leg.matrices.mass)
     free = [*ends, *range(12, len(mass))]
     added = leg.geometric_stiffness(forces, spread)
@@ -242,13 +248,13 @@ def freed(leg, ends, forces, spread=NOTHING):
 
 
 def factor(leg, ends, forces, spread=NOTHING) -> float:
-    """How many times the forces buckle it."""
-    added, stiffness, _ = freed(leg, ends, forces, spread)
+    """Return the buckling factor of the forces."""
+    added, stiffness, _ = reduced_matrices(leg, ends, forces, spread)
     return -1.0 / eigh(added, stiffness, eigvals_only=True)[0]
 
 
 def critical(p: BeamProperties, ends: str) -> float:
-    """Euler's loads, Engesser's where sections shear."""
+    """Return the buckling load (N) along y by Euler, or with shear by Engesser."""
     if ends != "fixed-pinned":
         euler = ENDS[ends][1] * np.pi**2 * p.EIz / L**2
         return euler / (1.0 + euler / p.GAy)
@@ -257,65 +263,68 @@ def critical(p: BeamProperties, ends: str) -> float:
     def load(k: float) -> float:
         return p.EIz * k**2 / (1.0 + p.EIz * k**2 / p.GAy)
 
-    def left(k: float) -> float:
+    def residual(k: float) -> float:
         return np.sin(k * L) - k * L * (1.0 - load(k) / p.GAy) * np.cos(k * L)
 
-    return load(brentq(left, 3.2 / L, 4.6 / L, xtol=1e-14))
+    return load(brentq(residual, 3.2 / L, 4.6 / L, xtol=1e-14))
 
 
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
 @pytest.mark.parametrize("ends", ENDS)
-def test_columns_buckle_at_eulers_loads_and_engessers(ends, theory):
+def test_column_buckling_equals_euler_and_engesser(ends, theory):
     p, (free, times) = COLUMN.properties(theory), ENDS[ends]
-    due = critical(p, ends)
+    expected = critical(p, ends)
     if theory == "euler-bernoulli":
-        assert due == pytest.approx(times * np.pi**2 * p.EIz / L**2, rel=1e-5)
+        assert expected == pytest.approx(times * np.pi**2 * p.EIz / L**2, rel=1e-5)
     whole, few = (factor(prestressed_leg(p, L, 10, kept), free, PUSH) for kept in (ALL, 24))
-    assert whole == pytest.approx(due, rel=3e-4)
-    assert few == pytest.approx(due, rel=1e-3)
-    # Never below: Ritz.
-    assert whole >= due * (1.0 - 1e-9)
+    assert whole == pytest.approx(expected, rel=3e-4)
+    assert few == pytest.approx(expected, rel=1e-3)
+    # A Ritz approximation is never below the exact load.
+    assert whole >= expected * (1.0 - 1e-9)
 
 
-def test_buckling_load_converges_with_fourth_order():
+def test_column_buckling_converges_with_order_four():
     p, counts = COLUMN.timoshenko, [6, 8, 12, 16]
-    due = critical(p, "fixed-fixed")
-    errors = [factor(prestressed_leg(p, L, n, ALL), (), PUSH) / due - 1.0 for n in counts]
+    expected = critical(p, "fixed-fixed")
+    errors = [factor(prestressed_leg(p, L, n, ALL), (), PUSH) / expected - 1.0 for n in counts]
     assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(4.0, abs=0.15)
 
 
-def test_axial_force_tunes_leg_like_string():
-    """f = f₀ √(1 + N L²/π²EI), pinned ends, exact without shear and rotary inertia."""
+def test_axial_force_changes_pinned_leg_frequency():
+    """f = f₀ √(1 + N L²/π²EI) for pinned ends, exact without shear and rotary inertia."""
     p = COLUMN.properties("euler-bernoulli")
-    added, stiffness, mass = freed(prestressed_leg(p, L, 10, ALL), ENDS["pinned-pinned"][0], PUSH)
+    added, stiffness, mass = reduced_matrices(
+        prestressed_leg(p, L, 10, ALL), ENDS["pinned-pinned"][0], PUSH
+    )
     euler = np.pi**2 * p.EIz / L**2
     for tension in (0.5 * euler, -0.7 * euler):
         square = eigh(stiffness - tension * added, mass, eigvals_only=True)[0]
-        due = np.pi**4 * p.EIz / (p.mu * L**4) * (1.0 + tension / euler)
-        assert square == pytest.approx(due, rel=1e-4)
+        expected = np.pi**4 * p.EIz / (p.mu * L**4) * (1.0 + tension / euler)
+        assert square == pytest.approx(expected, rel=1e-4)
 
 
-def test_column_buckles_under_own_weight():
-    """Q L²/EI = 7.8373 (Greenhill): the force grows along the leg. The ground carries all of it."""
+def test_own_weight_buckling_equals_greenhill():
+    """Q L²/EI = 7.8373 (Greenhill): the axial force grows from the tip to the ground."""
     p = COLUMN.properties("euler-bernoulli")
     half = np.array([-0.5, 0, 0, 0, 0, 0])
     spread = np.r_[half, half]
     at_ends = spread + np.r_[-2.0 * half, 0.0 * half]
-    found = factor(prestressed_leg(p, L, 10, ALL), (7, 11), at_ends, spread)
-    assert found == pytest.approx(7.837347 * p.EIz / L**2, rel=1e-4)
+    weight = factor(prestressed_leg(p, L, 10, ALL), (7, 11), at_ends, spread)
+    assert weight == pytest.approx(7.837347 * p.EIz / L**2, rel=1e-4)
 
 
-def test_thin_walls_twist_under_pressure():
-    """Wagner: P = GJ/i², however long."""
+def test_torsional_buckling_load_equals_wagner():
+    """Wagner: a thin section twists at P = GJ/i², independent of its length."""
     p = ConstantLeg(0.08, Rectangle(width=0.004, height=0.1), STEEL).timoshenko
     leg = prestressed_leg(p, 0.08, 6, ALL)
     assert factor(leg, (9,), PUSH) == pytest.approx(p.GJ * p.mu / p.rho_J, rel=1e-9)
 
 
-def test_blade_and_shaft_buckle_at_closed_form():
-    """P L²/√(EI GJ) = 4.0126 at the tip, M L/√(EI GJ) = π between forks (Prandtl, Michell).
+def test_blade_and_shaft_buckling_equal_closed_forms():
+    """Blade under a tip force, P L²/√(EI GJ) = 4.0126, and an end moment, M L/√(EI GJ) = π.
 
-    A round shaft with clamped ends: tan(TL/2EI) = TL/2EI, T = 8.9868 EI/L (Greenhill).
+    The moment acts between fork supports (Prandtl, Michell). A round shaft with clamped ends
+    buckles under a torque T = 8.9868 EI/L, from tan(TL/2EI) = TL/2EI (Greenhill).
     """
     p = ConstantLeg(1.0, Rectangle(width=0.004, height=0.1), STEEL).properties("euler-bernoulli")
     leg, scale = prestressed_leg(p, 1.0, 16, ALL), np.sqrt(p.EIz * p.GJ)
@@ -328,7 +337,7 @@ def test_blade_and_shaft_buckle_at_closed_form():
     assert factor(shaft, (), twisted) == pytest.approx(8.98682 * p.EIz, rel=1e-3)
 
 
-# A quarter of what buckles the column of solids below.
+# Axial force (N), a quarter of the buckling load of the solid column below.
 LOAD = 1.2e5
 STEPS = """*STEP
 *BUCKLE
@@ -363,9 +372,9 @@ def test_column_buckling_equals_calculix(tmp_path):
     factors = re.findall(r"^ +\d+ +(\S+E\S+) *$", buckled, re.MULTILINE)
     squares = re.findall(r"^ +\d+ +(\S+E\S+) ", vibrating, re.MULTILINE)
     leg = prestressed_leg(column.timoshenko, column.length, 10, ALL)
-    added, stiffness, mass = freed(leg, range(6, 12), LOAD * PUSH)
-    own = -LOAD / eigh(added, stiffness, eigvals_only=True)[:2]
-    assert [float(one) for one in factors[:2]] == pytest.approx(own, rel=3e-3)
-    own = eigh(stiffness + added, mass, eigvals_only=True)[:2]
-    assert [float(one) for one in squares[:2]] == pytest.approx(own, rel=3e-3)
-    assert (own < 0.85 * eigh(stiffness, mass, eigvals_only=True)[:2]).all()
+    added, stiffness, mass = reduced_matrices(leg, range(6, 12), LOAD * PUSH)
+    buckling_loads = -LOAD / eigh(added, stiffness, eigvals_only=True)[:2]
+    assert list(map(float, factors[:2])) == pytest.approx(buckling_loads, rel=3e-3)
+    eigenvalues = eigh(stiffness + added, mass, eigvals_only=True)[:2]
+    assert list(map(float, squares[:2])) == pytest.approx(eigenvalues, rel=3e-3)
+    assert (eigenvalues < 0.85 * eigh(stiffness, mass, eigvals_only=True)[:2]).all()

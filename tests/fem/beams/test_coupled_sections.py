@@ -1,4 +1,4 @@
-"""Legs whose sections have no two axes of symmetry: bending in both planes and torsion couple."""
+"""Legs with sections without two axes of symmetry, where bending and torsion are coupled."""
 
 from math import sqrt
 
@@ -23,7 +23,7 @@ from validation.cases.ritz import ritz_beam
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CHANNEL = Channel(0.05, 0.1, 0.006, 0.005)
 ANGLE = Angle(0.06, 0.1, 0.006, 0.005)
-# Its centre of mass lies beside its centroid, which is that of the stiffness.
+# The mass centre of this composite section differs from the centroid of its stiffness.
 COMPOSITE = Composite(
     (
         CompositePart(Rectangle(0.05, 0.02), E=2.1e11, nu=0.3, rho=2000.0),
@@ -32,7 +32,7 @@ COMPOSITE = Composite(
 )
 SECTIONS = [CHANNEL, ANGLE, Tee(0.06, 0.1, 0.006, 0.005), COMPOSITE]
 LENGTH = 1.0
-# Statics of a few elements: sums of 1e5 times smaller terms, exact but for rounding.
+# Rounding error of statics with a few elements, relative to the compliance.
 ROUNDING = 1e-10
 
 
@@ -43,29 +43,30 @@ def scaled(difference, compliance):
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_force_at_the_shear_centre_does_not_twist(section, theory):
-    """A force through the centroid twists by F e L/(G J), a torque moves the centroid as much."""
+def test_force_at_shear_centre_causes_no_twist(section, theory):
+    """A force F at the centroid twists by F e L/(G J), and a torque moves the centroid likewise."""
     beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
     compliance = tip_compliance(beam, LENGTH)
     y, z = section.shear_centre
     twist = LENGTH / (STEEL.G * section.torsion_constant)
     assert compliance[3, 3] == pytest.approx(twist, rel=1e-12)
-    # At the centroid a force along z has the moment −y_s F about the shear centre, one along y z_s.
+    # About the shear centre a force F at the centroid has the moment −y_s F if along z, and z_s F
+    # if along y.
     assert compliance[3, 2] == pytest.approx(-y * twist, rel=1e-12)
     assert compliance[3, 1] == pytest.approx(z * twist, rel=1e-12, abs=1e-12 * twist)
-    for at, moment in ((1, -z), (2, y)):
+    for direction, moment in ((1, -z), (2, y)):
         force = np.zeros(6)
-        force[at], force[3] = 1.0, moment
+        force[direction], force[3] = 1.0, moment
         assert abs((compliance @ force)[3]) < 1e-12 * twist * max(section.extent)
 
 
-def test_equal_angle_deflects_along_its_principal_axes():
-    """Axes at 45°: L³/3EI of I = t b³/3 and t b³/12 in the first order of thin legs."""
+def test_equal_angle_deflects_along_principal_axes():
+    """L³/3EI with I = t b³/3 and t b³/12 about the axes at 45°, to first order in t/b."""
     t, b, length = 0.001, 0.1, 2.0
     leg = ConstantLeg(length, Angle(b, b, t, t), STEEL)
     beam = leg.properties("euler-bernoulli")
     compliance = tip_compliance(beam, length)
-    # About the shear centre: without the twist.
+    # Forces act at the shear centre, where they cause no twist.
     to_shear_centre = beam.to_shear_centre
     bent = (to_shear_centre @ compliance @ to_shear_centre.T)[1:3, 1:3]
     softer, stiffer = (np.array([1.0, 1.0]), np.array([1.0, -1.0]))
@@ -79,7 +80,7 @@ def test_equal_angle_deflects_along_its_principal_axes():
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_elements_and_segments_are_exact_in_statics(section, theory):
+def test_coupled_beam_and_segment_statics_are_exact(section, theory):
     beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
     exact = tip_compliance(beam, LENGTH)
     for count in (1, 3):
@@ -91,16 +92,16 @@ def test_elements_and_segments_are_exact_in_statics(section, theory):
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
 def test_coupled_frequencies_converge_to_exact(section, theory):
-    """Beams with the fourth order, segments with the second, polynomials by Ritz at once."""
+    """Beam elements converge with order four, segments with order two; ten polynomials suffice."""
     beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
-    exact = np.array([one.frequency for one in cantilever_frequencies(beam, LENGTH, 4)])
+    exact = np.array([mode.frequency for mode in cantilever_frequencies(beam, LENGTH, 4)])
     ritz = ritz_beam(beam, LENGTH, 10)
     free = null_space(ritz.root)
     squares = eigh(free.T @ ritz.stiffness @ free, free.T @ ritz.mass @ free, eigvals_only=True)
     assert np.sqrt(squares[:4]) / (2.0 * np.pi) == pytest.approx(exact, rel=1e-8)
 
     def errors(legs):
-        return np.array([np.abs(clamped_modes(one, 4).frequencies / exact - 1.0) for one in legs])
+        return np.array([np.abs(clamped_modes(leg, 4).frequencies / exact - 1.0) for leg in legs])
 
     coarse, fine = errors(beam_leg(beam, LENGTH, count) for count in (8, 16))
     assert (np.log2(coarse / fine) > 3.7).all()
@@ -110,11 +111,11 @@ def test_coupled_frequencies_converge_to_exact(section, theory):
 
 
 def test_weight_beside_shear_centre_twists_composite():
-    """A weight μg along y at the mass centre: μg (z_s − z_m) L²/2GJ."""
+    """A weight μg per length along y at the mass centre twists the tip by μg (z_s − z_m) L²/2GJ."""
     beam = ConstantLeg(LENGTH, COMPOSITE, STEEL).timoshenko
     leg = beam_leg(beam, LENGTH, 3)
     gravity = np.zeros(leg.size)
-    # All nodes, root and tip first, move together.
+    # All nodes have the same acceleration along y; the twelve end unknowns come first.
     gravity[1 : 6 * 4 : 6] = 9.81
     weights = leg.mass @ gravity
     clamped = leg.stiffness.toarray()[6:, 6:]
@@ -125,12 +126,13 @@ def test_weight_beside_shear_centre_twists_composite():
 
 
 @pytest.mark.parametrize("make", [beam_leg, lambda p, L, n: segment_leg(segment_chain(p, L, n))])
-def test_rigid_motion_has_the_mass_of_composite(make):
-    """Mass, first moments and inertia about the root, of the parts as boxes."""
+def test_composite_leg_has_mass_of_its_parts(make):
+    """Mass, first moments and inertia about the root are those of two boxes."""
     beam = ConstantLeg(LENGTH, COMPOSITE, Material(*COMPOSITE.mean_material)).timoshenko
     leg = make(beam, LENGTH, 8)
     motions = rigid_nodes(leg, 8)
-    # Centroid of the stiffness: E A = 2.1e8 and 4.2e7, 0.03 m and 0.01 m apart.
+    # Centroid of the stiffness: the parts have EA = 2.1e8 N and 4.2e7 N; the second lies 0.03 m
+    # above and 0.01 m beside the first.
     share = 4.2e7 / (4.2e7 + 2.1e8)
     expected = np.zeros((6, 6))
     for part in COMPOSITE.parts:
@@ -148,15 +150,15 @@ def test_rigid_motion_has_the_mass_of_composite(make):
     assert scaled(computed - expected, expected) < 1e-9
 
 
-def test_inertia_loads_of_composite_are_its_mass_matrix():
-    """Resultant at the root of forces along an accelerated leg: −M (a, α) of its rigid motion."""
+def test_composite_inertia_load_equals_mass_matrix():
+    """The resultant of the inertia load about the root is −M (a, α), with M of a rigid motion."""
     beam = ConstantLeg(LENGTH, COMPOSITE, Material(*COMPOSITE.mean_material)).timoshenko
     leg = beam_leg(beam, LENGTH, 2)
     motions = rigid_nodes(leg, 2)
     acceleration = np.array([1.0, -2.0, 3.0, 0.5, -0.7, 0.9])
     motion = Motion(acceleration[:3], acceleration[3:], np.zeros(3))
     load = inertia_load(beam, LENGTH, motion)
-    # Moments of a linear load are quadratic: Simpson's rule is exact.
+    # Simpson's rule is exact for the moments of a linear load, which are quadratic.
     total = np.zeros(6)
     for x, weight in zip((0.0, 0.5, 1.0), np.array([1.0, 4.0, 1.0]) / 6.0, strict=True):
         wrench = (1.0 - x) * load.first + x * load.last
@@ -167,7 +169,7 @@ def test_inertia_loads_of_composite_are_its_mass_matrix():
 
 
 def rigid_nodes(leg, elements):
-    """Twists (n×6) of all nodes in rigid motions about the root."""
+    """Return the twists of all nodes (n×6) in unit rigid motions about the root."""
     tip_last = np.r_[0.0, LENGTH, np.linspace(0.0, LENGTH, elements + 1)[1:-1]]
     if leg.model == "segments":
         tip_last = np.r_[0.0, LENGTH, (np.arange(elements) + 0.5) * LENGTH / elements]
@@ -176,7 +178,7 @@ def rigid_nodes(leg, elements):
         twist = np.eye(6)
         twist[1, 5], twist[2, 4] = x, -x
         motions[6 * number : 6 * number + 6] = twist
-    # Unknowns inside elements follow without force.
+    # Unknowns inside the elements follow from K_ii u_i = −K_ib u_b, without internal force.
     nodal = 6 * len(tip_last)
     stiffness = leg.stiffness.toarray()
     if nodal < leg.size:
@@ -185,11 +187,11 @@ def rigid_nodes(leg, elements):
     return motions
 
 
-def test_coupled_theory_reduces_to_planes():
-    """A rectangle, whose planes and torsion vibrate by themselves, as one problem."""
+def test_coupled_theory_of_rectangle_is_uncoupled():
+    """A rectangle treated as a coupled section has the frequencies of bending and torsion alone."""
     beam = ConstantLeg(LENGTH, Rectangle(0.1, 0.2), STEEL).timoshenko
     kinds = ("torsion", "bending y", "bending z")
-    alone = sorted(frequency_of_kind(beam, LENGTH, one, n) for one in kinds for n in (1, 2, 3, 4))
+    alone = sorted(frequency_of_kind(beam, LENGTH, kind, n) for kind in kinds for n in (1, 2, 3, 4))
     coupled = [frequency_of_kind(beam, LENGTH, "coupled", n) for n in range(1, 7)]
     assert coupled == pytest.approx(alone[:6], rel=1e-10)
 
@@ -204,9 +206,10 @@ def test_coupled_theory_reduces_to_planes():
     ids=lambda one: one.shape,
 )
 def test_beam_of_any_section_equals_solid(section):
-    """Ends free to warp: to rounding. Rigid faces: less what decays from them, by other fields.
+    """Beam and solid agree to rounding with free warping; rigid faces add the decaying end effects.
 
-    Solids of slices far thinner than walls; at the edges of rigid faces 1e-6 is left of them.
+    The solid has slices far thinner than its walls; at the edges of rigid faces 1e-6 of the end
+    effects is not resolved.
     """
     length = 0.3
     mesh = section_mesh(section, 4)
@@ -218,6 +221,6 @@ def test_beam_of_any_section_equals_solid(section):
     assert scaled(free - beam, beam) < 1e-8
     restrained = restrained_compliance(mesh, STEEL, length)
     assert scaled(rigid - beam - restrained, beam) < 3e-6
-    # Neither is small, and the section's own constants are near those of the rim.
+    # The end effects are not small, and finite and boundary elements give similar constants.
     assert scaled(restrained, beam) > 0.01
     assert scaled(tip_compliance(leg.timoshenko, length) - beam, beam) < 0.03

@@ -1,4 +1,4 @@
-"""Lateral buckling of legs with shear: closed forms, equilibrium of the bent axis, solids."""
+"""Lateral buckling of legs with shear against closed forms, equilibrium and solids."""
 
 import re
 import shutil
@@ -22,13 +22,14 @@ from lumped.sections import Rectangle
 
 ALL = 10_000
 NOTHING = np.zeros(12)
-# Free twists of the ends: forks leave rotations about y and z, and one end slides along x.
+# Free unknowns of root (0–5) and tip (6–11) with fork supports: rotations about y and z at both
+# ends, and displacement along x at the tip.
 FORKS = (4, 5, 6, 10, 11)
 BENT = np.array([0, 0, 0, 0, -1.0, 0, 0, 0, 0, 0, 1.0, 0])
 
 
 def factor(leg: PrestressedLeg, ends, forces, spread=NOTHING) -> float:
-    """Buckling factor of the forces on a leg with such free twists of its ends."""
+    """Return the buckling factor of the end forces on a leg with the free unknowns `ends`."""
     stiffness = dense(leg.matrices.stiffness)
     free = np.ix_(*2 * [[*ends, *range(12, len(stiffness))]])
     added = leg.geometric_stiffness(forces, spread)
@@ -36,10 +37,11 @@ def factor(leg: PrestressedLeg, ends, forces, spread=NOTHING) -> float:
 
 
 def moment_of_solid(leg: ConstantLeg, degree: int) -> float:
-    """Buckling moment of a solid bar of ν = 0 between forks by Ritz's method, no beam theory.
+    """Return the lateral buckling moment (N m) of a solid bar with ν = 0 between forks, by Ritz.
 
-    Displacements U cos kx, V sin kx, W sin kx with polynomials U, V, W of the section, k = π/L:
-    Green's strains under the stress z/Iy, every section free to warp and to distort.
+    The displacements are U cos kx, V sin kx, W sin kx with k = π/L and polynomials U, V, W of y and
+    z up to `degree`, with Green's strains under the stress z/Iy: no beam theory, and every section
+    may warp and distort.
     """
     section, k, material = leg.section, np.pi / leg.length, leg.material
     points, weights = legendre.leggauss(degree + 3)
@@ -75,8 +77,9 @@ def moment_of_solid(leg: ConstantLeg, degree: int) -> float:
 def test_shear_lowers_lateral_buckling_moment(width, solid_shift):
     """M² = GJ P/(1 + P/κGA), P = π²EI/L²: lateral bending with Engesser's shear (own derivation).
 
-    From −φ′ M γ: γ = Mφ′/κGA leaves GJ − M²/κGA of the torsional stiffness. The solid confirms the
-    sign; its sections also warp and distort, an effect of the same order in their sides over L.
+    The work −φ′ M γ with γ = Mφ′/κGA reduces the torsional stiffness to GJ − M²/κGA. The solid
+    confirms the sign; its sections also warp and distort, which has an effect of the same order in
+    width over L.
     """
     material = Material.isotropic(2.1e11, 0.0, 7850.0)
     leg = ConstantLeg(0.3, Rectangle(width, 0.06), material)
@@ -85,12 +88,12 @@ def test_shear_lowers_lateral_buckling_moment(width, solid_shift):
         bar = prestressed_leg(leg.properties(theory), leg.length, 16, ALL)
         moments[theory] = factor(bar, FORKS, BENT)
     euler = np.pi**2 * p.EIz / leg.length**2
-    # What 16 elements leave of the fourth order: 4e-6.
+    # Discretisation error of 16 elements: 4e-6.
     assert moments["euler-bernoulli"] == pytest.approx(np.sqrt(p.GJ * euler), rel=4e-5)
-    due = np.sqrt(p.GJ * euler / (1.0 + euler / p.GAy))
-    assert moments["timoshenko"] == pytest.approx(due, rel=4e-5)
+    expected = np.sqrt(p.GJ * euler / (1.0 + euler / p.GAy))
+    assert moments["timoshenko"] == pytest.approx(expected, rel=4e-5)
     slender = replace(leg, length=20.0 * leg.length)
-    # The torsion constant of the polynomials cancels: that of a slender bar is the same.
+    # The error of the polynomials' torsion constant cancels: a slender bar has the same.
     scale = moment_of_solid(slender, 7) * slender.length / (np.sqrt(p.GJ * p.EIz) * np.pi)
     shift = moment_of_solid(leg, 7) / (scale * np.sqrt(p.GJ * euler)) - 1.0
     assert shift == pytest.approx(solid_shift, abs=1.5e-3)
@@ -99,13 +102,13 @@ def test_shear_lowers_lateral_buckling_moment(width, solid_shift):
 
 
 def factor_by_equilibrium(p: BeamProperties, length: float, force: float, moment: float) -> float:
-    """Buckling factor by the equilibrium of the bent axis; no energy, no elements.
+    """Return the buckling factor from the equilibrium of the bent axis, without energy or elements.
 
-    The root is clamped, `force` (N, along z) and `moment` (N m, about y) act on the tip, which is
-    free to move along y and to turn about x and z. To first order the tip's moment is
-    m (−θz/2, 1, φ/2), half of it turned with the tip. In the frame of the axis, v′ = θ + γ, a
-    section has the torque T, T′ = M v″, and about its turned axis the moment EI θ′ = m φ(L)/2 − Mφ,
-    whose slope is the shear force: κGA γ = (Mφ)′.
+    The root is clamped; `force` (N, along z) and `moment` (N m, about y) act on the tip, which may
+    move along y and rotate about x and z. To first order the tip moment is m (−θz/2, 1, φ/2): half
+    of it rotates with the tip. In the frame of the axis, v′ = θ + γ, a section has the torque T
+    with T′ = M v″, and about its rotated axis the moment EI θ′ = m φ(L)/2 − Mφ, whose slope is the
+    shear force, κGA γ = (Mφ)′.
     """
 
     def bending(x: Array) -> Array:
@@ -115,7 +118,7 @@ def factor_by_equilibrium(p: BeamProperties, length: float, force: float, moment
         twist, rate, _ = y
         m, across = factors[0] * bending(x), factors[0] * force
         turning = (0.5 * factors[0] * moment - m * twist) / p.EIz
-        # M v″ contains the torque's slope, too: M φ″ of γ′.
+        # M v″ contains M φ″ from γ′, hence the slope of the torque itself.
         bent = m / p.GJ * (turning + 2.0 * across * rate / p.GAy)
         return np.array([rate, bent / (1.0 - m**2 / (p.GJ * p.GAy)), turning])
 
@@ -127,16 +130,16 @@ def factor_by_equilibrium(p: BeamProperties, length: float, force: float, moment
 
     x, k = np.linspace(0.0, length, 41), 0.5 * np.pi / length
     start = np.array([np.sin(k * x), k * np.cos(k * x), -k * x])
-    about = np.pi * np.sqrt(p.EIz * p.GJ) / length / np.abs(bending(x)).max()
-    found = solve_bvp(slopes, ends, x, start, [about], tol=1e-8, max_nodes=20_000)
-    assert found.success, found.message
-    # Forces of either sign buckle the leg.
-    return abs(float(found.p[0]))
+    estimate = np.pi * np.sqrt(p.EIz * p.GJ) / length / np.abs(bending(x)).max()
+    solution = solve_bvp(slopes, ends, x, start, [estimate], tol=1e-8, max_nodes=20_000)
+    assert solution.success, solution.message
+    # The leg buckles under forces of either sign.
+    return abs(float(solution.p[0]))
 
 
 @pytest.mark.parametrize("width", [0.02, 0.04, 0.06])
-def test_shear_lowers_load_across_a_stout_cantilever(width):
-    """By shear 0.6, 2.4 and 5.2 % less; without the work −φ′ M γ only half of that."""
+def test_shear_lowers_cantilever_buckling_load(width):
+    """Shear lowers the load by 0.6, 2.4 and 5.2 %; without the work −φ′ M γ by half of that."""
     leg = ConstantLeg(0.3, Rectangle(width, 0.06), STEEL)
     at_tip = np.array([0, 0, -1.0, 0, 0.3, 0, 0, 0, 1.0, 0, 0, 0])
     p, loads = leg.timoshenko, {}
@@ -146,19 +149,19 @@ def test_shear_lowers_load_across_a_stout_cantilever(width):
     assert loads["euler-bernoulli"] == pytest.approx(
         factor_by_equilibrium(replace(p, GAy=np.inf), leg.length, 1.0, 0.0), rel=4e-5
     )
-    due = factor_by_equilibrium(p, leg.length, 1.0, 0.0)
-    # What 16 elements leave of the fourth order: 3.3e-6.
-    assert loads["timoshenko"] == pytest.approx(due, rel=4e-5)
+    expected = factor_by_equilibrium(p, leg.length, 1.0, 0.0)
+    # Discretisation error of 16 elements: 3.3e-6.
+    assert loads["timoshenko"] == pytest.approx(expected, rel=4e-5)
 
 
 def test_shear_lowers_buckling_moment_of_propped_leg():
-    """Root clamped, tip on a slide along y, a moment about y on the tip.
+    """Root clamped, tip guided along y, a moment about y on the tip.
 
-    Shear along z lets the prop take more of the moment, by which alone the factor would rise. It
-    falls by 1.0 % with the work −φ′ M γ, without which it rose by 0.4 %.
+    With shear along z the prop takes more of the moment, which alone would raise the factor by 0.4
+    %. With the work −φ′ M γ the factor falls by 1.0 %.
     """
     length, leg = 0.3, ConstantLeg(0.3, Rectangle(0.04, 0.06), STEEL)
-    found = {}
+    factors = {}
     for theory in ("euler-bernoulli", "timoshenko"):
         p = leg.properties(theory)
         # Deflection of the tip by the moment, over that by a force.
@@ -167,30 +170,32 @@ def test_shear_lowers_buckling_moment_of_propped_leg():
         # Root and tip.
         forces[[2, 4, 8, 10]] = -force, force * length - 1.0, force, 1.0
         bar = prestressed_leg(p, length, 16, ALL)
-        found[theory] = factor(bar, (7, 9, 10, 11), forces)
-        assert found[theory] == pytest.approx(
+        factors[theory] = factor(bar, (7, 9, 10, 11), forces)
+        assert factors[theory] == pytest.approx(
             factor_by_equilibrium(p, length, force, 1.0), rel=4e-5
         )
-    assert found["timoshenko"] / found["euler-bernoulli"] - 1.0 == pytest.approx(-0.0103, abs=2e-4)
+    assert factors["timoshenko"] / factors["euler-bernoulli"] - 1.0 == pytest.approx(
+        -0.0103, abs=2e-4
+    )
 
 
-# Corners and middles of the edges of a brick of twenty nodes, in the order of CalculiX.
+# Coordinates of the twenty nodes of a brick element (corners, mid-edges) in CalculiX's order.
 _BRICK = "000 200 220 020 002 202 222 022 100 210 120 010 102 212 122 012 001 201 221 021"
 
 
 def cantilever_deck(leg: ConstantLeg, along: int, across: int) -> str:
-    """Solid square bar, root held, a force of 1 kN against z spread evenly over its tip face."""
+    """Return the deck of a clamped solid square bar with 1 kN along −z spread over its tip face."""
     counts, side = np.array([along, across, across]), leg.section.width
     numbers = np.zeros(2 * counts + 1, dtype=int)
     grid = np.indices(numbers.shape)
-    there = (grid % 2).sum(axis=0) <= 1
-    numbers[there] = np.arange(1, there.sum() + 1)
-    places = (grid[:, there].T / (2.0 * counts) - [0.0, 0.5, 0.5]) * [leg.length, side, side]
+    is_node = (grid % 2).sum(axis=0) <= 1
+    numbers[is_node] = np.arange(1, is_node.sum() + 1)
+    positions = (grid[:, is_node].T / (2.0 * counts) - [0.0, 0.5, 0.5]) * [leg.length, side, side]
     corners = 2 * np.indices(counts).reshape(3, -1).T
     brick = np.array([[int(digit) for digit in node] for node in _BRICK.split()])
     cells = numbers[tuple(np.moveaxis(corners[:, None] + brick, -1, 0))]
     forces = np.zeros(numbers.shape[1:])
-    # Consistent with the eight shape functions of a face.
+    # Consistent nodal forces of the eight-node face, as fractions of its force.
     of_face = np.array([[-1.0, 4.0, -1.0], [4.0, 0.0, 4.0], [-1.0, 4.0, -1.0]]) / 12.0
     for j, k in product(range(0, 2 * across, 2), repeat=2):
         forces[j : j + 3, k : k + 3] += of_face * 1e3 / across**2
@@ -198,9 +203,9 @@ def cantilever_deck(leg: ConstantLeg, along: int, across: int) -> str:
     return "\n".join(
         [
             "*NODE, NSET=ALL",
-            *(f"{n}, " + ", ".join(f"{x:.12g}" for x in xyz) for n, xyz in enumerate(places, 1)),
+            *(f"{n}, " + ", ".join(f"{x:.12g}" for x in xyz) for n, xyz in enumerate(positions, 1)),
             "*ELEMENT, TYPE=C3D20R, ELSET=BAR",
-            # At most sixteen numbers in a line.
+            # CalculiX reads at most sixteen numbers in a line.
             *(
                 f"{n}, {', '.join(map(str, cell[:10]))},\n{', '.join(map(str, cell[10:]))}"
                 for n, cell in enumerate(cells, 1)
@@ -228,10 +233,10 @@ def cantilever_deck(leg: ConstantLeg, along: int, across: int) -> str:
 @pytest.mark.exhaustive
 @pytest.mark.skipif(not any(map(shutil.which, PROGRAMS)), reason="CalculiX (ccx) is not installed")
 def test_stout_cantilever_buckling_equals_calculix(tmp_path):
-    """−4.43 % by shear in a solid of ν = 0, −4.35 % by beams, −2.2 % without the work −φ′ M γ.
+    """Shear lowers the load by 4.43 % in a solid with ν = 0, by 4.35 % in beams.
 
-    The held root of a square bar, whose sections hardly warp, adds 0.1 %; a linear problem of
-    buckling does not regard that it could as well bend the other way.
+    Without the work −φ′ M γ beams give 2.2 %. The clamped root of a square bar, which hardly warps,
+    adds 0.1 %. Linear buckling ignores that a square bar may bend to either side.
     """
     leg = ConstantLeg(0.3, Rectangle(0.06, 0.06), Material.isotropic(2.1e11, 0.0, 7850.0))
     (tmp_path / "bar.inp").write_text(cantilever_deck(leg, 16, 4), encoding="ascii")
@@ -244,9 +249,10 @@ def test_stout_cantilever_buckling_equals_calculix(tmp_path):
     assert 1e3 * float(solid) == pytest.approx(beam, rel=3e-3)
 
 
-# Consistent forces and moments (Q, QL) of a load Q at root and tip, its lever, and Q L²/√(EI GJ):
-# uniform (Timoshenko & Gere 1961, §6.3), and growing from zero at the root, by own shooting of
-# φ″ + M(x)² φ/(EI GJ) = 0, φ(0) = φ′(L) = 0, M = Q (2/3 − x + x³/3).
+# For a distributed load Q: consistent forces (in Q) and moments (in QL) at root and tip, lever of
+# the resultant (in L), and buckling value Q L²/√(EI GJ). Uniform load: Timoshenko & Gere 1961,
+# §6.3. Load growing from zero at the root: shooting of φ″ + M(x)² φ/(EI GJ) = 0, φ(0) = φ′(L) = 0,
+# M = Q (2/3 − x + x³/3).
 SPREAD = {
     "uniform": ((0.5, 0.5), (1 / 12, -1 / 12), 1 / 2, 12.85),
     "growing": ((0.3, 0.7), (1 / 15, -1 / 10), 2 / 3, None),
@@ -254,7 +260,7 @@ SPREAD = {
 
 
 def growing_load_factor() -> float:
-    """Q L²/√(EI GJ) of a cantilever under a load that grows linearly from its root."""
+    """Return Q L²/√(EI GJ) of a cantilever under a load that grows linearly from its root."""
 
     def slope_at_tip(load: float) -> float:
         def rates(x, state):
@@ -268,12 +274,12 @@ def growing_load_factor() -> float:
 
 @pytest.mark.parametrize("shape", SPREAD)
 @pytest.mark.parametrize("across", ["y", "z"])
-def test_spread_load_across_a_blade_buckles_it(across, shape):
+def test_distributed_load_buckling_of_blade(across, shape):
     thin, deep = 0.004, 0.1
     section = Rectangle(thin, deep) if across == "z" else Rectangle(deep, thin)
     p = ConstantLeg(1.0, section, STEEL).properties("euler-bernoulli")
     axis, about, sign = {"y": (1, 5, 1.0), "z": (2, 4, -1.0)}[across]
-    forces, moments, lever, due = SPREAD[shape]
+    forces, moments, lever, expected = SPREAD[shape]
     leg = prestressed_leg(p, 1.0, 16, ALL)
     for direction in (1.0, -1.0):
         spread, reaction = np.zeros(12), np.zeros(12)
@@ -282,12 +288,12 @@ def test_spread_load_across_a_blade_buckles_it(across, shape):
         reaction[[axis, about]] = -direction, -lever * sign * direction
         load = factor(leg, range(6, 12), spread + reaction, spread)
         scale = np.sqrt(min(p.EIy, p.EIz) * p.GJ)
-        # Published to four digits.
-        assert load == pytest.approx((due or growing_load_factor()) * scale, rel=1e-3)
+        # The published value has four digits.
+        assert load == pytest.approx((expected or growing_load_factor()) * scale, rel=1e-3)
 
 
-def test_lateral_buckling_of_reversed_leg_is_the_same():
-    """Root and tip exchanged, a half turn about z; and the section turned by a right angle."""
+def test_reversed_leg_has_same_lateral_buckling():
+    """Root and tip exchanged; and the section and its load rotated by 90°."""
     stout = ConstantLeg(0.2, Rectangle(0.02, 0.06), STEEL)
     lying = ConstantLeg(0.2, Rectangle(0.06, 0.02), STEEL)
     leg = prestressed_leg(stout.timoshenko, 0.2, 12, ALL)
@@ -301,7 +307,7 @@ def test_lateral_buckling_of_reversed_leg_is_the_same():
 
 
 def test_lateral_buckling_converges_with_fourth_order():
-    """Towards 32 elements, whose own error is 1 % of that of ten."""
+    """Compared with 32 elements, whose error is 1 % of that of ten."""
     p, counts = ConstantLeg(0.2, Rectangle(0.02, 0.06), STEEL).timoshenko, [4, 6, 8, 10]
     at_tip = np.array([0, 0, -1.0, 0, 0.2, 0, 0, 0, 1.0, 0, 0, 0])
     loads = [factor(prestressed_leg(p, 0.2, n, ALL), range(6, 12), at_tip) for n in (*counts, 32)]

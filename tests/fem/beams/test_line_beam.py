@@ -30,13 +30,13 @@ def frequencies(leg, theory, elements, count=4):
 
 @pytest.mark.parametrize("theory", THEORIES)
 @pytest.mark.parametrize("section", [Rectangle(0.05, 0.1), Angle(0.05, 0.1, 0.005, 0.008)])
-def test_constant_section_is_prismatic_beam(section, theory):
+def test_constant_line_beam_equals_prismatic_beam(section, theory):
     leg = tapered(STRAIGHT, section, section)
     line, prism = (
         line_beam(leg.sections(theory), 4),
         beam_leg(ConstantLeg(1.0, section, STEEL).properties(theory), 1.0, 4),
     )
-    # Round-off of 4 elements: 1e-13 was seen.
+    # Rounding error of four elements; 1e-13 was observed.
     modes, expected = clamped_modes(line, 10), clamped_modes(prism, 10)
     assert modes.frequencies == pytest.approx(expected.frequencies, rel=1e-11)
     points = np.array([[0.1, 0.02, -0.03], [0.55, 0.0, 0.01], [1.0, 0.02, 0.04]])
@@ -49,7 +49,7 @@ def test_constant_section_is_prismatic_beam(section, theory):
 
 @pytest.mark.parametrize("theory", THEORIES)
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
-def test_statics_are_exact_for_any_number_of_elements(line, theory):
+def test_line_beam_statics_are_exact(line, theory):
     sections = tapered(line).sections(theory)
     expected = sections.tip_compliance
     for elements in (1, 3):
@@ -59,18 +59,18 @@ def test_statics_are_exact_for_any_number_of_elements(line, theory):
 
 @pytest.mark.parametrize("theory", THEORIES)
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
-def test_frequencies_converge_with_fourth_order(line, theory):
+def test_line_beam_frequency_convergence_order(line, theory):
     leg = tapered(line)
     limit = frequencies(leg, theory, 80)
     coarse, fine = (frequencies(leg, theory, n) / limit - 1.0 for n in (10, 20))
-    # Rayleigh: from above.
+    # Frequencies converge from above (Rayleigh).
     assert (fine > 0.0).all()
     assert fine.max() < 1e-4
     assert np.log2(coarse / fine) == pytest.approx(4.0, abs=0.15)
 
 
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
-def test_segments_converge_with_second_order(line):
+def test_line_segment_frequency_convergence_order(line):
     sections = tapered(line).sections("timoshenko")
     limit = clamped_modes(line_beam(sections, 80), 3).frequencies
     errors = [
@@ -94,8 +94,8 @@ def test_segments_converge_with_second_order(line):
         (Circle(0.1), Circle(0.05), (4.6252, 19.5476, 48.5789)),
     ],
 )
-def test_wedge_and_cone_have_published_frequencies(root, tip, published):
-    """ω √(ρA₀L⁴/EI₀), Euler–Bernoulli, tip half as high as the root.
+def test_wedge_and_cone_frequencies_equal_published(root, tip, published):
+    """ω √(ρA₀L⁴/EI₀) of Euler–Bernoulli cantilevers, at the tip half as high as at the root.
 
     S. Naguleswaran, J. Sound Vib. 172 (1994) 289; H. H. Mabie, C. B. Rogers, J. Acoust. Soc. Am. 51
     (1972) 1771.
@@ -104,14 +104,14 @@ def test_wedge_and_cone_have_published_frequencies(root, tip, published):
     angular = 2.0 * np.pi * frequencies(leg, "euler-bernoulli", 60, 12)
     scale = np.sqrt(STEEL.E * root.second_moment_y / (STEEL.rho * root.area))
     for expected in published:
-        # The printed digits are rounded or cut.
+        # The published digits are rounded or truncated.
         assert np.abs(angular / scale - expected).min() < 1e-4
 
 
-def test_free_ring_has_loves_frequency():
+def test_half_ring_frequency_equals_love():
     """Thin ring, two waves in its plane: ω = n(n² − 1)/√(n² + 1) √(EI/ρAR⁴) (A. E. H. Love, §293).
 
-    Half of it, mirrored in the plane of its ends, which move in this plane alone.
+    Half of the ring is modelled, with symmetry conditions at its ends.
     """
     section = Circle(0.002)
     line = CentreLine((LinePiece((0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (1.0, 1.0, 0.0)),), UP)
@@ -121,5 +121,5 @@ def test_free_ring_has_loves_frequency():
     squared = eigh(stiffness, mass, eigvals_only=True)
     scale = STEEL.E * section.second_moment_y / (STEEL.rho * section.area)
     expected = 6.0 / np.sqrt(5.0) * np.sqrt(scale)
-    # (d/R)² and the error of 24 elements are below 1e-5.
+    # The thickness, by (d/R)², and 24 elements change the frequency by less than 1e-5.
     assert np.abs(np.sqrt(np.abs(squared)) / expected - 1.0).min() < 2e-5

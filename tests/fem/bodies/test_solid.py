@@ -1,4 +1,4 @@
-"""One leg as a solid: beam theory, thin walls, known values; modes, counted, against dense ones."""
+"""Legs as solids against beam theory and known values; natural modes against dense solutions."""
 
 from functools import partial
 
@@ -23,7 +23,7 @@ from lumped.sections import Circle, ISection, Rectangle, Tube
 from meshes.prism import tetrahedra
 from meshes.section.section_mesh import section_mesh
 
-# Both solve one matrix pencil; what is left is rounding, eps times the condition of K (some 1e5).
+# Relative difference of two solutions of the same problem: rounding times the condition number 1e5.
 SAME = 1e-10
 
 
@@ -32,14 +32,15 @@ def leg(section, length=0.6, slices=6, ends="rigid"):
 
 
 def of_tetrahedra():
-    one = ConstantLeg(0.3, Rectangle(0.1, 0.1), STEEL)
-    return clamped_leg(solid_leg(one, tetrahedra(one.section, one.length, 1)))
+    square = ConstantLeg(0.3, Rectangle(0.1, 0.1), STEEL)
+    return clamped_leg(solid_leg(square, tetrahedra(square.section, square.length, 1)))
 
 
 def dense_solution(clamped):
-    """Eigenvalues and vectors (on the leg's unknowns) by LAPACK, constraints eliminated.
+    """Return eigenvalues ω² and mass-normalised vectors of the clamped leg by LAPACK.
 
-    As M φ = θ K φ: LAPACK's errors are relative to the largest eigenvalue, here the lowest mode's.
+    Solved as M φ = θ K φ, because LAPACK's errors are relative to the largest eigenvalue, here that
+    of the lowest mode.
     """
     allowed = null_space(clamped.root.T)
     K, M = clamped.solid.stiffness, clamped.solid.mass
@@ -61,7 +62,7 @@ def bar(request):
 @pytest.mark.parametrize(
     "clamped",
     [
-        # Near squares: bending modes in pairs up to 0.01 % apart.
+        # Nearly square and round legs have pairs of bending modes less than 0.01 % apart.
         lambda: leg(Rectangle(0.1, 0.1 * (1.0 + 1e-6)), slices=3),
         lambda: leg(Rectangle(0.1, 0.1 * (1.0 + 1e-4)), slices=3, ends="free"),
         lambda: leg(Circle(0.1), slices=3, ends="free"),
@@ -69,59 +70,59 @@ def bar(request):
     ],
     ids=["nearly square", "nearly square, free", "circle", "tetrahedra"],
 )
-def test_modes_equal_dense_solution(clamped):
+def test_leg_modes_equal_dense_solution(clamped):
     clamped = clamped()
     values, _ = dense_solution(clamped)
     for number in (1, 5, 12, 8):
-        found = clamped.modes(number)
-        np.testing.assert_allclose(found.frequencies, hertz(values[:number]), rtol=SAME)
-        assert found.count == (values < found.shift).sum() >= number
+        result = clamped.modes(number)
+        np.testing.assert_allclose(result.frequencies, hertz(values[:number]), rtol=SAME)
+        assert result.count == (values < result.shift).sum() >= number
     whole = clamped.solid.transformation
-    amplitudes = np.linalg.lstsq(whole.toarray(), found.shapes, rcond=None)[0]
+    amplitudes = np.linalg.lstsq(whole.toarray(), result.shapes, rcond=None)[0]
     gram = amplitudes.T @ (clamped.solid.mass @ amplitudes)
     np.testing.assert_allclose(gram, np.eye(8), atol=1e-12)
 
 
-def test_errors_bound_the_true_ones(bar):
+def test_stated_frequency_errors_are_upper_bounds(bar):
     clamped, values, _ = bar
-    found = clamped.modes(20)
-    true = np.abs(found.frequencies / hertz(values[:20]) - 1.0)
-    # Beside the residual's share, rounding of LAPACK and of the factor.
-    assert np.all(true <= found.frequency_errors + SAME)
-    assert found.frequency_errors.max() <= 5e-7
-    # Counted with one factor at a time.
+    result = clamped.modes(20)
+    true = np.abs(result.frequencies / hertz(values[:20]) - 1.0)
+    # SAME allows for the rounding errors of LAPACK and of the factor.
+    assert np.all(true <= result.frequency_errors + SAME)
+    assert result.frequency_errors.max() <= 5e-7
+    # Counting released the factor of K, so that only one was in memory.
     assert "numeric" not in vars(clamped.factor)
 
 
-def test_double_mode_at_the_last_count_is_complete():
+def test_double_mode_at_end_of_search_is_complete():
     clamped = leg(Rectangle(0.1, 0.1), slices=4)
     values, _ = dense_solution(clamped)
     assert values[1] / values[0] - 1.0 < 1e-9
-    found = clamped.modes(1)
-    assert (found.count, len(found.frequencies)) == (2, 1)
-    assert values[1] < found.shift < values[2]
-    found, again = (clamped.modes(6) for _ in range(2))
-    np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
-    np.testing.assert_array_equal(found.shapes, again.shapes)
+    result = clamped.modes(1)
+    assert (result.count, len(result.frequencies)) == (2, 1)
+    assert values[1] < result.shift < values[2]
+    result, again = (clamped.modes(6) for _ in range(2))
+    np.testing.assert_allclose(result.frequencies, hertz(values[:6]), rtol=SAME)
+    np.testing.assert_array_equal(result.shapes, again.shapes)
 
 
-def test_count_is_that_of_dense_eigenvalues(bar):
+def test_leg_inertia_count_equals_dense_eigenvalues(bar):
     clamped, values, _ = bar
     for below in (0, 2, 12, 100):
         lower = values[below - 1] if below else 0.0
         gap = values[below] - lower
-        # Near either of the two eigenvalues too: a tenth of the certificate's usual distance.
+        # Also close to each eigenvalue, at a tenth of the usual distance of a counting shift.
         near = min(0.001 * values[below], 0.4 * gap)
         for sigma in (lower + 0.5 * gap, lower + near, values[below] - near):
             assert clamped.rooted_inertia(sigma) == (below, 0, len(values) - below)
-    # A shift on an eigenvalue has no sign or moves the count by one.
-    found = clamped.rooted_inertia(values[5])
-    assert found.negative in {5, 6}
-    assert found.zero <= 1
+    # At an eigenvalue one pivot is zero, or the count may differ by one.
+    result = clamped.rooted_inertia(values[5])
+    assert result.negative in {5, 6}
+    assert result.zero <= 1
 
 
-def test_count_without_room_for_two_factors(bar, monkeypatch):
-    """The factor of K makes room for that of the count, and comes again for a solve."""
+def test_mode_count_with_memory_for_one_factor(bar, monkeypatch):
+    """The factor of K is released for the count and computed again for the next solution."""
     clamped, values, _ = bar
     loads = clamped.equilibrated(clamped.loads)
     before, first = clamped.factor.solve(loads), clamped.factor.numeric
@@ -136,7 +137,7 @@ def test_count_without_room_for_two_factors(bar, monkeypatch):
     np.testing.assert_array_equal(clamped.factor.solve(loads), before)
 
 
-def test_residuals_of_searches_stay_with_modes():
+def test_merged_modes_keep_their_residuals():
     first, second = (
         Ritz(np.array(values), np.ones((2, len(values))), np.array(residuals), np.inf)
         for values, residuals in (([1.0, 3.0], [1e-9, 2e-9]), ([2.0], [5e-9]))
@@ -150,21 +151,21 @@ def test_missing_or_extra_mode_fails_certificate(bar):
     clamped, values, _ = bar
     count, message = clamped.rooted_inertia, "leg: certificate of the modes failed: 6 lie"
     assert values[5] < certify(values[:6], values[6], count, "leg") < values[6]
-    with pytest.raises(MissedModesError, match=message) as one:
+    with pytest.raises(MissedModesError, match=message) as error:
         certify(np.delete(values[:6], 4), values[6], count, "leg")
-    assert one.value.missing == 1
+    assert error.value.missing == 1
     with pytest.raises(ComputationError, match=message):
         certify(np.sort(np.append(values[:6], values[4])), values[6], count, "leg")
 
 
-def test_shift_on_mode_is_moved(bar):
+def test_count_shift_on_eigenvalue_is_moved(bar):
     clamped, values, _ = bar
     counts = iter([1, 1, 1, 0])
 
     def zero_three_times(sigma):
         return clamped.rooted_inertia(sigma)._replace(zero=next(counts))
 
-    # The second mode lies less than three times as high as the first in ω², so half way counts.
+    # ω² of the second mode is below three times that of the first: the shift is midway between.
     shift = certify(values[:1], values[1], zero_three_times, "leg")
     assert shift == pytest.approx(0.5 * (values[0] + values[1]), rel=1e-12)
     with pytest.raises(ComputationError, match="leg: certificate of the modes failed: zero pivots"):
@@ -172,7 +173,7 @@ def test_shift_on_mode_is_moved(bar):
 
 
 def blinded_modes(clamped, lost, *, sees_again):
-    """Modes by a factor that loses one from every solution, or does so up to the first count."""
+    """Return modes from solutions that lack one mode, always or only until the first count."""
     mass, counts = clamped.solid.mass, []
 
     def solve(right_hand_sides):
@@ -186,34 +187,34 @@ def blinded_modes(clamped, lost, *, sees_again):
     return lowest_modes(solve, mass, 6, count, "leg")
 
 
-def test_missed_mode_is_found_or_is_an_error(bar):
+def test_missed_mode_is_searched_again_or_reported(bar):
     clamped, values, vectors = bar
     with pytest.raises(ComputationError, match="certificate of the modes failed"):
         blinded_modes(clamped, vectors[:, 5], sees_again=False)
-    found = blinded_modes(clamped, vectors[:, 0], sees_again=True)
-    np.testing.assert_allclose(found.frequencies, hertz(values[:6]), rtol=SAME)
-    gram = found.shapes.T @ (clamped.solid.mass @ found.shapes)
+    result = blinded_modes(clamped, vectors[:, 0], sees_again=True)
+    np.testing.assert_allclose(result.frequencies, hertz(values[:6]), rtol=SAME)
+    gram = result.shapes.T @ (clamped.solid.mass @ result.shapes)
     np.testing.assert_allclose(gram, np.eye(6), atol=1e-12)
-    # Whatever the first search has found is not searched for again.
-    assert found.count == 7
+    # The second search excludes the modes that the first one result.
+    assert result.count == 7
 
 
-def test_double_mode_of_a_very_slender_leg():
-    """87 diameters long: K's largest eigenvalue is 1e11 times its lowest mode's."""
-    found = leg(Circle(0.0873), length=7.6, slices=40).modes(2)
-    assert found.count == 2
-    # Bernoulli's cantilever 1.8751²/2π √(EI/ρA)/L²; shear and rotary inertia take 1e-4, and
-    # slices of two diameters and the held face add no more than that.
+def test_very_slender_leg_double_mode():
+    """Length of 87 diameters: K's largest eigenvalue is 1e11 times that of the lowest mode."""
+    result = leg(Circle(0.0873), length=7.6, slices=40).modes(2)
+    assert result.count == 2
+    # Euler–Bernoulli cantilever, 1.8751²/2π √(EI/ρA)/L²; shear and rotary inertia lower it by 1e-4,
+    # slices of two diameters and the rigid face change it by less than the tolerance.
     exact = 1.8751041**2 / (2.0 * np.pi) * np.sqrt(2.1e11 / 7850.0) * (0.0873 / 4.0) / 7.6**2
-    np.testing.assert_allclose(found.frequencies, exact, rtol=3e-3)
+    np.testing.assert_allclose(result.frequencies, exact, rtol=3e-3)
 
 
 def test_all_modes_are_found_and_excess_is_refused(bar):
     K, M = csr_array(np.diag(np.arange(1.0, 13.0))), csr_array(eye_array(12))
     solve = analyse(K).factorise().solve
-    found = lowest_modes(solve, M, 12, partial(count_below, pencil(K, M)), "matrix")
-    # Rounding of an iteration whose eigenvalues span a factor of 12: 3.4e-13 by six kernels.
-    np.testing.assert_allclose(found.frequencies, hertz(np.arange(1.0, 13.0)), rtol=1e-11)
+    result = lowest_modes(solve, M, 12, partial(count_below, pencil(K, M)), "matrix")
+    # Rounding error of the iteration, up to 3.4e-13 with six kernels of OpenBLAS.
+    np.testing.assert_allclose(result.frequencies, hertz(np.arange(1.0, 13.0)), rtol=1e-11)
     light = csr_array(np.diag((np.arange(12) < 4).astype(float)))
     with pytest.raises(ComputationError, match="leg: 5 modes asked for, but fewer have mass"):
         lowest_modes(solve, light, 5, lambda _: None, "leg")
@@ -229,28 +230,28 @@ def beam_with_mesh_constants(section, length):
 @pytest.mark.parametrize(
     ("length", "section", "divisions", "slices"),
     [
-        # Doubled, and slices joined: 11 is 1011 in binary, 13 is 1101, 19 is 10011.
+        # Numbers of slices whose binary digits mix doubling and joining: 1011, 1101 and 10011.
         (0.2, Rectangle(0.10, 0.16), 2, 11),
         (0.8, Tube(0.12, 0.012), 4, 13),
         (0.8, ISection(0.10, 0.16, 0.012, 0.008), 2, 19),
     ],
 )
-def test_tip_compliance_equals_direct_solution(length, section, divisions, slices):
-    """Clapeyron: with Saint-Venant ends the solid is Timoshenko's beam of its section."""
+def test_condensed_leg_equals_direct_solution(length, section, divisions, slices):
+    """With free warping at both ends the solid is the Timoshenko beam of its section."""
     leg = ConstantLeg(length, section, CUBIC)
     solid, face = meshed(leg, divisions, slices), section_mesh(section, divisions)
     condensed = condensed_leg(leg, face, slices)
     for ends in ("rigid", "free"):
         direct = clamped_leg(solid, ends).compliance
-        # Slices many times as long as a wall is thick come closest: there the direct solve loses
-        # digits to the condition of single elements, 2.2e-10 by five kernels of OpenBLAS.
+        # The direct solution loses digits to ill-conditioned elements, worst for slices much longer
+        # than the wall is thick: 2.2e-10 with five kernels of OpenBLAS.
         assert scaled_difference(tip_compliance(condensed, ends), direct) < 5e-9
-    # What remains is the deflection's cubic on quadratic slices.
+    # Quadratic slices approximate the cubic deflection.
     assert scaled_difference(direct, beam_with_mesh_constants(face, length)) < 1e-4
 
 
-def test_free_ends_reach_beam_theory():
-    """Saint-Venant's solution but for the cubic deflection on quadratic slices: error ~ n⁻⁴."""
+def test_solid_with_free_ends_converges_to_beam():
+    """Quadratic slices approximate the cubic deflection: the error falls as n⁻⁴."""
     leg = ConstantLeg(8.0, Rectangle(0.16, 0.08), CUBIC)
     section = section_mesh(leg.section, (2, 1))
     beam = beam_with_mesh_constants(section, leg.length)
@@ -258,14 +259,14 @@ def test_free_ends_reach_beam_theory():
         scaled_difference(tip_compliance(condensed_leg(leg, section, n), "free"), beam)
         for n in (256, 1024)
     )
-    # (L/h)² of slenderness stands before n⁻⁴.
+    # The error is (L/h)² n⁻⁴ times a constant.
     assert coarse < 1e-7
     assert fine < 1e-9
     assert np.log(coarse / fine) / np.log(4.0) == pytest.approx(4.0, abs=0.2)
 
 
 def test_rigid_ends_stiffen_torsion_of_leg_2():
-    """Known values: 18 %; and 0.26 % along z, where shear carries a sixth of the deflection."""
+    """Known values: 18 % in torsion, 0.26 % along z, where shear is a sixth of the deflection."""
     compliance = clamped_leg(meshed(LEG_2, (3, 9), 12)).compliance
     beam = beam_tip_compliance(LEG_2.timoshenko, LEG_2.length)
     share = 1.0 - np.diag(compliance) / np.diag(beam)
@@ -275,26 +276,26 @@ def test_rigid_ends_stiffen_torsion_of_leg_2():
 
 
 def test_leg_1_has_known_modes_and_centreline():
-    """Known values: z-bending at 181.8 Hz. Under Fy sections follow Timoshenko's cantilever."""
+    """Known value: 181.8 Hz in bending; under Fy sections move as in Timoshenko's cantilever."""
     solid = meshed(LEG_1, 2, 24)
     clamped = clamped_leg(solid)
-    found = clamped.modes(4).frequencies
-    # One unit in the last digit given.
-    assert found[1] == pytest.approx(181.8, abs=0.1)
-    # Tension: √(EA/μ)/4L, exact for ν = 0 but for the slices' own error, (kl)⁴.
+    result = clamped.modes(4).frequencies
+    # One unit in the last known digit.
+    assert result[1] == pytest.approx(181.8, abs=0.1)
+    # Axial vibration for ν = 0: √(EA/μ)/4L; the slices have an error of (kl)⁴.
     beam, L = LEG_1.timoshenko, LEG_1.length
-    assert found[3] == pytest.approx(np.sqrt(beam.EA / beam.mu) / (4.0 * L), rel=1e-5)
+    assert result[3] == pytest.approx(np.sqrt(beam.EA / beam.mu) / (4.0 * L), rel=1e-5)
     u = clamped.solid.transformation @ clamped.response[:, 1]
-    at = np.array([0.3, 0.5, 0.85])
-    twists = (section_twists(solid.mesh, at) @ u).reshape(-1, 6)
-    # Ends restrained in shear warping, and the mean of a quadratic slice: some 1e-4.
-    deflection = at**2 * (3.0 * L - at) / (6.0 * beam.EIz) + at / beam.GAy
+    x = np.array([0.3, 0.5, 0.85])
+    twists = (section_twists(solid.mesh, x) @ u).reshape(-1, 6)
+    # Restrained warping at the ends and averaging over quadratic slices change it by some 1e-4.
+    deflection = x**2 * (3.0 * L - x) / (6.0 * beam.EIz) + x / beam.GAy
     np.testing.assert_allclose(twists[:, 1], deflection, rtol=1e-3)
-    rotation = at * (2.0 * L - at) / (2.0 * beam.EIz)
+    rotation = x * (2.0 * L - x) / (2.0 * beam.EIz)
     np.testing.assert_allclose(twists[:, 5], rotation, rtol=1e-3)
 
 
-def test_slices_are_as_long_as_elements_are_wide():
+def test_default_slices_are_as_long_as_wide():
     mesh = solid_mesh(ConstantLeg(0.8, Rectangle(0.10, 0.16), STEEL), 2)
     assert (mesh.slices, mesh.element) == (16, "hex27")
     with pytest.raises(InputError, match="shorter than"):
@@ -306,7 +307,7 @@ def test_slices_are_as_long_as_elements_are_wide():
 
 
 @pytest.mark.parametrize("nu", [-0.9999999, 0.4999999])
-def test_unresolvable_material_is_refused(nu):
+def test_material_lost_in_rounding_is_refused(nu):
     leg = ConstantLeg(0.8, Rectangle(0.1, 0.14), Material.isotropic(2.1e11, nu, 7850.0))
     message = r"material with ν = .*: changes of .* and .* differ"
     with pytest.raises(ComputationError, match=message):

@@ -1,4 +1,4 @@
-"""Decks for CalculiX, what it prints, and solid legs and mechanisms held against it."""
+"""Decks for CalculiX and its results; solid legs and mechanisms compared with CalculiX."""
 
 import os
 import re
@@ -46,7 +46,7 @@ from validation.adequacy.robot_verdicts import leg_alone
         ("echo Job finished; echo", 60.0, "0 of 1 load cases; its output ends with: Job finished"),
     ],
 )
-def test_misbehaving_calculix_is_reported(behaviour, timeout, message, tmp_path, monkeypatch):
+def test_failing_calculix_run_is_reported(behaviour, timeout, message, tmp_path, monkeypatch):
     program = tmp_path / "ccx"
     program.write_text(f"#!/bin/sh\n{behaviour}\n")
     program.chmod(0o755)
@@ -55,7 +55,7 @@ def test_misbehaving_calculix_is_reported(behaviour, timeout, message, tmp_path,
         run_calculix(PRINTED_DECK, timeout=timeout)
 
 
-def test_unsupported_models_and_missing_program_named(monkeypatch):
+def test_unsupported_element_or_missing_ccx_is_refused(monkeypatch):
     mesh = meshed(ConstantLeg(0.2, Rectangle(0.1, 0.1), STEEL), 1, 2).mesh
     with pytest.raises(InputError, match=r"hex27 .*27 nodes; take tet10"):
         deck_text(leg_deck(mesh, STEEL))
@@ -64,9 +64,9 @@ def test_unsupported_models_and_missing_program_named(monkeypatch):
         calculix_program()
 
 
-def test_deck_of_one_tetrahedron():
+def test_calculix_deck_of_one_tetrahedron():
     corners = np.vstack([np.zeros(3), np.eye(3)])
-    # G twice the isotropic value: as far from isotropy as the robot's equivalent legs.
+    # G is twice the isotropic value, like that of the paper's equivalent legs.
     cubic = Material(E=7.0e10, G=5.4e10, nu=0.3, rho=2700.0)
     deck = Deck(
         title="*STEP",
@@ -79,8 +79,8 @@ def test_deck_of_one_tetrahedron():
         watched=(4,),
         modes=3,
     )
-    # Keywords and order of data: CalculiX CrunchiX user's manual 2.20, sections of these names.
-    # Cubic: C11 = E(1−ν)/(1+ν)(1−2ν) = 9.423…e10 Pa, C12 = 4.038…e10 Pa, C44 = G.
+    # Keywords and order of data follow the CalculiX CrunchiX user's manual 2.20. Elastic constants
+    # of the cubic material: C11 = E(1−ν)/(1+ν)(1−2ν) = 9.423…e10 Pa, C12 = 4.038…e10 Pa, C44 = G.
     lines = deck_text(deck).splitlines()
     for block in (
         ["*HEADING", "deck of *STEP", "*NODE, NSET=ALL"],
@@ -119,13 +119,13 @@ PRINTED_RESULTS = """
 PRINTED_DECK = Deck("printed", np.zeros((8, 3)), (), load_cases=((),), watched=(6, 7), modes=1)
 
 
-def test_printed_results_are_read_by_node_and_mode():
+def test_calculix_results_are_read_by_node_and_mode():
     results = read_results(PRINTED_RESULTS, PRINTED_DECK)
     assert results.displacements[0].tolist() == [
         [1.561671e-10, -1.184426e-13, -2.042256e-14],
         [4.528490e-14, 1.072606e-103, -2.378973e-13],
     ]
-    # √4e6 / 2π
+    # f = √(4e6 s⁻²)/2π.
     assert results.frequencies.tolist() == pytest.approx([1000.0 / np.pi], rel=1e-15)
     for deck, text, message in (
         (replace(PRINTED_DECK, modes=2), PRINTED_RESULTS, "1 of 2 frequencies"),
@@ -135,22 +135,25 @@ def test_printed_results_are_read_by_node_and_mode():
     ):
         with pytest.raises(ComputationError, match=rf"printed: .*{message}"):
             read_results(text, deck)
-    said = "header\n *ERROR reading *EQUATION:\n        node number is too large\n\n *ERROR later\n"
-    assert first_error(said) == "*ERROR reading *EQUATION: node number is too large"
+    output = (
+        "header\n *ERROR reading *EQUATION:\n        node number is too large\n\n *ERROR later\n"
+    )
+    assert first_error(output) == "*ERROR reading *EQUATION: node number is too large"
     assert first_error("Job finished\n") is None
 
 
 needs_calculix = pytest.mark.skipif(
     not any(map(shutil.which, PROGRAMS)), reason="CalculiX (ccx) is not installed"
 )
-# Seven printed digits; of the reduction, cut off at four times the tenth frequency, less.
+# CalculiX prints seven digits; the modal truncation of the reduced legs, at four times the tenth
+# frequency, has a smaller error.
 PRINTED = 1e-6
-# Solid squares, so that coarse meshes are good ones: both sides have the same.
+# Sides (m) of solid square sections by robot and leg. Both programs use the same coarse meshes.
 SECTIONS = {"five-bar": {"": 0.09}, "delta": {"arm": 0.06, "rod": 0.04}}
 
 
 def of_squares(name):
-    """The built-in mechanism with legs of square sections, of a material that has axes."""
+    """Return the built-in mechanism with legs of square sections and of a cubic material."""
     mechanism = load_robot(name).mechanism
     bodies = dict(mechanism.bodies)
     for body in mechanism.bodies.values():
@@ -163,28 +166,28 @@ def of_squares(name):
 
 
 def solid_and_reduced(leg, highest, cutoff):
-    """A leg in tetrahedra with its mass as CalculiX integrates it, and what it is reduced to."""
+    """Return a tetrahedral leg with CalculiX's mass integration, and its reduced matrices."""
     solid = solid_leg(leg, tetrahedra(leg.section, leg.length, 1))
     solid = replace(solid, mass=mass_at_stiffness_points(solid.mesh, leg.material.rho))
-    held = held_leg(solid_leg_matrices(solid))
-    return solid, craig_bampton(held, highest, cutoff).matrices
+    return solid, craig_bampton(held_leg(solid_leg_matrices(solid)), highest, cutoff).matrices
 
 
 def solid_legs(mechanism):
-    """Solids by body, and what they are reduced to; alike ones once."""
-    made, legs = {}, legs_of(mechanism)
+    """Return solids and reduced matrices of all legs by body; equal legs are meshed once."""
+    models, legs = {}, legs_of(mechanism)
     for leg in legs.values():
         key = leg.section, round(leg.length, 9)
-        made[key] = made.get(key) or solid_and_reduced(leg, 1400.0, 5600.0)
-    both = {body: made[leg.section, round(leg.length, 9)] for body, leg in legs.items()}
+        models[key] = models.get(key) or solid_and_reduced(leg, 1400.0, 5600.0)
+    both = {body: models[leg.section, round(leg.length, 9)] for body, leg in legs.items()}
     return ({body: pair[side] for body, pair in both.items()} for side in (0, 1))
 
 
-def agree(at) -> int:
-    solids, reduced = solid_legs(at.mechanism)
-    solution = solved(assemble(at, reduced))
-    found, frequencies = compliance_and_frequencies(at, solids, 10)
-    assert scaled_difference(found, compliance(solution)) < PRINTED
+def assert_equal_to_calculix(posture) -> int:
+    """Compare compliance and ten frequencies; return the number of idle motions."""
+    solids, reduced = solid_legs(posture.mechanism)
+    solution = solved(assemble(posture, reduced))
+    by_calculix, frequencies = compliance_and_frequencies(posture, solids, 10)
+    assert scaled_difference(by_calculix, compliance(solution)) < PRINTED
     np.testing.assert_allclose(frequencies, modes(solution, 10).frequencies, rtol=PRINTED)
     return solution.idle
 
@@ -196,34 +199,34 @@ def test_elastic_five_bar_equals_calculix():
     rigid = Rigid(6.0, np.array([0.1, 0.02, 0.03]), np.diag([0.2, 0.3, 0.4]) + 0.01)
     bodies = {**mechanism.bodies, last.name: replace(last, shape=rigid)}
     root = np.random.default_rng(1).normal(size=(6, 6))
-    give = 1e-8 * (root @ root.T + np.eye(6))
-    # One on the ground, with a drive, and one that has turned with its crank.
+    elastic = 1e-8 * (root @ root.T + np.eye(6))
+    # Elastic are a driven joint on the ground and a joint that has rotated with its crank.
     joints = tuple(
         replace(
-            one,
-            drive=one.drive and replace(one.drive, inertia=0.5),
-            compliance=give if one.name in {"motor1", "elbow1"} else None,
+            joint,
+            drive=joint.drive and replace(joint.drive, inertia=0.5),
+            compliance=elastic if joint.name in {"motor1", "elbow1"} else None,
         )
-        for one in mechanism.joints
+        for joint in mechanism.joints
     )
     soft = replace(mechanism, bodies=bodies, joints=joints)
-    assert agree(posture(soft, soft.poses[0])) == 0
+    assert assert_equal_to_calculix(posture(soft, soft.poses[0])) == 0
 
 
 @needs_calculix
 @pytest.mark.exhaustive
 def test_delta_with_idle_rods_equals_calculix():
-    assert agree(reference_posture(of_squares("delta"))) == 6
+    assert assert_equal_to_calculix(reference_posture(of_squares("delta"))) == 6
 
 
 RATIO, MODES, FIRST, LAST = 0.02, 40, 50.0, 1500.0
 
 
 def receptances_by_calculix(text, folder):
-    """Frequencies (Hz) and receptances (complex, m/N) of the tip along y, from modes alone.
+    """Return frequencies (Hz) and complex receptances (m/N) of the tip along y by CalculiX's modes.
 
-    Printed are real parts, then imaginary ones, frequency by frequency, between resonances and at
-    them.
+    CalculiX prints, for each frequency, the real parts and then the imaginary parts. It chooses the
+    frequencies at the resonances and between them.
     """
     tip = int(re.search(r"NSET=WATCHED\n(\d+)", text)[1])
     text = text.replace("*FREQUENCY\n", "*FREQUENCY, STORAGE=YES\n")
@@ -241,26 +244,26 @@ def receptances_by_calculix(text, folder):
 @needs_calculix
 @pytest.mark.exhaustive
 def test_damped_leg_equals_calculix(tmp_path):
-    """What forty modes of CalculiX leave out stands still, and is too small to be seen at peaks."""
+    """The modes above the fortieth, which CalculiX omits, add a constant of less than 1e-4."""
     leg = ConstantLeg(0.5, Rectangle(0.04, 0.06), STEEL)
     solid, reduced = solid_and_reduced(leg, LAST, 6.0 * LAST)
     deck = replace(leg_deck(solid.mesh, STEEL, MODES), load_cases=())
-    frequencies, theirs = receptances_by_calculix(deck_text(deck), tmp_path)
+    frequencies, by_calculix = receptances_by_calculix(deck_text(deck), tmp_path)
     assert len(frequencies) > 40
     alone = replace(leg_alone("leg", leg), damping=RATIO)
-    found = damped_modes(solved(assemble(reference_posture(alone), {"leg": reduced})), LAST)
-    own = found.along(np.array([0.0, 1.0, 0.0])).receptance(frequencies)
-    assert np.abs(theirs).max() > 10.0 * np.abs(theirs[0])
-    apart = own - theirs
-    left_out = apart[0].real
-    assert 0.0 < left_out < 1e-4 * theirs[0].real
-    # Seven digits of a frequency are 1e-5 of the answer beside a resonance.
-    sizes = np.maximum(np.abs(theirs), np.abs(theirs[0]))
-    assert (np.abs(apart - left_out) < 3e-5 * sizes).all()
+    damped = damped_modes(solved(assemble(reference_posture(alone), {"leg": reduced})), LAST)
+    receptances = damped.along(np.array([0.0, 1.0, 0.0])).receptance(frequencies)
+    assert np.abs(by_calculix).max() > 10.0 * np.abs(by_calculix[0])
+    differences = receptances - by_calculix
+    omitted = differences[0].real
+    assert 0.0 < omitted < 1e-4 * by_calculix[0].real
+    # Beside a resonance the seven digits of a frequency give the receptance to 1e-5.
+    sizes = np.maximum(np.abs(by_calculix), np.abs(by_calculix[0]))
+    assert (np.abs(differences - omitted) < 3e-5 * sizes).all()
 
 
 @needs_calculix
-def test_error_of_calculix_is_quoted_with_the_deck():
+def test_calculix_error_is_quoted_with_deck_title():
     deck = leg_deck(tetrahedra(Rectangle(0.1, 0.1), 0.2, 1), STEEL)
     foreign = Equation((10**6, 0), (((0, 0), 1.0),))
     broken = replace(deck, title="foreign node", equations=(*deck.equations, foreign))

@@ -1,7 +1,7 @@
-"""Couplings of faces and ends of prisms against the obvious way, closed forms and solids.
+"""Couplings of faces and ends of prisms against Lagrange multipliers, closed forms and solids.
 
-The obvious way has Lagrange multipliers on the full matrices: the displacements of all nodes and
-the twists are unknowns, and every tie is an equation.
+With Lagrange multipliers the displacements of all nodes and the twists of the interfaces are
+unknowns, and every coupling condition is an equation.
 """
 
 from dataclasses import replace
@@ -37,13 +37,13 @@ from meshes.prism import tetrahedra
 from meshes.section.section_mesh import section_mesh
 from validation.solids.solid_legs import computed_beam
 
-# The second bore is referred to a point beside its axis.
-OFF = np.array([1e-3, 2e-3, 0.0])
+# Offset (m) of the second bore's reference point from its axis.
+OFFSET = np.array([1e-3, 2e-3, 0.0])
 
 
 @pytest.fixture(scope="module")
 def lug(tmp_path_factory):
-    """A coarse one, 100 mm long."""
+    """Return a coarse lug of 100 mm length: its file and its solid part."""
     path = tmp_path_factory.mktemp("lug") / "lug.msh"
     file = read_here(
         drawn_parts.meshed(path, partial(drawn_parts.lug, length=100.0), 40.0, 9.0), "mm"
@@ -52,43 +52,46 @@ def lug(tmp_path_factory):
 
 
 def grips_on(file, *kinds):
-    """Both bores, and the flat end where there are three kinds."""
+    """Return coupled faces of the lug: both bores and, with a third kind, the flat end."""
     choices = ByCylinder(0.008), ByCylinder(0.005), ByPlane((1.0, 0.0, 0.0), (0.1, 0.0, 0.0))
     chosen = enumerate(zip(choices, kinds, strict=False))
     wanted = {f"I{k}": PartInterface(choice, kind) for k, (choice, kind) in chosen}
     first, second, *others = find_interfaces(file, wanted)
-    second = replace(second, point=second.point + OFF)
+    second = replace(second, point=second.point + OFFSET)
     return grips_of(file.mesh, (first, second, *others))
 
 
 def ties(grip, nodes):
-    """Rows by which a face's displacements (3 a node) are those of its twist; pins are off."""
+    """Return rows that express the coupling of a face's displacements (3 per node) to its twist.
+
+    The rows act on displacements relative to the rigid motion of the twist; a pin's axis is z.
+    """
     weights = area_weights(nodes, grip.facets).toarray()
     if grip.kind == "rigid":
         return np.eye(3 * len(weights))
     if grip.kind == "average":
         return rigid_motions(nodes[grip.nodes], grip.point).T @ np.kron(weights, np.eye(3))
-    # Along z.
-    radial = (nodes[grip.nodes] - (grip.point - OFF)) * [1.0, 1.0, 0.0]
+    # The axis of the bore is z.
+    radial = (nodes[grip.nodes] - (grip.point - OFFSET)) * [1.0, 1.0, 0.0]
     radial /= np.linalg.norm(radial, axis=1)[:, None]
-    away = np.eye(len(radial))[:, :, None] * radial
+    outward = np.eye(len(radial))[:, :, None] * radial
     turned, along = np.cross([0.0, 0.0, 1.0], radial), np.array([[0.0, 0.0, 1.0]])
-    slides = [weights.sum(axis=0)[:, None] * one for one in (turned, along)]
-    return np.vstack([one.reshape(-1, radial.size) for one in (away, *slides)])
+    means = [weights.sum(axis=0)[:, None] * direction for direction in (turned, along)]
+    return np.vstack([rows.reshape(-1, radial.size) for rows in (outward, *means)])
 
 
-def test_compliance_equals_lagrange_multipliers(lug):
+def test_lug_compliance_equals_lagrange_multipliers(lug):
     file, part = lug
     grips = grips_on(file, "rigid", "pin", "average")
     nodes, size, m = part.mesh.nodes, part.stiffness.shape[0], len(grips)
     rows = []
     for k, grip in enumerate(grips):
-        own = ties(grip, nodes)
-        rows.append(np.zeros((len(own), size + 6 * m)))
-        rows[-1][:, np.add.outer(3 * grip.nodes, range(3)).ravel()] = own
+        conditions = ties(grip, nodes)
+        rows.append(np.zeros((len(conditions), size + 6 * m)))
+        rows[-1][:, np.add.outer(3 * grip.nodes, range(3)).ravel()] = conditions
         motion = rigid_motions(nodes[grip.nodes], grip.point)
-        rows[-1][:, size + 6 * k : size + 6 * k + 6] = -own @ motion
-    # Unknowns: displacements, twists, multipliers; the first twist is held.
+        rows[-1][:, size + 6 * k : size + 6 * k + 6] = -conditions @ motion
+    # Unknowns: displacements, twists, multipliers; the first twist is zero.
     tied = csr_array(np.delete(np.vstack(rows), range(size, size + 6), axis=1))
     energy = block_diag([part.stiffness, csr_array((6 * m - 6, 6 * m - 6))], format="csr")
     scale = float(np.abs(part.stiffness.diagonal()).mean())
@@ -98,23 +101,23 @@ def test_compliance_equals_lagrange_multipliers(lug):
     expected = splu(system).solve(loads)[size : size + 6 * m - 6]
     body = held_part(part, grips, "lug")
     sizes = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
-    # 1e-7: the indefinite system's rounding.
+    # 1e-7: rounding error of the indefinite system.
     assert body.compliance / sizes == pytest.approx(expected / sizes, abs=1e-7)
     assert body.stiffness.shape == (6 * m, 6 * m)
 
 
 @pytest.mark.parametrize("kind", ["rigid", "average", "pin"])
-def test_rigid_motions_and_resultants_are_exact(lug, kind):
+def test_coupled_part_moves_rigidly_without_force(lug, kind):
     file, part = lug
     grips = grips_on(file, kind, kind)
     M = on_three_components(part.scalar_mass)
     solid = coupled_solid(part.stiffness, M, part.mesh.nodes, grips)
     T = solid.transformation
     if kind != "pin":
-        # What a pin does not let free keeps a stiffness of its own.
-        naive = T.T @ part.stiffness @ T
-        # Sums in another order: 1e-15 by five kernels of OpenBLAS.
-        assert abs(solid.stiffness - naive).max() < 1e-13 * abs(naive).max()
+        # Not for a pin, whose fixed directions have an added stiffness.
+        expected = T.T @ part.stiffness @ T
+        # Rounding error of sums in another order: 1e-15 with five kernels of OpenBLAS.
+        assert abs(solid.stiffness - expected).max() < 1e-13 * abs(expected).max()
     assert abs(solid.mass - T.T @ M @ T).max() < 1e-13 * abs(solid.mass).max()
     forces = solid.stiffness @ solid.motions
     assert abs(forces).max() < 1e-12 * abs(solid.stiffness).max()
@@ -129,8 +132,8 @@ def test_rigid_motions_and_resultants_are_exact(lug, kind):
     assert abs(body.stiffness @ twists).max() < 1e-9 * abs(body.stiffness).max()
 
 
-def test_averaged_bore_moves_by_field_means(lug):
-    """u_z = x² moves one by ∫x²/A = r²/2; u_x = z³ turns it about y by ∫z⁴/∫(x² + z²)."""
+def test_average_coupling_of_bore_has_mean_motion(lug):
+    """u_z = x² moves it by ∫x²/A = r²/2; u_x = z³ rotates it about y by ∫z⁴/∫(x² + z²)."""
     file, part = lug
     (grip, _) = grips_on(file, "average", "average")
     mass, nodes = on_three_components(part.scalar_mass), part.mesh.nodes
@@ -141,7 +144,7 @@ def test_averaged_bore_moves_by_field_means(lug):
     bent = twists.T @ np.column_stack([z**3, nothing, nothing]).ravel()
     radius, top = 0.008, 0.015
     turned = top**4 / 5.0 / (top**2 / 3.0 + radius**2 / 2.0)
-    # Circles of nine quadratic sides: off by 2e-5 and 2e-4.
+    # Nine quadratic sides around the bore give errors of 2e-5 and 2e-4.
     assert raised[:3] / radius**2 == pytest.approx([0.0, 0.0, 0.5], abs=2e-4)
     assert bent[3:] / turned == pytest.approx([0.0, 1.0, 0.0], abs=2e-3)
 
@@ -155,7 +158,7 @@ def block_of_tetrahedra():
 
 @pytest.mark.parametrize("section", [None, Tube(0.12, 0.01), ISection(0.10, 0.16, 0.012, 0.008)])
 def test_saint_venant_loads_are_unit_wrenches(section):
-    """BᵀR = I: resultants and moments about (L, 0, 0) are those of unit wrenches."""
+    """BᵀR = I: the loads have unit resultants and unit moments about (L, 0, 0)."""
     mesh = block_of_tetrahedra()
     if section:
         mesh = meshed(replace(BLOCK, section=section), 3, 2).mesh
@@ -165,22 +168,22 @@ def test_saint_venant_loads_are_unit_wrenches(section):
 
 
 @pytest.mark.parametrize("mesh", [lambda: meshed(BLOCK, 1, 3).mesh, block_of_tetrahedra])
-def test_free_ends_equal_the_bordered_system(mesh):
-    """K u + B_root λ = f, B_rootᵀu = 0 solved as it stands, without springs."""
+def test_free_end_solution_equals_bordered_system(mesh):
+    """K u + B_root λ = f with B_rootᵀu = 0, solved directly without springs."""
     solid = solid_leg(BLOCK, mesh())
     clamped = clamped_leg(solid, "free")
     K, root, tip = solid.stiffness, clamped.root, clamped.loads
-    # In units of E, so that the stiffness and the constraint are of one size.
+    # Divided by E, so that stiffness and constraint rows have similar magnitudes.
     system = bmat([[K / STEEL.E, root], [root.T, None]], format="csc")
     u = spsolve(system, np.vstack([tip / STEEL.E, np.zeros((6, 6))]))[:-6]
     size = np.abs(u).max(axis=0)
-    # Rounding times the condition of a small mesh, about 1e5.
+    # Rounding error times the condition number of a small mesh, about 1e5.
     np.testing.assert_allclose(clamped.response / size, u / size, rtol=0, atol=1e-10)
     assert scaled_difference(clamped.compliance, tip.T @ u) < 1e-10
 
 
-def test_strip_decays_with_papkovich_fadle_roots():
-    """sin 2s ± 2s = 0 (tension, bending), s = γc: first roots by Fadle (1940)."""
+def test_strip_decay_rates_equal_papkovich_fadle():
+    """First roots of sin 2s ± 2s = 0 (tension, bending) with s = γc, by Fadle (1940)."""
     half = 0.05
     mesh = section_mesh(Rectangle(0.001, 2.0 * half), (1, 16))
     rates = {fields.name: _decays(fields)[0] for fields in section_fields(mesh, STEEL)}
@@ -194,21 +197,21 @@ THIN = ISection(0.1, 0.16, 0.0012, 0.0012)
 
 
 def test_end_effects_of_distant_faces_do_not_interact():
-    """Each face holds the same twist and bending whatever the length, bending with its lever."""
+    """Each face restrains the same twist and bending for any length; bending has a lever arm."""
     tube = section_mesh(Tube(0.01, 0.001), 4)
-    # The last is ten million times as long as wide.
     short, double, *others = (
         restrained_compliance(tube, STEEL, length) for length in (1.0, 2.0, 10.0, 1e5)
     )
-    # Rounding of a mesh of thin walls: 4e-11 by six kernels of OpenBLAS.
+    # Rounding error of a mesh of thin walls: 4e-11 with six kernels of OpenBLAS.
     near = partial(pytest.approx, rel=1e-9)
-    # The last is ten million times as long as wide.
+    # The last leg is ten million times as long as wide.
     for length, change in zip((10.0, 1e5), others, strict=True):
         assert np.array_equal(change, change.T)
         assert change[0, 0] == near(short[0, 0])
         assert change[5, 5] == near(short[5, 5])
         assert change[1, 5] == near(length * short[1, 5])
-        # Of a force: the lever's square at the root, the lever and shear, and shear alone.
+        # Under a tip force the moment at the root has the lever L, shear has none: terms in L²
+        # (bending), in L (bending with shear), and a constant (shear).
         square = 0.5 * short[5, 5]
         lever = double[1, 1] - short[1, 1] - 3.0 * square
         shear = short[1, 1] - lever - square
@@ -223,9 +226,9 @@ def test_waves_of_asymmetric_sections_are_refused():
 
 
 def test_end_effects_lost_in_rounding_are_refused(monkeypatch):
-    """Single precision of the decaying fields is noticed in torsion, which has no symmetry."""
+    """Decaying fields in single precision are detected in torsion, where no symmetry helps."""
     mesh = section_mesh(THIN, 2)
-    # Walls of t/b = 0.01 and G/E = 5e-5: γ² between 1e-5 and 1e12.
+    # With t/b = 0.01 and G/E = 5e-5, γ² ranges from 1e-5 to 1e12.
     with pytest.raises(ComputationError, match="decay rates along the leg are lost in rounding"):
         restrained_compliance(mesh, Material(2.1e11, 1e7, 0.3, 1.0), 5.0)
 
@@ -235,34 +238,34 @@ def test_end_effects_lost_in_rounding_are_refused(monkeypatch):
 
     restrained_compliance(mesh, STEEL, 4.0)
     monkeypatch.setattr("fem.couplings.end_effects._decays", rounded)
-    # 7 % of the torsion of a leg with held faces.
+    # The error would be 7 % of the torsional compliance of a leg with rigid faces.
     with pytest.raises(ComputationError, match="rigid faces in torsion is lost in rounding"):
         restrained_compliance(mesh, STEEL, 4.0)
 
 
 @pytest.mark.parametrize("length", [0.5, 4.0])
-def test_end_effects_of_thin_walls_equal_thin_slices(length):
-    """Torsion, held and free, of the doubled leg: solid slices, and no decaying fields at all."""
+def test_end_effects_of_thin_walls_equal_solid(length):
+    """Torsional compliance with rigid minus free ends by solid slices, without decaying fields."""
     material = replace(STEEL, nu=0.0)
     mesh, leg = section_mesh(THIN, 2), ConstantLeg(length, THIN, material)
     condensed = doubling.condensed_leg(leg, mesh, 512)
     rigid, free = (doubling.tip_compliance(condensed, ends)[3, 3] for ends in ("rigid", "free"))
-    taken = restrained_compliance(mesh, material, length)[3, 3]
-    # Rounding of either: 4e-8 by six kernels of OpenBLAS, where 1 % was lost.
-    assert taken == pytest.approx(rigid - free, rel=1e-6)
+    end_effect = restrained_compliance(mesh, material, length)[3, 3]
+    # Rounding error of both: 4e-8 with six kernels of OpenBLAS. A former version lost 1 % here.
+    assert end_effect == pytest.approx(rigid - free, rel=1e-6)
 
 
 @pytest.mark.parametrize("length", [0.5, 4.0])
-def test_held_torsion_of_an_open_section_is_vlasovs(length):
-    """θ/T = (L − 2d tanh(L/2d))/GJ with warping held at both ends, d² = EΓ/GJ (Vlasov 1961)."""
+def test_held_torsion_of_open_section_equals_vlasov(length):
+    """θ/T = (L − 2d tanh(L/2d))/GJ, d² = EΓ/GJ, with warping held at both ends (Vlasov 1961)."""
     mesh, material = section_mesh(THIN, 2), replace(STEEL, nu=0.0)
     constants = section_constants(mesh, 0.0, material.G / material.E)
     rigidity = material.G * constants.torsion_constant
     depth = np.sqrt(material.E * constants.warping_constant / rigidity)
-    taken = restrained_compliance(mesh, material, length)[3, 3]
+    end_effect = restrained_compliance(mesh, material, length)[3, 3]
     expected = -2.0 * depth * np.tanh(length / (2.0 * depth)) / rigidity
-    # Vlasov's walls have no thickness: 1.6e-4, which falls with (t/b)².
-    assert taken == pytest.approx(expected, rel=5e-4)
+    # Vlasov neglects the thickness of the walls: an error of 1.6e-4, proportional to (t/b)².
+    assert end_effect == pytest.approx(expected, rel=5e-4)
 
 
 @pytest.mark.parametrize(
@@ -273,17 +276,19 @@ def test_held_torsion_of_an_open_section_is_vlasovs(length):
         (ISection(0.1, 0.16, 0.012, 0.008), 4, 0.85),
     ],
 )
-def test_thin_slices_converge_to_end_restraint(section, counts, length):
+def test_sliced_solid_converges_to_end_effects(section, counts, length):
     mesh = section_mesh(section, counts)
-    taken = restrained_compliance(mesh, STEEL, length)
-    left = []
+    end_effect = restrained_compliance(mesh, STEEL, length)
+    errors = []
     for slices in (64, 256):
         condensed = doubling.condensed_leg(ConstantLeg(length, section, STEEL), mesh, slices)
         rigid, free = (doubling.tip_compliance(condensed, ends) for ends in ("rigid", "free"))
-        left.append(np.abs(rigid - free - taken) / np.sqrt(np.outer(np.diag(free), np.diag(free))))
-    # Decays are exact along x, so that slices alone are left: order two at least, four in the end.
-    assert left[1].max() < 0.1 * left[0].max()
-    assert left[1].max() < (2e-4 if length > 0.5 else 2e-3)
+        errors.append(
+            np.abs(rigid - free - end_effect) / np.sqrt(np.outer(np.diag(free), np.diag(free)))
+        )
+    # Only the slices have an error, because decays are exact along x: of order two at least.
+    assert errors[1].max() < 0.1 * errors[0].max()
+    assert errors[1].max() < (2e-4 if length > 0.5 else 2e-3)
 
 
 LENGTH = 0.9
@@ -299,9 +304,9 @@ def waves_of(section, divisions):
 
 @pytest.mark.parametrize(("along", "kind"), [("y", "bending z"), ("z", "bending y")])
 @pytest.mark.parametrize("section", SECTIONS)
-def test_half_a_wave_swings_between_pins(section, along, kind):
-    """A standing wave of length 2L has pins at its nodes: no moment turns them at its frequency."""
-    # Long enough for the I-section's flanges not to bend by themselves.
+def test_bending_half_wave_needs_no_end_moment(section, along, kind):
+    """Pins at the nodes of a standing wave of length 2L carry no moment: singular stiffness."""
+    # The I-section is so long that its flanges do not vibrate by themselves.
     length = 2.0 if section is OPEN else LENGTH
     mesh = section_mesh(section, 2)
     omega = bending_wave(mesh, STEEL, np.pi / length, along)
@@ -311,44 +316,45 @@ def test_half_a_wave_swings_between_pins(section, along, kind):
 
 
 def test_bending_wave_equals_polynomial_solution():
-    """Ritz's method on polynomials of the whole section; Timoshenko's wave is 0.4 % lower."""
+    """Ritz's method with polynomials over the whole section; Timoshenko's wave is 0.4 % slower."""
     section = Rectangle(0.06, 0.1)
     k = 2.0 * np.pi / (6.0 * section.height)
     wave = bending_wave(section_mesh(section, 4), STEEL, k, "z") / (2.0 * np.pi)
-    # One theory of elasticity, on nine-node elements and on polynomials.
+    # Both solve the same elasticity problem, with nine-node elements and with polynomials.
     assert wave == pytest.approx(prism_wave_frequency(section, STEEL, "bending", k), rel=2e-4)
 
 
-def test_thin_tube_ovals_at_hoppe_frequency():
-    """ω² = n²(n² − 1)²/(n² + 1) EI/(μR⁴) of a ring, n = 2; long, so of E/(1 − ν²) (Love, §293)."""
+def test_tube_oval_frequency_equals_hoppe():
+    """ω² = n²(n² − 1)²/(n² + 1) EI/(μR⁴) of a ring with n = 2 (Love, §293), E/(1 − ν²) for E."""
     radius, wall = 0.05, 0.003
     mesh = section_mesh(Tube(2.0 * radius + wall, wall), 6)
     plate = STEEL.E / (1.0 - STEEL.nu**2) * wall**2 / (12.0 * STEEL.rho)
     expected = np.sqrt(36.0 / 5.0 * plate) / radius**2
-    # The curved cells of the mesh are too stiff by 3 %; ν² alone is 9 %.
+    # The curved elements are too stiff by 3 %; using E instead of E/(1 − ν²) would be off by 9 %.
     assert wall_frequency(mesh, STEEL) == pytest.approx(expected, rel=4e-2)
 
 
 @pytest.mark.parametrize("section", SECTIONS)
-def test_slow_waves_are_a_timoshenko_beam(section):
-    """Both are Saint-Venant's states as ω → 0: what is left falls with ω²."""
+def test_low_frequency_waves_equal_timoshenko_beam(section):
+    """Both contain Saint-Venant's states as ω → 0; the difference falls with ω²."""
     omega = 2.0 * np.pi * 2.0
     beam = computed_beam(ConstantLeg(LENGTH, section, STEEL), 4)
     dynamic = dense(beam.stiffness) - omega**2 * dense(beam.mass)
     inside = np.linalg.solve(dynamic[12:, 12:], dynamic[12:, :12])
     expected = dynamic[:12, :12] - dynamic[:12, 12:] @ inside
     for name, kind in waves_of(section, 4).items():
-        own = expected[np.ix_(kind.ends, kind.ends)]
-        unit = 1.0 / np.sqrt(np.diag(own))
-        off = (kind.stiffness(LENGTH, omega) - own) * np.outer(unit, unit)
-        # An open section warps along its torsional wave; a round one's mesh leaves 1e-4.
-        assert np.abs(off).max() < (5e-4 if name == "torsion" else 2e-4), name
+        by_beam = expected[np.ix_(kind.ends, kind.ends)]
+        unit = 1.0 / np.sqrt(np.diag(by_beam))
+        difference = (kind.stiffness(LENGTH, omega) - by_beam) * np.outer(unit, unit)
+        # Larger in torsion, because an open section warps along the wave; the mesh of a round
+        # section has an error of 1e-4.
+        assert np.abs(difference).max() < (5e-4 if name == "torsion" else 2e-4), name
 
 
-def test_singular_waves_are_refused(monkeypatch):
+def test_singular_wave_stiffness_is_refused(monkeypatch):
     with pytest.raises(ComputationError, match="walls of the section vibrate locally"):
         waves_of(BOX, 2)["bending z"].stiffness(LENGTH, 2.0 * np.pi * 1500.0)
-    # As of the softest leg beside one of the stiffest: a pivot of zero, then no number at all.
+    # A zero pivot gives infinite numbers, as with legs of very different stiffness.
     monkeypatch.setattr(
         "fem.couplings.wave_stiffness.lu_solve", lambda _, right: np.full_like(right, np.inf)
     )

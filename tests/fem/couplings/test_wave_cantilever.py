@@ -1,4 +1,4 @@
-"""Frequencies of a cantilever by the waves in it, against closed forms and solids."""
+"""Frequencies of cantilevers from waves along the leg, against closed forms and solids."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -38,27 +38,27 @@ def prism(kind, length, order=1):
 
 
 @pytest.mark.parametrize("section", [Rectangle(0.05, 0.08), Tube(0.1, 0.01)])
-def test_beam_of_saint_venant_states_is_timoshenkos(section):
-    """Huang's equation with the constants of `fem.sections`, which knows no field along x."""
+def test_low_frequency_beam_equals_timoshenko_modes(section):
+    """Huang's equation with the constants of `fem.sections`, which uses no fields along x."""
     material = replace(STEEL, G=0.6 * STEEL.G)
     leg, kinds = ConstantLeg(0.4, section, material), waves_by_kind(section, material)
     modes = cantilever_frequencies(computed_properties(leg, 4), leg.length, 6)
-    # The second spectrum of stubby legs has two waves that travel.
+    # Above the cut-off a second bending wave propagates (second spectrum); such modes are left out.
     below = [mode for mode in modes if mode.frequency < cut_off(kinds[mode.kind])]
     assert len(below) > 3
     for mode in below:
-        own = beam_frequency(kinds[mode.kind], leg.length, mode.order)
-        # κ of a tube's curved cells: 1e-5 times the shear's share.
-        assert own == pytest.approx(mode.frequency, rel=2e-6), mode
+        frequency = beam_frequency(kinds[mode.kind], leg.length, mode.order)
+        # The curved elements of a tube change κ by 1e-5, the frequency by less.
+        assert frequency == pytest.approx(mode.frequency, rel=2e-6), mode
 
 
-def test_torsion_of_circle_has_no_distortion():
-    """Pochhammer: round bars twist at √(G/ρ) whatever the length of the wave."""
+def test_round_bar_torsion_has_no_distortion():
+    """Pochhammer: torsional waves in a round bar travel at √(G/ρ) for every wavelength."""
     kind = waves_by_kind(Circle(0.1), STEEL)["torsion"]
     speed = np.sqrt(STEEL.G / STEEL.rho)
     for order in (1, 2):
         closed = (2 * order - 1) * speed / (4.0 * 0.5)
-        # Area and polar moment of the mesh: 1e-5 of a circle's.
+        # Area and polar moment of the mesh differ from those of a circle by 1e-5.
         assert prism_frequency(kind, 0.5, closed) == pytest.approx(closed, rel=1e-4)
 
 
@@ -69,8 +69,11 @@ def test_torsion_of_circle_has_no_distortion():
         (ConstantLeg(0.3, Tube(0.1, 0.003), STEEL), (-0.0038, -0.0038)),
     ],
 )
-def test_distortion_is_solid_minus_beam(leg, expected):
-    """Solids of one section mesh, elements along the leg, share no code with fields along it."""
+def test_distortion_equals_solid_beam_difference(leg, expected):
+    """Relative frequency change from beam to solid elements, and by waves along the leg.
+
+    Waves and solids use the same section mesh, but no common code along the leg.
+    """
     solid = solid_frequencies(leg, (4,), "free", 2)
     beams = cantilever_frequencies(computed_properties(leg, 4), leg.length, 2)
     kinds = waves_by_kind(leg.section, leg.material)
@@ -78,12 +81,12 @@ def test_distortion_is_solid_minus_beam(leg, expected):
         kind = kinds[mode.kind]
         by_waves = prism(kind, leg.length) / beam_frequency(kind, leg.length, 1) - 1.0
         assert by_waves == pytest.approx(change, rel=0.5)
-        # Four elements along the leg are too stiff by 0.07 % of a thin tube.
+        # Four elements along a thin tube make its frequency 0.07 % too high.
         assert frequency / mode.frequency - 1.0 == pytest.approx(by_waves, abs=8e-4)
 
 
 def test_distortion_falls_with_square_of_slenderness():
-    """Walls bend under their own inertia, ω² ∝ s⁻⁴; contraction along the wave remains, s⁻²."""
+    """Walls bend by their inertia, ω² ∝ s⁻⁴; for slender legs s⁻², from contraction, remains."""
     kind = waves_by_kind(SCARA_ARM.section, ALUMINIUM)["bending y"]
     lengths = SCARA_ARM.length * 2.0 ** np.arange(4)
     changes = [prism(kind, length) / beam_frequency(kind, length, 1) - 1.0 for length in lengths]
@@ -93,18 +96,18 @@ def test_distortion_falls_with_square_of_slenderness():
     assert exponents[-1] == pytest.approx(-2.42, abs=0.05)
 
 
-def test_open_section_twists_at_the_solids_frequency():
-    """An I-section warps at its free tip: Saint-Venant's torsion is 3 % too slow."""
+def test_i_section_torsion_equals_solid_frequency():
+    """Warping is free at the tip of the I-section: Saint-Venant torsion alone is 3 % too slow."""
     leg = ConstantLeg(0.8, ISection(0.1, 0.16, 0.012, 0.008), STEEL)
     solid = solid_frequencies(leg, (4,), "free", 1).frequencies.values[0, 0]
     kind = waves_by_kind(leg.section, STEEL)["torsion"]
     saint_venant = beam_frequency(kind, leg.length, 1)
-    found = prism_frequency(kind, leg.length, 1.05 * saint_venant)
-    assert found / saint_venant == pytest.approx(1.031, abs=1e-3)
-    assert solid == pytest.approx(found, rel=1e-3)
+    by_waves = prism_frequency(kind, leg.length, 1.05 * saint_venant)
+    assert by_waves / saint_venant == pytest.approx(1.031, abs=1e-3)
+    assert solid == pytest.approx(by_waves, rel=1e-3)
 
 
-def test_cut_off_is_the_lowest_of_the_walls():
+def test_cut_off_equals_lowest_wall_frequency():
     mesh = section_mesh(SCARA_ARM.section, 4)
     kinds = prism_waves(mesh, ALUMINIUM)
     assert_allclose(
@@ -112,7 +115,7 @@ def test_cut_off_is_the_lowest_of_the_walls():
     )
 
 
-def test_frequency_without_beam_wave_raises():
+def test_frequency_without_beam_wave_is_refused():
     kind = waves_by_kind(SCARA_ARM.section, ALUMINIUM)["bending y"]
     beam = beam_frequency(kind, SCARA_ARM.length, 2)
     with pytest.raises(ComputationError, match="walls of the section vibrate locally"):

@@ -1,4 +1,4 @@
-"""A square bar as a part: modes counted, reductions by held and by free ones, all against dense."""
+"""Reduction of a square bar with one or two interfaces, held or free, against dense solutions."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -30,16 +30,16 @@ COUPLINGS = {"two": {"A": "rigid", "B": "average"}, "one": {"A": "average"}}
 
 @dataclass(frozen=True)
 class Bar:
-    """A square bar and its interfaces at its ends."""
+    """A square bar with interfaces at its ends, as a part and as reduced bodies."""
 
     part: MeshedPart
     rooted: RootedBody
     held: Held
 
     def frequencies(self, fixed):
-        """All frequencies (Hz) with the first `fixed` components of the interfaces' twists held.
+        """Return all frequencies (Hz) with the first `fixed` components of interface twists held.
 
-        Dense, by no code of the reduction's.
+        The dense solution uses no code of the reduction.
         """
         solid = self.rooted.solid
         free = null_space(solid.twists[:, :fixed].T) if fixed else np.eye(solid.size)
@@ -53,7 +53,7 @@ class Bar:
 
     @cached_property
     def free_frequencies(self):
-        """Elastic ones."""
+        """Return the frequencies (Hz) of the free bar, without its rigid-body motions."""
         return self.frequencies(0)[6:]
 
     @property
@@ -63,24 +63,25 @@ class Bar:
 
 @pytest.fixture(scope="module", params=COUPLINGS.values(), ids=COUPLINGS)
 def bar(request, tmp_path_factory):
-    """Its bending modes come in pairs, alike but for the mesh."""
+    """Return the bar; its bending modes come in pairs that differ only by the mesh."""
     path = tmp_path_factory.mktemp("bar") / "bar.msh"
     meshed(path, lambda kernel: kernel.addBox(0.0, -15.0, -15.0, 140.0, 30.0, 30.0), 80.0)
     file, planes = read_here(path, "mm"), plane_ends(LENGTH)
-    ends = {name: replace(planes[name], coupling=one) for name, one in request.param.items()}
+    couplings = request.param.items()
+    ends = {name: replace(planes[name], coupling=coupling) for name, coupling in couplings}
     part = meshed_part(file.mesh, STEEL)
     rooted = held_part(part, grips_of(file.mesh, find_interfaces(file, ends)), "bar")
     return Bar(part, rooted, held_body(rooted))
 
 
-def test_interface_grips_all_of_its_faces():
+def test_interface_couples_all_its_faces():
     faces = {number: Facets(np.array([[number, 8, 9]]), "tri3") for number in (1, 2, 3, 4)}
     interfaces = [
-        Interface(name, own, np.eye(3)[place], "rigid", "", None, None, 1.0)
-        for place, (name, own) in enumerate({"A": (1, 2), "B": (3,), "C": (4,)}.items())
+        Interface(name, numbers, np.eye(3)[index], "rigid", "", None, None, 1.0)
+        for index, (name, numbers) in enumerate({"A": (1, 2), "B": (3,), "C": (4,)}.items())
     ]
     grips = grips_of(SimpleNamespace(faces=faces), interfaces)
-    assert [one.facets.cells[:, 0].tolist() for one in grips] == [[1, 2], [3], [4]]
+    assert [grip.facets.cells[:, 0].tolist() for grip in grips] == [[1, 2], [3], [4]]
 
 
 def test_box_mass_properties_and_memory_limit(bar):
@@ -96,68 +97,68 @@ def test_box_mass_properties_and_memory_limit(bar):
 
 @pytest.mark.parametrize("free", [False, True])
 def test_inertia_count_equals_dense_eigenvalues(bar, free):
-    """Of the bar with its interfaces held, and of the free bar without its rigid motions."""
+    """Bar with its interfaces held, and free bar without its rigid-body motions."""
     body = free_body(bar.rooted) if free else bar.held
     frequencies = bar.free_frequencies if free else bar.held_frequencies
-    # Those of fewer unknowns are all solved densely.
+    # Bodies with fewer unknowns are solved by a dense method instead of being counted.
     assert body.size > counting._DENSE_SIZE
     if free:
         assert body.rigid.T @ (body.mass @ body.rigid) == pytest.approx(np.eye(6), abs=1e-10)
     for below in (0, 1, 2, 5, 12, 40):
         lowest, next_one = np.append(0.0, frequencies)[[below, below + 1]]
         if next_one > 1.001 * lowest:
-            found = body.inertia((np.pi * (lowest + next_one)) ** 2)
-            assert (found.negative, found.zero) == (below, 0)
+            count = body.inertia((np.pi * (lowest + next_one)) ** 2)
+            assert (count.negative, count.zero) == (below, 0)
 
 
-def test_reduction_has_counted_modes(bar):
+def test_reduction_modes_equal_dense_solution(bar):
     held_frequencies = bar.held_frequencies
     cutoff = 1.001 * held_frequencies[14]
-    found = reduction(bar.held, 0.4 * cutoff, cutoff)
-    below = held_frequencies[held_frequencies < found.cutoff]
-    assert found.counted == len(below) >= 15
-    assert_allclose(found.frequencies[: len(below)], below, rtol=1e-8)
-    # Two thirds of all: more than Lanczos may look for.
+    reduced = reduction(bar.held, 0.4 * cutoff, cutoff)
+    below = held_frequencies[held_frequencies < reduced.cutoff]
+    assert reduced.counted == len(below) >= 15
+    assert_allclose(reduced.frequencies[: len(below)], below, rtol=1e-8)
+    # Two thirds of all modes are more than the Lanczos method may search for.
     most = 2 * bar.held.size // 3
     every = interface_modes(bar.held, held_frequencies[most : most + 2].mean())
     assert_allclose(every.frequencies, held_frequencies[: most + 1], rtol=1e-8)
     assert_allclose(every.shapes.T @ (bar.held.mass @ every.shapes), np.eye(most + 1), atol=1e-8)
 
 
-@pytest.mark.parametrize("left", [0.0, 1e-26, -1e-26])
-def test_held_body_has_no_mode_from_rounding(left):
-    """Ten masses on springs; an eleventh unknown is held: it once was a mode at 1e-116 Hz."""
+@pytest.mark.parametrize("rounding", [0.0, 1e-26, -1e-26])
+def test_held_body_has_no_mode_from_rounding(rounding):
+    """Ten masses on springs and a fixed unknown, from which a mode at 1e-116 Hz once resulted."""
     squared = np.arange(1.0, 11.0) ** 2 * 1e6
-    flexibility = np.diag(np.append(1.0 / squared, left))
-    flexibility[0, 10] = flexibility[10, 0] = abs(left)
+    flexibility = np.diag(np.append(1.0 / squared, rounding))
+    flexibility[0, 10] = flexibility[10, 0] = abs(rounding)
     held = Swinging(state="held", flexibility=flexibility.__matmul__, mass=eye_array(11).tocsr())
-    found = interface_modes(held, 1e4)
-    assert_allclose(found.frequencies, np.sqrt(squared) / (2.0 * np.pi), rtol=1e-12)
+    modes = interface_modes(held, 1e4)
+    assert_allclose(modes.frequencies, np.sqrt(squared) / (2.0 * np.pi), rtol=1e-12)
 
 
 def kept_by(rows, searches):
-    """A search for modes that keeps those `rows` alone of what its first `searches` find."""
+    """Return a mode search that returns only the modes `rows` in its first `searches` calls."""
 
     def blind(held, cutoff, search=0):
-        found = interface_modes(held, cutoff, search)
-        kept = rows(len(found.frequencies)) if search < searches else slice(None)
-        return Modes(found.frequencies[kept], found.shapes[:, kept])
+        modes = interface_modes(held, cutoff, search)
+        kept = rows(len(modes.frequencies)) if search < searches else slice(None)
+        return Modes(modes.frequencies[kept], modes.shapes[:, kept])
 
     return blind
 
 
-def test_missed_modes_are_searched_or_an_error(bar, monkeypatch):
+def test_missed_body_modes_are_searched_or_reported(bar, monkeypatch):
     cutoff = 1.001 * bar.held_frequencies[9]
     for missed in (0, 7):
         blind = kept_by(lambda count, missed=missed: np.delete(np.arange(count), missed), 1)
         monkeypatch.setattr(counting, "interface_modes", blind)
-        found = counted_modes(bar.held, cutoff)
+        modes = counted_modes(bar.held, cutoff)
         below = bar.held_frequencies[bar.held_frequencies < cutoff]
-        assert found.counted == len(below)
-        assert_allclose(found.frequencies, below, rtol=1e-8)
-        gram = found.shapes.T @ (bar.held.mass @ found.shapes)
+        assert modes.counted == len(below)
+        assert_allclose(modes.frequencies, below, rtol=1e-8)
+        gram = modes.shapes.T @ (bar.held.mass @ modes.shapes)
         assert_allclose(gram, np.eye(len(gram)), atol=1e-8)
-    # One that is never found, and one that is found twice.
+    # Searches that never find the first mode, or find it twice.
     for rows in (lambda count: np.arange(1, count), lambda count: np.r_[0, 0:count]):
         monkeypatch.setattr(counting, "interface_modes", kept_by(rows, 9))
         with pytest.raises(ComputationError, match="bar, all interfaces held: certificate"):
@@ -168,22 +169,22 @@ CLAMPED, COUNT = 6, 6
 
 
 @pytest.fixture(scope="module")
-def found(bar):
+def free_reduction(bar):
     return free_interface(bar.rooted, bar.cutoff / 2.5, bar.cutoff)
 
 
-def test_free_interface_statics_are_exact(bar, found):
-    """Its matrices by the dense triple product; unknowns are the twists of the interfaces."""
-    reduced, _ = found
+def test_free_interface_statics_are_exact(bar, free_reduction):
+    """Matrices against dense triple products; the first unknowns are the interface twists."""
+    reduced, _ = free_reduction
     assert reduced.counted == len(reduced.frequencies) == 7
     assert_allclose(reduced.frequencies, bar.free_frequencies[:7], rtol=1e-8)
-    own = eigh(reduced.stiffness, reduced.mass, eigvals_only=True)[6:]
-    assert_allclose(np.sqrt(own[:7]) / (2.0 * np.pi), bar.free_frequencies[:7], rtol=1e-8)
+    squared = eigh(reduced.stiffness, reduced.mass, eigvals_only=True)[6:]
+    assert_allclose(np.sqrt(squared[:7]) / (2.0 * np.pi), bar.free_frequencies[:7], rtol=1e-8)
     solid, V = bar.rooted.solid, reduced.recovery
-    for matrix, own in ((solid.stiffness, reduced.stiffness), (solid.mass, reduced.mass)):
-        assert V.T @ (matrix @ V) == pytest.approx(own, abs=1e-10 * np.abs(own).max())
+    for full, small in ((solid.stiffness, reduced.stiffness), (solid.mass, reduced.mass)):
+        assert V.T @ (full @ V) == pytest.approx(small, abs=1e-10 * np.abs(small).max())
     twists = solid.twists.T @ V
-    # Rounding of the solid's solution: 1.5e-11.
+    # The rounding error of the solid's solution is 1.5e-11.
     assert twists == pytest.approx(np.eye(*twists.shape), abs=1e-9)
     count = len(twists)
     assert reduced.stiffness[:count, :count] == pytest.approx(bar.held.stiffness)
@@ -191,31 +192,31 @@ def test_free_interface_statics_are_exact(bar, found):
 
 
 def clamped(stiffness, mass):
-    """Frequencies (Hz) with the first interface held; massless unknowns have none."""
-    own = slice(CLAMPED, None)
-    inverse_squares = eigh(mass[own, own], stiffness[own, own], eigvals_only=True)[::-1]
+    """Return the frequencies (Hz) with the first interface held; massless unknowns have none."""
+    free = slice(CLAMPED, None)
+    inverse_squares = eigh(mass[free, free], stiffness[free, free], eigvals_only=True)[::-1]
     with_mass = inverse_squares[inverse_squares > 1e-12 * inverse_squares[0]]
     return 1.0 / (2.0 * np.pi * np.sqrt(with_mass))
 
 
-def test_clamped_reduction_equals_craig_bampton(bar, found):
+def test_free_interface_reduction_bounds_clamped_modes(bar, free_reduction):
     exact = bar.frequencies(CLAMPED)[:COUNT]
-    reduced, truncation = found
+    reduced, truncation = free_reduction
     assert exact[-1] < bar.cutoff
     upper = clamped(reduced.stiffness, reduced.mass)[:COUNT]
     fixed = reduction(bar.held, bar.cutoff / 2.5, bar.cutoff)
     assert (upper >= exact * (1.0 - 1e-9)).all()
-    # Measured: 3e-8 for the first two, 1e-4 for one just below the cut-off.
+    # Observed errors: 3e-8 for the first two modes, 1e-4 for a mode just below the cut-off.
     assert_allclose(upper, exact, rtol=2e-4)
     assert_allclose(upper[:2], clamped(fixed.stiffness, fixed.mass)[:2], rtol=1e-7)
-    looser = [truncation.loosened((2.0 * np.pi * one) ** 2) for one in upper]
+    looser = [truncation.loosened((2.0 * np.pi * frequency) ** 2) for frequency in upper]
     lower = np.array([clamped(*both)[j] for j, both in enumerate(looser)])
     assert (lower <= exact * (1.0 + 1e-9)).all()
-    # Worth something: not much wider than the error is.
+    # The bounds are useful: at most ten times as wide as the error.
     assert (upper - lower <= 10.0 * (upper - exact) + 1e-8 * exact).all()
 
 
-def test_complete_reduction_is_refused(bar):
+def test_cut_off_above_all_modes_is_refused(bar):
     if len(bar.rooted.solid.points) == 1:
         with pytest.raises(ComputationError, match=r"bar, free: its modes up to .* leave nothing"):
             free_interface(bar.rooted, 1e8, 1e9)

@@ -1,4 +1,4 @@
-"""Solids that nothing holds: rings by Love's formulas, and their six rigid-body motions."""
+"""Solids without supports: free rings against Love's formulas."""
 
 import numpy as np
 import pytest
@@ -16,20 +16,20 @@ RADIUS, SLICES = 0.1, 72
 
 
 def ring(thickness):
-    """A ring of round section (diameter m) about z: an extruded mesh bent to a circle."""
+    """Return a ring about z with a round section of diameter `thickness` (m)."""
     face = section_mesh(Circle(thickness), 4)
     straight = extrude(face, stations(2.0 * np.pi, SLICES))
     angle, outward, z = straight.nodes.T
     radius = RADIUS + outward
-    # Along the section's y outwards, x runs clockwise so that cells stay right-handed.
+    # The section's y points outwards; x runs clockwise, so that the elements stay right-handed.
     nodes = np.column_stack([radius * np.cos(angle), -radius * np.sin(angle), z])
-    # The last plane of nodes is the first.
+    # The last plane of nodes coincides with the first.
     count = len(nodes) - len(face.nodes)
     return PartMesh(nodes[:count], straight.cells % count, "hex27", faces={}, straightened=0)
 
 
 def love(thickness, n):
-    """Frequencies (Hz) of n waves in the plane of a thin ring, and out of it.
+    """Return the frequencies (Hz) of n waves around a thin ring, in its plane and out of it.
 
     A. E. H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th ed., §293, for a round
     section with c = E I/(ρ A R⁴): ω² = c n²(n² − 1)²/(n² + 1) and c n²(n² − 1)²/(n² + 1 + ν).
@@ -40,42 +40,43 @@ def love(thickness, n):
 
 
 def computed(thickness):
-    """The lowest eight frequencies: pairs of two and three waves, in and out of the plane."""
+    """Return the frequencies (Hz) of two and three waves, in and out of the ring's plane."""
     meshed = meshed_part(ring(thickness), Material.isotropic(E, NU, RHO))
     modes = free_modes(free_part(meshed, "ring"), 8)
     assert modes.count >= 8
     pairs = modes.frequencies.reshape(4, 2)
-    # Cosine and sine around the ring are one mode of a round mesh.
+    # The mesh is rotationally symmetric: cosine and sine waves have equal frequencies.
     assert pairs[:, 1] == pytest.approx(pairs[:, 0], rel=1e-6)
     out_of_2, in_2, out_of_3, in_3 = pairs[:, 0]
     return np.array([in_2, out_of_2, in_3, out_of_3])
 
 
-def test_free_ring_has_loves_frequencies():
-    """Shear and rotary inertia, which Love leaves out, lower them by a share of (a/R)².
+def test_free_ring_frequencies_equal_love():
+    """Shear and rotary inertia, which Love neglects, lower the frequencies by terms in (a/R)².
 
-    Halving the thickness leaves a quarter of the difference. What is left at zero thickness is of
-    fourth order in a/R (8e-4 of three waves), and the mesh, whose area is 8e-4 too small.
+    Halving the thickness leaves a quarter of the difference. Extrapolated to zero thickness, a term
+    of fourth order in a/R (8e-4 for three waves) and the mesh, whose area is 8e-4 too small,
+    remain.
     """
-    shares = []
+    differences = []
     for thickness in (0.02, 0.01):
         expected = np.concatenate([love(thickness, 2), love(thickness, 3)])
-        shares.append(computed(thickness) / expected - 1.0)
-    thick, thin = shares
+        differences.append(computed(thickness) / expected - 1.0)
+    thick, thin = differences
     assert (thick < 0.0).all()
     assert thick / thin == pytest.approx(np.full(4, 4.0), abs=0.3)
     assert (4.0 * thin - thick) / 3.0 == pytest.approx(np.zeros(4), abs=1.2e-3)
-    # In percent for a/R = 0.05, two waves.
+    # Differences in percent for two waves and a/R = 0.05.
     assert 100.0 * thin[:2] == pytest.approx([-0.29, -0.62], abs=0.05)
 
 
 def test_two_unconnected_rings_are_refused():
-    """Twelve motions without deformation are no body."""
-    one = ring(0.02)
-    count = len(one.nodes)
+    """A body has six motions without deformation; two rings together have twelve."""
+    first = ring(0.02)
+    count = len(first.nodes)
     both = PartMesh(
-        np.vstack([one.nodes, one.nodes + np.array([0.0, 0.0, 0.1])]),
-        np.vstack([one.cells, one.cells + count]),
+        np.vstack([first.nodes, first.nodes + np.array([0.0, 0.0, 0.1])]),
+        np.vstack([first.cells, first.cells + count]),
         "hex27",
         faces={},
         straightened=0,

@@ -1,7 +1,6 @@
-"""Legs condensed to their ends, with modes of Craig and Bampton or without: nothing is lost.
+"""Legs reduced to their ends by static condensation or Craig–Bampton, against unreduced legs.
 
-Held against the unreduced legs, beam theory, the inertia of a box and, for the bounds, the true
-error of a whole robot.
+Also against beam theory and the inertia of a box; frequency bounds against the error of a robot.
 """
 
 from dataclasses import replace
@@ -29,7 +28,7 @@ LEGS = legs_of(EQUIVALENT)
 LEG_1, LEG_2 = LEGS.values()
 MODELS = {
     "segments": lambda leg: segment_leg(segment_chain(leg.timoshenko, leg.length, 8)),
-    # Two rigid ends and one spring: nothing to condense.
+    # Two rigid ends and one spring: no internal unknowns.
     "ends alone": lambda leg: segment_leg(segment_chain(leg.timoshenko, leg.length, 2, "literal")),
     "beam": lambda leg: beam_leg(leg.timoshenko, leg.length, 12),
     "solid": lambda leg: solid_leg_matrices(meshed(leg, 1, 4)),
@@ -38,8 +37,8 @@ models = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
 
 
 @models
-def test_condensation_is_schur_complement(model):
-    """Dense K_bb − K_bi K_ii⁻¹ K_ib, and Guyan's mass with the same transformation."""
+def test_condensed_leg_equals_schur_complement(model):
+    """Dense K_bb − K_bi K_ii⁻¹ K_ib, and Guyan's mass matrix by the same transformation."""
     leg = model(LEG_2)
     k, m = leg.stiffness.toarray(), leg.mass.toarray()
     shapes = np.vstack([np.eye(12), -np.linalg.solve(k[12:, 12:], k[12:, :12])])
@@ -50,24 +49,24 @@ def test_condensation_is_schur_complement(model):
     assert_allclose(reduced.mass.toarray(), shapes.T @ m @ shapes, rtol=0, atol=1e-9 * m.max())
     size = np.abs(shapes).max(axis=0)
     assert_allclose(superelement.recover(np.eye(12)) / size, shapes / size, atol=1e-9)
-    at = np.array([0.0, 0.3, LEG_2.length])
-    field = leg.centreline(at) @ shapes
-    assert_allclose(reduced.centreline(at) @ np.eye(12) / size, field / size, atol=1e-9)
+    x = np.array([0.0, 0.3, LEG_2.length])
+    field = leg.centreline(x) @ shapes
+    assert_allclose(reduced.centreline(x) @ np.eye(12) / size, field / size, atol=1e-9)
 
 
 @models
-def test_rigid_leg_keeps_mass_and_inertia(model):
-    """A box about its centre: m (b² + h²)/12 and so on, whatever the model; no force, no energy."""
+def test_condensed_leg_keeps_mass_and_inertia(model):
+    """Mass and inertia of a box, m (b² + h²)/12, for every model; rigid motions need no force."""
     reduced = static_superelement(held_leg(model(LEG_1))).matrices
     mass, L, b, h = LEG_1.mass, LEG_1.length, *LEG_1.section.extent
     centre = np.array([L / 2.0, 0.0, 0.0])
-    # About the centre; a motion of the reduced leg has no amplitudes inside.
+    # Rigid motions about the centre; the reduced leg has only its twelve end unknowns.
     motions = np.zeros((reduced.size, 6))
     motions[:ENDS] = np.vstack([shift(-centre), shift(centre)])
     inertia = mass / 12.0 * np.diag([b**2 + h**2, L**2 + h**2, L**2 + b**2])
     expected = block_diag(mass * np.eye(3), inertia)
     assert_allclose(motions.T @ (reduced.mass @ motions), expected, rtol=1e-8, atol=1e-9 * mass)
-    # Rounding, by construction from the tip's stiffness; rotations counted by the leg's length.
+    # Forces vanish up to rounding; rotations are multiplied by the leg's length.
     stiffness, unit = reduced.stiffness.toarray(), np.r_[np.ones(3), np.full(3, 1.0 / L)]
     ends = np.tile(unit, 2)
     forces = ends[:, None] * (stiffness @ motions) * unit
@@ -78,7 +77,7 @@ def test_rigid_leg_keeps_mass_and_inertia(model):
         assert np.array_equal(matrix, matrix.T)
 
 
-def test_supported_legs_and_loose_parts_are_refused():
+def test_supported_or_loose_leg_is_refused():
     leg = MODELS["beam"](LEG_1)
     grounded, loose = leg.stiffness.toarray(), leg.stiffness.toarray()
     grounded[13, 13] *= 1.0 + 1e-3
@@ -90,14 +89,14 @@ def test_supported_legs_and_loose_parts_are_refused():
         held_leg(replace(leg, stiffness=csr_array(loose)))
 
 
-def test_free_constraint_modes_have_unit_twists():
+def test_constraint_modes_with_free_ends():
     solid = meshed(LEG_2, (2, 6), 8)
     clamped = clamped_leg(solid, "free")
     held = held_solid_leg(clamped, solid.mesh)
     loads = clamped.solid.twists
     scale = np.abs(held.constraint_modes).max(axis=0)
     assert_allclose(loads.T @ held.constraint_modes / scale, np.eye(12) / scale, atol=1e-9)
-    # Forces of a constraint mode act at the ends alone: K Ψ = B S, in equilibrium.
+    # The forces of a constraint mode act only at the ends and are in equilibrium: K Ψ = B S.
     forces = solid.stiffness @ held.constraint_modes
     expected = loads @ held.stiffness
     size = np.abs(expected).max(axis=0)
@@ -106,27 +105,29 @@ def test_free_constraint_modes_have_unit_twists():
     response = held.flexibility(force)
     assert np.abs(loads.T @ response).max() < 1e-9 * np.abs(response).max()
     assert_allclose(force.T @ response, response.T @ solid.stiffness @ response, rtol=1e-7)
-    at = np.array([0.2, 0.5])
-    assert_allclose(held.centreline(at).toarray(), section_twists(solid.mesh, at).toarray())
+    x = np.array([0.2, 0.5])
+    assert_allclose(held.centreline(x).toarray(), section_twists(solid.mesh, x).toarray())
 
 
-def test_rigid_solid_leg_equals_its_matrices():
+def test_held_solid_leg_equals_matrix_reduction():
     solid = meshed(LEG_1, 1, 3)
-    found = static_superelement(held_solid_leg(clamped_leg(solid), solid.mesh)).matrices
+    condensed = static_superelement(held_solid_leg(clamped_leg(solid), solid.mesh)).matrices
     expected = static_superelement(held_leg(solid_leg_matrices(solid))).matrices
-    assert scaled_difference(found.stiffness.toarray(), expected.stiffness.toarray()) < 1e-9
-    assert scaled_difference(found.mass.toarray(), expected.mass.toarray()) < 1e-9
-    ours, theirs = (one.centreline(np.array([0.2, 0.85])).toarray() for one in (found, expected))
-    assert_allclose(ours, theirs, rtol=0.0, atol=1e-9)
+    assert scaled_difference(condensed.stiffness.toarray(), expected.stiffness.toarray()) < 1e-9
+    assert scaled_difference(condensed.mass.toarray(), expected.mass.toarray()) < 1e-9
+    x = np.array([0.2, 0.85])
+    assert_allclose(
+        condensed.centreline(x).toarray(), expected.centreline(x).toarray(), rtol=0.0, atol=1e-9
+    )
 
 
-# The paper's robot: 3800 Hz is just above its twentieth frequency in all postures.
+# Positions (m) of the paper's robot; 3800 Hz is just above its twentieth frequency in all of them.
 POSTURES, COUNT, HIGHEST = (0.145, 0.85), 20, 3800.0
 
 
 @pytest.fixture(scope="module", params=["beam", "solid"])
 def robots(request):
-    """Legs, both ends held; per posture the robot of unreduced legs, and its modes."""
+    """Return unreduced legs, legs with held ends, and robots of unreduced legs with their modes."""
     unreduced = {name: MODELS[request.param](leg) for name, leg in LEGS.items()}
     whole = [solved(system_of(x, *unreduced.values())) for x in POSTURES]
     held = {name: held_leg(leg) for name, leg in unreduced.items()}
@@ -138,34 +139,38 @@ def robots(request):
 
 
 def reduced_to(held, *frequencies):
-    """Legs reduced up to such frequencies, and the robot of them by the posture."""
+    """Return legs reduced up to these frequencies (Hz), and a function x → robot of these legs."""
     reduced = {name: craig_bampton(leg, *frequencies) for name, leg in held.items()}
     return reduced, lambda x: system_of(x, *(leg.matrices for leg in reduced.values()))
 
 
 def test_reduced_robot_equals_unreduced_robot(robots):
-    """Required: statics 1e-9, twenty frequencies 1e-4, mass-weighted MAC 0.9999."""
+    """Required: statics to 1e-9, twenty frequencies to 1e-4, mass-weighted MAC of 0.9999."""
     unreduced, held, wholes = robots
     reduced, robot_at = reduced_to(held, HIGHEST)
     for x, whole, exact in wholes:
         robot = solved(robot_at(x))
         assert scaled_difference(compliance(robot), compliance(whole)) < 1e-9
-        found = modes(robot, COUNT)
-        assert_allclose(found.frequencies, exact.frequencies, rtol=1e-4)
-        # Both are mass-normalised, so the product of two shapes is the root of their MAC.
-        ours, theirs = robot.system.tool[:3] @ found.shapes, whole.system.tool[:3] @ exact.shapes
-        gram = 46.0 * ours.T @ theirs
+        approximate = modes(robot, COUNT)
+        assert_allclose(approximate.frequencies, exact.frequencies, rtol=1e-4)
+        # The mass-weighted product of two mass-normalised shapes is the root of their MAC; 46 kg is
+        # the mass of the tool.
+        tool, exact_tool = (
+            solution.system.tool[:3] @ solved_modes.shapes
+            for solution, solved_modes in ((robot, approximate), (whole, exact))
+        )
+        gram = 46.0 * tool.T @ exact_tool
         for name, leg in unreduced.items():
-            field = reduced[name].recover(robot.system.body_unknowns(name, found.shapes))
+            field = reduced[name].recover(robot.system.body_unknowns(name, approximate.shapes))
             gram += field.T @ (leg.mass @ whole.system.body_unknowns(name, exact.shapes))
         assert np.min(np.diag(gram) ** 2) > 0.9999
 
 
 @pytest.mark.parametrize("factor", [1.1, 2.5])
-def test_bounds_enclose_the_true_frequencies(robots, factor):
+def test_frequency_bounds_enclose_true_frequencies(robots, factor):
     _, held, wholes = robots
     reduced, robot_at = reduced_to(held, HIGHEST, factor * HIGHEST)
-    # Rounding of dense frequencies, 1e-12, with a margin.
+    # Rounding error of the dense frequencies, 1e-12, with a margin.
     rounding = 1e-10
     for x, _, exact in wholes:
         bounds = frequency_bounds(robot_at(x), reduced, COUNT)
@@ -173,8 +178,8 @@ def test_bounds_enclose_the_true_frequencies(robots, factor):
         assert np.all(exact.frequencies <= bounds.upper * (1.0 + rounding))
         error = bounds.upper / exact.frequencies - 1.0
         assert np.all(error <= bounds.relative_width + rounding)
-        # A cut-off just above the highest frequency has a real error; the usual one promises
-        # what is asked for.
+        # A cut-off just above the highest frequency gives errors above 1e-4; the usual one gives
+        # bounds that are close enough.
         if factor == 1.1:
             assert error.max() > 1e-4
         else:

@@ -1,4 +1,4 @@
-"""Sections within outlines: boundary elements on the rim against finite elements inside."""
+"""Section constants by boundary elements on the outline, against finite elements inside it."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ SECTIONS = [
     Angle(0.06, 0.1, 0.02, 0.02),
     Tee(0.06, 0.1, 0.02, 0.015),
     Polygon(((0.0, 0.0), (0.1, 0.0), (0.03, 0.08))),
-    # A sloping wall with a hole of its own: inward corners that are no right angles.
+    # An oblique outline with a hole: re-entrant corners that are no right angles.
     Polygon(
         ((0.0, 0.0), (0.1, 0.0), (0.1, 0.06), (0.03, 0.09)),
         (((0.03, 0.02), (0.08, 0.02), (0.08, 0.045), (0.04, 0.06)),),
@@ -37,27 +37,28 @@ def by_rim(section, nu):
 
 
 def by_elements(section, nu, divisions):
-    found = section_constants(section_mesh(section, divisions), nu)
+    computed = section_constants(section_mesh(section, divisions), nu)
     return np.array(
         [
-            found.area,
-            found.second_moment_y,
-            found.second_moment_z,
-            found.product_moment,
-            found.torsion_constant,
-            *np.subtract(found.shear_centre, found.centroid),
-            *found.shear_coefficients,
-            found.shear_coupling,
+            computed.area,
+            computed.second_moment_y,
+            computed.second_moment_z,
+            computed.product_moment,
+            computed.torsion_constant,
+            *np.subtract(computed.shear_centre, computed.centroid),
+            *computed.shear_coefficients,
+            computed.shear_coupling,
         ]
     )
 
 
-@pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_section_constants_converge_to_rim_solution(section):
-    """Two formulations, each of its own mesh; scales are the section's size where one vanishes.
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
+def test_section_constants_equal_boundary_elements(section):
+    """Finite elements converge to the boundary elements.
 
-    Finite elements converge with h^(4/3) at inward right angles: half the distance at least is
-    gone with every doubling, and 1 % is left on the finest mesh. Boundary elements leave 5e-5.
+    At re-entrant right angles finite elements converge with h^(4/3): each refinement removes at
+    least half of the difference, and at most 1 % remains. Boundary elements have an error of 5e-5.
+    Constants that vanish are compared relative to the section's size.
     """
     nu, size = 0.3, max(section.extent)
     rim = by_rim(section, nu)
@@ -67,14 +68,14 @@ def test_section_constants_converge_to_rim_solution(section):
     coarse, fine = (
         np.abs(by_elements(section, nu, divisions) - rim) / scale for divisions in (8, 16)
     )
-    # Polynomials of second degree are integrated exactly.
+    # Area and second moments of area are integrated exactly.
     assert (fine[:4] < 1e-10).all()
     assert (fine < np.maximum(0.55 * coarse, 5e-5)).all()
     assert (fine < 1e-2).all()
 
 
-@pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_mesh_of_an_outline_is_centred_and_sound(section):
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
+def test_outline_mesh_is_centred_and_valid(section):
     coarse, fine = (section_mesh(section, divisions) for divisions in (4, 8))
     assert len(fine.cells) == 4 * len(coarse.cells)
     jacobians, aspects = quality(fine)

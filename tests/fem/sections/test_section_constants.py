@@ -1,6 +1,6 @@
-"""Sections by finite elements against closed forms, series, thin walls and another package.
+"""Section constants by finite elements against closed forms, series, thin walls and a package.
 
-Their constants, torsion beyond Saint-Venant, and curved cells that cannot contract as they bend.
+Also torsional waves along a leg, and the contraction of curved elements in bending.
 """
 
 from dataclasses import replace
@@ -27,8 +27,8 @@ from meshes.section.section_mesh import SectionMesh, section_mesh
 
 
 def test_torsion_constant_converges_with_twice_order():
-    # The warping minimises energy, so J of a convex section falls with refinement as h^2p, but
-    # for rectangles (logarithmic corner term) a little slower.
+    # The warping function minimises an energy, so that the error of J of a convex section falls as
+    # h^2p; for rectangles slightly slower, because of a logarithmic corner term.
     meshes = [section_mesh(Rectangle(0.1, 0.2), divisions) for divisions in (3, 6)]
     exact = rectangle_torsion_constant(0.1, 0.2)
     errors = [section_constants(mesh, 0.0).torsion_constant / exact - 1.0 for mesh in meshes]
@@ -36,12 +36,13 @@ def test_torsion_constant_converges_with_twice_order():
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.6)
 
 
-def test_ellipse():
-    """J = π a³b³/(a² + b²), Iz = π b a³/4: Timoshenko & Goodier §106."""
+def test_ellipse_section_constants():
+    """J = π a³b³/(a² + b²), Iz = π b a³/4: Timoshenko & Goodier, Theory of Elasticity, §106."""
     circle = section_mesh(Circle(2.0), 16)
     a, b = 0.5, 0.3
     constants = section_constants(replace(circle, nodes=circle.nodes * np.array([a, b])), 0.0)
-    # Area of the parabolic edges: 3e-6 at 16 divisions, twice that in fourth moments.
+    # With parabolic edges and 16 divisions the area has an error of 3e-6, second moments twice
+    # that.
     assert constants.area == pytest.approx(np.pi * a * b, rel=1e-5)
     assert constants.second_moment_z == pytest.approx(np.pi * b * a**3 / 4.0, rel=2e-5)
     assert constants.second_moment_y == pytest.approx(np.pi * a * b**3 / 4.0, rel=2e-5)
@@ -55,23 +56,23 @@ def test_ellipse():
 
 @pytest.mark.parametrize("section", [Rectangle(0.1, 0.16), Circle(0.1), Tube(0.1, 0.02)])
 def test_cowper_coefficients_and_round_sections(section):
-    """Cowper (1966), exact for these three: 10(1+ν)/(12+11ν), 6(1+ν)/(7+6ν) and the tube's."""
+    """Cowper (1966): 10(1+ν)/(12+11ν) for rectangles, 6(1+ν)/(7+6ν) for circles, and tubes."""
     for nu in (0.0, 0.3):
         constants = section_constants(section_mesh(section, 12), nu)
-        # Discretisation of the flexure function: 1e-5 at 12 quadratic cells.
+        # Discretisation error of the flexure function with 12 quadratic elements: 1e-5.
         assert constants.cowper_coefficients == pytest.approx(
             section.shear_coefficients(nu), rel=3e-5
         )
     if not isinstance(section, Rectangle):
         polar = constants.second_moment_y + constants.second_moment_z
-        # Only the faceting of the parabolic edges (1e-5 of the radius) makes the section warp.
+        # A circle does not warp; its parabolic edges differ by 1e-5 of the radius.
         assert constants.torsion_constant == pytest.approx(polar, rel=1e-6)
         assert constants.warping_constant < 1e-9 * section.extent[0] ** 6
         assert polar == pytest.approx(section.torsion_constant, rel=5e-5)
 
 
 def renton_rectangle(depth: float, width: float, nu: float) -> float:
-    """κ of a rectangle sheared along `depth`, by strain energy (Renton 1991)."""
+    """Return κ of a rectangle sheared along `depth`, by strain energy (Renton 1991)."""
     odd_and_even, ratio = np.arange(1, 60), width / depth
     series = ratio * np.sum(np.tanh(odd_and_even * np.pi / ratio) / odd_and_even**5)
     bracket = 0.2 - 18.0 / np.pi**5 * series
@@ -79,18 +80,18 @@ def renton_rectangle(depth: float, width: float, nu: float) -> float:
 
 
 def test_energy_shear_coefficients():
-    """Renton, Int. J. Solids Struct. 27 (1991); of a circle 1/κ = 7/6 + (ν/(1 + ν))²/6."""
-    known = {(Circle(0.1), 0.3): (1.0 / (7.0 / 6.0 + (0.3 / 1.3) ** 2 / 6.0),) * 2}
+    """Rectangles: Renton, Int. J. Solids Struct. 27 (1991); circle: 1/κ = 7/6 + (ν/(1 + ν))²/6."""
+    expected_of = {(Circle(0.1), 0.3): (1.0 / (7.0 / 6.0 + (0.3 / 1.3) ** 2 / 6.0),) * 2}
     for b, h, nu in ((0.1, 0.1, 0.3), (0.1, 0.2, 0.0), (0.3, 0.1, 0.3)):
-        known[Rectangle(b, h), nu] = renton_rectangle(b, h, nu), renton_rectangle(h, b, nu)
-    for (section, nu), expected in known.items():
-        found = section_constants(section_mesh(section, 12), nu).shear_coefficients
-        assert found == pytest.approx(expected, rel=2e-5)
+        expected_of[Rectangle(b, h), nu] = renton_rectangle(b, h, nu), renton_rectangle(h, b, nu)
+    for (section, nu), expected in expected_of.items():
+        computed = section_constants(section_mesh(section, 12), nu).shear_coefficients
+        assert computed == pytest.approx(expected, rel=2e-5)
 
 
-def test_cubic_material_acts_by_its_shear_modulus():
+def test_cubic_material_shear_coefficients():
     mesh = section_mesh(Rectangle(0.3, 0.1), 6)
-    # ν G/E is the same: 0.25 · 0.4 = 0.2 · 0.5.
+    # Shear coefficients depend on ν G/E, equal for the first two: 0.25 · 0.4 = 0.2 · 0.5.
     isotropic, cubic, other = (
         section_constants(mesh, *nu_and_ratio).shear_coefficients
         for nu_and_ratio in ((0.25,), (0.2, 0.5), (0.2,))
@@ -99,10 +100,10 @@ def test_cubic_material_acts_by_its_shear_modulus():
     assert other[1] != pytest.approx(isotropic[1], rel=1e-3)
 
 
-def test_shear_centre_and_warping_of_a_half_ring():
+def test_half_ring_shear_centre_and_warping():
     """Shear centre at 4R/π, Γ = 2tR⁵/3 (π³/8 − 12/π) (Roark, table of warping constants).
 
-    Half a thin ring about the origin, open towards −y, y² + z² = R².
+    The section is half of a thin ring about the origin, open towards −y.
     """
     radius, thickness = 0.1, 0.001
     strip = section_mesh(Rectangle(1.0, 1.0), (2, 48))
@@ -110,15 +111,15 @@ def test_shear_centre_and_warping_of_a_half_ring():
     ring = replace(strip, nodes=np.column_stack([r * np.cos(angle), r * np.sin(angle)]))
     constants = section_constants(ring, 0.3)
     assert constants.centroid[0] == pytest.approx(2.0 * radius / np.pi, rel=1e-4)
-    # Thin-wall theory leaves out (t/R)² and, for Γ, the wall's own warping: 1e-4.
+    # Thin-wall theory neglects terms in (t/R)² and the warping across the wall: 1e-4.
     assert constants.shear_centre == pytest.approx((4.0 * radius / np.pi, 0.0), rel=5e-4, abs=1e-9)
     gamma = 2.0 * thickness * radius**5 / 3.0 * (np.pi**3 / 8.0 - 12.0 / np.pi)
     assert constants.warping_constant == pytest.approx(gamma, rel=5e-3)
     assert constants.torsion_constant == pytest.approx(np.pi * radius * thickness**3 / 3, rel=1e-2)
 
 
-def test_turned_and_moved_section():
-    """A turned rectangle: Iyz = (Iη − Iζ) sin 2α / 2; J, Γ are those of the upright one."""
+def test_rotated_and_shifted_section_constants():
+    """Rotated rectangle: Iyz = (Iη − Iζ) sin 2α / 2; J and Γ as for the upright one."""
     angle, shift = 0.4, np.array([0.3, -0.2])
     mesh = section_mesh(Rectangle(0.1, 0.2), 6)
     c, s = np.cos(angle), np.sin(angle)
@@ -132,12 +133,12 @@ def test_turned_and_moved_section():
 
 
 @pytest.mark.exhaustive
-def test_sections_against_sectionproperties():
-    """Another finite element code: van Leeuwen, sectionproperties (six-node triangles)."""
+def test_section_constants_equal_sectionproperties():
+    """Another finite element code with six-node triangles: van Leeuwen, sectionproperties."""
     library = pytest.importorskip("sectionproperties.pre.library")
     analysis = pytest.importorskip("sectionproperties.analysis")
     pre = pytest.importorskip("sectionproperties.pre")
-    # In mm: that package's meshing has absolute tolerances.
+    # Lengths in mm, because that package meshes with absolute tolerances.
     size = {"d": 160, "b": 100, "material": pre.Material("unit", 1.0, 0.3, 1.0, 1.0, "grey")}
     box = library.rectangular_hollow_section(t=12, r_out=0, n_r=1, **size)
     pairs = {
@@ -146,16 +147,16 @@ def test_sections_against_sectionproperties():
     }
     for section, geometry in pairs.items():
         geometry.create_mesh(mesh_sizes=[8.0])
-        theirs = analysis.Section(geometry)
-        theirs.calculate_geometric_properties()
-        theirs.calculate_warping_properties()
-        ours = section_constants(section_mesh(section, 12), 0.3)
-        assert ours.area == pytest.approx(theirs.get_ea(), rel=1e-12)
-        # Stress singularities at the re-entrant corners: both meshes are within 3e-3 of the limit.
-        assert ours.torsion_constant == pytest.approx(theirs.get_ej(), rel=6e-3)
-        shear_areas = np.array(ours.shear_coefficients) * ours.area
-        assert shear_areas == pytest.approx(np.array(theirs.get_eas()), rel=3e-3)
-        assert ours.warping_constant == pytest.approx(theirs.get_egamma(), rel=5e-3)
+        reference = analysis.Section(geometry)
+        reference.calculate_geometric_properties()
+        reference.calculate_warping_properties()
+        computed = section_constants(section_mesh(section, 12), 0.3)
+        assert computed.area == pytest.approx(reference.get_ea(), rel=1e-12)
+        # Stresses are singular at re-entrant corners: both meshes have errors of up to 3e-3.
+        assert computed.torsion_constant == pytest.approx(reference.get_ej(), rel=6e-3)
+        shear_areas = np.array(computed.shear_coefficients) * computed.area
+        assert shear_areas == pytest.approx(np.array(reference.get_eas()), rel=3e-3)
+        assert computed.warping_constant == pytest.approx(reference.get_egamma(), rel=5e-3)
 
 
 def test_split_and_mirrored_sections_are_refused():
@@ -168,11 +169,11 @@ def test_split_and_mirrored_sections_are_refused():
         section_constants(replace(mesh, nodes=mesh.nodes * np.array([1.0, -1.0])), 0.3)
 
 
-def test_beam_properties_match_exact_textbook_values():
+def test_mesh_beam_properties_equal_closed_forms():
     material = Material(E=2.1e11, G=1.1e11, nu=0.0, rho=7850.0)
     section = Rectangle(0.1, 0.16)
-    ours = beam_properties(section_constants(section_mesh(section, 16), 0.0), material)
-    assert vars(ours) == pytest.approx(
+    computed = beam_properties(section_constants(section_mesh(section, 16), 0.0), material)
+    assert vars(computed) == pytest.approx(
         vars(ConstantLeg(1.0, section, material).timoshenko), rel=1e-5
     )
 
@@ -181,23 +182,23 @@ def test_torsional_waves_of_circle_have_no_dispersion():
     """Pochhammer: the lowest torsional wave of a round bar runs at √(G/ρ) at any wave number."""
     mesh = section_mesh(Circle(0.1), 6)
     for k in (1.0, 30.0):
-        # quad9 meshes of the circle: area to 1e-5
+        # The mesh of the circle has an area error of 1e-5.
         np.testing.assert_allclose(
             torsion_wave(mesh, STEEL, k), k * np.sqrt(STEEL.G / STEEL.rho), rtol=1e-4
         )
 
 
 def test_thick_i_section_wave_matches_warping_rod():
-    """E. Reissner, J. Math. Phys. 31 (1952) 268: one warping function, 8 % above."""
+    """E. Reissner, J. Math. Phys. 31 (1952) 268: a rod with one warping function."""
     mesh = section_mesh(ISection(width=0.1, height=0.16, flange=0.02, web=0.02), 4)
     k = np.pi / 1.6
     rod = wave_frequency(section_constants(mesh, STEEL.nu), STEEL, k)
-    # One function for the shear of thick walls is 1.4 % of that off, whatever the wave (measured).
+    # Warping raises the frequency by 8 %; one warping function errs by 1.4 % of that (observed).
     np.testing.assert_allclose(torsion_wave(mesh, STEEL, k) / (2.0 * np.pi), rod, rtol=2e-3)
 
 
-def test_a_thin_walled_i_section_has_vlasovs_wave():
-    """V. Z. Vlasov: ω² = (GJ k² + EΓ k⁴)/(ρI_p + ρΓ k²), the shear of the walls left out."""
+def test_thin_i_section_wave_equals_vlasov():
+    """V. Z. Vlasov: ω² = (GJ k² + EΓ k⁴)/(ρI_p + ρΓ k²), without shear of the walls."""
     mesh = section_mesh(ISection(width=0.1, height=0.2, flange=0.004, web=0.003), 4)
     constants, k = section_constants(mesh, 0.0), np.pi / 4.0
     m = Material.isotropic(2.1e11, 0.0, 7850.0)
@@ -205,7 +206,7 @@ def test_a_thin_walled_i_section_has_vlasovs_wave():
     gamma = constants.warping_constant * k**2
     stiffness = m.G * constants.torsion_constant + m.E * gamma
     vlasov = k * np.sqrt(stiffness / (m.rho * (polar + gamma))) / (2.0 * np.pi)
-    # That shear takes less than 1 %, the distortion of the walls no more than that.
+    # Shear of the walls lowers it by less than 1 %, distortion of the walls by as much at most.
     np.testing.assert_allclose(wave_frequency(constants, m, k), vlasov, rtol=0.01)
     np.testing.assert_allclose(torsion_wave(mesh, m, k) / (2.0 * np.pi), vlasov, rtol=0.02)
 
@@ -213,7 +214,7 @@ def test_a_thin_walled_i_section_has_vlasovs_wave():
 @pytest.mark.parametrize(
     ("section", "nu"), [(HollowRectangle(0.1, 0.16, 0.01), 0.3), (Circle(0.1), 0.0)]
 )
-def test_contraction_of_straight_cells_is_prescribed(section, nu):
+def test_straight_cells_contract_freely(section, nu):
     assert not held_contraction(section_quadrature(section_mesh(section, 2)), nu, 0.4).any()
 
 
@@ -223,8 +224,11 @@ SOFT = Material(E=1.0, G=2.0, nu=0.25, rho=1.0)
 
 @pytest.mark.parametrize("material", [STEEL, AUXETIC, SOFT])
 @pytest.mark.parametrize("section", [Circle(0.1), Tube(0.1, 0.02)])
-def test_energy_is_minimum_over_plane_displacements(section, material):
-    """Dense generalised plane strain, all of C on all unknowns: f₀ − fᵀK⁺f over E, with εxx = s."""
+def test_curved_cell_moments_equal_plane_strain_energy(section, material):
+    """Dense generalised plane strain: minimum energy over plane displacements for εxx = y or z.
+
+    The minimum is f₀ − fᵀK⁺f; divided by E it gives the second moments with restrained contraction.
+    """
     quad = section_quadrature(section_mesh(section, 4))
     moduli, field = elasticity(material), strains(quad, 0.0)
     local = np.einsum("mqsi,st,mqtj,mq->mij", field, moduli, field, quad.weights, optimize=True)
@@ -239,7 +243,8 @@ def test_energy_is_minimum_over_plane_displacements(section, material):
     relaxed = np.linalg.lstsq(assembled(quad, local), loads, rcond=1e-11)[0]
     expected -= loads.T @ relaxed
     moments = np.array([[quad.integral(a * b) for b in quad.points] for a in quad.points])
-    found = moments + held_contraction(quad, material.nu, material.G / material.E)
-    # Rounding of the pseudoinverse, with stiffnesses 40 times apart for ν = −0.9.
-    np.testing.assert_allclose(found, expected / material.E, rtol=0.0, atol=1e-9 * moments[0, 0])
-    assert found[0, 0] > moments[0, 0] * (1.0 + 1e-6)
+    stiffened = moments + held_contraction(quad, material.nu, material.G / material.E)
+    # Rounding error of the pseudoinverse, worst for ν = −0.9, where moduli differ 40-fold.
+    expected /= material.E
+    np.testing.assert_allclose(stiffened, expected, rtol=0.0, atol=1e-9 * moments[0, 0])
+    assert stiffened[0, 0] > moments[0, 0] * (1.0 + 1e-6)

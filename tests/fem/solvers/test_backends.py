@@ -1,4 +1,4 @@
-"""Contract that every library behind the verbs fulfils, the choice between them, and fallbacks."""
+"""Properties that every linear solver library must have, choice between them, and fallbacks."""
 
 import re
 import warnings
@@ -46,7 +46,7 @@ def fresh_memos():
 
 @pytest.fixture(scope="module")
 def leg():
-    """A leg of six hexahedra in a row, numbered by hand: gmsh need not be there."""
+    """Return a leg of six hexahedra in a row, numbered by hand so that gmsh is not needed."""
     y, z = (side.ravel() for side in np.meshgrid([-0.02, 0.0, 0.02], [-0.03, 0.0, 0.03]))
     cell = np.array([[0, 2, 8, 6, 1, 5, 7, 3, 4]])
     section = SectionMesh(np.column_stack([y, z]), cell, "quad9")
@@ -56,7 +56,7 @@ def leg():
 
 @pytest.fixture(scope="module")
 def matrices(leg):
-    """Stiffness and mass of a leg without the nodes of its root."""
+    """Return stiffness and mass of the leg without the nodes of its root."""
     held = np.add.outer(3 * leg.mesh.root.nodes, range(3)).ravel()
     free = np.setdiff1d(np.arange(leg.stiffness.shape[0]), held)
     return leg.stiffness[free][:, free], leg.mass[free][:, free]
@@ -64,14 +64,14 @@ def matrices(leg):
 
 @pytest.fixture
 def card(monkeypatch):
-    """A fake card that is asked for."""
+    """Return a simulated graphics card that the environment asks for."""
     monkeypatch.setenv(VARIABLE, Solver.CUDSS)
     return insert_card(monkeypatch)
 
 
 @pytest.fixture(params=["rslab", FAKE, "cudss", "petsc on 1 rank", "petsc on 2 ranks", SUPERLU])
 def backend(request, monkeypatch):
-    """Each library in turn; cuDSS on a real card, and PETSc, where they are installed."""
+    """Select each library in turn; cuDSS on a real card and PETSc only where they are installed."""
     solver, _, rest = request.param.partition(" on ")
     monkeypatch.setenv(VARIABLE, "auto" if solver == SUPERLU else solver)
     if request.param == FAKE:
@@ -89,16 +89,16 @@ def backend(request, monkeypatch):
 
 
 @pytest.mark.usefixtures("backend")
-class TestContract:
+class TestEveryLibrary:
     @pytest.mark.parametrize("columns", [0, 1, 8, 40])
-    def test_solutions_are_those_of_superlu(self, matrices, columns):
+    def test_solution_equals_superlu(self, matrices, columns):
         K, _ = matrices
         loads = np.random.default_rng(1).standard_normal((K.shape[0], columns))
         solution = analyse(K).factorise().solve(loads)
         assert solution.shape == loads.shape
         if columns:
             expected = spsolve(K.tocsc(), loads).reshape(loads.shape)
-            # Solutions by two eliminations differ by the condition number (1e6) times 1e-16.
+            # Two factorisations differ by the condition number, 1e6, times 1e-16.
             assert np.abs(solution - expected).max() <= 1e-9 * np.abs(expected).max()
 
     def test_solution_has_small_backward_error(self, matrices):
@@ -106,13 +106,13 @@ class TestContract:
         load = np.random.default_rng(2).standard_normal(K.shape[0])
         solution = analyse(K).factorise().solve(load)
         assert solution.shape == load.shape
-        # Twice the energy equals the work of the loads; the libraries measure 1e-15 and less.
+        # Twice the energy equals the work of the loads; observed differences are below 1e-15.
         assert solution @ (K @ solution) == pytest.approx(load @ solution, rel=1e-12)
         size = np.abs(K.data).max() * np.abs(solution).max() + np.abs(load).max()
         assert np.abs(K @ solution - load).max() <= 1e-13 * size
 
-    def test_factor_solves_after_another_of_same_sparsity(self, matrices):
-        """One order of elimination; an earlier factor still solves after a later one is made."""
+    def test_factor_survives_later_factorisation(self, matrices):
+        """A factor still solves after another matrix with equal sparsity was factorised."""
         K, M = matrices
         both = pencil(K, M)
         load = np.ones(K.shape[0])
@@ -120,13 +120,13 @@ class TestContract:
         before = first.solve(load)
         other = both.shifted(-1e6).factorise()
         assert np.abs((K + 1e6 * M) @ other.solve(load) - load).max() <= 1e-6
-        # Factored twice, the solutions differ by the condition number (1e6) times 1e-16.
+        # Two factorisations differ by the condition number, 1e6, times 1e-16.
         size = np.abs(before).max()
         np.testing.assert_allclose(first.solve(load), before, rtol=0.0, atol=1e-9 * size)
         again = both.symbolic.factorise().solve(load)
         np.testing.assert_allclose(again, before, rtol=0.0, atol=1e-9 * size)
 
-    def test_counts_are_those_of_dense_eigenvalues(self, matrices):
+    def test_eigenvalue_count_equals_dense_solution(self, matrices):
         K, M = matrices
         exact, both = eigvalsh(K.toarray(), M.toarray()), pencil(K, M)
         for below in (0, 1, 5, 40):
@@ -134,7 +134,7 @@ class TestContract:
             assert count_below(both, sigma) == Inertia(below, 0, len(exact) - below)
 
     def test_empty_matrix_has_no_eigenvalues(self):
-        """A body whose unknowns are all held."""
+        """The matrix of a body without free unknowns."""
         assert analyse(csr_array((0, 0))).indefinite("held").inertia == Inertia(0, 0, 0)
 
     def test_indefinite_matrix_is_refused(self, matrices):
@@ -146,7 +146,7 @@ class TestContract:
         with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
             analyse(leg.stiffness).factorise()
 
-    def test_chain_held_by_rounding_is_refused(self):
+    def test_chain_supported_by_rounding_is_refused(self):
         chain = 2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
         for roundings in (40.0, 4000.0):
             chain[0, 0] = chain[-1, -1] = 1.0
@@ -158,17 +158,17 @@ class TestContract:
                 with pytest.raises(NotPositiveDefiniteError):
                     symbolic.factorise("chain")
 
-    def test_zero_pivot_is_paired_or_has_no_sign(self):
-        """Zero diagonal: only 2×2 pivots exist; a library without these must not count."""
+    def test_zero_pivot_is_paired_or_reported(self):
+        """With a zero diagonal a library uses 2×2 pivots or must report zero pivots."""
         B = np.random.default_rng(5).standard_normal((6, 6))
         matrix = np.block([[np.zeros((6, 6)), B], [B.T, np.zeros((6, 6))]])
-        found = count_below(pencil(csr_array(matrix), csr_array((12, 12))), 0.0)
-        assert found.zero or found == Inertia(6, 0, 6)
+        count = count_below(pencil(csr_array(matrix), csr_array((12, 12))), 0.0)
+        assert count.zero or count == Inertia(6, 0, 6)
         singular = csr_array(np.diag([1.0, 0.0, -1.0]))
         assert count_below(pencil(singular, csr_array((3, 3))), 0.0).zero >= 1
 
-    def test_numbers_are_those_of_rslab(self, leg, monkeypatch):
-        """Compliance to 1e-10 and frequencies to 1e-9, counts equal, of all kinds of bodies."""
+    def test_compliance_and_modes_equal_rslab(self, leg, monkeypatch):
+        """Compliance to 1e-10, frequencies to 1e-9, equal counts: clamped, held, free body."""
 
         def numbers():
             body = clamped_leg(leg)
@@ -191,7 +191,7 @@ class TestContract:
             assert kind.counted == expected_kind.counted
 
     def test_repeated_computation_agrees(self, leg):
-        """To the same tolerances; bits are equal by rslab alone (test_factor.py)."""
+        """To the same tolerances; only rslab repeats results bit by bit (test_factor.py)."""
         first, second = (clamped_leg(leg) for _ in range(2))
         size = np.abs(first.compliance).max()
         np.testing.assert_allclose(second.compliance, first.compliance, rtol=0, atol=1e-10 * size)
@@ -219,11 +219,11 @@ CARD, SMALL = Device("card", 80_000_000_000), Device("small card", 4_000_000_000
         ("cudss", 1, CARD, "cudss"),
     ],
 )
-def test_choice_by_request_size_and_card(request_, unknowns, card, expected):
+def test_solver_choice_by_request_size_and_card(request_, unknowns, card, expected):
     assert choose(Solver(request_), unknowns, card) is Solver(expected)
 
 
-def test_request_of_environment_is_validated(monkeypatch):
+def test_solver_environment_variable_is_validated(monkeypatch):
     for text, expected in (("", "auto"), ("auto", "auto"), ("rslab", "rslab"), ("petsc", "petsc")):
         monkeypatch.setenv(VARIABLE, text)
         assert requested_solver() is Solver(expected)
@@ -248,7 +248,7 @@ def test_cudss_without_card_is_refused(monkeypatch, matrices):
         analyse(matrices[0])
 
 
-def test_driver_that_fails_is_no_card(monkeypatch):
+def test_failing_gpu_driver_counts_as_no_card(monkeypatch):
     insert_card(monkeypatch)
     import cupy  # noqa: PLC0415  the fake one
 
@@ -263,7 +263,7 @@ def test_driver_that_fails_is_no_card(monkeypatch):
         require_usable(Solver.CUDSS)
 
 
-def test_name_tells_libraries_and_card(monkeypatch):
+def test_solver_name_has_libraries_and_card(monkeypatch):
     insert_card(monkeypatch)
     assert cudss.device() == Device("fake card", 8_000_000_000)
     monkeypatch.setenv(VARIABLE, "cudss")
@@ -274,7 +274,7 @@ def test_name_tells_libraries_and_card(monkeypatch):
     assert solver_name().endswith(f"; from {GAIN_FROM} unknowns cuDSS 0.8.0 on fake card")
 
 
-def test_small_matrix_stays_on_host(monkeypatch, matrices):
+def test_small_matrix_is_solved_on_host(monkeypatch, matrices):
     monkeypatch.setenv(VARIABLE, "auto")
     card = insert_card(monkeypatch)
     assert analyse(matrices[0]).space is HOST
@@ -304,15 +304,15 @@ LOST = CuDSSError("EXECUTION_FAILED (5)")
     ],
 )
 @pytest.mark.parametrize("after", [0, 1, 6])
-def test_lost_card_is_replaced_with_one_warning(
+def test_failing_card_is_replaced_with_one_warning(
     leg, card, monkeypatch, call, error, message, after
 ):
-    """A card that fails at a call, or at a later one of its kind: all numbers are rslab's."""
+    """A card fails at its first or a later call of one kind: all results are those of rslab."""
     card.fails = call, error, after
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        found = numbers_of(leg)
-    lines = [str(one.message) for one in caught if one.category is SolverFallbackWarning]
+        results = numbers_of(leg)
+    lines = [str(w.message) for w in caught if w.category is SolverFallbackWarning]
     reached = card.calls.count(call) > after
     assert len(lines) == reached
     if reached:
@@ -321,12 +321,12 @@ def test_lost_card_is_replaced_with_one_warning(
         )
     monkeypatch.setenv(VARIABLE, "rslab")
     expected = numbers_of(leg)
-    np.testing.assert_allclose(found[0], expected[0], atol=1e-10 * np.abs(expected[0]).max())
-    np.testing.assert_allclose(found[1], expected[1], rtol=1e-9)
-    assert found[3] == expected[3]
+    np.testing.assert_allclose(results[0], expected[0], atol=1e-10 * np.abs(expected[0]).max())
+    np.testing.assert_allclose(results[1], expected[1], rtol=1e-9)
+    assert results[3] == expected[3]
 
 
-def test_too_little_memory_of_card_is_announced(leg, card):
+def test_too_little_card_memory_gives_warning(leg, card):
     card.free = 1_000_000
     with pytest.warns(SolverFallbackWarning, match=r"unknowns need about 0\.0 GB of its memory"):
         body = clamped_leg(leg)
@@ -334,8 +334,8 @@ def test_too_little_memory_of_card_is_announced(leg, card):
     assert "FACTORIZATION" not in card.calls
 
 
-def test_search_stays_on_card(leg, card):
-    """Blocks of the search are solved where they are: one block is one call, none is copied."""
+def test_mode_search_stays_on_card(leg, card):
+    """Each block of vectors of the search is solved on the card in one call, without copies."""
     body = clamped_leg(leg)
     assert body.space is not HOST
     _ = body.compliance
@@ -345,7 +345,7 @@ def test_search_stays_on_card(leg, card):
     assert card.calls.count("ANALYSIS") == 0
 
 
-def test_orderings_free_the_memory_of_card(matrices, card):
+def test_deleted_factor_frees_card_memory(matrices, card):
     symbolic = analyse(matrices[0])
     symbolic.factorise().solve(np.ones(symbolic.size))
     assert card.alive == 3

@@ -1,4 +1,4 @@
-"""Sparse factors against SuperLU and what they refuse; eigenvalues counted by their signs."""
+"""Sparse factors against SuperLU, refused matrices, and counts of eigenvalues by inertia."""
 
 import pickle
 
@@ -19,65 +19,65 @@ from lumped.sections import Rectangle
 
 
 def without(matrix, held):
-    """The matrix on the unknowns that are not held."""
+    """Return the matrix without the rows and columns `held`."""
     free = np.setdiff1d(np.arange(matrix.shape[0]), held)
     return matrix[free][:, free]
 
 
 def solid_and_root(length, slices):
-    """A leg and the unknowns of its root."""
+    """Return a solid leg and the numbers of the unknowns of its root."""
     solid = meshed(ConstantLeg(length, Rectangle(0.04, 0.06), STEEL), 2, slices)
     return solid, np.add.outer(3 * solid.mesh.root.nodes, range(3)).ravel()
 
 
 @pytest.fixture(scope="module")
 def short_leg():
-    """Stiffness and mass of a leg without the nodes of its root."""
+    """Return stiffness and mass of a leg without the nodes of its root."""
     solid, root = solid_and_root(0.3, 4)
     return without(solid.stiffness, root), without(solid.mass, root)
 
 
 def assert_solves(factor, matrix, columns=2):
     loads = np.random.default_rng(1).standard_normal((matrix.shape[0], columns))
-    expected, found = spsolve(matrix.tocsc(), loads), factor.solve(loads)
-    assert found.shape == loads.shape
-    # Solutions by two eliminations differ by the condition number (here 1e6) times 1e-16.
-    assert np.abs(found - expected).max() <= 1e-9 * np.abs(expected).max()
+    expected, solution = spsolve(matrix.tocsc(), loads), factor.solve(loads)
+    assert solution.shape == loads.shape
+    # Two factorisations differ by the condition number, here 1e6, times 1e-16.
+    assert np.abs(solution - expected).max() <= 1e-9 * np.abs(expected).max()
 
 
-def test_factors_of_several_matrices_at_once(short_leg):
+def test_several_factors_solve_independently(short_leg):
     K, M = short_leg
     pieces = csr_array(block_diag([K[:size, :size] for size in (300, 90, 600, 60)]))
     matrices = K, K + 1e6 * M, pieces
     factors = [analyse(matrix).factorise() for matrix in matrices]
     for factor, matrix, columns in zip(factors, matrices, (40, 2, 3), strict=True):
         assert_solves(factor, matrix, columns)
-    one = factors[0].solve(np.ones(K.shape[0]))
-    np.testing.assert_allclose(K @ one, 1.0, atol=1e-6)
+    solution = factors[0].solve(np.ones(K.shape[0]))
+    np.testing.assert_allclose(K @ solution, 1.0, atol=1e-6)
     assert factors[0].solve(np.ones((K.shape[0], 0))).shape == (K.shape[0], 0)
     by_triangle = analyse(upper_triangle(K)).factorise()
-    np.testing.assert_array_equal(by_triangle.solve(np.ones(K.shape[0])), one)
+    np.testing.assert_array_equal(by_triangle.solve(np.ones(K.shape[0])), solution)
 
 
-def test_the_same_bits_whatever_the_number_of_threads(short_leg, monkeypatch):
+def test_solution_is_bitwise_equal_for_any_threads(short_leg, monkeypatch):
     loads = np.random.default_rng(5).standard_normal((short_leg[0].shape[0], 8))
-    found = []
-    for told in ("1", "2", "4"):
-        monkeypatch.setenv("OMP_NUM_THREADS", told)
-        found.append(analyse(short_leg[0]).factorise().solve(loads))
-        np.testing.assert_array_equal(found[-1], found[0])
+    solutions = []
+    for setting in ("1", "2", "4"):
+        monkeypatch.setenv("OMP_NUM_THREADS", setting)
+        solutions.append(analyse(short_leg[0]).factorise().solve(loads))
+        np.testing.assert_array_equal(solutions[-1], solutions[0])
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1, 2, 3}, raising=False)
-    for told, expected in (("3", 3), ("", 4), ("0", 4), ("many", 4)):
-        monkeypatch.setenv("OMP_NUM_THREADS", told)
+    for setting, expected in (("3", 3), ("", 4), ("0", 4), ("many", 4)):
+        monkeypatch.setenv("OMP_NUM_THREADS", setting)
         assert threads() == expected
 
 
-def test_what_is_not_positive_definite_is_refused(short_leg, capfd):
+def test_matrix_not_positive_definite_is_refused(short_leg, capfd):
     K, M = short_leg
     with pytest.raises(NotPositiveDefiniteError, match=r"leg 1: .*not positive definite"):
         analyse(K - 2.0 * (2.0 * np.pi * 1e4) ** 2 * M).factorise("leg 1")
     assert capfd.readouterr() == ("", "")
-    # By one eigenvalue: those of the second difference are 2 − 2 cos(kπ/(n+1)).
+    # A chain with one negative eigenvalue; those of second differences are 2 − 2 cos(kπ/(n+1)).
     n = 300
     chain = 2.0 * eye_array(n) - eye_array(n, k=1) - eye_array(n, k=-1)
     lowest = 2.0 - 2.0 * np.cos(np.array([1.0, 2.0]) * np.pi / (n + 1))
@@ -88,19 +88,19 @@ def test_what_is_not_positive_definite_is_refused(short_leg, capfd):
 
 
 @pytest.mark.parametrize(("slices", "length"), [(3, 0.3), (12, 0.3), (30, 20.0)])
-def test_a_body_that_nothing_holds_is_refused(slices, length):
-    """Whatever rounding makes of its six zero eigenvalues; the clamped one is not refused."""
+def test_unsupported_solid_is_refused(slices, length):
+    """By rounding its six zero eigenvalues may be positive; a clamped solid is accepted."""
     solid, root = solid_and_root(length, slices)
     with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
         analyse(solid.stiffness).factorise()
     analyse(without(solid.stiffness, root)).factorise()
-    # Five of six motions held, by the three displacements of one node and two of another.
+    # Five of six rigid motions are held, by three displacements of one node and two of another.
     with pytest.raises(NotPositiveDefiniteError):
         analyse(without(solid.stiffness, root[[0, 1, 2, -3, -2]])).factorise()
 
 
-def test_a_chain_that_rounding_alone_holds_is_refused():
-    """Springs in a row, to ground by 40 or 4000 roundings of theirs: all pivots are positive."""
+def test_spring_chain_held_by_rounding_is_refused():
+    """Springs in series on a support as stiff as 40 or 4000 roundings: all pivots are positive."""
     chain = 2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
     for roundings in (40.0, 4000.0):
         chain[0, 0] = chain[-1, -1] = 1.0
@@ -116,7 +116,7 @@ def test_a_chain_that_rounding_alone_holds_is_refused():
 
 def test_memory_shortage_is_reported_before_factoring(short_leg, monkeypatch):
     symbolic = analyse(short_leg[0])
-    # The factor alone: half of the square of the fill, which is at least the band of a slice.
+    # The factor needs at least the memory of the lower triangle of K.
     assert 8 * short_leg[0].nnz / 2 < symbolic.peak_bytes < 1e9
     monkeypatch.setattr(
         "fem.solvers.backends.host_memory.available_memory", lambda: symbolic.peak_bytes - 1
@@ -128,23 +128,23 @@ def test_memory_shortage_is_reported_before_factoring(short_leg, monkeypatch):
 @pytest.mark.parametrize(
     "error", [NotPositiveDefiniteError("leg 1"), MissedModesError("leg 1: 2 missing", 2)]
 )
-def test_errors_of_solvers_arrive_from_another_process(error):
+def test_solver_errors_survive_pickling(error):
     arrived = pickle.loads(pickle.dumps(error))  # noqa: S301  its own bytes
     assert (type(arrived), str(arrived), vars(arrived)) == (type(error), str(error), vars(error))
 
 
-def test_matrix_whose_pivots_must_be_paired():
-    """Zero diagonal: only 2×2 pivots exist; eigenvalues ± singular values of B."""
+def test_inertia_with_two_by_two_pivots():
+    """With a zero diagonal only 2×2 pivots exist; eigenvalues are ± the singular values of B."""
     B = np.random.default_rng(5).standard_normal((6, 6))
     matrix = np.block([[np.zeros((6, 6)), B], [B.T, np.zeros((6, 6))]])
-    found = count_below(pencil(csr_array(matrix), csr_array((12, 12))), 0.0)
-    assert found == Inertia((eigvalsh(matrix) < 0).sum(), 0, 6) == Inertia(6, 0, 6)
+    count = count_below(pencil(csr_array(matrix), csr_array((12, 12))), 0.0)
+    assert count == Inertia((eigvalsh(matrix) < 0).sum(), 0, 6) == Inertia(6, 0, 6)
     singular = csr_array(np.diag([1.0, 0.0, -1.0]))
     assert count_below(pencil(singular, csr_array((3, 3))), 0.0) == Inertia(1, 1, 1)
 
 
-def test_mass_entries_outside_stiffness_are_counted():
-    """Also where an entry of both cancels at the shift; dense eigenvalues."""
+def test_count_with_mass_outside_stiffness_pattern():
+    """Mass entries where K is zero, and an entry of K − σM that cancels; dense eigenvalues."""
     K, M = np.diag([1.0, 2.0, 6.0]), np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 0.5], [0.0, 0.5, 3.0]])
     K[0, 2] = K[2, 0] = M[0, 2] = M[2, 0] = 0.25
     exact, both = eigvalsh(K, M), pencil(csr_array(K), csr_array(M))

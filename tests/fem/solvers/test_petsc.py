@@ -1,4 +1,4 @@
-"""MUMPS through PETSc: its processes, their death, and the request for ranks."""
+"""MUMPS through PETSc: server processes, their end, and the number of ranks."""
 
 import os
 import shutil
@@ -22,15 +22,15 @@ from lumped.errors import ComputationError, InputError
 from lumped.solver_request import PYTHON_VARIABLE, RANKS_VARIABLE, VARIABLE, requested_ranks
 
 CHAIN = diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(300, 300), format="csr")
-# Solution of the chain for unit forces at all nodes: a parabola.
+# Displacements of the chain under unit forces at all nodes: a parabola.
 PARABOLA = np.arange(1, 301) * (301 - np.arange(1, 301)) / 2.0
-# Seconds in which processes must have ended: killing takes up to five.
+# Time limit (s) for processes to end; killing takes up to five seconds.
 PATIENCE = 30.0
 
 
 @pytest.fixture(params=["1", "2"])
 def ranks(request, monkeypatch, tmp_path):
-    """A server of this test's own, whose folder is in `tmp_path`."""
+    """Start a PETSc server for one test with its folder in `tmp_path`; yield the ranks."""
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(RANKS_VARIABLE, request.param)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
@@ -42,16 +42,16 @@ def ranks(request, monkeypatch, tmp_path):
 
 
 def processes(word: str) -> dict[int, list[str]]:
-    """Living processes with a word in their command line: number and command line."""
-    found = {}
+    """Return the command lines of living processes that contain a word, by process number."""
+    matching = {}
     for folder in Path("/proc").glob("[0-9]*"):
         try:
             words = (folder / "cmdline").read_bytes().decode().split("\0")
         except OSError:
             continue
-        if any(word in one for one in words):
-            found[int(folder.name)] = words
-    return found
+        if any(word in argument for argument in words):
+            matching[int(folder.name)] = words
+    return matching
 
 
 def assert_nothing_left(folder: Path) -> None:
@@ -61,7 +61,7 @@ def assert_nothing_left(folder: Path) -> None:
         time.sleep(0.05)
 
 
-def test_killed_server_is_one_line_and_replaced(ranks, tmp_path):
+def test_killed_petsc_server_is_reported_and_replaced(ranks, tmp_path):
     factor = analyse(CHAIN).factorise()
     servers = [
         number
@@ -79,7 +79,7 @@ def test_killed_server_is_one_line_and_replaced(ranks, tmp_path):
     assert_nothing_left(tmp_path)
     with pytest.raises(ComputationError, match=r"has ended before$"):
         factor.solve(np.ones(300))
-    # The condition number, 4e4, times 1e-16.
+    # Error of the solution: the condition number, 4e4, times 1e-16.
     np.testing.assert_allclose(analyse(CHAIN).factorise().solve(np.ones(300)), PARABOLA, rtol=1e-10)
 
 
@@ -96,7 +96,7 @@ sys.stdin.read()
 
 
 @pytest.mark.parametrize("end", ["exit", "SIGKILL", "SIGINT"])
-def test_dead_client_leaves_nothing(ranks, tmp_path, end):
+def test_ended_client_leaves_no_petsc_processes(ranks, tmp_path, end):
     folder = tmp_path / "of client"
     folder.mkdir()
     environment = os.environ | {"TMPDIR": str(folder)}
@@ -118,7 +118,7 @@ def test_dead_client_leaves_nothing(ranks, tmp_path, end):
     assert_nothing_left(folder)
 
 
-def test_discarded_factor_leaves_no_files(ranks, tmp_path):
+def test_deleted_petsc_factor_leaves_no_files(ranks, tmp_path):
     assert ranks
     symbolic = analyse(CHAIN)
     symbolic.factorise()
@@ -128,7 +128,7 @@ def test_discarded_factor_leaves_no_files(ranks, tmp_path):
     assert not list(folder.glob("*-*.npy"))
 
 
-def test_name_has_versions_and_ranks(ranks):
+def test_petsc_solver_name_has_versions_and_ranks(ranks):
     plural = "" if ranks == 1 else "s"
     name = solver_name()
     assert name.startswith("PETSc 3.")
@@ -136,7 +136,7 @@ def test_name_has_versions_and_ranks(ranks):
     assert name.endswith(f"(sparse LDLᵀ) on {ranks} rank{plural}")
 
 
-def test_too_little_memory_is_refused_beforehand(ranks, monkeypatch):
+def test_petsc_memory_is_checked_before_factoring(ranks, monkeypatch):
     assert ranks
     symbolic = analyse(diags_array([np.full(20_000, 2.0)], offsets=[0], format="csr"))
     assert 20_000 * 16 < symbolic.peak_bytes < 1e9
@@ -147,7 +147,7 @@ def test_too_little_memory_is_refused_beforehand(ranks, monkeypatch):
 
 
 @pytest.mark.parametrize("text", ["0", "-1", "two", "1.5", "100000"])
-def test_wrong_ranks_are_refused(monkeypatch, text):
+def test_wrong_number_of_ranks_is_refused(monkeypatch, text):
     monkeypatch.setenv(RANKS_VARIABLE, text)
     message = f'FLEXPROOF_RANKS = "{text}": must be a whole number from 1 to'
     with pytest.raises(InputError, match=message):
@@ -164,7 +164,7 @@ def test_wrong_ranks_are_refused(monkeypatch, text):
         (shutil.which("false"), "ended with code 1: no message"),
     ],
 )
-def test_missing_petsc_names_packages(monkeypatch, interpreter, reason):
+def test_missing_petsc_message_has_packages(monkeypatch, interpreter, reason):
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(PYTHON_VARIABLE, interpreter)
     with pytest.raises(InputError) as refused:
@@ -174,7 +174,7 @@ def test_missing_petsc_names_packages(monkeypatch, interpreter, reason):
         assert words in str(refused.value)
 
 
-def test_full_temporary_folder_is_one_line(ranks, monkeypatch, tmp_path):
+def test_full_temporary_folder_gives_one_fault(ranks, monkeypatch, tmp_path):
     assert ranks
     symbolic = analyse(CHAIN)
 
@@ -193,7 +193,7 @@ def test_full_temporary_folder_is_one_line(ranks, monkeypatch, tmp_path):
             analyse(CHAIN)
 
 
-def test_missing_mpiexec_names_its_package(monkeypatch):
+def test_missing_mpiexec_message_has_package(monkeypatch):
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(PYTHON_VARIABLE, sys.executable)
     monkeypatch.setenv(RANKS_VARIABLE, "3")

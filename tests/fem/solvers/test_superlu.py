@@ -1,4 +1,4 @@
-"""Solvers where rslab cannot be loaded: SciPy, PETSc, or one clear line."""
+"""Linear solvers where rslab cannot be loaded: SciPy for small systems, PETSc for large ones."""
 
 import re
 import sys
@@ -23,7 +23,7 @@ REASON = "libgomp.so.1: cannot open shared object file"
 
 @pytest.fixture
 def damaged(monkeypatch, tmp_path):
-    """A wheel of rslab whose library cannot be loaded."""
+    """Provide an installation of rslab whose library cannot be loaded."""
     (tmp_path / "rslab.py").write_text(f'raise OSError("{REASON}")\n')
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "rslab", raising=False)
@@ -38,7 +38,7 @@ def test_small_system_is_solved_by_scipy():
     with pytest.warns(SolverFallbackWarning, match=re.escape(f"cannot be loaded ({REASON}): Sc")):
         symbolic = analyse(CHAIN)
     assert type(symbolic.analysis.ordering) is SuperluOrdering
-    # Deflection of the chain under unit forces: a parabola.
+    # Displacements of the chain under unit forces: a parabola.
     node = np.arange(1, 301)
     deflections = symbolic.factorise().solve(np.ones(300))
     np.testing.assert_allclose(deflections, node * (301 - node) / 2.0, rtol=1e-10)
@@ -46,8 +46,8 @@ def test_small_system_is_solved_by_scipy():
 
 @pytest.mark.usefixtures("damaged")
 @pytest.mark.filterwarnings("ignore::fem.solvers.backends.choice.SolverFallbackWarning")
-def test_pivot_off_the_diagonal_has_no_sign():
-    """Pairs of zero diagonals: eigenvalues ±1, which pivots on the diagonal cannot count."""
+def test_superlu_off_diagonal_pivot_is_not_counted():
+    """Pairs with zero diagonals have eigenvalues ±1, which diagonal pivots cannot count."""
     pairs = diags_array([np.tile([1.0, 0.0], 5)[:9]], offsets=[1], shape=(10, 10), format="csr")
     assert analyse(pairs).indefinite("pairs").inertia.zero >= 1
     signs = diags_array([np.repeat([-1.0, 2.0], [3, 7])], offsets=[0], format="csr")
@@ -55,7 +55,7 @@ def test_pivot_off_the_diagonal_has_no_sign():
 
 
 @pytest.mark.usefixtures("damaged")
-def test_large_system_without_petsc_is_one_line(monkeypatch):
+def test_large_system_without_petsc_gives_one_fault(monkeypatch):
     monkeypatch.setattr("fem.solvers.backends.superlu.LARGEST", 299)
     monkeypatch.setenv(PYTHON_VARIABLE, "/nowhere/python")
     with pytest.raises(ComputationError) as refused:
@@ -79,7 +79,7 @@ def test_large_system_is_solved_by_petsc(monkeypatch):
 
 
 @pytest.mark.usefixtures("damaged")
-def test_rslab_on_request_is_refused(monkeypatch):
+def test_requested_rslab_that_fails_is_refused(monkeypatch):
     monkeypatch.setenv(VARIABLE, "rslab")
     message = re.escape(f"solver rslab: cannot be loaded ({REASON}); install rslab again")
     for use in (lambda: analyse(CHAIN), lambda: request_solver(None)):
