@@ -118,3 +118,37 @@ def test_solid_of_two_materials_is_its_beam():
 def test_formulas_of_one_material_refuse_composites():
     with pytest.raises(InputError, match="takes sections of one material"):
         section_constants(section_mesh(STEPPED, 4), 0.3)
+
+
+@pytest.mark.exhaustive
+def test_composite_against_sectionproperties():
+    """Another finite element code, weighted by E: van Leeuwen, sectionproperties.
+
+    Both materials have one Poisson's ratio. Its shear centre by Trefftz is that of the energies.
+    """
+    library = pytest.importorskip("sectionproperties.pre.library")
+    analysis = pytest.importorskip("sectionproperties.analysis")
+    pre = pytest.importorskip("sectionproperties.pre")
+    geometry = None
+    for number, part in enumerate(STEPPED.parts):
+        width, height = (1e3 * size for size in part.section.extent)
+        material = pre.Material(str(number), part.E / 1e9, part.nu, 1.0, 1.0, "grey")
+        shape = library.rectangular_section(d=height, b=width, material=material).shift_section(
+            1e3 * part.at[0] - width / 2.0, 1e3 * part.at[1] - height / 2.0
+        )
+        geometry = shape if geometry is None else geometry + shape
+    geometry.create_mesh([1.0])
+    theirs = analysis.Section(geometry)
+    theirs.calculate_geometric_properties()
+    theirs.calculate_warping_properties()
+    beam = ConstantLeg(1.0, STEPPED, Material(*STEPPED.mean_material)).timoshenko
+    # Moduli in GPa, lengths in mm: 1e3 N and 1e-3 N m² per unit.
+    assert beam.EA == pytest.approx(1e3 * theirs.get_ea(), rel=1e-9)
+    moments = (beam.EIy, beam.EIz, beam.EIyz)
+    assert moments == pytest.approx(1e-3 * np.array(theirs.get_eic()), rel=1e-9)
+    shear = 2.0 * (1.0 + 0.3)
+    assert beam.GJ == pytest.approx(1e-3 * theirs.get_ej() / shear, rel=1e-3)
+    stiffnesses = np.array([beam.GAy, beam.GAz])
+    assert stiffnesses == pytest.approx(1e3 * np.array(theirs.get_eas()) / shear, rel=2e-3)
+    centre = 1e-3 * (np.array(theirs.get_sc_t()) - np.array(theirs.get_c()))
+    assert [beam.centre_y, beam.centre_z] == pytest.approx(centre, abs=1e-5)
