@@ -1,4 +1,7 @@
-"""VTU file of the stress fields of all bodies as solids, for ParaView."""
+"""VTU file of the stress fields of all bodies as solids, for ParaView.
+
+Input: `Forces` of one load in one pose, with stress fields. Output: the content of the file.
+"""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,10 +19,11 @@ if TYPE_CHECKING:
 
 
 def vtu_of(forces: Forces) -> bytes:
-    """Content of a VTU file of the only load in the only pose, base axes.
+    """Content of a VTU file with the stress fields of all bodies, in base axes.
 
-    Point data: "displacement" (m), "von Mises stress" and the stresses in the axes of the body
-    (Pa). Cell data "body": number of the body in the order of the robot file.
+    `forces` must have a single load and a single pose. Point data: "displacement" (m), "von Mises
+    stress" and the stresses in the axes of the body (Pa). Cell data "body": number of the body in
+    the order of the robot file.
     """
     ((found,),) = (tuple(pose.loads.values()) for pose in forces.poses)
     solids = () if found is None else tuple(found.solids.values())

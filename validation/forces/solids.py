@@ -1,7 +1,9 @@
-"""Stress fields of legs and CAD parts as solids, with the forces of a load on their interfaces.
+"""Stress fields of legs and CAD parts as solids under the forces on their interfaces.
 
-The first interface is clamped, the others have their wrenches, and weight and inertia act on the
-mass. The reaction of the first interface then is its own wrench, by the equilibrium of the body.
+Input: a posture, a load, and the wrenches and twists of the interfaces by a model of the robot.
+Output: `SolidStress` for each body. Rule: the first interface is clamped, the others have their
+wrenches, and weight and inertia act on the mass. By equilibrium of the body, the reaction of the
+first interface is then the wrench that acts on it.
 """
 
 from collections.abc import Mapping
@@ -43,11 +45,12 @@ _ORDER = 1.0
 
 @dataclass(frozen=True, eq=False)
 class SolidStress:
-    """Stress field of a body as a solid: `mesh` in base axes (m).
+    """Stress field of one body as a solid under a load.
 
-    `displacements` (N×3, m) and `stresses` (N×6, Pa) are in base axes and body axes. `largest` (Pa)
-    is the largest von Mises stress farther than `distance` (m) from singular edges, at `place` (3,
-    m, base axes), with its `half_width`, infinite if the mesh cannot be refined.
+    `mesh` in base axes (m). `displacements` (N×3, m) in base axes and `stresses` (N×6, Pa) in body
+    axes at its N nodes. `largest` (Pa): largest von Mises stress farther than `distance` (m) from
+    singular edges, at `place` (3, m, base axes). `half_width` (Pa): its uncertainty due to the
+    mesh, infinite if the mesh cannot be refined.
     """
 
     body: str
@@ -62,7 +65,10 @@ class SolidStress:
 
 @dataclass(frozen=True, eq=False)
 class _Solid:
-    """A body on one mesh: factorised with its first interface clamped, and its nodal mass."""
+    """Body on one mesh, factorised with its first interface clamped, with its nodal masses.
+
+    `singular`: nodes on edges with singular stresses.
+    """
 
     mesh: VolumeMesh
     material: Material
@@ -121,7 +127,7 @@ def _leg(leg: ConstantLeg, options: ModelOptions, divisions: int) -> _Solid:
 
 
 def _rim(face: IntArray, mesh: SolidMesh) -> IntArray:
-    """Nodes of the edges of an end face."""
+    """Indices of the nodes on the edges of an end face."""
     section = mesh.root.mesh
     corners = section.cells[:, list(ELEMENTS[section.element].corner_nodes)]
     edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2))

@@ -44,9 +44,10 @@ class DesignKind(Enum):
 
 @dataclass(frozen=True)
 class DesignQuantity:
-    """Quantity of a robot by the name that is typed. Unit loads are part of the `unit`.
+    """Quantity of a robot that can be minimised, maximised or bounded, by its typed `name`.
 
-    `column`: index of the axis of a deflection, or of the frequency. `load`: name of a load.
+    `unit`: unit of the typed bound, which includes that of the unit load. `column`: index of the
+    axis of a deflection, or of the frequency. `load`: name of a load.
     """
 
     name: str
@@ -56,7 +57,10 @@ class DesignQuantity:
     load: str = ""
 
     def value(self, mechanism: Mechanism, answers: Sequence[Answer]) -> float:
-        """Value (SI) in the pose in which it is worst. NaN if a pose has no number."""
+        """Value (SI) of the quantity in the pose in which it is worst.
+
+        NaN if any pose has no value.
+        """
         if self.kind is DesignKind.MASS:
             return total_mass(mechanism)
         return _worst([self._in_pose(answer) for answer in answers], self.kind)
@@ -86,7 +90,7 @@ class Condition:
     bound: float
 
     def excess(self, values: Array) -> Array:
-        """Distance of values from the bound, relative to the bound, positive where it is missed."""
+        """Relative distances by which values exceed the bound; negative for values that keep it."""
         difference = values - self.bound if self.at_most else self.bound - values
         return np.asarray(difference / (abs(self.bound) or 1.0))
 
@@ -132,9 +136,9 @@ class DesignChoice:
 
     @property
     def nearest(self) -> tuple[int, Condition, float] | None:
-        """Robot that misses its worst condition by least, that condition, and the relative miss.
+        """Robot that is closest to meeting all conditions: index, worst condition, relative excess.
 
-        None if no robot has all its quantities, or without conditions.
+        None if no robot has all quantities of the purpose, or if there are no conditions.
         """
         if not self.purpose.conditions or not self._known.any():
             return None
@@ -258,7 +262,10 @@ def _condition(text: str, allowed: Mapping[str, DesignQuantity]) -> Condition:
 
 
 def choice_text(choice: DesignChoice, names: Sequence[str]) -> str:
-    """The choice in words. `names` (n): the varied numbers of each robot with their keys."""
+    """Text with the chosen robot, or with the reason why there is none.
+
+    `names` (n): the varied numbers of each robot with their keys.
+    """
     purpose, count = choice.purpose, len(names)
 
     def values(robot: int) -> str:
@@ -288,7 +295,7 @@ def choice_text(choice: DesignChoice, names: Sequence[str]) -> str:
 
 
 def choice_record(choice: DesignChoice, values: Sequence[Mapping[str, float]]) -> dict[str, Any]:
-    """The choice for JSON. `values` (n): the varied numbers of each robot by key."""
+    """Plain data of the choice, for JSON. `values` (n): varied numbers of each robot by key."""
     purpose, best = choice.purpose, choice.best
     robots = [
         {

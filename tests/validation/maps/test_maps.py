@@ -232,7 +232,7 @@ def test_only_grids_have_maps(five_bar):
 def test_star_is_in_slice_nearest_to_worst_pose():
     """Three directions, slices at z = 0, 1, 2, 3, worst posture at z = 2.2."""
     axes = (np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.arange(4.0))
-    space = SimpleNamespace(axes=axes, moves=(0, 1, 2))
+    space = SimpleNamespace(axes=axes, varied=(0, 1, 2))
     quantity = SimpleNamespace(title="stiffness", unit="N/µm")
     values = np.arange(16.0).reshape(2, 2, 4)
     worst = SimpleNamespace(pose=np.array([0.4, 0.7, 2.2]))
