@@ -143,11 +143,11 @@ def test_composite_against_sectionproperties():
     theirs.calculate_warping_properties()
     beam = ConstantLeg(1.0, STEPPED, Material(*STEPPED.mean_material)).timoshenko
     # Moduli in GPa, lengths in mm: 1e3 N and 1e-3 N m² per unit.
-    assert beam.EA == pytest.approx(1e3 * theirs.get_ea(), rel=1e-9)
+    assert pytest.approx(1e3 * theirs.get_ea(), rel=1e-9) == beam.EA
     moments = (beam.EIy, beam.EIz, beam.EIyz)
     assert moments == pytest.approx(1e-3 * np.array(theirs.get_eic()), rel=1e-9)
     shear = 2.0 * (1.0 + 0.3)
-    assert beam.GJ == pytest.approx(1e-3 * theirs.get_ej() / shear, rel=1e-3)
+    assert pytest.approx(1e-3 * theirs.get_ej() / shear, rel=1e-3) == beam.GJ
     stiffnesses = np.array([beam.GAy, beam.GAz])
     assert stiffnesses == pytest.approx(1e3 * np.array(theirs.get_eas()) / shear, rel=2e-3)
     centre = 1e-3 * (np.array(theirs.get_sc_t()) - np.array(theirs.get_c()))
