@@ -22,7 +22,7 @@ from validation.maps.figure import figures as maps
 from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_paper_robot
-from validation.references.robot_on_path import distinct_legs
+from validation.references.robot_on_path import prismatic_legs
 from validation.report.figures import curves, forces, modes, pictures, responses
 from validation.run.outcome import Task
 from validation.solids.solid_legs import SHARED_SOLIDS
@@ -54,7 +54,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
         *part_models_vs_solid.cases(
             parts=part_models_vs_solid.parts_as_legs(mechanism), limits=limits
         ),
-        *mesh_cases.cases(legs=distinct_legs(mechanism)),
+        *mesh_cases.cases(legs=prismatic_legs(mechanism)),
         *convergence_cases.cases(bodies=convergence_cases.subjects(mechanism), limits=limits),
         *cases(mechanism, robot_file.requirement.modes),
         *([_MEASURED] if robot_file.measured else []),

@@ -7,7 +7,7 @@ reductions of CAD parts, against CalculiX and EXUDYN, and against Ritz's method 
 from lumped.mechanism.mechanism import Mechanism
 from validation.case import Case
 from validation.cases import leg_theory, other_programs, part_reductions, polynomials
-from validation.references.robot_on_path import distinct_legs
+from validation.references.robot_on_path import prismatic_legs
 
 
 def cases(mechanism: Mechanism, mode_count: int) -> tuple[Case, ...]:
@@ -16,7 +16,7 @@ def cases(mechanism: Mechanism, mode_count: int) -> tuple[Case, ...]:
     `mode_count` is the number of judged natural frequencies.
     """
     return (
-        *leg_theory.cases(legs=distinct_legs(mechanism)),
+        *leg_theory.cases(legs=prismatic_legs(mechanism)),
         *part_reductions.cases(mechanism=mechanism),
         *other_programs.cases(mechanism=mechanism),
         *polynomials.cases(mechanism=mechanism, modes=mode_count),

@@ -19,7 +19,7 @@ from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Leg
+from lumped.legs import ConstantLeg, Leg, LineLeg
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
@@ -106,6 +106,8 @@ def _reduced_and_calculix(context: Context) -> tuple[tuple[Array, Array], tuple[
             f"{', '.join(parts)}: the comparison with CalculiX is available only for robots "
             "of prismatic legs and rigid bodies"
         )
+    if any(isinstance(leg, LineLeg) for leg in legs):
+        raise Skip("legs along a line are not written for CalculiX")
     if not legs or not all(isinstance(leg, ConstantLeg) for leg in legs):
         raise Skip("legs specified by a 6×6 have no section that could be meshed")
     cubes = sum(map(_cube_count, legs_of(with_bars(posture).mechanism).values()))

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from lumped.acceptance.quantities import AXES, ROTATIONS
 from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
-from lumped.legs import Theory
+from lumped.legs import LineLeg, Theory
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import vjm
-from lumped.models.bodies import tip_compliances
+from lumped.models.bodies import legs_of, tip_compliances
 from lumped.models.serial_chains import serial_chains
 from lumped.system.assembly import assembly
 from lumped.system.solution import rounding, solved
@@ -76,9 +76,10 @@ _DYNAMIC = {
 
 
 def _models(mechanism: Mechanism) -> Mapping[str, JudgedModel]:
-    """Judged models. With CAD parts, which have no polynomials, only `simplified`."""
+    """Judged models. CAD parts and legs along a line have no polynomials: only `simplified`."""
     models = judged_models(mechanism)
-    return {"simplified": models["simplified"]} if mechanism.parts else models
+    lines = any(isinstance(leg, LineLeg) for leg in legs_of(mechanism).values())
+    return {"simplified": models["simplified"]} if mechanism.parts or lines else models
 
 
 def _dynamic_models(mechanism: Mechanism) -> list[tuple[str, Relative, str]]:

@@ -15,7 +15,7 @@ import numpy as np
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.robot_file import RobotFile
 from validation.case import Case, Skip
-from validation.comparisons import leg_beam_vs_solid, robot_beam_vs_solid
+from validation.comparisons import leg_beam_vs_solid, line_leg_vs_solid, robot_beam_vs_solid
 from validation.comparisons.convergence_cases import JUDGED, study_of, subjects
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import RefinedModel
@@ -23,7 +23,7 @@ from validation.comparisons.element_convergence import QUANTITIES
 from validation.comparisons.requested import leg_names
 from validation.context import Context
 from validation.drawing.text import percent, quantity_name
-from validation.references.robot_on_path import distinct_legs
+from validation.references.robot_on_path import prismatic_legs
 from validation.run.outcome import Outcome, Verdict, judge
 
 
@@ -47,7 +47,11 @@ def agreement_cases(robot_file: RobotFile) -> tuple[Case, ...]:
     """Comparisons of all formulations with solids: of the robot, then of each distinct leg."""
     mechanism, limits = robot_file.mechanism, robot_file.agreement
     of_robot = robot_beam_vs_solid.cases(limits=limits) if leg_names(mechanism) else ()
-    return (*of_robot, *leg_beam_vs_solid.cases(legs=distinct_legs(mechanism), limits=limits))
+    return (
+        *of_robot,
+        *leg_beam_vs_solid.cases(legs=prismatic_legs(mechanism), limits=limits),
+        *line_leg_vs_solid.cases(mechanism=mechanism, limits=limits),
+    )
 
 
 def checks(robot_file: RobotFile) -> tuple[Check, ...]:

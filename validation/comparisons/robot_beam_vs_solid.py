@@ -24,11 +24,11 @@ from fem.reduction.superelement import held_leg
 from fem.sections.section_constants import section_constants
 from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
 from lumped.arrays import Array, IntArray
-from lumped.legs import ConstantLeg, tip_compliance
+from lumped.legs import ConstantLeg, LineLeg, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.memo import memo
-from lumped.models.bodies import links, on_equivalent_legs
+from lumped.models.bodies import legs_of, links, on_equivalent_legs
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
 from meshes.section.section_mesh import section_mesh
@@ -190,6 +190,13 @@ def _require_prisms(mechanism: Mechanism) -> None:
         raise Skip(
             f'{parts}: a CAD part is not a leg of constant section; the table "Adequacy '
             'of the models" compares the robot with solid parts'
+        )
+    lines = [name for name, leg in legs_of(mechanism).items() if isinstance(leg, LineLeg)]
+    if lines:
+        raise Skip(
+            f"{', '.join(lines)}: a leg along a line is not of constant section; each is compared "
+            'with its own solid, and the table "Adequacy of the models" compares the robot with '
+            "such solids"
         )
 
 

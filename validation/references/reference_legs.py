@@ -83,7 +83,7 @@ def solid_leg(context: Context, leg: SectionedLeg) -> TwoMeshes:
     if shapeless := why_shapeless([leg]):
         raise InputError(shapeless)
     if isinstance(leg, LineLeg):
-        return context.get(line_meshes, leg, *_line_divisions(context.meshes, leg))
+        return context.get(line_meshes, leg, *line_divisions(context.meshes, leg))
     limit = most_unknowns(context.meshes, leg)
     try:
         return context.get(two_meshes, leg, limit)
@@ -104,7 +104,7 @@ def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
     def meshes(preset: Preset) -> list[object]:
         return [
             *(mesh_pair(leg, most_unknowns(preset, leg)) for leg in solids),
-            *(_line_divisions(preset, leg) for leg in lines),
+            *(line_divisions(preset, leg) for leg in lines),
         ]
 
     def finer(preset: Preset) -> bool:
@@ -129,7 +129,7 @@ def most_unknowns(preset: Preset, leg: ConstantLeg) -> int:
     return first if static_divisions(leg, first) else second
 
 
-def _line_divisions(preset: Preset, leg: LineLeg) -> tuple[int, int]:
+def line_divisions(preset: Preset, leg: LineLeg) -> tuple[int, int]:
     """Divisions across the section of the coarse and the fine mesh of a leg of varying section.
 
     The doubling method, which needs equal slices, cannot be used for such a leg.

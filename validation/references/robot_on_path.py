@@ -16,7 +16,7 @@ import numpy as np
 from fem.beams.interior import Interior
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import Ends, GivenLeg, Leg, SectionedLeg
+from lumped.legs import Ends, GivenLeg, Leg, LineLeg, SectionedLeg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, tip_compliances
@@ -342,6 +342,12 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
     for name, leg in known_legs(mechanism).items():
         first.setdefault(name if isinstance(leg, GivenLeg) else leg, name)
     return tuple(first.values())
+
+
+def prismatic_legs(mechanism: Mechanism) -> tuple[str, ...]:
+    """Names of distinct legs that are prisms, or known by a 6×6 and then replaced by prisms."""
+    legs = legs_of(mechanism)
+    return tuple(name for name in distinct_legs(mechanism) if not isinstance(legs[name], LineLeg))
 
 
 def why_not_serial(postures: Sequence[Posture]) -> str:

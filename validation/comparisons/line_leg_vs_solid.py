@@ -1,0 +1,211 @@
+"""Legs along a line by beams, segments and links against solids, each leg alone, root clamped.
+
+The solid is the same taper or arc in quadratic hexahedra, with the ends of the robot file. Two
+causes of a difference are computed separately: held end faces, by the same solid with free ends,
+and the textbook's section constants along the line. What they leave is the difference to the solid
+with free ends, whose numbers converge with the order of the elements. Beam theory itself takes
+fibres as parallel to the centre line and equally long. It neglects the square of the slope of a
+taper's faces and of half the height over the radius of an arc, which are added to the limits of
+agreement.
+"""
+
+import numpy as np
+
+from lumped.acceptance.requirement import AgreementLimits
+from lumped.arrays import Array
+from lumped.legs import Ends, LineLeg
+from lumped.mechanism.mechanism import Mechanism
+from lumped.models.bodies import clamped_modes, legs_of
+from validation.case import Allowance, Measurement, Relative, Skip
+from validation.case_group import CaseGroup, numbered
+from validation.comparisons.element_convergence import MODES
+from validation.comparisons.leg_beam_vs_solid import (
+    DYNAMIC_MODELS,
+    FORMULA,
+    FORMULA_SOURCE,
+    HELD_FACES,
+    MOTIONS,
+    STATIC_MODELS,
+    limited,
+)
+from validation.comparisons.section_formulas import leg_formula_band
+from validation.context import Context
+from validation.models.leg_models import (
+    clamped_solid,
+    leg_compliance,
+    leg_frequencies,
+)
+from validation.models.options import ModelName, ModelOptions
+from validation.references.reference_legs import (
+    SECTION_DIVISIONS,
+    line_divisions,
+    own_elements,
+    own_sections,
+    slowest,
+    solid_leg,
+)
+from validation.solids.solid_legs import ELEMENTS, formal_order
+from validation.solids.solid_size import too_large, why_shapeless
+from validation.studies_and_figures import AGREEMENT
+from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+
+_HELD_SOURCE = "the same solid with ends free to warp and contract"
+_NEGLECTED = (
+    "and the squares of a taper's slope and of half the height over an arc's radius, which beam "
+    "theory neglects"
+)
+
+
+def neglected(leg: LineLeg) -> float:
+    """Relative error of beam theory: (largest slope of a face)² and (half the height/radius)²."""
+    slopes = [
+        abs(last - first) / (2.0 * (span.end - span.start))
+        for span in leg.spans
+        for first, last in zip(span.first.extent, span.last.extent, strict=True)
+    ]
+    return float(max(slopes) ** 2 + (0.5 * leg.largest_extent / leg.line.smallest_radius) ** 2)
+
+
+def _line_legs(mechanism: Mechanism) -> list[tuple[str, float]]:
+    """Name of each leg along a line and the relative error of its beam theory."""
+    legs = legs_of(mechanism).items()
+    return [(name, neglected(leg)) for name, leg in legs if isinstance(leg, LineLeg)]
+
+
+cases = CaseGroup(
+    over={"body, neglected": _line_legs},
+    kind="agreement",
+    reference_kind="independent-solver",
+    section=AGREEMENT,
+    subject="leg",
+    group="{body}.line",
+    effort=1.0,
+    elements=lambda model, limits: limits.elements if model in DYNAMIC_MODELS else 0,
+)
+
+
+def _leg(context: Context, body: str) -> LineLeg:
+    leg = legs_of(context.robot_file.mechanism)[body]
+    if not isinstance(leg, LineLeg):
+        raise TypeError(f"{body}: no leg along a line")
+    divisions = line_divisions(context.meshes, leg)
+    if reason := why_shapeless([leg]) or too_large([leg], divisions[1:], context.meshes):
+        raise Skip(reason)
+    return leg
+
+
+def _options(limits: AgreementLimits) -> ModelOptions:
+    return ModelOptions(elements=limits.elements)
+
+
+@cases.case(
+    "{body}.agrees[{model}-solid-{motion}]",
+    "{body}: compliance {motion} by {model} equals that of the solid leg",
+    over={
+        "model": STATIC_MODELS,
+        "motion, entry, unit": [
+            (name, *entry_and_unit) for name, entry_and_unit in MOTIONS.items()
+        ],
+    },
+    quantity="displacement of the tip, {motion}, under a unit load, root clamped",
+    label="{motion}",
+    citation="the same leg along its line meshed with quadratic hexahedra",
+    tolerance=lambda limits, neglected: Relative(limits.compliance + neglected),
+    tolerance_reason=f"[agree] compliance (default 0.1 %), {_NEGLECTED}",
+)
+def _motion(
+    context: Context, body: str, model: ModelName, entry: int, limits: AgreementLimits
+) -> Measurement:
+    leg = _leg(context, body)
+    ends = limits.ends_of(leg.ends)
+    meshes = solid_leg(context, leg)
+    diagonal = entry, entry
+    fine, coarse = meshes.fine[ends][diagonal], meshes.coarse[ends][diagonal]
+    restraint = meshes.restrained[diagonal] if ends == "rigid" else 0.0
+    computed = context.get(_computed_tip, leg)[diagonal]
+    theory = leg.sections("timoshenko").tip_compliance[diagonal]
+    soft, stiff = (bound[diagonal] for bound in context.get(_formula_tips, leg))
+    formula = limited(
+        float(theory - computed), (float(stiff - computed), float(soft - computed)), 0.0
+    )
+    return Measurement(
+        float(leg_compliance(model, leg, _options(limits))[diagonal]),
+        float(fine),
+        reference_uncertainty=float(
+            mesh_half_widths([np.abs(np.array(fine - coarse))], slowest(meshes.ratio))
+        ),
+        judged_uncertainty=_free_half_width(
+            leg, meshes.coarse["free"][diagonal], meshes.fine["free"][diagonal], meshes.ratio
+        ),
+        allowances=(
+            Allowance(HELD_FACES, -float(restraint), _HELD_SOURCE),
+            Allowance(FORMULA, formula, FORMULA_SOURCE),
+        ),
+    )
+
+
+def _free_half_width(leg: LineLeg, coarse: float, fine: float, ratio: float) -> float:
+    """Half-width of a number of the solid with free ends on two meshes."""
+    policy = MeshPolicy.of_order(ratio, formal_order(leg, "free"))
+    return float(mesh_half_widths([np.abs(np.array(fine - coarse))], policy))
+
+
+def _computed_tip(leg: LineLeg) -> Array:
+    """Tip compliance (6×6, SI) of the beam with section constants by finite elements."""
+    return own_sections(leg).tip_compliance
+
+
+def _formula_tips(leg: LineLeg) -> tuple[Array, Array]:
+    """Tip compliances (6×6, SI) of the softest and stiffest beam by correct textbook formulas."""
+    soft, stiff = (
+        leg.sections_by(lambda prism: leg_formula_band(prism, SECTION_DIVISIONS)[side])  # noqa: B023
+        for side in (0, 1)
+    )
+    return soft.tip_compliance, stiff.tip_compliance
+
+
+@cases.case(
+    "{body}.agrees[{model}-solid-f{mode}]",
+    "{body}: f{mode} by {model} equals that of the solid leg",
+    over={"model": DYNAMIC_MODELS, "index, mode": numbered(MODES)},
+    quantity="natural frequency {mode}, clamped-free, in ascending order",
+    label="f{mode}",
+    unit="Hz",
+    citation="the same leg along its line meshed with quadratic hexahedra",
+    tolerance=lambda limits, neglected: Relative(limits.frequency + neglected),
+    tolerance_reason=f"[agree] frequency (default 1 %), {_NEGLECTED}",
+)
+def _frequency(
+    context: Context, body: str, model: ModelName, index: int, limits: AgreementLimits
+) -> Measurement:
+    leg = _leg(context, body)
+    ends = limits.ends_of(leg.ends)
+    meshes = line_divisions(context.meshes, leg)
+    (coarse, fine), (coarse_free, free) = (
+        [context.get(_solid_frequencies, leg, number, held)[index] for number in meshes]
+        for held in (ends, "free")
+    )
+    computed = context.get(_computed_frequencies, leg)[index]
+    theory = leg_frequencies("beam", leg, index + 1, ModelOptions(elements=ELEMENTS))[index]
+    value = leg_frequencies(model, leg, index + 1, _options(limits))[index]
+    return Measurement(
+        float(value),
+        float(fine),
+        reference_uncertainty=float(
+            mesh_half_widths([np.abs(np.array(fine - coarse))], slowest(meshes[1] / meshes[0]))
+        ),
+        judged_uncertainty=_free_half_width(leg, coarse_free, free, meshes[1] / meshes[0]),
+        allowances=(
+            Allowance(HELD_FACES, float(free - fine), _HELD_SOURCE),
+            Allowance(FORMULA, float(theory - computed), FORMULA_SOURCE),
+        ),
+    )
+
+
+def _solid_frequencies(leg: LineLeg, divisions: int, ends: Ends) -> Array:
+    return clamped_solid(leg, divisions, ends).modes(MODES).frequencies
+
+
+def _computed_frequencies(leg: LineLeg) -> Array:
+    """Frequencies (Hz) of beam elements with section constants by finite elements."""
+    return clamped_modes(own_elements(leg, None, ELEMENTS), MODES).frequencies
