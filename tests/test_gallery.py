@@ -241,3 +241,13 @@ def test_catalogue_joints_are_springs_in_series(example):
     assert found["along_x"] == pytest.approx(expected, rel=1e-8)
     tool, slide = found["middle"].answers[0].responses
     assert 0.0 < slide.judged[0] < 0.5 * tool.judged[0]
+
+
+def test_tapered_arm_converges_and_is_like_its_solid(example):
+    """Formal orders 2 and 4; the solid with free ends; a curved taper's beam error (h/2R)²."""
+    found = example(18)
+    f1 = found["study"].column("f1")
+    for model, order in (("segments", 2), ("beam", 4)):
+        assert found["study"].of(model).orders[f1] == pytest.approx(order, abs=0.1)
+    beam, solid = found["deflections"].values()
+    assert beam == pytest.approx(solid, rel=0.0136)

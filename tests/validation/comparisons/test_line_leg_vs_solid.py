@@ -1,0 +1,132 @@
+"""Legs along a line in comparisons: verdicts, models that take them, and what refuses them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fem.multibody import require_beams
+from lumped.acceptance.requirement import DEFAULT_LIMITS
+from lumped.errors import InputError
+from lumped.legs import LineLeg
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.models.bodies import legs_of
+from lumped.robot_file import load_robot
+from lumped.robot_file.load import robot_of
+from validation import api
+from validation.catalogue import catalogue
+from validation.comparisons import line_leg_vs_solid
+from validation.comparisons.element_convergence import leg_convergence
+from validation.comparisons.line_leg_vs_solid import cases, neglected
+from validation.context import Context
+from validation.models.leg_models import leg_compliance
+from validation.models.loads.stability import bent_legs, stabilities
+from validation.models.options import ModelOptions
+from validation.references.robot_on_path import prismatic_legs
+from validation.run.outcome import judge
+
+ARM = Path(__file__).parents[3] / "examples" / "tapered-arm" / "robot.toml"
+ROBOT = load_robot(ARM)
+LEG = legs_of(ROBOT.mechanism)["arm"]
+TAPER = [
+    {"at": 0.0, "shape": "rectangle", "width": 0.06, "height": 0.08},
+    {"at": 1.0, "shape": "rectangle", "width": 0.06, "height": 0.04},
+]
+
+
+def boom(**tables):
+    """A straight tapered cantilever along x, 0.8 m long."""
+    return robot_of(
+        {
+            "schema": 2,
+            "name": "boom",
+            "points": {"A": [0.0, 0.0, 0.0], "B": [0.8, 0.0, 0.0]},
+            "bodies": {
+                "boom": {
+                    "from": "A",
+                    "to": "B",
+                    "sections": TAPER,
+                    "material": {"E": 2.1e11, "nu": 0.3, "rho": 7850.0},
+                    "ends": "free",
+                }
+            },
+            "joints": {"root": {"type": "fixed", "between": ["ground", "boom"], "at": "A"}},
+            "tool": {"body": "boom", "point": "B", "moves": []},
+            **tables,
+        }
+    )
+
+
+def outcome_of(robot, identifier):
+    listed = cases(mechanism=robot.mechanism, limits=DEFAULT_LIMITS)
+    case = {case.id: case for case in listed}[identifier]
+    return judge(case, case.measure(Context(robot, "quick")), 0.0)
+
+
+def test_beam_of_taper_agrees_with_its_solid():
+    robot = boom()
+    outcome = outcome_of(robot, "boom.agrees[beam-solid-z]")
+    assert outcome.verdict == "agree"
+    # Slope of the faces 0.04/2/0.8 = 1/40: its square is the theory's error.
+    leg = legs_of(robot.mechanism)["boom"]
+    assert neglected(leg) == pytest.approx(1.0 / 40.0**2, rel=1e-9)
+    assert abs(outcome.measurement.unexplained) < 2e-3 * outcome.measurement.reference
+    assert outcome_of(robot, "boom.agrees[segments-solid-f1]").verdict == "agree"
+
+
+def test_equivalent_prism_of_taper_disagrees(monkeypatch):
+    """Matched by its stiffness diagonal, the prism is 40 % and more off a 2:1 taper."""
+    options = ModelOptions(legs="equivalent")
+    monkeypatch.setattr(line_leg_vs_solid, "_options", lambda _limits: options)
+    outcome = outcome_of(boom(), "boom.agrees[links-solid-z]")
+    assert outcome.verdict == "disagree"
+    assert abs(outcome.measurement.value / outcome.measurement.reference - 1.0) > 0.1
+
+
+@pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
+def test_models_of_bent_arm_have_one_statics(model):
+    """The flexibility integral, whatever the formulation: 1e-9 is round-off."""
+    compliance = leg_compliance(model, LEG, ModelOptions(elements=7))
+    expected = LEG.sections("timoshenko").tip_compliance
+    assert np.abs(compliance - expected).max() < 1e-9 * np.abs(expected).max()
+
+
+def test_elements_along_line_converge_with_formal_orders():
+    study = leg_convergence("arm", "arm", LEG, counts=(5, 10, 20, 40))
+    for model, order in (("segments", 2.0), ("beam", 4.0)):
+        orders = study.of(model).orders[:4]
+        assert orders[~np.isnan(orders)] == pytest.approx(order, abs=0.1)
+
+
+def test_cases_of_prisms_leave_out_legs_along_a_line():
+    assert isinstance(LEG, LineLeg)
+    assert prismatic_legs(ROBOT.mechanism) == ()
+    names = [task.id for task in catalogue(ROBOT) if hasattr(task, "measure")]
+    assert "arm.agrees[beam-solid-x]" in names
+    assert not any("anchor.statics[beam" in name for name in names)
+
+
+def test_bent_leg_has_no_stability_and_straight_taper_has():
+    load = {"name": "push", "wrench": [-1000.0, 0.0, 0.0, 0.0, 0.0, 0.0]}
+    straight = boom(loads=[load])
+    posture = reference_posture(straight.mechanism)
+    ((stability,),) = stabilities("beam", [posture])
+    # Between the columns of both end sections: π²EI/4L² of the weaker plane.
+    bounds = [
+        np.pi**2 * 2.1e11 * min(0.06 * h**3, h * 0.06**3) / 12.0 / (4.0 * 0.8**2) / 1000.0
+        for h in (0.04, 0.08)
+    ]
+    assert bounds[0] < stability.factor < bounds[1]
+    assert bent_legs(straight.mechanism) == []
+    assert bent_legs(ROBOT.mechanism) == ["arm"]
+
+
+def test_exudyn_beams_and_stepped_solids_are_refused():
+    with pytest.raises(InputError, match="only straight legs of one section are written"):
+        require_beams(ROBOT.mechanism)
+    steps = [TAPER[0], {**TAPER[0], "at": 0.5}, {**TAPER[1], "at": 0.5}, TAPER[1]]
+    robot = boom()
+    tables = dict(robot.tables)
+    bodies = {"boom": {**tables["bodies"]["boom"], "sections": steps}}
+    with pytest.raises(InputError, match="its section jumps at"):
+        api.solve(robot_of({**tables, "bodies": bodies}), "solid", divisions=1)
