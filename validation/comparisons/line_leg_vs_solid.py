@@ -38,9 +38,9 @@ from validation.models.leg_models import (
 from validation.models.options import ModelName, ModelOptions
 from validation.references.reference_legs import (
     SECTION_DIVISIONS,
+    computed_elements,
+    computed_sections,
     line_divisions,
-    own_elements,
-    own_sections,
     slowest,
     solid_leg,
 )
@@ -152,7 +152,7 @@ def _free_half_width(leg: LineLeg, coarse: float, fine: float, ratio: float) -> 
 
 def _computed_tip(leg: LineLeg) -> Array:
     """Tip compliance (6×6, SI) of the beam with section constants by finite elements."""
-    return own_sections(leg).tip_compliance
+    return computed_sections(leg).tip_compliance
 
 
 def _formula_tips(leg: LineLeg) -> tuple[Array, Array]:
@@ -208,4 +208,4 @@ def _solid_frequencies(leg: LineLeg, divisions: int, ends: Ends) -> Array:
 
 def _computed_frequencies(leg: LineLeg) -> Array:
     """Frequencies (Hz) of beam elements with section constants by finite elements."""
-    return clamped_modes(own_elements(leg, None, ELEMENTS), MODES).frequencies
+    return clamped_modes(computed_elements(leg, None, ELEMENTS), MODES).frequencies
