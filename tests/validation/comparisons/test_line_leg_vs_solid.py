@@ -124,7 +124,7 @@ def test_bent_leg_has_no_stability_and_straight_taper_has():
 
 
 def test_exudyn_beams_and_stepped_solids_are_refused():
-    with pytest.raises(InputError, match="only straight legs of one section are written"):
+    with pytest.raises(InputError, match="only for straight legs of one section"):
         require_beams(ROBOT.mechanism)
     steps = [TAPER[0], {**TAPER[0], "at": 0.5}, {**TAPER[1], "at": 0.5}, TAPER[1]]
     robot = boom()
