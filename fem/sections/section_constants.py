@@ -148,8 +148,8 @@ def _cowper(solution: SaintVenant, axis: int) -> float:
 def beam_properties(constants: SectionConstants, material: Material) -> BeamProperties:
     """Timoshenko beam of a section along the line of its centroids, with κ by strain energy.
 
-    It is the beam of a prism with this mesh, whose curved cells are slightly stiffer than EI.
-    Couplings of the size of round-off about an axis of symmetry are set to zero.
+    EI is that of a prism with this section mesh, whose curved elements make it slightly stiffer.
+    Couplings of the size of rounding errors about an axis of symmetry are set to zero.
     """
     E, G, rho = material.E, material.G, material.rho
     kappa_y, kappa_z = constants.shear_coefficients

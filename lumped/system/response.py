@@ -125,7 +125,7 @@ class DampedModes:
         return bool((sizes > _ROUND_OFF * np.sqrt(moved_size * loaded_size)).any())
 
     def _rows(self, rows: slice) -> "DampedModes":
-        """Modes of some of the outputs."""
+        """Return the same modes with only the outputs `rows`."""
         return replace(
             self,
             residues=self.residues[:, rows, rows],

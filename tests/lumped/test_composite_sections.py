@@ -63,7 +63,7 @@ def layered(width, heights, materials):
     ],
     ids=["rectangle", "channel"],
 )
-def test_parts_of_one_material_are_one_section(parts, whole):
+def test_equal_composite_parts_equal_one_section(parts, whole):
     section = composite(*parts)
     leg = ConstantLeg(1.0, whole, Material.isotropic(*STEEL))
     one, other = beam_of(section), leg.timoshenko
@@ -73,7 +73,7 @@ def test_parts_of_one_material_are_one_section(parts, whole):
     assert (one.mass_y, one.mass_z) == (0.0, 0.0)
 
 
-def test_wood_on_steel_has_textbook_stiffness():
+def test_wood_steel_section_equals_textbook():
     """J. M. Gere, Mechanics of Materials, 6th ed., example 6-1: inches and ksi.
 
     Wood 4 × 6, steel plate 4 × 0.5 below: neutral axis 5.031 in below the top, moments of inertia
@@ -87,7 +87,7 @@ def test_wood_on_steel_has_textbook_stiffness():
     assert section.mass_centre[1] == pytest.approx(3.25 - (6.5 - 5.031), abs=5e-4)
 
 
-def test_filled_tube_adds_stiffnesses():
+def test_filled_tube_stiffness_is_sum_of_parts():
     """Concentric circles turn and bend as one: sums of GJ and EI, but for the circles' polygons."""
     tube, core = Tube(0.08, 0.01), Circle(0.06)
     beam = beam_of(composite(CompositePart(tube, *STEEL), CompositePart(core, *LIGHT)))
@@ -120,7 +120,7 @@ def series_of_two_layers(G, widths, height):
 
 
 @pytest.mark.parametrize("ratio", [1.0, 0.3, 0.01])
-def test_two_layers_twist_as_their_series(ratio):
+def test_two_layer_torsion_equals_series(ratio):
     """The series has converged to 1e-6 after 60 terms (k⁻⁵)."""
     G, widths, height = (8.0e10, ratio * 8.0e10), (0.03, 0.02), 0.05
     parts = [
@@ -133,7 +133,7 @@ def test_two_layers_twist_as_their_series(ratio):
     )
 
 
-def test_sandwich_shears_as_its_layers_in_series():
+def test_sandwich_shear_equals_layers_in_series():
     """At ν = 0, τ = V ∫E z dz/EI in each layer, the same over the width: 1/GA = b ∫ τ²/G dz."""
     width, face, core = 0.04, 0.002, 0.03
     stiff, soft = (7.0e10, 0.0, 2700.0), (1.0e9, 0.0, 100.0)
@@ -149,7 +149,7 @@ def test_sandwich_shears_as_its_layers_in_series():
     assert beam.GAz == pytest.approx(1.0 / flexibility, rel=2e-4)
 
 
-def test_torsion_depends_on_shear_moduli_alone():
+def test_composite_torsion_depends_on_shear_moduli():
     """GJ depends on G alone: two pairs (E, ν) of equal G."""
     box = HollowRectangle(0.1, 0.06, 0.02)
     sections = [
@@ -196,5 +196,5 @@ def test_torsion_depends_on_shear_moduli_alone():
         ),
     ],
 )
-def test_impossible_composite_gives_one_reason(parts, fault):
+def test_impossible_composite_gives_one_fault(parts, fault):
     assert composite(*parts).faults() == [fault]

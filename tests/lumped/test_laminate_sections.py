@@ -25,7 +25,7 @@ def beam_of(section):
     return ConstantLeg(1.0, section, Material(*section.mean_material)).timoshenko
 
 
-def test_layer_at_45_degrees_has_published_stiffness():
+def test_45_degree_layer_has_published_stiffness():
     """Tsai & Hahn, table 3.5: Q̄ of T300/5208 at 45° in GPa."""
     stiffness = layers(45)[0].stiffness / 1e9
     expected = {(0, 0): 56.66, (1, 1): 56.66, (0, 1): 42.32, (2, 2): 46.59, (0, 2): 42.87}
@@ -33,7 +33,7 @@ def test_layer_at_45_degrees_has_published_stiffness():
         assert stiffness[place] == pytest.approx(value, rel=FOUR_DIGITS)
 
 
-def test_tube_of_fibres_along_axis_has_E1_A():
+def test_axial_fibre_tube_has_stiffness_E1_A():
     tube = Tube(0.06, 1e-3)
     beam = beam_of(LaminateTube(layers(0, 0, 0, 0), 0.06))
     assert pytest.approx(CARBON["E1"] * tube.area, rel=1e-12) == beam.EA
@@ -100,7 +100,7 @@ def test_quasi_isotropic_section_becomes_isotropic(shape):
     ],
     ids=["tube", "box"],
 )
-def test_layers_of_steel_are_steel(section, plain):
+def test_laminate_of_steel_layers_equals_steel(section, plain):
     """Exact but for shear, where Cowper's κ has a term of ν (up to 6 % in a round tube)."""
     leg = ConstantLeg(1.0, plain, Material.isotropic(2.1e11, 0.3, 7850.0))
     one, other = beam_of(section), leg.timoshenko
@@ -110,7 +110,7 @@ def test_layers_of_steel_are_steel(section, plain):
     assert [one.GAy, one.GAz] == pytest.approx(without, rel=5e-3)
 
 
-def test_box_shear_flow_has_the_energy_of_its_sum():
+def test_laminate_box_shear_equals_energy_sum():
     """∮ q² ds/A66 of the flow by quadrature along the wall, unit force along z."""
     section = LaminateBox(layers(45, -45, -45, 45), 0.06, 0.04)
     b, h = 0.06 - section.thickness, 0.04 - section.thickness
@@ -144,5 +144,5 @@ def test_box_shear_flow_has_the_energy_of_its_sum():
         ),
     ],
 )
-def test_impossible_laminate_gives_one_reason(section, fault):
+def test_impossible_laminate_gives_one_fault(section, fault):
     assert section.faults() == [fault]

@@ -244,7 +244,7 @@ def test_impossible_constants_give_one_fault(changed, fault):
     assert message.startswith(fault), message
 
 
-def test_zed_has_peerys_moments():
+def test_zed_product_moment_equals_peery():
     """D. J. Peery, Aircraft Structures (1950), §6.2: web 2 × 12 in, flanges 4 × 2 in.
 
     Moments of inertia 693.3 and 173.3 in⁴, product of inertia 240 in⁴ in size.

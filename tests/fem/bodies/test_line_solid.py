@@ -25,7 +25,7 @@ def clamped(leg, divisions, ends="free"):
     return clamped_leg(solid_leg(leg, solid_mesh(leg, divisions)), ends)
 
 
-def test_constant_section_is_solid_of_prism():
+def test_constant_line_solid_equals_prism_solid():
     section = Rectangle(0.06, 0.10)
     line, prism = tapered(STRAIGHT, section, section), ConstantLeg(1.0, section, STEEL)
     for ends in ("free", "rigid"):
@@ -60,7 +60,7 @@ def test_tapered_rectangle_is_beam_to_a_thousandth():
     assert solid.modes(4).frequencies == pytest.approx(expected, rel=1.5e-3)
 
 
-def test_quarter_ring_is_curved_bar_of_elasticity():
+def test_quarter_ring_solid_equals_elasticity():
     """Radial load on the free end: Timoshenko and Goodier, Theory of Elasticity, §33."""
     inner, outer, thickness = 4.12, 4.32, 0.1
     chord, rise = 4.22 * np.sqrt(2.0), 4.22 * (1.0 - np.sqrt(0.5))
@@ -82,7 +82,7 @@ def test_quarter_ring_is_curved_bar_of_elasticity():
     assert solid.compliance[2, 2] == pytest.approx(0.5022, rel=0.02)
 
 
-def test_twists_of_sections_are_those_of_rigid_motions():
+def test_section_twists_follow_rigid_motions():
     line = CentreLine((LinePiece((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.3, 0.1)),), UP)
     leg = tapered(line, Rectangle(0.06, 0.10), Rectangle(0.05, 0.04))
     mesh = solid_mesh(leg, 1)

@@ -60,7 +60,7 @@ def scaled(difference, compliance):
     return np.abs(difference / np.outer(size, size)).max()
 
 
-def test_channel_loaded_at_its_centroid_twists_in_calculix():
+def test_channel_twist_equals_calculix():
     """Twist per force along the web: −y_s L/GJ less the restraint of warping by rigid faces.
 
     Beam and restraint by theory on the section; bricks as long as they are wide leave 0.5 % of the
@@ -82,7 +82,7 @@ def test_channel_loaded_at_its_centroid_twists_in_calculix():
     assert computed[3, 2] == pytest.approx(theory[3, 2], rel=0.01)
 
 
-def test_composite_bar_is_that_of_calculix():
+def test_composite_bar_equals_calculix():
     """Two materials of different Poisson's ratios: the solid's compliance and frequencies.
 
     Bricks of 20 nodes against those of 27 on one mesh (0.5 %), and against beams less what rigid

@@ -42,7 +42,7 @@ def scaled(difference, compliance):
     return np.abs(difference / np.outer(size, size)).max()
 
 
-def test_states_of_one_material_are_saint_venants():
+def test_one_material_states_equal_saint_venant():
     """Two formulations on one mesh: stresses from potentials, and displacements."""
     mesh = section_mesh(Channel(0.05, 0.1, 0.02, 0.02), 4)
     expected = per_length(beam_properties(section_constants(mesh, STEEL.nu), STEEL))
@@ -83,7 +83,7 @@ def test_cylinder_of_two_poisson_ratios_has_hashins_tension(inner, outer):
     assert stiffness - mixed == pytest.approx(extra, rel=2e-3)
 
 
-def test_parts_of_one_material_assemble_to_one_solid():
+def test_equal_composite_parts_equal_one_solid():
     mesh = extrude(section_mesh(STEPPED, 4), stations(0.1, 3))
     plain = stiffness_and_mass(mesh, STEEL)
     parted = composite_stiffness_and_mass(mesh, mesh.regions, [STEEL, STEEL])
@@ -91,7 +91,7 @@ def test_parts_of_one_material_assemble_to_one_solid():
         assert abs(one - other).max() < 1e-12 * abs(other).max()
 
 
-def test_solid_of_two_materials_is_its_beam():
+def test_composite_solid_equals_beam():
     """Ends free to warp: quadratic slices, as long as the elements are wide, leave 1e-4.
 
     The mass is that of both parts.
@@ -115,7 +115,7 @@ def test_solid_of_two_materials_is_its_beam():
     assert abs(beam[3, 2]) > 1e-3 * np.sqrt(beam[3, 3] * beam[2, 2])
 
 
-def test_formulas_of_one_material_refuse_composites():
+def test_one_material_formulas_refuse_composites():
     with pytest.raises(InputError, match="takes sections of one material"):
         section_constants(section_mesh(STEPPED, 4), 0.3)
 

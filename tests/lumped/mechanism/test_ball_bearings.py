@@ -32,7 +32,7 @@ def test_contact_of_two_spheres_equals_hertz():
     ("size", "inner", "outer"),
     [("6209", (202.0, 0.9399), (138.0, 0.9120)), ("7218", (108.0, 0.9260), (83.2, 0.9038))],
 )
-def test_curvatures_of_contacts_equal_harris(size, inner, outer):
+def test_contact_curvatures_equal_harris(size, inner, outer):
     """Harris, Rolling Bearing Analysis, bearings 209 and 218: Σρ (1/m) and F(ρ), three digits."""
     bearing = bearing_of_size(size)
     D = bearing.ball_diameter
@@ -76,7 +76,7 @@ BEARINGS = {
 
 
 @pytest.mark.parametrize("kind", BEARINGS)
-def test_stiffness_is_the_derivative_of_the_forces(kind):
+def test_bearing_stiffness_is_force_derivative(kind):
     """Forces of all balls from the distance of the grooves' centres, the ring moved by 1 nm."""
     bearing, preload = BEARINGS[kind]
     angle, approach = bearing.under_preload(preload)
@@ -112,7 +112,7 @@ def test_stiffness_is_the_derivative_of_the_forces(kind):
     assert np.abs((own - numeric) / np.outer(unit, unit)).max() <= 1e-5 * size
 
 
-def test_pair_is_twice_as_stiff_and_uncoupled():
+def test_bearing_pair_is_twice_as_stiff():
     """O and X: axial and radial 2k, no coupling; tilting of O is higher, by its wider base."""
     bearing, preload = BEARINGS["angular"]
     single = bearing.stiffness(preload, 1.0, 0.0)
@@ -128,7 +128,7 @@ def test_pair_is_twice_as_stiff_and_uncoupled():
     assert not single[3:, 3].any() or abs(single[3, 3]) <= 1e-9 * single[4, 4]
 
 
-def test_preload_stiffens_with_its_cube_root():
+def test_bearing_stiffness_grows_with_cube_root():
     """dF/dx ∝ F^(1/3) at a constant contact angle, which grows by 0.3° here: 1 to 2 %."""
     bearing, _ = BEARINGS["angular"]
     soft, stiff = (bearing.stiffness(preload, 1.0, 0.0)[0, 0] for preload in (1.0, 8.0))
@@ -151,7 +151,7 @@ bearing = { BEARING }
 """
 
 
-def test_joint_on_bearing_has_its_compliance():
+def test_bearing_joint_has_bearing_compliance():
     """A pair of angular contact bearings: the tool yields along x by 1/(2k) of the rings."""
     inside = "balls = 12, ball_diameter = 10e-3, pitch_diameter = 60e-3, contact_angle = 25.0"
     text = ARM.replace("BEARING", f"{inside}, preload = 600.0, rows = 2, distance = 0.03")
@@ -187,7 +187,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("bearing", FAULTS)
-def test_wrong_bearing_gives_one_line(bearing):
+def test_wrong_bearing_gives_one_fault(bearing):
     with pytest.raises(InputError) as error:
         described(ARM.replace("BEARING", bearing))
     assert error.value.faults == (FAULTS[bearing],)

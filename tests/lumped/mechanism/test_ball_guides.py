@@ -20,7 +20,7 @@ def guide(lines):
 
 
 @pytest.mark.parametrize(("lines", "lever"), [("O", WIDTH + HEIGHT), ("X", WIDTH - HEIGHT)])
-def test_stiffness_of_four_rows_equals_hand(lines, lever):
+def test_four_row_guide_stiffness_equals_hand_result(lines, lever):
     """Per ball k = dQ/dδ = (3/2) Q/δ along its line, Q/ℓ across; 45°: both sin² and cos² are ½.
 
     Rolling, the lines of O pass the middle at (w + h)/2√2, those of X at (w − h)/2√2, and the
@@ -43,8 +43,8 @@ def test_stiffness_of_four_rows_equals_hand(lines, lever):
     assert np.abs(off).max() <= 1e-9 * straight * WIDTH
 
 
-def test_steeper_lines_are_stiffer_along_the_normal():
-    """sin²α : cos²α of the contacts, 3 : 1 at 60°, softened by the forces across: a few percent."""
+def test_steeper_contact_is_stiffer_along_normal():
+    """Normal over lateral stiffness is sin²α/cos²α = 3 at α = 60°, less a few percent."""
     steep = BallGuide(BALLS, D, SPACING, WIDTH, HEIGHT, np.radians(60.0), 0.52, "O")
     matrix = steep.stiffness(PRELOAD)
     assert 2.8 < matrix[2, 2] / matrix[1, 1] < 3.0
@@ -73,7 +73,7 @@ preload = {PRELOAD}
 """
 
 
-def test_slide_on_guide_has_its_compliance():
+def test_guide_joint_has_guide_compliance():
     """A rail along y: the tool 0.2 m above yields along x by lateral shift and roll."""
     text = SLIDE.replace("UP", "up = [0.0, 0.0, 1.0]")
     own = compliance(solved(assemble(reference_posture(described(text)), {})))
@@ -93,7 +93,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("text", FAULTS, ids=["up", "spacing"])
-def test_wrong_guide_gives_one_line(text):
+def test_wrong_guide_gives_one_fault(text):
     with pytest.raises(InputError) as error:
         described(text)
     assert error.value.faults == (FAULTS[text],)

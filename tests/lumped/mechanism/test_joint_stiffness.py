@@ -289,7 +289,7 @@ def test_wrong_slide_normal_gives_one_fault(up):
     assert error.value.faults == (SLIDE_FAULTS[up],)
 
 
-def test_copies_of_a_joint_turn_its_directions():
+def test_copied_joint_has_rotated_directions():
     """A hub on three seats, 120° apart: the compliance of each is the first one's, turned."""
     mechanism = described("""
     schema = 2

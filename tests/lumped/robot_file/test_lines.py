@@ -35,7 +35,7 @@ def leg_of(**leg):
     return shape
 
 
-def test_corners_and_arcs_have_their_lengths():
+def test_line_length_of_corners_and_arcs():
     """0.3 m straight, then a quarter circle of 0.3 m radius: 0.3 + 0.15 π."""
     middle = [0.3 + 0.3 * np.sqrt(0.5), 0.3 * (1.0 - np.sqrt(0.5)), 0.0]
     leg = leg_of(points={"K": [0.3, 0.0, 0.0]}, through=["K", {"arc": middle}], section=STOUT)
@@ -47,7 +47,7 @@ def test_corners_and_arcs_have_their_lengths():
     assert bent.line.corners == pytest.approx((0.3,))
 
 
-def test_stations_are_shares_or_points_of_the_line():
+def test_stations_by_length_fraction_or_point():
     leg = leg_of(
         points={"K": [0.4, 0.2, 0.0]},
         through=["K"],
@@ -61,7 +61,7 @@ def test_stations_are_shares_or_points_of_the_line():
     assert half.section_at(0.25 * half.line.length).width == pytest.approx(0.045)
 
 
-def test_mass_of_taper_is_that_of_its_volume():
+def test_tapered_leg_mass_equals_volume_integral():
     """∫ b h of linear b and h: (b₀h₀ + b₁h₁ + (b₀h₁ + b₁h₀)/2)/3."""
     length = np.hypot(0.6, 0.3)
     area = (0.06 * 0.04 + 0.03 * 0.03 + 0.5 * (0.06 * 0.03 + 0.03 * 0.04)) / 3.0
@@ -70,7 +70,7 @@ def test_mass_of_taper_is_that_of_its_volume():
     assert leg_of(sections=TAPER, material=weighed, mass=2.5).mass == pytest.approx(2.5, rel=1e-12)
 
 
-def test_millimetres_give_same_leg():
+def test_line_leg_in_millimetres_is_equal():
     file = tables(through=[[0.3, 0.0, 0.0]], sections=TAPER)
     small = tables(through=[[300.0, 0.0, 0.0]])
     small |= {"units": "mm", "points": {"A": [0.0, 0.0, 0.0], "B": [600.0, 300.0, 0.0]}}
@@ -82,7 +82,7 @@ def test_millimetres_give_same_leg():
     assert given_compliance(legs[0]) == pytest.approx(given_compliance(legs[1]), rel=1e-12)
 
 
-def test_sizes_of_stations_have_keys():
+def test_station_section_sizes_have_keys():
     file = tables(sections=TAPER)
     key = "bodies.arm.sections[2].width"
     assert dict(numbers_of(file))[key] == 0.03
@@ -92,7 +92,7 @@ def test_sizes_of_stations_have_keys():
     assert changed.stations[-1][1].width == 0.05
 
 
-def test_copies_of_pattern_have_turned_lines():
+def test_copied_line_leg_is_rotated():
     three = {"about": "z", "count": 3}
     file = tables(points={"K": {"at": [0.3, 0.0, 0.1], "pattern": three}})
     for name in ("A", "B"):
@@ -178,7 +178,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("said", FAULTS)
-def test_fault_has_one_line_with_key(said):
+def test_line_leg_fault_has_one_line_with_key(said):
     leg = {"material": STEEL, **FAULTS[said]}
     file = tables(**{key: value for key, value in leg.items() if value is not None})
     if leg["material"] is None:
@@ -189,7 +189,7 @@ def test_fault_has_one_line_with_key(said):
     assert error.value.faults[0].startswith(f"dictionary: bodies.{said}"), error.value.faults
 
 
-def test_straight_line_is_no_taper_of_its_prism():
+def test_constant_sections_equal_prism_leg():
     """`section` alone stays a prism; equal `sections` have its compliance."""
     prism = robot_of(tables(section=STOUT)).mechanism.bodies["arm"].shape
     assert not isinstance(prism, LineLeg)
@@ -197,7 +197,7 @@ def test_straight_line_is_no_taper_of_its_prism():
     assert given_compliance(line) == pytest.approx(given_compliance(prism), rel=1e-12, abs=1e-20)
 
 
-def test_built_in_robots_have_no_lines():
+def test_built_in_robots_have_no_line_legs():
     assert not any(
         isinstance(body.shape, LineLeg) for body in load_robot("delta").mechanism.bodies.values()
     )

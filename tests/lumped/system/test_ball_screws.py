@@ -49,7 +49,7 @@ def one_end(length):
 
 
 @pytest.mark.parametrize("x", [0.3, 0.5, 0.9])
-def test_stiffness_at_positions_equals_hand(x):
+def test_screw_stiffness_equals_hand_result(x):
     """At x the nut is x − 0.1 m from its bearing."""
     mechanism = of()
     at = posture(mechanism, np.array([x]))
@@ -62,7 +62,7 @@ def test_stiffness_at_positions_equals_hand(x):
     assert tool_displacements(solution, [load])[0, 0] == pytest.approx(800.0 / k, rel=1e-10)
 
 
-def test_numbers_at_two_positions():
+def test_screw_numbers_at_two_positions():
     """EA = 125.0 MN; 0.2 m: 1/(1.600 + 2.500 + 1.667 nm/N) = 173 N/µm; 0.8 m: 94.6 N/µm."""
     stiffnesses = [
         1e-6 / compliance(solved(assemble(posture(of(), np.array([x])), {})))[0, 0]
@@ -71,7 +71,7 @@ def test_numbers_at_two_positions():
     assert stiffnesses == pytest.approx([173.4, 94.6], rel=1e-3)
 
 
-def test_shaft_between_two_bearings_is_stiffest_in_the_middle_or_ends():
+def test_screw_stiffness_between_two_bearings():
     """Both parts, each with its bearing, in parallel, and the nut in series; span 1 m."""
     mechanism = of(", span = 1.0")
     for x in (0.3, 0.6, 0.9):
@@ -82,13 +82,13 @@ def test_shaft_between_two_bearings_is_stiffest_in_the_middle_or_ends():
         assert own == pytest.approx(1.0 / k, rel=1e-10)
 
 
-def test_motion_towards_the_bearing_stiffens():
+def test_screw_stiffens_towards_bearing():
     """`positive = "shorter"`: at x the nut is 0.9 − x from a bearing on the other side."""
     own = compliance(solved(assemble(posture(of(', positive = "shorter"'), np.array([0.7])), {})))
     assert own[0, 0] == pytest.approx(1.0 / one_end(0.2), rel=1e-10)
 
 
-def test_postures_of_a_sweep_have_their_own_stiffness():
+def test_sweep_uses_screw_stiffness_of_each_pose():
     mechanism = of()
     postures = [posture(mechanism, pose) for pose in mechanism.poses]
     result = swept(assembly(mechanism, {}), postures, 1)
@@ -98,7 +98,7 @@ def test_postures_of_a_sweep_have_their_own_stiffness():
     np.testing.assert_allclose(2.0 * np.pi * result.frequencies[:, 0], speeds, rtol=1e-10)
 
 
-def test_rotor_of_screw_moves_with_its_deflection():
+def test_screw_rotor_moves_with_deflection():
     """Inertia J (2π/lead)² adds to the mass, on one spring."""
     ratio = 2.0 * np.pi / 0.01
     text = SLIDE.replace("[[loads]]", f"drive.inertia = 2.0e-4\ndrive.ratio = {ratio}\n[[loads]]")
@@ -108,7 +108,7 @@ def test_rotor_of_screw_moves_with_its_deflection():
     assert modes(solution, 1).frequencies[0] == pytest.approx(expected, rel=1e-9)
 
 
-def test_nut_beyond_its_bearing_is_refused():
+def test_nut_beyond_screw_bearing_is_refused():
     with pytest.raises(ComputationError, match="the nut is 50 mm beyond its bearing"):
         assemble(posture(of(), np.array([0.05])), {})
     with pytest.raises(InputError) as error:
@@ -130,13 +130,13 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("more", FAULTS)
-def test_wrong_screw_gives_one_line(more):
+def test_wrong_screw_gives_one_fault(more):
     with pytest.raises(InputError) as error:
         of(more)
     assert error.value.faults == (FAULTS[more],)
 
 
-def test_drive_without_stiffness_or_screw_gives_one_line():
+def test_drive_without_stiffness_gives_one_fault():
     lines = [line for line in SLIDE.splitlines() if "screw" not in line]
     with pytest.raises(InputError) as error:
         described("\n".join(lines).replace("[[loads]]", "drive.loss = 0.1\n[[loads]]"))
@@ -145,7 +145,7 @@ def test_drive_without_stiffness_or_screw_gives_one_line():
     )
 
 
-def test_example_gantry_is_softer_far_from_the_bearing():
+def test_gantry_is_softer_far_from_bearing():
     """The screw of a truck is 200 and 400 mm long at both ends of its path."""
     robot = load_robot(EXAMPLE).mechanism
     rail = next(joint for joint in robot.joints if joint.name == "rail_left")

@@ -118,7 +118,7 @@ def test_linear_load_on_part_equals_closed_form(model):
     assert np.abs(own - expected).max() <= 1e-10 * np.abs(expected).max()
 
 
-def test_lines_add_to_wrench_and_to_each_other():
+def test_line_loads_add_to_wrench_and_each_other():
     """Two halves are the whole; a wrench at the tip adds its own displacement."""
     lines = "{ leg = 'arm', wrench = [0, 100, 0, 0, 0, 0], to = 0.3 }, "
     lines += "{ leg = 'arm', wrench = [0, 100, 0, 0, 0, 0], from = 0.3 }"
@@ -130,7 +130,7 @@ def test_lines_add_to_wrench_and_to_each_other():
     assert own[1] == pytest.approx(v, rel=1e-11)
 
 
-def test_consistent_wrenches_of_uniform_load():
+def test_uniform_load_end_wrenches():
     """qL/2 and ±qL²/12 at clamped ends, with shear or without; on half the length with it.
 
     Clamped beam under q on its first half (Timoshenko, Strength of Materials): reactions 13qL/32
@@ -187,7 +187,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("line", FAULTS)
-def test_wrong_line_gives_one_line(line):
+def test_wrong_line_load_gives_one_fault(line):
     with pytest.raises(InputError) as error:
         described(f"{ARM}lines = [{{ {line} }}]")
     assert error.value.faults == (FAULTS[line],)

@@ -124,7 +124,7 @@ def test_receptances_are_reciprocal():
     assert sizes.min() > 1e-6 * sizes.max()
 
 
-def test_slender_bar_has_no_mode_of_round_off():
+def test_slender_bar_has_no_mode_from_rounding():
     """All its modes have the loss factor of the material; its axial stiffness is 5e9 times others.
 
     Static responses that depend on the modes but for round-off gave a mode of no loss at 5.9 Hz.
@@ -151,7 +151,7 @@ def test_frequency_of_judgement_beside_points():
     assert not cross.excitation.is_direct
 
 
-def test_points_across_a_plane_of_symmetry_do_not_move():
+def test_receptance_across_symmetry_plane_is_zero():
     """A force along y moves no point of the straight bar along z: zero, not round-off.
 
     Modes of the square section along y and z have equal frequencies, and mix.
@@ -185,7 +185,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("lines", FAULTS)
-def test_wrong_points_give_one_line(lines):
+def test_wrong_receptance_points_give_one_fault(lines):
     with pytest.raises(InputError) as error:
         described(BAR + asked("a", [1.0, 0.0, 0.0], lines))
     assert error.value.faults == (FAULTS[lines],)
