@@ -13,8 +13,11 @@ from validation.drawing.chart import Chart
 from validation.drawing.figures import FigureGroup
 from validation.forces.analysis import forces_in
 from validation.kinematics.poses import postures_on_path
-from validation.models.options import DEFAULT_OPTIONS
+from validation.models.options import ModelOptions
 from validation.studies_and_figures import PATH, PlannedFigure
+
+# Parts condensed on their interfaces are exact in statics, whatever their number of interfaces.
+_OPTIONS = ModelOptions(parts="condensed")
 
 
 def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
@@ -30,7 +33,7 @@ def _forces(context: Context, load: str) -> Chart:
     mechanism = context.robot_file.mechanism
     loads = tuple(item for item in mechanism.loads if item.name == load)
     postures = postures_on_path(replace(mechanism, loads=loads), mechanism.poses)
-    result = forces_in("beam", postures, DEFAULT_OPTIONS, part_meshes=False)
+    result = forces_in("beam", postures, _OPTIONS, part_meshes=False)
     if all(pose.loads[load] is None for pose in result.poses):
         raise Skip("the mechanism cannot move as the load requires")
     return result.chart(load)
