@@ -1,4 +1,4 @@
-"""Thin walls of fibre layers: published stiffnesses of laminates, and limits of one material."""
+"""Thin walls of fibre layers: published stiffnesses of laminates, and layers of one material."""
 
 from itertools import pairwise
 from math import pi
@@ -69,7 +69,7 @@ def test_quasi_isotropic_wall_has_published_constants():
 
 @pytest.mark.parametrize("shape", ["tube", "box"])
 def test_quasi_isotropic_section_becomes_isotropic(shape):
-    """Ever thinner layers leave less between their radii: the difference falls with t/r."""
+    """The layers lie on different radii; the difference from isotropy falls with t/r."""
     errors = []
     for thickness in (1e-4, 1e-5):
         wall = layers(0, 45, -45, 90, thickness=thickness)
@@ -101,7 +101,7 @@ def test_quasi_isotropic_section_becomes_isotropic(shape):
     ids=["tube", "box"],
 )
 def test_laminate_of_steel_layers_equals_steel(section, plain):
-    """Exact but for shear, where Cowper's κ has a term of ν (up to 6 % in a round tube)."""
+    """All constants but shear agree: Cowper's κ depends on ν, by up to 6 % in a round tube."""
     leg = ConstantLeg(1.0, plain, Material.isotropic(2.1e11, 0.3, 7850.0))
     one, other = beam_of(section), leg.timoshenko
     for name in ("EA", "EIy", "EIz", "GJ", "mu", "rho_J", "rho_Iy", "rho_Iz"):
@@ -111,7 +111,7 @@ def test_laminate_of_steel_layers_equals_steel(section, plain):
 
 
 def test_laminate_box_shear_equals_energy_sum():
-    """∮ q² ds/A66 of the flow by quadrature along the wall, unit force along z."""
+    """∮ q² ds/A66 of the shear flow q along the wall, by quadrature, for a unit force along z."""
     section = LaminateBox(layers(45, -45, -45, 45), 0.06, 0.04)
     b, h = 0.06 - section.thickness, 0.04 - section.thickness
     corners = np.array([(0.0, h), (b, h), (b, -h), (0.0, -h)]) / 2.0

@@ -1,4 +1,4 @@
-"""Solid meshes of legs along a line: volume, walls, ends, and legs that have no mesh."""
+"""Solid meshes of legs along a line: volume, walls and ends; legs that cannot be meshed."""
 
 import numpy as np
 import pytest

@@ -106,7 +106,7 @@ def _own_material_faults(leg: Entry) -> Iterator[str]:
 
 
 def _doubt(unit: UnitOfLength) -> str:
-    """Question that follows a length which is too large."""
+    """Question whether a length that is too large was given in a smaller unit, for messages."""
     return "is this in mm?" if unit == METRE else "is this in µm?"
 
 

@@ -1,4 +1,4 @@
-"""Sections of several materials by finite elements: closed forms, boundary elements, solids."""
+"""Composite sections by finite elements against closed forms, boundary elements and solids."""
 
 from math import pi
 
@@ -32,7 +32,7 @@ def states_of(section, divisions=4):
 
 
 def per_length(properties):
-    """6×6 strains per length of unit wrenches on the section of a beam."""
+    """Return the 6×6 strains per length of a beam under unit wrenches on its section."""
     length = 1e-6 * np.sqrt(properties.EIy / properties.EA)
     return properties.piece_compliance(length) / length
 
@@ -43,7 +43,7 @@ def scaled(difference, compliance):
 
 
 def test_one_material_states_equal_saint_venant():
-    """Two formulations on one mesh: stresses from potentials, and displacements."""
+    """The same mesh by two formulations: potentials (stresses), and displacements."""
     mesh = section_mesh(Channel(0.05, 0.1, 0.02, 0.02), 4)
     expected = per_length(beam_properties(section_constants(mesh, STEEL.nu), STEEL))
     assert scaled(wrench_states(mesh, [STEEL]).compliance - expected, expected) < 1e-8
@@ -92,9 +92,9 @@ def test_equal_composite_parts_equal_one_solid():
 
 
 def test_composite_solid_equals_beam():
-    """Ends free to warp: quadratic slices, as long as the elements are wide, leave 1e-4.
+    """Ends are free to warp; slices as long as elements are wide have an error of 1e-4.
 
-    The mass is that of both parts.
+    The mass is the sum of both parts.
     """
     length = 0.2
     leg = ConstantLeg(length, STEPPED, Material(*STEPPED.mean_material))

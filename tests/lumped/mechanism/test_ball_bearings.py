@@ -1,4 +1,4 @@
-"""Ball bearings: Hertz in closed form, examples of Harris, and rings moved by small steps."""
+"""Ball bearings: Hertz's closed form, examples of Harris, and rings moved by small amounts."""
 
 import numpy as np
 import pytest
@@ -77,7 +77,7 @@ BEARINGS = {
 
 @pytest.mark.parametrize("kind", BEARINGS)
 def test_bearing_stiffness_is_force_derivative(kind):
-    """Forces of all balls from the distance of the grooves' centres, the ring moved by 1 nm."""
+    """Ball forces from the distance of the groove centres, differentiated by moving a ring 1 nm."""
     bearing, preload = BEARINGS[kind]
     angle, approach = bearing.under_preload(preload)
     own = bearing.stiffness(preload, 1.0, 0.0)
@@ -113,7 +113,7 @@ def test_bearing_stiffness_is_force_derivative(kind):
 
 
 def test_bearing_pair_is_twice_as_stiff():
-    """O and X: axial and radial 2k, no coupling; tilting of O is higher, by its wider base."""
+    """O and X arrangements: axial and radial stiffness 2k, no coupling; O is stiffer in tilting."""
     bearing, preload = BEARINGS["angular"]
     single = bearing.stiffness(preload, 1.0, 0.0)
     matrices = {

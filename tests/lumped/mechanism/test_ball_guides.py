@@ -1,4 +1,4 @@
-"""Profile rail guides: stiffness of four rows of balls by hand, and the joint that takes them."""
+"""Profile rail guides: stiffness of four rows of balls by hand, and joints on such guides."""
 
 import numpy as np
 import pytest
@@ -74,7 +74,7 @@ preload = {PRELOAD}
 
 
 def test_guide_joint_has_guide_compliance():
-    """A rail along y: the tool 0.2 m above yields along x by lateral shift and roll."""
+    """Rail along y: lateral displacement and roll move the tool, 0.2 m above, along x."""
     text = SLIDE.replace("UP", "up = [0.0, 0.0, 1.0]")
     own = compliance(solved(assemble(reference_posture(described(text)), {})))
     matrix = guide("O").stiffness(PRELOAD)

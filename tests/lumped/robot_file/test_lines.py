@@ -1,4 +1,4 @@
-"""Legs along a line in robot files: geometry, mass, copies, and one clear line for each fault."""
+"""Legs along a line in robot files: geometry, mass, copies, and one line for each fault."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ TAPER = [{"at": 0.0, **STOUT}, {"at": 1.0, **SLENDER}]
 
 
 def tables(points=None, **leg):
-    """A cantilever from A to B, its leg along a line."""
+    """Return the tables of a cantilever from A to B that has a leg along a line."""
     own = {"from": "A", "to": "B", "material": STEEL, **leg}
     return {
         "schema": 2,
@@ -36,7 +36,7 @@ def leg_of(**leg):
 
 
 def test_line_length_of_corners_and_arcs():
-    """0.3 m straight, then a quarter circle of 0.3 m radius: 0.3 + 0.15 π."""
+    """0.3 m straight, then a quarter circle of radius 0.3 m: a length of 0.3 + 0.15 π m."""
     middle = [0.3 + 0.3 * np.sqrt(0.5), 0.3 * (1.0 - np.sqrt(0.5)), 0.0]
     leg = leg_of(points={"K": [0.3, 0.0, 0.0]}, through=["K", {"arc": middle}], section=STOUT)
     assert leg.line.length == pytest.approx(0.3 + 0.15 * np.pi, rel=1e-12)
@@ -62,7 +62,7 @@ def test_stations_by_length_fraction_or_point():
 
 
 def test_tapered_leg_mass_equals_volume_integral():
-    """∫ b h of linear b and h: (b₀h₀ + b₁h₁ + (b₀h₁ + b₁h₀)/2)/3."""
+    """∫ b h over the length fraction with linear b and h is (b₀h₀ + b₁h₁ + (b₀h₁ + b₁h₀)/2)/3."""
     length = np.hypot(0.6, 0.3)
     area = (0.06 * 0.04 + 0.03 * 0.03 + 0.5 * (0.06 * 0.03 + 0.03 * 0.04)) / 3.0
     assert leg_of(sections=TAPER).mass == pytest.approx(7850.0 * area * length, rel=1e-12)
@@ -190,7 +190,7 @@ def test_line_leg_fault_has_one_line_with_key(said):
 
 
 def test_constant_sections_equal_prism_leg():
-    """`section` alone stays a prism; equal `sections` have its compliance."""
+    """A leg with one `section` is a prism; equal `sections` give a line leg of equal compliance."""
     prism = robot_of(tables(section=STOUT)).mechanism.bodies["arm"].shape
     assert not isinstance(prism, LineLeg)
     line = leg_of(sections=[{"at": 0.0, **STOUT}, {"at": 1.0, **STOUT}])

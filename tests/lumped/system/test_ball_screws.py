@@ -44,7 +44,7 @@ def of(more="", text=SLIDE):
 
 
 def one_end(length):
-    """Stiffness (N/m) with the other end free to slide."""
+    """Return the axial stiffness (N/m) of a screw whose other end is free to slide."""
     return 1.0 / (length / EA + 1.0 / BEARING + 1.0 / NUT)
 
 
@@ -72,7 +72,7 @@ def test_screw_numbers_at_two_positions():
 
 
 def test_screw_stiffness_between_two_bearings():
-    """Both parts, each with its bearing, in parallel, and the nut in series; span 1 m."""
+    """The two parts of the screw, each with its bearing, act in parallel, and the nut in series."""
     mechanism = of(", span = 1.0")
     for x in (0.3, 0.6, 0.9):
         near, far = x - 0.1, 1.1 - x
@@ -99,7 +99,7 @@ def test_sweep_uses_screw_stiffness_of_each_pose():
 
 
 def test_screw_rotor_moves_with_deflection():
-    """Inertia J (2π/lead)² adds to the mass, on one spring."""
+    """The rotor's inertia J (2π/lead)² is added to the mass; both vibrate on one spring."""
     ratio = 2.0 * np.pi / 0.01
     text = SLIDE.replace("[[loads]]", f"drive.inertia = 2.0e-4\ndrive.ratio = {ratio}\n[[loads]]")
     solution = solved(assemble(posture(of("", text), np.array([0.9])), {}))

@@ -1,4 +1,4 @@
-"""Loads along legs: cantilevers in closed form by every model, section forces, and faults."""
+"""Distributed loads on legs: closed forms for every model, section forces, and faults."""
 
 import numpy as np
 import pytest
@@ -46,7 +46,7 @@ MODELS = {
 
 
 def displacement(text, model, place=None, number=0):
-    """Displacement of the tool under a load of the robot, by one of the models."""
+    """Return the displacement (6) of the tool under one load of the robot by one model."""
     mechanism = described(text)
     at = reference_posture(mechanism) if place is None else posture(mechanism, np.array(place))
     load = loading(at, mechanism.loads[number], {})
@@ -63,10 +63,11 @@ def displacement(text, model, place=None, number=0):
 
 
 def closed_form(start, first, last):
-    """Cantilever under a linear load (N/m, N m/m) from `start` to its tip, by integrals.
+    """Return the tip displacement of a cantilever under a linear load from `start` (m) to the tip.
 
-    u = ∫ q dx x/EA; v = ∫ q (x³/3EI + x²(L − x)/2EI + x/κGA) dx, φ = ∫ q x²/2EI dx; a moment m
-    turns by ∫ m x/EI dx, and moves by ∫ m (x²/2 + x(L − x))/EI dx; torsion ∫ m x/GJ dx.
+    With loads q (N/m) and moments m (N m/m): u = ∫ q dx x/EA; v = ∫ q (x³/3EI + x²(L − x)/2EI +
+    x/κGA) dx, φ = ∫ q x²/2EI dx; m rotates by ∫ m x/EI dx and moves by ∫ m (x²/2 + x(L − x))/EI dx;
+    torsion is ∫ m x/GJ dx.
     """
     x = np.polynomial.Polynomial([0.0, 1.0])
 
@@ -110,7 +111,7 @@ def test_uniform_load_on_cantilever_equals_closed_form(model):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_linear_load_on_part_equals_closed_form(model):
-    """From 0.3 m on, all six components, growing or falling linearly."""
+    """All six components act from x = 0.3 m to the tip, growing or falling linearly."""
     first, last = [300.0, -200.0, 500.0, 40.0, 20.0, -30.0], [100.0, 600.0, -100.0, 0.0, 50.0, 10.0]
     line = f"{{ leg = 'arm', wrench = {first}, end_wrench = {last}, from = 0.3, axes = 'leg' }}"
     own = displacement(ARM + f"lines = [{line}]", model)
@@ -119,7 +120,7 @@ def test_linear_load_on_part_equals_closed_form(model):
 
 
 def test_line_loads_add_to_wrench_and_each_other():
-    """Two halves are the whole; a wrench at the tip adds its own displacement."""
+    """Loads on both halves equal the load on the whole leg; a wrench adds its displacement."""
     lines = "{ leg = 'arm', wrench = [0, 100, 0, 0, 0, 0], to = 0.3 }, "
     lines += "{ leg = 'arm', wrench = [0, 100, 0, 0, 0, 0], from = 0.3 }"
     push = "wrench = [0.0, 50.0, 0.0, 0.0, 0.0, 0.0]"
@@ -151,7 +152,7 @@ def test_uniform_load_end_wrenches():
 
 
 def test_load_in_base_axes_keeps_its_direction():
-    """An arm on a locked pivot, turned by 90°: a load along −y then acts along the arm."""
+    """An arm on a locked pivot rotated by 90°: a load along base −y then acts along the arm."""
     text = ARM.replace("moves = []", 'moves = ["phi_z"]').replace(
         'joints.clamp = { type = "fixed", between = ["ground", "arm"], at = "A" }',
         'joints.clamp = { type = "revolute", between = ["ground", "arm"], at = "A", '
