@@ -202,18 +202,19 @@ def run(
     Parameters
     ----------
     preset
-        How much to compute: quick takes seconds, standard a minute or two, fine longer.
+        Mesh refinement of the references and number of poses: quick (seconds), standard (a
+        minute or two) or fine (longer).
     only
         Run only the cases whose id matches, with * and ? as in a shell.
     out
         Folder for report.html, results.json, junit.xml and figures/.
     jobs
-        Number of processes; as many as there are cores if left out.
+        Number of processes. Default: number of cores.
     resume
-        Go on with an interrupted run of the same input in the same folder.
+        Continue an interrupted run of the same input in the same folder.
     baseline
-        Compare with this earlier run (folder or results.json): a verdict that worsened ends with
-        exit code 1, values that moved are shown as drift.
+        Compare with this earlier run (folder or results.json): exit code 1 if a verdict
+        worsened; changed values are reported as drift.
     export
         Also write export/: meshes, displacements and modes for ParaView, matrices as .npz and
         Matrix Market.
@@ -221,29 +222,34 @@ def run(
         Address of a Dask scheduler (tcp://host:port) that computes the robots of --vary and CAD
         parts; needs the extra "cluster".
     accept
-        Accepted relative error of a model, as deflection=0.03, in place of the robot file's; also
-        frequency, response, modes, or one quantity (x y z phi_x phi_y phi_z any_force f1 f2 …
-        order, load:NAME, response:NAME).
+        Accepted relative error of the models, for example deflection=0.03; overrides
+        [accept] of the robot file. Names: deflection, frequency, response, modes, or one
+        quantity (x y z phi_x phi_y phi_z any_force f1 f2 … order, load:NAME,
+        response:NAME).
     rely
-        A model that you rely on: the exit code is 1 where it is inadequate. May be repeated.
+        Model that you rely on: exit code 1 if it is inadequate. May be repeated.
     accuracy
-        Refine the references' meshes until no number is open by more than this share of it, for
-        example 0.002, as far as memory, the finest preset and 800 000 unknowns of a part allow.
+        Refine the meshes of the references until the relative half-width of every value is
+        at most this number, for example 0.002, within the limits of memory, of the finest
+        preset and of 800 000 unknowns for a part.
     inputs
-        Say how probable each verdict is if moduli, lengths and stiffnesses are known to this
-        relative standard uncertainty, for example 0.05; for a file without [[input_uncertainty]].
+        Compute the probability of each verdict, with this relative standard uncertainty of
+        all moduli, lengths and stiffnesses, for example 0.05; only for a robot file without
+        [[input_uncertainty]].
     strict
-        Exit with code 1 also where a comparison, or a model relied on, is undecided.
+        Exit code 1 also if a comparison, or a model relied on, is undecided.
     measured
         Measured values of the robot (CSV: quantity, pose, value, uncertainty, source), or a modal
         test (.uff, .unv; needs the extra "hammer", and [hammer] in the robot file), besides those
         of the robot file.
     vary
-        A number of the robot file over a range, bodies.rod1.section.diameter=0.02:0.06:9 say: all
-        models over it, as figures, and what each of them would choose; a * in the key stands for
-        any part of a name. May be given again for another number.
+        A number of the robot file over a range, for example
+        bodies.rod1.section.diameter=0.02:0.06:9: figures of all models over this range, and
+        the best value by each model. A * in the key stands for any part of a name. May be
+        repeated for other numbers.
     quiet
-        Write errors and the results alone, no progress; also FLEXPROOF_QUIET=1, for all commands.
+        Write only results and errors, no progress. FLEXPROOF_QUIET=1 has the same effect
+        for all commands.
     """
     from lumped.files import StoreError  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
@@ -297,7 +303,7 @@ def run(
 
 @app.command
 def compare(before: PathArgument, after: PathArgument, *, json: AsJson = False) -> int:
-    """Say what changed between two runs; exit code 1 if a verdict worsened.
+    """List the changes between two runs; exit code 1 if a verdict worsened.
 
     Verdicts of two different robots (by name) are not compared: exit code 0.
 
@@ -306,7 +312,7 @@ def compare(before: PathArgument, after: PathArgument, *, json: AsJson = False) 
     before
         Run folder or results.json of the earlier run.
     after
-        The same of the later one.
+        Run folder or results.json of the later run.
     """
     from json import dumps  # noqa: PLC0415
 
@@ -387,14 +393,15 @@ def solve(
     release
         segments: revolute joints that turn freely, or eq. (25) as printed.
     layout
-        segments: springs of half length at both ends, or the paper's text taken literally.
+        segments: half springs at both ends of a leg (half), or springs between segments
+        only, as printed in the paper (literal).
     ends
-        solid: end faces kept plane and rigid, or free to warp. free-free: with --body, natural
-        frequencies of the body with nothing held, its rigid-body motions left out.
+        solid: end faces kept plane and rigid, or free to warp. free-free: with --body,
+        natural frequencies of the unsupported body without its six rigid-body motions.
     divisions
         solid: quadratic elements across the smaller side of the section.
     equivalent
-        Which diagonal the constant-section leg shares with a leg's 6×6.
+        Matrix whose diagonal the equivalent leg shares with the 6×6 of a leg.
     parts
         segments, beam: CAD parts as legs of one equivalent section, as legs of ten prismatic pieces
         with the part's own sections, or condensed to their interfaces, mass included.
@@ -402,21 +409,24 @@ def solve(
         solid: CAD parts by their modes with all interfaces fixed (Craig and Bampton), or free
         (MacNeal, Rubin).
     accuracy
-        solid: refine the meshes until no number is open by more than this share of it, for example
-        0.002, as far as memory and an estimated ten minutes a mesh allow.
+        solid: refine the meshes until the relative half-width of every value is at most
+        this number, for example 0.002, within the limits of memory and of an estimated ten
+        minutes per mesh.
     against
         Another model of the mechanism, whose modes are paired with these by shape (MAC).
     vary
-        A number of the robot file over a range, bodies.rod1.section.diameter=0.02:0.06:9 say; a *
-        in the key stands for any part of a name. Given again: every combination.
+        A number of the robot file over a range, for example
+        bodies.rod1.section.diameter=0.02:0.06:9. A * in the key stands for any part of a
+        name. May be repeated: every combination is solved.
     minimise
         With --vary: quantity whose smallest value decides which robot is best: mass (kg), f1 f2 …
         (Hz), deflection.x … deflection.phi_z (m at 1000 N, rad at 100 N m), load:NAME (m).
     maximise
         With --vary: the same for the largest value.
     where
-        With --vary: condition that robots must meet, f1>=60 or deflection.x<=20e-6 say, in the
-        units of --minimise; the worst pose counts. May be repeated. Exit code 1 if none meets all.
+        With --vary: condition that robots must meet, for example f1>=60 or
+        deflection.x<=20e-6, in the units of --minimise; the worst pose counts. May be
+        repeated. Exit code 1 if none meets all.
     jobs
         With --vary: number of processes; 1 if left out.
     cluster
@@ -499,7 +509,7 @@ def solve(
 
 @app.command
 def check(robot: RobotName) -> int:
-    """Say everything that is wrong with a robot file."""
+    """List all errors and doubtful values of a robot file."""
     from lumped.audit import audit  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics.poses import postures_on_path  # noqa: PLC0415
@@ -533,9 +543,9 @@ def new(
     Parameters
     ----------
     file
-        Name of the new file; an existing one is left alone.
+        Name of the new file, which must not exist yet.
     robot_type
-        Which kind of mechanism it describes.
+        Kind of mechanism.
     """
     from lumped.robot_file import write_template  # noqa: PLC0415
 

@@ -119,7 +119,10 @@ def _point_faults(
     name, owner = table[point_key], table["body"]
     if name is None:
         if owner is not None:
-            yield f"{key}.body: must be left out without `{point_key}`, the point of it"
+            yield (
+                f"{key}.body: must be left out without `{point_key}`, because it names the "
+                "body of that point"
+            )
     elif _body_of(table, robot, point_key) is None:
         bodies = robot.bodies if owner is None else {owner: None}
         points = dict.fromkeys(

@@ -62,12 +62,12 @@ def converge(
     quantity
         Quantity of the table: f1 to f4, or x, y, z, the deflection along a unit force.
     within
-        Largest accepted relative error at 20 elements, as 0.01: exit code 1 if it is missed. Left
-        out, [agree] of the robot file has the limit and the element count.
+        Largest accepted relative error with 20 elements, for example 0.01; exit code 1 if
+        the error is larger. Default: limit and element count of [agree] in the robot file.
     csv
         Also write values and errors into this CSV file.
     picture
-        Also draw the errors of f1 to f4 into this PNG or SVG file, as its name ends.
+        Also draw the errors of f1 to f4 into this file (.png or .svg).
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.comparisons.element_convergence import QUANTITIES  # noqa: PLC0415

@@ -76,7 +76,7 @@ def _caption(studies: Sequence[ConvergenceStudy], undrawn_legs: int) -> list[str
         )
     sentences.append(
         f"Error of f1 with {elements} elements and, in brackets, the smallest numbers of "
-        "elements for errors below 1 %, 0.1 % and 0.01 %."
+        "elements for errors below 1 %, 0.1 % and 0.01 %:"
     )
     for study in studies:
         by_label = {

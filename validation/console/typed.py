@@ -59,9 +59,12 @@ ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_cou
 SolverName: TypeAlias = Annotated[
     Literal["auto", "rslab", "cudss", "petsc"] | None,
     Parameter(
-        help="Library that factorises large systems: rslab; cudss, on a graphics card (needs the "
-        "extra gpu); petsc, MUMPS in processes of its own (needs Debian's python3-petsc4py); or "
-        "auto, which takes the card for large ones. FLEXPROOF_SOLVER, or auto, if left out."
+        help=(
+            "Library that factorises large systems: rslab; cudss, on a graphics card (needs "
+            "the extra gpu); petsc, MUMPS in separate processes (needs Debian's "
+            "python3-petsc4py); or auto, which uses the card for large systems. Default: "
+            "FLEXPROOF_SOLVER, otherwise auto."
+        )
     ),
 ]
 RankCount: TypeAlias = Annotated[

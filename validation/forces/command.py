@@ -74,7 +74,7 @@ def forces(
     divisions
         solid: quadratic elements across the smaller side of the section.
     equivalent
-        Which diagonal the constant-section leg shares with a leg's 6×6.
+        Matrix whose diagonal the equivalent leg shares with the 6×6 of a leg.
     parts
         segments, beam: CAD parts as legs of one equivalent section, as legs of ten prismatic
         pieces, or condensed to their interfaces.

@@ -67,7 +67,8 @@ def on_cluster(address: str, notify: Callable[[str], object]) -> Iterator[Execut
         # would wait forever for a lock of that start.
         gc.collect()
         raise InputError(
-            f"--cluster {address}: what answers there is not a Dask scheduler (or one that is busy)"
+            f"--cluster {address}: the service at this address is not a Dask scheduler, "
+            "or the scheduler is busy"
         )
     watch = _SchedulerWatch(client, address, notify)
     try:
@@ -108,7 +109,9 @@ def require_scheduler(address: str) -> None:
         address.startswith("tcp:")
         and not 0 < int.from_bytes(greeting, "little") < _LONGEST_GREETING
     ):
-        raise InputError(f"--cluster {address}: what answers there is not a Dask scheduler")
+        raise InputError(
+            f"--cluster {address}: the service at this address is not a Dask scheduler"
+        )
 
 
 @dataclass

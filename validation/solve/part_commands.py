@@ -42,7 +42,7 @@ def faces(
     part
         A STEP or BREP file, or a volume mesh (.msh, .inp, .vtu).
     unit
-        Unit of length of a file that names none.
+        Unit of length, for a file without one.
     out
         Folder for PART.faces.png and PART.faces.html; this one if left out.
     json
@@ -100,14 +100,14 @@ def identify(
     part
         A STEP or BREP file, a volume mesh (.msh, .inp, .vtu), or with --body a robot.
     interface
-        'A = { cylinder = { radius = 0.04 } }', as in a robot file; once for each interface, the
-        first is the one that is clamped. See `flexproof faces`.
+        'A = { cylinder = { radius = 0.04 } }', as in a robot file; once for each interface;
+        the first interface is clamped. See `flexproof faces`.
     material
         '{ E = 2.1e11, nu = 0.3, rho = 7850.0 }'.
     unit
-        Unit of length of a file that names none.
+        Unit of length, for a file without one.
     body
-        A body of the robot that is a part from a file.
+        CAD part of the robot, by its name.
     free
         Frequencies of the part without supports, its six rigid-body motions counted and left out.
         Interfaces are not needed.
@@ -116,8 +116,8 @@ def identify(
     modes
         Number of frequencies; 6 if left out.
     accuracy
-        Refine the meshes until no number is open by more than this share of it, for example 0.002,
-        as far as memory and 800 000 unknowns allow.
+        Refine the meshes until the relative half-width of every value is at most this
+        number, for example 0.002, within the limits of memory and of 800 000 unknowns.
     out
         An .npz file to write all matrices to.
     """

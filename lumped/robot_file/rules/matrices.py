@@ -117,9 +117,11 @@ def _matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
     if kind.compliance and (fault := _stiffness_fault(matrix)):
         return [fault]
     faults = [
-        f"[{a.row},{a.column}] = {a.lower!r}, [{a.column},{a.row}] = {a.upper!r}: must be equal, "
-        f"the matrix is symmetric (to {SYMMETRY_TOLERANCE:g} of the diagonal, what rounding to "
-        "seven digits leaves)"
+        (
+            f"[{a.row},{a.column}] = {a.lower!r}, [{a.column},{a.row}] = {a.upper!r}: must be "
+            f"equal, because the matrix is symmetric (within {SYMMETRY_TOLERANCE:g} of the "
+            "diagonal, to allow for rounding to seven digits)"
+        )
         for a in asymmetries(matrix)
     ]
     faults += _diagonal_faults(matrix, kind)

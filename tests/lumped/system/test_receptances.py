@@ -167,7 +167,9 @@ def test_receptance_across_symmetry_plane_is_zero():
 FAULTS = {
     'at = "Q"': 'responses[1].at = "Q": must be a point of a body: A, M, P',
     'of = "Q"': 'responses[1].of = "Q": must be a point of a body: A, M, P',
-    'body = "first"': "responses[1].body: must be left out without `at`, the point of it",
+    'body = "first"': (
+        "responses[1].body: must be left out without `at`, because it names the body of that point"
+    ),
     'at = "P"\nbody = "first"': 'responses[1].at = "P": must be a point of first: A, M',
     'of = { point = "P", direction = [0.0, 0.0, 0.0] }': (
         "responses[1].of.direction = [0.0, 0.0, 0.0]: must not be zero"

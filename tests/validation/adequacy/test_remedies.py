@@ -87,7 +87,7 @@ def test_failing_model_leaves_other_verdicts(monkeypatch, arm, sound):
             assert now == before
 
 
-def test_unsolved_step_ends_the_list_of_causes(monkeypatch, arm, sound):
+def test_unsolved_model_ends_list_of_causes(monkeypatch, arm, sound):
     refusing(monkeypatch, model_ladder, "computed_spring")
     matrix = robot_adequacy(Context(arm, "quick"))
     for now, before in zip(matrix.entries, sound.entries, strict=True):

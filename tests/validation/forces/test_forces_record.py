@@ -31,7 +31,7 @@ def loaded(tmp_path):
     return path
 
 
-def test_stress_of_cantilever_is_bending_and_torsion_by_hand(loaded):
+def test_cantilever_stress_matches_hand_calculation(loaded):
     """σ = 6PL/bh² at the corner; τ of T in the middle of the long side; σ_v is at least σ."""
     (pose,) = fp.forces(loaded, "links").poses
     stress = pose.loads["push"].stresses["bar"]
@@ -51,7 +51,7 @@ def test_stress_of_cantilever_is_bending_and_torsion_by_hand(loaded):
     )
 
 
-def test_half_width_of_torsion_stress_contains_the_series():
+def test_torsion_stress_half_width_contains_series():
     """τ = k T/J of Timoshenko and Goodier §109, von Mises √3 τ."""
     text = CANTILEVER + '[[loads]]\nname = "twist"\nwrench = [0.0, 0.0, 0.0, 80.0, 0.0, 0.0]\n'
     robot = fp.forces(robot_of(text), "links")
@@ -67,7 +67,7 @@ def robot_of(text):
     return tomllib.loads(text)
 
 
-def test_half_width_of_segments_contains_the_exact_moment():
+def test_segment_half_width_contains_exact_moment():
     """My = −qL²/12 of a clamped beam under its weight: segments err by 1/n²."""
     text = BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed")
     text += '[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
@@ -80,7 +80,7 @@ def test_half_width_of_segments_contains_the_exact_moment():
     assert clamp.half_width[4] <= 1e-9 * Q * L**2
 
 
-def test_solids_have_the_reactions_of_beams_within_half_widths():
+def test_solid_reactions_equal_beam_reactions():
     """A statically indeterminate beam of solids: M = qL²/12 up to shear and held ends."""
     text = BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed")
     text += '[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
@@ -167,7 +167,7 @@ def test_robot_without_loads_is_refused(command):
         fp.forces(robot_of(CANTILEVER + LOADS), loads=["pull"])
 
 
-def test_figure_over_path_has_curves_of_drives_joints_and_legs():
+def test_force_figure_has_drives_joints_and_legs():
     text = (Path(fp.__file__).parent / "lumped/robots/five-bar.toml").read_text("utf-8")
     drag = '[[loads]]\nname = "drag"\nwrench = [100.0, 50.0, -30.0, 0.0, 0.0, 0.0]\n'
     found = fp.forces(robot_of(text + LOADS + drag), path=True, loads=["drag", "push"])

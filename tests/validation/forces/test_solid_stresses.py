@@ -65,7 +65,7 @@ def bar():
     return solid_field(LOADED)
 
 
-def test_solid_cantilever_has_beam_stresses_between_its_ends(bar):
+def test_solid_cantilever_has_beam_stresses(bar):
     """σxx = N/A + My z/Iy farther than the height from the ends (Saint-Venant)."""
     _, field = bar
     x, _, z = field.mesh.nodes.T
@@ -84,7 +84,7 @@ def test_solid_cantilever_has_beam_stresses_between_its_ends(bar):
     assert -tip == pytest.approx(bent, rel=5e-3)
 
 
-def test_largest_stress_of_solid_contains_beam_value_at_clamp(bar):
+def test_solid_peak_stress_covers_beam_at_clamp(bar):
     """N/A + M/W at the clamp, ν = 0: no singular stress, so the field there is the beam's."""
     found, field = bar
     weight = RHO * B * H * 9.81
@@ -110,7 +110,7 @@ def test_vtu_has_the_fields_of_all_bodies(bar, tmp_path):
     assert set(np.asarray(grid.cell_data["body"]).tolist()) == {1}
 
 
-def test_nodes_near_reentrant_corners_of_profile_are_left_out():
+def test_reentrant_corner_nodes_are_excluded():
     nodes = np.array([[0.0, 0.0, 0.0], [0.0, 0.02, 0.0], [1.0, 0.0, 0.0]])
     assert away_from(nodes, np.array([0]), 0.01).tolist() == [False, True, True]
     assert away_from(nodes, np.zeros(0, dtype=int), 0.01).all()

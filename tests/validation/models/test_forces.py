@@ -61,7 +61,7 @@ def under(mechanism, *, model="beam", pose=(), **load):
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam", "solid"])
-def test_cantilever_reaction_balances_tip_force_and_weight(model):
+def test_cantilever_reaction_balances_loads(model):
     """R = P + qL, M = PL + qL²/2, and the torque of the tip as it is."""
     wrench = np.array([5.0, 7.0, -11.0, 13.0, 0.0, 0.0])
     _, reactions = under(described(CANTILEVER), model=model, wrench=wrench, **WEIGHT)
@@ -99,7 +99,7 @@ def test_propped_beam_reaction_is_three_eighths():
     np.testing.assert_allclose(found["a"][4], -Q * L**2 / 8.0, rtol=1e-9)
 
 
-def test_triangle_bars_carry_forces_of_joint_equilibrium():
+def test_triangle_bar_forces_satisfy_equilibrium():
     """At the pin, 4/5 N₁ = F_x and 3/5 N₁ + N₂ = F_y: N₁ = 5/4 F_x, N₂ = F_y − 3/4 F_x."""
     force = np.array([120.0, -50.0, 0.0, 0.0, 0.0, 0.0])
     at, reactions = under(described(TRIANGLE), wrench=force)
@@ -200,7 +200,7 @@ def leg_inertia(shape):
 
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
-def test_every_body_of_built_in_robots_is_in_equilibrium(robot, model):
+def test_built_in_robots_are_in_equilibrium(robot, model):
     """Joints, tool and weight sum to zero: masses at their centres, as Newton has them."""
     mechanism = load_robot(robot).mechanism
     wrench = np.array([100.0, 50.0, -30.0, 1.0, 2.0, 3.0])
@@ -262,7 +262,7 @@ def test_drive_forces_do_the_work_of_the_load(robot, pose):
         assert work / (2.0 * step) == pytest.approx(-force[component], rel=1e-6, abs=1e-6)
 
 
-def test_wrenches_of_rigid_loop_are_open_across_its_plane():
+def test_rigid_loop_reactions_are_undetermined():
     """Rigid bodies leave the three wrenches across a planar loop open, elastic ones none."""
     mechanism = load_robot("five-bar").mechanism
     wrench = np.array([100.0, -60.0, 0.0, 0.0, 0.0, 0.0])

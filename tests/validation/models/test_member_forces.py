@@ -27,7 +27,7 @@ def members(mechanism, model="beam", **load):
 
 
 @pytest.mark.parametrize("model", ["simplified", "vjm", "links", "segments", "beam"])
-def test_cantilever_sections_carry_tip_wrench_and_weight(model):
+def test_cantilever_section_forces_balance_loads(model):
     """N = Px, Q = P + q(L − x) with its sign, My = −Pz(L − x) + q(L − x)²/2, Mz = Py(L − x)."""
     wrench = np.array([5.0, 7.0, -11.0, 13.0, 17.0, -19.0])
     # The simplified model has rigid legs on a rigid clamp: nothing moves, all is determined.
@@ -62,7 +62,7 @@ def test_largest_moment_of_span_is_at_zero_shear(model):
     assert np.abs(long.forces[middle, 2]) <= 1e-9 * Q * L
 
 
-def test_bars_of_triangle_carry_tension_and_compression():
+def test_triangle_bars_have_tension_or_compression():
     """N₁ = 5/4 F_x and N₂ = F_y − 3/4 F_x as in the reactions; tension is positive."""
     force = np.array([120.0, -50.0, 0.0, 0.0, 0.0, 0.0])
     bars = members(described(TRIANGLE), wrench=force)

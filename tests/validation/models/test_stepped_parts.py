@@ -152,7 +152,7 @@ def test_nonprismatic_section_is_refused(tmp_path, draw, why):
 
 
 @pytest.mark.parametrize(("draw", "left"), PRISMS.values(), ids=PRISMS)
-def test_long_enough_sections_become_pieces(tmp_path, draw, left):
+def test_long_uniform_sections_become_pieces(tmp_path, draw, left):
     leg = stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0), 0.4))
     areas = np.array([piece.properties.mu for piece in leg.pieces]) / STEEL.rho
     # Of the bar, of what is left of it, and nothing between: a plane in a step's face is on one

@@ -229,7 +229,7 @@ def test_invalid_greeting_is_no_scheduler(greeting, monkeypatch):
 
         Thread(target=greet, daemon=True).start()
         address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
-        said = "what answers there is not a Dask scheduler"
+        said = "the service at this address is not a Dask scheduler"
         with pytest.raises(InputError, match=said), on_cluster(address, silent):
             pass
 

@@ -45,7 +45,7 @@ class Unit:
         return Powers(powers, float(powers.sum()))
 
 
-def test_finished_units_are_computed_once(tmp_path, monkeypatch):
+def test_finished_calls_are_computed_once(tmp_path, monkeypatch):
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path))
     units = [Unit(base) for base in (2.0, 3.0, 2.0, 5.0)]
 
@@ -138,7 +138,7 @@ def test_lost_unit_ends_sweep_with_reason():
             list(executor([partial(load_robot, "no-such-robot")]))
 
 
-def test_cancelled_units_are_not_awaited():
+def test_cancelled_calls_are_not_awaited():
     begun = time.monotonic()
     with on_cores(2) as cores:
         groups = [[(number, partial(time.sleep, 60.0 * (number > 0)))] for number in range(3)]

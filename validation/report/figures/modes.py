@@ -144,7 +144,7 @@ def pairs(context: Context) -> Chart:
         }
     panels.append(Panel(changes, "difference (%)", levels=(0.0,), staggered=False))
     return Chart(panels, "mode of the reference", len(panels), 2.0, columns).captioned(
-        "Modes at the middle pose of the path; the reference has solid legs and parts "
+        f"Modes at the middle pose of the path. Reference: {reference.title} "
         f"({interpretation.name or 'solid'}). MAC panels: energy-weighted modal assurance "
         "criterion of each mode of the reference (row) with each mode of the model "
         "(column); black: 1, equal shapes; white: 0. A black diagonal means that the "
