@@ -32,7 +32,7 @@ def robot():
     mechanism = load_robot("five-bar").mechanism
     swing = Excitation("mill", np.array([1.0, 0.0, 0.0]), 10.0, 100.0, 2)
     shown = replace(mechanism, excitations=(swing,))
-    return SimpleNamespace(mechanism=shown, postures=postures_of(mechanism, POSES), judged=2)
+    return SimpleNamespace(mechanism=shown, postures=postures_of(mechanism, POSES), judged_count=2)
 
 
 def vibration(scale=1.0):
