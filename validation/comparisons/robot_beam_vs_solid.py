@@ -425,9 +425,10 @@ def _beam_vibration(
 
 
 def _mode_count(context: Context) -> int:
-    """Number of modes to compute: that of the adequacy verdicts if the solids are the same.
+    """Number of modes to compute for the comparison of the robot with its solids.
 
-    Fewer otherwise.
+    It is the number for the verdicts of adequacy if these use the same solids, which are then
+    solved once; otherwise it is smaller.
     """
     legs = known_legs(context.robot_file.mechanism).values()
     shared = all(isinstance(leg, ConstantLeg) for leg in legs)

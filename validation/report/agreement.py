@@ -253,7 +253,8 @@ def _allowances_sentence(agreeing: Sequence[Outcome]) -> str:
 def _missing_sentence(comparisons: Sequence[Outcome]) -> str:
     """Sentence on skipped comparisons, "Not compared: f1, f2 of arm1; VJM of the robot.".
 
-    First the quantities in which no formulation of a subject is compared, then formulations.
+    It lists first the quantities that were compared for no formulation, then the formulations that
+    were not compared at all.
     """
     quantities: dict[tuple[str, ...], list[str]] = {}
     models: dict[tuple[str, ...], list[str]] = {}

@@ -94,7 +94,7 @@ def agreement_row(outcome: Outcome) -> AgreementRow:
 def agreement_rows(outcomes: Iterable[Outcome]) -> ResultTable:
     """Table with a row for each comparison of formulations: values, difference, parts, verdict.
 
-    Models of CAD parts without a verdict follow, without tolerance.
+    The last rows are models of CAD parts, which have neither a verdict nor a tolerance.
     """
     outcomes = tuple(outcomes)
     judged = [agreement_row(outcome) for outcome in outcomes if outcome.case.kind == "agreement"]
