@@ -46,11 +46,12 @@ def solid_unknowns(leg: SectionedLeg, divisions: int) -> float:
 
 def why_shapeless(legs: Sequence[Leg]) -> str:
     """Reason why some of `legs` cannot be meshed at all; empty if each can be."""
-    names = [
+    # Equal legs have one name, that of the first.
+    names = dict.fromkeys(
         f"{leg.name or 'a leg'} ({leg.section.shape})"
         for leg in legs
         if isinstance(leg, ConstantLeg) and not (leg.section.has_outline and leg.section.is_uniform)
-    ]
+    )
     if not names:
         lofts = (why_no_loft(leg) for leg in legs if isinstance(leg, LineLeg))
         return next(filter(None, lofts), "")

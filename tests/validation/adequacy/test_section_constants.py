@@ -68,6 +68,7 @@ def test_section_constants_give_no_verdict(tmp_path):
     assert reason.startswith(
         "arm (properties): runs compare solids of one isotropic material alone"
     )
+    assert why_shapeless([leg, leg]) == reason
     with pytest.raises(InputError, match="properties: solids are not made of this section"):
         clamped_solid(leg, 2, "rigid")
     context = Context(robot_file, "quick")
