@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from written_robot import robot_of
 
@@ -21,6 +22,18 @@ def test_ten_practice_robots_are_valid():
     assert len(NAMES) == 10
     names = {load_robot(ROBOTS / f"{name}.toml").mechanism.name for name in NAMES}
     assert len(names) == 10
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_links_and_beams_are_equal_in_statics(name):
+    """Both are exact under forces at the ends of legs, prismatic or tapered, on any joints."""
+    links, beam = (
+        api.solve(ROBOTS / f"{name}.toml", model).answers[0].compliance
+        for model in ("links", "beam")
+    )
+    diagonal = np.diag(beam)
+    # Round-off is 1e-11, of thin leaves and of soft legs on stiff joints.
+    assert np.abs((links - beam) / np.sqrt(np.outer(diagonal, diagonal))).max() <= 1e-8
 
 
 def test_thin_leaf_is_skipped_by_wave_cases(monkeypatch):
