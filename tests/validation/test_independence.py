@@ -48,10 +48,13 @@ FILES = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))["mod
 # Modules, or single functions, that both sides may rest on, and why.
 BASICS = {
     "lumped.arrays": "types, and matrices made dense",
+    "lumped.centre_line": "data of legs: the geometry of their lines",
     "lumped.dense.modes": "eigenvalues of small matrices",
     "lumped.errors": "messages",
     "lumped.equivalent_leg": "data of legs",
     "lumped.legs": "data of legs",
+    "lumped.line_sections": "data of legs along lines, which solids and polynomials integrate anew",
+    "lumped.memo": "results kept for equal arguments",
     "lumped.sections": "data of legs: textbook constants, which fem.sections computes anew",
     "lumped.text": "messages",
     "lumped.screws": "moving and turning twists",
@@ -70,6 +73,8 @@ BASICS = {
     "fem.solvers.factor:Inertia": "counted eigenvalues",
     "fem.sections.saint_venant": "tractions on free ends, of which a solid's strains are its own",
     "fem.sections.section_constants:poisson_shear_ratio": "νG/E for those tractions",
+    "fem.sections.waveguide:elasticity": "those tractions of composites, which no comparison has",
+    "fem.sections.waveguide:strains": "those tractions of composites, which no comparison has",
 }
 # Comparisons that are of two ways through one room, and hence of no more than what sets them apart.
 WITHIN = {
