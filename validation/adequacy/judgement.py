@@ -1,9 +1,11 @@
 """Verdict on each model for each quantity, with its causes and a remedy.
 
 Input: `Errors` of a model (intervals by pose) and the limits of `[accept]`. Output: an `Entry` of
-the matrix. Rule: in each pose, the model is adequate if all errors of the interval are within the
-limit, inadequate if all are beyond it on one side, and otherwise undecided. The worst verdict over
-the poses stands; the deciding pose is the one with the largest error over its limit.
+the matrix. An interval covers all interpretations of the robot file (end conditions, distributions
+of mass) and all half-widths. Rule: in each pose, the model is adequate if all errors of the
+interval are within the limit, inadequate if all are beyond it on one side, and otherwise undecided.
+The worst verdict over the poses stands; the deciding pose is the one with the largest error over
+its limit.
 
 Causes: each step from the model to the reference removes one cause by a computation that does not
 use the reference. The error that no step removes is listed as the rest. Remedy: the fewest steps
@@ -35,9 +37,10 @@ _DECIDED_BY: Mapping[str, str] = {
     Source.PAIRING: "mode shapes of nearly equal frequency mix, so that their pairing is ambiguous",
 }
 _UNDECIDED_SHAPES = "several modes of the reference have the shape of one mode"
-# First number: smallest share of an error that is listed as a cause. Second number: a step counts
-# as a remedy if it changes the error by this fraction of the limit.
-_NAMED_SHARE, _STEP_SHARE = 0.005, 0.1
+# Smallest share of an error that is listed as a cause.
+_NAMED_SHARE = 0.005
+# A step counts as a remedy if it changes the error by this fraction of the limit.
+_STEP_SHARE = 0.1
 # If the largest source of uncertainty has no remedy, that of a source at least this fraction as
 # large is given.
 _NEAR_SHARE = 0.5
@@ -126,7 +129,9 @@ def _entry(
     )
     remedy, remaining = "", None
     if verdict == "inadequate":
-        remedy, remaining = shortest_remedy(model_errors, model, quantity, errors, limit, pose)
+        remedy, remaining = shortest_remedy(
+            model_errors, model, quantity, errors, requirement, pose
+        )
     input_error = inputs.error(model, quantity, errors) if inputs else None
     chances = probability(input_error, verdict, limits, pose) if input_error else None
     defined = not missing[pose]
@@ -524,43 +529,50 @@ def shortest_remedy(
     model: Model,
     quantity: Quantity,
     errors: Errors,
-    limit: float,
+    requirement: Requirement,
     pose: int,
 ) -> tuple[str, float | None]:
-    """Remedy with the fewest steps after which the error meets the limit, and the remaining error.
+    """Remedy with the fewest steps after which the errors meet the limits in all poses.
 
-    If the model stays inadequate after all steps, the remedy is a model equal to the reference;
-    without one, the steps that come closest to the limit. The remaining error is the largest over
-    all poses and interpretations. A step is listed if it changes the error by at least a tenth of
-    the limit. ("", None) if no step reduces the error.
+    Also the remaining error, in the pose in which it is largest relative to the limit. Half-widths
+    do not count. If no number of steps makes the model better than inadequate, the remedy is a
+    model equal to the reference; if there is no such model, the steps with the smallest remaining
+    error relative to the limit. A step is listed if it changes the error in any pose by at least a
+    tenth of the limit there. ("", None) if what remains after the best steps is no
+    smaller, relative to the limit, than the error in the deciding `pose`.
     """
     subject = model_errors.subject
     tried: list[tuple[float, float, str, bool]] = []
     remedies: dict[str, str] = {}
-    start = before = float(errors.worst[pose])
+    limits = _pose_limits(errors, quantity, requirement)
+    start, before = float(errors.worst[pose]), errors.worst
     for step in subject.steps(model, quantity):
         after = model_errors.errors(step.model, quantity)
         if after is None:
             break
         errors_after = after.worst
-        if step.remedy and not abs(errors_after[pose] - before) < _STEP_SHARE * limit:
-            # Another model makes all earlier remedies void; an option replaces its own earlier
-            # value.
+        changes = np.abs(errors_after - before)
+        if step.remedy and not (changes < _STEP_SHARE * limits).all():
+            # A remedy that changes the model discards earlier ones; one with an option replaces an
+            # earlier one with this option.
             remedies = {} if step.remedy.model else remedies
             remedies[step.remedy.option or step.remedy.text] = step.remedy.text
         if step.remedy and remedies and np.isfinite(errors_after).all():
-            worst = float(errors_after[np.argmax(np.abs(errors_after))])
-            beyond = "inadequate" in verdicts_of(after, np.full(len(errors_after), limit))
-            tried.append((abs(worst), worst, ", ".join(remedies.values()), beyond))
+            limits_after = _pose_limits(after, quantity, requirement)
+            shares = np.abs(errors_after) / limits_after
+            worst = int(np.argmax(shares))
+            beyond = "inadequate" in verdicts_of(after, limits_after)
+            remaining = float(errors_after[worst])
+            tried.append((float(shares[worst]), remaining, ", ".join(remedies.values()), beyond))
         # The effect of a step without a remedy is added to that of the next step.
-        before = float(errors_after[pose]) if step.remedy else before
-    sufficient = [attempt for attempt in tried if attempt[0] <= limit]
+        before = errors_after if step.remedy else before
+    sufficient = [attempt for attempt in tried if attempt[0] <= 1.0]
     replacement = subject.reference(quantity).remedy
     if replacement and not sufficient and all(beyond for *_, beyond in tried):
         return replacement.text, 0.0
     if not tried:
         return "", None
-    size, error, remedy, _ = sufficient[0] if sufficient else min(tried)
-    if np.isfinite(start) and size >= abs(start):
+    share, error, remedy, _ = sufficient[0] if sufficient else min(tried)
+    if np.isfinite(start) and share >= abs(start) / limits[pose]:
         return "", None
     return remedy, error

@@ -1,7 +1,8 @@
-"""Files with all models of a robot: VTU, VTP, .npz, Matrix Market and a CalculiX deck.
+"""Files of `run --export`: VTU, VTP, .npz, Matrix Market and a CalculiX deck.
 
-Input: a mechanism and a folder. Output: fields of displacements and modes, matrices of legs and CAD
-parts, and README.txt, which describes each file.
+Input: a mechanism, a preset (the mesh of the solids) and a folder. Output: fields of displacements
+and modes, matrices of legs and CAD parts, and README.txt, which describes each file. A mechanism
+with CAD parts has neither beams nor deck, one with legs of varying section has no deck.
 """
 
 from collections.abc import Mapping, Sequence

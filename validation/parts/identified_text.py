@@ -40,7 +40,7 @@ def as_text(identified: Identified, accuracy: Accuracy | None = None) -> str:
         meshes += "; element sizes do not follow the curvature, because gmsh fails with such sizes"
     mass = f"mass {identified.total:.6g} kg, centre ({_coordinates(identified.centre)}) m"
     if identified.deviation is not None:
-        mass += f", volume {identified.deviation:+.1e} of the exact one"
+        mass += f", volume differs by {identified.deviation:+.1e} from the exact one"
         exact = identified.part.exact
         if exact and exact.error:
             mass += f" (integrated over its splines to {exact.error / exact.volume:.0e})"
@@ -76,7 +76,7 @@ def _compliances(identified: Identified) -> list[str]:
         return [f"{first} is the only interface, so that there is no stiffness between interfaces"]
     lines = [
         f"compliance with {first} clamped, axes of the file (m/N, rad/(N m)); ± half-width of the "
-        "meshes; averaged minus rigid interfaces"
+        "meshes; averaged minus rigid interfaces; both relative"
     ]
     names = [
         f"{interface.name} {axis:<2}"

@@ -1,10 +1,11 @@
 """Discretisation half-width of a number from its changes between successive meshes.
 
 Input: magnitudes of the changes between two or three meshes, and a `MeshPolicy` with the ratio r of
-element sizes, the possible orders p and a safety factor s. Output: the half-width on the finest
-mesh. Rule: s max(Δ, Δ₋₁/rᵖ)/|rᵖ − 1|, which is the error of the finest mesh if errors fall by rᵖ
-from mesh to mesh, times s. Δ is the last change; it is taken as at least Δ₋₁/rᵖ, to which the
-change before, Δ₋₁, decreases with order p (Roache, J. Fluids Eng. 116 (1994) 405).
+element sizes, the possible orders p and a safety factor s. Output: the half-width on one of the
+meshes, usually the finest. Rule: s max(Δ, Δ₋₁/rᵖ)/|rᵖ − 1| plus round-off, which is the error of
+that mesh if errors fall by rᵖ from mesh to mesh, times s. Δ is the last change. It may be small by
+chance; therefore Δ₋₁/rᵖ is used if it is larger, which order p predicts from the change before,
+Δ₋₁ (Roache, J. Fluids Eng. 116 (1994) 405).
 """
 
 from collections.abc import Callable, Sequence
@@ -25,11 +26,12 @@ PROVEN, UNPROVEN = 1.25, 3.0
 class MeshPolicy:
     """Rule that makes a half-width of the changes between geometrically similar meshes.
 
-    `ratio`: element size of a mesh over that of the next; below one if the half-width is needed on
-    the coarser mesh, 0 if the next mesh is infinitely fine. `orders`: lowest and highest order of
-    convergence. With two meshes the lowest is used. With three, the order is observed from the sums
-    of all changes and limited to this range. `safety`: factor on the estimated error. `round_off`:
-    smallest relative half-width.
+    `ratio`: element size of the other mesh over that of the mesh whose half-width is needed: above
+    one if the other is coarser, below one if it is finer, 0 if it is infinitely fine. `orders`:
+    lowest and highest order of convergence. With two meshes the lowest is used. With three, the
+    order is observed, from the sum of all numbers' earlier changes and that of their last changes,
+    and limited to this range. `safety`: factor on the estimated error. `round_off`: half-width
+    that is added to the result.
     """
 
     ratio: float
@@ -44,7 +46,7 @@ class MeshPolicy:
 
     @classmethod
     def to_limit(cls, safety: float = UNPROVEN) -> "MeshPolicy":
-        """Policy for changes that are differences from the exact limit, and so equal the error."""
+        """Policy for differences from the limit, exact or extrapolated, which equal the errors."""
         return cls(0.0, (1.0, 1.0), safety)
 
     def order(self, before: float, after: float) -> float:
@@ -56,7 +58,7 @@ class MeshPolicy:
 
 
 def mesh_half_widths(changes: Sequence[Array], policy: MeshPolicy) -> Array:
-    """Half-widths on the finest mesh from the magnitudes of `changes`, coarse to fine.
+    """Half-widths on a mesh from the magnitudes of `changes`, the change to this mesh last.
 
     Each change has the same, arbitrary shape. The result has the unit of the changes. NaN stays
     NaN.
@@ -77,9 +79,10 @@ def half_widths_on(
     solve: Callable[[int], A],
     change: Callable[[A, A, A], Array],
 ) -> Array:
-    """Half-widths on the finest of several meshes, which `solve` solves by their level.
+    """Relative half-widths on one of several meshes, which `solve` solves by their level.
 
-    `change` returns the magnitude of the difference of two solutions, relative to the finest one.
+    `change` returns the magnitude of the difference of two solutions, relative to the last one.
+    The mesh is the last one, or the one before if the policy's ratio is below one.
     If `policy` is a number, it is the half-width itself, and nothing is solved.
     """
     if not isinstance(policy, MeshPolicy):

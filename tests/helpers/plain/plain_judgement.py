@@ -282,20 +282,21 @@ class Rule:
 
         The model only where all steps leave it inadequate; none that is no better than nothing.
         """
-        start = before = self.at(self.model, pose)
+        start, before = self.at(self.model, pose), self.along(self.model)
         words, tried = {}, []
         for step, responses in self.steps:
             after = self.along(responses)
-            lost = before.missing or after[pose].missing
+            pairs = list(zip(before, after, strict=True))
+            lost = any(one.missing or other.missing for one, other in pairs)
             if step.remedy:
-                if lost or abs(after[pose].error - before.error) >= 0.1 * limit:
+                if lost or any(abs(b.error - a.error) >= 0.1 * limit for a, b in pairs):
                     words = {} if step.remedy.model else words
                     words[step.remedy.option or step.remedy.text] = step.remedy.text
                 if words and not any(one.missing for one in after):
                     worst = max((one.error for one in after), key=abs)
                     beyond = any(one.verdict(limit) == "inadequate" for one in after)
                     tried.append((abs(worst), worst, ", ".join(words.values()), beyond))
-                before = after[pose]
+                before = after
         enough = [one for one in tried if one[0] <= limit]
         if self.reference.remedy and not enough and all(one[3] for one in tried):
             return self.reference.remedy.text, 0.0

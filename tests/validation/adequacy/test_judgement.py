@@ -16,6 +16,7 @@ from lumped.acceptance.requirement import Requirement
 from validation.adequacy.errors import first_largest
 from validation.adequacy.judgement import REST, verdict_matrix
 from validation.drawing.text import error_with_spread
+from validation.references.reference import Remedy, Step
 from validation.responses.mode_partners import frequency_changes, partners
 from validation.responses.statics_and_modes import PathModes, Statics
 
@@ -360,6 +361,50 @@ def test_limit_in_metres_applies_at_each_pose():
     # In both poses beyond 3 µm, the second by more.
     told = verdict_matrix(subject, replace(wanted, displacement=3e-6)).entry("model", "load:press")
     assert (told.verdict, told.pose, told.limit) == ("inadequate", (0.7,), pytest.approx(3e-3))
+
+
+@pytest.mark.parametrize(
+    ("given", "once", "twice", "expected"),
+    [
+        # 60 % and 5 % off, then 0 and 5 %, then 0 and 0.1 %: both steps are needed.
+        ((1.6e-4, 1.05e-3), (1e-4, 1.05e-3), (1e-4, 1.001e-3), ("first, second", 0.001)),
+        # 10 % in both poses, then 10 and 0.5 %: one step is enough.
+        ((1.1e-4, 1.1e-3), (1.1e-4, 1.005e-3), (1e-4, 1e-3), ("first", 0.1)),
+    ],
+)
+def test_remedy_meets_limit_in_metres_at_each_pose(given, once, twice, expected):
+    """20 µm of 0.1 mm and of 1 mm: 20 % in the first pose, 2 % in the second.
+
+    All poses were compared with the limit of the deciding one: the first model was advised to take
+    one step and remained inadequate, the second two.
+    """
+    compliances = np.array([1e-8 * np.eye(6)] * 2)
+    truth, *moved = (
+        Statics(compliances, np.array(along)[:, None, None] * np.eye(6)[:1])
+        for along in ((1e-4, 1e-3), given, once, twice)
+    )
+    models = [model(name, one) for name, one in zip("abc", moved, strict=True)]
+    steps = tuple(
+        Step(f"cause {name}", "source", after, Remedy(name, f"--{name}"))
+        for name, after in zip(("first", "second"), models[1:], strict=True)
+    )
+    subject = replace(
+        toy_subject(3),
+        models=models,
+        statics=reference("exact", {"": truth}),
+        static_steps={"a": steps},
+        loads=load_quantities(["press"]),
+    )
+    wanted = Requirement(modes=3, loads=("press",), displacement=2e-5)
+    matrix = verdict_matrix(subject, wanted)
+    entry = matrix.entry("a", "load:press")
+    assert entry.verdict == "inadequate"
+    assert (entry.remedy, entry.error_with_remedy) == (
+        expected[0],
+        pytest.approx(expected[1], rel=1e-9),
+    )
+    remedied = "c" if "second" in entry.remedy else "b"
+    assert matrix.entry(remedied, "load:press").verdict == "adequate"
 
 
 LIMITS = (0.02, 0.2)
