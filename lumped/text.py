@@ -70,7 +70,7 @@ def _is_number(text: str) -> bool:
 
 
 def unknown_name(key: str, name: str, known: Collection[str], allowed: str) -> str:
-    """Fault of a name that is not among the known ones, with the most similar known name."""
+    """Error message for an unknown name. It suggests the most similar known name."""
     advice = did_you_mean(name, known, otherwise=f": {', '.join(known) or 'none'}")
     return f"{key} = {shown(name)}: must be {allowed}{advice}"
 

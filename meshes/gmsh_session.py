@@ -60,8 +60,8 @@ def gmsh_model(part: str) -> Iterator[ModuleType]:
         import gmsh  # noqa: PLC0415  slow to load, and most answers need no mesh
     except ImportError as error:
         raise ComputationError(
-            f"needs gmsh, which cannot be loaded ({error}); install its Python module from "
-            "pip or from your distribution",
+            f"needs gmsh, which cannot be loaded ({error}); install its Python module with "
+            "pip or with the package manager of your system",
             part=part,
         ) from error
     except OSError as error:

@@ -320,9 +320,9 @@ def _places(members: dict[str, _Member], elements: int) -> tuple[dict[str, IntAr
 def _twists(
     member: _Member, places: IntArray, length: float, size: int, stations: Array
 ) -> SparseMatrix:
-    """6m × `size` matrix of a member's contribution to the twists of sections at m `stations`.
+    """6k × `size` matrix of a member's contribution to the twists of sections at k `stations`.
 
-    `stations` are in m from the root.
+    `stations` are distances (m) from the root.
     """
     stations = np.atleast_1d(np.asarray(stations, dtype=float))
     slack = ROUNDING * length

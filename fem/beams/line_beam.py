@@ -114,9 +114,10 @@ def _twists(
     size: int,
     stations: Array,
 ) -> SparseMatrix:
-    """6m × `size`: twists of the sections at `stations` (m along the line).
+    """6k × `size` matrix that maps the unknowns to the twists of the sections at k `stations`.
 
-    Displacements between Gauss points are interpolated, with the nodes' own at both ends.
+    `stations` are distances (m) along the line. Displacements between Gauss points are
+    interpolated. At both ends they are those of the nodes.
     """
     positions = np.atleast_1d(np.asarray(stations, dtype=float))
     length, elements = edges[-1], len(edges) - 1

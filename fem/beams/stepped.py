@@ -103,9 +103,10 @@ def _node(node: int, count: int, length: float) -> tuple[int, Array | None]:
 def _twists(
     leg: SteppedLeg, models: Sequence[LegMatrices], maps: Sequence[SparseMatrix], stations: Array
 ) -> SparseMatrix:
-    """Matrix (6m×n) from the unknowns to twists at `stations` (m) of the line from root to tip.
+    """6k × n matrix that maps the n unknowns to the twists at k `stations` of the line.
 
-    Points of the line move with the section of the piece in which they lie.
+    `stations` are distances (m) along the straight line from root to tip. Points of the line move
+    with the section of the piece in which they lie.
     """
     size = maps[0].shape[1]
     starts = np.array([piece.start[0] for piece in leg.pieces])

@@ -162,12 +162,12 @@ def centreline_of(mesh: SolidMesh, coupled: CoupledSolid) -> Callable[[Array], S
 
 
 def section_twists(mesh: SolidMesh, stations_x: Array) -> SparseMatrix:
-    """Matrix (csr 6m × 3N) from nodal displacements u to twists of the sections at m positions.
+    """6k × 3N matrix (csr) that maps nodal displacements u to twists of k sections.
 
-    `stations_x` are in m from the root along the centre line. Translations are means over the
-    section. Rotations follow from first moments: φy and φz from those of u_x, φx from that of the
-    displacement about the axis. Between planes of nodes the shape functions interpolate. Raises
-    InputError for positions outside the leg and for a mesh that is not extruded.
+    `stations_x` are their distances (m) from the root along the centre line. Translations are means
+    over the section. Rotations follow from first moments: φy and φz from those of u_x, φx from that
+    of the displacement about the axis. Between planes of nodes the shape functions interpolate.
+    Raises InputError for positions outside the leg and for a mesh that is not extruded.
     """
     if mesh.slices is None:
         raise InputError("section twists need an extruded mesh: tetrahedra have no planes of nodes")

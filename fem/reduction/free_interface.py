@@ -78,8 +78,8 @@ def free_interface(
     residual, truncated = residual_modes(body, wrenches, modes)
     if residual.shapes.shape[1] < wrenches.shape[1]:
         raise ComputationError(
-            f"{body.state}: its modes up to {modes.cutoff:.6g} Hz leave nothing of its "
-            "flexibility; a lower cut-off is needed"
+            f"{body.state}: modes up to {modes.cutoff:.6g} Hz already contain all of the "
+            "flexibility at the interfaces, so that no static remainder is left; lower the cut-off"
         )
     fields = np.hstack([body.rigid, modes.shapes, residual.shapes])
     elastic = np.concatenate([modes.frequencies, residual.frequencies])

@@ -50,11 +50,11 @@ class LegMatrices(BodyModel):
 
     The unknowns are the twist of the root (6), the twist of the tip (6) and internal ones. `length`
     from root to tip is in m. `line` is the centre line, None if it is the x axis.
-    `centreline(stations)` is the sparse 6m × n matrix from the unknowns to the twists of the
-    sections at m `stations` (m along the line). Sections remain plane. `parts` splits the stiffness
-    into "tension", "torsion", "bending y" (deflection along z, EIy) and "bending z" (deflection
-    along y, EIz), each with its shear. If the section couples both bendings, they are one part
-    "bending". The legs along a line have no parts.
+    `centreline(stations)` is the sparse 6k × n matrix that maps the n unknowns to the twists of the
+    sections at k `stations` (distances along the line in m). Sections remain plane. `parts` splits
+    the stiffness into "tension", "torsion", "bending y" (deflection along z, EIy) and "bending z"
+    (deflection along y, EIz), each with its shear. If the section couples both bendings, they are
+    one part "bending". The legs along a line have no parts.
     """
 
     interfaces: tuple[str, ...] = field(init=False, default=ENDS)
@@ -83,7 +83,7 @@ class LegMatrices(BodyModel):
 def _section_displacements(
     centreline: Callable[[Array], SparseMatrix], line: CentreLine | None, points: Array
 ) -> SparseMatrix:
-    """3m × n matrix from the unknowns to the displacements of `points` (m×3, m, leg axes).
+    """3k × n matrix that maps the n unknowns to displacements of `points` (k×3, in m, leg axes).
 
     The displacement of a point is u + φ × r with the translation u and the rotation φ of its
     section, and the arm r from the section's centroid.

@@ -269,9 +269,10 @@ def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
 
 
 def _interpolate(positions: Array, block: IntArray, stations: Array) -> SparseMatrix:
-    """6m × n matrix from the unknowns to the twists at m `stations` (m from the root).
+    """6k × n matrix that maps the n unknowns to the twists at k `stations`.
 
-    The twists are linear between the reference points of the bodies.
+    `stations` are distances (m) from the root. The twists are linear between the reference points
+    of the bodies.
     """
     previous = np.clip(
         np.searchsorted(positions, stations, side="right") - 1, 0, len(positions) - 2

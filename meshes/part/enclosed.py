@@ -1,7 +1,6 @@
 """Volume, centre and moments of a solid, and areas of its faces, by integrals over its surface.
 
-"Kernel" is the geometry kernel of the CAD system in gmsh (OpenCASCADE), whose integrals are
-checked.
+These integrals check those of the geometry kernel of gmsh (OpenCASCADE).
 """
 
 from collections.abc import Sequence

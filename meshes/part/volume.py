@@ -305,6 +305,6 @@ def _require_filled(mesh: PartMesh, part: PartFile) -> None:
         raise InputError(
             f"{part.path}: its faces enclose {1e6 * volume:.6g} cm³, tetrahedra between them fill "
             f"{1e6 * filled:.6g} cm³, and the mesh explains a difference of "
-            f"{1e6 * allowed:.2g} cm³: a face looks the wrong way or is bounded wrongly; export it "
-            "anew from the CAD system"
+            f"{1e6 * allowed:.2g} cm³: a face points the wrong way or has a wrong boundary; "
+            "export the part again from the CAD system"
         )

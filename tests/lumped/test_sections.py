@@ -79,9 +79,11 @@ def test_polygon_with_many_corners_equals_tube():
 
 
 def test_channel_shear_centre_equals_thin_wall():
-    """e = 3b²f/(h w + 6 b f) behind the web's middle line (Timoshenko, Strength of Materials).
+    """Shear centre at e = 3b²f/(h w + 6 b f) behind the middle line of the web.
 
-    b and h are measured between middle lines; the difference is of second order in the thickness.
+    f and w are the thicknesses of flanges and web, b and h width and height between middle lines
+    (Timoshenko, Strength of Materials). The exact shear centre differs from this thin-wall formula
+    by terms of second order in the thickness.
     """
     differences = []
     for wall in (0.02, 0.01):

@@ -235,7 +235,8 @@ class ModelErrors:
     def errors(self, model: Model, quantity: Quantity) -> Errors | None:
         """Errors of a quantity of a model.
 
-        None if the model or the reference is unsolved under some interpretation.
+        None if the model or the reference has no solution under at least one interpretation (end
+        conditions and mass distributions that the robot file leaves open).
         """
         interpretations = self.subject.reference(quantity).interpretations
         errors_of = self._deflection if quantity.static else self._peak

@@ -203,7 +203,7 @@ def frequencies_by_kind(
     over={"ends, fraction": [("rigid", _HELD_TOLERANCE)]},
     tolerance=Relative(_HELD_TOLERANCE),
     tolerance_reason=(
-        "end effects decay as in Saint-Venant's theory of the prism; the rest is the mesh "
+        "end effects decay as in Saint-Venant's theory of the prism; the remainder is the mesh "
         "error at the edges of rigid faces: 0.02 %"
     ),
     model="solid",
@@ -287,7 +287,7 @@ def _percent(changed: float, base: float) -> str:
     tolerance=Relative(_FREQUENCY_TOLERANCE),
     tolerance_reason=(
         "the difference between Timoshenko's theory and waves of 3-D elasticity is allowed "
-        "for; the rest is the mesh error along the leg, known to 0.17 % from two coarse "
+        "for; the remainder is the mesh error along the leg, known to 0.17 % from two coarse "
         "meshes"
     ),
     model="solid",

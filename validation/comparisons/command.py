@@ -54,9 +54,9 @@ def converge(
     model
         segments, beam, or solid (which needs --body); segments and beam if left out.
     elements
-        Element counts per leg, separated by commas, as 5,10,20,40.
+        Element counts per leg, separated by commas, such as 5,10,20,40.
     divisions
-        solid: quadratic elements across the smaller side of the section, as 2,4,8.
+        solid: quadratic elements across the smaller side of the section, such as 2,4,8.
     theory
         segments and beam: euler-bernoulli or timoshenko; timoshenko if left out.
     quantity

@@ -263,8 +263,9 @@ def compliance_band(leg: ConstantLeg, divisions: int) -> tuple[Array, Array]:
 
 
 def frequency_band(leg: ConstantLeg, divisions: int, kinds: tuple[tuple[Kind, int], ...]) -> Array:
-    """Frequencies (2×k, Hz) of the softest and the stiffest beam by formula.
+    """Bounds (2×k, Hz) of k frequencies by beam formulas: of the softest and the stiffest beam.
 
+    Both beams have section constants by correct textbook formulas.
     `kinds` are the kind of deformation and the order of each of the k modes.
     """
     return frequencies_by_kind(leg_formula_band(leg, divisions), leg.length, kinds)

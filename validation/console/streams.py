@@ -127,9 +127,10 @@ def _discard(stream: TextIO) -> None:
 
 
 def _ascii_by_locale() -> str | None:
-    """Encoding "ascii" if LC_ALL requires it, which Python would override by UTF-8.
+    """Encoding "ascii" if LC_ALL is C or POSIX, otherwise None.
 
-    None otherwise.
+    Python by itself would replace ASCII with UTF-8. PYTHONIOENCODING and PYTHONUTF8 take precedence
+    over LC_ALL.
     """
     python_settings = {"PYTHONIOENCODING", "PYTHONUTF8"} & os.environ.keys()
     ascii_locale = os.environ.get("LC_ALL") in {"C", "POSIX"}

@@ -99,7 +99,12 @@ _OTHER_FILLS = (
 _END_CONDITIONS: Mapping[str, str] = {
     f"{bodies} {ends}": free
     for bodies in ("ends", "interfaces", "ends and interfaces")
-    for ends, free in {"as given": "", "rigid": "", "free": ", free", "averaged": ", free"}.items()
+    for ends, free in (
+        ("as in the robot file", ""),
+        ("rigid", ""),
+        ("free", ", free"),
+        ("averaged", ", free"),
+    )
 }
 _MASS = "mass along the legs"
 _REFERENCES: Mapping[str, str] = {

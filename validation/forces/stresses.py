@@ -1,9 +1,9 @@
 """Von Mises stresses in the sections of legs, by beam theory on a mesh of each section.
 
 Input: a leg and its section forces along its length. Output: `MemberStress`, the largest stress and
-where it acts. Rule: normal and shear stresses of Saint-Venant's theory; the half-width is the
-change from a coarse to a fine section mesh, scaled by the order of convergence, plus the effect of
-the half-widths of the forces.
+where it acts. Rule: normal and shear stresses of Saint-Venant's theory; the half-width of the
+uncertainty of a stress is the change from a coarse to a fine section mesh, scaled by the order of
+convergence, plus the effect of the half-widths of the forces.
 """
 
 from dataclasses import dataclass

@@ -325,7 +325,7 @@ def _required(value: float | None, changed: str) -> float:
     Otherwise a missing value would count as an uncertainty of zero, or of the whole value.
     """
     if value is None:
-        raise ComputationError(f"its uncertainty is unknown: no solution with {changed}")
+        raise ComputationError(f"uncertainty unknown: the model has no solution with {changed}")
     return value
 
 

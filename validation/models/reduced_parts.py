@@ -69,7 +69,10 @@ class ReducedPart(BodyModel):
 
     @property
     def kept(self) -> int:
-        """Number of modes below the cut-off, with fixed or free interfaces, in the matrices."""
+        """Number of modes below the cut-off that the reduced matrices contain.
+
+        They are modes with fixed interfaces or, if `free` is set, elastic modes of the free part.
+        """
         if self.free is None:
             return _below(np.diag(self.stiffness)[len(self.truncated) :], self.cutoff)
         all_squares = eigh(dense(self.stiffness), dense(self.mass), eigvals_only=True)[6:]

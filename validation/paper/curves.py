@@ -109,10 +109,11 @@ def all_deflections(context: Context) -> Chart:
         "stroke. With virtual joints and the legs as given they reach "
         f"{planar:.1f} µm in the plane, {planar / simplified.largest_planar:.1f} times as much, "
         f"and {along_z:.1f} µm along z, {along_z / planar:.1f} times the planar ones. The "
-        "compliance that the simplified model neglects is therefore the larger part. With the "
-        "same equivalent legs, virtual joints, segments and beam elements coincide (largest "
-        f"difference {percent(difference, signed=False)}). Their difference from the legs as given "
-        "is due to the data of the legs, not to the formulation.",
+        "compliance that the simplified model neglects is therefore the larger part. With each "
+        "leg replaced by its equivalent uniform beam, virtual joints, segments and beam elements "
+        f"coincide (largest difference {percent(difference, signed=False)}). Their difference from "
+        "virtual joints with the legs as given is due to the data of the legs, not to the "
+        "formulation.",
         compared_with(VJM.label),
     )
 

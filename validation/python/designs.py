@@ -43,7 +43,7 @@ class Designs:
 
     @property
     def decisions(self) -> Mapping[Objective, Decision]:
-        """Values by each model and by the reference, by objective.
+        """For each objective, the design value that each model and the reference choose.
 
         Examples
         --------

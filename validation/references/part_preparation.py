@@ -1,9 +1,9 @@
-"""Meshing, identification and reduction of CAD parts ahead of all other work of a run.
+"""Meshing of CAD parts, identification of their stiffness matrices, and reduction.
 
 Input: the robot file and an executor for processes or a cluster. Output: entries in the cache
-(`validation.run.cache`), from which the comparisons of the run then read. The parts, and the meshes
-of one part, are independent of each other, so each is a separate piece of work. An entry that is
-already stored is not computed again.
+(`validation.run.cache`), from which the comparisons of the run then read. It precedes all other
+work of a run. The parts, and the meshes of one part, are independent of each other, so each is a
+separate piece of work. An entry that is already stored is not computed again.
 """
 
 import tempfile

@@ -282,7 +282,9 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
         if not all(bodies.values())
     ]
     if not unspecified:
-        name = "interfaces as given" if parts and not legs else "ends as given"
+        name = (
+            "interfaces as in the robot file" if parts and not legs else "ends as in the robot file"
+        )
         return Holding({name: {body: ends or "rigid" for body, ends in specified.items()}})
     names, questions, decides = (tuple(column) for column in zip(*unspecified, strict=True))
     loose = "free" if "ends" in names else "averaged"

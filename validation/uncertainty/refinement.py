@@ -63,7 +63,7 @@ def refined(
 
 
 def accuracy_faults(requested: float) -> list[str]:
-    """Fault of a requested accuracy as one line. [] if it is valid."""
+    """Error message (one line) for an invalid accuracy. [] if it is valid."""
     if _FINEST <= requested <= _COARSEST:
         return []
     return [

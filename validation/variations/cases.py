@@ -112,7 +112,10 @@ def _order(context: Context, variation: Variation, objective: Objective, model: 
     decision = _decision(context, variation, objective, model)
     correlation, uncertainty = decision.correlation(model)
     if isnan(correlation):
-        raise Skip(f"all values of {variation.key} are equally good by {model} or its reference")
+        raise Skip(
+            f"{model} or its reference rates all values of {variation.key} as equal, so that their "
+            "order cannot be compared"
+        )
     return Measurement(correlation, reference=1.0, reference_uncertainty=uncertainty)
 
 
@@ -127,4 +130,4 @@ def _indifference(variation: Variation, designs: Sequence[int]) -> tuple[str, ..
     if len(designs) == 1:
         return ()
     values = ", ".join(f"{variation.values[design]:.6g}" for design in designs)
-    return (f"{values} are equally good by this model; the best of them by the reference counts.",)
+    return (f"This model rates {values} as equal; the one that the reference rates best counts.",)

@@ -85,7 +85,7 @@ def order_on_host(lower: SparseMatrix) -> Ordering:
         return PetscOrdering(lower)
     raise ComputationError(
         f"{unknowns} unknowns need rslab, which cannot be loaded ({reason}), or PETSc, which is "
-        f"not installed; {REINSTALL}, or the Debian packages {petsc.PACKAGES}"
+        f"not installed; {REINSTALL}, or install the Debian packages {petsc.PACKAGES}"
     )
 
 

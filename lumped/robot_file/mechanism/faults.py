@@ -184,7 +184,7 @@ def _mobility_faults(mechanism: Mechanism, result: Mobility) -> Iterator[str]:
 
 
 def _singular(mechanism: Mechanism, result: Mobility, free_motions: str) -> str:
-    """Fault of a singular reference posture, with the legs that lie in one line."""
+    """Error message for a singular reference posture, with the legs that lie in one line."""
     reasons = [
         f"{first} and {second} are {'stretched out in' if stretched else 'folded into'} one line"
         for first, second, stretched in legs_in_line(mechanism)

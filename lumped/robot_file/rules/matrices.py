@@ -157,7 +157,7 @@ def _diagonal_faults(matrix: Array, kind: SquareMatrix) -> list[str]:
 
 
 def _stiffness_fault(matrix: Array) -> str:
-    """Fault of a stiffness matrix given as a compliance. "" for other matrices.
+    """Error message for a stiffness matrix given as a compliance. "" for other matrices.
 
     It replaces the faults of all its entries.
     """

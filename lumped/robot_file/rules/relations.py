@@ -204,7 +204,7 @@ def material_faults(material: Entry, path: str) -> Iterator[str]:
 
 
 def interface_faults(interface: Entry, key: str) -> Iterator[str]:
-    """Fault of an interface that selects its faces in no way or in several ways."""
+    """Error message for an interface that selects its faces in no way or in several ways."""
     choices = ("faces", "name", "cylinder", "plane")
     present_keys = _present_keys(interface, *choices)
     if len(present_keys) != 1:

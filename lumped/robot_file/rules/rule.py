@@ -28,7 +28,7 @@ def is_finite_number(entry: object) -> TypeGuard[float]:
 
 
 def too_many(key: str, count: int, most: int) -> str:
-    """Fault of a list or table with `count` entries, more than the allowed `most`."""
+    """Error message for a list or table with `count` entries, if only `most` are allowed."""
     return f"{key}: {count} entries; must be at most {most}"
 
 
@@ -72,7 +72,7 @@ class Rule(ABC):
         return self
 
     def refused(self, value: object, key: str) -> str:
-        """Fault of a value that violates the rule."""
+        """Error message for a value that violates the rule."""
         return f"{key} = {shown(value)}: must be {self.allowed}"
 
 

@@ -68,7 +68,7 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
     element, blocks = _solid_cells(raw, source)
     points = np.asarray(raw.points, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        raise InputError(f"{source}: its nodes must be finite points in three dimensions")
+        raise InputError(f"{source}: its nodes must have three finite coordinates each")
     cells = np.concatenate([raw.cells[block].data for block in blocks]).astype(np.int64)
     if cells.size == 0 or cells.min() < 0 or cells.max() >= len(points):
         raise InputError(f"{source}: its elements use nodes that the file does not have")

@@ -83,7 +83,7 @@ def test_leg_modes_equal_dense_solution(clamped):
     np.testing.assert_allclose(gram, np.eye(8), atol=1e-12)
 
 
-def test_stated_frequency_errors_are_upper_bounds(bar):
+def test_frequency_error_estimates_are_upper_bounds(bar):
     clamped, values, _ = bar
     result = clamped.modes(20)
     true = np.abs(result.frequencies / hertz(values[:20]) - 1.0)
@@ -106,7 +106,7 @@ def test_double_mode_at_end_of_search_is_complete():
     np.testing.assert_array_equal(result.shapes, again.shapes)
 
 
-def test_leg_inertia_count_equals_dense_eigenvalues(bar):
+def test_leg_mode_count_equals_dense_eigenvalues(bar):
     clamped, values, _ = bar
     for below in (0, 2, 12, 100):
         lower = values[below - 1] if below else 0.0
@@ -158,7 +158,7 @@ def test_missing_or_extra_mode_fails_certificate(bar):
         certify(np.sort(np.append(values[:6], values[4])), values[6], count, "leg")
 
 
-def test_count_shift_on_eigenvalue_is_moved(bar):
+def test_shift_on_eigenvalue_is_moved_to_count_modes(bar):
     clamped, values, _ = bar
     counts = iter([1, 1, 1, 0])
 

@@ -96,7 +96,7 @@ def test_box_mass_properties_and_memory_limit(bar):
 
 
 @pytest.mark.parametrize("free", [False, True])
-def test_inertia_count_equals_dense_eigenvalues(bar, free):
+def test_mode_count_equals_dense_eigenvalues(bar, free):
     """Bar with its interfaces held, and free bar without its rigid-body motions."""
     body = free_body(bar.rooted) if free else bar.held
     frequencies = bar.free_frequencies if free else bar.held_frequencies

@@ -143,7 +143,7 @@ def test_inertia_with_two_by_two_pivots():
     assert count_below(pencil(singular, csr_array((3, 3))), 0.0) == Inertia(1, 1, 1)
 
 
-def test_count_with_mass_outside_stiffness_pattern():
+def test_mode_count_with_mass_outside_stiffness():
     """Mass entries where K is zero, and an entry of K − σM that cancels; dense eigenvalues."""
     K, M = np.diag([1.0, 2.0, 6.0]), np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 0.5], [0.0, 0.5, 3.0]])
     K[0, 2] = K[2, 0] = M[0, 2] = M[2, 0] = 0.25

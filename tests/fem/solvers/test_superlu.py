@@ -62,8 +62,8 @@ def test_large_system_without_petsc_gives_one_fault(monkeypatch):
         analyse(CHAIN)
     assert str(refused.value) == (
         f"300 unknowns need rslab, which cannot be loaded ({REASON}), or PETSc, which is not "
-        "installed; install rslab again (pip install --force-reinstall rslab), or the Debian "
-        "packages python3-petsc4py, mpi-default-bin and libopenblas0-serial"
+        "installed; install rslab again (pip install --force-reinstall rslab), or install "
+        "the Debian packages python3-petsc4py, mpi-default-bin and libopenblas0-serial"
     )
 
 

@@ -141,7 +141,7 @@ def test_millimetre_file_equals_metre_file(path, monkeypatch):
         ("units", "inch", 'units = "inch": must be "m" or "mm"'),
     ],
 )
-def test_message_has_lengths_in_file_unit(key, value, message):
+def test_error_message_gives_lengths_in_file_unit(key, value, message):
     with pytest.raises(InputError) as refused:
         robot_of(with_value(MILLI, key, value))
     assert any(fault.startswith(f"dictionary: {message}") for fault in refused.value.faults), (

@@ -147,7 +147,10 @@ def test_local_mode_has_no_partner_but_its_energy():
 
 
 def test_repeated_pair_permutation_keeps_mode_order():
-    """Any two directions of a repeated pair are modes; an exchanged third is another order."""
+    """The order changes only if a mode of the pair is exchanged with another mode.
+
+    Any two independent combinations of the modes of a repeated pair are modes.
+    """
     turned = np.cos(1.0) * B + np.sin(1.0) * C, np.cos(1.0) * C - np.sin(1.0) * B
     truth = vibration([100.0, 150.0, 150.0, 300.0], A, B, C, D)
     for shapes in ((B, C), (C, B), turned):

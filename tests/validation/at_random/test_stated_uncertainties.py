@@ -52,7 +52,7 @@ def test_edge_order_without_restrained_contraction():
     assert edge_order(-0.01) == pytest.approx(2.043, abs=1e-3)
 
 
-def test_rigid_faces_lower_tension_order():
+def test_rigid_faces_reduce_order_in_tension():
     leg = ConstantLeg(0.2, Rectangle(0.05, 0.04), Material.isotropic(2.1e11, -0.9, 7850.0))
     divisions = (1, 2, 3, 4, 6)
     found = solid_compliances(leg, divisions)

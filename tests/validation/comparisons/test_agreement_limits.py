@@ -46,7 +46,7 @@ def test_element_count_of_file_is_in_titles(mine):
     assert by_id["leg1.agrees[vjm-solid-x]"].elements == 0
 
 
-def test_element_count_matches_compared_model():
+def test_element_count_is_that_of_compared_model():
     """One beam element for 20: f1 of leg 1 is 0.48 % high, with the consistent mass."""
     context, found = Context(load_robot("ifw"), "quick"), {}
     for elements in (1, 20):

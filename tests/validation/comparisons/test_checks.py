@@ -130,7 +130,7 @@ def study():
         ((5, 1e-3), "disagree"),
     ],
 )
-def test_convergence_check_takes_count_and_limit(study, limits, verdict):
+def test_convergence_check_uses_elements_and_limit(study, limits, verdict):
     assert convergence_check(study, "segments", "f1", AgreementLimits(*limits)).verdict == verdict
 
 

@@ -234,7 +234,7 @@ def test_table_has_unexplained_differences():
     assert first.causes == (("held end faces", ("", "+1.45\N{NO-BREAK SPACE}%")),)
 
 
-def test_sentence_has_largest_difference():
+def test_agreement_summary_gives_largest_difference():
     good = [
         agreeing("vjm", "x", 2.001e-9, 2.0e-9),
         agreeing("vjm", "z", 4.06e-9, 4.0e-9, Allowance(HELD_FACES, 0.0599e-9)),
@@ -249,7 +249,7 @@ def test_sentence_has_largest_difference():
     assert agreement_sentence([]) == ""
 
 
-def test_convergence_sentence_has_largest_error():
+def test_convergence_summary_gives_largest_error():
     outcomes = [
         measured(f"c{value}", value, 0.01, tolerance=Relative(0.5)) for value in (0.002, 0.007)
     ]

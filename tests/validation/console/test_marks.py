@@ -62,14 +62,14 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_author_mark_keeps_file_content(kind):
+def test_mark_of_flexproof_keeps_file_content(kind):
     content, read = KINDS[kind]
     assert with_mark(content, kind) != content
     assert read(with_mark(content, kind)) == read(content)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_author_mark_detects_changed_file(kind, tmp_path):
+def test_changed_file_is_not_marked_as_flexproof(kind, tmp_path):
     content, path = KINDS[kind][0], tmp_path / f"own{kind}"
     result = with_mark(content, kind)
     path.write_bytes(result)

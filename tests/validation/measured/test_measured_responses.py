@@ -156,7 +156,7 @@ def test_wrong_sign_or_unit_is_detected(held, factor, verdict, said):
         assert said in one.reason
 
 
-def test_noise_is_within_stated_uncertainty(held):
+def test_noise_is_within_reported_uncertainty(held):
     """Of 1 % of noise by part; coherence of eight blows says the same of it."""
     clean = {one.quantity: one.value for one in held(functions()).measured}
     noisy = functions(noise=0.01)

@@ -51,12 +51,12 @@ def test_rows_have_worst_quantity():
     assert table.rows == (segments, beams)
 
 
-def test_missed_limit_exceeds_finest_count():
+def test_unreached_limit_needs_more_than_most_elements():
     first, second = rows(study((5, 2, 3), (0, 0, 0)), study((None, 2, 3), (0, 0, 0)))
     assert (first.needed, second.needed) == ("more than 40", "2")
 
 
-def test_coarsest_count_is_an_upper_bound():
+def test_smallest_element_count_is_an_upper_bound():
     """Stepped parts begin at a number of elements above one: fewer were not computed."""
     first, second = rows(study((10, 12, 3), (0, 0, 0)))
     assert (first.needed, second.needed) == ("at most 10", "12")
@@ -64,7 +64,7 @@ def test_coarsest_count_is_an_upper_bound():
     assert one.needed == "1"
 
 
-def test_error_is_empty_without_stated_count():
+def test_error_is_empty_without_element_count():
     (first, _) = rows(study((5, 2, 3), (0, 0, 0), x=(10, 30, 40)))
     assert (first.error, first.worst) == ("", "")
 

@@ -102,7 +102,7 @@ ALIKE = matrix_of(*(entry(m, "x", 0.0) for m in ("vjm", "beam")))
         ("", matrix_of(), "No verdict on any model."),
     ],
 )
-def test_sentence_has_verdicts_on_relied_models(rely, matrix, expected):
+def test_summary_gives_verdicts_on_relied_models(rely, matrix, expected):
     accepted = "3 % to 5 %" if matrix is LOADED else "5 %"
     if rely.split()[:1] == [expected.partition(":")[0]]:
         expected = f"You rely on {expected}. Accepted error: {accepted}."

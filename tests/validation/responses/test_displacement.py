@@ -84,7 +84,8 @@ def test_stiff_direction_is_not_the_worst() -> None:
     assert relative(*map(statics, whole), ANY_FORCE).along == pytest.approx(0.0214, rel=0.01)
 
 
-def test_error_size_is_unsigned_along_is_signed() -> None:
+def test_errors_equal_norm_and_signed_component() -> None:
+    """The size of an error is a norm; its component along the load has a sign."""
     rng = np.random.default_rng(7)
     own, other = (one @ np.swapaxes(one, 1, 2) for one in rng.normal(size=(2, 3, 6, 6)))
     found = sizes(statics(other - own), statics(own))

@@ -192,7 +192,10 @@ ODD_FILES = [Path.symlink_to, linked_hard, lambda place, _: os.mkfifo(place), fo
 @pytest.mark.parametrize("shift", range(4))
 @pytest.mark.parametrize("whole", [True, False])
 def test_links_in_run_folder_are_not_followed(tmp_path, whole, shift):
-    """One of the two witnesses of what was run, the mark and the records, is left."""
+    """Each file of a run but one is replaced by a link, a pipe or a folder of the user.
+
+    The file that remains, run.json or results.jsonl, still identifies the folder as that of a run.
+    """
     spared = "run.json" if shift % 2 else "results.jsonl"
     path, precious = tmp_path / "run", tmp_path / "precious"
     finished(path, whole=whole)

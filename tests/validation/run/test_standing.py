@@ -60,7 +60,7 @@ def results(tasks, *verdicts, **fields):
         ([MODELS], ["failed"], "No comparison was made, 1 assessment of the models failed.", 3),
     ],
 )
-def test_summary_sentence_matches_exit_code(tasks, said, sentence, code):
+def test_summary_of_run_matches_exit_code(tasks, said, sentence, code):
     found = results(tasks, *said)
     assert found.standing.exit_code == code
     assert found.standing.sentence.startswith(sentence)

@@ -73,7 +73,7 @@ def test_part_half_width_covers_finer_mesh(own, crane, coarse_parts):
     assert (half_widths <= 0.1 * values(own)).all()
 
 
-def test_f1_half_width_ignores_mode_count(crane, monkeypatch):
+def test_f1_uncertainty_ignores_number_of_modes(crane, monkeypatch):
     """Errors of 1 % fall from mesh to mesh, of the lowest mode with order 1, of others faster."""
     shapes, falls = np.eye(12), RATIO ** np.linspace(1.0, 2.0, 12)
 
@@ -126,7 +126,7 @@ def test_bracket_is_effect_of_averaged_interfaces(own, crane):
 
 
 @pytest.mark.parametrize("by", ["fixed", "free"])
-def test_omitted_modes_are_within_stated_bound(own, crane, by):
+def test_effect_of_omitted_modes_is_within_bound(own, crane, by):
     found = own if by == "fixed" else answer_of(crane, reduction="free")
     ((count, below),) = found.of_parts.counted.values()
     highest = 4.0 * below / CUTOFF["solid"]
@@ -235,7 +235,7 @@ def test_specified_coupling_has_no_uncertainty(crane):
     body = Body("arm", replace(arm.shape, interfaces=said), arm.interfaces)
     settled = holding(replace(mechanism, bodies=dict(mechanism.bodies) | {"arm": body}))
     assert (settled.unspecified, settled.decides) == ("", "")
-    assert list(settled.alternatives) == ["interfaces as given"]
+    assert list(settled.alternatives) == ["interfaces as in the robot file"]
 
 
 def test_report_has_reduction_error(crane):

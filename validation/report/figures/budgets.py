@@ -1,7 +1,7 @@
-"""Plot of error budgets as stacked bars: difference, named causes and unexplained rest.
+"""Plot of error budgets as stacked bars: difference, named causes and unexplained remainder.
 
 Input: outcomes with allowances. Output: a figure. In the terms of ASME V&V 20: comparison error E =
-value − reference, allowances for named model differences, and the unexplained rest, which is
+value − reference, allowances for named model differences, and the unexplained remainder, which is
 compared with numerical uncertainty and tolerance.
 """
 
@@ -102,9 +102,9 @@ def budget_curves(budgeted: Sequence[tuple[Outcome, Measurement]]) -> Chart:
     return Chart([differences, remainders], "", 2, 0.0, cases | table).captioned(
         "One row for each comparison. Left: difference, model − reference, in percent of "
         "the reference (diamond), split into the named causes, each computed separately, "
-        "and the unexplained rest. Right: the unexplained rest in percent of the "
+        "and the unexplained remainder. Right: this remainder in percent of the "
         "tolerance; its error bar is the numerical uncertainty of model and reference; "
-        "shaded band: the tolerance. A comparison agrees if its rest ends inside the "
+        "shaded band: the tolerance. A comparison agrees if its remainder ends inside the "
         "band.",
     )
 

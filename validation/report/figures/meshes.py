@@ -51,7 +51,7 @@ def mesh_curves(studies: Sequence[Study]) -> Chart:
         "Cost panel: CPU time for mesh, factorisation and modes. Held ends: end faces "
         "kept plane and rigid. Free ends: end faces free to warp and contract. "
         "Deflections and torsion are computed with thinner slices along the leg, hence "
-        "with more unknowns. On logarithmic scales a straight curve with the slope of "
+        "with more unknowns. On logarithmic scales a straight line with the slope of "
         "the formal order shows asymptotic convergence. Limits, half-widths and observed "
         f"orders: {limits}.",
         *_without_order(studies),

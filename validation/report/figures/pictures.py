@@ -138,8 +138,8 @@ def deformed(context: Context) -> SceneGrid:
     caption = (
         f"{model}; one panel for each force at the loaded point (red arrow). Colour: "
         "displacement in µm, drawn enlarged by the factor in the title. The loaded point "
-        f"moves {', '.join(motions)}. Orange outlines in 3-D: the same load {comparison}; "
-        "the models agree where the outlines follow the coloured bodies."
+        f"moves {', '.join(motions)}. Orange outlines in 3-D: displacement under the same "
+        f"load {comparison}; the models agree where the outlines follow the coloured bodies."
     )
     return SceneGrid(caption, scenes=scenes, columns=3, height=_SMALL_HEIGHT, data=csv_of(columns))
 
@@ -157,7 +157,11 @@ def _model_texts(context: Context) -> tuple[str, str]:
     mechanism = context.robot_file.mechanism
     beams = " and other legs as beams" if legs_of(mechanism) else ""
     model = f"Parts as solids{beams}" if mechanism.parts else "Beam model"
-    comparison = "with parts condensed on their interfaces" if mechanism.parts else "by segments"
+    comparison = (
+        "with parts condensed on their interfaces"
+        if mechanism.parts
+        else "by the model of rigid segments with springs"
+    )
     return f"{model} at the middle pose of the path", comparison
 
 

@@ -220,7 +220,7 @@ def test_vtu_array_larger_than_header_is_refused(tmp_path, encoding, compressor,
 
 
 @pytest.mark.parametrize("compression", ["zlib", "lzma", None])
-def test_vtu_stated_size_equals_actual_size(files, tmp_path, compression):
+def test_vtu_header_size_equals_actual_size(files, tmp_path, compression):
     mesh, path = meshio.read(files / "plate.vtu"), tmp_path / "plate.vtu"
     meshio.vtu.write(path, mesh, compression=compression)
     (cells,) = mesh.cells
