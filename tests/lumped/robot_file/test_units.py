@@ -57,6 +57,8 @@ def in_millimetres(tables):
         scale(body, "length", "mass_centre", "centre")
         for section, keys in sections_of(body.get("section", {})):
             scale(section, *keys)
+        for station in body.get("sections", []):
+            scale(station, *{*station} - {"shape", "at"})
         scale(body.get("place", {}), "at")
         for interface in body.get("interfaces", {}).values():
             for how in ("cylinder", "plane"):

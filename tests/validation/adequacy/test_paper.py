@@ -25,6 +25,7 @@ from validation.kinematics.poses import postures_of
 from validation.models.loads.leg_masses import MASSES
 from validation.models.robot_models import answers
 from validation.models.roundings import roundings_of
+from validation.record_fields import plain_data
 from validation.references import uncertainty_sources
 from validation.references.modal_reference import dynamic_reference
 from validation.references.model_ladder import SOLID
@@ -294,7 +295,8 @@ def test_solve_bounds_effect_of_6x6_rounding(printed, draws, model, given, count
     # No draw has all its roundings on one side; five numbers or so count in each.
     assert (largest <= most).all()
     assert (most <= 5.0 * largest).all()
-    assert answer_record(answer)["digits"]["compliance"] == most[:6].tolist()
+    digits = plain_data(answer_record(answer))["digits"]
+    assert digits["compliance"] == most[:6].tolist()
     text = as_text(Solution(printed.mechanism.name, model, {}, (answer,)))
     assert "uncertainty due to rounding of the 6×6 in the robot file (upper bound):" in text
 

@@ -23,6 +23,7 @@ from validation.context import Context
 from validation.models.leg_models import leg_matrices
 from validation.models.options import ModelOptions
 from validation.models.robot_models import bodies_of
+from validation.record_fields import plain_data
 from validation.references.model_ladder import model_statics
 from validation.run.outcome import judge
 from validation.solve.answer_json import answer_record
@@ -52,7 +53,7 @@ def compliance(robot_file, model, **options):
         (answer,) = api.solve(robot_file, model, **options).answers
     except (InputError, ComputationError):
         return None
-    record = answer_record(answer)
+    record = plain_data(answer_record(answer))
     found = np.array(record["compliance"])
     scale = 1.0 / np.sqrt(np.diag(found))
     assert np.linalg.eigvalsh(found * np.outer(scale, scale))[0] > 0.0
