@@ -60,6 +60,7 @@ def scaled(difference, compliance):
     return np.abs(difference / np.outer(size, size)).max()
 
 
+@pytest.mark.slow
 def test_channel_twist_equals_calculix():
     """Twist per force along the web: −y_s L/GJ less the restraint of warping by rigid faces.
 
@@ -82,6 +83,7 @@ def test_channel_twist_equals_calculix():
     assert computed[3, 2] == pytest.approx(theory[3, 2], rel=0.01)
 
 
+@pytest.mark.slow
 def test_composite_bar_equals_calculix():
     """Two materials of different Poisson's ratios: the solid's compliance and frequencies.
 

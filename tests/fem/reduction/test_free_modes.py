@@ -51,6 +51,7 @@ def computed(thickness):
     return np.array([in_2, out_of_2, in_3, out_of_3])
 
 
+@pytest.mark.slow
 def test_free_ring_frequencies_equal_love():
     """Shear and rotary inertia, which Love neglects, lower the frequencies by terms in (a/R)².
 
@@ -70,6 +71,7 @@ def test_free_ring_frequencies_equal_love():
     assert 100.0 * thin[:2] == pytest.approx([-0.29, -0.62], abs=0.05)
 
 
+@pytest.mark.slow
 def test_two_unconnected_rings_are_refused():
     """A body has six motions without deformation; two rings together have twelve."""
     first = ring(0.02)

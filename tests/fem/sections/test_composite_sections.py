@@ -58,6 +58,7 @@ def test_states_of_two_materials_equal_boundary_elements():
     assert scaled(np.triu(expected, 1), expected) > 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("inner", "outer"), [(0.45, 0.1), (0.1, 0.45)])
 def test_cylinder_of_two_poisson_ratios_has_hashins_tension(inner, outer):
     """Z. Hashin, B. W. Rosen, J. Appl. Mech. 31 (1964) 223 (R. M. Christensen, Mechanics of
