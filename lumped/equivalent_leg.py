@@ -67,5 +67,5 @@ def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
 
 
 def sectioned_leg(leg: Leg, by: EquivalentBy = "stiffness") -> SectionedLeg:
-    """A leg with its own sections, or the equivalent leg of one known by its 6×6 alone."""
+    """The leg itself if its sections are known, otherwise the leg equivalent to its 6×6."""
     return equivalent_leg(leg, by) if isinstance(leg, GivenLeg) else leg

@@ -107,7 +107,7 @@ class BeamProperties:
 
     @property
     def is_eccentric(self) -> bool:
-        """True if the centre of mass lies beside the centroid."""
+        """True if the centre of mass differs from the centroid."""
         return bool(self.mass_y or self.mass_z)
 
     @property

@@ -70,7 +70,9 @@ def test_five_bar_stiffness_by_three_formulations(example):
 
 
 def test_delta_is_isotropic_on_its_axis(example):
-    """Threefold symmetry: equal compliance in the plane, pairs of modes; a spin for each rod.
+    """Threefold symmetry gives equal compliances along x and y and pairs of equal frequencies.
+
+    Each of the six rods spins freely about its axis, which are six idle motions.
 
     The points of the file have 12 digits.
     """
@@ -172,7 +174,9 @@ def test_exudyn_finds_frequencies_of_exported_header(example):
 
 
 def test_arms_of_several_materials_have_sums_of_stiffness(example):
-    """EI of cantilevers, L³/3EI + L/κGA, from sums over the parts; shear adds up to 3 %.
+    """Cantilever deflection L³/(3 EI) + L/(κGA), with EI summed over the parts of the section.
+
+    Shear contributes up to 3 %.
 
     The filled box: steel of E I about the common centroid, and concrete; the tube: Q̄ of Tsai and
     Hahn's table 1.7 by hand, half of the layers at 0° (E1) and half at ±45° (25.05 GPa).

@@ -1,4 +1,4 @@
-"""Cases declared beside the function that computes them, with common fields stated once.
+"""Cases declared next to the function that computes them, with common fields specified once.
 
 Input: a function that computes a measurement, texts, and values of parameters. Output: one `Case`
 for each combination of the parameters. Example:

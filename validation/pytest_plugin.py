@@ -133,7 +133,7 @@ class ModelItem(pytest.Item):
             pytest.fail(adequacy.told(entry), pytrace=False)
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """File and name of the test."""
+        """File, line (None) and name of the test, for the reports of pytest."""
         return self.path, None, self.name
 
 
@@ -165,7 +165,7 @@ class ComparisonItem(pytest.Item):
             pytest.fail(result.text, pytrace=False)
 
     def reportinfo(self) -> tuple[Path, None, str]:
-        """File and name of the test."""
+        """File, line (None) and name of the test, for the reports of pytest."""
         return self.path, None, self.name
 
 

@@ -249,8 +249,8 @@ def _read_baseline(request: Request) -> RunRecord | None:
     baseline_robot, name = baseline.run.get("robot"), request.robot_file.name
     if baseline_robot and baseline_robot != name:
         raise InputError(
-            f'--baseline {request.baseline}: is of another robot, "{baseline_robot}", and says '
-            f'nothing of "{name}"; must be a run of the same robot'
+            f'--baseline {request.baseline}: is a run of another robot, "{baseline_robot}"; '
+            f'must be a run of "{name}"'
         )
     return baseline
 

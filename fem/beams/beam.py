@@ -197,7 +197,7 @@ def _coupling_mass(
 
 
 def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]]]]:
-    """Quadrature weights (m values, in m), and the fields of each member at those points."""
+    """Weights (in m) of the quadrature points of an element, and fields of each member there."""
     points, weights = get_quadrature(RefLine, _INTEGRATION_ORDER)
     fields = [_fields(member.element, member.mesh, points) for member in members]
     return weights * members[0].mesh.p[0, -1], fields
@@ -292,7 +292,7 @@ def _member(
 
 
 def _fields(element: Element, mesh: MeshLine, points: Array) -> list[tuple[Array, Array]]:
-    """Values and gradients (k×m) of the k basis functions of each field at m reference points."""
+    """Values and gradients (k×p) of the k basis functions of each field at p reference points."""
     count = 2 * element.nodal_dofs + element.interior_dofs
     by_function = [element.gbasis(mesh.mapping(), points, i) for i in range(count)]
     return [

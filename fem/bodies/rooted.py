@@ -245,5 +245,5 @@ def _statically_determinate(solid: CoupledSolid, name: str) -> IntArray:
     scaled = solid.motions[first_node_unknown:] * np.repeat([1.0, 1.0 / size], [3, 3])
     _, triangle, order = qr(scaled.T, mode="economic", pivoting=True)
     if abs(triangle[5, 5]) <= 1e-9 * abs(triangle[0, 0]):
-        raise ComputationError(f"{name}: its nodes lie on one line")
+        raise ComputationError(f"{name}: all nodes of the mesh lie on a straight line")
     return np.sort(first_node_unknown + order[:6])

@@ -27,8 +27,8 @@ class CoupledSolid:
 
     `stiffness` and `mass` are csr n×n. The nodal displacements are u (3N) = `transformation` x.
     `twists` (n×6m) contains the columns Bᵢ, `motions` (n×6) the unknowns x in rigid motions about
-    the point of the first interface. `points` (m×3, m) are those of the interfaces, `places` (N'×3,
-    m) the positions of the nodes whose displacements are the last unknowns, three each.
+    the point of the first interface. `points` (k×3, in m) are those of the interfaces, `places`
+    (N'×3, m) the positions of the nodes whose displacements are the last unknowns, three each.
     """
 
     stiffness: SparseMatrix

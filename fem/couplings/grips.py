@@ -114,7 +114,7 @@ class Grip:
         return np.asarray(moments.reshape(-1, 6))
 
     def radial_motions(self, nodes: Array) -> Array:
-        """Radial displacements (n×4) of the nodes of a pin for its four unknowns."""
+        """Radial displacements (n×4) of the nodes of a bore, for unit unknowns of its pin."""
         fields = rigid_motions(nodes[self.nodes], self.centre).reshape(-1, 3, 6)
         radial = self.local_axes(nodes)[:, :, 0]
         along = np.einsum("ni,nij->nj", radial, fields)

@@ -32,7 +32,7 @@ def free_modes(rooted: RootedBody, count: int) -> CertifiedModes:
     rigid = rooted.free_inertia((np.pi * modes.frequencies[0]) ** 2).negative
     if rigid != RIGID_MOTIONS:
         raise ComputationError(
-            f"{rigid} rigid-body motions found; a free body must have {RIGID_MOTIONS}",
+            f"{rigid} rigid-body modes found; a free body must have {RIGID_MOTIONS}",
             part=body.state,
         )
     return replace(modes, shapes=rooted.solid.transformation @ modes.shapes)

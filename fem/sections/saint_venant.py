@@ -89,7 +89,8 @@ def section_quadrature(mesh: SectionMesh) -> SectionQuadrature:
     if wrong := int(np.any(~(area > 0.0), axis=1).sum()):
         raise ComputationError(
             f"section mesh: {counted(wrong, 'cell is', 'cells are')} turned inside out or flat; "
-            "the section's walls are too thin for the mesh, or it is wrongly numbered"
+            "the section's walls are too thin for the mesh, or the nodes of its elements are in a "
+            "wrong order"
         )
     dA = area * weights
     at_points = np.einsum("mki,kq->imq", corners, shapes)

@@ -175,7 +175,7 @@ class Quantity:
 
     @property
     def harmonic(self) -> bool:
-        """True for numbers of a response to a harmonic force."""
+        """True for a quantity of a response to a harmonic force."""
         return not self.static and not self.modal
 
     @property

@@ -12,7 +12,7 @@ from lumped.text import counted
 
 @dataclass(frozen=True)
 class Modes:
-    """Natural frequencies (Hz, m values, ascending) and mode shapes (n×m, columns).
+    """Natural frequencies (k, in Hz, ascending) and mode shapes (n×k, columns).
 
     The shapes have unit modal mass.
     """

@@ -26,9 +26,9 @@ class BodyModel:
     unknowns are internal to the model, named `model`. The body is not supported, so that the
     stiffness has six rigid-body motions.
 
-    `displacements(points)` is the 3m×n matrix from the unknowns to the displacements (body axes) of
-    `points` (m×3, m, body axes). `parts` splits the stiffness by type of deformation: its matrices
-    add up to `stiffness`. It is empty if the model does not provide them.
+    `displacements(points)` is the 3k×n matrix that maps the n unknowns to displacements (body axes)
+    of `points` (k×3, in m, body axes). `parts` splits the stiffness by type of deformation: its
+    matrices add up to `stiffness`. It is empty if the model does not provide them.
     """
 
     model: str
@@ -73,7 +73,7 @@ class LegMatrices(BodyModel):
         return self.length if self.line is None else self.line.length
 
     def centreline_points(self, stations: Array) -> Array:
-        """Points (m×3, leg axes) of the centre line at `stations` (m along it)."""
+        """Points (k×3, leg axes) of the centre line at k `stations` (distances along it in m)."""
         if self.line is None:
             return np.asarray(np.multiply.outer(stations, [1.0, 0.0, 0.0]))
         points, _ = self.line.frames(stations)

@@ -164,7 +164,7 @@ def free_frequencies(leg: LegMatrices, count: int) -> Array:
     rigid = int(np.count_nonzero(np.abs(squared) <= _NO_FREQUENCY * shift_by))
     if rigid != RIGID_MOTIONS:
         raise ComputationError(
-            f"{rigid} rigid-body motions found; a free body must have {RIGID_MOTIONS}",
+            f"{rigid} rigid-body modes found; a free body must have {RIGID_MOTIONS}",
             part=f"{leg.model} model of a leg",
         )
     frequencies: Array = np.sqrt(squared[RIGID_MOTIONS:]) / (2.0 * np.pi)

@@ -187,7 +187,7 @@ def _paths(
 
 
 def _series(steps: list[_Step], end: _Node, base: _Node) -> list[_Step]:
-    """Steps from the tool back to the platform, at which the robot branches.
+    """Steps from the tool back to the platform, at which the chains of the robot meet.
 
     Empty if a single chain supports the tool.
     """

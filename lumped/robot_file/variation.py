@@ -19,7 +19,7 @@ from lumped.robot_file.places import numbers_of
 from lumped.text import cut, did_you_mean, shown
 
 MOST_VALUES, MOST_ROBOTS = 1000, 10_000
-_ALLOWED = "must be KEY=FROM:TO:COUNT, bodies.rod1.section.diameter=0.02:0.06:9 say"
+_ALLOWED = "must be KEY=FROM:TO:COUNT, such as bodies.rod1.section.diameter=0.02:0.06:9"
 
 
 @dataclass(frozen=True)

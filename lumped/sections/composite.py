@@ -280,7 +280,7 @@ def part_faults(regions: Sequence[Sequence[Loop]]) -> list[str]:
 
 
 def _overlap(first: Sequence[Loop], second: Sequence[Loop], size: float) -> bool:
-    """True if two regions have more than edges in common."""
+    """True if the interiors of two regions have points in common."""
     partition = partition_edges([first, second])
     starts, ends = (partition.vertices[partition.ends[:, i]] for i in (0, 1))
     if _crossing(starts, ends, TOUCHING * size):
@@ -302,7 +302,7 @@ def _crossing(starts: Array, ends: Array, gap: float) -> bool:
     ways = ends - starts
 
     def sides(points: Array) -> Array:
-        """Distance (e×e) of each point to the left of the line of each edge."""
+        """Distances (e×e) of points (columns) to the left of the lines of edges (rows)."""
         away = points[None] - starts[:, None]
         cross = ways[:, None, 0] * away[..., 1] - ways[:, None, 1] * away[..., 0]
         return np.asarray(cross / np.linalg.norm(ways, axis=1)[:, None])

@@ -261,7 +261,7 @@ def _hole_faults(named_loops: list[tuple[str, Loop]], gap: float) -> list[str]:
 
 
 def _edge_distances(first: Loop, second: Loop) -> Array:
-    """Smallest distances (n×m, m) between the edges of two closed lines. 0 if edges cross."""
+    """Smallest distances (n×k, in m) between the edges of two closed lines. 0 if edges cross."""
     a, b = first[:, None], np.roll(first, -1, axis=0)[:, None]
     c, d = second[None], np.roll(second, -1, axis=0)[None]
     distances = np.minimum.reduce(

@@ -174,7 +174,10 @@ def weighted_moments(regions: Sequence[Region]) -> tuple[float, Array, Array]:
 
 
 def rim_solution(regions: Sequence[Region]) -> RimSolution:
-    """Torsion and flexure of the polygon within the loops of `regions`, holes clockwise."""
+    """Torsion and flexure of a section of polygons, by integrals over its edges.
+
+    The loops of `regions` bound it; loops around holes are clockwise.
+    """
     area, centroid, moments = weighted_moments(regions)
     centred = [
         Region([loop - centroid for loop in region.loops], region.weight) for region in regions

@@ -37,7 +37,7 @@ class Portion:
 
 
 class UnevenError(ValueError):
-    """Postures that are assembled together differ in their number of unknowns."""
+    """Raised if postures that are assembled together differ in their number of unknowns."""
 
 
 @dataclass(frozen=True, eq=False)

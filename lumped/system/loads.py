@@ -196,9 +196,9 @@ def _in_axes(rotation: Array, motion: Motion, gravity: Array) -> Motion:
 
 
 def _inertia(mass: Array, points: Array, motion: Motion) -> Array:
-    """Inertia forces (6m, body axes) of a body on its interfaces at `points` (m×3, m).
+    """Inertia forces (6k, body axes) of a body on its interfaces at `points` (k×3, in m).
 
-    `mass` (6m×6m) is its mass matrix on the twists of the interfaces.
+    `mass` (6k×6k) is its mass matrix on the twists of the interfaces.
     """
     rigid = np.vstack([shift(point) for point in points])
     twist = np.concatenate([motion.linear_acceleration, motion.angular_acceleration])

@@ -132,7 +132,7 @@ def _at_arm(system: System, node: int, position: Array, wrench: Array) -> Array:
 
 
 def _rotating_body(ends: Array, positions: Array, forces: Array) -> Array:
-    """Geometric stiffness of a body under `forces` (6m) on interfaces at `positions` (m×3, m).
+    """Geometric stiffness of a body under `forces` (6k) on interfaces at `positions` (k×3, in m).
 
     All in body axes. `ends` is the matrix from the unknowns to the twists of the interfaces.
     Relative to axes that rotate with the body by θ, the interfaces have the second-order

@@ -41,9 +41,10 @@ _CUT_OFF_RATIO = 2.0
 _FIRST_MODE_COUNT = 16
 # Values below this fraction of the compliance, or of the largest 1/ω², are round-off.
 _ROUNDING = 1e-12
-# Magnitude of a receptance beside those of its two points below which it is round-off.
+# Ratio of a receptance to those of its two points alone below which it is round-off.
 _ROUND_OFF = 1e-11
-# Ratio of a frequency beside a resonance to it: the receptance is finite there without damping.
+# Ratio of a frequency near a resonance to the resonance. The receptance is finite there without
+# damping.
 _BESIDE_RESONANCE = 1.05
 # A static response is linearly dependent on the other motions of the basis if the energy of its
 # independent part is below this fraction.
@@ -111,9 +112,9 @@ class DampedModes:
         return component if self._moves(component, moved, loaded) else component._without_terms()
 
     def _moves(self, component: "DampedModes", moved: slice, loaded: slice) -> bool:
-        """True if a component of the receptance is more than round-off beside those of its points.
+        """True if a component of the receptance exceeds the round-off of those of its points.
 
-        It is compared in statics and beside all resonances. Terms of equal frequencies may cancel.
+        It is compared in statics and near all resonances. Terms of equal frequencies may cancel.
         """
         finite = self.frequencies[np.isfinite(self.frequencies)]
         samples = np.append(0.0, _BESIDE_RESONANCE * finite)

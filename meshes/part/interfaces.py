@@ -132,8 +132,8 @@ def _faces_named(part: PartFile, name: str) -> list[Face]:
         return faces
     if part.mesh is not None and name in part.mesh.empty_sets:
         raise InputError(
-            f'the set "{name}" holds no whole facet of the surface; an interface is a '
-            "face, not single nodes"
+            f'the set "{name}" contains no complete element face on the surface; an '
+            "interface must consist of faces, not of single nodes"
         )
     names = sorted({face.name for face in part.faces if face.name})
     close = get_close_matches(name, names, n=1)

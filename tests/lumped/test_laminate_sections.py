@@ -101,7 +101,10 @@ def test_quasi_isotropic_section_becomes_isotropic(shape):
     ids=["tube", "box"],
 )
 def test_laminate_of_steel_layers_equals_steel(section, plain):
-    """All constants but shear agree: Cowper's κ depends on ν, by up to 6 % in a round tube."""
+    """All constants agree except the shear stiffness, which is that of Cowper's κ with ν = 0.
+
+    Cowper's κ depends on ν, by up to 6 % in a round tube.
+    """
     leg = ConstantLeg(1.0, plain, Material.isotropic(2.1e11, 0.3, 7850.0))
     one, other = beam_of(section), leg.timoshenko
     for name in ("EA", "EIy", "EIz", "GJ", "mu", "rho_J", "rho_Iy", "rho_Iz"):

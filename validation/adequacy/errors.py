@@ -125,9 +125,9 @@ class Errors:
 
     @property
     def compared(self) -> NDArray[np.bool_]:
-        """True (P) for poses that count: all but those in which a load is impossible.
+        """True (P) for the poses whose errors count: those in which the load is possible.
 
-        All of them if the load is impossible everywhere.
+        If the load is impossible in all poses, all poses count.
         """
         if self.displacement is None:
             return np.ones(self.error.shape[1], dtype=bool)

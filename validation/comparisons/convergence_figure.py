@@ -1,4 +1,4 @@
-"""Figure "Convergence with element count" of a run: legs beside the whole robot.
+"""Figure "Convergence with element count" of a run, for the legs and the whole robot.
 
 Input: convergence studies of the robot and its legs. Output: a chart with caption and data.
 """

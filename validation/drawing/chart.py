@@ -63,10 +63,10 @@ class Bars:
 
 @dataclass(frozen=True, eq=False)
 class Contours:
-    """Values (n×m, NaN is blank) over x (n) and y (m), as shaded contours. A `star` marks (x, y).
+    """Map with shaded contours of `values` (n×k, NaN is blank) over `x` (n) and `y` (k).
 
-    `span`: lowest and highest value over all panels of the quantity. `star_label`: the star in the
-    legend.
+    A `star` marks the point (x, y). `span`: lowest and highest value over all panels of the
+    quantity. `star_label`: the star in the legend.
     """
 
     x: Array

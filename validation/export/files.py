@@ -205,7 +205,7 @@ def grid(mesh: VolumeMesh) -> "pyvista.UnstructuredGrid":
 
 
 def _polyline(lines: Sequence[Array]) -> "pyvista.PolyData":
-    """Open lines through points (m×3 each, m), numbered from 1 in the cell data "leg"."""
+    """Open lines through points (n×3 each, in m), numbered from 1 in the cell data "leg"."""
     import pyvista  # noqa: PLC0415
 
     counts = [len(line) for line in lines]
@@ -326,7 +326,7 @@ def _named_fields(deflections: Array, shapes: Array) -> dict[str, Array]:
 
 
 def _vectors_of(fields: Mapping[str, Array]) -> dict[str, Array]:
-    """Displacements and rotations (m×3 each) from flattened twists (6m) along a centreline."""
+    """Displacements and rotations (n×3 each) from flattened twists (6n) along a centreline."""
     vectors = {}
     for name, field in fields.items():
         twists = np.asarray(field).reshape(-1, 6)

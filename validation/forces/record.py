@@ -196,7 +196,7 @@ class Forces:
         Returns
         -------
         str
-            Numbers in SI units; null for those that statics does not determine.
+            Numbers in SI units. A force that statics does not determine is null.
 
         Examples
         --------

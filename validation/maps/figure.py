@@ -183,7 +183,7 @@ def maps(context: Context) -> Chart:
 
 
 def _panels(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> list[Panel]:
-    """Panels row by row: one row for two directions, otherwise one for each slice."""
+    """Panels row by row: a single row for two varied coordinates, a row per slice for three."""
     x, y, *third = space.axes
     slices: list[Indices] = [()]
     if third:

@@ -46,10 +46,10 @@ DataSet: TypeAlias = dict[str, Any]
 class TestedModes(NamedTuple):
     """Modes and frequency responses of a modal test.
 
-    `poles` (m, 1/s) and `shapes` (k×m, real). `scatter` (2×m): standard deviations of frequencies
-    (Hz) and of damping ratios. `freedoms` (k×2): node and axis (0 to 2) of each row of the shapes.
-    `receptance` (p×n, m/N) at `frequencies` (n, Hz), for p pairs of `ends` (p×2×2): node and axis
-    of the motion, then of the force. `coherence` (p×n): NaN if the file has none.
+    `poles` (q, in 1/s) and `shapes` (k×q, real) of q modes. `scatter` (2×q): standard deviations of
+    frequencies (Hz) and of damping ratios. `freedoms` (k×2): node and axis (0 to 2) of each row of
+    the shapes. `receptance` (p×n, m/N) at `frequencies` (n, Hz), for p pairs of `ends` (p×2×2):
+    node and axis of the motion, then of the force. `coherence` (p×n): NaN if the file has none.
     """
 
     poles: ComplexArray
@@ -63,7 +63,7 @@ class TestedModes(NamedTuple):
 
 
 def read_modes(path: Path) -> TestedModes:
-    """Modes of a universal file, ascending in frequency. Raises InputError with one line."""
+    """Modes in a universal file, by ascending frequency. Raises InputError with one line."""
     require_extra("hammer", str(path))
     try:
         content = read_ordinary(path, _FILE_KIND, _LARGEST_SIZE)

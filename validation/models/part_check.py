@@ -44,7 +44,10 @@ def _interface_text(file: PartFile, interface: Interface) -> str:
 
 
 def _offset_text(file: PartFile, interface: Interface) -> str:
-    """Distance of faces from the joint's point, perpendicular to their axis if they have one."""
+    """Text with the distance of the faces of an interface from the point of the joint.
+
+    If the faces have an axis, the distance is perpendicular to the axis.
+    """
     if interface.axis is not None and interface.on_axis is not None:
         offset = interface.point - interface.on_axis
         radial_offset = offset - interface.axis * (interface.axis @ offset)

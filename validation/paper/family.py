@@ -263,7 +263,7 @@ def _shorter_is_best(
     "decision.longest",
     _CONCLUSIONS,
     "By the simplified model the longest legs are among the best",
-    quantity="largest α among the equally good members by deflection",
+    quantity="largest α among the members with the smallest deflection",
     tolerance=Absolute(0.1),
     tolerance_reason="a tenth of the paper's range of α",
 )
@@ -273,7 +273,7 @@ def _longest(context: Context) -> Measurement:
         [context.get(deflections, "simplified", robots).largest_planar for robots in strokes]
     )
     best = [ALPHAS[number] for number in equally_good(worst, "deflection")]
-    note = f"All members from α = {best[0]:.4g} on are equally good."
+    note = f"All members from α = {best[0]:.4g} on have the smallest deflection."
     return Measurement(best[-1], reference=ALPHAS[-1], exact=True, notes=(note,))
 
 

@@ -73,7 +73,7 @@ class Deflections:
 
 @dataclass(frozen=True)
 class ModeShares:
-    """Lowest m modes in one posture: `frequencies` (Hz) and shares of energy (m values each).
+    """Lowest k modes in one posture: `frequencies` (Hz) and shares of energy (k values each).
 
     `kinetic`: share of kinetic energy along "x", "y" and "z", rotation of sections included.
     `strain`: share of strain energy of each part, by the paper's names.

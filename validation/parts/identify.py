@@ -288,7 +288,8 @@ def more_unknowns(unknowns: int, factor: float) -> int:
     finer = int(min(unknowns * min(max(factor**2, 2.0), 8.0), max(MOST_REFINED, unknowns)))
     if finer <= unknowns:
         raise InputError(
-            f"a finer mesh has more than {MOST_REFINED} unknowns; choose the mesh with --unknowns"
+            f"a finer mesh would have more than {MOST_REFINED} unknowns; to use one, specify "
+            "its size with --unknowns"
         )
     return finer
 

@@ -100,7 +100,7 @@ class Run:
 
         compared = [outcome for outcome in self.outcomes if outcome.measurement]
         if not compared:
-            raise InputError("plot: the run has no comparison that was computed")
+            raise InputError("plot: no comparison of the run was computed")
         return finished_plot(compared)
 
     def __repr__(self) -> str:

@@ -178,7 +178,7 @@ def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
 
 
 def _on_twice_as_many(robot: RobotOnPath, reading: Reading) -> PathModes | None:
-    """Modes by segments, with twice the element count of the judged model."""
+    """Modes by segments, with twice as many segments per leg as the judged model."""
     return formulation_modes("segments", ModelOptions(), robot, replace(reading, elements=2))
 
 

@@ -45,7 +45,7 @@ class Samples:
     weights: Array
 
     def of_models(self, models: Mapping[str, BodyModel]) -> dict[str, Array]:
-        """Matrices (3m×n) from the n unknowns of each leg's model to displacements at m points."""
+        """Matrices (3k×n) that map the n unknowns of a leg's model to displacements at k points."""
         matrices: dict[tuple[BodyModel, bytes], Array] = {}
         matrix_by_body = {}
         for name, model in models.items():
@@ -118,7 +118,7 @@ def samples_of(mechanism: Mechanism) -> Samples:
 
 
 def _leg_points_and_masses(body: Body) -> tuple[Array, Array]:
-    """Sample points (m×3, body axes) of a leg, and the mass (m, kg) that each represents."""
+    """Sample points (k×3, body axes) of a leg, and the mass (k, in kg) that each represents."""
     described = leg_of(body)
     if isinstance(described, LineLeg):
         stations, lengths = centreline_samples(described.line.length, _STATIONS)

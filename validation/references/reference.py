@@ -191,7 +191,10 @@ class Step:
 
 
 class StepTexts(NamedTuple):
-    """Texts of a step. Placeholders in braces are replaced by words that depend on the robot."""
+    """Texts of a step to the reference: cause of an error, model without it, and remedy.
+
+    Placeholders in braces are replaced by words that depend on the robot.
+    """
 
     cause: str
     source: str

@@ -313,7 +313,8 @@ def masses_instruction(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
     if missing := [
         f"{keys} in {_tables(bodies, schema)}" for keys, bodies in lacking.items() if keys
     ]:
-        return f"specify the mass distribution of the legs beside the 6×6: {', '.join(missing)}"
+        listed = ", ".join(missing)
+        return f"specify the mass distribution of the legs in addition to the 6×6: {listed}"
     return interior_instruction(legs, schema)
 
 

@@ -155,7 +155,7 @@ class Report:
 
 
 def render(report: Report) -> str:
-    """Page as HTML."""
+    """HTML page of a report."""
     return _templates().get_template("report.html.j2").render(report=report)
 
 

@@ -54,7 +54,7 @@ class StatementTable:
 
     @property
     def csv(self) -> str:
-        """CSV with one line for each curve of each statement."""
+        """CSV with a line for each curve to which a published statement refers."""
         lines = [(claim, curve) for claim in self.claims for curve in claim.curves]
         return csv_of(
             {

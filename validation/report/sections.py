@@ -198,7 +198,7 @@ def chapters_of(
     plotted: bool,
     coordinates: tuple[Coordinate, ...] = (),
 ) -> tuple[Chapter, ...]:
-    """Chapters that are not empty. `plotted` and `coordinates` as in `PageSection`."""
+    """Chapters with at least one section. See `PageSection` for `plotted` and `coordinates`."""
     names = [outcome.case.section for outcome in outcomes] + [figure.section for figure in figures]
     sections_by_chapter: dict[str, list[PageSection]] = {chapter: [] for chapter in CHAPTERS}
     for name in dict.fromkeys(names):

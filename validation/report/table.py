@@ -209,9 +209,9 @@ def csv_of_matrix(matrix: Matrix) -> str:
 
 
 def _csv_cell(value: Any) -> float | str | None:
-    """Value of a field for a CSV cell.
+    """CSV cell for the value of a field.
 
-    Numbers of a tuple follow each other, pairs have semicolons.
+    Numbers of a tuple are separated by spaces, pairs of a name and a number by semicolons.
     """
     match value:
         case Quantity():

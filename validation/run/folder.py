@@ -107,7 +107,7 @@ def sealed(run: str, content: bytes) -> bytes:
 
 
 def unsealed(run: str, line: bytes) -> dict[str, Any] | None:
-    """Data of a line. None if it is damaged, changed, or of another run."""
+    """Data in a line of the records. None if the line is damaged, changed, or of another run."""
     content = b"{" + line[len(_SEAL) + 35 :]
     if line != sealed(run, content):
         return None
@@ -326,7 +326,8 @@ def _require_space(path: Path, target: Path) -> None:
     if free_bytes < needed:
         raise InputError(
             f"--out {path}: {free_bytes / 1e6:.1f} MB are free, and the new run needs about "
-            f"{needed / 1e6:.1f} MB beside the earlier one; make room or name another folder"
+            f"{needed / 1e6:.1f} MB in addition to the earlier run; make room or "
+            "name another folder"
         )
 
 

@@ -21,9 +21,10 @@ _SOURCES = (".py", ".toml", ".j2", ".css", ".js")
 
 
 def program(*places: str) -> str:
-    """Fingerprint of the sources in these folders and files, and of the computing libraries.
+    """Fingerprint of the sources in `places` and of the libraries that compute.
 
-    Without `places` it covers all sources. With `fem` it covers the requested linear solver.
+    `places` are folders and files, by default all packages. With "fem" among them, the requested
+    library for sparse systems is part of the fingerprint.
     """
     selected = places or PACKAGES
     return _program(selected, requested_library() if "fem" in selected else "")

@@ -29,7 +29,7 @@ from validation.solve.answer import Answer
 # Unit loads of deflections: N for m, N m for rad.
 _FORCE, _MOMENT = 1000.0, 100.0
 _CONDITION = re.compile(r"(?P<name>[^<>=]+)(?P<sense><=|>=|<|>)(?P<bound>[^<>=]+)")
-# Relative difference from the best value below which robots are equally good: round-off.
+# Relative difference from the best value below which robots count as equal: round-off.
 _EQUAL = 1e-9
 
 
@@ -112,7 +112,7 @@ class Purpose:
 
 @dataclass(frozen=True, eq=False)
 class DesignChoice:
-    """Values (n each, SI) of a purpose's quantities for n robots, and the choice between these."""
+    """Choice between n robots by the `values` (n each, SI) of the quantities in a purpose."""
 
     purpose: Purpose
     values: Mapping[DesignQuantity, Array]
@@ -124,7 +124,7 @@ class DesignChoice:
 
     @property
     def best(self) -> int | None:
-        """Index of the best robot that meets all conditions, the first of equally good ones.
+        """Index of the best robot that meets all conditions, the first one if several are equal.
 
         None if there is no such robot, or without an objective.
         """
@@ -176,7 +176,7 @@ def purpose_of(
     fault.
     """
     if minimise is not None and maximise is not None:
-        raise InputError("--maximise: only one of --minimise and --maximise can be given")
+        raise InputError("--maximise: cannot be combined with --minimise; leave one of them out")
     allowed = _quantities(robot_file, modes)
     conditions, faults = collect_faults(lambda text: _condition(text, allowed), where)
     option, name = ("--maximise", maximise) if minimise is None else ("--minimise", minimise)

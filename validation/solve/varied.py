@@ -128,7 +128,9 @@ def write_varied(
     purpose = None
     if minimise or maximise or where:
         if question.alone:
-            raise InputError("--minimise, --maximise, --where: of whole robots; leave out the body")
+            raise InputError(
+                "--minimise, --maximise, --where: need the whole robot; leave out the body"
+            )
         purpose = purpose_of(question.robot_file, minimise, maximise, where, question.count)
     places = max(1, len(question.x) + len(question.poses))
     if picture is not None and not _is_map(variations, places):

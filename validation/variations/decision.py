@@ -22,7 +22,7 @@ MEANING: Mapping[Objective, str] = {
     "deflection": "largest deflection over the path under 1000 N along x, y or z",
     "frequency": "smallest first frequency over the path",
 }
-# Relative difference from the best value below which designs are equally good. Round-off and the
+# Relative difference from the best value below which designs count as equal. Round-off and the
 # error of reduced models are smaller.
 INDIFFERENT = 1e-6
 
@@ -31,8 +31,8 @@ INDIFFERENT = 1e-6
 class Choice:
     """Index of the `design` that a model chooses, and its relative `loss` by the reference.
 
-    `equally_good`: ascending indices of designs that are equally good by the model; the chosen one
-    is the best of them by the reference.
+    `equally_good`: ascending indices of designs that the model rates as equal; the chosen one is
+    the one that the reference rates best.
     """
 
     design: int
@@ -137,7 +137,7 @@ def losses(reference: Array, objective: Objective) -> Array:
 def spearman(first: Array, second: Array) -> float:
     """Rank correlation (Spearman's ρ, −1 to 1) of two sets of values (n) of the designs.
 
-    Equally good designs share their mean rank. NaN if all designs are equally good by one set.
+    Designs of equal value share their mean rank. NaN if all values of one set are equal.
     Shapes: n designs.
     """
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -104,7 +104,7 @@ class DeviceSpace:
     """Memory of the graphics card, see `Space`."""
 
     def errors(self) -> AbstractContextManager[None]:
-        """Context in which each error of the card is raised as DeviceError."""
+        """Context in which each error of the graphics card is raised as DeviceError."""
         return _device_errors()
 
     def put(self, array: Any) -> Any:

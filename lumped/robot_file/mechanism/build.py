@@ -247,7 +247,7 @@ def leg_of(table: Entry, name: str) -> Leg:
 
 
 def loss_of(table: Entry) -> float:
-    """Loss factor of a leg or part: that of its material, or the key `loss` beside a compliance."""
+    """Loss factor of a leg or part: that of its material or, for a compliance, the key `loss`."""
     loss = table["loss"] if table["material"] is None else table["material"]["loss"]
     return loss or 0.0
 

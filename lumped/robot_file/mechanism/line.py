@@ -39,7 +39,10 @@ class LegLine:
 
 @dataclass(frozen=True, eq=False)
 class _Stop:
-    """Point of a line: its key, its name ("" for coordinates), its position (3, m, base axes)."""
+    """Point on the centre line of a leg. `position`: (3, m, base axes).
+
+    `name` is "" for a point given by coordinates. `key` is its key in the robot file.
+    """
 
     key: str
     name: str
@@ -81,7 +84,7 @@ def leg_line(
 
 
 def _misplaced_keys(body: Mapping[str, Any], key: str) -> list[str]:
-    """Faults of `through` and `sections` beside a key with which they have no meaning."""
+    """Faults of `through` and `sections` together with a key that excludes them."""
     names = [name for name in ("through", "sections") if body[name] is not None]
     if body["compliance"] is not None:
         reason = f"must be left out beside {key}.compliance, which is that of the whole leg"

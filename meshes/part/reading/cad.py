@@ -262,8 +262,8 @@ def _one_solid(gmsh: ModuleType, path: Path) -> int:
             for _, tag in solids[:4]
         )
         raise InputError(
-            f"{path}: {len(solids)} solids ({places}); a part is one: fuse them, or make each a "
-            "body of its own"
+            f"{path}: {len(solids)} solids ({places}); a part must be a single solid: unite "
+            "them in the CAD system, or export each solid as a body with its own file"
         )
     faces = gmsh.model.getEntities(2)
     if not faces:
@@ -295,13 +295,16 @@ def _require_sound(model: CadModel, path: Path, position: Array) -> None:
     if abs(volume) <= _FLAT * size**3 * _FLAT or min(model.extent) <= _FLAT * size:
         raise InputError(f"{path}: the solid has no volume ({volume:.3g} m³ in {size_text})")
     if volume < 0.0:
-        raise InputError(f"{path}: the solid is inside out (volume {volume:.3g} m³)")
+        raise InputError(
+            f"{path}: the faces of the solid point inwards (volume {volume:.3g} m³); "
+            "export it again from the CAD system"
+        )
     if (share := model.unknown_share) > _TORN:
         x, y, z = position
         raise InputError(
             f"{path}: its faces, edges and corners are up to {model.gap:.2g} m apart where they "
             f"should meet, near ({x:.4g}, {y:.4g}, {z:.4g}) m, which leaves {share:.2g} of its "
-            "volume open; export it anew from the CAD system"
+            "volume open; export it again from the CAD system"
         )
     for _, tag in gmsh.model.getEntities(1):
         length = gmsh.model.occ.getMass(1, tag)

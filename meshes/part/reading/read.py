@@ -124,7 +124,7 @@ def read_part(path: Path, unit: str | None = None) -> PartFile:
     except ComputationError as error:
         raise InputError(
             f"{path}: its reader fails ({error}): the file is damaged, or much too large; "
-            "export it anew"
+            "export it again"
         ) from error
 
 
@@ -186,7 +186,7 @@ def _require_outward(path: Path, triangles: Mapping[int, IntArray]) -> None:
     ]
     if len(wrong_faces):
         raise InputError(
-            f"{path}: face {np.bincount(wrong_faces).argmax()} looks inwards: its edges run as "
-            f"those of its neighbours do, {counted(len(wrong_faces) // 2, 'time')}; export it anew "
-            "from the CAD system"
+            f"{path}: face {np.bincount(wrong_faces).argmax()} points inwards: its edges run in "
+            f"the direction of those of its neighbours, {counted(len(wrong_faces) // 2, 'time')}; "
+            "export the part again from the CAD system"
         )

@@ -35,12 +35,12 @@ def require_whole(content: bytes, source: str) -> None:
     if end < len(data):
         word = _WORD.match(data, end)
         word_text = (word.group() if word else b"").decode("latin-1")
-        raise InputError(f"{source}: has {word_text} in place of a value; export it anew")
+        raise InputError(f"{source}: has {word_text} in place of a value; export it again")
     missing = set(map(int, _REFERENCE.findall(text))) - set(map(int, _DEFINITION.findall(text)))
     if missing:
         raise InputError(
             f"{source}: refers to #{min(missing)}, which does not exist in the file: the "
-            "file is damaged; export it anew from the CAD system"
+            "file is damaged; export it again from the CAD system"
         )
 
 

@@ -54,7 +54,7 @@ def step_unit(content: bytes, source: str) -> str:
         if "LENGTH_UNIT" in by_number.get(number, "")
     }
     if not units:
-        raise InputError(f"{source}: has no unit of length; export it anew from the CAD system")
+        raise InputError(f"{source}: has no unit of length; export it again from the CAD system")
     if len(units) > 1:
         unit_names = " and ".join(sorted(units))
         raise InputError(

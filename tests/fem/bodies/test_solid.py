@@ -199,7 +199,7 @@ def test_missed_mode_is_searched_again_or_reported(bar):
     assert result.count == 7
 
 
-def test_very_slender_leg_double_mode():
+def test_very_slender_leg_finds_both_equal_modes():
     """Length of 87 diameters: K's largest eigenvalue is 1e11 times that of the lowest mode."""
     result = leg(Circle(0.0873), length=7.6, slices=40).modes(2)
     assert result.count == 2

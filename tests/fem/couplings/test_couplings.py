@@ -305,7 +305,10 @@ def waves_of(section, divisions):
 @pytest.mark.parametrize(("along", "kind"), [("y", "bending z"), ("z", "bending y")])
 @pytest.mark.parametrize("section", SECTIONS)
 def test_bending_half_wave_needs_no_end_moment(section, along, kind):
-    """Pins at the nodes of a standing wave of length 2L carry no moment: singular stiffness."""
+    """Dynamic stiffness of a leg pinned at both ends is singular at its first bending frequency.
+
+    The ends are at nodes of a standing wave of length 2L, which transmits no moment there.
+    """
     # The I-section is so long that its flanges do not vibrate by themselves.
     length = 2.0 if section is OPEN else LENGTH
     mesh = section_mesh(section, 2)

@@ -77,7 +77,7 @@ def test_condensed_leg_keeps_mass_and_inertia(model):
         assert np.array_equal(matrix, matrix.T)
 
 
-def test_supported_or_loose_leg_is_refused():
+def test_leg_with_support_or_mechanism_is_refused():
     leg = MODELS["beam"](LEG_1)
     grounded, loose = leg.stiffness.toarray(), leg.stiffness.toarray()
     grounded[13, 13] *= 1.0 + 1e-3

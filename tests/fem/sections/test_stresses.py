@@ -128,7 +128,10 @@ def test_torsion_stress_of_rectangle_converges_to_series():
 
 
 def test_circle_shear_stress_equals_elasticity():
-    """(3+2ν)/8(1+ν) Pr²/I at the centre, (1+2ν)/4(1+ν) Pr²/I at the sides (Timoshenko, §115)."""
+    """Shear stress of a round bar under a transverse force P, by the theory of elasticity.
+
+    (3+2ν)/8(1+ν) Pr²/I at the centre, (1+2ν)/4(1+ν) Pr²/I at the sides (Timoshenko, §115).
+    """
     computed = stresses(Circle(0.1), 16)
     scale = 0.05**2 / (np.pi * 0.05**4 / 4.0)
     along = computed.shear[1] @ QZ

@@ -193,7 +193,7 @@ def test_full_temporary_folder_gives_one_fault(ranks, monkeypatch, tmp_path):
             analyse(CHAIN)
 
 
-def test_missing_mpiexec_message_has_package(monkeypatch):
+def test_missing_mpiexec_error_names_debian_package(monkeypatch):
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(PYTHON_VARIABLE, sys.executable)
     monkeypatch.setenv(RANKS_VARIABLE, "3")

@@ -54,11 +54,12 @@ def test_rigid_seat_buckling_is_stiffness_limit():
 
 
 def test_pressed_bar_buckling_equals_hand_result():
-    """Bar on springs across, k at A and K at B, and tilting springs c at each, pressed by F onto A.
+    """Bar pressed along its axis onto A by a force F, on springs at A and B that are 1 m apart.
 
-    With the deflections v of A and w of B at 1 m distance, θ = w − v: the energy is ½ (k v² + K w²
-    + 2c θ²) − F ½ θ² L, where L = 1.5 m is the length from A, which takes the whole force, to the
-    load at P.
+    Transverse springs have the stiffness k at A and K at B, rotational ones c at each. With the
+    transverse deflections v of A and w of B, the bar turns by θ = w − v. The energy is ½ (k v² + K
+    w² + 2c θ²) − F ½ θ² L, where L = 1.5 m is the length from A, which takes the whole force, to
+    the load at P.
     """
     k, K, tilting, length = 2.0e5, 5.0e5, 6.0e4, 1.5
     elastic = np.array([[k + tilting, -tilting], [-tilting, K + tilting]])

@@ -101,7 +101,7 @@ def differences(leg: ConstantLeg, divisions: int):
 
 
 @pytest.mark.parametrize("name", LEGS)
-def test_named_causes_vanish_with_known_exponent(name):
+def test_difference_of_each_cause_falls_as_known_power(name):
     for cause, amounts in differences(*LEGS[name]).items():
         # −p of C s⁻ᵖ (1 + D/s + …): exponents of the longest legs, extrapolated in 1/s.
         before, last = np.diff(np.log2(amounts[-3:]))

@@ -203,7 +203,7 @@ LIST = "must be a list, each entry a number or a list, each entry a number"
         (lambda: api.converge("five-bar", elements=[2.5]), "^elements = .*, each entry a whole nu"),
     ],
 )
-def test_wrong_argument_is_named_in_error(call, said, tmp_path, monkeypatch):
+def test_error_names_the_wrong_argument(call, said, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match=said):
         call()

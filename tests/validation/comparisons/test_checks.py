@@ -36,7 +36,7 @@ def items(pytester):
     return run
 
 
-def test_item_names_have_body_model_quantity():
+def test_check_names_give_body_model_and_quantity():
     names = [check.name for check in checks(load_robot("ifw"))]
     assert len(set(names)) == len(names)
     # Robot and two legs: six motions by four models and four frequencies by two; four frequencies

@@ -169,7 +169,7 @@ def test_program_error_in_study_is_a_failure(monkeypatch):
 
 @pytest.mark.parametrize("body", ["arm", ""])
 def test_leg_without_beam_theory_is_skipped(tmp_path, body):
-    """Cowper's κ of a wide I of an auxetic material is negative."""
+    """Cowper's κ is negative for a wide I-section of a material with ν = −0.9."""
     wide = ONE_ARM.replace(
         'shape = "rectangle", width = 0.06, height = 0.04',
         'shape = "i-section", width = 0.069, height = 0.01, flange = 0.001, web = 0.001',

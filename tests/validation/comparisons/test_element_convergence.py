@@ -255,7 +255,7 @@ def require_true_half_widths(series):
         *(pytest.param(name, marks=EXHAUSTIVE) for name in ("delta", "orthoglide", "hexapod")),
     ],
 )
-def test_robots_have_formal_orders(robot):
+def test_robots_converge_with_formal_orders(robot):
     mechanism = load_robot(robot).mechanism
     study = robot_convergence(middle_posture(mechanism))
     require_true_half_widths(study.of("segments", "literal"))

@@ -102,7 +102,11 @@ def test_random_solids_have_theoretical_order(seed):
 
 
 def test_too_narrow_half_width_disagrees():
-    """Order 1 taken for order 4: 3/15 of a step is less than the next step, a half of it."""
+    """Errors of order 1 with the half-width of order 4, which is too narrow.
+
+    The half-width is 3/(2⁴ − 1) of a step between two meshes. The next step is half as large as the
+    last one, 2.5 times the half-width.
+    """
     divisions = (1, 2, 4)
     values = np.multiply.outer(1.0 + 1.0 / np.array(divisions), np.eye(6))
     assert half_width_shares(Refinement(divisions, values, 4.0)).max() == pytest.approx(2.5)

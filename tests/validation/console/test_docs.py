@@ -194,6 +194,6 @@ def test_earlier_site_is_replaced(tmp_path, monkeypatch):
     assert calls[0][-1] == str(tmp_path)
 
 
-def test_missing_sources_are_reported(command, monkeypatch):
+def test_docs_command_without_sources_is_refused(command, monkeypatch):
     monkeypatch.setattr(docs, "SOURCES", Path("/nonexistent-sources"))
     assert re.search("in a clone of the sources", command.refused("docs"))

@@ -99,7 +99,7 @@ def test_measurements_are_own_references():
 
 
 def test_measured_leg_entries_have_chart():
-    """Of a robot whose poses have one coordinate, too, though entries of a leg have no pose."""
+    """Entries of a leg have no pose, even if the poses of the robot have a coordinate."""
     biglide = load_robot("biglide")
     ones = tuple(
         Measured(measured_quantity(f"leg1.{name}"), 1e-6, 1e-8, "stand") for name in ("c22", "c33")

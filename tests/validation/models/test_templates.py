@@ -81,7 +81,7 @@ def test_template_has_mobility_of_its_kind(robot, motions, redundant):
 
 
 def test_scara_deflects_as_arms_and_quill():
-    """Arms at a right angle: the upper one bends, and twists under the forearm's length."""
+    """Arms at a right angle: both bend, and the upper arm twists under the lever of the forearm."""
     nu, L1, L2 = 0.33, 0.35, 0.25
     A1, Iy1, _, _, kz1 = box(0.12, 0.09, 0.012, nu)
     A2, Iy2, _, _, kz2 = box(0.09, 0.07, 0.01, nu)
@@ -103,7 +103,10 @@ def test_scara_deflects_as_arms_and_quill():
 
 
 def test_gantry_deflects_as_clamped_bridge():
-    """A force in the middle of a beam with both ends clamped: L³/192 EI + L/(4 κGA)."""
+    """Deflection in the middle of a beam with both ends clamped: L³/(192 EI) + L/(4 κGA).
+
+    The compliances in series with the beam along z are added.
+    """
     nu, L = 0.33, 1.2
     area, Iy, _, _, kappa = box(0.12, 0.16, 0.015, nu)
     bridge = L**3 / (192.0 * E_ALUMINIUM * Iy)

@@ -323,7 +323,7 @@ def test_eq_12_erratum_gives_stiffness_error():
     )
 
 
-def test_layout_erratum_gives_first_order():
+def test_segment_layout_as_printed_has_first_order():
     beam = LEG_1.properties("euler-bernoulli")
     exact = ROOT**2 / (2.0 * np.pi * L1**2) * np.sqrt(beam.EIz / beam.mu)
     coarse, fine = (

@@ -57,7 +57,7 @@ def test_unreached_limit_needs_more_than_most_elements():
 
 
 def test_smallest_element_count_is_an_upper_bound():
-    """Stepped parts begin at a number of elements above one: fewer were not computed."""
+    """If the smallest computed number of elements suffices, fewer might suffice too."""
     first, second = rows(study((10, 12, 3), (0, 0, 0)))
     assert (first.needed, second.needed) == ("at most 10", "12")
     (one, _) = rows(study((1, 1, 3), (0, 0, 0), x=(1, 20, 40)))

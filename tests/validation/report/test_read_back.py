@@ -393,7 +393,7 @@ def test_numbers_and_tolerances_have_style():
             assert numbers(said) == [pytest.approx(number, rel=digits)], said
 
 
-def test_console_and_junit_have_verdicts():
+def test_console_and_junit_give_the_same_verdicts():
     values = (1.6, 2.19, 2.21, 1.79, 1.81, 2.0, 9.5)
     wrong = [True, False, True, True, False, False, True]
     own = {"quantity": "deflection", "unit": "µm", "tolerance": Relative(0.1)}

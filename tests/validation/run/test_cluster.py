@@ -140,7 +140,7 @@ def test_parts_are_reduced_on_workers(tmp_path, monkeypatch, cluster):
 
 @pytest.mark.exhaustive
 def test_killed_worker_loses_no_results(cluster, monkeypatch):
-    """The last test on the cluster that all of them share."""
+    """Runs last, because it kills a worker of the cluster that all tests of this file share."""
     monkeypatch.setattr(on_dask, "_WORKER_TIMEOUT", 1.0)
     found, said = {}, []
 

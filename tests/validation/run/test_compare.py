@@ -291,5 +291,7 @@ def test_different_robots_have_no_ranking(saved, tmp_path, command):
         assert record["different_robots"] == [load_run(path).run["robot"] for path in pair]
         assert not any(record[key] for key in ("verdicts", "new", "removed", "worsened"))
     asked = ["run", "five-bar", "--preset", "quick", "--only", "adequacy", "--out"]
-    assert "is of another robot" in command.refused(*asked, tmp_path / "out", "--baseline", second)
+    assert "is a run of another robot" in command.refused(
+        *asked, tmp_path / "out", "--baseline", second
+    )
     assert not (tmp_path / "out").exists()

@@ -141,7 +141,7 @@ def test_kill_leaves_old_or_new_run(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("beside", ["", ".partial"])
-def test_foreign_folder_is_refused(tmp_path, beside):
+def test_folder_that_no_run_wrote_is_refused(tmp_path, beside):
     path, foreign = tmp_path / "run", tmp_path / f"run{beside}"
     (foreign / "figures").mkdir(parents=True)
     (foreign / "figures" / "thesis.png").write_text("years of work")

@@ -156,5 +156,5 @@ def test_purpose_without_variation_is_refused(tmp_path, capsys):
     command = ["solve", str(path), "--model", "beam", "--where", "f1>=1"]
     assert cli.main(command) == 2
     assert "are only for --vary" in only_message(capsys.readouterr().err)
-    with pytest.raises(InputError, match="only one of --minimise and --maximise"):
+    with pytest.raises(InputError, match="--maximise: cannot be combined with --minimise"):
         purpose_of(load_robot("ifw"), "mass", "f1", (), 2)

@@ -194,7 +194,7 @@ def matrix(crane):
 
 
 @pytest.mark.exhaustive
-def test_tapered_arm_equivalent_is_too_soft(crane, matrix):
+def test_uniform_leg_for_tapered_arm_is_too_soft(crane, matrix):
     assert [note.model for note in matrix.models] == list(judged_models(crane.mechanism))
     entry = matrix.entry("segments", "z")
     assert entry.verdict == "inadequate"

@@ -154,7 +154,10 @@ def test_solid_leg_has_mesh_uncertainty(bar, command):
 
 
 def test_solid_robot_has_mesh_uncertainty():
-    """One factor for all, Roache's: orders 2λ(ν = 0.33) to 4, elements 1.5 to 2 times as large."""
+    """All half-widths are Roache's factor 3/(rᵖ − 1) times the change from the coarse mesh.
+
+    Order p from 2λ(ν = 0.33) to 4, ratio r of element sizes from 1.5 to 2.
+    """
     robot_file = load_robot("five-bar")
     bars = with_bars(reference_posture(robot_file.mechanism)).mechanism
     push = Load("push", bars.tool.body, bars.tool.point, wrench=np.eye(6)[2])

@@ -108,7 +108,7 @@ def test_best_height_has_equal_frequencies(curves_by_objective):
         assert decision.choice(model).design == best
         assert decision.choice(model).loss == 0.0
         assert decision.correlation(model)[0] == pytest.approx(1.0)
-    # The bar of the simplified model has no mass, so that all heights are equally good.
+    # The bar of the simplified model has no mass, so that it rates all heights as equal.
     assert decision.models["simplified"] == pytest.approx(np.sqrt(DRIVE / TOOL) / (2.0 * np.pi))
     simplified = decision.choice("simplified")
     assert (len(simplified.equally_good), simplified.design, simplified.loss) == (3, best, 0.0)
@@ -152,7 +152,7 @@ def test_cases_exist_for_relied_models(light_bar):
     assert (loss.value, loss.reference_uncertainty) == (0.0, 0.0)
     # One and a half exchanges of neighbours among three, each 12/(3 (9 − 1)).
     assert cases["decision.frequency.order.simplified[tool.mass]"].tolerance == Absolute(0.75)
-    # Deflections do not depend on the mass: all values are equally good, without a ranking.
+    # Deflections do not depend on the mass: all values rate as equal, so there is no order.
     deflection = cases["decision.deflection.loss.simplified[tool.mass]"].measure(context)
     assert "This model rates 2, 3, 4 as equal" in deflection.notes[1]
     with pytest.raises(Skip, match=r"simplified or its reference rates all values of .* as equal"):

@@ -27,10 +27,10 @@ from validation.models.robot_models import on_drives_alone, released, static_bod
 
 @dataclass(frozen=True, eq=False)
 class BodyEnds:
-    """Interfaces of a deformable body, m of them, in body axes.
+    """Forces and displacements at the k interfaces of a deformable body, in body axes.
 
-    `wrenches` (6m, N and N m) are those of joints and loads at points, `twists` (6m, m and rad) the
-    displacements.
+    `wrenches` (6k, N and N m) are those of joints and loads at points. `twists` (6k, in m and rad)
+    are displacements and rotations.
     """
 
     wrenches: Array

@@ -217,7 +217,7 @@ def _choices_sentence(varied: VariedCurves, variation: Variation) -> str:
     for model in decision.models:
         selection = decision.choice(model)
         equally_good = len(selection.equally_good)
-        tie = f" (one of {equally_good} equally good values)" if equally_good > 1 else ""
+        tie = f" (one of {equally_good} values that it rates as equal)" if equally_good > 1 else ""
         choices.append(
             f"{model} {values[selection.design]:.6g}{tie}, loss {100.0 * selection.loss:.2g} %"
         )

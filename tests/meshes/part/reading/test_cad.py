@@ -258,7 +258,7 @@ def test_brep_file_uses_specified_unit(tmp_path):
     assert "100 × 20 × 30 m is not the size of a robot's part; is it in mm" in refused(path)
     # With one face inverted the kernel's volume of the box is 40 cm³ instead of 60 cm³.
     line = refused(with_inverted_face(path, 2), "mm")
-    assert "looks inwards: its edges run as those of its neighbours do" in line
+    assert "points inwards: its edges run in the direction of those of its neighbours" in line
 
 
 def with_inverted_face(path, face):

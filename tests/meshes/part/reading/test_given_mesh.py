@@ -140,7 +140,7 @@ def test_deck_without_referenced_node_is_refused(tmp_path):
     with pytest.raises(InputError, match="it does not hold 4, to which it refers"):
         read_part(path)
     path = mesh_file(tmp_path, CUBE, "hexahedron", HEXAHEDRON, point_sets={"A": np.array([0])})
-    with pytest.raises(InputError, match="holds no whole facet"):
+    with pytest.raises(InputError, match="contains no complete element face"):
         find_interfaces(read_part(path), {"A": PartInterface(ByName("A"))})
 
 
