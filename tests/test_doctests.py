@@ -56,7 +56,7 @@ def once(function):
     [pytest.param(n, marks=[pytest.mark.exhaustive] * (n not in QUICK)) for n in FUNCTIONS],
 )
 def test_examples_of_functions_print_what_they_show(name, tmp_path, monkeypatch):
-    """Those of a function, then of the class of its result and of its methods."""
+    """Run the examples of a function, then those of the class of its result and its methods."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     known = {**vars(api), name: once(getattr(api, name))}
@@ -72,7 +72,7 @@ def test_examples_of_tables_print_what_they_show():
 
 
 def run_examples_of_result(name, known):
-    """Those of the class make the result that its methods are called on."""
+    """Run the examples of a class. They make the result on which its methods are called."""
     known = run_examples(getattr(fp, name).__doc__, {**vars(fp), **known}, name)
     (result,) = [value for value in known.values() if type(value) is getattr(fp, name)]
     assert name == "ResultTable" or len(repr(result)) < 200

@@ -217,7 +217,7 @@ def test_free_rocker_counts_six_rigid_motions(example):
 
 
 def test_press_has_forces_of_slider_crank(example):
-    """By hand: rod F/cos β, motor F r sin(φ + β)/cos β, guide F tan β; σ = N/A + T/W of legs."""
+    """Hand result: rod F/cos β, motor F r sin(φ + β)/cos β, guide F tan β; stress N/A + T/W."""
     found = example(16)
     by_hand, members, reactions = found["by_hand"], found["members"], found["reactions"]
     assert members["rod"].forces[:, 0] == pytest.approx(by_hand["rod"], rel=1e-9)

@@ -87,7 +87,7 @@ class Request:
                 f"--inputs = {self.inputs:g}: must be from {SMALLEST_SHARE:g} to 0.5 (5 % is 0.05)"
             )
         if self.inputs is not None and robot_file.uncertain_inputs:
-            faults.append("--inputs: the robot file says itself how well its numbers are known")
+            faults.append("--inputs: the robot file specifies the uncertainty of its numbers")
         if faults:
             raise InputError(faults)
         requirement = with_options(

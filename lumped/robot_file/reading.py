@@ -66,7 +66,7 @@ def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list
         f"{path}: has the column {shown(name)} twice; must have it once" for name in repeated
     ]
     if not (rows or faults):
-        faults = [f"{path}: holds no row; must be {kind}"]
+        faults = [f"{path}: contains no row; must be {kind}"]
     if len(rows) > most:
         faults = [too_many(str(path), len(rows), most)]
     # A decimal comma splits a cell into two.

@@ -298,7 +298,7 @@ def _folder_to_resume(path: Path, target: Path, partial: Path, mark: Mark) -> Pa
     """Folder of the run to resume. Raises InputError if there is none with the same input."""
     former = next((folder for folder in (partial, target) if is_run(folder)), None)
     if former is None:
-        raise InputError(f"--resume: {path} holds no run to go on with")
+        raise InputError(f"--resume: {path} contains no run that can be resumed")
     former_mark = mark_in(former)
     # The mark or one record suffices, since the seal of a record identifies its run.
     lines = (read_regular(former / RECORDS) or b"").split(b"\n")

@@ -162,7 +162,7 @@ def load_run(path: Path) -> RunRecord:
     try:
         return parse_run(read_ordinary(file, "results of a run", _LARGEST), str(file))
     except FileNotFoundError as error:
-        reason = f"holds no {_FILE}" if path.is_dir() else "no such run folder or file"
+        reason = f"contains no {_FILE}" if path.is_dir() else "no such run folder or file"
         raise InputError(f"{path}: {reason}") from error
     except OSError as error:
         raise InputError(f"{file}: cannot be read: {error.strerror}") from error

@@ -267,7 +267,7 @@ def _one_solid(gmsh: ModuleType, path: Path) -> int:
         )
     faces = gmsh.model.getEntities(2)
     if not faces:
-        raise InputError(f"{path}: holds no faces; a part is one solid")
+        raise InputError(f"{path}: contains no faces; a part must be a single solid")
     raise InputError(
         f"{path}: {counted(len(faces), 'face')}, but no solid: sheet bodies, or a shell that is "
         f"open{_opening(gmsh)}; close it in the CAD system"

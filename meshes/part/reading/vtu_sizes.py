@@ -90,5 +90,5 @@ class _Bounded:
         inflated: bytes = stream.decompress(block, self.remaining + 1)
         self.remaining -= len(inflated)
         if self.remaining < 0 or not stream.eof:
-            raise ReadError("a compressed array holds more or less than the file says")
+            raise ReadError("a compressed array is longer or shorter than the file specifies")
         return inflated

@@ -43,7 +43,7 @@ def scaled(difference, compliance):
 
 
 def test_one_material_states_equal_saint_venant():
-    """The same mesh by two formulations: potentials (stresses), and displacements."""
+    """Two formulations on one mesh agree: stress potentials and displacements."""
     mesh = section_mesh(Channel(0.05, 0.1, 0.02, 0.02), 4)
     expected = per_length(beam_properties(section_constants(mesh, STEEL.nu), STEEL))
     assert scaled(wrench_states(mesh, [STEEL]).compliance - expected, expected) < 1e-8

@@ -89,7 +89,7 @@ def test_matrix_not_positive_definite_is_refused(short_leg, capfd):
 
 @pytest.mark.parametrize(("slices", "length"), [(3, 0.3), (12, 0.3), (30, 20.0)])
 def test_unsupported_solid_is_refused(slices, length):
-    """By rounding its six zero eigenvalues may be positive; a clamped solid is accepted."""
+    """Round-off may make the six zero eigenvalues positive. A clamped solid is accepted."""
     solid, root = solid_and_root(length, slices)
     with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
         analyse(solid.stiffness).factorise()

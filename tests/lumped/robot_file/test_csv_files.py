@@ -137,7 +137,7 @@ def test_csv_fault_reports_line_and_value(csv, line, message):
 
 
 def test_csv_without_measured_values_is_refused(csv, tmp_path):
-    for text, message in (("a,b\n1,2\n", "lacks the column"), (HEAD, "holds no")):
+    for text, message in (("a,b\n1,2\n", "lacks the column"), (HEAD, "contains no")):
         with pytest.raises(InputError, match=message):
             read_measured(csv(text))
     with pytest.raises(InputError, match="cannot be read"):
@@ -182,7 +182,7 @@ def test_repeated_pose_needs_equal_wrenches(tmp_path):
     [
         (WRENCHES.replace("Mz", "mz"), "lacks the column Mz"),
         (WRENCHES.replace("pose", "Pose"), "lacks the column pose (numbers of poses), or x"),
-        (f"pose,{AXES}\n", "holds no row"),
+        (f"pose,{AXES}\n", "contains no row"),
         (WRENCHES.replace("-5.0", "five"), 'line 2, column Fz = "five": must be a number'),
         (WRENCHES.replace("-5.0", "nan"), "line 2, column Fz = nan: not finite"),
         (WRENCHES.replace("0.5", "0,5"), "line 4: more cells than headings"),

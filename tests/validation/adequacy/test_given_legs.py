@@ -217,7 +217,7 @@ def inertia(leg) -> Array:
 
 
 def knowing(twins, *keys):
-    """The same with these keys of the legs' masses alone."""
+    """Twins whose legs have only these keys of their mass distribution."""
     bodies = dict(twins.mechanism.bodies)
     unknown = dict.fromkeys({"mass_centre", "inertia"} - set(keys))
     for name, leg in legs_of(twins.mechanism).items():

@@ -186,7 +186,7 @@ def test_order_of_close_modes_is_undecided():
     ],
 )
 def test_frequency_change_follows_mode_shape(coarse, changes):
-    """Of the first three modes of three close ones and one apart."""
+    """The first three modes of a robot with three close frequencies and a distant one."""
     fine = vibration([100.0, 102.0, 104.0, 200.0], *AXES)
     found = frequency_changes(fine, coarse, 3)[0]
     assert found == pytest.approx(changes, nan_ok=True)
@@ -201,7 +201,7 @@ def test_mac_below_half_is_no_partner(common, number):
 
 
 def test_entry_has_larger_error_of_two_readings():
-    """Of two readings of the reference, 100 and 104 Hz."""
+    """Two interpretations of the robot file give references of 100 and 104 Hz."""
     model = vibration([101.0, 150.0, 200.0, 300.0], *AXES)
     told = entry(model, "f1", vibration([104.0, 150.0, 200.0, 300.0], *AXES))
     near, far = 101.0 / 100.0 - 1.0, 101.0 / 104.0 - 1.0

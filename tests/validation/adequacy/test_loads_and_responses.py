@@ -160,7 +160,7 @@ def test_limit_in_metres_replaces_relative_limit(arm, subject):
 
 
 def test_load_displacements_are_in_micrometres(arm, subject):
-    """Of the load itself: forces of 1000 N belong to other columns."""
+    """Displacements are those under the load of the file, not under forces of 1000 N."""
     table = table_of(verdict_matrix(subject, arm.requirement))
     robot = dict(zip(table.headings, table.robot, strict=True))
     postures = robot_on_path(Context(arm, "quick")).postures

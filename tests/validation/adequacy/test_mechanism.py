@@ -119,7 +119,10 @@ def test_other_mechanism_has_no_biglide_cases():
 
 @pytest.mark.parametrize("pose", [0, 8])
 def test_rigid_body_samples_have_kinetic_energy(pose):
-    """With a turned platform, whose centre is off its origin; the assembler's mass beside it."""
+    """The platform is turned and its centre of mass is off its origin.
+
+    The kinetic energy is that of the assembled mass matrix.
+    """
     mechanism = on_drives_alone(load_robot("hexapod").mechanism)
     shape = Rigid(18.0, np.array([0.02, -0.03, 0.05]), np.diag([3.0, 4.0, 5.0]) + 0.5)
     platform = replace(mechanism.bodies["platform"], shape=shape)

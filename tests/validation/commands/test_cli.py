@@ -87,7 +87,7 @@ def test_audit_of_built_in_robot_is_printed(command):
         (["run", "--only", "toy.fig*"], '"toy.fig*" matches figures alone, and nothing would be'),
         (["compare", "x" * 5000, "y"], 'xxx…": File name too long.'),
         (["run", "--out", "/dev/null/report"], "cannot write there"),
-        (["run", "--resume"], "no run to go on with"),
+        (["run", "--resume"], "contains no run that can be resumed"),
         (["rum"], 'Did you mean "run"'),
         (["check", "missing.toml"], "missing.toml"),
         (["new", "/dev/null/robot.toml"], "cannot be written"),

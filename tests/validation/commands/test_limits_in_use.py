@@ -247,7 +247,7 @@ def test_robot_file_has_item_per_verdict(in_folder, capsys):
 
 
 def test_item_location_is_robot_file(in_folder, pytester):
-    """Where editors and reports of pytest look for it."""
+    """Editors and reports of pytest read the location of a test item."""
     items = []
 
     class Seen:

@@ -37,7 +37,7 @@ def outcome(command, folder, capfd):
 
 
 def amiss(code, out, err):
-    """What is wrong with an outcome."""
+    """Faults of an outcome."""
     lines, several = err.splitlines(), ONE_OF_SEVERAL.search(out + err)
     ours = all(line.startswith("flexproof: ") and line.isprintable() for line in lines)
     wrong = {

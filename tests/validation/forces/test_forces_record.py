@@ -124,7 +124,7 @@ def test_solve_json_has_the_reactions_of_forces(loaded, command):
         assert load["reactions"] == found["results"][0]["loads"][name]["reactions"]
 
 
-def test_what_statics_leaves_open_is_null_and_a_dash(tmp_path, command):
+def test_undetermined_force_is_null_and_a_dash(tmp_path, command):
     robot = tmp_path / "five-bar.toml"
     text = (Path(fp.__file__).parent / "lumped/robots/five-bar.toml").read_text("utf-8")
     robot.write_text(text + LOADS, "utf-8")

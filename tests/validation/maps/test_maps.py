@@ -87,7 +87,7 @@ def test_maps_of_bipod_match_closed_form(bipod):
 
 
 def test_worst_posture_lies_between_grid_points(bipod):
-    """On the lower edge, where the legs are nearest to one line, and between grid columns."""
+    """It lies on the lower edge, where both legs are almost in line, and between grid columns."""
     softest = minimize_scalar(
         lambda x: lowest_stiffness(x, 0.1), bounds=(-0.2, 0.2), method="bounded"
     )

@@ -173,7 +173,7 @@ def test_program_error_affects_one_value(monkeypatch, capsys):
 
 @pytest.mark.parametrize("lacking", ["inputs", "elements"])
 def test_value_lost_by_changed_input_is_undecided(monkeypatch, tmp_path, lacking):
-    """As zeros they were no uncertainty at all, or all of the value: adequate, or open by 67 %."""
+    """A missing value must not count as zero, which would give no uncertainty or one of 67 %."""
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     predictions = Predictions.of(Context(robot_file, "quick"))
     (f1,) = (one for one in robot_file.measured if one.quantity.name == "f1")

@@ -157,7 +157,7 @@ def test_wrong_sign_or_unit_is_detected(held, factor, verdict, said):
 
 
 def test_noise_is_within_reported_uncertainty(held):
-    """Of 1 % of noise by part; coherence of eight blows says the same of it."""
+    """Noise of 1 % in real and imaginary part; the coherence of eight blows confirms it."""
     clean = {one.quantity: one.value for one in held(functions()).measured}
     noisy = functions(noise=0.01)
     coherent = 1.0 / (1.0 + 8 * 2 * 0.01**2)

@@ -23,7 +23,7 @@ THIRD = np.kron(
 
 
 def test_beams_links_segments_have_equal_statics():
-    """Of loops in space, away from the reference; serial chains are held against closed forms."""
+    """Spatial closed loops away from the reference posture. Serial chains: see closed forms."""
     mechanism = load_robot("delta").mechanism
     at = [posture(mechanism, pose) for pose in mechanism.poses[::4]]
     links, beam, segments = (
@@ -148,7 +148,7 @@ def test_energy_shares_match_mode_strains():
 
 
 def test_energy_shares_sum_to_one():
-    """Those of rigid bodies are in the drives."""
+    """If all bodies are rigid, the strain energy is in the drives."""
     at = [reference_posture(load_robot("hexapod").mechanism)]
     (found,) = mechanism_modes("segments", at, 60)
     (expected,) = answers("segments", at, 60)

@@ -31,7 +31,7 @@ REASON = (
 
 @pytest.fixture
 def context(monkeypatch):
-    """Of a quick run in which no solid may be meshed."""
+    """Context of a quick run in which meshing a solid is an error."""
     for place in ("validation.solids.solid_legs", "fem.bodies.solid"):
         monkeypatch.setattr(f"{place}.solid_mesh", refused)
     return Context(SLENDER, "quick")

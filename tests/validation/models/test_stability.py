@@ -74,7 +74,7 @@ def on_pedestal(name):
 
 
 def turning(force):
-    """What a force (3) that keeps its direction becomes for what turns by small angles (3×3)."""
+    """Change of a force (3) of constant direction in axes that turn by small angles (3×3)."""
     return np.cross(np.eye(3), force).T
 
 

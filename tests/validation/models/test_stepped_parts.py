@@ -31,7 +31,7 @@ STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 
 
 def body_of(file, length, coupling=None, unit="mm"):
-    """What is `length` (m) long along x between two plane ends."""
+    """CAD part with two plane ends, `length` (m) apart along x."""
     points = {"A": Frame(), "B": Frame(np.array([length, 0.0, 0.0]))}
     return Body("arm", Part(file, STEEL, plane_ends(length, coupling), unit), points)
 
@@ -186,7 +186,7 @@ def test_hollow_wedge_pieces_match_formula(legs):
 
 
 def compliance(leg, model="beam", theory="timoshenko"):
-    """Of the tip with the root held, 6×6."""
+    """Compliance (6×6) of the tip with the root clamped."""
     matrices = leg_matrices(model, leg, ModelOptions(elements=8, theory=theory))
     free = matrices.stiffness.toarray()[6:, 6:]
     return np.linalg.inv(free)[:6, :6]

@@ -84,7 +84,7 @@ def test_wrong_requests_for_free_parts_are_refused(bar, capsys):
 
 
 def test_part_of_robot_is_solved_free(bar):
-    """The same number as of the file; a part has no beams."""
+    """A part of a robot has the frequencies of its CAD file. It has no beam model."""
     robot = {
         "schema": 2,
         "name": "bar",

@@ -112,7 +112,7 @@ def test_summary_gives_verdicts_on_relied_models(rely, matrix, expected):
 @pytest.mark.timeout(60)  # It takes less than a second; a loop that finds no model is endless.
 @pytest.mark.parametrize("seed", range(20))
 def test_recommended_models_cover_quantities(seed):
-    """In turn the model that is adequate for most of what is left, the simplest of equals."""
+    """Each added model covers most of the remaining quantities; the simplest one wins a tie."""
     draw = np.random.default_rng(seed)
     names = ("simplified", "vjm", "links", "segments", "beam")
     quantities = ("x", "y", "z", "phi_x", "f1", "f2", "order")

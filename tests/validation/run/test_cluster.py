@@ -88,7 +88,7 @@ def silent(_line):
 
 
 def test_cluster_results_equal_local_results(command, monkeypatch):
-    """Of a scheduler and a worker in threads of this process, to which all is sent as to others."""
+    """The scheduler and a worker run in threads of this process and receive pickled calls."""
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 60.0)
     asked = ["solve", "five-bar", "--model", "beam", "--modes", "2", "--vary", "tool.mass=1:2:2"]

@@ -156,7 +156,7 @@ def test_invalid_run_exits_with_2(content, said, tmp_path, command):
     if content is not None:
         path.write_bytes(content.encode(errors="surrogateescape"))
     assert said in command.refused("compare", path, path)
-    with pytest.raises(InputError, match=r"holds no results\.json"):
+    with pytest.raises(InputError, match=r"contains no results\.json"):
         load_run(tmp_path)
 
 
@@ -170,7 +170,7 @@ def test_nested_inputs_are_compared():
 
 
 def judged(quantity, verdict, *values):
-    """Where a run has a value in the first poses of three."""
+    """Entry with a value in the first of three poses."""
     poses = ((0.1,), (0.2,), (0.3,))[: len(values)]
     return StoredEntry(
         model="vjm", quantity=quantity, verdict=verdict, error=0.02, poses=poses, values=values
@@ -202,7 +202,7 @@ def test_poses_of_other_length_are_not_compared(poses):
 
 
 def test_errors_are_compared_in_percent(saved, command):
-    """With sign, half-width, bound, readings and the part along the load, as of an entry."""
+    """Errors with sign, half-width, bound, readings and their part along the load."""
     own = {"model": "vjm", "verdict": "undecided", "limit": 0.05}
     known = {"error": 0.0325, "uncertainty": 0.0125, "low": 0.02, "high": 0.045}
     entries = [

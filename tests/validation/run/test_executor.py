@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parents[3]
 
 @dataclass(frozen=True, eq=False)
 class Powers:
-    """What a unit yields: numbers and arrays."""
+    """Result of a unit of work: numbers and arrays."""
 
     powers: np.ndarray
     total: float

@@ -27,7 +27,7 @@ ASKED = ("run", "--preset", "quick", "--out")
 
 
 def summary(path):
-    """What a run that was given up says of itself and its cases."""
+    """State and verdicts in the records of a run that was interrupted."""
     found = json.loads((toys.partial(path) / "results.json").read_text())
     return found["run"], [case["verdict"] for case in found["cases"]]
 

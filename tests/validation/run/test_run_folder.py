@@ -303,7 +303,7 @@ def test_unusable_folder_is_refused_unchanged(tmp_path, monkeypatch):
     finished(tmp_path / "run")
     before = content(tmp_path)
     for name in ("empty", "new"):
-        assert_refused("no run to go on with", tmp_path / name, HEADER, "resumed")
+        assert_refused("contains no run that can be resumed", tmp_path / name, HEADER, "resumed")
     for tail in ("file", "file/below", "file/below/deeper"):
         assert_refused("cannot write there", tmp_path / tail, HEADER, "afresh")
     assert_refused("is a mount point", Path("/"), HEADER, "afresh")

@@ -58,7 +58,7 @@ def solved(tmp_path, capsys, *options):
 
 
 def test_lightest_bar_within_deflection_is_chosen(tmp_path, capsys):
-    """Of heights 20, 30, 40 and 50 mm, the limit of 1 mm leaves the last two."""
+    """Heights are 20, 30, 40 and 50 mm; the last two meet the limit of 1 mm."""
     assert (deflections() <= 1e-3).tolist() == [False, False, True, True]
     purpose = "--minimise", "mass", "--where", "deflection.z<=1e-3"
     code, printed = solved(tmp_path, capsys, *purpose, "--json")

@@ -145,7 +145,7 @@ def test_effect_of_omitted_modes_is_within_bound(own, crane, by):
 
 
 def test_static_solution_equals_part_compliance(own, crane):
-    """Of the part, not of a prism that is equivalent to it; the same is left open."""
+    """The solution is that of the part, not of an equivalent prism, with its uncertainty."""
     static = answer_of(crane, 0)
     assert static.compliance == pytest.approx(own.compliance, rel=1e-6, abs=1e-15)
     assert static.of_parts.compliance == pytest.approx(own.of_parts.compliance, rel=1e-4)

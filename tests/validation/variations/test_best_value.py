@@ -252,7 +252,7 @@ def test_choice_and_loss_match_hand_calculation():
 
 @pytest.mark.parametrize("levels", [4, 1000])
 def test_spearman_matches_scipy(levels):
-    """With few levels there are ties, which share their mean rank."""
+    """Designs of equal value, frequent with few levels, share their mean rank."""
     pairs = np.random.default_rng(levels).integers(1, levels, (5, 2, 9)).astype(float)
     for first, second in pairs:
         expected = scipy.stats.spearmanr(first, second).statistic

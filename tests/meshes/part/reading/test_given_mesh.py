@@ -215,7 +215,7 @@ def test_vtu_array_larger_than_header_is_refused(tmp_path, encoding, compressor,
     block = library.compress(bytes(1000))
     head = np.array([1000, 100, 100, *[len(block)] * 1000], "<u4").tobytes()
     path = vtu_of(tmp_path, encoding, [head, 1000 * block], compressor=compressor)
-    with pytest.raises(InputError, match="holds more or less than the file says"):
+    with pytest.raises(InputError, match="is longer or shorter than the file specifies"):
         read_part(path)
 
 

@@ -166,7 +166,7 @@ def test_every_model_has_a_unique_line_style():
 
 
 def test_references_have_unique_styles():
-    """As solids, and where legs are known by a 6×6 and a mass."""
+    """References by solids, and by legs that are known by a 6×6 and a mass."""
     held = [(f"{one} as in the robot file",) for one in ("ends", "interfaces")]
     held += [("ends rigid", "ends free"), ("interfaces rigid", "interfaces averaged")]
     held.append(("ends and interfaces rigid", "ends and interfaces free"))

@@ -165,7 +165,7 @@ def test_mode_pairs_are_at_middle_pose(five_bar, monkeypatch):
 
 
 def test_figure_has_load_deflections():
-    """Of made-up compliances: µm under a force, µrad under a moment, and what they differ by."""
+    """Given compliances appear in µm under a force, in µrad under a moment, with differences."""
     rng = np.random.default_rng(4)
     names = ("simplified", "vjm", "beam", "solid, ends rigid")
     values = {name: rng.uniform(1e-9, 1e-6, (3, 6)) for name in names}
@@ -190,7 +190,7 @@ def test_figure_has_load_deflections():
 
 @pytest.mark.exhaustive
 def test_part_is_drawn_solid_and_condensed(tmp_path):
-    """Of a bore that is held rigidly the surface goes with the interface's twist."""
+    """The surface of a rigidly coupled bore moves with the twist of its interface."""
     crane = Context(load_robot(write_crane(tmp_path)), "quick")
     found = finite_elements(crane, 4)
     system, shape = found.system, found.modes.shapes[:, 1]

@@ -31,7 +31,7 @@ def test_end_face_triangles_fill_section(section):
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
 def test_hollow_prism_surface_is_closed(section):
-    """By Gauss: a third of the sum of x·n dA, normals outwards."""
+    """Volume by Gauss's theorem: a third of the sum of x·n dA with outward normals."""
     surface = walled(section.centred_loops, np.array([0.0, 0.3, 2.0]))
     first, second, third, fourth = (surface.points[surface.faces[:, k]] for k in range(4))
     triangles = [(first, second, third), (first, third, fourth)]
