@@ -110,6 +110,8 @@ def _reduced_and_calculix(context: Context) -> tuple[tuple[Array, Array], tuple[
         raise Skip("legs along a line are not written for CalculiX")
     if not legs or not all(isinstance(leg, ConstantLeg) for leg in legs):
         raise Skip("legs specified by a 6×6 have no section that could be meshed")
+    if not all(equivalent_leg(leg).section.is_uniform for leg in legs):
+        raise Skip("composites and laminates are not written for CalculiX as bars of one material")
     cubes = sum(map(_cube_count, legs_of(with_bars(posture).mechanism).values()))
     if cubes > _MOST_CUBES:
         raise Skip(

@@ -114,6 +114,22 @@ def test_thin_strips_are_too_large_for_calculix(monkeypatch):
             case.measure(context)
 
 
+def test_laminates_are_not_compared_with_calculix(monkeypatch):
+    """Bars of one isotropic material do not stand for them."""
+    for name in ("calculix_solids", "reduced_solids"):
+        monkeypatch.setattr(other_programs, name, lambda _: pytest.fail("is computed"))
+    context = Context(load_robot(ROBOTS / "packaging-delta.toml"), "standard")
+    cases = [
+        case
+        for case in other_programs.cases(mechanism=context.robot_file.mechanism)
+        if case.group == "mechanism.calculix"
+    ]
+    assert len(cases) == 2
+    for case in cases:
+        with pytest.raises(Skip, match="laminates are not written for CalculiX"):
+            case.measure(context)
+
+
 # Of ten runs at quick, which take half a minute each, continuous integration makes five.
 OFTEN = ("flat-3-rrr", "leaf-stage", "packaging-delta", "scara", "short-biglide")
 
