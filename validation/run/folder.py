@@ -290,7 +290,7 @@ def _require_ours(path: Path, target: Path, partial: Path) -> None:
         if partial.is_symlink() or (names - {LOCK, UNFINISHED} and not is_run(folder)):
             text = "the folder" if folder == target else f"{partial.name}, where runs begin,"
             raise InputError(
-                f"--out {path}: {text} holds other files; name a new folder or one of a run"
+                f"--out {path}: {text} contains other files; name a new folder or that of a run"
             )
 
 

@@ -236,8 +236,8 @@ def _require_all_points(model: CadModel, path: Path, box: Array) -> None:
         x, y, z = points[np.argmax(outside)]
         raise InputError(
             f"{path}: the point ({x:.4g}, {y:.4g}, {z:.4g}) m lies {distance:.3g} m outside the "
-            f"solid, {allowed:.2g} m is allowed: part of it is lost, or the file holds more than "
-            "the part"
+            f"solid, {allowed:.2g} m is allowed: part of the solid is missing, or "
+            "the file contains more than the part"
         )
 
 

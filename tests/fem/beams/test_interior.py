@@ -38,7 +38,7 @@ def test_interiors_have_equal_end_stiffness(interior):
     assert computed == pytest.approx(expected, rel=1e-4 if interior == "stiff" else 1e-8)
 
 
-def test_warping_torsion_doubles_held_frequency():
+def test_warping_doubles_fixed_ends_torsion_frequency():
     """22.373/L² √(EΓ/ρI_p) over π/L √(GJ/ρI_p) with GJ = 12 EΓ/L² is 2.056."""
     leg = given(PRISM)
     soft = leg.compliance.copy()

@@ -65,8 +65,8 @@ def test_raising_model_leaves_other_verdicts(arm, monkeypatch, capsys, model):
     assert "return 1 / 0" in capsys.readouterr().err
 
 
-def test_failing_stability_leaves_all_verdicts(arm, monkeypatch):
-    """What loads take of the stiffness is then left open of every error under them."""
+def test_verdicts_exist_without_stability_result(arm, monkeypatch):
+    """The effect of loads on the stiffness is then part of the uncertainty under these loads."""
     due = verdicts_of(arm)[1]
     for module in (robot_verdicts, uncertainty_sources):
         monkeypatch.setattr(module, "stabilities", raising)

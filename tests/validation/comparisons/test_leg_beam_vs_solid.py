@@ -37,7 +37,7 @@ def outcome_of(identifier):
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
-def test_leg_torsion_differs_by_held_faces_only(model):
+def test_leg_torsion_differs_by_rigid_faces_only(model):
     """Leg 2 as a solid is 18 % stiffer in torsion, its warping held: less than 0.1 % is left."""
     outcome = outcome_of(f"leg2.agrees[{model}-solid-φx]")
     measurement = outcome.measurement
@@ -77,7 +77,7 @@ def test_rectangle_constants_match_formula():
     assert abs(formula.amount) < 1e-3 * outcome.measurement.reference
 
 
-def test_wrong_held_solid_stays_unexplained(monkeypatch):
+def test_error_of_rigid_face_solid_is_unexplained(monkeypatch):
     """Held faces change f1 of leg 1 by 0.001 %: 3 % more is no held face."""
     right = leg_beam_vs_solid.frequencies
 
@@ -183,7 +183,7 @@ def torsion_of(folder, ends):
     return case.measure(Context(robot_of(text, folder), "quick"))
 
 
-def test_free_ends_have_no_held_face_effect(tmp_path):
+def test_free_ends_need_no_rigid_face_allowance(tmp_path):
     free, unsaid = (torsion_of(tmp_path, ends) for ends in ('ends = "free"', ""))
     assert [one.amount for one in free.allowances if one.cause == HELD_FACES] == [0.0]
     (held,) = (one.amount for one in unsaid.allowances if one.cause == HELD_FACES)

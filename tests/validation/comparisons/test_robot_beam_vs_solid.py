@@ -67,7 +67,7 @@ def test_biglide_f1_agrees_with_solid_legs(model):
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
 @pytest.mark.parametrize("motion", ["x", "z", "φx", "φz"])
-def test_biglide_differs_by_held_faces_only(model, motion):
+def test_biglide_differs_by_rigid_faces_only(model, motion):
     """Held warping of the legs makes the robot 2.9 % stiffer about x, not stiffer along x."""
     outcome = outcome_of("ifw", f"robot.agrees[{model}-solid-{motion}]")
     measurement = outcome.measurement

@@ -270,7 +270,7 @@ def test_caption_erratum_gives_stroke_ends():
     )
 
 
-def test_foot_erratum_gives_stiffness_along_y():
+def test_foot_misprint_evidence_is_stiffness_along_y():
     printed, used = (
         np.array(tables["foot"]["compliance"]) for tables in (as_printed(IFW), IFW.tables)
     )
@@ -289,7 +289,7 @@ def test_foot_erratum_gives_stiffness_along_y():
     )
 
 
-def test_longitudinal_erratum_gives_ratio():
+def test_longitudinal_misprint_evidence_is_mode_ratio():
     """Frequency ratio of a clamped-free beam: π/2L √(EA/μ) over (1.8751/L)² √(EI/μ)."""
     ratios = [
         f"{np.pi / 2.0 * leg.length * np.sqrt(beam.EA / stiffness) / ROOT**2:.2g} "
@@ -301,7 +301,7 @@ def test_longitudinal_erratum_gives_ratio():
     assert evidence("§1", "longitudinal frequencies").endswith(f": {', '.join(ratios)}")
 
 
-def test_eq_12_erratum_gives_stiffness_error():
+def test_eq_12_misprint_evidence_is_stiffness_error():
     """Solution of A t = B q̇ by hand with drives of 1e9 and 2e9 N/m and 46 kg."""
     s1, s2 = np.sqrt(L1**2 - CENTRE**2), np.sqrt(L2**2 - (A - CENTRE) ** 2)
     J = np.linalg.solve(np.array([[CENTRE, s1], [CENTRE - A, s2]]), np.diag([s1, s2]))
@@ -323,7 +323,7 @@ def test_eq_12_erratum_gives_stiffness_error():
     )
 
 
-def test_segment_layout_as_printed_has_first_order():
+def test_layout_misprint_evidence_is_first_order():
     beam = LEG_1.properties("euler-bernoulli")
     exact = ROOT**2 / (2.0 * np.pi * L1**2) * np.sqrt(beam.EIz / beam.mu)
     coarse, fine = (

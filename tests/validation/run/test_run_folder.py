@@ -149,7 +149,7 @@ def test_folder_that_no_run_wrote_is_refused(tmp_path, beside):
         (foreign / "run.json").write_text(text)
         before = content(tmp_path)
         for start in ("afresh", "resumed"):
-            assert_refused("holds other files", path, HEADER, start)
+            assert_refused("contains other files", path, HEADER, start)
         assert content(tmp_path) == before
 
 
