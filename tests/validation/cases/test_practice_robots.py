@@ -131,7 +131,7 @@ def test_laminates_are_not_compared_with_calculix(monkeypatch):
 
 
 # Of ten runs at quick, which take half a minute each, continuous integration makes five.
-OFTEN = ("flat-3-rrr", "leaf-stage", "packaging-delta", "scara", "short-biglide")
+OFTEN = ("leaf-stage", "packaging-delta", "scara")
 
 
 @pytest.mark.parametrize(

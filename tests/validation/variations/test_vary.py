@@ -144,7 +144,7 @@ def test_run_curves_match_solve_vary(tmp_path, command):
     assert (np.diff(heavier["solid, ends free: f1 (Hz)"]) < 0.0).all()
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "Design parameters" in page
-    assert "difference from solid, ends rigid in percent" in page
+    assert "difference of each curve from the reference, “solid, ends rigid”, in percent" in page
     header = json.loads((folder / "results.json").read_text(encoding="utf-8"))["run"]
     assert header["options"]["vary"] == f"{WIDTH} {MASS}"
 

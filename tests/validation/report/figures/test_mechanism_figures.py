@@ -206,7 +206,7 @@ def test_part_is_drawn_solid_and_condensed(tmp_path):
         assert off <= 0.02 * arm.sizes.max(), name
     assert drawn_alike(found, segments(crane, 8), 0)
     figure = pictures.mode_shapes(crane)
-    assert "Parts as solids in the middle of the path" in figure.caption
+    assert "Parts as solids at the middle pose of the path" in figure.caption
     assert {row["body"] for row in table(figure)} == {"arm"}
     assert len(figure.scenes) == 4
     rows = table(modes.energies(crane))
