@@ -101,6 +101,28 @@ def test_cluster_results_equal_local_results(command, monkeypatch):
     assert there == command.json(*asked)
 
 
+def test_late_close_keeps_results_and_errors(monkeypatch):
+    """Dask's client raises TimeoutError if its thread does not start in time."""
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 60.0)
+    close = distributed.Client.close
+
+    def late(client, timeout):
+        close(client, timeout=60.0)
+        raise TimeoutError(f"timed out after {timeout} s.")
+
+    monkeypatch.setattr(distributed.Client, "close", late)
+    here = {"processes": False, "protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": ""}
+    with distributed.LocalCluster(1, threads_per_worker=1, **here) as cluster:
+        with on_cluster(cluster.scheduler_address, silent) as executor:
+            assert [result for _, result in executor([partial(abs, -1)])] == [1]
+        with (
+            pytest.raises(ZeroDivisionError),
+            on_cluster(cluster.scheduler_address, silent) as executor,
+        ):
+            list(executor([partial(divmod, 1, 0)]))
+
+
 @pytest.mark.exhaustive
 def test_parts_are_reduced_on_workers(tmp_path, monkeypatch, cluster):
     """A worker with a cache of its own, and without the file: what it reduces lies here then."""
