@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from toy_runs import run_here
+from support.fakes.toy_runs import run_here
 
 from lumped import sections
 from lumped.robot_file import load_robot

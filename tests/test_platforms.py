@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from messages import only_message
+from support.pages.messages import only_message
 
 from lumped.errors import ComputationError, InputError
 from meshes import gmsh_session, processes

@@ -13,9 +13,9 @@ from textwrap import fill
 
 ROOT = Path(__file__).resolve().parents[2]
 # Where the tests find what they share.
-sys.path.insert(0, str(ROOT / "tests" / "helpers" / "plain"))
+sys.path.insert(0, str(ROOT / "tests"))
 
-import further_benchmarks  # noqa: E402
+from support.oracles import further_benchmarks  # noqa: E402
 
 from validation.selftest.benchmarks import (  # noqa: E402
     Benchmark,
@@ -38,7 +38,7 @@ numbers below are those with the libraries that `requirements.lock` names.
 - **allowed**: largest accepted rest, which is the difference less its explained part.
 
 The tables are written by `docs/pictures/verification.py` from the benchmarks in
-`validation/selftest` and `tests/helpers/plain/further_benchmarks.py`.
+`validation/selftest` and `tests/support/oracles/further_benchmarks.py`.
 """
 FOOT = """**Next:** [What is compared](cases.md) lists the checks of your own robot.
 [Known values](known-values.md) has further numbers for the built-in robot.

@@ -5,10 +5,10 @@ from itertools import permutations
 import numpy as np
 import pytest
 import skfem
-from prismatic_legs import CUBIC, STEEL
 from scipy.sparse.linalg import cg
 from skfem.helpers import ddot, sym_grad, trace
 from skfem.helpers import eye as identity
+from support.robots.paper_legs import CUBIC, STEEL
 
 from fem.elasticity import on_three_components, stiffness, stiffness_and_mass
 from lumped.errors import ComputationError

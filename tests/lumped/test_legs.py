@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from like_ifw import LEG1, LEG2
 from numpy.testing import assert_allclose
-from prismatic_legs import STEEL
+from support.robots.paper_legs import STEEL
+from support.robots.paper_robot_variants import LEG1, LEG2
 
 from fem.bodies.solid import solid_leg, solid_mesh
 from fem.sections.section_constants import section_constants

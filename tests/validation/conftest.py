@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from like_ifw import IFW
-from messages import only_message
+from support.pages.messages import only_message
+from support.robots.paper_robot_variants import IFW
 
 from meshes.part import slices, volume
 from meshes.part.reading import read

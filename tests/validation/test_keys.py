@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from changed_leaves import changed_leaves
-from forgetting import forget
+from support.fakes.cleared_memory import forget
+from support.oracles.changed_values import changed_leaves
 
 from lumped.acceptance.measured import Measured, digest
 from lumped.acceptance.quantities import measured_quantity

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from compliances import scaled_difference
 from numpy.testing import assert_allclose
-from prismatic_legs import LEG_1, LEG_2, STEEL, kind_frequencies
 from scipy.linalg import eigh
 from scipy.optimize import brentq
+from support.oracles.compliance_difference import scaled_difference
+from support.robots.paper_legs import LEG_1, LEG_2, STEEL, kind_frequencies
 
 from fem.beams.beam import beam_leg, warping_beam_leg
 from fem.beams.beam_theory import (

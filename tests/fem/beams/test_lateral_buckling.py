@@ -9,10 +9,10 @@ from itertools import product
 import numpy as np
 import pytest
 from numpy.polynomial import legendre
-from prismatic_legs import STEEL
 from scipy.integrate import solve_bvp, solve_ivp
 from scipy.linalg import eigh
 from scipy.optimize import brentq
+from support.robots.paper_legs import STEEL
 
 from fem.beams.prestressed import PrestressedLeg, prestressed_leg
 from fem.calculix.run import PROGRAMS, calculix_program

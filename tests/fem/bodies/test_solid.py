@@ -4,10 +4,10 @@ from functools import partial
 
 import numpy as np
 import pytest
-from compliances import scaled_difference
-from prismatic_legs import CUBIC, LEG_1, LEG_2, STEEL, meshed
 from scipy.linalg import eigh, null_space
 from scipy.sparse import csr_array, eye_array
+from support.oracles.compliance_difference import scaled_difference
+from support.robots.paper_legs import CUBIC, LEG_1, LEG_2, STEEL, meshed
 
 from fem.bodies.doubling import condensed_leg, tip_compliance
 from fem.bodies.solid import clamped_leg, section_twists, solid_leg, solid_mesh

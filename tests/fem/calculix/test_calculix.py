@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from compliances import scaled_difference
-from prismatic_legs import STEEL, meshed
+from support.oracles.compliance_difference import scaled_difference
+from support.robots.paper_legs import STEEL, meshed
 
 from fem.bodies.solid import solid_leg, solid_leg_matrices
 from fem.calculix.deck import Deck, ElementSet, Equation, deck_text

@@ -7,15 +7,15 @@ unknowns, and every coupling condition is an equation.
 from dataclasses import replace
 from functools import partial
 
-import drawn_parts
 import numpy as np
 import pytest
-from compliances import scaled_difference
-from drawn_parts import read_here
-from prism_waves import bending_wave, prism_wave_frequency, wall_frequency
-from prismatic_legs import CUBIC, STEEL, meshed
 from scipy.sparse import block_array, block_diag, bmat, csc_array, csr_array
 from scipy.sparse.linalg import splu, spsolve
+from support.oracles.compliance_difference import scaled_difference
+from support.oracles.prism_waves import bending_wave, prism_wave_frequency, wall_frequency
+from support.robots import drawn_parts
+from support.robots.drawn_parts import read_here
+from support.robots.paper_legs import CUBIC, STEEL, meshed
 
 from fem.bodies import doubling
 from fem.bodies.part import grips_of, held_part, meshed_part

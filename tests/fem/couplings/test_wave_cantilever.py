@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from prism_waves import wall_frequency
-from prismatic_legs import STEEL
+from support.oracles.prism_waves import wall_frequency
+from support.robots.paper_legs import STEEL
 
 from fem.beams.beam_theory import cantilever_frequencies
 from fem.couplings.wave_cantilever import (

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from drawn_parts import meshed, plane_ends, read_here
 from numpy.testing import assert_allclose
-from prismatic_legs import STEEL
 from scipy.linalg import eigh, null_space
 from scipy.sparse import eye_array
+from support.robots.drawn_parts import meshed, plane_ends, read_here
+from support.robots.paper_legs import STEEL
 
 import fem.reduction.counted_modes as counting
 from fem.bodies.part import MeshedPart, grips_of, held_part, meshed_part, require_memory

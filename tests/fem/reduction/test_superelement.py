@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from compliances import scaled_difference
-from like_ifw import EQUIVALENT, system_of
 from numpy.testing import assert_allclose
-from prismatic_legs import meshed
 from scipy.linalg import block_diag
 from scipy.sparse import csr_array
+from support.oracles.compliance_difference import scaled_difference
+from support.robots.paper_legs import meshed
+from support.robots.paper_robot_variants import EQUIVALENT, system_of
 
 from fem.beams.beam import beam_leg
 from fem.bodies.solid import clamped_leg, section_twists, solid_leg_matrices

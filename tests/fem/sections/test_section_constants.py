@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from prismatic_legs import STEEL
+from support.robots.paper_legs import STEEL
 
 from fem.sections.nonuniform_torsion import wave_frequency
 from fem.sections.saint_venant import section_quadrature

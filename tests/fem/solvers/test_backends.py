@@ -5,11 +5,17 @@ import warnings
 
 import numpy as np
 import pytest
-from fake_card import CUDARuntimeError, CuDSSError, OutOfMemoryError, forget_card, insert_card
-from petsc_here import require_petsc
 from scipy.linalg import eigvalsh
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import spsolve
+from support.fakes.graphics_card import (
+    CUDARuntimeError,
+    CuDSSError,
+    OutOfMemoryError,
+    forget_card,
+    insert_card,
+)
+from support.fakes.petsc_installation import require_petsc
 
 from fem.bodies.solid import clamped_leg, solid_leg
 from fem.reduction.counted_modes import counted_modes

@@ -4,10 +4,10 @@ import pickle
 
 import numpy as np
 import pytest
-from prismatic_legs import STEEL, meshed
 from scipy.linalg import eigvalsh
 from scipy.sparse import block_diag, csr_array, eye_array
 from scipy.sparse.linalg import spsolve
+from support.robots.paper_legs import STEEL, meshed
 
 from fem.machine import threads
 from fem.solvers.certificate import count_below, pencil

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from petsc_here import require_petsc
 from scipy.sparse import diags_array
+from support.fakes.petsc_installation import require_petsc
 
 from fem.solvers.backends.choice import solver_name
 from fem.solvers.backends.petsc import client

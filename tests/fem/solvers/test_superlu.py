@@ -5,8 +5,8 @@ import sys
 
 import numpy as np
 import pytest
-from petsc_here import require_petsc
 from scipy.sparse import diags_array
+from support.fakes.petsc_installation import require_petsc
 
 from fem.solvers.backends import rslab
 from fem.solvers.backends.choice import SolverFallbackWarning, solver_name

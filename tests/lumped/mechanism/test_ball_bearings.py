@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from written_robot import described
+from support.robots.robot_from_text import described
 
 from lumped.errors import InputError
 from lumped.mechanism.catalogue.ball_contact import (

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from like_ifw import LEG1, LEG2, like_ifw
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
+from support.robots.paper_robot_variants import LEG1, LEG2, like_ifw
 
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError

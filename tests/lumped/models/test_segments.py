@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from compliances import scaled_difference
 from numpy.testing import assert_allclose
-from prismatic_legs import LEG_1, kind_frequencies
+from support.oracles.compliance_difference import scaled_difference
+from support.robots.paper_legs import LEG_1, kind_frequencies
 
 from lumped.arrays import dense
 from lumped.errors import InputError

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from like_ifw import IFW, like_ifw, placed_at, stations
 from numpy.testing import assert_allclose
+from support.robots.paper_robot_variants import IFW, like_ifw, placed_at, stations
 
 from lumped.equivalent_leg import constant_leg
 from lumped.errors import ComputationError

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from one_arm import ONE_ARM
-from written_robot import robot_of
+from support.robots.robot_from_text import robot_of
+from support.robots.single_arm import ONE_ARM
 
 from lumped.acceptance.measured import Measured
 from lumped.acceptance.quantities import measured_quantity

@@ -12,9 +12,9 @@ from operator import getitem
 from pathlib import Path
 
 import pytest
-from mutated_robots import places, toml
-from one_arm import ONE_ARM
-from sound_biglide import SOUND
+from support.random.mutated_robots import places, toml
+from support.robots.single_arm import ONE_ARM
+from support.robots.valid_biglide import SOUND
 
 from lumped.errors import InputError
 from lumped.files import read_ordinary

@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gantry import GANTRY, STIFFNESSES
-from mutated_robots import places
-from pendulum import PENDULUM
-from sound_biglide import SOUND
-from written_robot import described, robot_of
-from wrong_files import wrong_files
+from support.random.mutated_robots import places
+from support.robots.gantry import GANTRY, STIFFNESSES
+from support.robots.invalid_files import invalid_files
+from support.robots.pendulum import PENDULUM
+from support.robots.robot_from_text import described, robot_of
+from support.robots.valid_biglide import SOUND
 
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg
@@ -127,7 +127,7 @@ def faults_of(tables):
     return refused.value.faults
 
 
-@pytest.mark.parametrize("wrong", list(wrong_files()), ids=str)
+@pytest.mark.parametrize("wrong", list(invalid_files()), ids=str)
 def test_fault_line_has_key_and_allowed_values(wrong):
     faults = faults_of(wrong.tables())
     assert len(faults) == len(wrong.said), faults
@@ -349,7 +349,7 @@ def test_misspelt_keys_violate_json_schema(robot):
 
 def test_wrong_values_violate_json_schema():
     """The schema finds most of the wrong files; the others break rules between several keys."""
-    assert sum(not valid(SCHEMA, wrong.tables()) for wrong in wrong_files()) == 76
+    assert sum(not valid(SCHEMA, wrong.tables()) for wrong in invalid_files()) == 76
 
 
 def test_guide_lists_all_robot_file_keys():

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from written_robot import robot_of as written
+from support.robots.robot_from_text import robot_of as written
 
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import posture, shown_pose

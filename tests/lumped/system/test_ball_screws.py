@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from written_robot import described
+from support.robots.robot_from_text import described
 
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.free_twists import drive_in

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_mechanisms import STEEL, Maker, random_posture
+from support.random.random_mechanisms import STEEL, Maker, random_posture
 
 from lumped.arrays import dense
 from lumped.errors import ComputationError

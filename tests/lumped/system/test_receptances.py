@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from written_robot import described
+from support.robots.robot_from_text import described
 
 from fem.beams.beam import beam_leg
 from lumped.errors import ComputationError, InputError

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 from scipy.sparse import csr_array
-from written_robot import described
+from support.robots.robot_from_text import described
 
 from fem.beams.beam import beam_leg
 from lumped.arrays import dense

@@ -1,7 +1,7 @@
 """Parts drawn by gmsh's CAD kernel, written as STEP in millimetres and read in this process."""
 
 import pytest
-from drawn_parts import without_processes, written
+from support.robots.drawn_parts import without_processes, written
 
 
 @pytest.fixture

@@ -1,10 +1,10 @@
 """Interfaces of parts by number, name, cylinder and plane; volume meshes of a wanted size."""
 
-import drawn_parts
 import numpy as np
 import pytest
-from drawn_parts import meshed, plane_ends, read_here, written
-from prismatic_legs import STEEL
+from support.robots import drawn_parts
+from support.robots.drawn_parts import meshed, plane_ends, read_here, written
+from support.robots.paper_legs import STEEL
 
 from fem.bodies.part import meshed_part
 from lumped.errors import ComputationError, InputError

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from like_ifw import LEG1, LEG2, file_of, like_ifw, placed_at, stations
-from toy_responses import reference
+from support.fakes.toy_responses import reference
+from support.robots.paper_robot_variants import LEG1, LEG2, file_of, like_ifw, placed_at, stations
 
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling

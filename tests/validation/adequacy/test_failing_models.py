@@ -1,8 +1,8 @@
 """The failure of one model leaves the verdicts on all the others as they are."""
 
 import pytest
-from one_arm import LOADS, ONE_ARM
-from written_robot import robot_of
+from support.robots.robot_from_text import robot_of
+from support.robots.single_arm import LOADS, ONE_ARM
 
 from lumped.errors import ComputationError
 from validation.adequacy import robot_verdicts

@@ -5,9 +5,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from like_ifw import FOOT, file_of, like_ifw, placed_at
-from toy_responses import reference
-from written_robot import described
+from support.fakes.toy_responses import reference
+from support.robots.paper_robot_variants import FOOT, file_of, like_ifw, placed_at
+from support.robots.robot_from_text import described
 
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import static_superelement

@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 from msgspec import structs
-from plain_judgement import Rule
-from random_subjects import MODES, subject
-from toy_responses import meshes, model, reading, reference
-from toy_subject import toy_subject
+from support.fakes.toy_responses import meshes, model, reading, reference
+from support.fakes.toy_subject import toy_subject
+from support.oracles.verdict_rules import Rule
+from support.random.random_subjects import MODES, subject
 
 from lumped.acceptance.quantities import load_quantities
 from lumped.acceptance.requirement import Requirement

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from one_arm import LOADS, ONE_ARM
-from toy_responses import reference
-from written_robot import robot_of
+from support.fakes.toy_responses import reference
+from support.robots.robot_from_text import robot_of
+from support.robots.single_arm import LOADS, ONE_ARM
 
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError

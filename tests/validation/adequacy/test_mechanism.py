@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from written_robot import robot_of
+from support.robots.robot_from_text import robot_of
 
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.mechanism.body import Rigid

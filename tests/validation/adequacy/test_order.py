@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from toy_responses import model as toy_model
-from toy_responses import reference
-from toy_subject import toy_subject
+from support.fakes.toy_responses import model as toy_model
+from support.fakes.toy_responses import reference
+from support.fakes.toy_subject import toy_subject
 
 from lumped.acceptance.requirement import Requirement
 from validation.adequacy.judgement import verdict_matrix

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from written_robot import robot_of
+from support.robots.robot_from_text import robot_of
 
 from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.robot_verdicts import robot_subject

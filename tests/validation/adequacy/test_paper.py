@@ -7,8 +7,8 @@ from itertools import groupby
 
 import numpy as np
 import pytest
-from like_ifw import LEG1, LEG2, file_of, like_ifw
-from written_robot import robot_of
+from support.robots.paper_robot_variants import LEG1, LEG2, file_of, like_ifw
+from support.robots.robot_from_text import robot_of
 
 from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.acceptance.requirement import Requirement

@@ -7,11 +7,11 @@ from math import sqrt
 import numpy as np
 import pytest
 import scipy
-from one_arm import ONE_ARM
 from scipy.special import ndtr, ndtri
-from toy_responses import reading
-from toy_subject import toy_subject
-from written_robot import robot_of
+from support.fakes.toy_responses import reading
+from support.fakes.toy_subject import toy_subject
+from support.robots.robot_from_text import robot_of
+from support.robots.single_arm import ONE_ARM
 
 from lumped.acceptance.requirement import Requirement
 from lumped.errors import InputError

@@ -6,12 +6,12 @@ from json import dumps
 
 import numpy as np
 import pytest
-from crane import write_crane
-from like_ifw import file_of, like_ifw
-from one_arm import ONE_ARM
-from toy_responses import meshes, reference
-from toy_responses import model as toy_model
-from written_robot import robot_of
+from support.fakes.toy_responses import meshes, reference
+from support.fakes.toy_responses import model as toy_model
+from support.robots.crane import write_crane
+from support.robots.paper_robot_variants import file_of, like_ifw
+from support.robots.robot_from_text import robot_of
+from support.robots.single_arm import ONE_ARM
 
 from fem.sections.section_constants import section_constants
 from lumped.acceptance.requirement import Requirement

@@ -1,7 +1,7 @@
 """Legs whose sections are given by constants: models run, and no verdict is made up for them."""
 
 import pytest
-from written_robot import described, robot_of
+from support.robots.robot_from_text import described, robot_of
 
 from lumped.errors import InputError
 from lumped.models.bodies import legs_of

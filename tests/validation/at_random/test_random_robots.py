@@ -5,9 +5,9 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from like_ifw import placed_at, stations
-from random_biglides import MILD, random_robots
-from written_robot import robot_of
+from support.random.random_biglides import MILD, random_robots
+from support.robots.paper_robot_variants import placed_at, stations
+from support.robots.robot_from_text import robot_of
 
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from random_biglides import random_robots
-from written_robot import robot_of
+from support.random.random_biglides import random_robots
+from support.robots.robot_from_text import robot_of
 
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube

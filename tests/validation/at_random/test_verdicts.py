@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from like_ifw import file_of, placed_at, stations
-from plain_judgement import AXES, deflection
-from random_biglides import MILD, random_robots
-from written_robot import robot_of
+from support.oracles.verdict_rules import AXES, deflection
+from support.random.random_biglides import MILD, random_robots
+from support.robots.paper_robot_variants import file_of, placed_at, stations
+from support.robots.robot_from_text import robot_of
 
 from fem.bodies import doubling
 from lumped.acceptance.requirement import Requirement

@@ -15,10 +15,10 @@ from itertools import islice
 
 import numpy as np
 import pytest
-from changed_leaves import changed_leaves
-from pendulum import PENDULUM
-from perturbed import assert_agrees_and_can_turn
-from written_robot import robot_of
+from support.oracles.changed_values import changed_leaves
+from support.oracles.shifted_references import assert_agrees_and_can_turn
+from support.robots.pendulum import PENDULUM
+from support.robots.robot_from_text import robot_of
 
 from lumped.errors import ComputationError
 from lumped.robot_file import load_robot

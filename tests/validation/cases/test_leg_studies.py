@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from like_ifw import file_of, like_ifw, placed_at
 from numpy.testing import assert_allclose
-from prismatic_legs import LEG_1, LEG_2, STEEL, kind_frequencies
+from support.robots.paper_legs import LEG_1, LEG_2, STEEL, kind_frequencies
+from support.robots.paper_robot_variants import file_of, like_ifw, placed_at
 
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling

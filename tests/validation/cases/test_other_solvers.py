@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from compliances import scaled_difference
-from one_arm import ONE_ARM
-from perturbed import assert_agrees_and_can_turn
-from prismatic_legs import STEEL
 from scipy.linalg import eigh, solve
-from written_robot import described, robot_of
+from support.oracles.compliance_difference import scaled_difference
+from support.oracles.shifted_references import assert_agrees_and_can_turn
+from support.robots.paper_legs import STEEL
+from support.robots.robot_from_text import described, robot_of
+from support.robots.single_arm import ONE_ARM
 
 from fem import multibody
 from fem.calculix import run as calculix_run

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from written_robot import robot_of
+from support.robots.robot_from_text import robot_of
 
 from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot
@@ -14,7 +14,7 @@ from validation.cases import leg_theory, other_programs
 from validation.comparisons import robot_beam_vs_solid
 from validation.context import Context
 
-ROBOTS = Path(__file__).parents[2] / "helpers" / "robots" / "practice"
+ROBOTS = Path(__file__).parents[2] / "support" / "robots" / "practice"
 NAMES = sorted(path.stem for path in ROBOTS.glob("*.toml"))
 
 

@@ -5,7 +5,7 @@ from html import escape
 
 import numpy as np
 import pytest
-from like_ifw import IFW
+from support.robots.paper_robot_variants import IFW
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot

@@ -8,8 +8,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-import toy_catalogue as toys
-from toy_runs import refusing, run_here
+from support.fakes import toy_catalogue as toys
+from support.fakes.toy_runs import refusing, run_here
 
 from lumped.files import os_errors_as_store_errors
 from validation import cli

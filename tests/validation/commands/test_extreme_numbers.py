@@ -7,9 +7,9 @@ import warnings
 from copy import deepcopy
 
 import pytest
-from mutated_robots import places, toml
-from one_arm import LOADS, ONE_ARM
-from sound_biglide import SOUND
+from support.random.mutated_robots import places, toml
+from support.robots.single_arm import LOADS, ONE_ARM
+from support.robots.valid_biglide import SOUND
 
 from validation import cli
 

@@ -12,10 +12,10 @@ from itertools import groupby
 from pathlib import Path
 
 import pytest
-import toy_catalogue
-from report_sample import measured, sample_report, unmeasured
-from toy_runs import run_here
-from toy_subject import ERROR, F2, toy_subject
+from support.fakes import toy_catalogue
+from support.fakes.toy_runs import run_here
+from support.fakes.toy_subject import ERROR, F2, toy_subject
+from support.pages.report_sample import measured, sample_report, unmeasured
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot

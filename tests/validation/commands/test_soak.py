@@ -9,7 +9,7 @@ from resource import RUSAGE_SELF, getrusage
 from time import perf_counter
 
 import pytest
-from random_commands import random_commands
+from support.random.random_commands import random_commands
 
 from validation import cli
 

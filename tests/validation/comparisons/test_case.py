@@ -6,9 +6,9 @@ from math import hypot, inf, isnan, nan
 
 import numpy as np
 import pytest
-import toy_catalogue
 from msgspec import to_builtins
-from perturbed import perturbed
+from support.fakes import toy_catalogue
+from support.oracles.shifted_references import perturbed
 
 from validation.case import (
     Absolute,

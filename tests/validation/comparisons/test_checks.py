@@ -3,8 +3,8 @@
 from importlib.metadata import entry_points
 
 import pytest
-from crane import write_crane
-from report_sample import measured
+from support.pages.report_sample import measured
+from support.robots.crane import write_crane
 
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.robot_file import load_robot

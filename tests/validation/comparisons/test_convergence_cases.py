@@ -9,9 +9,9 @@ from functools import cache, partial
 
 import numpy as np
 import pytest
-from crane import write_overlapping_crane
-from one_arm import ONE_ARM
-from written_robot import robot_of
+from support.robots.crane import write_overlapping_crane
+from support.robots.robot_from_text import robot_of
+from support.robots.single_arm import ONE_ARM
 
 from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.errors import ComputationError, InputError

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy
-from written_robot import robot_of
+from support.robots.robot_from_text import robot_of
 
 from lumped.equivalent_leg import equivalent_leg
 from lumped.legs import ConstantLeg, Material

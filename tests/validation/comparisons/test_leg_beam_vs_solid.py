@@ -4,10 +4,10 @@ from dataclasses import replace
 from functools import partialmethod
 
 import pytest
-from one_arm import ONE_ARM
-from report_sample import measured, redeclared
-from sound_biglide import SOUND
-from written_robot import robot_of
+from support.pages.report_sample import measured, redeclared
+from support.robots.robot_from_text import robot_of
+from support.robots.single_arm import ONE_ARM
+from support.robots.valid_biglide import SOUND
 
 from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot

@@ -6,8 +6,8 @@ condensed on its ends it is one cubic element with consistent mass, 3.5327 and 3
 
 import numpy as np
 import pytest
-from crane import write_crane, write_overlapping_crane
-from drawn_parts import plane_ends, written
+from support.robots.crane import write_crane, write_overlapping_crane
+from support.robots.drawn_parts import plane_ends, written
 
 from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.legs import Material

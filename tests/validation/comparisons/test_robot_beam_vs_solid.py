@@ -4,7 +4,7 @@ from dataclasses import replace
 from functools import cache
 
 import pytest
-from crane import write_crane
+from support.robots.crane import write_crane
 
 from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from toy_runs import refusing
+from support.fakes.toy_runs import refusing
 
 from fem.machine import available_memory
 from lumped.errors import ComputationError, InputError

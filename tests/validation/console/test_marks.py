@@ -8,9 +8,9 @@ from xml.etree import ElementTree as ET
 import matplotlib.image
 import numpy as np
 import pytest
-from gantry import GANTRY
-from report_sample import PIXEL
 from scipy.io import loadmat, savemat
+from support.pages.report_sample import PIXEL
+from support.robots.gantry import GANTRY
 
 from lumped.errors import InputError
 from validation.console.marks import is_marked, with_mark

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from fake_card import forget_card, insert_card
-from petsc_here import require_petsc
+from support.fakes.graphics_card import forget_card, insert_card
+from support.fakes.petsc_installation import require_petsc
 
 from fem.solvers.backends.choice import SolverFallbackWarning
 from lumped.errors import InputError

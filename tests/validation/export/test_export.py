@@ -10,15 +10,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from crane import write_meshed_crane
-from exported import assert_read_back
-from gantry import GANTRY, MASSES, STIFFNESSES
-from one_arm import ONE_ARM
 from pyvista import read as read_vtk
 from scipy.io import loadmat
 from scipy.linalg import eigh, eigvals
 from scipy.sparse import load_npz
-from written_robot import described
+from support.oracles.exported_files import assert_read_back
+from support.robots.crane import write_meshed_crane
+from support.robots.gantry import GANTRY, MASSES, STIFFNESSES
+from support.robots.robot_from_text import described
+from support.robots.single_arm import ONE_ARM
 
 from fem.calculix.leg import with_bars
 from fem.calculix.run import CalculixMissing, calculix_program

@@ -16,10 +16,10 @@ from xml.etree import ElementTree as ET
 import msgspec
 import numpy as np
 import pytest
-from gantry import GANTRY
-from report_sample import FIG_5, FINDING, HEADER, MATRIX, sample_report, unmeasured
 from scipy.io import loadmat
-from written_robot import described, robot_of
+from support.pages.report_sample import FIG_5, FINDING, HEADER, MATRIX, sample_report, unmeasured
+from support.robots.gantry import GANTRY
+from support.robots.robot_from_text import described, robot_of
 
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import reference_posture

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from frames_by_hand import BEAM, CANTILEVER, B, H, L, Q
+from support.robots.plane_frames import BEAM, CANTILEVER, B, H, L, Q
 
 import flexproof as fp
 from lumped.sections import rectangle_torsion_constant

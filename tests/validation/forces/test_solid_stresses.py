@@ -4,8 +4,8 @@ import tomllib
 
 import numpy as np
 import pytest
-from crane import write_crane
-from frames_by_hand import CANTILEVER, RHO, B, H, L
+from support.robots.crane import write_crane
+from support.robots.plane_frames import CANTILEVER, RHO, B, H, L
 
 import flexproof as fp
 from fem.bodies.stresses import away_from, nodal_stresses, von_mises

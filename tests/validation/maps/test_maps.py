@@ -8,9 +8,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from gantry import GANTRY, STIFFNESSES
 from scipy.optimize import minimize_scalar
-from written_robot import robot_of
+from support.robots.gantry import GANTRY, STIFFNESSES
+from support.robots.robot_from_text import robot_of
 
 from lumped.acceptance.quantities import ANY_FORCE
 from lumped.errors import ComputationError, InputError

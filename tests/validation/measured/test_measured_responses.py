@@ -6,7 +6,7 @@ In closed form: along a spring k the mass moves by 1/(k − mω² + 2iζω√km)
 
 import numpy as np
 import pytest
-from written_robot import robot_of
+from support.robots.robot_from_text import robot_of
 
 from validation.context import Context
 from validation.measured import tested

@@ -9,7 +9,7 @@ import sys
 
 import numpy as np
 import pytest
-from written_robot import robot_of
+from support.robots.robot_from_text import robot_of
 
 from lumped.errors import InputError
 from validation.context import Context

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from frames_by_hand import BAR, BEAM, CANTILEVER, TRIANGLE, WEIGHT, B, E, H, L, Q
-from random_mechanisms import random_posture
-from written_robot import described
+from support.random.random_mechanisms import random_posture
+from support.robots.plane_frames import BAR, BEAM, CANTILEVER, TRIANGLE, WEIGHT, B, E, H, L, Q
+from support.robots.robot_from_text import described
 
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import free_twists, interface_position

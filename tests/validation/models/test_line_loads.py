@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from written_robot import described
+from support.robots.robot_from_text import described
 
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.kinematics.postures import reference_posture

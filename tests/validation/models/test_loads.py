@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gantry import GANTRY, MASSES, STIFFNESSES
-from one_arm import ONE_ARM
-from pendulum import PENDULUM
-from written_robot import described
+from support.robots.gantry import GANTRY, MASSES, STIFFNESSES
+from support.robots.pendulum import PENDULUM
+from support.robots.robot_from_text import described
+from support.robots.single_arm import ONE_ARM
 
 from fem import multibody
 from lumped.errors import ComputationError, InputError

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from frames_by_hand import BEAM, CANTILEVER, RHO, TRIANGLE, WEIGHT, B, H, L, Q
-from written_robot import described
+from support.robots.plane_frames import BEAM, CANTILEVER, RHO, TRIANGLE, WEIGHT, B, H, L, Q
+from support.robots.robot_from_text import described
 
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.load import Load

@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from drawn_parts import lug, written
-from pendulum import PENDULUM
-from written_robot import described, robot_of
+from support.robots.drawn_parts import lug, written
+from support.robots.pendulum import PENDULUM
+from support.robots.robot_from_text import described, robot_of
 
 from lumped.robot_file import load_robot
 from lumped.robots import RobotType

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from like_ifw import IFW, file_of, like_ifw, placed_at
+from support.robots.paper_robot_variants import IFW, file_of, like_ifw, placed_at
 
 from fem.bodies.solid import solid_mesh
 from lumped.errors import InputError

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from one_arm import ONE_ARM
-from pendulum import PENDULUM
 from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
-from written_robot import described
+from support.robots.pendulum import PENDULUM
+from support.robots.robot_from_text import described
+from support.robots.single_arm import ONE_ARM
 
 from lumped.errors import ComputationError
 from lumped.mechanism.body import Rigid

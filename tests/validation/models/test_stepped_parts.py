@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from compliances import scaled_difference
-from crane import write_overlapping_crane
-from drawn_parts import meshed, plane_ends, written
 from scipy.integrate import quad
+from support.oracles.compliance_difference import scaled_difference
+from support.robots.crane import write_overlapping_crane
+from support.robots.drawn_parts import meshed, plane_ends, written
 
 from lumped.errors import InputError
 from lumped.legs import Material

@@ -6,9 +6,9 @@ import pickle
 
 import numpy as np
 import pytest
-from like_ifw import IFW
 from numpy.testing import assert_allclose
-from perturbed import assert_agrees_and_can_turn
+from support.oracles.shifted_references import assert_agrees_and_can_turn
+from support.robots.paper_robot_variants import IFW
 
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drawn_parts import written
-from forgetting import forget
-from messages import only_message
+from support.fakes.cleared_memory import forget
+from support.pages.messages import only_message
+from support.robots.drawn_parts import written
 
 from lumped.errors import InputError
 from lumped.memo import fingerprint

@@ -5,9 +5,9 @@ from math import pi
 
 import numpy as np
 import pytest
-from drawn_parts import written
 from scipy.linalg import expm
 from scipy.optimize import brentq
+from support.robots.drawn_parts import written
 
 import flexproof as fp
 from lumped.errors import InputError

@@ -16,12 +16,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from compliances import scaled_difference
-from drawn_parts import meshed, written
-from forgetting import forget
-from prismatic_legs import STEEL
 from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
+from support.fakes.cleared_memory import forget
+from support.oracles.compliance_difference import scaled_difference
+from support.robots.drawn_parts import meshed, written
+from support.robots.paper_legs import STEEL
 
 from fem.beams.beam import beam_leg
 from fem.bodies.part import grips_of, held_part, meshed_part

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from prismatic_legs import STEEL
-from random_parts import RandomPart, random_part, stated
+from support.random.random_parts import RandomPart, random_part, stated
+from support.robots.paper_legs import STEEL
 
 from lumped.sections import HollowRectangle
 from meshes.part.volume import RATIO

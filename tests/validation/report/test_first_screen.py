@@ -6,7 +6,7 @@ from html import unescape
 import numpy as np
 import pytest
 from msgspec.structs import replace
-from report_sample import entry, sample_matrix, sample_report
+from support.pages.report_sample import entry, sample_matrix, sample_report
 
 from validation.drawing.text import anchor, number
 from validation.report.first_screen import first_screen

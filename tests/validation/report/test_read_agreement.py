@@ -12,7 +12,7 @@ from base64 import b64decode
 import msgspec
 import numpy as np
 import pytest
-from report_sample import measured, redeclared, sample_report, unmeasured
+from support.pages.report_sample import measured, redeclared, sample_report, unmeasured
 
 from validation.case import Allowance, Relative
 from validation.report.agreement import (

@@ -9,7 +9,7 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from one_arm import ONE_ARM
+from support.robots.single_arm import ONE_ARM
 
 from validation.cli import main
 

@@ -13,8 +13,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 from msgspec import to_builtins
-from random_subjects import MODES, subject
-from report_sample import measured, unmeasured
+from support.pages.report_sample import measured, unmeasured
+from support.random.random_subjects import MODES, subject
 
 from lumped.acceptance.quantities import AXIS_LABELS, QuantityKind
 from lumped.acceptance.requirement import Requirement

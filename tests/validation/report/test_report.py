@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 from math import nan
 
 import pytest
-from report_sample import (
+from support.pages.report_sample import (
     CONVERGENCE,
     PIXEL,
     drawn,

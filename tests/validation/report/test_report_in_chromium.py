@@ -9,7 +9,7 @@ from urllib.parse import unquote
 
 import numpy as np
 import pytest
-from report_sample import FIG_5, PIXEL, sample_report
+from support.pages.report_sample import FIG_5, PIXEL, sample_report
 
 from validation.drawing.scene import DrawnBody, Scene, Wire
 from validation.drawing.surfaces import prism, rectangle

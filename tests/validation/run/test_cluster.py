@@ -15,10 +15,10 @@ from threading import Thread, Timer
 
 import numpy as np
 import pytest
-from crane import write_meshed_crane
-from forgetting import forget
 from numpy.testing import assert_allclose
-from toy_runs import ENVIRONMENT, content, wait_for
+from support.fakes.cleared_memory import forget
+from support.fakes.toy_runs import ENVIRONMENT, content, wait_for
+from support.robots.crane import write_meshed_crane
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from forgetting import forget
 from numpy.testing import assert_array_equal
-from toy_runs import PATIENCE, started, wait_for
+from support.fakes.cleared_memory import forget
+from support.fakes.toy_runs import PATIENCE, started, wait_for
 
 from fem.machine import ONE_BLAS_THREAD
 from lumped.errors import ComputationError, InputError

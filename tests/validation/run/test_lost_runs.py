@@ -13,8 +13,8 @@ import subprocess
 import time
 
 import pytest
-import toy_catalogue
-import toy_runs as toys
+from support.fakes import toy_catalogue
+from support.fakes import toy_runs as toys
 
 from lumped.files import read_regular
 from lumped.robot_file import load_robot

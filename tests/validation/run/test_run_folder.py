@@ -10,7 +10,7 @@ from math import isnan, nan
 from pathlib import Path
 
 import pytest
-from toy_runs import content, partial, refusing
+from support.fakes.toy_runs import content, partial, refusing
 
 from lumped.errors import InputError
 from lumped.files import StoreError

@@ -8,8 +8,8 @@ from dataclasses import replace
 from xml.etree import ElementTree as ET
 
 import pytest
-import toy_catalogue as toys
-from toy_runs import lines, run_here
+from support.fakes import toy_catalogue as toys
+from support.fakes.toy_runs import lines, run_here
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot

@@ -4,8 +4,8 @@ from dataclasses import replace
 from itertools import product
 
 import pytest
-from report_sample import HEADER, entry, never, sample_matrix, sample_report
-from toy_catalogue import case
+from support.fakes.toy_catalogue import case
+from support.pages.report_sample import HEADER, entry, never, sample_matrix, sample_report
 
 from validation.case import Case
 from validation.report.summary import adequacy, verdicts

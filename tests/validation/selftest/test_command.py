@@ -9,7 +9,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from prism_waves import beam_wave_frequency, prism_wave_frequency
+from support.oracles.prism_waves import beam_wave_frequency, prism_wave_frequency
 
 from fem.bodies.solid import section_twists
 from fem.calculix.run import CalculixMissing

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from messages import only_message
 from numpy.testing import assert_allclose
-from written_robot import robot_of
+from support.pages.messages import only_message
+from support.robots.robot_from_text import robot_of
 
 from lumped.errors import InputError
 from lumped.robot_file import load_robot

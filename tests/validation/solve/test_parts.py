@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from crane import write_crane
-from written_robot import robot_of
+from support.robots.crane import write_crane
+from support.robots.robot_from_text import robot_of
 
 from lumped.mechanism.body import Body, ByCylinder, PartInterface
 from lumped.mechanism.kinematics.postures import reference_posture

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from one_arm import LOADS, ONE_ARM
-from pendulum import PENDULUM
-from sound_biglide import SOUND
-from toy_runs import ENVIRONMENT, on_terminal
-from written_robot import robot_of
+from support.fakes.toy_runs import ENVIRONMENT, on_terminal
+from support.robots.pendulum import PENDULUM
+from support.robots.robot_from_text import robot_of
+from support.robots.single_arm import LOADS, ONE_ARM
+from support.robots.valid_biglide import SOUND
 
 from fem.bodies.solid import coupled_leg, solid_leg, solid_mesh
 from fem.calculix.leg import with_bars

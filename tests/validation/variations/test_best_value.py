@@ -11,9 +11,9 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 import scipy
-from forgetting import forget
 from scipy.optimize import brentq
-from written_robot import robot_of
+from support.fakes.cleared_memory import forget
+from support.robots.robot_from_text import robot_of
 
 from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.robot_file.variation import variations_of

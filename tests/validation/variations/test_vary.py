@@ -5,8 +5,8 @@ import json
 
 import numpy as np
 import pytest
-from one_arm import ONE_ARM
-from written_robot import robot_of
+from support.robots.robot_from_text import robot_of
+from support.robots.single_arm import ONE_ARM
 
 from lumped.robot_file import load_robot
 from lumped.robot_file.places import unit_of

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drawn_parts import written
+from support.robots.drawn_parts import written
 
 from lumped.errors import InputError
 from meshes.part import volume

@@ -8,7 +8,7 @@ import gmsh
 import meshio
 import numpy as np
 import pytest
-from drawn_parts import meshed
+from support.robots.drawn_parts import meshed
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter
 
 from lumped.errors import InputError

@@ -7,9 +7,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from crane import write_crane
-from toy_responses import reference
-from written_robot import described
+from support.fakes.toy_responses import reference
+from support.robots.crane import write_crane
+from support.robots.robot_from_text import described
 
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side

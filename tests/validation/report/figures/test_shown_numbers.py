@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from report_sample import quantity_of, sample_matrix
-from toy_responses import meshes, reference
+from support.fakes.toy_responses import meshes, reference
+from support.pages.report_sample import quantity_of, sample_matrix
 
 from lumped.mechanism.load import Excitation
 from lumped.robot_file import load_robot

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from report_sample import measured
+from support.pages.report_sample import measured
 
 from validation.case import Allowance
 from validation.drawing.chart import Series

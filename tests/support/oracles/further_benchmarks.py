@@ -5,7 +5,7 @@ beside those of the self-test.
 """
 
 import numpy as np
-from prismatic_legs import kind_frequencies
+from support.robots.paper_legs import kind_frequencies
 
 from fem.beams.beam import beam_leg
 from lumped.arrays import dense

@@ -14,7 +14,7 @@ from validation.run.runner import execute
 
 HERE = Path(__file__).parent
 ENVIRONMENT = os.environ | {
-    "PYTHONPATH": os.pathsep.join([str(HERE.parents[2]), str(HERE)]),
+    "PYTHONPATH": os.pathsep.join([str(HERE.parents[2]), str(HERE.parents[1])]),
     "OMP_NUM_THREADS": "1",
 }
 # How long (s) to wait for what should take two: the machine may be busy with other work. The
@@ -24,7 +24,7 @@ PATIENCE = 30.0
 PROGRAM = """
 import sys
 from types import SimpleNamespace
-import toy_catalogue
+from support.fakes import toy_catalogue
 from validation.cli import main
 catalogue = getattr(toy_catalogue, sys.argv[1])
 sys.modules["validation.catalogue"] = SimpleNamespace(catalogue=catalogue)

@@ -9,7 +9,7 @@ from functools import cache
 
 import msgspec
 import numpy as np
-import toy_catalogue
+from support.fakes import toy_catalogue
 
 from lumped.acceptance.quantities import measured_quantity, quantities
 from lumped.audit import Finding

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from drawn_parts import plane_ends, written
+from support.robots.drawn_parts import plane_ends, written
 
 from fem.bodies.part import held_part, meshed_part
 from fem.couplings.grips import Grip

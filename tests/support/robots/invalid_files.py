@@ -1,4 +1,4 @@
-"""Sound robot files with a key set or left out, and what is said of each: wrong_files.txt."""
+"""Sound robot files with a key set or left out, and what is said of each: invalid_files.txt."""
 
 import re
 import tomllib
@@ -7,17 +7,17 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sound_biglide import SOUND
+from support.robots.valid_biglide import SOUND
 
 from lumped.robot_file import load_robot
 
-TEXT = Path(__file__).with_name("wrong_files.txt").read_text("utf-8").split("\n\n", 1)[1]
+TEXT = Path(__file__).with_name("invalid_files.txt").read_text("utf-8").split("\n\n", 1)[1]
 EYE = str([[(i == j) * (1e-6 if i < 3 else 1e-5) for j in range(6)] for i in range(6)])
 CORRECTION = {"key": "leg2.mass", "printed": 94.0, "used": 49.0, "reason": "digits swapped"}
 PLACE = re.compile(r"([^\[]+)(?:\[(\d)(?:,(\d))?\])?")
 
 
-class WrongFile(NamedTuple):
+class InvalidFile(NamedTuple):
     """A sound file by name, lines `key = value` that change it, and lines that are said of it."""
 
     robot: str
@@ -38,14 +38,14 @@ class WrongFile(NamedTuple):
         return found
 
 
-def wrong_files() -> Iterator[WrongFile]:
-    """All of wrong_files.txt."""
+def invalid_files() -> Iterator[InvalidFile]:
+    """All of invalid_files.txt."""
     for section in re.split(r"^(?=\[[\w -]+\]\n)", TEXT, flags=re.MULTILINE)[1:]:
         title, *rows = section.strip().split("\n\n")
         for row in rows:
             lines = row.split("\n")
             edits = [line for line in lines if not line.startswith(" ")]
-            yield WrongFile(title[1:-1], edits, [line.strip() for line in lines[len(edits) :]])
+            yield InvalidFile(title[1:-1], edits, [line.strip() for line in lines[len(edits) :]])
 
 
 @cache

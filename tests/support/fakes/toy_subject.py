@@ -5,7 +5,7 @@ reference is known to ± 2 % alone; `vjm` is right, and says nothing of frequenc
 """
 
 import numpy as np
-from toy_responses import meshes, model, reference
+from support.fakes.toy_responses import meshes, model, reference
 
 from validation.references.reference import Subject
 from validation.references.responses import Responses

@@ -5,7 +5,7 @@ lacks one or the other; sequences of steps lead from the model to the reference.
 """
 
 import numpy as np
-from toy_responses import model, model_by_reading, reading
+from support.fakes.toy_responses import model, model_by_reading, reading
 
 from validation.references.reference import (
     Interpretation,

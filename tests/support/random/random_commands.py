@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from msgspec.json import encode
-from mutated_robots import mutated, toml
-from one_arm import LOADS, ONE_ARM
-from sound_biglide import SOUND
+from support.random.mutated_robots import mutated, toml
+from support.robots.single_arm import LOADS, ONE_ARM
+from support.robots.valid_biglide import SOUND
 
 import lumped.robots
 from validation.run.records import StoredEntry

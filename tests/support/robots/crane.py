@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from drawn_parts import meshed, written
+from support.robots.drawn_parts import meshed, written
 
 ROBOT = """
 schema = 2
