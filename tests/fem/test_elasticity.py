@@ -44,7 +44,7 @@ def inertia(u, v, _):
 
 
 @pytest.mark.parametrize("name", SKFEM)
-def test_curved_cell_matrices_equal_scikit_fem(name):
+def test_solid_matrices_equal_scikit_fem(name):
     kind, element, *degrees = SKFEM[name]
     cell = skfem.MeshHex1 if name.startswith("hex") else skfem.MeshTet1
     straight = kind.from_mesh(cell.init_refdom())
@@ -103,7 +103,7 @@ def box(name, count, amount):
         ("tet10", (2, 4, 6), 3, 1e-3),
     ],
 )
-def test_manufactured_solution_convergence_order(name, divisions, order, cap):
+def test_manufactured_solution_has_full_order(name, divisions, order, cap):
     """u = a sin(k·x) with its body force (λ + G) k (k·a) sin(k·x) + G k² a sin(k·x), λ = G = 1."""
     material = Material.isotropic(E=2.5, nu=0.25, rho=1.0)
     a, k = np.array([1.0, -0.7, 0.5]), np.array([1.3, 2.1, -1.7])

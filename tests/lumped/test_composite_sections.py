@@ -63,7 +63,7 @@ def layered(width, heights, materials):
     ],
     ids=["rectangle", "channel"],
 )
-def test_equal_composite_parts_equal_one_section(parts, whole):
+def test_equal_materials_give_one_section(parts, whole):
     section = composite(*parts)
     leg = ConstantLeg(1.0, whole, Material.isotropic(*STEEL))
     one, other = beam_of(section), leg.timoshenko
@@ -73,7 +73,7 @@ def test_equal_composite_parts_equal_one_section(parts, whole):
     assert (one.mass_y, one.mass_z) == (0.0, 0.0)
 
 
-def test_wood_steel_section_equals_textbook():
+def test_wood_steel_beam_equals_textbook():
     """J. M. Gere, Mechanics of Materials, 6th ed., example 6-1: inches and ksi.
 
     Wood 4 × 6, steel plate 4 × 0.5 below: neutral axis 5.031 in below the top, moments of inertia
@@ -87,8 +87,8 @@ def test_wood_steel_section_equals_textbook():
     assert section.mass_centre[1] == pytest.approx(3.25 - (6.5 - 5.031), abs=5e-4)
 
 
-def test_filled_tube_stiffness_is_sum_of_parts():
-    """Concentric circles turn and bend as one: sums of GJ and EI, but for the circles' polygons."""
+def test_filled_tube_is_sum_of_parts():
+    """Concentric circles twist and bend as one body: GJ and EI are sums. The circles are polygons."""
     tube, core = Tube(0.08, 0.01), Circle(0.06)
     beam = beam_of(composite(CompositePart(tube, *STEEL), CompositePart(core, *LIGHT)))
     shear = [E / 2.6 for E in (STEEL[0], LIGHT[0])]
@@ -133,7 +133,7 @@ def test_two_layer_torsion_equals_series(ratio):
     )
 
 
-def test_sandwich_shear_equals_layers_in_series():
+def test_sandwich_shear_equals_layer_integral():
     """At ν = 0, τ = V ∫E z dz/EI in each layer, the same over the width: 1/GA = b ∫ τ²/G dz."""
     width, face, core = 0.04, 0.002, 0.03
     stiff, soft = (7.0e10, 0.0, 2700.0), (1.0e9, 0.0, 100.0)
@@ -149,7 +149,7 @@ def test_sandwich_shear_equals_layers_in_series():
     assert beam.GAz == pytest.approx(1.0 / flexibility, rel=2e-4)
 
 
-def test_composite_torsion_depends_on_shear_moduli():
+def test_composite_torsion_needs_only_g():
     """GJ depends on G alone: two pairs (E, ν) of equal G."""
     box = HollowRectangle(0.1, 0.06, 0.02)
     sections = [
@@ -196,5 +196,5 @@ def test_composite_torsion_depends_on_shear_moduli():
         ),
     ],
 )
-def test_impossible_composite_gives_one_fault(parts, fault):
+def test_impossible_composite_is_refused(parts, fault):
     assert composite(*parts).faults() == [fault]

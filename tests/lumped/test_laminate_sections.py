@@ -25,7 +25,7 @@ def beam_of(section):
     return ConstantLeg(1.0, section, Material(*section.mean_material)).timoshenko
 
 
-def test_45_degree_layer_has_published_stiffness():
+def test_layer_at_45_degrees_equals_tsai():
     """Tsai & Hahn, table 3.5: Q̄ of T300/5208 at 45° in GPa."""
     stiffness = layers(45)[0].stiffness / 1e9
     expected = {(0, 0): 56.66, (1, 1): 56.66, (0, 1): 42.32, (2, 2): 46.59, (0, 2): 42.87}
@@ -33,7 +33,7 @@ def test_45_degree_layer_has_published_stiffness():
         assert stiffness[place] == pytest.approx(value, rel=FOUR_DIGITS)
 
 
-def test_axial_fibre_tube_has_stiffness_E1_A():
+def test_axial_fibre_tube_has_fibre_modulus():
     tube = Tube(0.06, 1e-3)
     beam = beam_of(LaminateTube(layers(0, 0, 0, 0), 0.06))
     assert pytest.approx(CARBON["E1"] * tube.area, rel=1e-12) == beam.EA
@@ -43,7 +43,7 @@ def test_axial_fibre_tube_has_stiffness_E1_A():
 
 
 @pytest.mark.parametrize("thickness", [0.25e-3, 0.025e-3])
-def test_tube_at_45_degrees_twists_with_published_G(thickness):
+def test_tube_at_45_degrees_has_published_g(thickness):
     """GJ = 2πr³ t Gxy with Gxy = 46.59 GPa; a ring has r³t (1 + t²/4r²)."""
     section = LaminateTube(layers(45, -45, -45, 45, thickness=thickness), 0.06)
     wall = 4.0 * thickness
@@ -55,7 +55,7 @@ def test_tube_at_45_degrees_twists_with_published_G(thickness):
     assert pytest.approx(2.0 * pi * radius * wall * tension, rel=5e-4) == beam_of(section).EA
 
 
-def test_quasi_isotropic_wall_has_published_constants():
+def test_quasi_isotropic_wall_equals_tsai():
     """Tsai & Hahn, table 4.3: 69.68 GPa, 26.88 GPa, 0.296; G = E/2(1+ν) of an isotropic plane."""
     section = LaminateTube(layers(0, 45, -45, 90, 90, -45, 45, 0), 0.06)
     wall = section.wall / section.thickness / 1e9
@@ -68,7 +68,7 @@ def test_quasi_isotropic_wall_has_published_constants():
 
 
 @pytest.mark.parametrize("shape", ["tube", "box"])
-def test_quasi_isotropic_section_becomes_isotropic(shape):
+def test_thin_quasi_isotropic_is_isotropic(shape):
     """The layers lie on different radii; the difference from isotropy falls with t/r."""
     errors = []
     for thickness in (1e-4, 1e-5):
@@ -100,7 +100,7 @@ def test_quasi_isotropic_section_becomes_isotropic(shape):
     ],
     ids=["tube", "box"],
 )
-def test_laminate_of_steel_layers_equals_steel(section, plain):
+def test_steel_layers_equal_steel_section(section, plain):
     """All constants agree except the shear stiffness, which is that of Cowper's κ with ν = 0.
 
     Cowper's κ depends on ν, by up to 6 % in a round tube.
@@ -113,7 +113,7 @@ def test_laminate_of_steel_layers_equals_steel(section, plain):
     assert [one.GAy, one.GAz] == pytest.approx(without, rel=5e-3)
 
 
-def test_laminate_box_shear_equals_energy_sum():
+def test_laminate_box_shear_equals_energy():
     """∮ q² ds/A66 of the shear flow q along the wall, by quadrature, for a unit force along z."""
     section = LaminateBox(layers(45, -45, -45, 45), 0.06, 0.04)
     b, h = 0.06 - section.thickness, 0.04 - section.thickness
@@ -147,5 +147,5 @@ def test_laminate_box_shear_equals_energy_sum():
         ),
     ],
 )
-def test_impossible_laminate_gives_one_fault(section, fault):
+def test_impossible_laminate_is_refused(section, fault):
     assert section.faults() == [fault]

@@ -34,7 +34,7 @@ BEAM = ConstantLeg(1.2, Rectangle(width=0.05, height=0.10), STEEL)
         (LEG1, "compliance", (3.025e8, 1.157e6, 6.417e6, 4.913e6), 0.5046, 0.2142),
     ],
 )
-def test_equivalent_legs_of_paper(leg, by, expected, height, width):
+def test_equivalent_legs_equal_paper(leg, by, expected, height, width):
     """EA, EIz, EIy and GJ to the paper's four printed digits, and the sides of the section in m."""
     computed = equivalent_leg(leg, by)
     beam = computed.timoshenko
@@ -44,7 +44,7 @@ def test_equivalent_legs_of_paper(leg, by, expected, height, width):
 
 
 @pytest.mark.parametrize("by", ["stiffness", "compliance"])
-def test_equivalent_leg_recovers_beam_stiffness(by):
+def test_equivalent_leg_recovers_stiffness(by):
     """Inverse of c22 = L³/3EI (by compliance) and of K22 = 12EI/L³ (by stiffness, clamped tip)."""
     beam = BEAM.timoshenko
     given = GivenLeg(1.2, 47.1, tip_compliance(beam.as_euler_bernoulli(), 1.2))
@@ -54,12 +54,12 @@ def test_equivalent_leg_recovers_beam_stiffness(by):
         assert getattr(computed, name) == pytest.approx(getattr(beam, name), rel=1e-11)
 
 
-def test_indefinite_compliance_has_no_equivalent():
+def test_indefinite_leg_has_no_equivalent():
     with pytest.raises(InputError, match="not positive definite"):
         equivalent_leg(GivenLeg(1.0, 10.0, np.diag([1.0, 1.0, 1.0, 1.0, 1.0, -1e-3])))
 
 
-def test_cantilever_compliance_equals_textbook():
+def test_cantilever_compliance_is_textbook():
     """Steel 50×100 mm, 1.2 m: PL³/3EI + PL/κGA, ML²/2EI, ML/EI, TL/GJ, NL/EA, signs of c26, c35."""
     L, E, G = 1.2, 2.1e11, 2.1e11 / 2.6
     A, Iy, Iz = 0.005, 0.05 * 0.1**3 / 12.0, 0.1 * 0.05**3 / 12.0
@@ -77,7 +77,7 @@ def test_cantilever_compliance_equals_textbook():
     assert bending[1, 1] == pytest.approx(bent_z, rel=1e-12)
 
 
-def test_shear_and_rotary_inertia_differ_by_plane():
+def test_planes_differ_in_shear_and_inertia():
     """A tall box is stiffest in shear along z, where its long walls lie; ρI is largest about y."""
     box = ConstantLeg(1.0, HollowRectangle(0.05, 0.2, 0.005), Material.isotropic(2e11, 0.3, 7800.0))
     beam, section = box.timoshenko, box.section
@@ -92,7 +92,7 @@ def test_shear_and_rotary_inertia_differ_by_plane():
 @pytest.mark.parametrize(
     ("shape", "nu", "shear"), [(Rectangle(0.05, 0.10), 0.3, 1e-5), (Circle(0.1), -0.5, 2.0)]
 )
-def test_shear_coefficient_with_independent_modulus(shape, nu, shear):
+def test_cowper_holds_for_independent_g(shape, nu, shear):
     """Cowper's coefficient against Saint-Venant's flexure by finite elements, for cubic material.
 
     By linear elasticity 1/κGA = α/G + β ν/E: κ is Cowper's κ for the ν′ that has the same νG/E.
@@ -130,7 +130,7 @@ def test_leg_name_is_in_messages_only():
     assert error.value.faults == ("leg: leg: is no section",)
 
 
-def test_torsion_constants_of_rectangles():
+def test_rectangle_torsion_equals_table():
     """J/(b h³) for side ratios b/h (Timoshenko & Goodier, Theory of Elasticity, §109, table)."""
     table = {1.0: 0.140577, 1.2: 0.166119, 1.5: 0.195761, 2.0: 0.228682, 2.5: 0.249365}
     table |= {3.0: 0.263317, 4.0: 0.280813, 5.0: 0.291317, 10.0: 0.312325}
@@ -175,7 +175,7 @@ def test_i_section_equals_three_plates():
     assert constants(section) == pytest.approx([53.81e-4, 8356e-8, 603.8e-8], rel=0.045)
 
 
-def test_tube_constants_from_middle_line():
+def test_tube_constants_use_mean_diameter():
     """A = π m t and I = π m t (m² + t²)/8 are exact with the mean diameter m; J = 2 I."""
     t, m = 0.004, 0.046
     section, bending = Tube(0.05, t), np.pi * m * t * (m**2 + t**2) / 8.0
@@ -184,7 +184,7 @@ def test_tube_constants_from_middle_line():
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
-def test_cowper_shear_coefficients(nu):
+def test_section_shear_equals_cowper(nu):
     """Thin square tube: Cowper 1966; other shapes are compared with finite elements elsewhere."""
     cowper = 20.0 * (1.0 + nu) / (48.0 + 39.0 * nu)
     assert HollowRectangle(0.1, 0.1, 0.002).shear_coefficients(nu) == pytest.approx([cowper] * 2)

@@ -39,7 +39,7 @@ def arc(radius, angle, section, material=STEEL):
     return LineLeg(line, ((0.0, section), (line.length, section)), material)
 
 
-def test_cone_tip_compliance_equals_closed_form():
+def test_cone_compliance_is_exact():
     """∫ x²/EI, ∫ 1/κGA, ∫ 1/GJ and ∫ 1/EA with d(x) linear (Roark's Formulas, tapered beams)."""
     root, tip = 0.12, 0.05
     leg = straight((0.0, Circle(root)), (LENGTH, Circle(tip)))
@@ -56,7 +56,7 @@ def test_cone_tip_compliance_equals_closed_form():
     assert np.diag(compliance)[:4] == pytest.approx(expected, rel=EXACT)
 
 
-def test_wedge_tip_compliance_equals_closed_form():
+def test_wedge_compliance_is_exact():
     """With h(x) linear and b constant, ∫ x²/h³ and ∫ 1/h are logarithms."""
     width, root, tip = 0.04, 0.1, 0.035
     leg = straight((0.0, Rectangle(width, root)), (LENGTH, Rectangle(width, tip)))
@@ -70,7 +70,7 @@ def test_wedge_tip_compliance_equals_closed_form():
     assert stout[2, 2] == pytest.approx(bending + shear, rel=EXACT)
 
 
-def test_constant_line_leg_equals_prism():
+def test_constant_sections_give_prism():
     section = Angle(0.05, 0.1, 0.005, 0.008)
     leg = straight((0.0, section), (LENGTH, section))
     prism = ConstantLeg(LENGTH, section, STEEL)
@@ -120,7 +120,7 @@ def test_bent_leg_equals_two_prisms():
     assert np.abs(compliance - expected).max() < EXACT * np.abs(expected).max()
 
 
-def test_curved_cantilever_equals_elasticity():
+def test_quarter_ring_equals_elasticity():
     """Radial load on a quarter ring: Timoshenko & Goodier, Theory of Elasticity, §33.
 
     MacNeal and Harder (Finite Elem. Anal. Des. 1 (1985) 3) give 0.08734 for this beam, 1.4 % less
@@ -153,7 +153,7 @@ def test_thick_arc_bends_as_winkler_bar():
     assert turn / expected - 1.0 == pytest.approx(3.0 / 112.0 * 0.4**4, rel=0.2)
 
 
-def test_fourth_moments_equal_grid_sums():
+def test_fourth_moments_of_area_equal_sums():
     """Sums over a fine grid of the bounding box; its cells give an error of 1 % for thin walls."""
     shapes = (
         Rectangle(0.03, 0.05),
@@ -184,7 +184,7 @@ def test_fourth_moments_equal_grid_sums():
     assert fourth_moments(Angle(0.05, 0.1, 0.005, 0.008)) is None
 
 
-def test_half_ring_opening_equals_castigliano():
+def test_half_ring_opens_as_castigliano():
     """Slender half ring, opposite forces at its ends: ∫ (R sin θ)²/EI R dθ without tension."""
     radius, diameter = 1.0, 0.002
     leg = arc(radius, np.pi, Circle(diameter))
@@ -210,7 +210,7 @@ def test_curved_segment_statics_are_exact(elements, theory):
 
 
 @pytest.mark.parametrize("layout", ["half", "literal"])
-def test_curved_segments_have_mass_of_leg(layout):
+def test_curved_segments_keep_mass(layout):
     leg = arc(0.5, 2.0, Tube(0.05, 0.004))
     sections = leg.sections("timoshenko")
     chain = line_segment_chain(sections, 6, layout)

@@ -38,8 +38,8 @@ def test_rotation_vectors_equal_scipy(angle):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_transformed_compliance_keeps_energy(seed):
-    """The energy f·C·f is the same for the load at the new point and at the first, in its axes."""
+def test_compliance_transform_keeps_energy(seed):
+    """The energy f·C·f is the same for the load at the first point and transformed to the second."""
     rng = np.random.default_rng(seed)
     factor, wrench, offset = rng.normal(size=(6, 6)), rng.normal(size=6), rng.normal(size=3)
     compliance, R = factor @ factor.T, Rotation.random(random_state=rng).as_matrix()
@@ -67,6 +67,6 @@ def test_transformed_compliance_keeps_energy(seed):
         (name_wrenches, [[0, 1, 0, 0, 0, 0.5]], "a force along y through (0.5, 0, 0) m from B"),
     ],
 )
-def test_twist_and_wrench_descriptions(name, screws, words):
+def test_twist_and_wrench_have_descriptions(name, screws, words):
     description = name(np.array(screws, dtype=float), 0.8)
     assert description.replace("the loaded point", "B") == words

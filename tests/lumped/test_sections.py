@@ -32,7 +32,7 @@ def transformed(points, move):
 
 
 @pytest.mark.parametrize("thickness", [1.0, 0.3, 0.05, 0.01])
-def test_polygon_rectangle_equals_series(thickness):
+def test_rectangle_polygon_equals_series(thickness):
     """J by Timoshenko's series; κ by energy is exactly 5/6 for ν = 0."""
     outlined, exact = Polygon(box(1.0, thickness)), Rectangle(1.0, thickness)
     assert outlined.torsion_constant == pytest.approx(
@@ -60,7 +60,7 @@ def test_triangle_torsion_constant():
     assert right.torsion_constant == pytest.approx(0.0261 * a**4, rel=2e-3)
 
 
-def test_polygon_with_many_corners_equals_tube():
+def test_many_corner_polygon_equals_tube():
     """Bending and torsion of a tube whose two circles are polygons of the same areas."""
     count, outer, inner = 48, 0.05, 0.04
     # The corners lie outside the circle, so that the polygon has the area of the circle.
@@ -78,7 +78,7 @@ def test_polygon_with_many_corners_equals_tube():
     assert 2.0 * tube.second_moment_y == pytest.approx(polar, rel=4.0 / count**2)
 
 
-def test_channel_shear_centre_equals_thin_wall():
+def test_channel_shear_centre_is_textbook():
     """Shear centre at e = 3b²f/(h w + 6 b f) behind the middle line of the web.
 
     f and w are the thicknesses of flanges and web, b and h width and height between middle lines
@@ -99,7 +99,7 @@ def test_channel_shear_centre_equals_thin_wall():
     assert differences[0] / differences[1] == pytest.approx(4.0, abs=1.0)
 
 
-def test_angle_has_principal_axes_at_45_degrees():
+def test_equal_angle_has_axes_at_45_degrees():
     """Equal legs; if thin, J = Σ b t³/3 and the shear centre is where the middle lines meet."""
     t, b = 0.01, 1.0
     angle = Angle(width=b, height=b, flange=t, web=t)
@@ -121,7 +121,7 @@ def test_angle_has_principal_axes_at_45_degrees():
     assert from_corner == pytest.approx([t / 2.0, t / 2.0], abs=0.02 * t)
 
 
-def test_zed_product_moment_equals_walls():
+def test_zed_product_moment_is_exact():
     """By the parallel-axis theorem each flange of area A_f at (y, z) contributes A_f y z."""
     b, h, t = 0.05, 0.1, 0.005
     points = [(0, 0), (b, 0), (b, t), (t, t), (t, h), (t - b, h), (t - b, h - t), (0, h - t)]
@@ -140,7 +140,7 @@ def test_tee_shear_centre_lies_in_flange():
     assert tee.shear_centre[1] == pytest.approx(0.99 - centroid, abs=1e-3)
 
 
-def test_section_is_independent_of_outline_origin():
+def test_section_ignores_outline_origin():
     """Outline shifted, listed clockwise and from another corner; then rotated by 90°."""
     angle = Angle(width=0.06, height=0.1, flange=0.006, web=0.008)
     points = tuple(map(tuple, angle.loops[0].tolist()))
@@ -192,12 +192,12 @@ def test_section_is_independent_of_outline_origin():
         ),
     ],
 )
-def test_impossible_section_gives_one_fault(section, fault):
+def test_impossible_section_is_refused(section, fault):
     (message,) = section.faults()
     assert message.startswith(fault), message
 
 
-def test_section_constants_give_same_beam():
+def test_constants_and_shape_give_same_beam():
     """The constants of an angle section, given as numbers, give the same beam as its shape."""
     nu, steel = 0.3, Material.isotropic(2.1e11, 0.3, 7850.0)
     angle = Angle(width=0.06, height=0.1, flange=0.006, web=0.008)
@@ -239,7 +239,7 @@ def test_section_constants_give_same_beam():
         ({"Ay": 2e-3}, "Ay = 0.002: must be above 0 and at most A, 0.001 m²"),
     ],
 )
-def test_impossible_constants_give_one_fault(changed, fault):
+def test_impossible_constants_are_refused(changed, fault):
     sound = SectionProperties(1e-3, 2e-7, 3e-7, 1e-8, Ay=8e-4, Az=7e-4)
     assert sound.faults() == []
     (message,) = replace(sound, **changed).faults()

@@ -54,7 +54,7 @@ def test_nonpositive_diagonal_is_refused(entry):
 
 
 @pytest.mark.parametrize("stiff", [1.0, 1e8])
-def test_rounding_bound_equals_random_perturbation(stiff):
+def test_rounding_bound_covers_perturbation(stiff):
     # Each entry is perturbed at random by a thousand times its rounding error, so that rounding
     # errors of this computation itself are negligible.
     K, rng = chain(stiff), np.random.default_rng(3)

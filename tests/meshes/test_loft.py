@@ -39,7 +39,7 @@ def tapered(line, first, last, material=STEEL):
 
 
 @pytest.mark.parametrize("shape", TAPERS)
-def test_flat_walled_taper_mesh_has_exact_volume(shape):
+def test_flat_taper_mesh_has_exact_volume(shape):
     leg = tapered(STRAIGHT, *TAPERS[shape])
     mesh = loft(leg, 1, 4)
     _, mass = stiffness_and_mass(mesh, STEEL)
@@ -49,7 +49,7 @@ def test_flat_walled_taper_mesh_has_exact_volume(shape):
         assert np.ptp(face.mesh.nodes, axis=0) == pytest.approx(section.extent, rel=1e-9)
 
 
-def test_tapered_tube_mesh_keeps_wall_thickness():
+def test_tapered_tube_keeps_wall_thickness():
     leg = tapered(STRAIGHT, Tube(0.1, 0.02), Tube(0.06, 0.005))
     mesh = loft(leg, 4, 4)
     for face, (inner, outer) in ((mesh.root, (0.03, 0.05)), (mesh.tip, (0.025, 0.03))):
@@ -57,7 +57,7 @@ def test_tapered_tube_mesh_keeps_wall_thickness():
         assert [radii.min(), radii.max()] == pytest.approx([inner, outer], rel=1e-9)
 
 
-def test_cone_mesh_volume_convergence_order():
+def test_cone_mesh_volume_has_order_two():
     leg = tapered(STRAIGHT, Circle(0.10), Circle(0.05))
     errors = []
     for divisions in (2, 4):
@@ -82,7 +82,7 @@ def test_arc_mesh_has_volume_and_plane_ends():
     assert mesh.length == 1.0
 
 
-def test_unmeshable_line_leg_is_refused_with_reason():
+def test_unmeshable_line_leg_is_refused():
     square, small = Rectangle(0.06, 0.06), Rectangle(0.04, 0.04)
     constants = SectionProperties(1e-3, 1e-7, 1e-7, 1e-7)
     stepped = LineLeg(STRAIGHT, ((0.0, square), (0.4, square), (0.4, small), (1.0, small)), STEEL)

@@ -118,7 +118,7 @@ REGULAR = np.array([[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]])
         (("tet4",), np.eye(3), (sqrt(2) / 2, sqrt(2))),
     ],
 )
-def test_single_element_quality(elements, sides, expected):
+def test_element_quality_is_exact(elements, sides, expected):
     for element in elements:
         nodes = ELEMENTS[element].nodes
         d = nodes.shape[1]
@@ -127,7 +127,7 @@ def test_single_element_quality(elements, sides, expected):
         assert expected[1] is None or aspect == pytest.approx(expected[1])
 
 
-def test_mirrored_folded_slender_elements_are_refused():
+def test_bad_elements_are_refused():
     for element, kind in ELEMENTS.items():
         mirrored = kind.nodes * np.where(np.arange(kind.dimension) == 0, -1.0, 1.0)
         assert measures(element, mirrored)[0] < 0.0
@@ -236,7 +236,7 @@ def _parabolas(radius: float, sides: int) -> float:
     return sides / 2 * radius**2 * sin(2 * pi / sides) + sides * 2 / 3 * chord * sagitta
 
 
-def test_round_section_area_with_parabolic_sides():
+def test_parabolic_sides_give_circle_area():
     for divisions in (4, 16):
         # Equal up to rounding errors.
         circle = moments(section_mesh(Circle(0.1), divisions), [(0, 0)])
@@ -247,7 +247,7 @@ def test_round_section_area_with_parabolic_sides():
     assert tube == pytest.approx([_parabolas(0.05, 24) - _parabolas(0.044, 24)], rel=1e-12)
 
 
-def test_wall_has_one_element_per_four_divisions():
+def test_walls_have_one_element_per_four():
     counts = []
     for divisions, across in ((1, 1), (4, 1), (8, 2), (16, 4)):
         mesh = section_mesh(HollowRectangle(0.1, 0.1, 0.005), divisions)
@@ -299,7 +299,7 @@ def test_impossible_leg_mesh_is_refused(request_one, reason):
         request_one()
 
 
-def test_leg_length_limit_and_section_faults():
+def test_too_long_leg_is_refused():
     require_leg(BOX, 0.26, 4)
     with pytest.raises(InputError) as caught:
         require_section(Rectangle(0.0, -1.0), 0)

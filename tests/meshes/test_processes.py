@@ -19,7 +19,7 @@ from meshes.processes import Crashed, Process, in_own_process, within_limits
 REFUSED = "from lumped.errors import InputError; raise InputError(('one', 'two'))"
 
 
-def test_values_and_errors_return_from_process():
+def test_process_returns_values_and_errors():
     process = Process()
     # The process has its own session, so that Ctrl-C or the end of a terminal does not reach it.
     questions = (divmod, 7, 2), (os.getsid, 0), (exec, REFUSED), (divmod, 1, 0)
@@ -35,7 +35,7 @@ def test_values_and_errors_return_from_process():
     process.end()
 
 
-def test_persistent_value_is_argument_of_later_calls():
+def test_process_keeps_value_for_later_calls():
     process = Process()
     process.begin(list, "ab")
     process.ask(len)
@@ -49,7 +49,7 @@ def zip_lists(*lists):
     return list(zip(*lists, strict=True))
 
 
-def test_crash_or_limit_ends_only_child_process():
+def test_crash_ends_only_child_process():
     with pytest.raises(Crashed, match="was ended by SIGABRT"):
         in_own_process(os.abort)
     with pytest.raises(Crashed, match="was ended by SIGXCPU, because it exceeded the time limit"):
@@ -60,7 +60,7 @@ def test_crash_or_limit_ends_only_child_process():
     assert resource.getrlimit(resource.RLIMIT_CPU)[0] == resource.RLIM_INFINITY
 
 
-def test_gmsh_failure_reports_part_and_closes_model():
+def test_gmsh_failure_names_part():
     reported = pytest.raises(ComputationError, match=r"leg 2: gmsh failed: .*NoSuchOption")
     with reported, gmsh_model("leg 2") as session:
         session.option.getNumber("Mesh.NoSuchOption")
@@ -70,7 +70,7 @@ def test_gmsh_failure_reports_part_and_closes_model():
     assert not gmsh.isInitialized()
 
 
-def test_inner_gmsh_model_restores_outer_one():
+def test_inner_gmsh_model_restores_outer():
     with gmsh_model("outer") as session:
         session.model.geo.addPoint(0.0, 0.0, 0.0, tag=5)
         session.model.geo.synchronize()
@@ -85,7 +85,7 @@ def hashed():
     return sha256(mesh.nodes.tobytes() + mesh.cells.tobytes()).hexdigest()
 
 
-def test_threads_and_process_give_same_meshes(capfd):
+def test_threads_and_process_mesh_alike(capfd):
     with ThreadPoolExecutor(2) as pool:
         in_threads = list(pool.map(lambda _: hashed(), range(2)))
     assert {*in_threads, in_own_process(hashed)} == {hashed()}
@@ -118,7 +118,7 @@ print("still here")
 """
 
 
-def test_gmsh_leaves_signal_handlers_unchanged():
+def test_gmsh_keeps_signal_handlers():
     command = ["nohup", sys.executable, "-c", SIGNALS]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (0, "an error\nstill here\n"), done.stderr

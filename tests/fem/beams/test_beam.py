@@ -47,8 +47,8 @@ def softer_along_y(p: BeamProperties) -> BeamProperties:
     return replace(p, GAy=0.7 * p.GAy)
 
 
-def test_off_axis_points_move_with_section():
-    """The displacement of a point at r from the tip is t + φ × r."""
+def test_off_axis_point_moves_with_section():
+    """A point at r from the tip is displaced by t + φ × r (t displacement, φ rotation of the tip)."""
     leg, beside = beam_leg(LEG_1.timoshenko, 0.85, 1), np.array([[0.0, 0.1, -0.2], [0.0, 0.3, 0.4]])
     t, phi = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0])
     twists = np.zeros(leg.size)
@@ -57,7 +57,7 @@ def test_off_axis_points_move_with_section():
     assert_allclose(displacements, t + np.cross(phi, beside), rtol=1e-12)
 
 
-def test_euler_bernoulli_roots_equal_table():
+def test_beam_frequency_roots_equal_table():
     # Young and Felgar, Tables of Characteristic Functions (1949): cos x cosh x = −1.
     tabulated = [1.8751041, 4.6940911, 7.8547574, 10.9955407, 14.1371684]
     roots = euler_bernoulli_roots(300)
@@ -87,7 +87,7 @@ def huang_function(p: BeamProperties, L: float, plane: str, omega):
 
 @pytest.mark.parametrize("plane", ["y", "z"])
 @pytest.mark.parametrize("leg", [LEG_1, square_leg(1.0)])
-def test_timoshenko_frequencies_equal_huang_roots(leg, plane):
+def test_timoshenko_modes_equal_huang_roots(leg, plane):
     p, L = softer_along_y(leg.timoshenko), leg.length
     omega = 2.0 * np.pi * bending_frequencies(p, L, plane, 20)
     # The cut-off of the second spectrum, √(κGA/ρI), lies below the 20th root of these legs.
@@ -101,7 +101,7 @@ def test_timoshenko_frequencies_equal_huang_roots(leg, plane):
     assert np.count_nonzero(np.diff(np.sign(scan))) == 20
 
 
-def test_axial_and_torsional_cantilever_frequencies():
+def test_axial_and_torsional_modes_of_rod():
     # Steel bar of 1 m: √(E/ρ)/4L = 5172.2/4 Hz; torsional frequencies times √(GJ/E(Iy + Iz)).
     p = square_leg(10.0).timoshenko
     tension = tension_frequencies(p, 1.0, 3)
@@ -113,7 +113,7 @@ def test_axial_and_torsional_cantilever_frequencies():
 
 @both_theories
 @pytest.mark.parametrize("part", PARTS)
-def test_beam_frequencies_converge_with_order_four(theory, part):
+def test_beam_frequencies_have_order_four(theory, part):
     p, L = LEG_2.properties(theory), LEG_2.length
     kind, _, plane = part.partition(" ")
     exact = {
@@ -133,7 +133,7 @@ def test_beam_frequencies_converge_with_order_four(theory, part):
 
 
 @both_theories
-def test_beam_tip_compliance_is_exact_for_any_mesh(theory):
+def test_beam_tip_compliance_is_exact(theory):
     for leg in (square_leg(1.0), square_leg(1e4), LEG_2):
         properties = leg.properties(theory)
         for elements in (1, 2, 7):
@@ -144,7 +144,7 @@ def test_beam_tip_compliance_is_exact_for_any_mesh(theory):
 
 
 @both_theories
-def test_tip_loads_give_exact_centreline_and_energy(theory):
+def test_tip_load_centreline_is_exact(theory):
     p, L = softer_along_y(LEG_2.properties(theory)), LEG_2.length
     leg = beam_leg(p, L, 3)
     x = np.linspace(0.0, L, 14)
@@ -177,7 +177,7 @@ def test_tip_loads_give_exact_centreline_and_energy(theory):
     assert not energies
 
 
-def test_zero_elements_or_outside_station_is_refused():
+def test_zero_elements_are_refused():
     with pytest.raises(InputError, match="elements = 0"):
         beam_leg(LEG_1.timoshenko, 0.85, 0)
     with pytest.raises(InputError, match="station"):
@@ -193,7 +193,7 @@ def flanged() -> SectionConstants:
     return section_constants(section_mesh(section, 4), STEEL.nu)
 
 
-def test_free_warping_gives_saint_venant_torsion(flanged):
+def test_free_warping_is_saint_venant_torsion(flanged):
     leg = warping_beam_leg(flanged, STEEL, LENGTH, 20, "free")
     expected = tip_compliance(beam_properties(flanged, STEEL), LENGTH)
     assert tip_compliance_of(leg) == pytest.approx(expected, rel=1e-8, abs=1e-16)
@@ -204,7 +204,7 @@ def test_free_warping_gives_saint_venant_torsion(flanged):
     assert torsional[:2] == pytest.approx(frequencies, rel=1e-4)
 
 
-def test_held_warping_torsion_equals_closed_form(flanged):
+def test_fixed_warping_torsion_equals_vlasov(flanged):
     expected = tip_compliance(beam_properties(flanged, STEEL), LENGTH)
     expected[3, 3] = held_torsion_compliance(flanged, STEEL, LENGTH)
     coarse, fine = (
@@ -271,7 +271,7 @@ def critical(p: BeamProperties, ends: str) -> float:
 
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
 @pytest.mark.parametrize("ends", ENDS)
-def test_column_buckling_equals_euler_and_engesser(ends, theory):
+def test_column_buckling_equals_engesser(ends, theory):
     p, (free, times) = COLUMN.properties(theory), ENDS[ends]
     expected = critical(p, ends)
     if theory == "euler-bernoulli":
@@ -283,14 +283,14 @@ def test_column_buckling_equals_euler_and_engesser(ends, theory):
     assert whole >= expected * (1.0 - 1e-9)
 
 
-def test_column_buckling_converges_with_order_four():
+def test_column_buckling_has_order_four():
     p, counts = COLUMN.timoshenko, [6, 8, 12, 16]
     expected = critical(p, "fixed-fixed")
     errors = [factor(prestressed_leg(p, L, n, ALL), (), PUSH) / expected - 1.0 for n in counts]
     assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(4.0, abs=0.15)
 
 
-def test_axial_force_changes_pinned_leg_frequency():
+def test_tension_raises_beam_frequency():
     """f = f₀ √(1 + N L²/π²EI) for pinned ends, exact without shear and rotary inertia."""
     p = COLUMN.properties("euler-bernoulli")
     added, stiffness, mass = reduced_matrices(
@@ -303,7 +303,7 @@ def test_axial_force_changes_pinned_leg_frequency():
         assert square == pytest.approx(expected, rel=1e-4)
 
 
-def test_own_weight_buckling_equals_greenhill():
+def test_own_weight_buckling_is_greenhills():
     """Q L²/EI = 7.8373 (Greenhill): the axial force grows from the tip to the ground."""
     p = COLUMN.properties("euler-bernoulli")
     half = np.array([-0.5, 0, 0, 0, 0, 0])
@@ -313,14 +313,14 @@ def test_own_weight_buckling_equals_greenhill():
     assert weight == pytest.approx(7.837347 * p.EIz / L**2, rel=1e-4)
 
 
-def test_torsional_buckling_load_equals_wagner():
+def test_torsional_buckling_equals_wagner():
     """Wagner: a thin section twists at P = GJ/i², independent of its length."""
     p = ConstantLeg(0.08, Rectangle(width=0.004, height=0.1), STEEL).timoshenko
     leg = prestressed_leg(p, 0.08, 6, ALL)
     assert factor(leg, (9,), PUSH) == pytest.approx(p.GJ * p.mu / p.rho_J, rel=1e-9)
 
 
-def test_blade_and_shaft_buckling_equal_closed_forms():
+def test_blade_and_shaft_buckling_loads():
     """Blade under a tip force, P L²/√(EI GJ) = 4.0126, and an end moment, M L/√(EI GJ) = π.
 
     The moment acts between fork supports (Prandtl, Michell). A round shaft with clamped ends

@@ -43,8 +43,11 @@ def scaled(difference, compliance):
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_force_at_shear_centre_causes_no_twist(section, theory):
-    """A force F at the centroid twists by F e L/(G J), and a torque moves the centroid likewise."""
+def test_shear_centre_force_causes_no_twist(section, theory):
+    """A force F at the centroid twists the tip by F e L/(G J).
+
+    A torque T displaces the centroid by T e L/(G J).
+    """
     beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
     compliance = tip_compliance(beam, LENGTH)
     y, z = section.shear_centre
@@ -60,7 +63,7 @@ def test_force_at_shear_centre_causes_no_twist(section, theory):
         assert abs((compliance @ force)[3]) < 1e-12 * twist * max(section.extent)
 
 
-def test_equal_angle_deflects_along_principal_axes():
+def test_angle_deflects_along_principal_axes():
     """L³/3EI with I = t b³/3 and t b³/12 about the axes at 45°, to first order in t/b."""
     t, b, length = 0.001, 0.1, 2.0
     leg = ConstantLeg(length, Angle(b, b, t, t), STEEL)
@@ -80,7 +83,7 @@ def test_equal_angle_deflects_along_principal_axes():
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_coupled_beam_and_segment_statics_are_exact(section, theory):
+def test_coupled_beam_statics_are_exact(section, theory):
     beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
     exact = tip_compliance(beam, LENGTH)
     for count in (1, 3):
@@ -91,8 +94,11 @@ def test_coupled_beam_and_segment_statics_are_exact(section, theory):
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_coupled_frequencies_converge_to_exact(section, theory):
-    """Beam elements converge with order four, segments with order two; ten polynomials suffice."""
+def test_coupled_frequencies_converge(section, theory):
+    """Reference: Ritz's method with ten polynomials.
+
+    Beam elements converge with order four, segments with order two.
+    """
     beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
     exact = np.array([mode.frequency for mode in cantilever_frequencies(beam, LENGTH, 4)])
     ritz = ritz_beam(beam, LENGTH, 10)
@@ -110,7 +116,7 @@ def test_coupled_frequencies_converge_to_exact(section, theory):
     assert np.log2(coarse / fine) == pytest.approx(np.full(4, 2.0), abs=0.1)
 
 
-def test_weight_beside_shear_centre_twists_composite():
+def test_weight_twists_composite_leg():
     """A weight μg per length along y at the mass centre twists the tip by μg (z_s − z_m) L²/2GJ."""
     beam = ConstantLeg(LENGTH, COMPOSITE, STEEL).timoshenko
     leg = beam_leg(beam, LENGTH, 3)
@@ -126,7 +132,7 @@ def test_weight_beside_shear_centre_twists_composite():
 
 
 @pytest.mark.parametrize("make", [beam_leg, lambda p, L, n: segment_leg(segment_chain(p, L, n))])
-def test_composite_leg_has_mass_of_its_parts(make):
+def test_composite_leg_mass_is_sum_of_parts(make):
     """Mass, first moments and inertia about the root are those of two boxes."""
     beam = ConstantLeg(LENGTH, COMPOSITE, Material(*COMPOSITE.mean_material)).timoshenko
     leg = make(beam, LENGTH, 8)
@@ -150,7 +156,7 @@ def test_composite_leg_has_mass_of_its_parts(make):
     assert scaled(computed - expected, expected) < 1e-9
 
 
-def test_composite_inertia_load_equals_mass_matrix():
+def test_composite_inertia_load_is_consistent():
     """The resultant of the inertia load about the root is −M (a, α), with M of a rigid motion."""
     beam = ConstantLeg(LENGTH, COMPOSITE, Material(*COMPOSITE.mean_material)).timoshenko
     leg = beam_leg(beam, LENGTH, 2)
@@ -187,7 +193,7 @@ def rigid_nodes(leg, elements):
     return motions
 
 
-def test_coupled_theory_of_rectangle_is_uncoupled():
+def test_rectangle_has_no_bending_torsion_coupling():
     """A rectangle treated as a coupled section has the frequencies of bending and torsion alone."""
     beam = ConstantLeg(LENGTH, Rectangle(0.1, 0.2), STEEL).timoshenko
     kinds = ("torsion", "bending y", "bending z")
@@ -205,7 +211,7 @@ def test_coupled_theory_of_rectangle_is_uncoupled():
     ],
     ids=lambda one: one.shape,
 )
-def test_beam_of_any_section_equals_solid(section):
+def test_beam_of_each_section_equals_solid(section):
     """Beam and solid agree to rounding with free warping; rigid faces add the decaying end effects.
 
     The solid has slices far thinner than its walls; at the edges of rigid faces 1e-6 of the end

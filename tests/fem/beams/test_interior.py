@@ -21,14 +21,14 @@ def given(leg):
     return GivenLeg(leg.length, leg.mass, tip_compliance(leg.timoshenko, leg.length))
 
 
-def test_uniform_interior_recovers_prism():
+def test_beam_from_6x6_recovers_prism():
     interior = interior_properties(given(PRISM), "uniform")
     assert astuple(interior) == pytest.approx(astuple(PRISM.timoshenko), rel=1e-8)
 
 
 @pytest.mark.parametrize("interior", ["uniform", "stiff"])
-def test_interiors_have_equal_end_stiffness(interior):
-    """K11 to K44, the end stiffnesses of a leg whose ends do not rotate across it, are kept."""
+def test_beams_from_6x6_keep_end_stiffness(interior):
+    """K11 to K44 are kept: stiffnesses of a leg whose ends do not rotate about y and z."""
     leg = given(PRISM)
     expected, computed = (
         np.diag(np.linalg.inv(c))[[0, 1, 2, 3]]
@@ -38,8 +38,8 @@ def test_interiors_have_equal_end_stiffness(interior):
     assert computed == pytest.approx(expected, rel=1e-4 if interior == "stiff" else 1e-8)
 
 
-def test_warping_doubles_fixed_ends_torsion_frequency():
-    """22.373/L² √(EΓ/ρI_p) over π/L √(GJ/ρI_p) with GJ = 12 EΓ/L² is 2.056."""
+def test_fixed_warping_doubles_torsion_mode():
+    """The ratio is 22.373/L² √(EΓ/ρI_p) over π/L √(GJ/ρI_p): 2.056 for GJ = 12 EΓ/L²."""
     leg = given(PRISM)
     soft = leg.compliance.copy()
     soft[3, 3] *= 300.0
@@ -51,7 +51,7 @@ def test_warping_doubles_fixed_ends_torsion_frequency():
     assert first["stiff"] / first["uniform"] == pytest.approx(expected, rel=1e-2)
 
 
-def test_tube_interior_torsion_equals_polar_moment():
+def test_tube_from_6x6_has_polar_moment():
     tube = given(ConstantLeg(0.5, Tube(0.1, 0.01), STEEL))
     uniform = interior_properties(tube, "uniform")
     core = (uniform.EIy + uniform.EIz) / 2.6
@@ -60,7 +60,7 @@ def test_tube_interior_torsion_equals_polar_moment():
     assert interior_beam(tube, "stiff", 4).model == "beam"
 
 
-def test_held_frequencies_rise_with_interior_stiffness():
+def test_stiffer_beams_from_6x6_vibrate_faster():
     soft, uniform, stiff = (
         held_frequencies(given(PRISM), kind)[:6] for kind in ("soft", "uniform", "stiff")
     )
@@ -68,8 +68,8 @@ def test_held_frequencies_rise_with_interior_stiffness():
     assert (uniform <= stiff).all()
 
 
-def test_flexible_end_keeps_transverse_stiffness():
-    """A flexible tip increases c66 above L/EI; κGA is then taken from EA, and K22 is kept."""
+def test_flexible_tip_keeps_transverse_stiffness():
+    """A flexible tip increases c66 above L/EI; κGA is then taken from EA, and K22 does not change."""
     leg = given(PRISM)
     turning = leg.compliance.copy()
     turning[5, 5] *= 6.0
@@ -81,7 +81,7 @@ def test_flexible_end_keeps_transverse_stiffness():
     assert flexibility == pytest.approx(1.0 / k22, rel=1e-9)
 
 
-def test_indefinite_leg_compliance_is_refused():
+def test_indefinite_compliance_is_refused():
     leg = given(PRISM)
     with pytest.raises(InputError, match="not positive definite"):
         interior_properties(replace(leg, compliance=-leg.compliance), "uniform")

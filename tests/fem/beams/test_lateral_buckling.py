@@ -74,7 +74,7 @@ def moment_of_solid(leg: ConstantLeg, degree: int) -> float:
 
 
 @pytest.mark.parametrize(("width", "solid_shift"), [(0.02, -0.0034), (0.04, -0.027)])
-def test_shear_lowers_lateral_buckling_moment(width, solid_shift):
+def test_shear_lowers_buckling_moment(width, solid_shift):
     """M² = GJ P/(1 + P/κGA), P = π²EI/L²: lateral bending with Engesser's shear (own derivation).
 
     The work −φ′ M γ with γ = Mφ′/κGA reduces the torsional stiffness to GJ − M²/κGA. The solid
@@ -138,7 +138,7 @@ def factor_by_equilibrium(p: BeamProperties, length: float, force: float, moment
 
 
 @pytest.mark.parametrize("width", [0.02, 0.04, 0.06])
-def test_shear_lowers_cantilever_buckling_load(width):
+def test_shear_lowers_lateral_buckling_load(width):
     """Shear lowers the load by 0.6, 2.4 and 5.2 %; without the work −φ′ M γ by half of that."""
     leg = ConstantLeg(0.3, Rectangle(width, 0.06), STEEL)
     at_tip = np.array([0, 0, -1.0, 0, 0.3, 0, 0, 0, 1.0, 0, 0, 0])
@@ -154,7 +154,7 @@ def test_shear_lowers_cantilever_buckling_load(width):
     assert loads["timoshenko"] == pytest.approx(expected, rel=4e-5)
 
 
-def test_shear_lowers_buckling_moment_of_propped_leg():
+def test_shear_lowers_propped_buckling_moment():
     """Root clamped, tip guided along y, a moment about y on the tip.
 
     With shear along z the prop takes more of the moment, which alone would raise the factor by 0.4
@@ -232,7 +232,7 @@ def cantilever_deck(leg: ConstantLeg, along: int, across: int) -> str:
 
 @pytest.mark.exhaustive
 @pytest.mark.skipif(not any(map(shutil.which, PROGRAMS)), reason="CalculiX (ccx) is not installed")
-def test_stout_cantilever_buckling_equals_calculix(tmp_path):
+def test_stout_bar_buckling_equals_calculix(tmp_path):
     """Shear lowers the load by 4.43 % in a solid with ν = 0, by 4.35 % in beams.
 
     Without the work −φ′ M γ beams give 2.2 %. The clamped root of a square bar, which hardly warps,
@@ -274,7 +274,7 @@ def growing_load_factor() -> float:
 
 @pytest.mark.parametrize("shape", SPREAD)
 @pytest.mark.parametrize("across", ["y", "z"])
-def test_distributed_load_buckling_of_blade(across, shape):
+def test_blade_buckles_under_distributed_load(across, shape):
     thin, deep = 0.004, 0.1
     section = Rectangle(thin, deep) if across == "z" else Rectangle(deep, thin)
     p = ConstantLeg(1.0, section, STEEL).properties("euler-bernoulli")
@@ -292,8 +292,8 @@ def test_distributed_load_buckling_of_blade(across, shape):
         assert load == pytest.approx((expected or growing_load_factor()) * scale, rel=1e-3)
 
 
-def test_reversed_leg_has_same_lateral_buckling():
-    """Root and tip exchanged; and the section and its load rotated by 90°."""
+def test_reversed_leg_has_same_buckling():
+    """The leg is reversed (root and tip exchanged), and its section and load are rotated by 90°."""
     stout = ConstantLeg(0.2, Rectangle(0.02, 0.06), STEEL)
     lying = ConstantLeg(0.2, Rectangle(0.06, 0.02), STEEL)
     leg = prestressed_leg(stout.timoshenko, 0.2, 12, ALL)
@@ -306,7 +306,7 @@ def test_reversed_leg_has_same_lateral_buckling():
     assert factor(turned, range(6, 12), along_y) == pytest.approx(load, rel=1e-9)
 
 
-def test_lateral_buckling_converges_with_fourth_order():
+def test_lateral_buckling_has_order_four():
     """Compared with 32 elements, whose error is 1 % of that of ten."""
     p, counts = ConstantLeg(0.2, Rectangle(0.02, 0.06), STEEL).timoshenko, [4, 6, 8, 10]
     at_tip = np.array([0, 0, -1.0, 0, 0.2, 0, 0, 0, 1.0, 0, 0, 0])

@@ -30,7 +30,7 @@ def frequencies(leg, theory, elements, count=4):
 
 @pytest.mark.parametrize("theory", THEORIES)
 @pytest.mark.parametrize("section", [Rectangle(0.05, 0.1), Angle(0.05, 0.1, 0.005, 0.008)])
-def test_constant_line_beam_equals_prismatic_beam(section, theory):
+def test_constant_sections_give_prism_beam(section, theory):
     leg = tapered(STRAIGHT, section, section)
     line, prism = (
         line_beam(leg.sections(theory), 4),
@@ -49,7 +49,7 @@ def test_constant_line_beam_equals_prismatic_beam(section, theory):
 
 @pytest.mark.parametrize("theory", THEORIES)
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
-def test_line_beam_statics_are_exact(line, theory):
+def test_tapered_beam_statics_are_exact(line, theory):
     sections = tapered(line).sections(theory)
     expected = sections.tip_compliance
     for elements in (1, 3):
@@ -59,7 +59,7 @@ def test_line_beam_statics_are_exact(line, theory):
 
 @pytest.mark.parametrize("theory", THEORIES)
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
-def test_line_beam_frequency_convergence_order(line, theory):
+def test_tapered_beam_convergence_order(line, theory):
     leg = tapered(line)
     limit = frequencies(leg, theory, 80)
     coarse, fine = (frequencies(leg, theory, n) / limit - 1.0 for n in (10, 20))
@@ -70,7 +70,7 @@ def test_line_beam_frequency_convergence_order(line, theory):
 
 
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
-def test_line_segment_frequency_convergence_order(line):
+def test_tapered_segments_convergence_order(line):
     sections = tapered(line).sections("timoshenko")
     limit = clamped_modes(line_beam(sections, 80), 3).frequencies
     errors = [
@@ -94,8 +94,8 @@ def test_line_segment_frequency_convergence_order(line):
         (Circle(0.1), Circle(0.05), (4.6252, 19.5476, 48.5789)),
     ],
 )
-def test_wedge_and_cone_frequencies_equal_published(root, tip, published):
-    """ω √(ρA₀L⁴/EI₀) of Euler–Bernoulli cantilevers, at the tip half as high as at the root.
+def test_wedge_and_cone_have_published_modes(root, tip, published):
+    """Values are ω √(ρA₀L⁴/EI₀) of Euler–Bernoulli cantilevers whose height halves towards the tip.
 
     S. Naguleswaran, J. Sound Vib. 172 (1994) 289; H. H. Mabie, C. B. Rogers, J. Acoust. Soc. Am. 51
     (1972) 1771.
@@ -108,7 +108,7 @@ def test_wedge_and_cone_frequencies_equal_published(root, tip, published):
         assert np.abs(angular / scale - expected).min() < 1e-4
 
 
-def test_half_ring_frequency_equals_love():
+def test_ring_frequency_equals_love():
     """Thin ring, two waves in its plane: ω = n(n² − 1)/√(n² + 1) √(EI/ρAR⁴) (A. E. H. Love, §293).
 
     Half of the ring is modelled, with symmetry conditions at its ends.

@@ -25,7 +25,7 @@ def clamped(leg, divisions, ends="free"):
     return clamped_leg(solid_leg(leg, solid_mesh(leg, divisions)), ends)
 
 
-def test_constant_line_solid_equals_prism_solid():
+def test_constant_sections_give_prism_solid():
     section = Rectangle(0.06, 0.10)
     line, prism = tapered(STRAIGHT, section, section), ConstantLeg(1.0, section, STEEL)
     for ends in ("free", "rigid"):
@@ -34,8 +34,8 @@ def test_constant_line_solid_equals_prism_solid():
         assert np.abs(compliance - expected).max() < 1e-9 * np.abs(expected).max()
 
 
-def test_cone_is_beam_to_a_thousandth():
-    """Ends free; the mesh lacks 8e-4 of the cone's volume, as much of its stiffness."""
+def test_slender_cone_solid_equals_beam():
+    """Ends are free to warp. The mesh lacks 8e-4 of the cone's volume and of its stiffness."""
     leg = tapered(STRAIGHT, Circle(0.10), Circle(0.05))
     solid = clamped(leg, 4)
     beam = leg.sections("timoshenko")
@@ -47,7 +47,7 @@ def test_cone_is_beam_to_a_thousandth():
     assert solid.modes(4).frequencies == pytest.approx(expected, rel=2e-3)
 
 
-def test_tapered_rectangle_is_beam_to_a_thousandth():
+def test_slender_tapered_solid_equals_beam():
     leg = tapered(STRAIGHT, Rectangle(0.06, 0.10), Rectangle(0.06, 0.05))
     solid = clamped(leg, 2)
     beam = leg.sections("timoshenko")
@@ -60,7 +60,7 @@ def test_tapered_rectangle_is_beam_to_a_thousandth():
     assert solid.modes(4).frequencies == pytest.approx(expected, rel=1.5e-3)
 
 
-def test_quarter_ring_solid_equals_elasticity():
+def test_ring_solid_equals_elasticity():
     """Radial load on the free end: Timoshenko and Goodier, Theory of Elasticity, §33."""
     inner, outer, thickness = 4.12, 4.32, 0.1
     chord, rise = 4.22 * np.sqrt(2.0), 4.22 * (1.0 - np.sqrt(0.5))
@@ -82,7 +82,7 @@ def test_quarter_ring_solid_equals_elasticity():
     assert solid.compliance[2, 2] == pytest.approx(0.5022, rel=0.02)
 
 
-def test_section_twists_follow_rigid_motions():
+def test_section_twist_is_rigid_motion():
     line = CentreLine((LinePiece((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.3, 0.1)),), UP)
     leg = tapered(line, Rectangle(0.06, 0.10), Rectangle(0.05, 0.04))
     mesh = solid_mesh(leg, 1)

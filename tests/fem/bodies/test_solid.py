@@ -83,7 +83,7 @@ def test_leg_modes_equal_dense_solution(clamped):
     np.testing.assert_allclose(gram, np.eye(8), atol=1e-12)
 
 
-def test_frequency_error_estimates_are_upper_bounds(bar):
+def test_frequency_error_estimates_are_bounds(bar):
     clamped, values, _ = bar
     result = clamped.modes(20)
     true = np.abs(result.frequencies / hertz(values[:20]) - 1.0)
@@ -94,7 +94,7 @@ def test_frequency_error_estimates_are_upper_bounds(bar):
     assert "numeric" not in vars(clamped.factor)
 
 
-def test_double_mode_at_end_of_search_is_complete():
+def test_double_mode_at_cut_off_is_complete():
     clamped = leg(Rectangle(0.1, 0.1), slices=4)
     values, _ = dense_solution(clamped)
     assert values[1] / values[0] - 1.0 < 1e-9
@@ -106,7 +106,7 @@ def test_double_mode_at_end_of_search_is_complete():
     np.testing.assert_array_equal(result.shapes, again.shapes)
 
 
-def test_leg_mode_count_equals_dense_eigenvalues(bar):
+def test_leg_mode_count_equals_dense_count(bar):
     clamped, values, _ = bar
     for below in (0, 2, 12, 100):
         lower = values[below - 1] if below else 0.0
@@ -121,7 +121,7 @@ def test_leg_mode_count_equals_dense_eigenvalues(bar):
     assert result.zero <= 1
 
 
-def test_mode_count_with_memory_for_one_factor(bar, monkeypatch):
+def test_mode_count_needs_one_factor_at_a_time(bar, monkeypatch):
     """The factor of K is released for the count and computed again for the next solution."""
     clamped, values, _ = bar
     loads = clamped.equilibrated(clamped.loads)
@@ -147,7 +147,7 @@ def test_merged_modes_keep_their_residuals():
     assert both.residuals.tolist() == [1e-9, 5e-9, 2e-9]
 
 
-def test_missing_or_extra_mode_fails_certificate(bar):
+def test_missing_or_extra_mode_is_detected(bar):
     clamped, values, _ = bar
     count, message = clamped.rooted_inertia, "leg: certificate of the modes failed: 6 lie"
     assert values[5] < certify(values[:6], values[6], count, "leg") < values[6]
@@ -158,7 +158,7 @@ def test_missing_or_extra_mode_fails_certificate(bar):
         certify(np.sort(np.append(values[:6], values[4])), values[6], count, "leg")
 
 
-def test_shift_on_eigenvalue_is_moved_to_count_modes(bar):
+def test_shift_on_eigenvalue_is_moved(bar):
     clamped, values, _ = bar
     counts = iter([1, 1, 1, 0])
 
@@ -187,7 +187,7 @@ def blinded_modes(clamped, lost, *, sees_again):
     return lowest_modes(solve, mass, 6, count, "leg")
 
 
-def test_missed_mode_is_searched_again_or_reported(bar):
+def test_missed_mode_is_found_or_reported(bar):
     clamped, values, vectors = bar
     with pytest.raises(ComputationError, match="certificate of the modes failed"):
         blinded_modes(clamped, vectors[:, 5], sees_again=False)
@@ -199,8 +199,8 @@ def test_missed_mode_is_searched_again_or_reported(bar):
     assert result.count == 7
 
 
-def test_very_slender_leg_finds_both_equal_modes():
-    """Length of 87 diameters: K's largest eigenvalue is 1e11 times that of the lowest mode."""
+def test_slender_leg_has_both_bending_modes():
+    """The leg is 87 diameters long: K's largest eigenvalue is 1e11 times that of the lowest mode."""
     result = leg(Circle(0.0873), length=7.6, slices=40).modes(2)
     assert result.count == 2
     # Euler–Bernoulli cantilever, 1.8751²/2π √(EI/ρA)/L²; shear and rotary inertia lower it by 1e-4,
@@ -209,7 +209,7 @@ def test_very_slender_leg_finds_both_equal_modes():
     np.testing.assert_allclose(result.frequencies, exact, rtol=3e-3)
 
 
-def test_all_modes_are_found_and_excess_is_refused(bar):
+def test_more_modes_than_unknowns_are_refused(bar):
     K, M = csr_array(np.diag(np.arange(1.0, 13.0))), csr_array(eye_array(12))
     solve = analyse(K).factorise().solve
     result = lowest_modes(solve, M, 12, partial(count_below, pencil(K, M)), "matrix")
@@ -236,7 +236,7 @@ def beam_with_mesh_constants(section, length):
         (0.8, ISection(0.10, 0.16, 0.012, 0.008), 2, 19),
     ],
 )
-def test_condensed_leg_equals_direct_solution(length, section, divisions, slices):
+def test_condensed_solid_leg_equals_beam(length, section, divisions, slices):
     """With free warping at both ends the solid is the Timoshenko beam of its section."""
     leg = ConstantLeg(length, section, CUBIC)
     solid, face = meshed(leg, divisions, slices), section_mesh(section, divisions)
@@ -250,7 +250,7 @@ def test_condensed_leg_equals_direct_solution(length, section, divisions, slices
     assert scaled_difference(direct, beam_with_mesh_constants(face, length)) < 1e-4
 
 
-def test_solid_with_free_ends_converges_to_beam():
+def test_free_warping_solid_converges_to_beam():
     """Quadratic slices approximate the cubic deflection: the error falls as n⁻⁴."""
     leg = ConstantLeg(8.0, Rectangle(0.16, 0.08), CUBIC)
     section = section_mesh(leg.section, (2, 1))
@@ -266,7 +266,7 @@ def test_solid_with_free_ends_converges_to_beam():
 
 
 def test_rigid_ends_stiffen_torsion_of_leg_2():
-    """Known values: 18 % in torsion, 0.26 % along z, where shear is a sixth of the deflection."""
+    """Known values: 18 % in torsion, and 0.26 % along z, where shear is a sixth of the deflection."""
     compliance = clamped_leg(meshed(LEG_2, (3, 9), 12)).compliance
     beam = beam_tip_compliance(LEG_2.timoshenko, LEG_2.length)
     share = 1.0 - np.diag(compliance) / np.diag(beam)
@@ -276,7 +276,10 @@ def test_rigid_ends_stiffen_torsion_of_leg_2():
 
 
 def test_leg_1_has_known_modes_and_centreline():
-    """Known value: 181.8 Hz in bending; under Fy sections move as in Timoshenko's cantilever."""
+    """Known value for leg 1 of the paper: 181.8 Hz in bending.
+
+    Under a force Fy its sections move as in Timoshenko's cantilever.
+    """
     solid = meshed(LEG_1, 2, 24)
     clamped = clamped_leg(solid)
     result = clamped.modes(4).frequencies
@@ -295,7 +298,7 @@ def test_leg_1_has_known_modes_and_centreline():
     np.testing.assert_allclose(twists[:, 5], rotation, rtol=1e-3)
 
 
-def test_default_slices_are_as_long_as_wide():
+def test_default_elements_have_equal_sides():
     mesh = solid_mesh(ConstantLeg(0.8, Rectangle(0.10, 0.16), STEEL), 2)
     assert (mesh.slices, mesh.element) == (16, "hex27")
     with pytest.raises(InputError, match="shorter than"):
@@ -307,7 +310,7 @@ def test_default_slices_are_as_long_as_wide():
 
 
 @pytest.mark.parametrize("nu", [-0.9999999, 0.4999999])
-def test_material_lost_in_rounding_is_refused(nu):
+def test_rounded_away_shear_is_refused(nu):
     leg = ConstantLeg(0.8, Rectangle(0.1, 0.14), Material.isotropic(2.1e11, nu, 7850.0))
     message = r"material with ν = .*: changes of .* and .* differ"
     with pytest.raises(ComputationError, match=message):

@@ -46,7 +46,7 @@ from validation.adequacy.robot_verdicts import leg_alone
         ("echo Job finished; echo", 60.0, "0 of 1 load cases; its output ends with: Job finished"),
     ],
 )
-def test_failing_calculix_run_is_reported(behaviour, timeout, message, tmp_path, monkeypatch):
+def test_calculix_failure_is_reported(behaviour, timeout, message, tmp_path, monkeypatch):
     program = tmp_path / "ccx"
     program.write_text(f"#!/bin/sh\n{behaviour}\n")
     program.chmod(0o755)
@@ -55,7 +55,7 @@ def test_failing_calculix_run_is_reported(behaviour, timeout, message, tmp_path,
         run_calculix(PRINTED_DECK, timeout=timeout)
 
 
-def test_unsupported_element_or_missing_ccx_is_refused(monkeypatch):
+def test_missing_calculix_is_reported(monkeypatch):
     mesh = meshed(ConstantLeg(0.2, Rectangle(0.1, 0.1), STEEL), 1, 2).mesh
     with pytest.raises(InputError, match=r"hex27 .*27 nodes; take tet10"):
         deck_text(leg_deck(mesh, STEEL))
@@ -64,7 +64,7 @@ def test_unsupported_element_or_missing_ccx_is_refused(monkeypatch):
         calculix_program()
 
 
-def test_calculix_deck_of_one_tetrahedron():
+def test_deck_of_one_tetrahedron_is_valid():
     corners = np.vstack([np.zeros(3), np.eye(3)])
     # G is twice the isotropic value, like that of the paper's equivalent legs.
     cubic = Material(E=7.0e10, G=5.4e10, nu=0.3, rho=2700.0)
@@ -119,7 +119,7 @@ PRINTED_RESULTS = """
 PRINTED_DECK = Deck("printed", np.zeros((8, 3)), (), load_cases=((),), watched=(6, 7), modes=1)
 
 
-def test_calculix_results_are_read_by_node_and_mode():
+def test_calculix_results_are_read_in_full():
     results = read_results(PRINTED_RESULTS, PRINTED_DECK)
     assert results.displacements[0].tolist() == [
         [1.561671e-10, -1.184426e-13, -2.042256e-14],
@@ -215,7 +215,7 @@ def test_elastic_five_bar_equals_calculix():
 
 @needs_calculix
 @pytest.mark.exhaustive
-def test_delta_with_idle_rods_equals_calculix():
+def test_spinning_rods_delta_equals_calculix():
     assert assert_equal_to_calculix(reference_posture(of_squares("delta"))) == 6
 
 
@@ -263,7 +263,7 @@ def test_damped_leg_equals_calculix(tmp_path):
 
 
 @needs_calculix
-def test_calculix_error_is_quoted_with_deck_title():
+def test_calculix_error_names_its_deck():
     deck = leg_deck(tetrahedra(Rectangle(0.1, 0.1), 0.2, 1), STEEL)
     foreign = Equation((10**6, 0), (((0, 0), 1.0),))
     broken = replace(deck, title="foreign node", equations=(*deck.equations, foreign))

@@ -62,10 +62,10 @@ def scaled(difference, compliance):
 
 @pytest.mark.slow
 def test_channel_twist_equals_calculix():
-    """Twist per force along the web: −y_s L/GJ less the restraint of warping by rigid faces.
+    """Twist per force along the web is −y_s L/GJ, less the restraint of warping by rigid end faces.
 
-    Beam and restraint by theory on the section; bricks as long as they are wide leave 0.5 % of the
-    compliances and 1 % of the coupling.
+    Both are computed by theory on the section. Bricks as long as they are wide have an error of
+    0.5 % in the compliances and 1 % in the coupling.
     """
     length, section = 0.3, Channel(0.05, 0.1, 0.02, 0.02)
     leg = ConstantLeg(length, section, STEEL)
@@ -85,10 +85,10 @@ def test_channel_twist_equals_calculix():
 
 @pytest.mark.slow
 def test_composite_bar_equals_calculix():
-    """Two materials of different Poisson's ratios: the solid's compliance and frequencies.
+    """Compliance and frequencies of two materials with different Poisson's ratios.
 
-    Bricks of 20 nodes against those of 27 on one mesh (0.5 %), and against beams less what rigid
-    faces hold (3 %).
+    Bricks of 20 nodes agree with those of 27 on one mesh within 0.5 %, and with beams corrected for
+    rigid end faces within 3 %.
     """
     parts = (
         CompositePart(Rectangle(0.05, 0.02), E=2.1e11, nu=0.3, rho=7850.0),

@@ -80,7 +80,7 @@ def ties(grip, nodes):
     return np.vstack([rows.reshape(-1, radial.size) for rows in (outward, *means)])
 
 
-def test_lug_compliance_equals_lagrange_multipliers(lug):
+def test_lug_compliance_equals_lagrange(lug):
     file, part = lug
     grips = grips_on(file, "rigid", "pin", "average")
     nodes, size, m = part.mesh.nodes, part.stiffness.shape[0], len(grips)
@@ -107,7 +107,7 @@ def test_lug_compliance_equals_lagrange_multipliers(lug):
 
 
 @pytest.mark.parametrize("kind", ["rigid", "average", "pin"])
-def test_coupled_part_moves_rigidly_without_force(lug, kind):
+def test_rigid_motion_needs_no_force(lug, kind):
     file, part = lug
     grips = grips_on(file, kind, kind)
     M = on_three_components(part.scalar_mass)
@@ -132,8 +132,11 @@ def test_coupled_part_moves_rigidly_without_force(lug, kind):
     assert abs(body.stiffness @ twists).max() < 1e-9 * abs(body.stiffness).max()
 
 
-def test_average_coupling_of_bore_has_mean_motion(lug):
-    """u_z = x² moves it by ∫x²/A = r²/2; u_x = z³ rotates it about y by ∫z⁴/∫(x² + z²)."""
+def test_average_coupling_gives_mean_motion(lug):
+    """A bore surface displaced by u_z = x² moves the interface by ∫x²/A = r²/2.
+
+    A displacement u_x = z³ rotates it about y by ∫z⁴/∫(x² + z²).
+    """
     file, part = lug
     (grip, _) = grips_on(file, "average", "average")
     mass, nodes = on_three_components(part.scalar_mass), part.mesh.nodes
@@ -168,7 +171,7 @@ def test_saint_venant_loads_are_unit_wrenches(section):
 
 
 @pytest.mark.parametrize("mesh", [lambda: meshed(BLOCK, 1, 3).mesh, block_of_tetrahedra])
-def test_free_end_solution_equals_bordered_system(mesh):
+def test_free_solution_equals_bordered_system(mesh):
     """K u + B_root λ = f with B_rootᵀu = 0, solved directly without springs."""
     solid = solid_leg(BLOCK, mesh())
     clamped = clamped_leg(solid, "free")
@@ -196,7 +199,7 @@ def test_strip_decay_rates_equal_papkovich_fadle():
 THIN = ISection(0.1, 0.16, 0.0012, 0.0012)
 
 
-def test_end_effects_of_distant_faces_do_not_interact():
+def test_distant_end_effects_are_independent():
     """Each face restrains the same twist and bending for any length; bending has a lever arm."""
     tube = section_mesh(Tube(0.01, 0.001), 4)
     short, double, *others = (
@@ -218,14 +221,14 @@ def test_end_effects_of_distant_faces_do_not_interact():
         assert change[1, 1] == near(square * length**2 + lever * length + shear)
 
 
-def test_waves_of_asymmetric_sections_are_refused():
+def test_asymmetric_section_waves_are_refused():
     mesh = section_mesh(BLOCK.section, (2, 3))
     skew = replace(mesh, nodes=mesh.nodes + 0.1 * np.square(mesh.nodes[:, ::-1]))
     with pytest.raises(InputError, match="not symmetric"):
         prism_waves(skew, STEEL)
 
 
-def test_end_effects_lost_in_rounding_are_refused(monkeypatch):
+def test_rounded_end_effects_are_refused(monkeypatch):
     """Decaying fields in single precision are detected in torsion, where no symmetry helps."""
     mesh = section_mesh(THIN, 2)
     # With t/b = 0.01 and G/E = 5e-5, γ² ranges from 1e-5 to 1e12.
@@ -244,7 +247,7 @@ def test_end_effects_lost_in_rounding_are_refused(monkeypatch):
 
 
 @pytest.mark.parametrize("length", [0.5, 4.0])
-def test_end_effects_of_thin_walls_equal_solid(length):
+def test_thin_wall_end_effects_equal_solid(length):
     """Torsional compliance with rigid minus free ends by solid slices, without decaying fields."""
     material = replace(STEEL, nu=0.0)
     mesh, leg = section_mesh(THIN, 2), ConstantLeg(length, THIN, material)
@@ -256,7 +259,7 @@ def test_end_effects_of_thin_walls_equal_solid(length):
 
 
 @pytest.mark.parametrize("length", [0.5, 4.0])
-def test_held_torsion_of_open_section_equals_vlasov(length):
+def test_restrained_warping_equals_vlasov(length):
     """θ/T = (L − 2d tanh(L/2d))/GJ, d² = EΓ/GJ, with warping held at both ends (Vlasov 1961)."""
     mesh, material = section_mesh(THIN, 2), replace(STEEL, nu=0.0)
     constants = section_constants(mesh, 0.0, material.G / material.E)
@@ -276,7 +279,7 @@ def test_held_torsion_of_open_section_equals_vlasov(length):
         (ISection(0.1, 0.16, 0.012, 0.008), 4, 0.85),
     ],
 )
-def test_sliced_solid_converges_to_end_effects(section, counts, length):
+def test_solid_converges_to_end_effects(section, counts, length):
     mesh = section_mesh(section, counts)
     end_effect = restrained_compliance(mesh, STEEL, length)
     errors = []
@@ -304,7 +307,7 @@ def waves_of(section, divisions):
 
 @pytest.mark.parametrize(("along", "kind"), [("y", "bending z"), ("z", "bending y")])
 @pytest.mark.parametrize("section", SECTIONS)
-def test_bending_half_wave_needs_no_end_moment(section, along, kind):
+def test_bending_half_wave_has_no_end_moment(section, along, kind):
     """Dynamic stiffness of a leg pinned at both ends is singular at its first bending frequency.
 
     The ends are at nodes of a standing wave of length 2L, which transmits no moment there.
@@ -318,7 +321,7 @@ def test_bending_half_wave_needs_no_end_moment(section, along, kind):
     assert values.min() < 1e-6 * values.max()
 
 
-def test_bending_wave_equals_polynomial_solution():
+def test_bending_wave_equals_ritz():
     """Ritz's method with polynomials over the whole section; Timoshenko's wave is 0.4 % slower."""
     section = Rectangle(0.06, 0.1)
     k = 2.0 * np.pi / (6.0 * section.height)
@@ -338,8 +341,8 @@ def test_tube_oval_frequency_equals_hoppe():
 
 
 @pytest.mark.parametrize("section", SECTIONS)
-def test_low_frequency_waves_equal_timoshenko_beam(section):
-    """Both contain Saint-Venant's states as ω → 0; the difference falls with ω²."""
+def test_slow_waves_equal_timoshenko_beam(section):
+    """Both contain Saint-Venant's solutions as ω → 0; the difference falls with ω²."""
     omega = 2.0 * np.pi * 2.0
     beam = computed_beam(ConstantLeg(LENGTH, section, STEEL), 4)
     dynamic = dense(beam.stiffness) - omega**2 * dense(beam.mass)
@@ -354,7 +357,7 @@ def test_low_frequency_waves_equal_timoshenko_beam(section):
         assert np.abs(difference).max() < (5e-4 if name == "torsion" else 2e-4), name
 
 
-def test_singular_wave_stiffness_is_refused(monkeypatch):
+def test_singular_wave_equation_is_refused(monkeypatch):
     with pytest.raises(ComputationError, match="walls of the section vibrate locally"):
         waves_of(BOX, 2)["bending z"].stiffness(LENGTH, 2.0 * np.pi * 1500.0)
     # A zero pivot gives infinite numbers, as with legs of very different stiffness.

@@ -38,7 +38,7 @@ def prism(kind, length, order=1):
 
 
 @pytest.mark.parametrize("section", [Rectangle(0.05, 0.08), Tube(0.1, 0.01)])
-def test_low_frequency_beam_equals_timoshenko_modes(section):
+def test_slender_cantilever_equals_timoshenko(section):
     """Huang's equation with the constants of `fem.sections`, which uses no fields along x."""
     material = replace(STEEL, G=0.6 * STEEL.G)
     leg, kinds = ConstantLeg(0.4, section, material), waves_by_kind(section, material)
@@ -69,8 +69,8 @@ def test_round_bar_torsion_has_no_distortion():
         (ConstantLeg(0.3, Tube(0.1, 0.003), STEEL), (-0.0038, -0.0038)),
     ],
 )
-def test_distortion_equals_solid_beam_difference(leg, expected):
-    """Relative frequency change from beam to solid elements, and by waves along the leg.
+def test_distortion_is_solid_beam_difference(leg, expected):
+    """Relative frequency change from beam to solid elements, and that by waves along the leg.
 
     Waves and solids use the same section mesh, but no common code along the leg.
     """
@@ -85,7 +85,7 @@ def test_distortion_equals_solid_beam_difference(leg, expected):
         assert frequency / mode.frequency - 1.0 == pytest.approx(by_waves, abs=8e-4)
 
 
-def test_distortion_falls_with_square_of_slenderness():
+def test_distortion_falls_with_slenderness_squared():
     """Walls bend by their inertia, ω² ∝ s⁻⁴; for slender legs s⁻², from contraction, remains."""
     kind = waves_by_kind(SCARA_ARM.section, ALUMINIUM)["bending y"]
     lengths = SCARA_ARM.length * 2.0 ** np.arange(4)
@@ -96,7 +96,7 @@ def test_distortion_falls_with_square_of_slenderness():
     assert exponents[-1] == pytest.approx(-2.42, abs=0.05)
 
 
-def test_i_section_torsion_equals_solid_frequency():
+def test_i_section_torsion_equals_solid():
     """Warping is free at the tip of the I-section: Saint-Venant torsion alone is 3 % too slow."""
     leg = ConstantLeg(0.8, ISection(0.1, 0.16, 0.012, 0.008), STEEL)
     solid = solid_frequencies(leg, (4,), "free", 1).frequencies.values[0, 0]
@@ -107,7 +107,7 @@ def test_i_section_torsion_equals_solid_frequency():
     assert solid == pytest.approx(by_waves, rel=1e-3)
 
 
-def test_cut_off_equals_lowest_wall_frequency():
+def test_cut_off_is_lowest_wall_frequency():
     mesh = section_mesh(SCARA_ARM.section, 4)
     kinds = prism_waves(mesh, ALUMINIUM)
     assert_allclose(
@@ -115,7 +115,7 @@ def test_cut_off_equals_lowest_wall_frequency():
     )
 
 
-def test_frequency_without_beam_wave_is_refused():
+def test_missing_beam_wave_is_refused():
     kind = waves_by_kind(SCARA_ARM.section, ALUMINIUM)["bending y"]
     beam = beam_frequency(kind, SCARA_ARM.length, 2)
     with pytest.raises(ComputationError, match="walls of the section vibrate locally"):

@@ -37,7 +37,7 @@ models = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
 
 
 @models
-def test_condensed_leg_equals_schur_complement(model):
+def test_condensed_leg_is_schur_complement(model):
     """Dense K_bb − K_bi K_ii⁻¹ K_ib, and Guyan's mass matrix by the same transformation."""
     leg = model(LEG_2)
     k, m = leg.stiffness.toarray(), leg.mass.toarray()
@@ -55,7 +55,7 @@ def test_condensed_leg_equals_schur_complement(model):
 
 
 @models
-def test_condensed_leg_keeps_mass_and_inertia(model):
+def test_condensed_leg_keeps_rigid_mass(model):
     """Mass and inertia of a box, m (b² + h²)/12, for every model; rigid motions need no force."""
     reduced = static_superelement(held_leg(model(LEG_1))).matrices
     mass, L, b, h = LEG_1.mass, LEG_1.length, *LEG_1.section.extent
@@ -77,7 +77,7 @@ def test_condensed_leg_keeps_mass_and_inertia(model):
         assert np.array_equal(matrix, matrix.T)
 
 
-def test_leg_with_support_or_mechanism_is_refused():
+def test_supported_or_loose_leg_is_refused():
     leg = MODELS["beam"](LEG_1)
     grounded, loose = leg.stiffness.toarray(), leg.stiffness.toarray()
     grounded[13, 13] *= 1.0 + 1e-3
@@ -89,7 +89,7 @@ def test_leg_with_support_or_mechanism_is_refused():
         held_leg(replace(leg, stiffness=csr_array(loose)))
 
 
-def test_constraint_modes_with_free_ends():
+def test_free_ends_have_constraint_modes():
     solid = meshed(LEG_2, (2, 6), 8)
     clamped = clamped_leg(solid, "free")
     held = held_solid_leg(clamped, solid.mesh)
@@ -109,7 +109,7 @@ def test_constraint_modes_with_free_ends():
     assert_allclose(held.centreline(x).toarray(), section_twists(solid.mesh, x).toarray())
 
 
-def test_held_solid_leg_equals_matrix_reduction():
+def test_solid_leg_equals_matrix_reduction():
     solid = meshed(LEG_1, 1, 3)
     condensed = static_superelement(held_solid_leg(clamped_leg(solid), solid.mesh)).matrices
     expected = static_superelement(held_leg(solid_leg_matrices(solid))).matrices
@@ -167,7 +167,7 @@ def test_reduced_robot_equals_unreduced_robot(robots):
 
 
 @pytest.mark.parametrize("factor", [1.1, 2.5])
-def test_frequency_bounds_enclose_true_frequencies(robots, factor):
+def test_frequency_bounds_enclose_truth(robots, factor):
     _, held, wholes = robots
     reduced, robot_at = reduced_to(held, HIGHEST, factor * HIGHEST)
     # Rounding error of the dense frequencies, 1e-12, with a margin.
@@ -186,7 +186,7 @@ def test_frequency_bounds_enclose_true_frequencies(robots, factor):
             assert bounds.relative_width.max() < 2e-4
 
 
-def test_cut_off_below_frequencies_is_refused():
+def test_low_cut_off_is_refused():
     held = {name: held_leg(MODELS["beam"](leg)) for name, leg in LEGS.items()}
     with pytest.raises(InputError, match=r"cut-off = 900 Hz: must be above .*, 1000 Hz"):
         reduced_to(held, 1000.0, 900.0)

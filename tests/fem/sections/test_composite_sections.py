@@ -42,14 +42,14 @@ def scaled(difference, compliance):
     return np.abs(difference / np.outer(size, size)).max()
 
 
-def test_one_material_states_equal_saint_venant():
+def test_one_material_equals_saint_venant():
     """Two formulations on one mesh agree: stress potentials and displacements."""
     mesh = section_mesh(Channel(0.05, 0.1, 0.02, 0.02), 4)
     expected = per_length(beam_properties(section_constants(mesh, STEEL.nu), STEEL))
     assert scaled(wrench_states(mesh, [STEEL]).compliance - expected, expected) < 1e-8
 
 
-def test_states_of_two_materials_equal_boundary_elements():
+def test_two_materials_equal_boundary_elements():
     """One Poisson's ratio; 2e-3 on the coarsest mesh, which falls by refinement."""
     leg = ConstantLeg(1.0, STEPPED, Material(*STEPPED.mean_material))
     expected = per_length(leg.timoshenko)
@@ -60,12 +60,13 @@ def test_states_of_two_materials_equal_boundary_elements():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("inner", "outer"), [(0.45, 0.1), (0.1, 0.45)])
-def test_cylinder_of_two_poisson_ratios_has_hashins_tension(inner, outer):
-    """Z. Hashin, B. W. Rosen, J. Appl. Mech. 31 (1964) 223 (R. M. Christensen, Mechanics of
-    Composite Materials, §3.2): a core of the share c in a tube, its outside free,
+def test_core_in_tube_has_hashin_tension(inner, outer):
+    """A core of the share c is bonded into a tube with a free surface.
 
-    E = c E_f + (1 − c) E_m + 4c(1 − c)(ν_f − ν_m)² / (c/k_m + (1 − c)/k_f + 1/μ_m), with plane
-    strain bulk moduli k. Circles are polygons of 64 sides (1e-4 of the extra term).
+    Then E = c E_f + (1 − c) E_m + 4c(1 − c)(ν_f − ν_m)² / (c/k_m + (1 − c)/k_f + 1/μ_m), with plane
+    strain bulk moduli k: Z. Hashin, B. W. Rosen, J. Appl. Mech. 31 (1964) 223 (R. M. Christensen,
+    Mechanics of Composite Materials, §3.2). Circles are polygons of 64 sides (1e-4 of the extra
+    term).
     """
     tube, core = Tube(0.08, 0.015), Circle(0.05)
     E_m, E_f = 7.0e10, 2.0e10
@@ -84,7 +85,7 @@ def test_cylinder_of_two_poisson_ratios_has_hashins_tension(inner, outer):
     assert stiffness - mixed == pytest.approx(extra, rel=2e-3)
 
 
-def test_equal_composite_parts_equal_one_solid():
+def test_equal_materials_give_one_solid():
     mesh = extrude(section_mesh(STEPPED, 4), stations(0.1, 3))
     plain = stiffness_and_mass(mesh, STEEL)
     parted = composite_stiffness_and_mass(mesh, mesh.regions, [STEEL, STEEL])
@@ -116,13 +117,13 @@ def test_composite_solid_equals_beam():
     assert abs(beam[3, 2]) > 1e-3 * np.sqrt(beam[3, 3] * beam[2, 2])
 
 
-def test_one_material_formulas_refuse_composites():
+def test_composite_needs_composite_formulas():
     with pytest.raises(InputError, match="takes sections of one material"):
         section_constants(section_mesh(STEPPED, 4), 0.3)
 
 
 @pytest.mark.exhaustive
-def test_composite_against_sectionproperties():
+def test_composite_equals_sectionproperties():
     """Another finite element code, weighted by E: van Leeuwen, sectionproperties.
 
     Both materials have one Poisson's ratio. Its shear centre by Trefftz is that of the energies.

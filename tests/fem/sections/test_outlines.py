@@ -53,7 +53,7 @@ def by_elements(section, nu, divisions):
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
-def test_section_constants_equal_boundary_elements(section):
+def test_constants_equal_boundary_elements(section):
     """Finite elements converge to the boundary elements.
 
     At re-entrant right angles finite elements converge with h^(4/3): each refinement removes at

@@ -26,7 +26,7 @@ from lumped.sections import (
 from meshes.section.section_mesh import SectionMesh, section_mesh
 
 
-def test_torsion_constant_converges_with_twice_order():
+def test_torsion_constant_has_twice_the_order():
     # The warping function minimises an energy, so that the error of J of a convex section falls as
     # h^2p; for rectangles slightly slower, because of a logarithmic corner term.
     meshes = [section_mesh(Rectangle(0.1, 0.2), divisions) for divisions in (3, 6)]
@@ -55,7 +55,7 @@ def test_ellipse_section_constants():
 
 
 @pytest.mark.parametrize("section", [Rectangle(0.1, 0.16), Circle(0.1), Tube(0.1, 0.02)])
-def test_cowper_coefficients_and_round_sections(section):
+def test_shear_coefficients_equal_cowper(section):
     """Cowper (1966): 10(1+ν)/(12+11ν) for rectangles, 6(1+ν)/(7+6ν) for circles, and tubes."""
     for nu in (0.0, 0.3):
         constants = section_constants(section_mesh(section, 12), nu)
@@ -100,7 +100,7 @@ def test_cubic_material_shear_coefficients():
     assert other[1] != pytest.approx(isotropic[1], rel=1e-3)
 
 
-def test_half_ring_shear_centre_and_warping():
+def test_half_ring_constants_equal_roark():
     """Shear centre at 4R/π, Γ = 2tR⁵/3 (π³/8 − 12/π) (Roark, table of warping constants).
 
     The section is half of a thin ring about the origin, open towards −y.
@@ -118,7 +118,7 @@ def test_half_ring_shear_centre_and_warping():
     assert constants.torsion_constant == pytest.approx(np.pi * radius * thickness**3 / 3, rel=1e-2)
 
 
-def test_rotated_and_shifted_section_constants():
+def test_rotated_section_constants_transform():
     """Rotated rectangle: Iyz = (Iη − Iζ) sin 2α / 2; J and Γ as for the upright one."""
     angle, shift = 0.4, np.array([0.3, -0.2])
     mesh = section_mesh(Rectangle(0.1, 0.2), 6)
@@ -133,7 +133,7 @@ def test_rotated_and_shifted_section_constants():
 
 
 @pytest.mark.exhaustive
-def test_section_constants_equal_sectionproperties():
+def test_constants_equal_sectionproperties():
     """Another finite element code with six-node triangles: van Leeuwen, sectionproperties."""
     library = pytest.importorskip("sectionproperties.pre.library")
     analysis = pytest.importorskip("sectionproperties.analysis")
@@ -159,7 +159,7 @@ def test_section_constants_equal_sectionproperties():
         assert computed.warping_constant == pytest.approx(reference.get_egamma(), rel=5e-3)
 
 
-def test_split_and_mirrored_sections_are_refused():
+def test_split_or_mirrored_mesh_is_refused():
     mesh = section_mesh(Rectangle(0.1, 0.1), 2)
     nodes = np.vstack([mesh.nodes, mesh.nodes + np.array([1.0, 0.0])])
     cells = np.vstack([mesh.cells, mesh.cells + len(mesh.nodes)])
@@ -169,7 +169,7 @@ def test_split_and_mirrored_sections_are_refused():
         section_constants(replace(mesh, nodes=mesh.nodes * np.array([1.0, -1.0])), 0.3)
 
 
-def test_mesh_beam_properties_equal_closed_forms():
+def test_mesh_properties_equal_formulas():
     material = Material(E=2.1e11, G=1.1e11, nu=0.0, rho=7850.0)
     section = Rectangle(0.1, 0.16)
     computed = beam_properties(section_constants(section_mesh(section, 16), 0.0), material)
@@ -178,7 +178,7 @@ def test_mesh_beam_properties_equal_closed_forms():
     )
 
 
-def test_torsional_waves_of_circle_have_no_dispersion():
+def test_circle_torsion_has_no_dispersion():
     """Pochhammer: the lowest torsional wave of a round bar runs at √(G/ρ) at any wave number."""
     mesh = section_mesh(Circle(0.1), 6)
     for k in (1.0, 30.0):
@@ -188,7 +188,7 @@ def test_torsional_waves_of_circle_have_no_dispersion():
         )
 
 
-def test_thick_i_section_wave_matches_warping_rod():
+def test_thick_i_section_wave_equals_reissner():
     """E. Reissner, J. Math. Phys. 31 (1952) 268: a rod with one warping function."""
     mesh = section_mesh(ISection(width=0.1, height=0.16, flange=0.02, web=0.02), 4)
     k = np.pi / 1.6
@@ -214,7 +214,7 @@ def test_thin_i_section_wave_equals_vlasov():
 @pytest.mark.parametrize(
     ("section", "nu"), [(HollowRectangle(0.1, 0.16, 0.01), 0.3), (Circle(0.1), 0.0)]
 )
-def test_straight_cells_contract_freely(section, nu):
+def test_straight_sided_section_contracts_freely(section, nu):
     assert not held_contraction(section_quadrature(section_mesh(section, 2)), nu, 0.4).any()
 
 
@@ -224,7 +224,7 @@ SOFT = Material(E=1.0, G=2.0, nu=0.25, rho=1.0)
 
 @pytest.mark.parametrize("material", [STEEL, AUXETIC, SOFT])
 @pytest.mark.parametrize("section", [Circle(0.1), Tube(0.1, 0.02)])
-def test_curved_cell_moments_equal_plane_strain_energy(section, material):
+def test_curved_section_moments_equal_energy(section, material):
     """Dense generalised plane strain: minimum energy over plane displacements for εxx = y or z.
 
     The minimum is f₀ − fᵀK⁺f; divided by E it gives the second moments with restrained contraction.

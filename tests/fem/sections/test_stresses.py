@@ -50,7 +50,7 @@ def node_at(computed, y, z):
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
-def test_stresses_integrate_to_section_forces(section):
+def test_stress_integrals_are_section_forces(section):
     """∫σ dA = N, ∫σ z dA = My, −∫σ y dA = Mz, ∫τ dA = Q and ∫(y τz − z τy) dA = T."""
     computed = stresses(section)
     quad = section_quadrature(computed.mesh)
@@ -69,7 +69,7 @@ def test_stresses_integrate_to_section_forces(section):
 
 
 @pytest.mark.parametrize("section", SECTIONS[:5], ids=lambda section: section.shape)
-def test_bending_stress_equals_moment_over_modulus(section):
+def test_bending_stress_is_moment_over_modulus(section):
     """σ = M/W with W = I/(h/2) is largest at the rim; σ = N/A everywhere under N."""
     computed = stresses(section)
     width, height = section.extent
@@ -96,7 +96,7 @@ def test_angle_bending_stress_equals_formula():
     np.testing.assert_allclose(computed.normal @ MZ, (iyz * z - iy * y) / determinant, rtol=1e-7)
 
 
-def test_torsion_stress_of_circle_and_tube():
+def test_torsion_stress_of_round_sections():
     """τ = 16 T/πd³ at the rim of a circle, T r/J in a tube; no other stress."""
     for section, expected in (
         (Circle(0.1), 16.0 / (np.pi * 0.1**3)),
@@ -109,7 +109,7 @@ def test_torsion_stress_of_circle_and_tube():
         assert not (computed.normal @ T).any()
 
 
-def test_torsion_stress_of_rectangle_converges_to_series():
+def test_rectangle_torsion_stress_equals_series():
     """τ in the middle of the long side (Timoshenko & Goodier, Theory of Elasticity, §109)."""
     width, height = 0.1, 0.2
     n = np.arange(1, 99, 2)
@@ -127,7 +127,7 @@ def test_torsion_stress_of_rectangle_converges_to_series():
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([2.0, 2.0], abs=0.3)
 
 
-def test_circle_shear_stress_equals_elasticity():
+def test_circle_shear_equals_elasticity():
     """Shear stress of a round bar under a transverse force P, by the theory of elasticity.
 
     (3+2ν)/8(1+ν) Pr²/I at the centre, (1+2ν)/4(1+ν) Pr²/I at the sides (Timoshenko, §115).
@@ -147,7 +147,7 @@ def test_circle_shear_stress_equals_elasticity():
     [(HollowRectangle(0.1, 0.2, 0.004), 2), (ISection(0.1, 0.2, 0.008, 0.004), 1)],
     ids=["box", "i"],
 )
-def test_web_shear_stress_equals_jourawski(section, walls):
+def test_web_shear_equals_jourawski(section, walls):
     """τ = Q S/(I t) on the neutral axis (Jourawski); t is the thickness of all webs together."""
     computed = stresses(section, 16)
     width, height = section.extent
@@ -162,7 +162,7 @@ def test_web_shear_stress_equals_jourawski(section, walls):
     assert mean == pytest.approx(expected, rel=3e-3)
 
 
-def test_box_torsion_stress_equals_bredt():
+def test_box_torsion_equals_bredt():
     """τ = T/(2 A_m t) in the middle of the walls, with the area A_m within the middle line."""
     width, height, wall = 0.1, 0.2, 0.002
     computed = stresses(HollowRectangle(width, height, wall), 8)
@@ -174,7 +174,7 @@ def test_box_torsion_stress_equals_bredt():
     assert mean == pytest.approx(expected, rel=1e-3)
 
 
-def test_shaft_von_mises_stress_equals_hand_result():
+def test_shaft_von_mises_stress_is_exact():
     """Under tension, bending and torque: σ_v² = (4N/πd² + 32M/πd³)² + 3 (16T/πd³)² at the rim."""
     d, tension, bending, torque = 0.1, 4.0e4, 900.0, 1500.0
     computed = stresses(Circle(d), 16)
@@ -186,7 +186,7 @@ def test_shaft_von_mises_stress_equals_hand_result():
     )
 
 
-def test_nodes_near_reentrant_corners_are_excluded():
+def test_corner_nodes_are_excluded():
     """Nodes within area/perimeter of a re-entrant corner are excluded: stress is singular there."""
     for section in SECTIONS[:3]:
         assert stresses(section).regular.all()
@@ -200,7 +200,7 @@ def test_nodes_near_reentrant_corners_are_excluded():
 
 
 @pytest.mark.skipif(not calculix_version(), reason="CalculiX is not installed")
-def test_section_stresses_equal_calculix_solid(tmp_path):
+def test_section_stresses_equal_calculix(tmp_path):
     """σxx, τxy and τxz at the integration points of the middle third, under each unit wrench."""
     width, height, length = 0.06, 0.1, 0.45
     section = Rectangle(width, height)

@@ -117,7 +117,7 @@ class TestEveryLibrary:
         size = np.abs(K.data).max() * np.abs(solution).max() + np.abs(load).max()
         assert np.abs(K @ solution - load).max() <= 1e-13 * size
 
-    def test_factor_survives_later_factorisation(self, matrices):
+    def test_earlier_factor_stays_valid(self, matrices):
         """A factor still solves after another matrix with equal sparsity was factorised."""
         K, M = matrices
         both = pencil(K, M)
@@ -132,7 +132,7 @@ class TestEveryLibrary:
         again = both.symbolic.factorise().solve(load)
         np.testing.assert_allclose(again, before, rtol=0.0, atol=1e-9 * size)
 
-    def test_eigenvalue_count_equals_dense_solution(self, matrices):
+    def test_eigenvalue_count_equals_dense_count(self, matrices):
         K, M = matrices
         exact, both = eigvalsh(K.toarray(), M.toarray()), pencil(K, M)
         for below in (0, 1, 5, 40):
@@ -152,7 +152,7 @@ class TestEveryLibrary:
         with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
             analyse(leg.stiffness).factorise()
 
-    def test_chain_supported_by_rounding_is_refused(self):
+    def test_chain_on_rounding_is_refused(self):
         chain = 2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
         for roundings in (40.0, 4000.0):
             chain[0, 0] = chain[-1, -1] = 1.0
@@ -164,7 +164,7 @@ class TestEveryLibrary:
                 with pytest.raises(NotPositiveDefiniteError):
                     symbolic.factorise("chain")
 
-    def test_zero_pivot_is_paired_or_reported(self):
+    def test_zero_pivot_is_handled_or_reported(self):
         """With a zero diagonal a library uses 2×2 pivots or must report zero pivots."""
         B = np.random.default_rng(5).standard_normal((6, 6))
         matrix = np.block([[np.zeros((6, 6)), B], [B.T, np.zeros((6, 6))]])
@@ -196,7 +196,7 @@ class TestEveryLibrary:
             np.testing.assert_allclose(kind.frequencies, expected_kind.frequencies, rtol=1e-9)
             assert kind.counted == expected_kind.counted
 
-    def test_repeated_computation_agrees(self, leg):
+    def test_repeated_solution_agrees(self, leg):
         """To the same tolerances; only rslab repeats results bit by bit (test_factor.py)."""
         first, second = (clamped_leg(leg) for _ in range(2))
         size = np.abs(first.compliance).max()
@@ -225,11 +225,11 @@ CARD, SMALL = Device("card", 80_000_000_000), Device("small card", 4_000_000_000
         ("cudss", 1, CARD, "cudss"),
     ],
 )
-def test_solver_choice_by_request_size_and_card(request_, unknowns, card, expected):
+def test_solver_follows_request_size_and_card(request_, unknowns, card, expected):
     assert choose(Solver(request_), unknowns, card) is Solver(expected)
 
 
-def test_solver_environment_variable_is_validated(monkeypatch):
+def test_wrong_solver_variable_is_refused(monkeypatch):
     for text, expected in (("", "auto"), ("auto", "auto"), ("rslab", "rslab"), ("petsc", "petsc")):
         monkeypatch.setenv(VARIABLE, text)
         assert requested_solver() is Solver(expected)
@@ -254,7 +254,7 @@ def test_cudss_without_card_is_refused(monkeypatch, matrices):
         analyse(matrices[0])
 
 
-def test_failing_gpu_driver_counts_as_no_card(monkeypatch):
+def test_failing_gpu_driver_means_no_card(monkeypatch):
     insert_card(monkeypatch)
     import cupy  # noqa: PLC0415  the fake one
 
@@ -310,10 +310,8 @@ LOST = CuDSSError("EXECUTION_FAILED (5)")
     ],
 )
 @pytest.mark.parametrize("after", [0, 1, 6])
-def test_failing_card_is_replaced_with_one_warning(
-    leg, card, monkeypatch, call, error, message, after
-):
-    """A card fails at its first or a later call of one kind: all results are those of rslab."""
+def test_failing_card_gives_one_warning(leg, card, monkeypatch, call, error, message, after):
+    """A graphics card fails at its first or a later call: all results are those of rslab."""
     card.fails = call, error, after
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -332,7 +330,7 @@ def test_failing_card_is_replaced_with_one_warning(
     assert results[3] == expected[3]
 
 
-def test_too_little_card_memory_gives_warning(leg, card):
+def test_full_card_memory_gives_warning(leg, card):
     card.free = 1_000_000
     with pytest.warns(SolverFallbackWarning, match=r"unknowns need about 0\.0 GB of its memory"):
         body = clamped_leg(leg)
@@ -351,7 +349,7 @@ def test_mode_search_stays_on_card(leg, card):
     assert card.calls.count("ANALYSIS") == 0
 
 
-def test_deleted_factor_frees_card_memory(matrices, card):
+def test_deleted_factor_frees_memory(matrices, card):
     symbolic = analyse(matrices[0])
     symbolic.factorise().solve(np.ones(symbolic.size))
     assert card.alive == 3

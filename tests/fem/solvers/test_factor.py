@@ -45,7 +45,7 @@ def assert_solves(factor, matrix, columns=2):
     assert np.abs(solution - expected).max() <= 1e-9 * np.abs(expected).max()
 
 
-def test_several_factors_solve_independently(short_leg):
+def test_two_factors_are_independent(short_leg):
     K, M = short_leg
     pieces = csr_array(block_diag([K[:size, :size] for size in (300, 90, 600, 60)]))
     matrices = K, K + 1e6 * M, pieces
@@ -59,7 +59,7 @@ def test_several_factors_solve_independently(short_leg):
     np.testing.assert_array_equal(by_triangle.solve(np.ones(K.shape[0])), solution)
 
 
-def test_solution_is_bitwise_equal_for_any_threads(short_leg, monkeypatch):
+def test_thread_count_does_not_change_bits(short_leg, monkeypatch):
     loads = np.random.default_rng(5).standard_normal((short_leg[0].shape[0], 8))
     solutions = []
     for setting in ("1", "2", "4"):
@@ -72,7 +72,7 @@ def test_solution_is_bitwise_equal_for_any_threads(short_leg, monkeypatch):
         assert threads() == expected
 
 
-def test_matrix_not_positive_definite_is_refused(short_leg, capfd):
+def test_indefinite_factor_is_refused(short_leg, capfd):
     K, M = short_leg
     with pytest.raises(NotPositiveDefiniteError, match=r"leg 1: .*not positive definite"):
         analyse(K - 2.0 * (2.0 * np.pi * 1e4) ** 2 * M).factorise("leg 1")
@@ -99,8 +99,8 @@ def test_unsupported_solid_is_refused(slices, length):
         analyse(without(solid.stiffness, root[[0, 1, 2, -3, -2]])).factorise()
 
 
-def test_spring_chain_held_by_rounding_is_refused():
-    """Springs in series on a support as stiff as 40 or 4000 roundings: all pivots are positive."""
+def test_spring_chain_on_rounding_is_refused():
+    """Springs in series on a support as stiff as 40 or 4000 roundings have positive pivots only."""
     chain = 2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
     for roundings in (40.0, 4000.0):
         chain[0, 0] = chain[-1, -1] = 1.0
@@ -114,7 +114,7 @@ def test_spring_chain_held_by_rounding_is_refused():
                 symbolic.factorise("chain")
 
 
-def test_memory_shortage_is_reported_before_factoring(short_leg, monkeypatch):
+def test_memory_is_checked_before_factoring(short_leg, monkeypatch):
     symbolic = analyse(short_leg[0])
     # The factor needs at least the memory of the lower triangle of K.
     assert 8 * short_leg[0].nnz / 2 < symbolic.peak_bytes < 1e9
@@ -133,7 +133,7 @@ def test_solver_errors_survive_pickling(error):
     assert (type(arrived), str(arrived), vars(arrived)) == (type(error), str(error), vars(error))
 
 
-def test_inertia_with_two_by_two_pivots():
+def test_eigenvalue_count_with_2x2_pivots():
     """With a zero diagonal only 2×2 pivots exist; eigenvalues are ± the singular values of B."""
     B = np.random.default_rng(5).standard_normal((6, 6))
     matrix = np.block([[np.zeros((6, 6)), B], [B.T, np.zeros((6, 6))]])
@@ -143,8 +143,11 @@ def test_inertia_with_two_by_two_pivots():
     assert count_below(pencil(singular, csr_array((3, 3))), 0.0) == Inertia(1, 1, 1)
 
 
-def test_mode_count_with_mass_outside_stiffness():
-    """Mass entries where K is zero, and an entry of K − σM that cancels; dense eigenvalues."""
+def test_mode_count_with_extra_mass_entries():
+    """The mass matrix has entries where K is zero, and an entry of K − σM cancels.
+
+    The count equals that of dense eigenvalues.
+    """
     K, M = np.diag([1.0, 2.0, 6.0]), np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 0.5], [0.0, 0.5, 3.0]])
     K[0, 2] = K[2, 0] = M[0, 2] = M[2, 0] = 0.25
     exact, both = eigvalsh(K, M), pencil(csr_array(K), csr_array(M))

@@ -61,7 +61,7 @@ def assert_nothing_left(folder: Path) -> None:
         time.sleep(0.05)
 
 
-def test_killed_petsc_server_is_reported_and_replaced(ranks, tmp_path):
+def test_killed_petsc_server_is_replaced(ranks, tmp_path):
     factor = analyse(CHAIN).factorise()
     servers = [
         number
@@ -96,7 +96,7 @@ sys.stdin.read()
 
 
 @pytest.mark.parametrize("end", ["exit", "SIGKILL", "SIGINT"])
-def test_ended_client_leaves_no_petsc_processes(ranks, tmp_path, end):
+def test_ended_client_ends_petsc_processes(ranks, tmp_path, end):
     folder = tmp_path / "of client"
     folder.mkdir()
     environment = os.environ | {"TMPDIR": str(folder)}
@@ -118,7 +118,7 @@ def test_ended_client_leaves_no_petsc_processes(ranks, tmp_path, end):
     assert_nothing_left(folder)
 
 
-def test_deleted_petsc_factor_leaves_no_files(ranks, tmp_path):
+def test_deleted_petsc_factor_has_no_files(ranks, tmp_path):
     assert ranks
     symbolic = analyse(CHAIN)
     symbolic.factorise()
@@ -128,7 +128,7 @@ def test_deleted_petsc_factor_leaves_no_files(ranks, tmp_path):
     assert not list(folder.glob("*-*.npy"))
 
 
-def test_petsc_solver_name_has_versions_and_ranks(ranks):
+def test_petsc_name_has_versions_and_ranks(ranks):
     plural = "" if ranks == 1 else "s"
     name = solver_name()
     assert name.startswith("PETSc 3.")
@@ -136,7 +136,7 @@ def test_petsc_solver_name_has_versions_and_ranks(ranks):
     assert name.endswith(f"(sparse LDLᵀ) on {ranks} rank{plural}")
 
 
-def test_petsc_memory_is_checked_before_factoring(ranks, monkeypatch):
+def test_petsc_memory_is_checked_first(ranks, monkeypatch):
     assert ranks
     symbolic = analyse(diags_array([np.full(20_000, 2.0)], offsets=[0], format="csr"))
     assert 20_000 * 16 < symbolic.peak_bytes < 1e9
@@ -147,7 +147,7 @@ def test_petsc_memory_is_checked_before_factoring(ranks, monkeypatch):
 
 
 @pytest.mark.parametrize("text", ["0", "-1", "two", "1.5", "100000"])
-def test_wrong_number_of_ranks_is_refused(monkeypatch, text):
+def test_wrong_rank_count_is_refused(monkeypatch, text):
     monkeypatch.setenv(RANKS_VARIABLE, text)
     message = f'FLEXPROOF_RANKS = "{text}": must be a whole number from 1 to'
     with pytest.raises(InputError, match=message):
@@ -164,7 +164,7 @@ def test_wrong_number_of_ranks_is_refused(monkeypatch, text):
         (shutil.which("false"), "ended with code 1: no message"),
     ],
 )
-def test_missing_petsc_message_has_packages(monkeypatch, interpreter, reason):
+def test_missing_petsc_names_its_packages(monkeypatch, interpreter, reason):
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(PYTHON_VARIABLE, interpreter)
     with pytest.raises(InputError) as refused:
@@ -174,7 +174,7 @@ def test_missing_petsc_message_has_packages(monkeypatch, interpreter, reason):
         assert words in str(refused.value)
 
 
-def test_full_temporary_folder_gives_one_fault(ranks, monkeypatch, tmp_path):
+def test_full_temporary_folder_is_reported(ranks, monkeypatch, tmp_path):
     assert ranks
     symbolic = analyse(CHAIN)
 
@@ -193,7 +193,7 @@ def test_full_temporary_folder_gives_one_fault(ranks, monkeypatch, tmp_path):
             analyse(CHAIN)
 
 
-def test_missing_mpiexec_error_names_debian_package(monkeypatch):
+def test_missing_mpiexec_names_its_package(monkeypatch):
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(PYTHON_VARIABLE, sys.executable)
     monkeypatch.setenv(RANKS_VARIABLE, "3")

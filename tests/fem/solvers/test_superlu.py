@@ -34,7 +34,7 @@ def damaged(monkeypatch, tmp_path):
 
 
 @pytest.mark.usefixtures("damaged")
-def test_small_system_is_solved_by_scipy():
+def test_small_systems_fall_back_to_scipy():
     with pytest.warns(SolverFallbackWarning, match=re.escape(f"cannot be loaded ({REASON}): Sc")):
         symbolic = analyse(CHAIN)
     assert type(symbolic.analysis.ordering) is SuperluOrdering
@@ -46,7 +46,7 @@ def test_small_system_is_solved_by_scipy():
 
 @pytest.mark.usefixtures("damaged")
 @pytest.mark.filterwarnings("ignore::fem.solvers.backends.choice.SolverFallbackWarning")
-def test_superlu_off_diagonal_pivot_is_not_counted():
+def test_superlu_pivot_exchange_is_refused():
     """Pairs with zero diagonals have eigenvalues ±1, which diagonal pivots cannot count."""
     pairs = diags_array([np.tile([1.0, 0.0], 5)[:9]], offsets=[1], shape=(10, 10), format="csr")
     assert analyse(pairs).indefinite("pairs").inertia.zero >= 1
@@ -55,7 +55,7 @@ def test_superlu_off_diagonal_pivot_is_not_counted():
 
 
 @pytest.mark.usefixtures("damaged")
-def test_large_system_without_petsc_gives_one_fault(monkeypatch):
+def test_large_system_without_petsc_is_refused(monkeypatch):
     monkeypatch.setattr("fem.solvers.backends.superlu.LARGEST", 299)
     monkeypatch.setenv(PYTHON_VARIABLE, "/nowhere/python")
     with pytest.raises(ComputationError) as refused:
@@ -68,7 +68,7 @@ def test_large_system_without_petsc_gives_one_fault(monkeypatch):
 
 
 @pytest.mark.usefixtures("damaged")
-def test_large_system_is_solved_by_petsc(monkeypatch):
+def test_large_systems_fall_back_to_petsc(monkeypatch):
     require_petsc()
     monkeypatch.setattr("fem.solvers.backends.superlu.LARGEST", 299)
     with pytest.warns(SolverFallbackWarning, match="PETSc larger ones"):
@@ -79,7 +79,7 @@ def test_large_system_is_solved_by_petsc(monkeypatch):
 
 
 @pytest.mark.usefixtures("damaged")
-def test_requested_rslab_that_fails_is_refused(monkeypatch):
+def test_missing_requested_rslab_is_reported(monkeypatch):
     monkeypatch.setenv(VARIABLE, "rslab")
     message = re.escape(f"solver rslab: cannot be loaded ({REASON}); install rslab again")
     for use in (lambda: analyse(CHAIN), lambda: request_solver(None)):

@@ -56,11 +56,11 @@ UNKNOWN = (
 
 
 @pytest.mark.parametrize("name", UNKNOWN)
-def test_unknown_measured_quantity_name_gives_none(name):
+def test_unknown_quantity_name_gives_none(name):
     assert measured_quantity(name, RESPONSES) is None
 
 
-def test_signed_component_differs_from_vector():
+def test_component_and_vector_are_distinct():
     for whole in UNIT_LOADS[:6]:
         component = measured_quantity(whole.name)
         assert component != whole
@@ -69,7 +69,7 @@ def test_signed_component_differs_from_vector():
         assert (component.column, component.rotational) == (whole.column, whole.rotational)
 
 
-def test_quantity_units():
+def test_quantities_have_si_units():
     units = {quantity.name: quantity.unit for quantity in JUDGED}
     assert units["x"] == units["any_force"] == units["response:mill"] == "m/N"
     assert units["phi_z"] == "rad/(N m)"
@@ -80,7 +80,7 @@ def test_quantity_units():
     assert (measured["z"], measured["phi_x"], measured["f2"]) == ("m", "rad", "Hz")
 
 
-def test_compliance_unit_is_displacement_per_load():
+def test_compliance_unit_is_metre_per_newton():
     displacements, loads = (
         ("m", "m", "m", "rad", "rad", "rad"),
         ("N", "N", "N", "N m", "N m", "N m"),
@@ -94,7 +94,7 @@ def test_compliance_unit_is_displacement_per_load():
         assert entry.unit == reduced_units[f"{displacements[i]}/{loads[j]}"]
 
 
-def test_each_quantity_is_static_modal_or_harmonic():
+def test_each_quantity_has_one_kind():
     tests = (SIZE_FAR_BELOW, *map(size_at_mode, range(1, 4)))
     for quantity in (*JUDGED, *measurable().values(), *tests):
         assert quantity.static + quantity.modal + quantity.harmonic == 1
@@ -115,7 +115,7 @@ def test_columns_are_numbered_per_kind():
     assert ANY_FORCE.static_column == 6
 
 
-def test_quantity_labels_and_meanings():
+def test_quantities_have_labels_and_meanings():
     words = {quantity.name: (quantity.label, quantity.meaning) for quantity in JUDGED}
     assert words["phi_x"] == ("φx", "rotation under a moment about x")
     assert words["load:cutting"] == ("load cutting", "displacement under the load cutting")

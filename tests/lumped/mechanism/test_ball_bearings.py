@@ -20,7 +20,7 @@ from lumped.system.solution import compliance, solved
 E_STAR = 2.075e11 / (2.0 * (1.0 - 0.3**2))
 
 
-def test_contact_of_two_spheres_equals_hertz():
+def test_contact_of_spheres_equals_hertz():
     """Q = (4/3) E* √R δ^(3/2) with 1/R = 1/R₁ + 1/R₂ (Johnson, Contact Mechanics, eq. 4.23)."""
     first, second = 5e-3, 8e-3
     radius = 1.0 / (1.0 / first + 1.0 / second)
@@ -45,7 +45,7 @@ def test_contact_curvatures_equal_harris(size, inner, outer):
         assert curvature_difference(curvatures) == pytest.approx(difference, abs=5e-4)
 
 
-def test_contact_constant_of_steel_equals_harris():
+def test_steel_contact_equals_harris():
     """K = 2.15e5 Σρ^(−1/2) δ*^(−3/2) N/mm^1.5; inner contact of 218: 0.108/mm, δ* 0.634."""
     bearing = bearing_of_size("7218")
     D = bearing.ball_diameter
@@ -57,7 +57,7 @@ def test_contact_constant_of_steel_equals_harris():
     assert own == pytest.approx(expected, rel=5e-3)
 
 
-def test_contact_angle_under_thrust_is_near_harris():
+def test_thrust_contact_angle_is_near_harris():
     """Bearing 218 under 17.8 kN: 41.6° by Harris with a constant from Jones' chart, 10 % softer."""
     angle, _ = bearing_of_size("7218").under_preload(17.8e3)
     assert np.degrees(angle) == pytest.approx(41.6, abs=0.15)
@@ -76,7 +76,7 @@ BEARINGS = {
 
 
 @pytest.mark.parametrize("kind", BEARINGS)
-def test_bearing_stiffness_is_force_derivative(kind):
+def test_ring_stiffness_is_force_derivative(kind):
     """Ball forces from the distance of the groove centres, differentiated by moving a ring 1 nm."""
     bearing, preload = BEARINGS[kind]
     angle, approach = bearing.under_preload(preload)
@@ -128,7 +128,7 @@ def test_bearing_pair_is_twice_as_stiff():
     assert not single[3:, 3].any() or abs(single[3, 3]) <= 1e-9 * single[4, 4]
 
 
-def test_bearing_stiffness_grows_with_cube_root():
+def test_stiffness_grows_with_cube_root():
     """dF/dx ∝ F^(1/3) at a constant contact angle, which grows by 0.3° here: 1 to 2 %."""
     bearing, _ = BEARINGS["angular"]
     soft, stiff = (bearing.stiffness(preload, 1.0, 0.0)[0, 0] for preload in (1.0, 8.0))
@@ -151,8 +151,8 @@ bearing = { BEARING }
 """
 
 
-def test_bearing_joint_has_bearing_compliance():
-    """A pair of angular contact bearings: the tool yields along x by 1/(2k) of the rings."""
+def test_bearing_joint_yields_as_its_rings():
+    """A joint on two angular contact bearings: the compliance of the tool along x is 1/(2k)."""
     inside = "balls = 12, ball_diameter = 10e-3, pitch_diameter = 60e-3, contact_angle = 25.0"
     text = ARM.replace("BEARING", f"{inside}, preload = 600.0, rows = 2, distance = 0.03")
     own = compliance(solved(assemble(reference_posture(described(text)), {})))
@@ -187,7 +187,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("bearing", FAULTS)
-def test_wrong_bearing_gives_one_fault(bearing):
+def test_wrong_bearing_is_refused(bearing):
     with pytest.raises(InputError) as error:
         described(ARM.replace("BEARING", bearing))
     assert error.value.faults == (FAULTS[bearing],)

@@ -20,11 +20,12 @@ def guide(lines):
 
 
 @pytest.mark.parametrize(("lines", "lever"), [("O", WIDTH + HEIGHT), ("X", WIDTH - HEIGHT)])
-def test_four_row_guide_stiffness_equals_hand_result(lines, lever):
-    """Per ball k = dQ/dδ = (3/2) Q/δ along its line, Q/ℓ across; 45°: both sin² and cos² are ½.
+def test_guide_stiffness_is_sum_over_balls(lines, lever):
+    """Each ball has k = dQ/dδ = (3/2) Q/δ along its contact line and Q/ℓ across it.
 
-    Rolling, the lines of O pass the middle at (w + h)/2√2, those of X at (w − h)/2√2, and the
-    directions across the other way round. Pitching and yawing, the balls resist with x².
+    At 45° both sin² and cos² are ½. In roll (about the rail), contact lines of type O have the
+    lever arm (w + h)/2√2 and those of type X (w − h)/2√2; directions across have the other one. In
+    pitch and yaw each ball resists with x², its distance along the rail.
     """
     constant = hertz_constant((2.0 / D, 2.0 / D, 0.0, -1.0 / (0.52 * D))) / 2.0**1.5
     load = PRELOAD / (2.0 * BALLS * np.sin(ALPHA))
@@ -43,7 +44,7 @@ def test_four_row_guide_stiffness_equals_hand_result(lines, lever):
     assert np.abs(off).max() <= 1e-9 * straight * WIDTH
 
 
-def test_steeper_contact_is_stiffer_along_normal():
+def test_steep_contact_is_stiffer_normally():
     """Normal over lateral stiffness is sin²α/cos²α = 3 at α = 60°, less a few percent."""
     steep = BallGuide(BALLS, D, SPACING, WIDTH, HEIGHT, np.radians(60.0), 0.52, "O")
     matrix = steep.stiffness(PRELOAD)
@@ -73,7 +74,7 @@ preload = {PRELOAD}
 """
 
 
-def test_guide_joint_has_guide_compliance():
+def test_guide_joint_yields_as_its_carriage():
     """Rail along y: lateral displacement and roll move the tool, 0.2 m above, along x."""
     text = SLIDE.replace("UP", "up = [0.0, 0.0, 1.0]")
     own = compliance(solved(assemble(reference_posture(described(text)), {})))
@@ -93,7 +94,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("text", FAULTS, ids=["up", "spacing"])
-def test_wrong_guide_gives_one_fault(text):
+def test_wrong_guide_is_refused(text):
     with pytest.raises(InputError) as error:
         described(text)
     assert error.value.faults == (FAULTS[text],)

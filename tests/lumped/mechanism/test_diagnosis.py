@@ -33,7 +33,7 @@ def tilted(tables, joint, towards):
 
 @pytest.mark.parametrize("towards", [1, 2])
 @pytest.mark.parametrize("joint", FIVE_BAR["joints"])
-def test_tilted_axis_in_five_bar_is_reported(joint, towards):
+def test_tilted_five_bar_axis_is_reported(joint, towards):
     """All five axes are parallel: the other four give the direction of the tilted one."""
     (fault,) = tilted(FIVE_BAR, joint, towards)
     assert fault.startswith(f"dictionary: joints.{joint}.axis = ")
@@ -42,7 +42,7 @@ def test_tilted_axis_in_five_bar_is_reported(joint, towards):
 
 
 @pytest.mark.parametrize("joint", ["hinge_x", "pin_x1", "eye_x1", "pin_x2", "eye_x2", "wrist_x"])
-def test_tilted_axis_in_orthoglide_is_reported(joint):
+def test_tilted_orthoglide_axis_is_reported(joint):
     fault = tilted(ORTHOGLIDE, joint, 1 if joint in TWINS else 2)[0]
     key = f"joints.{joint}.axis"
     if joint in TWINS:

@@ -110,7 +110,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("kind", CASES)
-def test_joint_compliance_in_rotated_axes(kind):
+def test_joint_compliance_rotates_with_axes(kind):
     """Rounding errors of the 6×6 sums are below 1e-14 of the largest term."""
     lines, springs = CASES[kind]
     mechanism = joined(*lines)
@@ -125,7 +125,7 @@ def chain_compliance(mechanism):
     return serial_chains.compliance(reference_posture(mechanism), {})
 
 
-def test_slide_axes_rotate_with_first_body():
+def test_slide_axes_turn_with_first_body():
     """The crank at 90° rotates the axes of the slide, which is the only elastic joint."""
     text = """
     schema = 2
@@ -184,8 +184,11 @@ def test_all_rigid_directions_give_rigid_joint():
     assert joined(*lines).joints[0].compliance is None
 
 
-def test_ball_joint_has_axial_and_radial_stiffness():
-    """A rigid rod between ball joints carries only an axial force; each joint yields by n·C n."""
+def test_ball_joint_yields_along_its_rod():
+    """A rigid rod between ball joints carries only an axial force.
+
+    Each joint is displaced by n·C n per unit force along the rod's direction n.
+    """
     stiffness = f"{{ axial = {AXIAL}, radial = {RADIAL} }}"
     mechanism = described(f"""
     schema = 2
@@ -220,7 +223,7 @@ def test_ball_joint_has_axial_and_radial_stiffness():
     assert np.abs(computed).max() <= 1e-20
 
 
-def test_universal_joint_torsion_in_bent_posture():
+def test_bent_universal_joint_has_torsion():
     """A unit moment about the normal of both axes rotates by 1/k at any bend angle of the joint."""
     axes = np.array([Y, Z])
     compliance = joint_matrix("universal", joint_axes("universal", axes, None), {"torsion": 1e-5})
@@ -264,7 +267,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("lines", FAULTS)
-def test_wrong_joint_stiffness_gives_one_fault(lines):
+def test_wrong_joint_stiffness_is_refused(lines):
     unit = str((1e-9 * np.eye(6)).tolist())
     with pytest.raises(InputError) as error:
         joined(*REVOLUTE[:2], *lines.replace("UNIT", unit).split("\n"))
@@ -283,14 +286,14 @@ SLIDE_FAULTS = {
 
 
 @pytest.mark.parametrize("up", SLIDE_FAULTS)
-def test_wrong_slide_normal_gives_one_fault(up):
+def test_wrong_slide_normal_is_refused(up):
     with pytest.raises(InputError) as error:
         joined(*SLIDE[:2], up, *SLIDE[3:])
     assert error.value.faults == (SLIDE_FAULTS[up],)
 
 
-def test_copied_joint_has_rotated_directions():
-    """A hub on three seats, 120° apart: the compliance of each is the first one's, turned."""
+def test_copied_joint_has_rotated_stiffness():
+    """A hub on three seats, 120° apart: the compliance of each is that of the first, rotated."""
     mechanism = described("""
     schema = 2
     name = "hub"

@@ -101,7 +101,7 @@ def test_joint_allows_only_its_free_twists(kind, place, turn, values):
         ([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]], "axis 2 has length 2: must be a unit vector"),
     ],
 )
-def test_wrong_universal_joint_axes_are_refused(axes, message):
+def test_wrong_cardan_axes_are_refused(axes, message):
     with pytest.raises(InputError, match=message):
         Joint("j", "universal", Side("a", "P"), Side("b", "P"), np.array(axes))
 
@@ -214,7 +214,7 @@ def test_delta_kinematics_equal_closed_form():
             assert angle == pytest.approx(droops - droop, abs=1e-10)
 
 
-def test_joint_angle_continues_beyond_half_turn(five_bar):
+def test_joint_angle_exceeds_half_a_turn(five_bar):
     """Crank and rod alone, both driven: the elbow rotates by 230°, the rod by 150°."""
     joints = {joint.name: joint for joint in five_bar.joints}
     motor, elbow = joints["motor1"], replace(joints["elbow1"], drive=joints["motor1"].drive)
@@ -233,7 +233,7 @@ def test_joint_angle_continues_beyond_half_turn(five_bar):
     assert [angles["motor1"][0], angles["elbow1"][0]] == pytest.approx([back, turned - back])
 
 
-def test_open_joint_in_reference_is_reported(five_bar):
+def test_open_reference_joint_is_reported(five_bar):
     frame = five_bar.reference["rod2"]
     shifted = replace(frame, position=frame.position + 1e-6 * np.eye(3)[1])
     moved = replace(five_bar, reference={**five_bar.reference, "rod2": shifted})
@@ -241,7 +241,7 @@ def test_open_joint_in_reference_is_reported(five_bar):
         posture(moved, np.array([0.0, 0.5]))
 
 
-def test_imprecise_axis_reports_missing_digits():
+def test_imprecise_axis_is_reported():
     mechanism = load_robot("3-rrr").mechanism
 
     def tilted(angle):
@@ -258,7 +258,7 @@ def test_imprecise_axis_reports_missing_digits():
     assert mobility(reference_posture(tilted(1e-4))).almost_redundant == 1
 
 
-def test_unreachable_pose_reports_joint_and_progress():
+def test_unreachable_pose_names_its_joint():
     iterated = replace(load_robot("ifw").mechanism, inverse_kinematics=None)
     # Of the way of 0.4025 m from the reference pose to x = 0.9 m, 0.3525 m lie within the stroke:
     # 88 %.
@@ -293,7 +293,7 @@ def test_leg_frames_reach_from_slide_to_b(x):
 
 
 @pytest.mark.parametrize("short", [1e-3, 1e-6, 1e-9, 1e-12])
-def test_leg_height_is_accurate_at_stroke_ends(short):
+def test_leg_height_is_exact_at_stroke_ends(short):
     """Against rational arithmetic; L² − x² in floating point would have an error of 1e-16 L²."""
     stroke = Stroke(0.75, 0.85, 0.775)
     for x in (stroke.ends[0] + short, stroke.ends[1] - short):
@@ -310,8 +310,8 @@ def test_position_outside_stroke_is_refused(x):
 
 
 @pytest.mark.parametrize("alpha", [0.7, 1.0, 2.0])
-def test_family_member_keeps_stroke_and_section(alpha):
-    """Eqs (10), (11): L = α L0, a = α (L10 + L20) − d with d, EA, EI, GJ and μ unchanged."""
+def test_robot_family_keeps_stroke(alpha):
+    """Paper, eqs (10), (11): L = α L0 and a = α (L10 + L20) − d; d, EA, EI, GJ, μ are unchanged."""
     a, *legs = family_member(0.92, LEG1, LEG2, alpha)
     assert a == pytest.approx(alpha * 1.625 - 0.705, rel=1e-14)
     for leg, original in zip(legs, (LEG1, LEG2), strict=True):
@@ -320,7 +320,7 @@ def test_family_member_keeps_stroke_and_section(alpha):
         assert leg.mass == pytest.approx(alpha * original.mass, rel=1e-14)
 
 
-def test_family_needs_legs_that_can_meet():
+def test_robot_family_needs_legs_that_meet():
     """a > α |L10 − L20| gives α > d / (2 L20) = 0.705/1.55 = 0.4548; a > 0 gives 0.4338."""
     for alpha, message in ((0.4549, ""), (0.4548, "never becomes horizontal"), (0.43, "a > 0")):
         a, leg1, leg2 = family_member(0.92, LEG1, LEG2, alpha)
@@ -329,7 +329,7 @@ def test_family_needs_legs_that_can_meet():
         assert message in faults
 
 
-def test_postures_from_file_reading_are_memoised(monkeypatch):
+def test_postures_are_computed_once(monkeypatch):
     forget()
     mechanism = load_robot("five-bar").mechanism
     monkeypatch.setattr("lumped.mechanism.kinematics.postures._continued", pytest.fail)

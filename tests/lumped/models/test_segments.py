@@ -51,7 +51,7 @@ def test_segment_tip_compliance_is_exact(properties, leg_of, elements, digits):
     # The paper prints +5.2 % for the first frequency at n = 20 in the printed ("literal") layout.
     [("half", 2.0, 0.0, 0.002), ("literal", 1.0, 0.052, 0.0005)],
 )
-def test_segment_frequency_convergence_order(layout, order, error, tolerance):
+def test_segment_frequencies_have_order_two(layout, order, error, tolerance):
     """First three bending frequencies of a clamped-free Euler–Bernoulli leg, deflecting along y."""
     counts = np.array([20, 40, 80])
     exact = (CLAMPED_FREE_ROOTS / LENGTH) ** 2 * np.sqrt(SLENDER.EIz / SLENDER.mu) / (2.0 * np.pi)
@@ -109,7 +109,7 @@ def test_printed_tip_joint_is_too_stiff():
     assert_allclose(compliance, tip_compliance(BEAM, LENGTH)[untouched], rtol=1e-10, atol=1e-20)
 
 
-def test_segment_centreline_in_rigid_motion():
+def test_segments_follow_rigid_motion():
     stations = (0.0, 0.1, 0.4, LENGTH)
     leg = segment_leg(segment_chain(BEAM, LENGTH, 3))
     rigid = np.vstack([along(share * LENGTH) for share in (0.0, 1.0, 1 / 6, 1 / 2, 5 / 6)])

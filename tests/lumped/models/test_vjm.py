@@ -46,7 +46,7 @@ def deflections(compliance):
     ("x", "fx", "fy", "fz"),
     [(0.145, 0.42, 8.76, 26.1), (0.4975, 8.81, 4.19, 27.2), (0.850, 2.97, 6.15, 27.6)],
 )
-def test_vjm_deflections_of_demonstrator(x, fx, fy, fz):
+def test_vjm_deflections_equal_paper(x, fx, fy, fz):
     """Values printed in the paper, to half a unit of the last digit (27.145 is printed as 27.2)."""
     computed = deflections(compliance(IFW.mechanism, x))
     assert np.all(np.abs(computed - [fx, fy, fz]) <= [0.005, 0.005, 0.06])
@@ -71,7 +71,7 @@ def arm(bend, metre=1.0):
 
 @pytest.mark.parametrize("metre", [1e-6, 1e-3, 1e3, 1e6])
 @pytest.mark.parametrize(("bend", "rank"), [(0.0, 4), (1e-3, 3)])
-def test_stretched_arm_releases_two_motions(bend, rank, metre):
+def test_stretched_hinges_release_two_motions(bend, rank, metre):
     """Three hinges with parallel axes release two motions when in line and three when bent."""
     K = arm(bend)
     assert np.linalg.matrix_rank(K, tol=1e-6 * K.max()) == rank
@@ -80,7 +80,7 @@ def test_stretched_arm_releases_two_motions(bend, rank, metre):
     assert bend or K[0, 0] == pytest.approx(1e8 / 2.0, rel=1e-12)
 
 
-def test_joint_frees_rigid_direction_of_spring():
+def test_joint_motion_replaces_rigid_spring():
     """Sθ = diag(c, c, c, c, c, 0) alone is singular; with a hinge about z the stiffness exists."""
     spring = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 0.0]) * 1e-9
     K = stiffness(O, [(O, about(*Z))], [(O, spring)])
@@ -135,7 +135,7 @@ def test_free_platform_reports_motion(K, words):
 
 @pytest.mark.parametrize("side", [0.1, 0.002])
 @pytest.mark.parametrize("angle", np.linspace(0.1, 3.0, 5))
-def test_free_platform_on_slender_legs_is_refused(side, angle):
+def test_free_platform_of_slender_leg_is_refused(side, angle):
     """Leg of slenderness 10 to 500 on one hinge: the free motion is found up to EA L²/EI = 3e6."""
     I = side**4 / 12.0
     leg = constant_leg(1.0, EA=2e11 * side**2, EIy=2e11 * I, EIz=2e11 * I, GJ=3e11 * I, mass=1.0)
@@ -146,7 +146,7 @@ def test_free_platform_on_slender_legs_is_refused(side, angle):
         vjm.platform_compliance(K)
 
 
-def test_tool_offset_and_compliance_are_applied():
+def test_tool_offset_transforms_compliance():
     """A rigid offset X gives C_P = X C_B Xᵀ; the planar deflection grows to 13.6 µm (notes §1).
 
     The paper prints no sign of the offset; 13.6 µm results with the tool on the −z side.

@@ -34,13 +34,13 @@ def robot_with(tmp_path):
     return load
 
 
-def test_omitted_agreement_limits_have_defaults(robot_with):
+def test_agreement_limits_have_defaults(robot_with):
     assert asdict(load_robot("ifw").agreement) == DEFAULTS
     assert asdict(robot_with("").agreement) == DEFAULTS
 
 
 @pytest.mark.parametrize("robot", ["ifw", "five-bar"])
-def test_agreement_limits_are_read_in_both_schemas(robot_with, robot):
+def test_agreement_limits_are_read(robot_with, robot):
     table = 'elements = 12\nconvergence = 0.02\ncompliance = 0.003\nfrequency = 0.04\nends = "free"'
     read = robot_with(table, robot).agreement
     assert read == AgreementLimits(12, 0.02, 0.003, 0.04, "free")
@@ -60,7 +60,7 @@ def test_agreement_limits_are_read_in_both_schemas(robot_with, robot):
         ("element = 20", 'agree.element: unknown key; did you mean "elements"?'),
     ],
 )
-def test_wrong_agreement_limit_gives_one_fault(robot_with, agree, fault):
+def test_wrong_agreement_limit_is_refused(robot_with, agree, fault):
     with pytest.raises(InputError) as raised:
         robot_with(agree)
     (line,) = raised.value.faults
@@ -81,7 +81,7 @@ def test_solid_ends_follow_table_then_leg(ends, leg_ends, expected):
     assert AgreementLimits(ends=ends).ends_of(leg_ends) == expected
 
 
-def test_agreement_limit_is_no_uncertain_input(robot_with):
+def test_agreement_limit_is_not_uncertain(robot_with):
     """Key `agree.compliance` ends like the compliances that `--inputs` assumes to be uncertain."""
     robot = replace(robot_with("compliance = 0.002"), supposed=0.05)
     assert "foot.compliance" in robot.uncertain_inputs

@@ -51,7 +51,7 @@ def test_repeated_csv_column_is_refused(csv):
         read_measured(path)
 
 
-def test_robot_file_limits_measurements_uncertainty(tmp_path):
+def test_limits_and_measurements_are_read(tmp_path):
     original = load_robot("ifw")
     robot = robot_of(original.text + ADDED_TABLES, tmp_path)
     asked = robot.requirement
@@ -70,7 +70,7 @@ def test_robot_file_limits_measurements_uncertainty(tmp_path):
     np.testing.assert_allclose((less, more), (0.95 * foot, 1.05 * foot), rtol=1e-12)
 
 
-def test_accept_options_override_file_limits():
+def test_accept_option_overrides_file():
     requirement = Requirement(rely=("beam",))
     quantities = ("x", "y", "z", "phi_x", "phi_y", "phi_z", "any_force", "f1", "f2", "f3", "f4")
     assert [quantity.name for quantity in requirement.quantities] == [*quantities, "order"]
@@ -93,7 +93,7 @@ def test_wrong_accept_options_are_refused(option):
     assert any(option in fault for fault in refused.value.faults)
 
 
-def test_measured_values_are_read_from_csv(csv):
+def test_csv_values_are_read(csv):
     x = "x,0.4975,8.9e-6,1e-7,laser tracker,1000\n"
     rest = "f1,0.4975,113.2,0.5,hammer,\nleg1.c22,,1.77e-7,2e-9,test stand,\n"
     measured = with_measured(load_robot("ifw"), csv(HEAD + x + rest)).measured
@@ -127,7 +127,7 @@ def test_measured_values_are_read_from_csv(csv):
         ("x,0.3,one,1,s,", 'line 2.value = "one": must be a number'),
     ],
 )
-def test_csv_fault_reports_line_and_value(csv, line, message):
+def test_csv_error_has_line_and_value(csv, line, message):
     path = csv(f"{HEAD}{line}\n")
     with pytest.raises(InputError) as raised:
         with_measured(load_robot("ifw"), path)
@@ -136,7 +136,7 @@ def test_csv_fault_reports_line_and_value(csv, line, message):
     )
 
 
-def test_csv_without_measured_values_is_refused(csv, tmp_path):
+def test_csv_without_values_is_refused(csv, tmp_path):
     for text, message in (("a,b\n1,2\n", "lacks the column"), (HEAD, "contains no")):
         with pytest.raises(InputError, match=message):
             read_measured(csv(text))
@@ -158,7 +158,7 @@ def read(folder, csv, robot=ROBOT):
     return robot_of(robot, folder)
 
 
-def test_wrench_rows_by_pose_number_or_coordinates(tmp_path):
+def test_wrench_rows_match_pose_or_coordinates(tmp_path):
     by_number = read(tmp_path, WRENCHES)
     by_coordinate = f"time,{AXES},x\n0,{CELLS[2]},0.2\n1,{CELLS[1]},0.05\n2,{CELLS[0]},-0.1\n"
     for robot in (by_number, read(tmp_path, by_coordinate)):
@@ -168,7 +168,7 @@ def test_wrench_rows_by_pose_number_or_coordinates(tmp_path):
     assert by_number.sha256 != robot.sha256
 
 
-def test_repeated_pose_needs_equal_wrenches(tmp_path):
+def test_wrenches_of_a_pose_must_be_equal(tmp_path):
     repeated = ROBOT.replace(LINE, "poses = [[0.1], [0.1]]")
     rows = f"pose,{AXES}\n1,{CELLS[0]}\n2,"
     (load,) = read(tmp_path, f"{rows}{CELLS[0]}\n", repeated).mechanism.loads
@@ -193,7 +193,7 @@ def test_repeated_pose_needs_equal_wrenches(tmp_path):
         (f"x,{AXES}\n0.07,{CELLS[0]}\n", "line 2: x = 0.07 m: must be a pose of the path"),
     ],
 )
-def test_wrench_csv_fault_reports_line_and_column(tmp_path, csv, message):
+def test_wrench_error_has_line_and_column(tmp_path, csv, message):
     with pytest.raises(InputError) as raised:
         read(tmp_path, csv)
     fault = raised.value.faults[0]

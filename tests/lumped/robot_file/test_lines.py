@@ -35,7 +35,7 @@ def leg_of(**leg):
     return shape
 
 
-def test_line_length_of_corners_and_arcs():
+def test_line_length_of_corner_and_arc():
     """0.3 m straight, then a quarter circle of radius 0.3 m: a length of 0.3 + 0.15 π m."""
     middle = [0.3 + 0.3 * np.sqrt(0.5), 0.3 * (1.0 - np.sqrt(0.5)), 0.0]
     leg = leg_of(points={"K": [0.3, 0.0, 0.0]}, through=["K", {"arc": middle}], section=STOUT)
@@ -61,7 +61,7 @@ def test_stations_by_length_fraction_or_point():
     assert half.section_at(0.25 * half.line.length).width == pytest.approx(0.045)
 
 
-def test_tapered_leg_mass_equals_volume_integral():
+def test_tapered_leg_mass_is_exact():
     """∫ b h over the length fraction with linear b and h is (b₀h₀ + b₁h₁ + (b₀h₁ + b₁h₀)/2)/3."""
     length = np.hypot(0.6, 0.3)
     area = (0.06 * 0.04 + 0.03 * 0.03 + 0.5 * (0.06 * 0.03 + 0.03 * 0.04)) / 3.0
@@ -178,7 +178,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("said", FAULTS)
-def test_line_leg_fault_has_one_line_with_key(said):
+def test_wrong_line_leg_is_refused(said):
     leg = {"material": STEEL, **FAULTS[said]}
     file = tables(**{key: value for key, value in leg.items() if value is not None})
     if leg["material"] is None:

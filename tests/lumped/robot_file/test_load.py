@@ -54,14 +54,14 @@ def test_valid_biglide_file_is_read(tmp_path):
     assert "spring" not in joints_of(loaded.mechanism)
 
 
-def test_byte_order_mark_and_crlf_are_accepted(tmp_path):
+def test_byte_order_mark_and_crlf_are_read(tmp_path):
     path = tmp_path / "windows.toml"
     path.write_bytes(b"\xef\xbb\xbf" + SOUND.replace("\n", "\r\n").encode())
     slides = load_robot(path).mechanism.reference
     assert (slides["slide2"].position - slides["slide1"].position)[0] == 0.9
 
 
-def test_loss_factors_of_all_parts_are_read(tmp_path):
+def test_all_loss_factors_are_read(tmp_path):
     """Loss factors of the biglide's legs, feet, drives and tool, and of a five-bar robot's body."""
     steel, lossy = "rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }"
     text = f"{SOUND}\n[tool]\ncompliance = {(1e-9 * np.eye(6)).tolist()}\n".replace(steel, lossy)
@@ -77,7 +77,7 @@ def test_loss_factors_of_all_parts_are_read(tmp_path):
     assert robot_of(text, tmp_path).mechanism.bodies["crank1"].loss == 0.01
 
 
-def test_mass_replaces_density_and_g_is_independent(tmp_path):
+def test_mass_and_shear_modulus_are_read(tmp_path):
     text = SOUND.replace(", rho = 7850.0", "").replace("length = 0.85", "length = 0.85\nmass = 60")
     leg = legs_of(robot_of(text, tmp_path).mechanism)["leg1"]
     # E over 2(1 + ν)
@@ -86,7 +86,7 @@ def test_mass_replaces_density_and_g_is_independent(tmp_path):
     assert legs_of(soft)["leg1"].material.G == 7e10
 
 
-def test_active_tool_compliance_is_symmetrised():
+def test_tool_compliance_is_symmetrised():
     loaded = load_robot("ifw")
     assert "spring" not in joints_of(loaded.mechanism)
     # Entries that agree to seven digits are accepted as symmetric.
@@ -128,7 +128,7 @@ def faults_of(tables):
 
 
 @pytest.mark.parametrize("wrong", list(invalid_files()), ids=str)
-def test_fault_line_has_key_and_allowed_values(wrong):
+def test_error_has_key_and_allowed_values(wrong):
     faults = faults_of(wrong.tables())
     assert len(faults) == len(wrong.said), faults
     for line in wrong.said:
@@ -136,7 +136,7 @@ def test_fault_line_has_key_and_allowed_values(wrong):
     assert not any("\n" in fault for fault in faults)
 
 
-def test_empty_file_reports_all_missing_keys():
+def test_empty_file_lists_missing_keys():
     missing = {fault.split(": missing")[0] for fault in faults_of({})}
     keys = ("schema", "name", "type", "geometry", "platform", "actuators", "leg1", "leg2")
     assert missing == set(keys)
@@ -164,7 +164,7 @@ ROCKER = ROOT / "examples" / "rocker" / "robot.toml"
 PATH = "from = [-0.20, 0.45]\nto = [0.20, 0.55]\ncount = 9"
 
 
-def test_bodies_are_placed_at_their_points():
+def test_bodies_are_placed_by_points():
     mechanism = load_robot("delta").mechanism
     arm, frame = mechanism.bodies["arm1"], mechanism.reference["arm1"]
     assert isinstance(arm.shape, ConstantLeg)
@@ -226,7 +226,7 @@ def test_digest_covers_included_files(tmp_path):
         ),
     ],
 )
-def test_interface_face_selections_are_read(table, expected):
+def test_interface_faces_are_read(table, expected):
     assert interface_of(INTERFACE.read(table)) == expected
 
 
@@ -242,7 +242,7 @@ def test_path_poses_form_line_or_grid(tmp_path):
     assert poses == pytest.approx(np.array(expected))
 
 
-def test_slide_axis_follows_from_two_points():
+def test_two_points_give_slide_axis():
     mechanism = load_robot("hexapod").mechanism
     drive = next(joint for joint in mechanism.joints if joint.name == "drive1")
     leg = mechanism.reference["strut1"].rotation[:, 0]
@@ -266,7 +266,7 @@ def numbers(mechanism):
     return values
 
 
-def test_guide_biglide_equals_built_in_biglide(tmp_path):
+def test_guide_biglide_is_built_in_biglide(tmp_path):
     guide = (ROOT / "docs" / "guide" / "mechanisms.md").read_text(encoding="utf-8")
     text = re.search(r"(?ms)^```toml written-out.toml\n(.*?)^```", guide)[1]
     robots = (robot_of(text, tmp_path), load_robot("biglide"))
@@ -352,7 +352,7 @@ def test_wrong_values_violate_json_schema():
     assert sum(not valid(SCHEMA, wrong.tables()) for wrong in invalid_files()) == 76
 
 
-def test_guide_lists_all_robot_file_keys():
+def test_guide_lists_all_keys():
     script = runpy.run_path(str(ROOT / "docs" / "pictures" / "keys.py"))
     page = script["PAGE"].read_text("utf-8")
     assert script["renewed"](page) == page, "renew it: python docs/pictures/keys.py"
@@ -362,7 +362,7 @@ def test_guide_lists_all_robot_file_keys():
     ("robot", "keys"),
     [("biglide", ("leg1.section", "foot.compliance")), ("delta", ("bodies.NAME.up",))],
 )
-def test_template_is_robot_with_key_list(robot, keys, tmp_path):
+def test_template_is_a_valid_robot(robot, keys, tmp_path):
     path = tmp_path / "new.toml"
     write_template(path, robot)
     text = path.read_text("utf-8")
@@ -370,7 +370,7 @@ def test_template_is_robot_with_key_list(robot, keys, tmp_path):
     assert all(f"\n# {key}: " in text for key in keys)
 
 
-def test_schema_command_prints_json_schema(capsys):
+def test_schema_command_prints_schema(capsys):
     assert cli.main(["schema"]) == 0
     assert '"https://json-schema.org/draft/2020-12/schema"' in capsys.readouterr().out
 
@@ -412,7 +412,7 @@ to = 50.0
 
 
 @pytest.mark.parametrize("where", ["JOINT", "DRIVE", "RATIO"])
-def test_single_loss_factor_allows_responses(tmp_path, where):
+def test_one_loss_factor_allows_responses(tmp_path, where):
     """Damping of one joint, of one drive or a damping ratio suffices; without any it is refused."""
     text = {"JOINT": "loss = 0.1", "DRIVE": ", loss = 0.1", "RATIO": ""}
     damped = BLOCKS + SHAKEN + ("[damping]\nratio = 0.01\n" if where == "RATIO" else "")
@@ -424,7 +424,7 @@ def test_single_loss_factor_allows_responses(tmp_path, where):
         robot_of(BLOCKS.replace("JOINT", "").replace("DRIVE", "") + SHAKEN, tmp_path)
 
 
-def test_load_without_body_acts_on_tool_body(tmp_path):
+def test_load_acts_on_tool_body_by_default(tmp_path):
     """At B, a point of both bodies, it acts on the tool's body; at A, on the only body with A."""
     text = BLOCKS.replace("JOINT", "").replace("DRIVE", "")
     push = '[[loads]]\nname = "{}"\nwrench = [6.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n{}\n'
@@ -440,7 +440,7 @@ def test_load_without_body_acts_on_tool_body(tmp_path):
 
 
 @pytest.mark.parametrize("key", ["speed", "acceleration"])
-def test_tiny_speed_or_acceleration_is_refused(key, tmp_path):
+def test_tiny_acceleration_is_refused(key, tmp_path):
     """The square of 5e-324 is zero, so that the vector would have no direction."""
     load = f'[[loads]]\nname = "a"\n{key} = [5e-324, 0.0, 0.0]\n'
     with pytest.raises(InputError, match=f"{key} = .*: must be 0 or at least 1e-12 in size"):

@@ -104,7 +104,7 @@ def built_in_name(name):
     return f"{part[:-1]}{number}{part[-1]}" if part in SIDED else name
 
 
-def test_pattern_delta_equals_built_in_delta():
+def test_pattern_gives_built_in_delta():
     """The built-in robot's coordinates have twelve decimals: rounding errors of up to 5e-13 m."""
     mechanism, expected = robot_of(TABLES).mechanism, load_robot("delta").mechanism
     assert {built_in_name(name) for name in mechanism.bodies} == set(expected.bodies)
@@ -209,7 +209,7 @@ def test_copies_have_rotated_matrices():
     assert robot_of(COLUMN).mechanism.bodies["lump2"].shape.mass == 1.0
 
 
-def test_audit_of_copies_in_millimetres():
+def test_audit_reports_each_copy_in_mm():
     """A mass centre beyond the leg's tip is reported for each copy, also in a file in mm."""
     given = (np.diag([1e-9, 3e-7, 3e-7, 1e-6, 1e-6, 1e-6])).tolist()
     tables = deepcopy(COLUMN)
@@ -288,7 +288,7 @@ def test_audit_of_copies_in_millimetres():
         ),
     ],
 )
-def test_pattern_fault_reports_entry(old, new, message):
+def test_pattern_error_names_entry(old, new, message):
     assert old in DELTA
     tables = tomllib.loads(DELTA.replace(old, new))
     with pytest.raises(InputError) as refused:

@@ -100,7 +100,7 @@ def numbers(value):
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
-def test_millimetre_file_equals_metre_file(path, monkeypatch):
+def test_millimetre_file_gives_same_robot(path, monkeypatch):
     """Every number of the mechanism agrees to 1e-12, the rounding error of a few operations."""
     monkeypatch.chdir(path.parent)
     tables = tomllib.loads(path.read_text("utf-8"))
@@ -143,7 +143,7 @@ def test_millimetre_file_equals_metre_file(path, monkeypatch):
         ("units", "inch", 'units = "inch": must be "m" or "mm"'),
     ],
 )
-def test_error_message_gives_lengths_in_file_unit(key, value, message):
+def test_error_has_length_unit_of_file(key, value, message):
     with pytest.raises(InputError) as refused:
         robot_of(with_value(MILLI, key, value))
     assert any(fault.startswith(f"dictionary: {message}") for fault in refused.value.faults), (
@@ -192,7 +192,7 @@ def test_pose_in_file_unit_gives_si_results(tmp_path, capsys):
     assert shown_pose(mechanism, at_pose.pose) == "x = 50 mm, y = 500 mm"
 
 
-def test_limits_and_csv_use_length_unit_of_file(tmp_path):
+def test_limits_use_length_unit_of_file(tmp_path):
     milli = robot_of(MILLI | {"accept": {"displacement": 0.02}})
     assert milli.requirement.displacement == 2e-5
     option = with_options(milli.requirement, ["displacement=0.03"], (), milli.mechanism.lengths)
@@ -206,7 +206,7 @@ def test_limits_and_csv_use_length_unit_of_file(tmp_path):
         read_measured(file)
 
 
-def test_wrench_csv_poses_use_length_unit_of_file(tmp_path, monkeypatch):
+def test_wrench_poses_use_length_unit(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     poses = {"poses": [[0.0, 500.0], [50.0, 500.0]]}
     rows = ["x,y,Fx,Fy,Fz,Mx,My,Mz", "0,500,1,0,0,0,0,0", "50,500,2,0,0,0,0,0"]

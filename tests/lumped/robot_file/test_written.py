@@ -22,14 +22,14 @@ def test_toml_text_round_trips():
     assert tomllib.loads(toml_of(ODD)) == ODD
 
 
-def test_arrays_and_paths_are_written_as_toml():
+def test_arrays_and_paths_become_toml():
     written = toml_of({"c": np.eye(2), "n": np.int64(3), "t": (1.0, 2.0), "p": Path("a/b.step")})
     expected = {"c": [[1.0, 0.0], [0.0, 1.0]], "n": 3, "t": [1.0, 2.0], "p": "a/b.step"}
     assert tomllib.loads(written) == expected
 
 
 @pytest.mark.parametrize("name", built_in_robots())
-def test_robot_from_tables_equals_robot_from_file(name):
+def test_robot_from_dictionary_equals_file(name):
     robot = load_robot(name)
     again = robot_of(robot.tables)
     assert again.tables == robot.tables
@@ -38,7 +38,7 @@ def test_robot_from_tables_equals_robot_from_file(name):
     assert np.array_equal(again.mechanism.poses, robot.mechanism.poses)
 
 
-def test_unsupported_toml_values_are_reported():
+def test_unsupported_values_are_reported():
     with pytest.raises(InputError) as error:
         robot_of({"a": None, "b": {"c": [1.0, Decimal(1)]}})
     assert [fault.partition(" = ")[0] for fault in error.value.faults] == [
@@ -47,6 +47,6 @@ def test_unsupported_toml_values_are_reported():
     ]
 
 
-def test_dictionary_faults_equal_file_faults():
+def test_dictionary_errors_equal_file_errors():
     with pytest.raises(InputError, match=r"dictionary: tool\.moves"):
         robot_of({**load_robot("five-bar").tables, "tool": {"body": "rod1", "point": "P"}})

@@ -49,7 +49,7 @@ def one_end(length):
 
 
 @pytest.mark.parametrize("x", [0.3, 0.5, 0.9])
-def test_screw_stiffness_equals_hand_result(x):
+def test_screw_stiffness_follows_nut(x):
     """At x the nut is x − 0.1 m from its bearing."""
     mechanism = of()
     at = posture(mechanism, np.array([x]))
@@ -62,7 +62,7 @@ def test_screw_stiffness_equals_hand_result(x):
     assert tool_displacements(solution, [load])[0, 0] == pytest.approx(800.0 / k, rel=1e-10)
 
 
-def test_screw_numbers_at_two_positions():
+def test_screw_stiffness_at_two_positions():
     """EA = 125.0 MN; 0.2 m: 1/(1.600 + 2.500 + 1.667 nm/N) = 173 N/µm; 0.8 m: 94.6 N/µm."""
     stiffnesses = [
         1e-6 / compliance(solved(assemble(posture(of(), np.array([x])), {})))[0, 0]
@@ -71,7 +71,7 @@ def test_screw_numbers_at_two_positions():
     assert stiffnesses == pytest.approx([173.4, 94.6], rel=1e-3)
 
 
-def test_screw_stiffness_between_two_bearings():
+def test_two_bearings_act_in_parallel():
     """The two parts of the screw, each with its bearing, act in parallel, and the nut in series."""
     mechanism = of(", span = 1.0")
     for x in (0.3, 0.6, 0.9):
@@ -88,7 +88,7 @@ def test_screw_stiffens_towards_bearing():
     assert own[0, 0] == pytest.approx(1.0 / one_end(0.2), rel=1e-10)
 
 
-def test_sweep_uses_screw_stiffness_of_each_pose():
+def test_each_pose_has_its_screw_stiffness():
     mechanism = of()
     postures = [posture(mechanism, pose) for pose in mechanism.poses]
     result = swept(assembly(mechanism, {}), postures, 1)
@@ -98,7 +98,7 @@ def test_sweep_uses_screw_stiffness_of_each_pose():
     np.testing.assert_allclose(2.0 * np.pi * result.frequencies[:, 0], speeds, rtol=1e-10)
 
 
-def test_screw_rotor_moves_with_deflection():
+def test_screw_rotor_adds_mass():
     """The rotor's inertia J (2π/lead)² is added to the mass; both vibrate on one spring."""
     ratio = 2.0 * np.pi / 0.01
     text = SLIDE.replace("[[loads]]", f"drive.inertia = 2.0e-4\ndrive.ratio = {ratio}\n[[loads]]")
@@ -130,13 +130,13 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("more", FAULTS)
-def test_wrong_screw_gives_one_fault(more):
+def test_wrong_screw_is_refused(more):
     with pytest.raises(InputError) as error:
         of(more)
     assert error.value.faults == (FAULTS[more],)
 
 
-def test_drive_without_stiffness_gives_one_fault():
+def test_drive_without_stiffness_is_refused():
     lines = [line for line in SLIDE.splitlines() if "screw" not in line]
     with pytest.raises(InputError) as error:
         described("\n".join(lines).replace("[[loads]]", "drive.loss = 0.1\n[[loads]]"))
@@ -145,7 +145,7 @@ def test_drive_without_stiffness_gives_one_fault():
     )
 
 
-def test_gantry_is_softer_far_from_bearing():
+def test_gantry_softens_away_from_bearing():
     """The screw of a truck is 200 and 400 mm long at both ends of its path."""
     robot = load_robot(EXAMPLE).mechanism
     rail = next(joint for joint in robot.joints if joint.name == "rail_left")

@@ -70,7 +70,7 @@ def solution_of(text, **values):
 
 @pytest.mark.parametrize("element", ["drive", "joint"])
 @pytest.mark.parametrize("ratio", [0.03, 0.6, 1.0, 4.0])
-def test_oscillator_with_dashpot_equals_closed_form(ratio, element):
+def test_dashpot_oscillator_equals_theory(ratio, element):
     """Receptance 1/(k − mω² + iωc); for ζ < 1/√2 the peak is 1/(2kζ√(1 − ζ²)) at ω√(1 − 2ζ²)."""
     damping = ratio * CRITICAL
     text = {"DRIVE": "", "SLIDE": ""}
@@ -99,7 +99,7 @@ def test_oscillator_with_dashpot_equals_closed_form(ratio, element):
         assert (size, frequency) == (pytest.approx(abs(receptance(10.0)), rel=tolerance), 10.0)
 
 
-def test_dashpot_oscillator_frequency_and_loss():
+def test_dashpot_keeps_natural_frequency():
     """Natural frequency √(k/m) and loss factor 2ζ = c/√(km) for every damping ratio ζ below 1."""
     for ratio in (0.01, 0.4, 0.9):
         solution = solution_of(CARRIAGE, DRIVE=f", damping = {ratio * CRITICAL}", SLIDE="")
@@ -109,7 +109,7 @@ def test_dashpot_oscillator_frequency_and_loss():
 
 
 @pytest.mark.parametrize("first", [50.0, 8000.0, 5.0e5])
-def test_receptance_of_two_masses_with_dashpots(first):
+def test_dashpots_of_two_masses_are_exact(first):
     """Inverse of a 2×2 matrix with loss factor and dashpots; 5e5 N s/m overdamps one mode."""
     loss, second = 0.06, 900.0
     solution = solution_of(TWO, FIRST=first, SECOND=second, LOSS=loss)
@@ -151,7 +151,7 @@ def test_vanishing_dashpot_has_no_effect():
     np.testing.assert_allclose(computed, expected, rtol=1e-9)
 
 
-def test_dashpot_on_idle_motion():
+def test_dashpot_damps_idle_rod():
     """A rod spins idly between two ball joints, one damped; all unknowns are solved directly."""
     text = """
     schema = 2
@@ -217,7 +217,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("line", FAULTS)
-def test_wrong_joint_damping_gives_one_fault(line):
+def test_wrong_joint_damping_is_refused(line):
     with pytest.raises(InputError) as error:
         described(CARRIAGE.replace("DRIVE", "").replace("SLIDE", line) + "[damping]\nratio = 0.1\n")
     assert error.value.faults == (FAULTS[line],)

@@ -90,7 +90,7 @@ def closed_form(start, first, last):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_uniform_load_on_cantilever_equals_closed_form(model):
+def test_uniform_load_deflects_as_theory(model):
     """qL⁴/8EI + qL²/2κGA with the slope qL³/6EI; twist mL²/2GJ; elongation nL²/2EA."""
     n, q, m = 900.0, -400.0, 70.0
     own = displacement(
@@ -110,7 +110,7 @@ def test_uniform_load_on_cantilever_equals_closed_form(model):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_linear_load_on_part_equals_closed_form(model):
+def test_partial_linear_load_is_exact(model):
     """All six components act from x = 0.3 m to the tip, growing or falling linearly."""
     first, last = [300.0, -200.0, 500.0, 40.0, 20.0, -30.0], [100.0, 600.0, -100.0, 0.0, 50.0, 10.0]
     line = f"{{ leg = 'arm', wrench = {first}, end_wrench = {last}, from = 0.3, axes = 'leg' }}"
@@ -119,7 +119,7 @@ def test_linear_load_on_part_equals_closed_form(model):
     assert np.abs(own - expected).max() <= 1e-10 * np.abs(expected).max()
 
 
-def test_line_loads_add_to_wrench_and_each_other():
+def test_line_loads_superpose():
     """Loads on both halves equal the load on the whole leg; a wrench adds its displacement."""
     lines = "{ leg = 'arm', wrench = [0, 100, 0, 0, 0, 0], to = 0.3 }, "
     lines += "{ leg = 'arm', wrench = [0, 100, 0, 0, 0, 0], from = 0.3 }"
@@ -131,7 +131,7 @@ def test_line_loads_add_to_wrench_and_each_other():
     assert own[1] == pytest.approx(v, rel=1e-11)
 
 
-def test_uniform_load_end_wrenches():
+def test_uniform_load_has_fixed_end_wrenches():
     """qL/2 and ±qL²/12 at clamped ends, with shear or without; on half the length with it.
 
     Clamped beam under q on its first half (Timoshenko, Strength of Materials): reactions 13qL/32
@@ -151,7 +151,7 @@ def test_uniform_load_end_wrenches():
     np.testing.assert_allclose(own[:, 4], moments, rtol=1e-11)
 
 
-def test_load_in_base_axes_keeps_its_direction():
+def test_base_axes_load_keeps_direction():
     """An arm on a locked pivot rotated by 90°: a load along base −y then acts along the arm."""
     text = ARM.replace("moves = []", 'moves = ["phi_z"]').replace(
         'joints.clamp = { type = "fixed", between = ["ground", "arm"], at = "A" }',
@@ -188,7 +188,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("line", FAULTS)
-def test_wrong_line_load_gives_one_fault(line):
+def test_wrong_line_load_is_refused(line):
     with pytest.raises(InputError) as error:
         described(f"{ARM}lines = [{{ {line} }}]")
     assert error.value.faults == (FAULTS[line],)

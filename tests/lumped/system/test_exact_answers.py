@@ -58,7 +58,7 @@ def parallelogram():
     return make.posture(Tool("bar", "T"))
 
 
-def test_parallelogram_compliance_equals_hand_result(parallelogram):
+def test_parallelogram_compliance_is_exact(parallelogram):
     """A moment M about z pulls one rod and pushes the other by M/w: φ = 2 (M/w)(L/EA)/w.
 
     A force F along x rotates the drive at the foot, F L²/k, and bends the driven rod, F L³/3EI; the
@@ -84,7 +84,7 @@ def test_parallelogram_compliance_equals_hand_result(parallelogram):
         assert share == pytest.approx(amount, rel=1e-8, abs=1e-11), portion
 
 
-def test_idle_rod_spin_does_not_enter_mode():
+def test_mode_excludes_idle_rod_spin():
     """A rod guided by a crank on a drive k: ω² = k/(I_crank + (I_across + mL²/4) sin²β).
 
     One ball joint of the rod lies on the crank's axis, and β is the angle between rod and axis. If
@@ -186,7 +186,7 @@ def null_space_system(posture, legs):
 @pytest.mark.parametrize(
     ("seed", "planar"), [*((n, False) for n in range(27)), *((n, True) for n in range(8))]
 )
-def test_statics_and_modes_equal_null_space_solution(seed, planar):
+def test_solution_equals_null_space_method(seed, planar):
     posture = random_posture(seed, planar=planar)
     legs = tip_compliances(posture.mechanism)
     system = assemble(posture, links(posture.mechanism, legs))
@@ -244,7 +244,7 @@ def test_sweep_equals_single_postures(name, elements):
         assert sweep.idle[number] == solution.idle
 
 
-def test_too_few_modes_reports_posture():
+def test_too_few_modes_name_posture():
     postures = postures_of("five-bar")
     mechanism = postures[0].mechanism
     prepared = assembly(mechanism, static_bodies("links", mechanism))

@@ -85,7 +85,7 @@ def bending_receptance(frequencies, x, force_at):
     return np.array(values)
 
 
-def test_cross_receptance_of_bar_along_its_axis():
+def test_bar_receptance_is_exact():
     """Below half of the first frequency, 1293 Hz; 60 elements are 1e-6 off in it."""
     text = BAR + asked("cross", [1.0, 0.0, 0.0], 'at = "M"\nof = "P"', 100.0, 900.0)
     (response,) = responses_of(text, 30)
@@ -93,7 +93,7 @@ def test_cross_receptance_of_bar_along_its_axis():
     np.testing.assert_allclose(response.receptance, expected, rtol=1e-4)
 
 
-def test_cross_receptance_of_cantilever():
+def test_cantilever_receptance_is_exact():
     """Euler–Bernoulli's equation, whose first three frequencies are 0.84, 5.2 and 14.6 Hz.
 
     Shear and rotary inertia lower them by up to ½ k²r² (1 + E/κG) = 9e-6, which is 1e-3 of the
@@ -111,7 +111,11 @@ def test_cross_receptance_of_cantilever():
 
 
 def test_receptances_are_reciprocal():
-    """Betti: the displacement of P along v under a force at M along u is that of M along u …"""
+    """Betti's theorem: exchanging displacement and force leaves the receptance unchanged.
+
+    The displacement of P along v under a force at M along u is that of M along u under a force at P
+    along v.
+    """
     text = BAR.replace("[0.4, 0.0, 0.0]", "[0.4, 0.3, 0.1]").replace(str(SIDE), "0.02")
     u, v = [0.3, 1.0, -0.2], [1.0, -0.4, 0.7]
     at_first = f'at = "P"\nof = {{ point = "M", body = "first", direction = {u} }}'
@@ -124,10 +128,11 @@ def test_receptances_are_reciprocal():
     assert sizes.min() > 1e-6 * sizes.max()
 
 
-def test_slender_bar_has_no_mode_from_rounding():
-    """All its modes have the loss factor of the material; its axial stiffness is 5e9 times others.
+def test_slender_bar_has_no_rounding_mode():
+    """All modes of a bar that is 5e9 times stiffer axially have the loss factor of the material.
 
-    Static responses that depend on the modes but for round-off gave a mode of no loss at 5.9 Hz.
+    Static responses that depend on the modes only through round-off gave a spurious undamped mode
+    at 5.9 Hz.
     """
     mechanism = described(BAR.replace("[0.4, 0.0, 0.0]", "[0.4, 0.3, 0.1]"))
     bodies = {
@@ -137,8 +142,8 @@ def test_slender_bar_has_no_mode_from_rounding():
     np.testing.assert_allclose(damped_modes(solution, 15.0).losses, LOSS, rtol=1e-4)
 
 
-def test_frequency_of_judgement_beside_points():
-    """`frequency` is what a number `at` was; names of the judged numbers stay."""
+def test_frequency_key_allows_receptance_points():
+    """The key `frequency` was formerly the number `at`; names of the judged values are unchanged."""
     text = BAR + asked("cross", [0.0, 1.0, 0.0], 'at = "M"\nof = "P"\nfrequency = 5.0')
     text += asked("tip", [0.0, 1.0, 0.0], "at = 5.0")
     cross, tip = responses_of(text)
@@ -151,10 +156,10 @@ def test_frequency_of_judgement_beside_points():
     assert not cross.excitation.is_direct
 
 
-def test_receptance_across_symmetry_plane_is_zero():
-    """A force along y moves no point of the straight bar along z: zero, not round-off.
+def test_symmetry_gives_zero_receptance():
+    """A force along y displaces no point of a straight bar along z: zero without round-off.
 
-    Modes of the square section along y and z have equal frequencies, and mix.
+    Modes of the square section along y and z have equal frequencies, so a solver returns mixtures.
     """
     text = BAR + asked(
         "across", [0.0, 1.0, 0.0], 'at = "M"\nof = { point = "P", direction = [0.0, 0.0, 1.0] }'
@@ -187,13 +192,13 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("lines", FAULTS)
-def test_wrong_receptance_points_give_one_fault(lines):
+def test_wrong_receptance_point_is_refused(lines):
     with pytest.raises(InputError) as error:
         described(BAR + asked("a", [1.0, 0.0, 0.0], lines))
     assert error.value.faults == (FAULTS[lines],)
 
 
-def test_point_moved_by_idle_motion_is_refused():
+def test_receptance_of_idle_point_is_refused():
     """The lug of a rod that spins between ball joints."""
     text = """
     schema = 2

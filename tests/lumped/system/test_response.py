@@ -71,7 +71,7 @@ def solution_of(mechanism, models=None):
 
 
 @pytest.mark.parametrize(("ratio", "loss"), [(0.0, 0.06), (0.03, 0.0)])
-def test_damped_oscillator_equals_closed_form(ratio, loss):
+def test_damped_oscillator_equals_theory(ratio, loss):
     """1/(k(1 + iη) − mω²) with peak 1/kη at √(k/m); with damping ratio ζ peak 1/(2kζ√(1 − ζ²))."""
     (response,) = harmonic_responses(solution_of(pushed(loss, ratio)))
     assert response.excitation.judged == ("push", "push.frequency", "push.at")
@@ -113,7 +113,7 @@ def test_loss_factor_and_damping_ratio_add():
     assert size_at_75_hz == pytest.approx(abs(receptance(75.0)), rel=1e-10)
 
 
-def test_loss_and_modal_damping_add_for_two_modes():
+def test_loss_and_damping_add_in_two_modes():
     """Equal losses in all parts: (K(1 + iη) + iωC − ω²M)⁻¹ with modal C, inverted directly."""
     give, loss, ratio = np.diag([1e-7, *5 * [1e-9]]).tolist(), 0.1, 0.03
     solution = solution_of(filled(TWO, FIRST=loss, SECOND=loss, GIVE=give))
@@ -139,7 +139,7 @@ def test_undamped_mode_has_infinite_peak():
     assert size == pytest.approx(1.0 / (K - MASS * (100.0 * np.pi) ** 2), rel=1e-9)
 
 
-def test_receptance_of_two_masses_with_unequal_losses():
+def test_unequal_losses_of_two_masses():
     """Against a 2×2 inverse and its eigenvalues; modal losses also from shares of strain energy.
 
     The energy estimate is of first order: its error falls with the square of the loss factors.
@@ -203,7 +203,7 @@ def lossy(beams):
     return solution_of(replace(DELTA, bodies=bodies, joints=on_drives(loss=0.1)), beams)
 
 
-def test_modal_receptance_equals_direct_solution(beams, plain, lossy):
+def test_modal_receptance_equals_inverse(beams, plain, lossy):
     """The imaginary part of K is assembled from bodies and drives scaled by their loss factors."""
     system, ratio = lossy.system, 0.02
     assert lossy.idle == 6
@@ -229,7 +229,7 @@ def test_modal_receptance_equals_direct_solution(beams, plain, lossy):
             assert np.linalg.eigvalsh(receptance.imag)[-1] <= 1e-12 * np.abs(receptance).max()
 
 
-def test_truncated_modes_keep_statics_exact(plain, lossy):
+def test_truncated_modes_keep_exact_statics(plain, lossy):
     few, every = damped_modes(lossy, 200.0), damped_modes(lossy, 1e9)
     assert len(few.inverses) < len(every.inverses) // 2
     frequencies = np.linspace(1.0, 200.0, 50)

@@ -44,8 +44,8 @@ def factor(axial):
     return stability(solution, geometric_stiffness(solution, loads, {}), loads).factor
 
 
-def test_rigid_seat_buckling_is_stiffness_limit():
-    """A rigid seat takes the whole force; a seat k times as stiff as the other leaves it 1/k."""
+def test_rigid_seat_is_limit_of_stiff_seat():
+    """A rigid seat takes the whole force; one k times as stiff as the other takes all but 1/k."""
     rigid = factor('"rigid"')
     kilo, mega = (factor(stiffness) for stiffness in (1e9, 1e12))
     assert kilo != pytest.approx(rigid, rel=1e-5)
@@ -53,7 +53,7 @@ def test_rigid_seat_buckling_is_stiffness_limit():
     assert mega == pytest.approx(rigid, rel=1e-5)
 
 
-def test_pressed_bar_buckling_equals_hand_result():
+def test_pressed_bar_buckling_is_exact():
     """Bar pressed along its axis onto A by a force F, on springs at A and B that are 1 m apart.
 
     Transverse springs have the stiffness k at A and K at B, rotational ones c at each. With the

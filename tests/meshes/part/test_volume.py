@@ -32,7 +32,7 @@ def bar(box_step):
     return part, find_interfaces(part, plane_ends(0.1))
 
 
-def test_crashing_mesh_optimiser_is_skipped(bar, monkeypatch):
+def test_crashing_optimiser_is_skipped(bar, monkeypatch):
     tried = []
 
     def crashing(_seconds, function, *arguments):
@@ -67,7 +67,7 @@ def test_unmeshable_part_is_reported(bar, monkeypatch, error, kind):
             volume.refined_gradings(*bar, 20_000)
 
 
-def test_mesh_size_search_survives_crossed_facets(tmp_path):
+def test_size_search_survives_bad_facets(tmp_path):
     def tube(occ):
         """Draw a conical tube of 600 mm whose wall of 12 mm is crossed by coarse facets."""
         outer, inner = (occ.addCone(0, 0, 0, 600, 0, 0, r, 0.7 * r) for r in (61.4, 49.3))
@@ -99,7 +99,7 @@ def test_rounded_bar_mesh_keeps_volume(tmp_path):
     assert abs(filled / part.exact.volume - 1.0) < 0.01 * abs(chords)
 
 
-def test_folded_element_and_neighbour_are_straightened():
+def test_folded_elements_are_straightened():
     # Two tetrahedra with a common face; a mid-edge node of that face is pulled through one of them.
     tetrahedron = ELEMENTS["tet10"].nodes
     cells = np.arange(20).reshape(2, 10)
@@ -115,7 +115,7 @@ def test_folded_element_and_neighbour_are_straightened():
             straightened(tetrahedron * [1.0, 1.0, height], np.arange(10)[None])
 
 
-def test_sample_nodes_have_volume_shares_of_box():
+def test_sample_nodes_share_box_volume():
     box = extrude(section_mesh(Rectangle(0.05, 0.08), 2), np.linspace(0.0, 0.5, 11))
     rows, volumes = spread_over(box)
     assert len(set(rows.tolist())) == len(rows) == len(volumes)
@@ -156,13 +156,13 @@ def mesh_of(folder, build):
     return volume_mesh(read_part(written(folder / "part.step", build)), (), Grading(0.03))
 
 
-def test_part_without_reentrant_edge_keeps_mesh(tmp_path):
+def test_convex_part_keeps_its_mesh(tmp_path):
     mesh = mesh_of(tmp_path, rounded_corner)
     assert cut_at_inner_edges(mesh) is mesh
 
 
 @pytest.mark.parametrize("shape", [box_tube, with_boss])
-def test_mesh_cut_at_reentrant_edges_keeps_shape(tmp_path, shape):
+def test_cut_at_reentrant_edge_keeps_shape(tmp_path, shape):
     mesh = mesh_of(tmp_path, shape)
     x, y, z = mesh.nodes[inner_edges(mesh)].T
     assert len(x) >= 12
@@ -197,7 +197,7 @@ def lug(tmp_path_factory):
     return read_here(written(tmp_path_factory.mktemp("parts") / "lug.step", drawn_parts.lug))
 
 
-def test_bore_and_plane_are_selected_by_geometry(lug):
+def test_faces_are_selected_by_geometry(lug):
     wanted = {
         "A": PartInterface(ByCylinder(0.008)),
         "C": PartInterface(ByCylinder(0.005, axis=(0.0, 0.0, -2.0)), "average"),
@@ -258,7 +258,7 @@ END, BORE = ByPlane((1.0, 0.0, 0.0), (0.2, 0.0, 0.0)), ByCylinder(0.008)
         (ByName("bore"), "the file names none"),
     ],
 )
-def test_wrong_face_selection_reports_nearest_face(lug, selection, message):
+def test_wrong_selection_names_nearest_face(lug, selection, message):
     points = {"A": np.array([0.03, 0.0, 0.0])} if selection is BORE else {}
     with pytest.raises(InputError) as error:
         find_interfaces(lug, {"A": PartInterface(selection)}, points)

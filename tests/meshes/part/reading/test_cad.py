@@ -20,7 +20,7 @@ from meshes.part.volume import Grading, refined_gradings, volume_mesh
 pytestmark = pytest.mark.usefixtures("in_this_process")
 
 
-def test_box_part_has_drawn_size_and_inertia(box_step):
+def test_box_part_has_size_and_inertia(box_step):
     part = read_part(box_step)
     assert part.size == "read in mm: 100 × 20 × 30 mm"
     # Volume and moments of a box: V = abc, I = V(b² + c²)/12.
@@ -36,7 +36,7 @@ def test_box_part_has_drawn_size_and_inertia(box_step):
     assert outward[0.0, 0.0, -1.0] == pytest.approx([0.05, 0.0, -0.015], abs=1e-12)
 
 
-def test_spline_bore_is_recognised_as_cylinder(tmp_path):
+def test_spline_bore_is_a_cylinder(tmp_path):
     def splines(occ):
         bar, bore = occ.addBox(-30, -20, 0, 60, 40, 30), occ.addCylinder(0, 0, -10, 0, 0, 60, 8)
         occ.cut([(3, bar)], [(3, bore)])
@@ -100,13 +100,13 @@ def test_spline_cylinder_equals_analytic_one(tmp_path):
     assert cell_volumes(fine).sum() == pytest.approx(volume, rel=1e-4)
 
 
-def test_ellipsoid_part_volume(tmp_path):
+def test_ellipsoid_has_exact_volume(tmp_path):
     part = read_part(written(tmp_path / "ellipsoid.step", ellipsoid))
     volume = 4.0 / 3.0 * np.pi * 0.05 * 0.05 * 0.01
     assert abs(part.exact.volume - volume) < part.exact.error < 1e-4 * volume
 
 
-def test_bored_spline_cylinder_volume(tmp_path):
+def test_bored_spline_has_exact_volume(tmp_path):
     # Volume of the cylinder less that of the bore; chords of the cylinder at y = 10 + 30 sin t mm
     # are the lengths of the bore.
     t = np.linspace(0.0, 2.0 * np.pi, 2000, endpoint=False)
@@ -129,7 +129,7 @@ def test_cone_tip_is_not_an_inverted_face(tmp_path):
     assert sorted(face.kind for face in part.faces) == ["other", "plane"]
 
 
-def test_surface_mesh_falls_back_to_no_curvature(box_step, monkeypatch):
+def test_surface_mesh_retries_uncurved(box_step, monkeypatch):
     triangulate = read.triangulate
 
     def failing(path, model, sides, *more):
@@ -143,7 +143,7 @@ def test_surface_mesh_falls_back_to_no_curvature(box_step, monkeypatch):
     assert {grading.sides for grading in refined_gradings(part, (), 2000)} == {0.0}
 
 
-def test_volume_mesh_falls_back_to_no_curvature(box_step, monkeypatch):
+def test_volume_mesh_retries_uncurved(box_step, monkeypatch):
     find_gradings = volume._find_gradings
 
     def failing(part, interfaces, unknowns, sides):
@@ -226,7 +226,7 @@ METRE = "SI_UNIT($,.METRE.)"
         "axes",
     ],
 )
-def test_step_length_unit_is_used_and_reported(tmp_path, edit, unit, length):
+def test_step_length_unit_is_used(tmp_path, edit, unit, length):
     path = written(tmp_path / "bar.step", lambda occ: occ.addBox(0, 0, 0, 10, 2, 3))
     path.write_text(edit(path.read_text()))
     part = read_part(path)
@@ -272,8 +272,8 @@ def with_inverted_face(path, face):
     return damaged
 
 
-def test_tetrahedra_must_fill_enclosed_volume(tmp_path, monkeypatch):
-    """A cavity of a single inverted face has no neighbour; the kernel takes it for solid."""
+def test_unfilled_volume_is_refused(tmp_path, monkeypatch):
+    """A cavity of one inverted face has no neighbour face; the CAD kernel takes it for solid."""
 
     def hollow(occ):
         block, ball = occ.addBox(0, 0, 0, 40, 40, 40), occ.addSphere(20, 20, 20, 10)
@@ -328,7 +328,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize(("build", "message"), SHAPES.values(), ids=SHAPES.keys())
-def test_shape_without_single_solid_is_refused(tmp_path, build, message):
+def test_shape_needs_exactly_one_solid(tmp_path, build, message):
     assert re.search(message, refused(written(tmp_path / "shape.step", build)))
 
 
@@ -344,7 +344,7 @@ TEXTS = [
 ]
 
 
-def test_damaged_cad_file_or_unit_is_refused(tmp_path, box_step):
+def test_damaged_cad_file_is_refused(tmp_path, box_step):
     for number, (content, suffix, message) in enumerate(TEXTS):
         path = tmp_path / f"part{number}{suffix}"
         if content is not None:
@@ -473,7 +473,7 @@ def is_silent(path, sound) -> bool:
     ids=str,
 )
 @pytest.mark.parametrize("name", ["rocker", "leg", "bracket"])
-def test_damaged_step_token_is_always_reported(files, name, seeds, tmp_path, monkeypatch):
+def test_damaged_step_token_is_reported(files, name, seeds, tmp_path, monkeypatch):
     # The files are read in a process of their own again, because some of them crash the reader.
     monkeypatch.undo()
     source = files[name]
@@ -511,9 +511,7 @@ DAMAGES = {
 
 
 @pytest.mark.parametrize(("name", "old", "new", "message"), DAMAGES.values(), ids=DAMAGES.keys())
-def test_damaged_step_file_is_refused_with_reason(
-    files, tmp_path, monkeypatch, name, old, new, message
-):
+def test_damaged_step_refusal_has_reason(files, tmp_path, monkeypatch, name, old, new, message):
     if message == "its reader fails":
         monkeypatch.undo()
     text, path = files[name].read_text(), tmp_path / "damaged.step"
@@ -523,7 +521,7 @@ def test_damaged_step_file_is_refused_with_reason(
         read_part(path)
 
 
-def test_small_cad_gap_is_bridged_and_reported(tmp_path):
+def test_small_cad_gap_is_bridged(tmp_path):
     """One corner of the rocker is moved by 0.01 mm; nothing else in the file fixes its position."""
     path = tmp_path / "gap.step"
     old = "(20.124611797499,40.249223594996,-30.)"

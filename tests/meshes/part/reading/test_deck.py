@@ -183,7 +183,7 @@ def test_calculix_runs_legal_deck_forms(tmp_path):
         (PLAIN + "*NSET,NSET=A,GENERATE\n1,4,0\n", "line 15: the step of GENERATE is 0"),
     ],
 )
-def test_deck_fault_reports_line(tmp_path, text, fault):
+def test_deck_error_has_line(tmp_path, text, fault):
     with pytest.raises(InputError, match=fault) as error:
         read(tmp_path, text)
     (line,) = error.value.faults
@@ -210,7 +210,7 @@ def test_deck_fault_reports_line(tmp_path, text, fault):
         ),
     ],
 )
-def test_include_fault_reports_file_and_line(tmp_path, others, fault):
+def test_include_error_has_file_and_line(tmp_path, others, fault):
     written(tmp_path, others)
     with pytest.raises(InputError) as error:
         read(tmp_path, "\n*INCLUDE, INPUT=a.inp\n" + PLAIN)
@@ -219,7 +219,7 @@ def test_include_fault_reports_file_and_line(tmp_path, others, fault):
     assert line.startswith(str(tmp_path))
 
 
-def test_include_link_outside_folder_is_refused(tmp_path):
+def test_include_outside_folder_is_refused(tmp_path):
     (tmp_path / "secret.inp").write_text(NODES)
     folder = tmp_path / "deck"
     folder.mkdir()
@@ -228,7 +228,7 @@ def test_include_link_outside_folder_is_refused(tmp_path):
         read(folder, "*INCLUDE, INPUT=nodes.inp\n" + ELEMENT + ROOT)
 
 
-def test_total_size_of_includes_is_bounded(tmp_path, monkeypatch):
+def test_include_size_is_bounded(tmp_path, monkeypatch):
     """Ten files of twenty lines, each including the next twenty times, would give 20¹⁰ lines."""
     monkeypatch.setattr(included, "LARGEST_DECK", 50_000)
     names = [f"{letter}.inp" for letter in "abcdefghij"]
@@ -239,7 +239,7 @@ def test_total_size_of_includes_is_bounded(tmp_path, monkeypatch):
         read(tmp_path, "*INCLUDE, INPUT=a.inp\n" + PLAIN)
 
 
-def test_part_content_covers_included_files(tmp_path):
+def test_part_digest_covers_includes(tmp_path):
     """Caches identify a part by its content, which must change with an included file."""
     deck = tmp_path / "block.inp"
     text, others = INCLUDED["included"]

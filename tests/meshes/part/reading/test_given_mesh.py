@@ -43,7 +43,7 @@ def files(tmp_path_factory):
     return folder
 
 
-def test_mesh_in_three_formats_gives_same_part(files):
+def test_three_mesh_formats_give_one_part(files):
     parts = [read_part(files / f"plate{suffix}", "mm") for suffix in (".msh", ".inp", ".vtu")]
     first = parts[0]
     assert first.size == "read in mm: 60 × 40 × 10 mm"
@@ -106,7 +106,7 @@ def mesh_file(folder, points, kind, cells, **more):
         (np.where(CUBE == 1.0, np.nan, CUBE), "hexahedron", HEXAHEDRON, "finite"),
     ],
 )
-def test_bad_mesh_is_refused_with_reason(tmp_path, points, kind, cells, message):
+def test_bad_mesh_is_refused(tmp_path, points, kind, cells, message):
     with pytest.raises(InputError) as error, np.errstate(all="ignore"):
         read_part(mesh_file(tmp_path, points, kind, np.array(cells)))
     assert message in error.value.faults[0]
@@ -122,7 +122,7 @@ def test_bad_mesh_is_refused_with_reason(tmp_path, points, kind, cells, message)
         ("*Instance, name=a, part=b\n10., 0., 0.\n*End Instance", r"the place of \*INSTANCE"),
     ],
 )
-def test_unsupported_mesh_keyword_is_refused(files, tmp_path, added, refused):
+def test_unknown_mesh_keyword_is_refused(files, tmp_path, added, refused):
     text = (files / "plate.inp").read_text()
     path = tmp_path / "plate.inp"
     path.write_text(f"{text}\n{added}\n")
@@ -133,7 +133,7 @@ def test_unsupported_mesh_keyword_is_refused(files, tmp_path, added, refused):
     assert read_part(path, "mm").size == read_part(files / "plate.inp", "mm").size
 
 
-def test_deck_without_referenced_node_is_refused(tmp_path):
+def test_missing_deck_node_is_refused(tmp_path):
     path = tmp_path / "mesh.inp"
     nodes = "1, 0., 0., 0.\n2, .1, 0., 0.\n3, 0., .1, 0."
     path.write_text(f"*NODE\n{nodes}\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n")
@@ -145,7 +145,7 @@ def test_deck_without_referenced_node_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["hexahedron", "hexahedron20", "hexahedron27"])
-def test_hexahedron_part_has_six_plane_faces(tmp_path, kind):
+def test_hexahedra_have_six_plane_faces(tmp_path, kind):
     element = ELEMENTS[{"hexahedron": "hex8", "hexahedron20": "hex20"}.get(kind, "hex27")]
     points = element.nodes[list(element.vtk_order)]
     part = read_part(mesh_file(tmp_path, points, kind, np.arange(len(points))[None]))
@@ -164,7 +164,7 @@ def test_hexahedron_part_has_six_plane_faces(tmp_path, kind):
         ("mesh.vtu", "<html></html>", "the format of vtu: Expected tag 'VTKFile', found html"),
     ],
 )
-def test_file_without_mesh_gives_one_fault(tmp_path, capfd, name, text, message):
+def test_file_without_mesh_is_refused(tmp_path, capfd, name, text, message):
     path = tmp_path / name
     path.write_text(text)
     with pytest.raises(InputError) as error:
@@ -200,7 +200,7 @@ def vtu_of(folder, encoding, parts, before="", order="LittleEndian", bits=32, co
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
 @pytest.mark.parametrize(("order", "bits"), [("LittleEndian", 32), ("BigEndian", 64)])
-def test_vtu_header_of_oversized_array_is_refused(tmp_path, encoding, order, bits):
+def test_oversized_vtu_header_is_refused(tmp_path, encoding, order, bits):
     """1.5 GB of zeros compress to 1.5 MB; the file contains only the header of such an array."""
     head = np.array([45_776, 32_768, 100], f"{'<' if bits == 32 else '>'}u{bits // 8}")
     path = vtu_of(tmp_path, encoding, [head.tobytes()], "AAAA", order, bits)
@@ -210,8 +210,8 @@ def test_vtu_header_of_oversized_array_is_refused(tmp_path, encoding, order, bit
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
 @pytest.mark.parametrize(("compressor", "library"), [("ZLib", zlib), ("LZMA", lzma)])
-def test_vtu_array_larger_than_header_is_refused(tmp_path, encoding, compressor, library):
-    """Every block is stated to have 100 bytes but has 1000."""
+def test_wrong_vtu_header_is_refused(tmp_path, encoding, compressor, library):
+    """The header of each block states 100 bytes; the block has 1000."""
     block = library.compress(bytes(1000))
     head = np.array([1000, 100, 100, *[len(block)] * 1000], "<u4").tobytes()
     path = vtu_of(tmp_path, encoding, [head, 1000 * block], compressor=compressor)
@@ -220,7 +220,7 @@ def test_vtu_array_larger_than_header_is_refused(tmp_path, encoding, compressor,
 
 
 @pytest.mark.parametrize("compression", ["zlib", "lzma", None])
-def test_vtu_header_size_equals_actual_size(files, tmp_path, compression):
+def test_vtu_header_has_true_size(files, tmp_path, compression):
     mesh, path = meshio.read(files / "plate.vtu"), tmp_path / "plate.vtu"
     meshio.vtu.write(path, mesh, compression=compression)
     (cells,) = mesh.cells
