@@ -88,7 +88,7 @@ def test_wood_steel_beam_equals_textbook():
 
 
 def test_filled_tube_is_sum_of_parts():
-    """Concentric circles twist and bend as one body: GJ and EI are sums. The circles are polygons."""
+    """Concentric circles twist and bend as one body: GJ and EI are sums."""
     tube, core = Tube(0.08, 0.01), Circle(0.06)
     beam = beam_of(composite(CompositePart(tube, *STEEL), CompositePart(core, *LIGHT)))
     shear = [E / 2.6 for E in (STEEL[0], LIGHT[0])]

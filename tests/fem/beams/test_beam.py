@@ -48,7 +48,7 @@ def softer_along_y(p: BeamProperties) -> BeamProperties:
 
 
 def test_off_axis_point_moves_with_section():
-    """A point at r from the tip is displaced by t + φ × r (t displacement, φ rotation of the tip)."""
+    """Tip displacement t and rotation φ displace a point at r from the tip by t + φ × r."""
     leg, beside = beam_leg(LEG_1.timoshenko, 0.85, 1), np.array([[0.0, 0.1, -0.2], [0.0, 0.3, 0.4]])
     t, phi = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0])
     twists = np.zeros(leg.size)

@@ -200,7 +200,7 @@ def test_missed_mode_is_found_or_reported(bar):
 
 
 def test_slender_leg_has_both_bending_modes():
-    """The leg is 87 diameters long: K's largest eigenvalue is 1e11 times that of the lowest mode."""
+    """Length of 87 diameters: K's largest eigenvalue is 1e11 times that of the lowest mode."""
     result = leg(Circle(0.0873), length=7.6, slices=40).modes(2)
     assert result.count == 2
     # Euler–Bernoulli cantilever, 1.8751²/2π √(EI/ρA)/L²; shear and rotary inertia lower it by 1e-4,
@@ -266,7 +266,7 @@ def test_free_warping_solid_converges_to_beam():
 
 
 def test_rigid_ends_stiffen_torsion_of_leg_2():
-    """Known values: 18 % in torsion, and 0.26 % along z, where shear is a sixth of the deflection."""
+    """Known values: 18 % in torsion; 0.26 % along z, where shear is a sixth of the deflection."""
     compliance = clamped_leg(meshed(LEG_2, (3, 9), 12)).compliance
     beam = beam_tip_compliance(LEG_2.timoshenko, LEG_2.length)
     share = 1.0 - np.diag(compliance) / np.diag(beam)

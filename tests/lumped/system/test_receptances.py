@@ -143,7 +143,7 @@ def test_slender_bar_has_no_rounding_mode():
 
 
 def test_frequency_key_allows_receptance_points():
-    """The key `frequency` was formerly the number `at`; names of the judged values are unchanged."""
+    """The key `frequency` was formerly the number `at`; names of judged values are unchanged."""
     text = BAR + asked("cross", [0.0, 1.0, 0.0], 'at = "M"\nof = "P"\nfrequency = 5.0')
     text += asked("tip", [0.0, 1.0, 0.0], "at = 5.0")
     cross, tip = responses_of(text)
