@@ -171,11 +171,8 @@ def _inverse(jacobian: Array, determinant: Array) -> Array:
     return np.stack(rows, axis=-2) / determinant[..., None, None]
 
 
-def _gradient_products(mesh: VolumeMesh, pairs: NodePairs, factors: Array | None = None) -> Array:
-    """D_ab = ∫ ∂_j N_a ∂_l N_b dV (P×3×3, m) for the pairs of nodes of a mesh.
-
-    `factors` (M) multiply the integrals over the elements.
-    """
+def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
+    """D_ab = ∫ ∂_j N_a ∂_l N_b dV (E·T×3×3, m) over each element, for its T pairs of nodes."""
     cubature = _cubature(mesh.element, _STIFFNESS_DEGREE[mesh.element])
     k, _, points = cubature.gradients.shape
     reference = cubature.gradients.transpose(2, 0, 1)
@@ -186,8 +183,6 @@ def _gradient_products(mesh: VolumeMesh, pairs: NodePairs, factors: Array | None
         jacobian, determinant = _jacobians(mesh, chunk, cubature.gradients)
         gradient = reference @ _inverse(jacobian, determinant)
         weights = cubature.weights * determinant
-        if factors is not None:
-            weights *= factors[chunk, None]
         gradient *= np.sqrt(weights)[:, :, None, None]
         gradient = gradient.reshape(-1, points, 3 * k)
         product = gradient.transpose(0, 2, 1) @ gradient
@@ -196,14 +191,19 @@ def _gradient_products(mesh: VolumeMesh, pairs: NodePairs, factors: Array | None
         products[rows] = product[pairs.upper[chunk]]
 
     _for_each_chunk(integrate, count, 2 * (3 * k) ** 2 + 2 * points * 3 * k)
-    summed: Array = (pairs.summation @ products.reshape(-1, 9)).reshape(-1, 3, 3)
+    return products
+
+
+def _summed(pairs: NodePairs, blocks: Array) -> Array:
+    """Sums (P×3×3) of the elements' blocks (E·T×3×3), symmetric on the diagonal."""
+    summed: Array = (pairs.summation @ blocks.reshape(-1, 9)).reshape(-1, 3, 3)
     diagonal = pairs.diagonal
     summed[diagonal] = (summed[diagonal] + summed[diagonal].transpose(0, 2, 1)) / 2.0
     return summed
 
 
 def _node_blocks(products: Array, material: Material) -> Array:
-    """Stiffness blocks K_ab (P×3×3) from D_ab, for cubic symmetry along the axes of the leg.
+    """Stiffness blocks K_ab (n×3×3) from D_ab, for cubic symmetry along the axes of the leg.
 
     K_ii = C11 D_ii + C44 (D_jj + D_kk), K_ij = C12 D_ij + C44 D_ji, with C11 = E(1−ν)/(1+ν)(1−2ν),
     C12 = C11 ν/(1−ν), C44 = G.
@@ -271,7 +271,9 @@ def stiffness(mesh: VolumeMesh, material: Material) -> SparseMatrix:
     is not positive.
     """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
-    return symmetric_matrix(pairs, _node_blocks(_gradient_products(mesh, pairs), material))
+    return symmetric_matrix(
+        pairs, _node_blocks(_summed(pairs, _gradient_products(mesh, pairs)), material)
+    )
 
 
 def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatrix, SparseMatrix]:
@@ -281,7 +283,9 @@ def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatr
     `mass @ x.reshape(N, 3)`, which has a ninth of the entries of the stiffness matrix.
     """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
-    K = symmetric_matrix(pairs, _node_blocks(_gradient_products(mesh, pairs), material))
+    K = symmetric_matrix(
+        pairs, _node_blocks(_summed(pairs, _gradient_products(mesh, pairs)), material)
+    )
     return K, _scalar_mass(mesh, material.rho, pairs)
 
 
@@ -290,12 +294,18 @@ def composite_stiffness_and_mass(
 ) -> tuple[SparseMatrix, SparseMatrix]:
     """`stiffness_and_mass` of a solid whose elements (M) have the materials of their `regions`."""
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
-    blocks = np.zeros((len(pairs.rows), 3, 3))
+    blocks = _gradient_products(mesh, pairs)
+    by_element = blocks.reshape(len(mesh.cells), -1, 3, 3)
     for region, material in enumerate(materials):
-        products = _gradient_products(mesh, pairs, (regions == region).astype(float))
-        blocks += _node_blocks(products, material)
+        chosen = regions == region
+        products = by_element[chosen]
+        by_element[chosen] = _node_blocks(products.reshape(-1, 3, 3), material).reshape(
+            products.shape
+        )
     densities = np.array([material.rho for material in materials])
-    return symmetric_matrix(pairs, blocks), _scalar_mass(mesh, 1.0, pairs, densities[regions])
+    return symmetric_matrix(pairs, _summed(pairs, blocks)), _scalar_mass(
+        mesh, 1.0, pairs, densities[regions]
+    )
 
 
 def on_three_components(scalar: SparseMatrix) -> SparseMatrix:

@@ -19,6 +19,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.memo import memo
+from lumped.sections.edged import OFF_CENTRE, EdgedSection, product_of
 from lumped.sections.outlined import OutlinedSection
 from lumped.sections.saint_venant import (
     TOUCHING,
@@ -34,9 +35,6 @@ from lumped.sections.shapes import Circle, HollowRectangle, ISection, Rectangle,
 
 # Sides of the polygon of equal area that stands for a circle: J differs by 1e-5.
 _SIDES = 64
-# Share of Iy + Iz, and of the section's size: smaller products of inertia and offsets are round-off
-# and the boundary elements' error about an axis of symmetry.
-_SYMMETRIC, _OFF_CENTRE = 1e-9, 1e-7
 # Share of the size by which a point beside an edge lies inside its part.
 _BESIDE = 10.0 * TOUCHING
 
@@ -98,7 +96,7 @@ def _ring(diameter: float) -> Loop:
 
 
 @dataclass(frozen=True)
-class Composite(Section):
+class Composite(EdgedSection):
     """Parts of different materials that touch along edges and do not overlap.
 
     Its constants are those of a section of the `mean_material`: E times `second_moment_y` is EIy,
@@ -119,8 +117,8 @@ class Composite(Section):
         return tuple(tuple(loop - centroid for loop in part.loops) for part in self.parts)
 
     @property
-    def is_doubly_symmetric(self) -> bool:
-        return False
+    def flexure(self) -> tuple[RimSolution, float]:
+        return _solution(self, "E")
 
     @property
     def mean_material(self) -> tuple[float, float, float, float]:
@@ -146,17 +144,17 @@ class Composite(Section):
 
     @property
     def product_moment(self) -> float:
-        return _coupling(_stiffness_moments(self)[1])
+        return product_of(_stiffness_moments(self)[1])
 
     @property
     def inertia_moments(self) -> tuple[float, float, float]:
         _, moments = _mass_moments(self)
-        return float(moments[1, 1]), float(moments[0, 0]), _coupling(moments)
+        return float(moments[1, 1]), float(moments[0, 0]), product_of(moments)
 
     @property
     def mass_centre(self) -> tuple[float, float]:
         offset = _mass_moments(self)[0] - _stiffness_moments(self)[0]
-        y, z = np.where(np.abs(offset) > _OFF_CENTRE * max(self.extent), offset, 0.0)
+        y, z = np.where(np.abs(offset) > OFF_CENTRE * max(self.extent), offset, 0.0)
         return float(y), float(z)
 
     @property
@@ -164,33 +162,10 @@ class Composite(Section):
         return _torsion_constant(self)
 
     @property
-    def shear_centre(self) -> tuple[float, float]:
-        solution, size = _solution(self, "E")
-        y, z = np.where(np.abs(solution.shear_centre) > _OFF_CENTRE, solution.shear_centre, 0.0)
-        return float(y * size), float(z * size)
-
-    @property
     def extent(self) -> tuple[float, float]:
         corners = np.vstack([loop for part in self.parts for loop in part.loops])
         width, height = np.ptp(corners, axis=0)
         return float(width), float(height)
-
-    def shear_coefficients(self, nu: float) -> tuple[float, float]:
-        """κ for shear along y and along z by strain energy."""
-        flexibility = self._shear_flexibility(nu)
-        return 1.0 / float(flexibility[0, 0]), 1.0 / float(flexibility[1, 1])
-
-    def shear_coupling(self, nu: float) -> float:
-        flexibility = self._shear_flexibility(nu)
-        coupling = float(flexibility[0, 1])
-        return coupling if abs(coupling) > _OFF_CENTRE * np.trace(flexibility) else 0.0
-
-    def _shear_flexibility(self, nu: float) -> Array:
-        """GA/V² times twice the strain energy per length (2×2), unit forces along y and z."""
-        solution, _ = _solution(self, "E")
-        ratio = nu / (2.0 * (1.0 + nu))
-        powers = np.array([1.0, ratio, ratio**2])
-        return np.asarray(solution.area * np.tensordot(powers, solution.shear_energies, axes=1))
 
     def faults(self, unit: str = "m") -> list[str]:
         faults = [
@@ -203,11 +178,6 @@ class Composite(Section):
 
 def _area(part: CompositePart) -> float:
     return part.section.area
-
-
-def _coupling(moments: Array) -> float:
-    product = float(moments[0, 1])
-    return product if abs(product) > _SYMMETRIC * float(np.trace(moments)) else 0.0
 
 
 @memo(64)

@@ -14,6 +14,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.memo import memo
+from lumped.sections.edged import EdgedSection, product_of
 from lumped.sections.saint_venant import (
     TOUCHING,
     Loop,
@@ -24,19 +25,12 @@ from lumped.sections.saint_venant import (
     is_inside,
     rim_solution,
 )
-from lumped.sections.shapes import Section, WalledProfile
+from lumped.sections.shapes import WalledProfile
 
 Points: TypeAlias = tuple[tuple[float, float], ...]
 
-# A product moment below this fraction of Iy + Iz is round-off: there is an axis of symmetry.
-_SYMMETRIC = 1e-9
-# A distance of shear centre and centroid below this fraction of the section's size is an error of
-# the boundary elements: there is an axis of symmetry. The same holds for a shear coupling below
-# this fraction of the sum of 1/κ.
-_OFF_CENTRE = 1e-7
 
-
-class OutlinedSection(Section):
+class OutlinedSection(EdgedSection):
     """A section whose boundary consists of closed lines with straight edges."""
 
     @property
@@ -45,8 +39,8 @@ class OutlinedSection(Section):
         """Points (n×2, y and z, m) of the outline, counter-clockwise, and of holes, clockwise."""
 
     @property
-    def is_doubly_symmetric(self) -> bool:
-        return False
+    def flexure(self) -> tuple[RimSolution, float]:
+        return _solution(self)
 
     @property
     def largest_angle(self) -> float:
@@ -73,46 +67,17 @@ class OutlinedSection(Section):
 
     @property
     def product_moment(self) -> float:
-        product = float(_moments(self)[2][0, 1])
-        negligible = _SYMMETRIC * (self.second_moment_y + self.second_moment_z)
-        return product if abs(product) > negligible else 0.0
+        return product_of(_moments(self)[2])
 
     @property
     def torsion_constant(self) -> float:
-        solution, size = _solution(self)
+        solution, size = self.flexure
         return solution.torsion_constant * size**4
-
-    @property
-    def shear_centre(self) -> tuple[float, float]:
-        solution, size = _solution(self)
-        y, z = np.where(np.abs(solution.shear_centre) > _OFF_CENTRE, solution.shear_centre, 0.0)
-        return float(y * size), float(z * size)
 
     @property
     def extent(self) -> tuple[float, float]:
         width, height = np.ptp(self.loops[0], axis=0)
         return float(width), float(height)
-
-    def shear_coefficients(self, nu: float) -> tuple[float, float]:
-        """κ for shear along y and along z from the strain energy: ∫τ²/G dA = V²/κGA."""
-        flexibility = self._shear_flexibility(nu)
-        return 1.0 / float(flexibility[0, 0]), 1.0 / float(flexibility[1, 1])
-
-    def shear_coupling(self, nu: float) -> float:
-        flexibility = self._shear_flexibility(nu)
-        coupling = float(flexibility[0, 1])
-        return coupling if abs(coupling) > _OFF_CENTRE * np.trace(flexibility) else 0.0
-
-    def _shear_flexibility(self, nu: float) -> Array:
-        """Dimensionless shear flexibility (2×2), with 1/κ for shear along y and z on the diagonal.
-
-        Its entries are GA/V² times twice the strain energy per length due to unit forces along y
-        and z.
-        """
-        solution, _ = _solution(self)
-        ratio = nu / (2.0 * (1.0 + nu))
-        powers = np.array([1.0, ratio, ratio**2])
-        return np.asarray(solution.area * np.tensordot(powers, solution.shear_energies, axes=1))
 
 
 @memo(64)

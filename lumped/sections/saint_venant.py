@@ -27,6 +27,7 @@ all edges, weighted by the jump of w from the right of an edge to its left.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -104,11 +105,12 @@ class _Rim:
 
     def on(self, values: Array) -> Array:
         """Values at the Gauss points of all elements (E×q×m) from nodal values (N×m)."""
-        return np.asarray(np.einsum("qk,ekm->eqm", _shapes(_GAUSS), values[self.cells]))
+        return np.asarray(np.einsum("qk,ekm->eqm", _shapes(_unit_gauss()[0]), values[self.cells]))
 
     def integral(self, values: Array) -> Array:
         """Integral ∮ … ds over all edges of `values` (E×q×…, Gauss points) times the jumps."""
-        weighted = np.einsum("eq...,q->e...", values, _WEIGHTS)
+        _, weights = _unit_gauss()
+        weighted = np.einsum("eq...,q->e...", values, weights)
         return np.asarray(np.einsum("e...,e->...", weighted, self.lengths * self.jumps))
 
     @property
@@ -117,13 +119,11 @@ class _Rim:
         return self.on(self.nodes)
 
 
+@cache
 def _unit_gauss() -> tuple[Array, Array]:
     """Gauss points and weights on the interval from 0 to 1."""
     points, weights = legendre.leggauss(_POINTS)
     return np.asarray(0.5 * (1.0 + points), float), np.asarray(0.5 * weights, float)
-
-
-_GAUSS, _WEIGHTS = _unit_gauss()
 
 
 def _shapes(at: Array) -> Array:
@@ -253,15 +253,16 @@ def _polynomials(slopes: Array, y: Array, z: Array) -> Array:
 
 def _polygon_integral(loops: Sequence[Loop], of: _Integrand) -> Array:
     """Integral over a polygon of a polynomial of degree up to ten, by triangles from the origin."""
+    shares, weights = _unit_gauss()
     total: Array | float = 0.0
     for loop in loops:
         ends = np.roll(loop, -1, axis=0)
         twice = loop[:, 0] * ends[:, 1] - loop[:, 1] * ends[:, 0]
-        edges = loop[:, None] + _GAUSS[:, None] * (ends - loop)[:, None]
-        places = _GAUSS[:, None, None, None] * edges
-        weights = np.multiply.outer(_GAUSS * _WEIGHTS, np.multiply.outer(twice, _WEIGHTS))
+        edges = loop[:, None] + shares[:, None] * (ends - loop)[:, None]
+        places = shares[:, None, None, None] * edges
+        areas = np.multiply.outer(shares * weights, np.multiply.outer(twice, weights))
         y, z = places[..., 0].ravel(), places[..., 1].ravel()
-        total = total + of(y, z) @ weights.ravel()
+        total = total + of(y, z) @ areas.ravel()
     return np.asarray(total)
 
 
@@ -475,7 +476,7 @@ def _potentials(rim: _Rim, fluxes: Array) -> Array:
 
     Fluxes are quadratic along each element; the jump of w ∂u/∂n is the element's jump times them.
     """
-    fit = np.linalg.pinv(_shapes(_GAUSS))
+    fit = np.linalg.pinv(_shapes(_unit_gauss()[0]))
     fluxes = fluxes * rim.jumps[:, None, None]
     nodal = np.einsum("kq,eqm->ekm", fit, fluxes).reshape(-1, fluxes.shape[-1])
     count, elements = len(rim.nodes), len(rim.cells)
@@ -507,10 +508,11 @@ def _layers(rim: _Rim, points: Array) -> tuple[Array, Array]:
     height = np.where(np.abs(height) <= _ON_LINE * lengths, 0.0, height)
     middle = 0.5 * lengths
     near = np.hypot(foot - middle, height) < _NEAR * lengths
-    v = _GAUSS * lengths[:, None] - foot[:, :, None]
+    shares, weights = _unit_gauss()
+    v = shares * lengths[:, None] - foot[:, :, None]
     squared = v**2 + height[:, :, None] ** 2
     squared[near] = 1.0
-    weighted = _shapes(_GAUSS) * _WEIGHTS[:, None]
+    weighted = _shapes(shares) * weights[:, None]
     single = 0.5 * np.log(squared) @ weighted * lengths[:, None]
     double = (height[:, :, None] / squared) @ weighted * lengths[:, None]
     rows, columns = np.nonzero(near)
