@@ -55,7 +55,7 @@ def once(function):
     "name",
     [pytest.param(n, marks=[pytest.mark.exhaustive] * (n not in QUICK)) for n in FUNCTIONS],
 )
-def test_examples_of_functions_print_what_they_show(name, tmp_path, monkeypatch):
+def test_docstring_examples_of_functions_run(name, tmp_path, monkeypatch):
     """Run the examples of a function, then those of the class of its result and its methods."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
@@ -67,7 +67,7 @@ def test_examples_of_functions_print_what_they_show(name, tmp_path, monkeypatch)
         run_examples_of_result(result.__name__, known)
 
 
-def test_examples_of_tables_print_what_they_show():
+def test_docstring_examples_of_tables_run():
     run_examples_of_result("ResultTable", {})
 
 
@@ -81,7 +81,7 @@ def run_examples_of_result(name, known):
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_docstrings_cover_parameters_and_results(name):
+def test_docstrings_have_all_parameters(name):
     """The form of numpydoc: Parameters by name, Returns, Raises, Examples."""
     text = inspect.getdoc(getattr(api, name))
     for heading in ("Parameters", "Returns", "Raises", "Examples"):
@@ -103,7 +103,7 @@ def members(name):
 
 
 @pytest.mark.parametrize("name", RESULTS)
-def test_method_docstrings_cover_parameters_and_result(name):
+def test_method_docstrings_have_all_parameters(name):
     for member, value in members(name).items():
         if isinstance(value, property):
             continue

@@ -29,13 +29,13 @@ def example(tmp_path, monkeypatch):
     return run
 
 
-def test_gallery_is_numbered_from_one_without_gaps():
+def test_gallery_is_numbered_without_gaps():
     assert sorted(SCRIPTS) == list(range(1, len(SCRIPTS) + 1))
     assert len(SCRIPTS) >= 12
 
 
 @pytest.mark.exhaustive
-def test_paper_robot_lands_on_known_values(example):
+def test_paper_robot_has_known_values(example):
     """known-values.md: VJM at x = 0.4975 m; equivalent legs near the centre (last digit)."""
     found = example(1)
     assert found["planar"] == pytest.approx([8.81, 4.19], abs=0.005)
@@ -43,7 +43,7 @@ def test_paper_robot_lands_on_known_values(example):
     assert found["frequencies"] == pytest.approx([113, 184, 213, 355], rel=0.01)
 
 
-def test_convergence_has_formal_orders_of_formulations(example):
+def test_convergence_example_has_formal_orders(example):
     """Exact Timoshenko cantilever (Huang 1961): 181.806 Hz; literal layout 5.06 % high at 20."""
     study = example(2)["study"]
     f2 = study.column("f2")
@@ -55,16 +55,16 @@ def test_convergence_has_formal_orders_of_formulations(example):
 
 
 @pytest.mark.exhaustive
-def test_rigid_faces_change_only_torsion_of_solid(example):
-    """known-values.md: 1.45 % on converged meshes; here four divisions, which add 0.1 %."""
+def test_rigid_faces_change_only_torsion(example):
+    """known-values.md: 1.45 % on converged meshes; four divisions, as here, add 0.1 %."""
     rigid, free = (example(3)["differences"][ends] for ends in ("rigid", "free"))
     assert rigid[3] == pytest.approx(1.5, abs=0.1)
     assert np.abs(np.delete(rigid, 3)).max() < 0.01
     assert np.abs(free).max() < 0.1
 
 
-def test_five_bar_stiffness_by_three_formulations(example):
-    """Three programs of the same statics; compliances of 1 µm/N differ by round-off alone."""
+def test_three_formulations_agree_on_five_bar(example):
+    """Three formulations of the same statics: compliances of 1 µm/N differ by round-off alone."""
     found = list(example(4)["stiffness"].values())
     assert found == pytest.approx([found[0]] * 3, rel=1e-8)
 
@@ -86,7 +86,7 @@ def test_delta_is_isotropic_on_its_axis(example):
 
 
 @pytest.mark.exhaustive
-def test_identified_part_has_the_mass_of_its_volume(example):
+def test_identified_part_has_mass_of_volume(example):
     """The CAD kernel's volume times the density; bores of a coarse mesh are polygons (0.5 %)."""
     leg = example(6)["leg"]
     assert leg.total == pytest.approx(leg.part.exact.volume * 7850.0, rel=0.005)
@@ -94,7 +94,7 @@ def test_identified_part_has_the_mass_of_its_volume(example):
     assert (np.diag(leg.compliance_bracket) > 0.0).all()
 
 
-def test_strut_buckles_at_loads_of_euler_and_greenhill(example):
+def test_strut_buckles_at_euler_load(example):
     """Closed forms of Euler–Bernoulli columns; shear lowers them by less than 0.1 %."""
     found = example(7)
     stable = found["stable"]
@@ -104,11 +104,11 @@ def test_strut_buckles_at_loads_of_euler_and_greenhill(example):
     assert found["factors"] == pytest.approx(curve, rel=3e-3)
 
 
-def test_responses_peak_as_one_mass_with_loss_does(example):
-    """One mode of loss η: the peak is its static compliance / η; other modes add 2 %.
+def test_response_peak_is_compliance_over_loss(example):
+    """One mode with loss factor η: the peak is its static compliance / η. Other modes add 2 %.
 
-    The drive's mode along x carries nearly all strain energy; the static compliance is that of
-    the model `links`, a formulation of its own.
+    The drive's mode along x has nearly all strain energy. The static compliance is that of the
+    model `links`, an independent formulation.
     """
     import flexproof as fp  # noqa: PLC0415  after the environment of the test is set
 
@@ -120,7 +120,7 @@ def test_responses_peak_as_one_mass_with_loss_does(example):
 
 
 @pytest.mark.exhaustive
-def test_worst_postures_are_no_better_than_the_grid(example):
+def test_worst_posture_is_worse_than_grid(example):
     maps = example(9)["maps"]
     rows = {row[0]: row[3] for row in maps.table().rows}
     assert rows["lowest stiffness"] <= np.nanmin(maps.values("lowest stiffness"))
@@ -131,8 +131,11 @@ def test_worst_postures_are_no_better_than_the_grid(example):
 
 
 @pytest.mark.exhaustive
-def test_hammer_test_finds_closed_form_of_clamped_bar(example):
-    """Euler–Bernoulli beams are what the functions are of: 0.1 % for the identification."""
+def test_hammer_test_finds_clamped_bar_modes(example):
+    """The measured functions were made of Euler–Bernoulli beams.
+
+    The identification has an error of 0.1 %.
+    """
     pytest.importorskip("pyuff")
     compared = example(10)["compared"]
     for mode in ("f1", "f3", "f5"):
@@ -141,7 +144,7 @@ def test_hammer_test_finds_closed_form_of_clamped_bar(example):
 
 
 @pytest.mark.exhaustive
-def test_design_decision_has_a_maximum_inside(example):
+def test_best_design_is_inside_range(example):
     """Both compliances in series fall with the width; one over h³ b³ from Euler–Bernoulli."""
     designs = example(11)["designs"]
     assert designs.best("deflection") == 0.05
@@ -155,7 +158,7 @@ def test_design_decision_has_a_maximum_inside(example):
 
 
 @pytest.mark.exhaustive
-def test_pytest_example_fails_for_rigid_legs_alone(example):
+def test_pytest_example_fails_for_rigid_legs(example):
     items = example(12)["items"]
     assert [name for name, outcome in items.items() if outcome != "PASSED"] == [
         "arm.toml::simplified::z"
@@ -164,7 +167,7 @@ def test_pytest_example_fails_for_rigid_legs_alone(example):
 
 
 @pytest.mark.exhaustive
-def test_exudyn_finds_frequencies_of_exported_header(example):
+def test_exudyn_finds_exported_frequencies(example):
     pytest.importorskip("exudyn")
     found = example(13)
     header = [line.split() for line in found["text"].splitlines() if line.startswith("#     ")]
@@ -173,13 +176,12 @@ def test_exudyn_finds_frequencies_of_exported_header(example):
     assert found["beam"] == pytest.approx(found["exudyn"], rel=0.025)
 
 
-def test_arms_of_several_materials_have_sums_of_stiffness(example):
+def test_arm_of_two_materials_sums_stiffness(example):
     """Cantilever deflection L³/(3 EI) + L/(κGA), with EI summed over the parts of the section.
 
-    Shear contributes up to 3 %.
-
-    The filled box: steel of E I about the common centroid, and concrete; the tube: Q̄ of Tsai and
-    Hahn's table 1.7 by hand, half of the layers at 0° (E1) and half at ±45° (25.05 GPa).
+    Shear contributes up to 3 %. The box is filled: EI of steel and of concrete about the common
+    centroid. The tube has Q̄ of Tsai and Hahn's table 1.7, half of the layers at 0° (E1) and half
+    at ±45° (25.05 GPa).
     """
     found = example(14)
     length = 0.6
@@ -216,7 +218,7 @@ def test_free_rocker_counts_six_rigid_motions(example):
     assert rocker.counted >= 4
 
 
-def test_press_has_forces_of_slider_crank(example):
+def test_press_forces_equal_slider_crank(example):
     """Hand result: rod F/cos β, motor F r sin(φ + β)/cos β, guide F tan β; stress N/A + T/W."""
     found = example(16)
     by_hand, members, reactions = found["by_hand"], found["members"], found["reactions"]
@@ -247,8 +249,8 @@ def test_catalogue_joints_are_springs_in_series(example):
     assert 0.0 < slide.judged[0] < 0.5 * tool.judged[0]
 
 
-def test_tapered_arm_converges_and_is_like_its_solid(example):
-    """Order 2 of segments; the solid with free ends; a curved taper's beam error (h/2R)²."""
+def test_tapered_arm_converges_to_its_solid(example):
+    """Segments have order 2, the solid free ends. A beam on a curve has an error of (h/2R)²."""
     found = example(18)
     f1 = found["study"].column("f1")
     assert found["study"].of("segments").orders[f1] == pytest.approx(2, abs=0.05)

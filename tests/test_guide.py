@@ -56,7 +56,7 @@ def long_apart(paths):
 
 
 @pytest.mark.parametrize("page", long_apart(PAGES))
-def test_the_examples_of_the_page_work(page, tmp_path, monkeypatch, capsys):
+def test_examples_of_page_work(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     # Workers are tested elsewhere.
     monkeypatch.setattr(runner, "run", run_here)
@@ -77,7 +77,7 @@ def test_the_examples_of_the_page_work(page, tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("script", long_apart(sorted(EXAMPLES.glob("*.py"))))
-def test_the_examples_run(script, tmp_path, monkeypatch):
+def test_examples_of_guide_run(script, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     # What the guide puts in place from outside is taken back afterwards.
     monkeypatch.setattr(sections, "SHAPES", dict(sections.SHAPES))
@@ -128,7 +128,7 @@ def run_console(text: str, capsys: pytest.CaptureFixture[str]) -> None:
             assert line == "…" or line in rest, f"{command} did not print {line!r} but\n{actual}"
 
 
-def test_blocks_and_links_of_pages_are_valid():
+def test_blocks_and_links_are_valid():
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         assert text.count("\n```") == 2 * len(blocks(page)), f"{page.name}: an open code block"
@@ -138,7 +138,7 @@ def test_blocks_and_links_of_pages_are_valid():
 
 
 @pytest.mark.parametrize("page", PAGES[1:], ids=lambda page: page.stem)
-def test_guide_page_states_its_aim_and_the_next_page(page):
+def test_page_has_aim_and_next_page(page):
     paragraphs = page.read_text(encoding="utf-8").strip().split("\n\n")
     assert paragraphs[1].startswith("After this page you ")
     assert re.match(r"\*\*Next:\*\* .*\]\([a-z./-]+\.md", paragraphs[-1])
@@ -149,7 +149,7 @@ def test_guide_lists_types_of_robots():
     assert re.findall(r"^\| `([\w-]+)` \|", page, re.MULTILINE) == list(get_args(RobotType))
 
 
-def test_mechanism_files_of_guide_are_built_in():
+def test_mechanisms_of_guide_are_built_in():
     shown = {
         name.removesuffix(".toml"): text
         for language, name, text in blocks(ROOT / "docs" / "guide" / "mechanisms.md")
@@ -160,13 +160,13 @@ def test_mechanism_files_of_guide_are_built_in():
     assert shown == {name: file.read_text(encoding="utf-8") for name, file in files.items()}
 
 
-def test_a_new_case_takes_ten_lines():
-    """Imports and all but what tries it: adding one stays a matter of minutes."""
+def test_new_case_takes_ten_lines():
+    """Imports and trial call excepted: a new comparison takes minutes."""
     case, _, _ = (EXAMPLES / "new_case.py").read_text(encoding="utf-8").partition("if __name__")
     assert len(re.findall(r"^.*\S", case.rpartition('"""\n')[2], re.MULTILINE)) <= 10
 
 
-def test_guide_to_cases_lists_exactly_the_catalogue():
+def test_guide_lists_exactly_the_catalogue():
     page = (ROOT / "docs" / "guide" / "cases.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (`.*?) \|", page, re.MULTILINE)
     patterns = [pattern for row in rows for pattern in re.findall(r"`([^`]+)`", row)]
@@ -181,7 +181,7 @@ def test_guide_to_cases_lists_exactly_the_catalogue():
 
 
 @pytest.mark.exhaustive
-def test_numbers_of_page_on_parts_match_models():
+def test_numbers_of_parts_page_are_current():
     """The page is written by a script, `python docs/pictures/parts_models.py`."""
     script = runpy.run_path(str(ROOT / "docs" / "pictures" / "parts_models.py"))
     page = script["PAGE"].read_text(encoding="utf-8")

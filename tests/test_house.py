@@ -43,15 +43,15 @@ def tracked() -> list[Path]:
     return [ROOT / name for name in listed if name and (ROOT / name).is_file()]
 
 
-def test_no_room_of_tests_is_passed_over(pytestconfig):
-    """A pattern for the folder of a run's report, too, hides the tests of the page."""
+def test_every_tests_folder_is_collected(pytestconfig):
+    """The pattern of .gitignore for a run's report would also match the tests of the report."""
     patterns = pytestconfig.getini("norecursedirs")
     for module in (ROOT / "tests").rglob("test_*.py"):
         rooms = module.relative_to(ROOT).parts[:-1]
         assert not [room for room in rooms for one in patterns if fnmatch(room, one)], module
 
 
-def test_endless_test_is_ended_by_its_time_limit(pytestconfig, tmp_path):
+def test_endless_test_reaches_time_limit(pytestconfig, tmp_path):
     assert float(pytestconfig.getini("timeout")) > 0.0
     endless = tmp_path / "test_endless.py"
     endless.write_text("def test_endless():\n    while True:\n        pass\n")
@@ -67,8 +67,8 @@ def test_endless_test_is_ended_by_its_time_limit(pytestconfig, tmp_path):
     assert "Timeout (>1.0s)" in ended.stdout
 
 
-def test_imports_go_one_way_and_never_in_a_circle():
-    """Those in functions and for types alone too; rooms in a circle could not be drawn below."""
+def test_imports_go_one_way_without_circles():
+    """Also imports in functions and for types alone. Folders in a circle could not be drawn."""
     arrows = {name: MAP["imports"](path, MODULES) - {name} for name, path in MODULES.items()}
     for name, found in arrows.items():
         allowed = FLOORS[: FLOORS.index(name.split(".")[0]) + 1]
@@ -76,12 +76,15 @@ def test_imports_go_one_way_and_never_in_a_circle():
     TopologicalSorter(arrows).prepare()
 
 
-def test_the_drawing_of_the_house_is_as_its_imports_are():
+def test_architecture_drawing_is_current():
     assert MAP["drawing"]() == MAP["PICTURE"].read_text(encoding="utf-8")
 
 
-def test_no_module_holds_a_state():
-    """What changes is passed along; `lumped.memo` knows the memos that tests have forget all."""
+def test_no_module_has_mutable_state():
+    """Data that changes is passed as arguments.
+
+    The memos of `lumped.memo` are cleared before each test.
+    """
     assert states("found: list[int] = []\nLIMITS = {1: 2}\n") == ["found"]
     assert states("seen = set()\nfrom collections import deque\ntodo = deque()") == ["seen", "todo"]
     assert states("def f():\n    global count\n    count = 1") == ["count"]
@@ -106,7 +109,7 @@ def states(source: str) -> list[str]:
     return [*found, *(name for node in globals_ for name in node.names)]
 
 
-def test_no_path_of_a_machine_and_no_package_index_is_committed():
+def test_no_machine_path_is_committed():
     assert HOME.search("see /home/someone/x")
     assert not HOME.search("#!/bin/sh and docs/home/page")
     assert INDEX.search("--index-url https://pypi.example.org/simple")

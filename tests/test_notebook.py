@@ -15,14 +15,14 @@ def maker():
     return runpy.run_path(str(MAKER))
 
 
-def test_notebook_is_made_from_its_scripts(maker):
+def test_notebook_equals_its_scripts(maker):
     assert len(maker["SCRIPTS"]) == 3
     assert maker["NOTEBOOK"].read_text("utf-8") == maker["text_of"](maker["notebook"]())
 
 
 @pytest.mark.exhaustive
-def test_cells_of_the_notebook_run_and_return_figures(maker, monkeypatch, tmp_path):
-    """IPython runs them as a kernel does; figures are the values of cells."""
+def test_notebook_cells_return_figures(maker, monkeypatch, tmp_path):
+    """IPython runs them as a kernel does. The values of the cells are figures."""
     shell_of = pytest.importorskip("IPython.core.interactiveshell").InteractiveShell
     monkeypatch.setenv("IPYTHONDIR", str(tmp_path))
     monkeypatch.chdir(tmp_path)

@@ -51,7 +51,7 @@ def contents(wheel):
         return {one.filename: one.CRC for one in infos}
 
 
-def test_source_distribution_makes_the_same_wheel(wheel, tmp_path):
+def test_source_distribution_makes_same_wheel(wheel, tmp_path):
     """It contains what tests and site need, and nothing that was generated."""
     with tarfile.open(built("sdist", tmp_path)) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
@@ -68,8 +68,11 @@ def output(*line, folder):
     return done.stdout.strip()
 
 
-def test_released_version_is_the_same_everywhere():
-    """Last release of changelog, citation and fallback; an installation is it or comes later."""
+def test_released_version_is_consistent():
+    """The last release in changelog, citation and fallback.
+
+    An installed version is that or later.
+    """
     changelog = (ROOT / "CHANGELOG.md").read_text("utf-8")
     headings = re.findall(r"^## (.+)$", changelog, re.MULTILINE)
     released = next(one for one in headings if one != "Unreleased").split()[0]
@@ -106,7 +109,7 @@ def test_version_comes_from_the_tag(tmp_path):
     assert git("rev-parse", "HEAD").startswith(computed().partition("+g")[2])
 
 
-def test_launcher_and_guide_state_the_same_sizes():
+def test_launcher_and_guide_state_equal_sizes():
     """Measured with `pip download` of both lock files and `du` of both environments."""
     launcher = (ROOT / "flexproof").read_text("utf-8")
     sizes = re.findall(r'size="(\d+ MB, [\d.]+ GB on disk)"', launcher)
@@ -115,7 +118,7 @@ def test_launcher_and_guide_state_the_same_sizes():
     assert re.findall(r"\d+ MB, [\d.]+ GB on disk", guide) == sizes
 
 
-def test_module_flexproof_is_the_file_of_the_clone(tmp_path):
+def test_module_flexproof_is_that_of_clone(tmp_path):
     """A copy in the environment would not follow changes of the sources."""
     line = (sys.executable, "-c", "import flexproof; print(flexproof.__file__)")
     assert output(*line, folder=tmp_path) == str(ROOT / "flexproof.py")
@@ -146,7 +149,7 @@ fp.draw(robot).savefig("robot.png")
 
 @pytest.mark.install
 @pytest.mark.parametrize("name", ["python3.11", "python3.12", "python3.13"])
-def test_clean_installation_runs_with_locked_packages(name, wheel, tmp_path):
+def test_clean_installation_runs(name, wheel, tmp_path):
     """An empty environment, the packages of requirements.lock, then sdist and wheel in turn."""
     if subprocess.run([name, "-c", "import venv"], capture_output=True, check=False).returncode:
         pytest.skip(f"{name} is not installed here")

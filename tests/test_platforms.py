@@ -42,7 +42,7 @@ sys.exit(validation.cli.main(["run", "ifw", "--preset", "quick", "--out", "repor
 """
 
 
-def test_without_posix_only_runs_are_refused(tmp_path):
+def test_only_runs_need_posix(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", WITHOUT_POSIX + USE],
         cwd=tmp_path,
@@ -74,7 +74,7 @@ def test_run_folder_is_refused_without_locks(monkeypatch, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_missing_gmsh_is_reported_in_one_line(monkeypatch):
+def test_missing_gmsh_gives_one_line(monkeypatch):
     """It has no wheels for Linux on ARM."""
     monkeypatch.setitem(sys.modules, "gmsh", None)
     with (
@@ -84,7 +84,7 @@ def test_missing_gmsh_is_reported_in_one_line(monkeypatch):
         pass
 
 
-def test_missing_library_of_gmsh_names_its_packages(monkeypatch):
+def test_missing_gmsh_library_names_package(monkeypatch):
     """gmsh raises OSError if a library that it links to is missing."""
     message = "libGLU.so.1: cannot open shared object file"
 
@@ -115,7 +115,7 @@ sys.exit(validation.cli.main(["solve", "five-bar", "--model", "solid"]))
 """
 
 
-def test_without_gmsh_all_models_but_solids_are_solved(tmp_path):
+def test_only_solids_need_gmsh(tmp_path):
     hidden = tmp_path / "hidden"
     hidden.mkdir()
     # Worker processes inherit the path.
@@ -133,7 +133,7 @@ def test_without_gmsh_all_models_but_solids_are_solved(tmp_path):
     assert "needs gmsh, which cannot be loaded" in only_message(done.stderr)
 
 
-def test_guide_names_the_packages_of_gmsh_and_vtk():
+def test_guide_names_gmsh_and_vtk_packages():
     """The set-up script tests each library; the guide names those that bring all of them."""
     guide = (ROOT / "docs/guide/start.md").read_text("utf-8")
     line = next(one for one in guide.splitlines() if "apt-get install" in one)

@@ -84,7 +84,7 @@ def first_failure(nearest: tuple[str, ...], mistake: Mistake | None = None) -> s
     return found and found[1]
 
 
-def test_mistakes_quote_unique_lines_and_real_tests():
+def test_mistakes_quote_unique_lines():
     assert len({one.name for one in MISTAKES}) == len(MISTAKES) >= 70
     assert {one.file.split("/")[0] for one in MISTAKES} == set(PACKAGES)
     for one in MISTAKES:
@@ -97,7 +97,7 @@ def test_mistakes_quote_unique_lines_and_real_tests():
 
 @pytest.mark.faults
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda one: one.name)
-def test_the_nearest_tests_notice(mistake):
+def test_nearest_tests_fail_for_mistake(mistake):
     against = os.environ.get("FAULTS_AGAINST")
     nearest = (against,) if against else mistake.nearest
     assert first_failure(nearest, mistake), f"{mistake.instead!r} is noticed by none"

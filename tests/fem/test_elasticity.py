@@ -44,7 +44,7 @@ def inertia(u, v, _):
 
 
 @pytest.mark.parametrize("name", SKFEM)
-def test_solid_matrices_equal_scikit_fem(name):
+def test_matrices_equal_scikit_fem(name):
     kind, element, *degrees = SKFEM[name]
     cell = skfem.MeshHex1 if name.startswith("hex") else skfem.MeshTet1
     straight = kind.from_mesh(cell.init_refdom())

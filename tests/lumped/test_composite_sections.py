@@ -63,7 +63,7 @@ def layered(width, heights, materials):
     ],
     ids=["rectangle", "channel"],
 )
-def test_equal_materials_give_one_section(parts, whole):
+def test_equal_materials_are_one_section(parts, whole):
     section = composite(*parts)
     leg = ConstantLeg(1.0, whole, Material.isotropic(*STEEL))
     one, other = beam_of(section), leg.timoshenko
@@ -73,7 +73,7 @@ def test_equal_materials_give_one_section(parts, whole):
     assert (one.mass_y, one.mass_z) == (0.0, 0.0)
 
 
-def test_wood_steel_beam_equals_textbook():
+def test_wood_steel_beam_equals_gere():
     """J. M. Gere, Mechanics of Materials, 6th ed., example 6-1: inches and ksi.
 
     Wood 4 × 6, steel plate 4 × 0.5 below: neutral axis 5.031 in below the top, moments of inertia
@@ -196,5 +196,5 @@ def test_composite_torsion_needs_only_g():
         ),
     ],
 )
-def test_impossible_composite_is_refused(parts, fault):
+def test_wrong_composite_is_refused(parts, fault):
     assert composite(*parts).faults() == [fault]

@@ -44,7 +44,7 @@ def test_equivalent_legs_equal_paper(leg, by, expected, height, width):
 
 
 @pytest.mark.parametrize("by", ["stiffness", "compliance"])
-def test_equivalent_leg_recovers_stiffness(by):
+def test_equivalent_leg_keeps_stiffness(by):
     """Inverse of c22 = L³/3EI (by compliance) and of K22 = 12EI/L³ (by stiffness, clamped tip)."""
     beam = BEAM.timoshenko
     given = GivenLeg(1.2, 47.1, tip_compliance(beam.as_euler_bernoulli(), 1.2))
@@ -59,7 +59,7 @@ def test_indefinite_leg_has_no_equivalent():
         equivalent_leg(GivenLeg(1.0, 10.0, np.diag([1.0, 1.0, 1.0, 1.0, 1.0, -1e-3])))
 
 
-def test_cantilever_compliance_is_textbook():
+def test_cantilever_equals_textbook():
     """Steel 50×100 mm, 1.2 m: PL³/3EI + PL/κGA, ML²/2EI, ML/EI, TL/GJ, NL/EA, signs of c26, c35."""
     L, E, G = 1.2, 2.1e11, 2.1e11 / 2.6
     A, Iy, Iz = 0.005, 0.05 * 0.1**3 / 12.0, 0.1 * 0.05**3 / 12.0
@@ -175,7 +175,7 @@ def test_i_section_equals_three_plates():
     assert constants(section) == pytest.approx([53.81e-4, 8356e-8, 603.8e-8], rel=0.045)
 
 
-def test_tube_constants_use_mean_diameter():
+def test_tube_uses_mean_diameter():
     """A = π m t and I = π m t (m² + t²)/8 are exact with the mean diameter m; J = 2 I."""
     t, m = 0.004, 0.046
     section, bending = Tube(0.05, t), np.pi * m * t * (m**2 + t**2) / 8.0

@@ -197,7 +197,7 @@ def test_half_ring_opens_as_castigliano():
 
 @pytest.mark.parametrize("elements", [1, 4, 7])
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
-def test_curved_segment_statics_are_exact(elements, theory):
+def test_curved_segments_are_exact(elements, theory):
     """Curved, tapered leg: for any number of segments the tip compliance is the exact integral."""
     line = CentreLine((LinePiece((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.3, 0.1)),), UP)
     leg = LineLeg(line, ((0.0, Rectangle(0.05, 0.1)), (line.length, Rectangle(0.03, 0.04))), STEEL)

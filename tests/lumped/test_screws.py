@@ -38,7 +38,7 @@ def test_rotation_vectors_equal_scipy(angle):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_compliance_transform_keeps_energy(seed):
+def test_transformation_keeps_energy(seed):
     """The energy f·C·f is the same for the load at the first point and moved to the second."""
     rng = np.random.default_rng(seed)
     factor, wrench, offset = rng.normal(size=(6, 6)), rng.normal(size=6), rng.normal(size=3)

@@ -68,7 +68,7 @@ def test_shape_functions_are_nodal_polynomials(kind):
 
 
 @by_name
-def test_curved_element_mapping_equals_vtk(kind):
+def test_curved_mapping_equals_vtk(kind):
     # VTK interpolates an element with scattered nodes: a wrong entry in the permutation of nodes
     # would move the mapped points by the scatter.
     nodes = np.random.default_rng(2).uniform(-0.1, 0.1, size=(kind.node_count, 3))

@@ -232,7 +232,7 @@ def roots(compute) -> set[str]:
     return found.union(*(roots(one) for one in held if inspect.isfunction(one)))
 
 
-def test_value_and_reference_share_only_basics():
+def test_value_and_reference_are_independent():
     assert len(COMPARED) > 40
     assert not [key for key in CASES.keys() - COMPARED if not key[0].startswith("paper.")]
     common = {key: shared(*both, WITHIN.get(key[0], ())) for key, both in COMPARED.items()}
@@ -246,7 +246,7 @@ def test_comparison_depends_on_both_sides():
 
 
 def test_reference_by_same_code_is_detected():
-    """By its name, two rooms away, by one assembler, and of a class by what is annotated."""
+    """By its name, through two modules, through one assembler, and by an annotated class."""
     alike = {leg_matrices: beam_leg, robot_modes: beam_leg, swept: solved, rooted_body: RootedBody}
     assert all(shared((one,), (other,)) for one, other in alike.items())
 

@@ -97,7 +97,7 @@ def test_unit_key_includes_source_code(monkeypatch):
 
 
 def test_source_digest_includes_every_file(tmp_path, monkeypatch):
-    """One byte of one file, its name, its folder, a file more: each is another program."""
+    """A byte, a name, a folder or an additional file each change the digest."""
     monkeypatch.setattr(sources, "__file__", str(tmp_path / "a" / "b" / "sources.py"))
     packages, kinds = ("lumped", "meshes", "fem", "validation"), ("py", "toml", "j2", "css", "js")
     files = [tmp_path / name / "x" / f"one.{kind}" for name in packages for kind in kinds]
@@ -126,8 +126,8 @@ def part_keys(folder: Path) -> list[str]:
     return [mesh.key, identify.identified_entry(file, interfaces, STEEL, 1000, 6).key]
 
 
-def test_changed_source_changes_result_keys(tmp_path, monkeypatch):
-    """In a copy elsewhere, as an installed wheel is beside a checkout, keys are the same."""
+def test_changed_source_changes_keys(tmp_path, monkeypatch):
+    """A copy in another folder, as an installed wheel is, has the same keys."""
     for package in sources.PACKAGES:
         shutil.copytree(ROOT / package, tmp_path / package)
 
@@ -162,8 +162,8 @@ def test_changed_source_changes_result_keys(tmp_path, monkeypatch):
 VIEWS = {"validation.tables", "validation.parts.identified_plot"}
 
 
-def test_part_key_includes_computing_sources():
-    """Whatever the modules that make entries import, but for packages without code."""
+def test_part_key_includes_sources():
+    """The modules imported by those that compute entries, except for modules without code."""
     drawn = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))
     files = drawn["modules"]()
     for start, places in (
@@ -181,7 +181,7 @@ def test_part_key_includes_computing_sources():
                 assert all(isinstance(one, ast.Expr) for one in body), name
 
 
-def test_memo_key_has_function_and_arguments():
+def test_memo_key_has_all_arguments():
     arguments = [
         *((), (1,), (1.0,), ("1",), (True,), ((1, 2), 3), (1, (2, 3))),
         *((np.zeros(6),), (np.zeros((2, 3)),), (np.zeros((3, 2)),), (np.zeros(6, np.float32),)),
@@ -239,7 +239,7 @@ def asked_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterato
     yield from (partial(stepped_parts.stepped, leg, pieces) for pieces in (10, 11))
 
 
-def test_cached_part_results_have_unique_keys(tmp_path, monkeypatch):
+def test_cached_results_have_unique_keys(tmp_path, monkeypatch):
     def noted(entry):
         keys.append(entry.key)
         raise InterruptedError
@@ -311,7 +311,7 @@ def test_robot_digest_covers_file_and_parts(tmp_path):
     assert load_robot(tmp_path / "one" / "robot.toml").sha256 != one.sha256
 
 
-def test_plugin_computes_each_robot_once(tmp_path, monkeypatch):
+def test_plugin_computes_robots_once(tmp_path, monkeypatch):
     judged = []
 
     def judge(robot, *, preset, accept):

@@ -101,7 +101,7 @@ def test_timoshenko_modes_equal_huang_roots(leg, plane):
     assert np.count_nonzero(np.diff(np.sign(scan))) == 20
 
 
-def test_axial_and_torsional_modes_of_rod():
+def test_rod_has_axial_and_torsional_modes():
     # Steel bar of 1 m: √(E/ρ)/4L = 5172.2/4 Hz; torsional frequencies times √(GJ/E(Iy + Iz)).
     p = square_leg(10.0).timoshenko
     tension = tension_frequencies(p, 1.0, 3)
@@ -113,7 +113,7 @@ def test_axial_and_torsional_modes_of_rod():
 
 @both_theories
 @pytest.mark.parametrize("part", PARTS)
-def test_beam_frequencies_have_order_four(theory, part):
+def test_beam_frequency_order_is_four(theory, part):
     p, L = LEG_2.properties(theory), LEG_2.length
     kind, _, plane = part.partition(" ")
     exact = {
@@ -271,7 +271,7 @@ def critical(p: BeamProperties, ends: str) -> float:
 
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
 @pytest.mark.parametrize("ends", ENDS)
-def test_column_buckling_equals_engesser(ends, theory):
+def test_column_buckles_at_engesser_load(ends, theory):
     p, (free, times) = COLUMN.properties(theory), ENDS[ends]
     expected = critical(p, ends)
     if theory == "euler-bernoulli":
@@ -303,7 +303,7 @@ def test_tension_raises_beam_frequency():
         assert square == pytest.approx(expected, rel=1e-4)
 
 
-def test_own_weight_buckling_is_greenhills():
+def test_own_weight_buckling_is_greenhill():
     """Q L²/EI = 7.8373 (Greenhill): the axial force grows from the tip to the ground."""
     p = COLUMN.properties("euler-bernoulli")
     half = np.array([-0.5, 0, 0, 0, 0, 0])
@@ -359,7 +359,7 @@ STEPS = """*STEP
 
 @pytest.mark.exhaustive
 @pytest.mark.skipif(not any(map(shutil.which, PROGRAMS)), reason="CalculiX (ccx) is not installed")
-def test_column_buckling_equals_calculix(tmp_path):
+def test_column_load_equals_calculix(tmp_path):
     column = ConstantLeg(0.8, Rectangle(0.05, 0.06), Material.isotropic(2.1e11, 0.0, 7850.0))
     mesh = tetrahedra(column.section, column.length, 1)
     deck = replace(leg_deck(mesh, column.material), load_cases=(), modes=0)

@@ -81,7 +81,7 @@ def test_flexible_tip_keeps_transverse_stiffness():
     assert flexibility == pytest.approx(1.0 / k22, rel=1e-9)
 
 
-def test_indefinite_compliance_is_refused():
+def test_indefinite_6x6_is_refused():
     leg = given(PRISM)
     with pytest.raises(InputError, match="not positive definite"):
         interior_properties(replace(leg, compliance=-leg.compliance), "uniform")

@@ -30,7 +30,7 @@ def frequencies(leg, theory, elements, count=4):
 
 @pytest.mark.parametrize("theory", THEORIES)
 @pytest.mark.parametrize("section", [Rectangle(0.05, 0.1), Angle(0.05, 0.1, 0.005, 0.008)])
-def test_constant_sections_give_prism_beam(section, theory):
+def test_equal_sections_give_prism_beam(section, theory):
     leg = tapered(STRAIGHT, section, section)
     line, prism = (
         line_beam(leg.sections(theory), 4),

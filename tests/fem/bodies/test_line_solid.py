@@ -25,7 +25,7 @@ def clamped(leg, divisions, ends="free"):
     return clamped_leg(solid_leg(leg, solid_mesh(leg, divisions)), ends)
 
 
-def test_constant_sections_give_prism_solid():
+def test_equal_sections_give_prism_solid():
     section = Rectangle(0.06, 0.10)
     line, prism = tapered(STRAIGHT, section, section), ConstantLeg(1.0, section, STEEL)
     for ends in ("free", "rigid"):

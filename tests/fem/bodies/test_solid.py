@@ -106,7 +106,7 @@ def test_double_mode_at_cut_off_is_complete():
     np.testing.assert_array_equal(result.shapes, again.shapes)
 
 
-def test_leg_mode_count_equals_dense_count(bar):
+def test_leg_mode_count_is_dense_count(bar):
     clamped, values, _ = bar
     for below in (0, 2, 12, 100):
         lower = values[below - 1] if below else 0.0
@@ -147,7 +147,7 @@ def test_merged_modes_keep_their_residuals():
     assert both.residuals.tolist() == [1e-9, 5e-9, 2e-9]
 
 
-def test_missing_or_extra_mode_is_detected(bar):
+def test_missing_mode_is_detected(bar):
     clamped, values, _ = bar
     count, message = clamped.rooted_inertia, "leg: certificate of the modes failed: 6 lie"
     assert values[5] < certify(values[:6], values[6], count, "leg") < values[6]
@@ -187,7 +187,7 @@ def blinded_modes(clamped, lost, *, sees_again):
     return lowest_modes(solve, mass, 6, count, "leg")
 
 
-def test_missed_mode_is_found_or_reported(bar):
+def test_missed_mode_is_reported(bar):
     clamped, values, vectors = bar
     with pytest.raises(ComputationError, match="certificate of the modes failed"):
         blinded_modes(clamped, vectors[:, 5], sees_again=False)
@@ -236,7 +236,7 @@ def beam_with_mesh_constants(section, length):
         (0.8, ISection(0.10, 0.16, 0.012, 0.008), 2, 19),
     ],
 )
-def test_condensed_solid_leg_equals_beam(length, section, divisions, slices):
+def test_condensed_leg_equals_beam(length, section, divisions, slices):
     """With free warping at both ends the solid is the Timoshenko beam of its section."""
     leg = ConstantLeg(length, section, CUBIC)
     solid, face = meshed(leg, divisions, slices), section_mesh(section, divisions)

@@ -64,7 +64,7 @@ def test_missing_calculix_is_reported(monkeypatch):
         calculix_program()
 
 
-def test_deck_of_one_tetrahedron_is_valid():
+def test_one_tetrahedron_deck_is_valid():
     corners = np.vstack([np.zeros(3), np.eye(3)])
     # G is twice the isotropic value, like that of the paper's equivalent legs.
     cubic = Material(E=7.0e10, G=5.4e10, nu=0.3, rho=2700.0)
@@ -119,7 +119,7 @@ PRINTED_RESULTS = """
 PRINTED_DECK = Deck("printed", np.zeros((8, 3)), (), load_cases=((),), watched=(6, 7), modes=1)
 
 
-def test_calculix_results_are_read_in_full():
+def test_calculix_results_are_read():
     results = read_results(PRINTED_RESULTS, PRINTED_DECK)
     assert results.displacements[0].tolist() == [
         [1.561671e-10, -1.184426e-13, -2.042256e-14],
@@ -193,7 +193,7 @@ def assert_equal_to_calculix(posture) -> int:
 
 
 @needs_calculix
-def test_elastic_five_bar_equals_calculix():
+def test_five_bar_equals_calculix():
     mechanism = of_squares("five-bar")
     *_, last = mechanism.bodies.values()
     rigid = Rigid(6.0, np.array([0.1, 0.02, 0.03]), np.diag([0.2, 0.3, 0.4]) + 0.01)

@@ -247,7 +247,7 @@ def test_rounded_end_effects_are_refused(monkeypatch):
 
 
 @pytest.mark.parametrize("length", [0.5, 4.0])
-def test_thin_wall_end_effects_equal_solid(length):
+def test_thin_wall_effects_equal_solid(length):
     """Torsional compliance with rigid minus free ends by solid slices, without decaying fields."""
     material = replace(STEEL, nu=0.0)
     mesh, leg = section_mesh(THIN, 2), ConstantLeg(length, THIN, material)
@@ -330,7 +330,7 @@ def test_bending_wave_equals_ritz():
     assert wave == pytest.approx(prism_wave_frequency(section, STEEL, "bending", k), rel=2e-4)
 
 
-def test_tube_oval_frequency_equals_hoppe():
+def test_tube_ovalling_equals_hoppe():
     """ω² = n²(n² − 1)²/(n² + 1) EI/(μR⁴) of a ring with n = 2 (Love, §293), E/(1 − ν²) for E."""
     radius, wall = 0.05, 0.003
     mesh = section_mesh(Tube(2.0 * radius + wall, wall), 6)
@@ -341,7 +341,7 @@ def test_tube_oval_frequency_equals_hoppe():
 
 
 @pytest.mark.parametrize("section", SECTIONS)
-def test_slow_waves_equal_timoshenko_beam(section):
+def test_slow_waves_equal_timoshenko(section):
     """Both contain Saint-Venant's solutions as ω → 0; the difference falls with ω²."""
     omega = 2.0 * np.pi * 2.0
     beam = computed_beam(ConstantLeg(LENGTH, section, STEEL), 4)

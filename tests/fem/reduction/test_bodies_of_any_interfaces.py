@@ -74,7 +74,7 @@ def bar(request, tmp_path_factory):
     return Bar(part, rooted, held_body(rooted))
 
 
-def test_interface_couples_all_its_faces():
+def test_interface_couples_its_faces():
     faces = {number: Facets(np.array([[number, 8, 9]]), "tri3") for number in (1, 2, 3, 4)}
     interfaces = [
         Interface(name, numbers, np.eye(3)[index], "rigid", "", None, None, 1.0)
@@ -173,7 +173,7 @@ def free_reduction(bar):
     return free_interface(bar.rooted, bar.cutoff / 2.5, bar.cutoff)
 
 
-def test_free_interface_reduction_is_static_exact(bar, free_reduction):
+def test_free_interface_statics_are_exact(bar, free_reduction):
     """Matrices against dense triple products; the first unknowns are the interface twists."""
     reduced, _ = free_reduction
     assert reduced.counted == len(reduced.frequencies) == 7

@@ -60,7 +60,7 @@ def test_two_materials_equal_boundary_elements():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("inner", "outer"), [(0.45, 0.1), (0.1, 0.45)])
-def test_core_in_tube_has_hashin_tension(inner, outer):
+def test_filled_tube_equals_hashin(inner, outer):
     """A core of the share c is bonded into a tube with a free surface.
 
     Then E = c E_f + (1 − c) E_m + 4c(1 − c)(ν_f − ν_m)² / (c/k_m + (1 − c)/k_f + 1/μ_m), with plane

@@ -55,7 +55,7 @@ def test_ellipse_section_constants():
 
 
 @pytest.mark.parametrize("section", [Rectangle(0.1, 0.16), Circle(0.1), Tube(0.1, 0.02)])
-def test_shear_coefficients_equal_cowper(section):
+def test_shear_factors_equal_cowper(section):
     """Cowper (1966): 10(1+ν)/(12+11ν) for rectangles, 6(1+ν)/(7+6ν) for circles, and tubes."""
     for nu in (0.0, 0.3):
         constants = section_constants(section_mesh(section, 12), nu)
@@ -89,7 +89,7 @@ def test_energy_shear_coefficients():
         assert computed == pytest.approx(expected, rel=2e-5)
 
 
-def test_cubic_material_shear_coefficients():
+def test_cubic_material_shear_is_exact():
     mesh = section_mesh(Rectangle(0.3, 0.1), 6)
     # Shear coefficients depend on ν G/E, equal for the first two: 0.25 · 0.4 = 0.2 · 0.5.
     isotropic, cubic, other = (

@@ -96,7 +96,7 @@ def test_angle_bending_stress_equals_formula():
     np.testing.assert_allclose(computed.normal @ MZ, (iyz * z - iy * y) / determinant, rtol=1e-7)
 
 
-def test_torsion_stress_of_round_sections():
+def test_round_torsion_stress_is_exact():
     """τ = 16 T/πd³ at the rim of a circle, T r/J in a tube; no other stress."""
     for section, expected in (
         (Circle(0.1), 16.0 / (np.pi * 0.1**3)),
@@ -174,7 +174,7 @@ def test_box_torsion_equals_bredt():
     assert mean == pytest.approx(expected, rel=1e-3)
 
 
-def test_shaft_von_mises_stress_is_exact():
+def test_von_mises_stress_is_exact():
     """Under tension, bending and torque: σ_v² = (4N/πd² + 32M/πd³)² + 3 (16T/πd³)² at the rim."""
     d, tension, bending, torque = 0.1, 4.0e4, 900.0, 1500.0
     computed = stresses(Circle(d), 16)
@@ -200,7 +200,7 @@ def test_corner_nodes_are_excluded():
 
 
 @pytest.mark.skipif(not calculix_version(), reason="CalculiX is not installed")
-def test_section_stresses_equal_calculix(tmp_path):
+def test_stresses_equal_calculix(tmp_path):
     """σxx, τxy and τxz at the integration points of the middle third, under each unit wrench."""
     width, height, length = 0.06, 0.1, 0.45
     section = Rectangle(width, height)

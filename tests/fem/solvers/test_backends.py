@@ -107,7 +107,7 @@ class TestEveryLibrary:
             # Two factorisations differ by the condition number, 1e6, times 1e-16.
             assert np.abs(solution - expected).max() <= 1e-9 * np.abs(expected).max()
 
-    def test_solution_has_small_backward_error(self, matrices):
+    def test_backward_error_is_small(self, matrices):
         K, _ = matrices
         load = np.random.default_rng(2).standard_normal(K.shape[0])
         solution = analyse(K).factorise().solve(load)
@@ -139,7 +139,7 @@ class TestEveryLibrary:
             sigma = exact[0] / 2.0 if below == 0 else (exact[below - 1] + exact[below]) / 2.0
             assert count_below(both, sigma) == Inertia(below, 0, len(exact) - below)
 
-    def test_empty_matrix_has_no_eigenvalues(self):
+    def test_empty_matrix_has_no_modes(self):
         """The matrix of a body without free unknowns."""
         assert analyse(csr_array((0, 0))).indefinite("held").inertia == Inertia(0, 0, 0)
 
@@ -229,7 +229,7 @@ def test_solver_follows_request_size_and_card(request_, unknowns, card, expected
     assert choose(Solver(request_), unknowns, card) is Solver(expected)
 
 
-def test_wrong_solver_variable_is_refused(monkeypatch):
+def test_wrong_variable_is_refused(monkeypatch):
     for text, expected in (("", "auto"), ("auto", "auto"), ("rslab", "rslab"), ("petsc", "petsc")):
         monkeypatch.setenv(VARIABLE, text)
         assert requested_solver() is Solver(expected)

@@ -61,7 +61,7 @@ def assert_nothing_left(folder: Path) -> None:
         time.sleep(0.05)
 
 
-def test_killed_petsc_server_is_replaced(ranks, tmp_path):
+def test_killed_server_is_replaced(ranks, tmp_path):
     factor = analyse(CHAIN).factorise()
     servers = [
         number
@@ -164,7 +164,7 @@ def test_wrong_rank_count_is_refused(monkeypatch, text):
         (shutil.which("false"), "ended with code 1: no message"),
     ],
 )
-def test_missing_petsc_names_its_packages(monkeypatch, interpreter, reason):
+def test_missing_petsc_names_packages(monkeypatch, interpreter, reason):
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(PYTHON_VARIABLE, interpreter)
     with pytest.raises(InputError) as refused:
@@ -193,7 +193,7 @@ def test_full_temporary_folder_is_reported(ranks, monkeypatch, tmp_path):
             analyse(CHAIN)
 
 
-def test_missing_mpiexec_names_its_package(monkeypatch):
+def test_missing_mpiexec_names_package(monkeypatch):
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(PYTHON_VARIABLE, sys.executable)
     monkeypatch.setenv(RANKS_VARIABLE, "3")

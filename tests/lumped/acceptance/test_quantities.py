@@ -56,11 +56,11 @@ UNKNOWN = (
 
 
 @pytest.mark.parametrize("name", UNKNOWN)
-def test_unknown_quantity_name_gives_none(name):
+def test_unknown_name_gives_none(name):
     assert measured_quantity(name, RESPONSES) is None
 
 
-def test_component_and_vector_are_distinct():
+def test_component_is_not_the_vector():
     for whole in UNIT_LOADS[:6]:
         component = measured_quantity(whole.name)
         assert component != whole

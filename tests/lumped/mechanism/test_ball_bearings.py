@@ -20,7 +20,7 @@ from lumped.system.solution import compliance, solved
 E_STAR = 2.075e11 / (2.0 * (1.0 - 0.3**2))
 
 
-def test_contact_of_spheres_equals_hertz():
+def test_sphere_contact_equals_hertz():
     """Q = (4/3) E* √R δ^(3/2) with 1/R = 1/R₁ + 1/R₂ (Johnson, Contact Mechanics, eq. 4.23)."""
     first, second = 5e-3, 8e-3
     radius = 1.0 / (1.0 / first + 1.0 / second)
@@ -32,7 +32,7 @@ def test_contact_of_spheres_equals_hertz():
     ("size", "inner", "outer"),
     [("6209", (202.0, 0.9399), (138.0, 0.9120)), ("7218", (108.0, 0.9260), (83.2, 0.9038))],
 )
-def test_contact_curvatures_equal_harris(size, inner, outer):
+def test_curvatures_equal_harris(size, inner, outer):
     """Harris, Rolling Bearing Analysis, bearings 209 and 218: Σρ (1/m) and F(ρ), three digits."""
     bearing = bearing_of_size(size)
     D = bearing.ball_diameter
@@ -151,7 +151,7 @@ bearing = { BEARING }
 """
 
 
-def test_bearing_joint_yields_as_its_rings():
+def test_bearing_joint_yields_as_rings():
     """A joint on two angular contact bearings: the compliance of the tool along x is 1/(2k)."""
     inside = "balls = 12, ball_diameter = 10e-3, pitch_diameter = 60e-3, contact_angle = 25.0"
     text = ARM.replace("BEARING", f"{inside}, preload = 600.0, rows = 2, distance = 0.03")

@@ -44,7 +44,7 @@ def test_guide_stiffness_is_sum_over_balls(lines, lever):
     assert np.abs(off).max() <= 1e-9 * straight * WIDTH
 
 
-def test_steep_contact_is_stiffer_normally():
+def test_steep_contact_is_stiff_along_normal():
     """Normal over lateral stiffness is sin²α/cos²α = 3 at α = 60°, less a few percent."""
     steep = BallGuide(BALLS, D, SPACING, WIDTH, HEIGHT, np.radians(60.0), 0.52, "O")
     matrix = steep.stiffness(PRELOAD)

@@ -33,7 +33,7 @@ def tilted(tables, joint, towards):
 
 @pytest.mark.parametrize("towards", [1, 2])
 @pytest.mark.parametrize("joint", FIVE_BAR["joints"])
-def test_tilted_five_bar_axis_is_reported(joint, towards):
+def test_tilted_hinge_axis_is_reported(joint, towards):
     """All five axes are parallel: the other four give the direction of the tilted one."""
     (fault,) = tilted(FIVE_BAR, joint, towards)
     assert fault.startswith(f"dictionary: joints.{joint}.axis = ")
@@ -85,7 +85,7 @@ def test_collinear_rods_are_reported():
     assert "singular: rod1 and rod2 are stretched out in one line; with all drives held" in fault
 
 
-def test_stretched_3rrr_legs_are_reported():
+def test_stretched_legs_are_reported():
     points = load_robot("3-rrr").tables["points"]
     middles = {f"B{i}": 0.5 * (np.array(points[f"A{i}"]) + points[f"C{i}"]) for i in (1, 2, 3)}
     (fault,) = faults(with_points(load_robot("3-rrr").tables, middles))

@@ -184,7 +184,7 @@ def test_all_rigid_directions_give_rigid_joint():
     assert joined(*lines).joints[0].compliance is None
 
 
-def test_ball_joint_yields_along_its_rod():
+def test_ball_joint_yields_along_rod():
     """A rigid rod between ball joints carries only an axial force.
 
     Each joint is displaced by n·C n per unit force along the rod's direction n.
@@ -267,7 +267,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("lines", FAULTS)
-def test_wrong_joint_stiffness_is_refused(lines):
+def test_wrong_stiffness_is_refused(lines):
     unit = str((1e-9 * np.eye(6)).tolist())
     with pytest.raises(InputError) as error:
         joined(*REVOLUTE[:2], *lines.replace("UNIT", unit).split("\n"))

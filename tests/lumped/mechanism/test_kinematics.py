@@ -55,7 +55,7 @@ def single_joint(kind):
         ("prismatic", [0.0, 0.0, 0.3], np.eye(3), [0.3]),
     ],
 )
-def test_joint_allows_only_its_free_twists(kind, place, turn, values):
+def test_joint_allows_its_free_twists(kind, place, turn, values):
     mechanism = single_joint(kind)
     closure = Closure(mechanism)
     # Both bodies are moved together first: only their relative placement matters.
@@ -184,7 +184,7 @@ def test_jacobian_is_derivative_of_residual(mechanism):
     assert closure.jacobian_at(placement) == pytest.approx(derivative, abs=1e-8)
 
 
-def test_mobility_equals_kutzbach_formula(mechanism):
+def test_mobility_equals_kutzbach(mechanism):
     computed = mobility(reference_posture(mechanism))
     freedoms = sum(FREEDOMS[joint.kind] for joint in mechanism.joints)
     kutzbach = 6 * (len(mechanism.bodies) - 1 - len(mechanism.joints)) + freedoms
@@ -233,7 +233,7 @@ def test_joint_angle_exceeds_half_a_turn(five_bar):
     assert [angles["motor1"][0], angles["elbow1"][0]] == pytest.approx([back, turned - back])
 
 
-def test_open_reference_joint_is_reported(five_bar):
+def test_open_joint_is_reported(five_bar):
     frame = five_bar.reference["rod2"]
     shifted = replace(frame, position=frame.position + 1e-6 * np.eye(3)[1])
     moved = replace(five_bar, reference={**five_bar.reference, "rod2": shifted})
@@ -258,7 +258,7 @@ def test_imprecise_axis_is_reported():
     assert mobility(reference_posture(tilted(1e-4))).almost_redundant == 1
 
 
-def test_unreachable_pose_names_its_joint():
+def test_unreachable_pose_names_joint():
     iterated = replace(load_robot("ifw").mechanism, inverse_kinematics=None)
     # Of the way of 0.4025 m from the reference pose to x = 0.9 m, 0.3525 m lie within the stroke:
     # 88 %.

@@ -41,7 +41,7 @@ def at_tip(leg):
         (static_leg, 2000, 1e-11),
     ],
 )
-def test_segment_tip_compliance_is_exact(properties, leg_of, elements, digits):
+def test_segment_compliance_is_exact(properties, leg_of, elements, digits):
     compliance = at_tip(leg_of(segment_chain(properties, LENGTH, elements)))
     assert scaled_difference(compliance, tip_compliance(properties, LENGTH)) < digits
 
@@ -74,7 +74,7 @@ def test_literal_layout_has_rigid_ends():
 
 
 @pytest.mark.parametrize("layout", ["half", "literal"])
-def test_segment_chain_has_mass_of_prism(layout):
+def test_segments_have_mass_of_prism(layout):
     chain = segment_chain(BEAM, LENGTH, 3, layout)
     motions = np.vstack([along(x) for x in (0.0, LENGTH, *chain.stations[1:-1])])
     about_middle = along(-LENGTH / 2.0)

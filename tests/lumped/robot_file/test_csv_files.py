@@ -51,7 +51,7 @@ def test_repeated_csv_column_is_refused(csv):
         read_measured(path)
 
 
-def test_limits_and_measurements_are_read(tmp_path):
+def test_measurements_are_read(tmp_path):
     original = load_robot("ifw")
     robot = robot_of(original.text + ADDED_TABLES, tmp_path)
     asked = robot.requirement
@@ -86,7 +86,7 @@ def test_accept_option_overrides_file():
 @pytest.mark.parametrize(
     "option", ["deflction=0.1", "x", "x=", "x=five", "x=5", "x=0", "x=nan", "modes=0", "modes=2.5"]
 )
-def test_wrong_accept_options_are_refused(option):
+def test_wrong_accept_option_is_refused(option):
     with pytest.raises(InputError) as refused:
         with_options(Requirement(), (option, "y=1e9"), ("vjmm",))
     assert len(refused.value.faults) == 3

@@ -90,7 +90,7 @@ def little_memory():
 
 
 @pytest.mark.usefixtures("little_memory")
-def test_malformed_file_has_short_errors(path, capsys):
+def test_malformed_file_is_refused(path, capsys):
     for content in HOSTILE:
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         code = cli.main(["check", str(path)])
@@ -179,7 +179,7 @@ GRID = {"from": [0.0, 0.0], "to": [0.1, 0.1], "counts": [1000, 100]}
     ],
     ids=lambda value: value[:20],
 )
-def test_oversized_robot_file_is_refused(path, content, message):
+def test_oversized_file_is_refused(path, content, message):
     assert any(message in fault for fault in faults_of(path, content))
 
 

@@ -70,7 +70,7 @@ def test_tapered_leg_mass_is_exact():
     assert leg_of(sections=TAPER, material=weighed, mass=2.5).mass == pytest.approx(2.5, rel=1e-12)
 
 
-def test_line_leg_in_millimetres_is_equal():
+def test_tapered_leg_in_mm_is_equal():
     file = tables(through=[[0.3, 0.0, 0.0]], sections=TAPER)
     small = tables(through=[[300.0, 0.0, 0.0]])
     small |= {"units": "mm", "points": {"A": [0.0, 0.0, 0.0], "B": [600.0, 300.0, 0.0]}}
@@ -189,7 +189,7 @@ def test_wrong_line_leg_is_refused(said):
     assert error.value.faults[0].startswith(f"dictionary: bodies.{said}"), error.value.faults
 
 
-def test_constant_sections_equal_prism_leg():
+def test_equal_sections_give_prism():
     """A leg with one `section` is a prism; equal `sections` give a line leg of equal compliance."""
     prism = robot_of(tables(section=STOUT)).mechanism.bodies["arm"].shape
     assert not isinstance(prism, LineLeg)
@@ -197,7 +197,7 @@ def test_constant_sections_equal_prism_leg():
     assert given_compliance(line) == pytest.approx(given_compliance(prism), rel=1e-12, abs=1e-20)
 
 
-def test_built_in_robots_have_no_line_legs():
+def test_built_in_robots_have_prisms():
     assert not any(
         isinstance(body.shape, LineLeg) for body in load_robot("delta").mechanism.bodies.values()
     )

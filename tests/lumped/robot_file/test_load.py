@@ -128,7 +128,7 @@ def faults_of(tables):
 
 
 @pytest.mark.parametrize("wrong", list(invalid_files()), ids=str)
-def test_error_has_key_and_allowed_values(wrong):
+def test_error_names_allowed_values(wrong):
     faults = faults_of(wrong.tables())
     assert len(faults) == len(wrong.said), faults
     for line in wrong.said:
@@ -142,7 +142,7 @@ def test_empty_file_lists_missing_keys():
     assert missing == set(keys)
 
 
-def test_unreadable_robot_path_is_refused(tmp_path):
+def test_unreadable_path_is_refused(tmp_path):
     latin = tmp_path / "latin.toml"
     latin.write_bytes(b'name = "Gr\xf6\xdfe"')
     robots = f"must be a robot file or a built-in robot ({', '.join(built_in_robots())})"
@@ -322,7 +322,7 @@ def fits(rules, value):
     return within and rules["exclusiveMinimum"] < value < rules["exclusiveMaximum"]
 
 
-def test_robot_files_satisfy_json_schema():
+def test_robot_files_satisfy_schema():
     files = [*ROOT.glob("lumped/robots/*.toml"), *ROOT.glob("examples/*/*.toml")]
     texts = [SOUND, *(path.read_text("utf-8") for path in files)]
     assert len(texts) > 8
@@ -331,7 +331,7 @@ def test_robot_files_satisfy_json_schema():
 
 
 @pytest.mark.parametrize("robot", ["five-bar", "biglide"])
-def test_misspelt_keys_violate_json_schema(robot):
+def test_misspelt_keys_violate_schema(robot):
     text = load_robot(robot).text
     key_paths = [
         key_path for key_path in places(tomllib.loads(text)) if isinstance(key_path[-1], str)
@@ -347,7 +347,7 @@ def test_misspelt_keys_violate_json_schema(robot):
         assert not valid(SCHEMA, another), (tables, key)
 
 
-def test_wrong_values_violate_json_schema():
+def test_wrong_values_violate_schema():
     """The schema finds most of the wrong files; the others break rules between several keys."""
     assert sum(not valid(SCHEMA, wrong.tables()) for wrong in invalid_files()) == 76
 

@@ -100,7 +100,7 @@ def numbers(value):
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
-def test_millimetre_file_gives_same_robot(path, monkeypatch):
+def test_file_in_mm_gives_same_robot(path, monkeypatch):
     """Every number of the mechanism agrees to 1e-12, the rounding error of a few operations."""
     monkeypatch.chdir(path.parent)
     tables = tomllib.loads(path.read_text("utf-8"))
@@ -228,7 +228,7 @@ def test_pose_angles_are_not_converted():
         posture(milli.mechanism, np.array([2.0, 0.0, 0.1]))
 
 
-def test_key_list_bounds_use_length_unit():
+def test_key_list_uses_length_unit():
     lines = key_comments(MILLI).split("\n")
     for line in (
         "# bodies.NAME.mass_centre: a number from -10000 to 10000 mm; ",

@@ -29,7 +29,7 @@ def test_arrays_and_paths_become_toml():
 
 
 @pytest.mark.parametrize("name", built_in_robots())
-def test_robot_from_dictionary_equals_file(name):
+def test_dictionary_gives_same_robot(name):
     robot = load_robot(name)
     again = robot_of(robot.tables)
     assert again.tables == robot.tables

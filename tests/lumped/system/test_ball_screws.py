@@ -145,7 +145,7 @@ def test_drive_without_stiffness_is_refused():
     )
 
 
-def test_gantry_softens_away_from_bearing():
+def test_long_screw_softens_gantry():
     """The screw of a truck is 200 and 400 mm long at both ends of its path."""
     robot = load_robot(EXAMPLE).mechanism
     rail = next(joint for joint in robot.joints if joint.name == "rail_left")

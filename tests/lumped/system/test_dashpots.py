@@ -70,7 +70,7 @@ def solution_of(text, **values):
 
 @pytest.mark.parametrize("element", ["drive", "joint"])
 @pytest.mark.parametrize("ratio", [0.03, 0.6, 1.0, 4.0])
-def test_dashpot_oscillator_equals_theory(ratio, element):
+def test_dashpot_receptance_is_exact(ratio, element):
     """Receptance 1/(k − mω² + iωc); for ζ < 1/√2 the peak is 1/(2kζ√(1 − ζ²)) at ω√(1 − 2ζ²)."""
     damping = ratio * CRITICAL
     text = {"DRIVE": "", "SLIDE": ""}
@@ -109,7 +109,7 @@ def test_dashpot_keeps_natural_frequency():
 
 
 @pytest.mark.parametrize("first", [50.0, 8000.0, 5.0e5])
-def test_dashpots_of_two_masses_are_exact(first):
+def test_dashpots_on_two_masses_are_exact(first):
     """Inverse of a 2×2 matrix with loss factor and dashpots; 5e5 N s/m overdamps one mode."""
     loss, second = 0.06, 900.0
     solution = solution_of(TWO, FIRST=first, SECOND=second, LOSS=loss)

@@ -90,7 +90,7 @@ def closed_form(start, first, last):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_uniform_load_deflects_as_theory(model):
+def test_uniform_load_is_exact(model):
     """qL⁴/8EI + qL²/2κGA with the slope qL³/6EI; twist mL²/2GJ; elongation nL²/2EA."""
     n, q, m = 900.0, -400.0, 70.0
     own = displacement(

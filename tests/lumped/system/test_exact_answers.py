@@ -58,7 +58,7 @@ def parallelogram():
     return make.posture(Tool("bar", "T"))
 
 
-def test_parallelogram_compliance_is_exact(parallelogram):
+def test_parallelogram_is_exact(parallelogram):
     """A moment M about z pulls one rod and pushes the other by M/w: φ = 2 (M/w)(L/EA)/w.
 
     A force F along x rotates the drive at the foot, F L²/k, and bends the driven rod, F L³/3EI; the
@@ -186,7 +186,7 @@ def null_space_system(posture, legs):
 @pytest.mark.parametrize(
     ("seed", "planar"), [*((n, False) for n in range(27)), *((n, True) for n in range(8))]
 )
-def test_solution_equals_null_space_method(seed, planar):
+def test_null_space_solution_is_equal(seed, planar):
     posture = random_posture(seed, planar=planar)
     legs = tip_compliances(posture.mechanism)
     system = assemble(posture, links(posture.mechanism, legs))

@@ -71,7 +71,7 @@ def solution_of(mechanism, models=None):
 
 
 @pytest.mark.parametrize(("ratio", "loss"), [(0.0, 0.06), (0.03, 0.0)])
-def test_damped_oscillator_equals_theory(ratio, loss):
+def test_damped_oscillator_is_exact(ratio, loss):
     """1/(k(1 + iη) − mω²) with peak 1/kη at √(k/m); with damping ratio ζ peak 1/(2kζ√(1 − ζ²))."""
     (response,) = harmonic_responses(solution_of(pushed(loss, ratio)))
     assert response.excitation.judged == ("push", "push.frequency", "push.at")
@@ -129,7 +129,7 @@ def test_loss_and_damping_add_in_two_modes():
         assert receptance == pytest.approx(np.linalg.inv(dynamic)[1, 1], rel=1e-9)
 
 
-def test_undamped_mode_has_infinite_peak():
+def test_undamped_peak_is_infinite():
     robot = pushed(0.0, 0.01)
     undamped = damped_modes(solution_of(replace(robot, damping=0.0)), 450.0).along(X)
     natural = np.sqrt(K / MASS) / (2.0 * np.pi)
@@ -203,7 +203,7 @@ def lossy(beams):
     return solution_of(replace(DELTA, bodies=bodies, joints=on_drives(loss=0.1)), beams)
 
 
-def test_modal_receptance_equals_inverse(beams, plain, lossy):
+def test_modal_sum_equals_inverse(beams, plain, lossy):
     """The imaginary part of K is assembled from bodies and drives scaled by their loss factors."""
     system, ratio = lossy.system, 0.02
     assert lossy.idle == 6

@@ -67,7 +67,7 @@ def test_unmeshable_part_is_reported(bar, monkeypatch, error, kind):
             volume.refined_gradings(*bar, 20_000)
 
 
-def test_size_search_survives_bad_facets(tmp_path):
+def test_size_search_skips_bad_facets(tmp_path):
     def tube(occ):
         """Draw a conical tube of 600 mm whose wall of 12 mm is crossed by coarse facets."""
         outer, inner = (occ.addCone(0, 0, 0, 600, 0, 0, r, 0.7 * r) for r in (61.4, 49.3))

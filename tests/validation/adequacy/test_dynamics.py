@@ -56,14 +56,14 @@ FLANGED = ConstantLeg(
 BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
 
 
-def test_wall_mesh_doubles_bar_mesh():
-    """Of a five-bar of box sections `standard` left more open than `quick` had."""
+def test_wall_mesh_is_refined_twofold():
+    """With a smaller ratio a five-bar of boxes was less certain in `standard` than in `quick`."""
     meshes, bar = solid_meshes("fine"), replace(FLANGED, section=Rectangle(0.1, 0.1))
     assert meshes.ratio([FLANGED]) == 2.0
     assert meshes.ratio([FLANGED, bar]) == pytest.approx(4.0 / 3.0)
 
 
-def test_equal_legs_share_one_reduction_per_end():
+def test_equal_legs_share_a_reduction():
     robot, made = load_robot("five-bar").mechanism, []
 
     def build(leg, ends, _highest):
@@ -98,7 +98,7 @@ def flanged():
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("model", BEAMS)
-def test_some_i_section_beam_modes_have_no_partner(flanged, model):
+def test_i_section_beam_modes_lack_partners(flanged, model):
     order = flanged.entry(model, "order")
     assert order.verdict == "inadequate"
     # Two at 160 Hz, where the robot's next mode is above 220 Hz.
@@ -109,8 +109,8 @@ def test_some_i_section_beam_modes_have_no_partner(flanged, model):
     assert (order.remedy, order.error_with_remedy) == ("use solid", 0.0)
 
 
-def test_open_section_torsion_is_least_certain():
-    """The section mesh leaves torsion open, and bending of 100 × 100 mm next to nothing."""
+def test_torsion_has_largest_mesh_half_width():
+    """Torsion of an open section depends on its mesh; bending of 100 × 100 mm hardly does."""
     robot = robot_on_path(at_the_centre(**OF_FLANGED))
     (solids,) = dynamic_reference(Responses(robot)).interpretations
     first, *others = solids.budget[Source.MESHES].frequencies[0, :4]
@@ -119,7 +119,7 @@ def test_open_section_torsion_is_least_certain():
     assert max(others) < 0.0025
 
 
-def test_i_section_torsion_by_beams_is_inadequate():
+def test_i_section_beam_torsion_is_inadequate():
     entry = alone(FLANGED)
     assert entry.verdict == "inadequate"
     # 3.7 times the compliance of the solid, from a mesh of its own.
@@ -140,7 +140,7 @@ def alone(leg):
     return verdict_matrix(subject, Requirement()).entry("beam", "phi_x")
 
 
-def test_torsion_verdict_depends_on_end_conditions():
+def test_end_conditions_change_torsion_verdict():
     entry = alone(replace(FLANGED, ends="free"))
     # The thin-walled J alone is off; inward corners leave the quick mesh 4 % uncertain.
     assert entry.along == pytest.approx(0.0, abs=0.02)
@@ -165,7 +165,7 @@ def test_torsion_verdict_depends_on_end_conditions():
         (HollowRectangle(0.1, 0.16, 0.008), "free"),
     ],
 )
-def test_frequency_half_widths_cover_finer_mesh(section, ends):
+def test_half_widths_cover_finer_mesh(section, ends):
     leg = ConstantLeg(0.9, section, STEEL, ends=ends)
     robot = like_ifw(a=1.0, platform_mass=30.0, leg1=leg, leg2=leg)
     quick, finer = (
@@ -183,7 +183,7 @@ def test_frequency_half_widths_cover_finer_mesh(section, ends):
         assert (changes <= own.budget[Source.MESHES].frequencies).all()
 
 
-def test_lumped_mass_leaves_tenth_mode_undecided():
+def test_tenth_mode_with_lumped_mass_is_undecided():
     # Three ways each for the platform and two point masses: fewer modes than are judged.
     leg1, leg2 = (replace(leg, inertia=None, mass_centre=None) for leg in (LEG1, LEG2))
     asked = Requirement(modes=10)
@@ -211,8 +211,8 @@ def test_lumped_mass_leaves_tenth_mode_undecided():
     assert ", f10 " in note
 
 
-def test_drive_model_lacks_second_mode_at_stroke_end():
-    """There it moves along one axis alone; beyond the modes that there are stands nothing."""
+def test_drive_model_has_one_mode_at_stroke_end():
+    """At its stroke ends the robot moves along one axis only. Entries of missing modes are NaN."""
     robot = robot_on_path(Context(load_robot("ifw"), "quick"))
     found = modes_by_model(robot, "simplified", DEFAULT_OPTIONS)
     known = np.isfinite(found.frequencies)
@@ -253,7 +253,7 @@ def rigid_inertia(leg, masses):
 
 
 @pytest.mark.parametrize("masses", MASSES)
-def test_mass_centre_and_inertia_match_the_drawing(masses):
+def test_mass_centre_and_inertia_equal_drawing(masses):
     mass, centre, inertia = rigid_inertia(GIVEN, masses)
     expected, squared = SLENDER[masses]
     assert mass == pytest.approx(PRISM.mass, rel=1e-9)
@@ -272,8 +272,8 @@ def test_mass_centre_and_inertia_match_the_drawing(masses):
         assert masses != "mass in lumps" or inertia == pytest.approx(tensor, abs=1e-9)
 
 
-def test_uniform_leg_interior_equals_its_beam():
-    """Radii of gyration as well: EI/EA with the EI that shear does not soften."""
+def test_beam_from_6x6_has_beam_constants():
+    """Radii of gyration are EI/EA, with the EI of bending without shear."""
     shear = tip_compliance(PRISM.timoshenko, PRISM.length)
     given = GivenLeg(PRISM.length, PRISM.mass, shear)
     own = craig_bampton(held_leg(beam_leg(PRISM.timoshenko, PRISM.length, 20)), HIGHEST).matrices
@@ -283,15 +283,18 @@ def test_uniform_leg_interior_equals_its_beam():
         np.testing.assert_allclose(np.abs(dense(matrix)), due, rtol=0, atol=1e-9 * due.max())
 
 
-def test_mass_wedges_need_no_mass_centre():
+def test_unknown_mass_centre_adds_mass_wedges():
     known = replace(GIVEN, mass_centre=0.4)
     assert plausible_masses([known, known]) == (MASSES[0], *MASSES[3:])
     assert plausible_masses([known, GIVEN]) == MASSES
 
 
 @pytest.mark.parametrize("mixed", [False, True])
-def test_massless_legs_bound_6x6_robot_frequencies(*, mixed):
-    """Frequencies of any distribution lie below; held ends of a solid are stiffer than its 6×6."""
+def test_massless_legs_bound_frequencies(*, mixed):
+    """Any mass distribution gives lower frequencies.
+
+    Rigid ends make a solid stiffer than its 6×6.
+    """
     prism = ConstantLeg(LEG2.length, Rectangle(0.1, 0.1), STEEL, ends="rigid")
     legs = {"leg2": prism} if mixed else {}
     light = {"leg1": replace(LEG1, mass=1e-6), "leg2": replace(LEG2, mass=1e-6)}

@@ -45,7 +45,7 @@ def failing(function, place, model, options):
 
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
-def test_raising_model_leaves_other_verdicts(arm, monkeypatch, capsys, model):
+def test_failing_model_keeps_other_verdicts(arm, monkeypatch, capsys, model):
     due = verdicts_of(arm)[1]
     for name in ("model_statics", "modes_by_model"):
         function = failing(getattr(model_ladder, name), 1, model, DEFAULT_OPTIONS)
@@ -65,7 +65,7 @@ def test_raising_model_leaves_other_verdicts(arm, monkeypatch, capsys, model):
     assert "return 1 / 0" in capsys.readouterr().err
 
 
-def test_verdicts_exist_without_stability_result(arm, monkeypatch):
+def test_missing_stability_keeps_verdicts(arm, monkeypatch):
     """The effect of loads on the stiffness is then part of the uncertainty under these loads."""
     due = verdicts_of(arm)[1]
     for module in (robot_verdicts, uncertainty_sources):
@@ -81,7 +81,7 @@ def test_verdicts_exist_without_stability_result(arm, monkeypatch):
     assert matrix.faults == ("stability under loads",)
 
 
-def test_inapplicable_model_is_no_program_error(arm, monkeypatch):
+def test_inapplicable_model_is_not_an_error(arm, monkeypatch):
     def refusing(*_):
         raise ComputationError("the arm is too thin")
 
@@ -93,7 +93,7 @@ def test_inapplicable_model_is_no_program_error(arm, monkeypatch):
 
 
 def test_rigid_drive_robot_has_verdicts(tmp_path):
-    """The simplified model has nothing elastic: inadequate, and the others as they are."""
+    """With rigid drives the simplified model has no compliance and is inadequate."""
     text = ARM.replace("stiffness = 5.0e4", 'stiffness = "rigid"') + "[path]\nposes = [[0.0]]\n"
     matrix, found = verdicts_of(robot_of(text, tmp_path))
     assert found["beam", "load:cutting"] == found["links", "load:cutting"] == "adequate"

@@ -55,7 +55,7 @@ def entry(modes, quantity, *others, unsure=0.0):
     return verdict_matrix(subject, Requirement(modes=3)).entry("model", quantity)
 
 
-def test_contradictory_mode_order_is_undecided():
+def test_inconsistent_mode_order_is_undecided():
     # The same robot with other ends: its second and third shape change places.
     swapped = vibration([100.0, 160.0, 190.0, 300.0], A, C, B, D)
     like_the_first = vibration([101.0, 151.0, 202.0, 303.0], *AXES)
@@ -73,7 +73,7 @@ def test_contradictory_mode_order_is_undecided():
     )
 
 
-def test_missing_mode_is_inadequate_with_reason():
+def test_missing_mode_is_inadequate():
     missing = entry(vibration([100.0, 200.0], A, C), "f2")
     assert (missing.verdict, missing.error) == ("inadequate", None)
     assert "no mode of this shape" in missing.reason
@@ -82,7 +82,7 @@ def test_missing_mode_is_inadequate_with_reason():
 
 
 def test_close_modes_are_paired_by_shape():
-    """Two per cent apart: shapes decide, not the order of the frequencies."""
+    """Frequencies are 2 % apart: shapes decide, not the order of the frequencies."""
     close, swapped = (vibration([100.0, 102.0, 200.0], *pair, C) for pair in ((A, B), (B, A)))
     found = partners(close, swapped, 3)
     assert found.frequency[0] == pytest.approx([102.0, 100.0, 200.0])
@@ -91,8 +91,11 @@ def test_close_modes_are_paired_by_shape():
 
 
 @pytest.mark.parametrize(("unsure", "open_to"), [(0.0, [(110, 112), (110, 112)]), (0.03, None)])
-def test_mixed_modes_are_compared_as_a_subspace(unsure, open_to):
-    """Turned into each other by 45°: which is which is open unless they are of one frequency."""
+def test_mixed_modes_are_one_subspace(unsure, open_to):
+    """Shapes are rotated into each other by 45°.
+
+    They have definite partners only if both frequencies are equal.
+    """
     close, mixed = (
         vibration([start, start + 2.0, 200.0], *pair, C)
         for start, pair in ((100.0, (A, B)), (110.0, MIXED))
@@ -110,8 +113,8 @@ def test_mixed_modes_are_compared_as_a_subspace(unsure, open_to):
 @pytest.mark.parametrize(
     ("limit", "verdict"), [(0.05, "undecided"), (0.13, "adequate"), (0.01, "inadequate")]
 )
-def test_mixed_mode_verdict_covers_both_partners(limit, verdict):
-    """100 and 104 Hz against 104 and 112 Hz, mixed: errors of the first 4 to 12 %."""
+def test_mixed_mode_error_covers_both_partners(limit, verdict):
+    """100 and 104 Hz mixed with 104 and 112 Hz: errors of the first are 4 to 12 %."""
     truth, model = (
         vibration([*pair, 200.0, 300.0], *shapes, C, D)
         for pair, shapes in (((100.0, 104.0), (A, B)), ((104.0, 112.0), MIXED))
@@ -121,8 +124,8 @@ def test_mixed_mode_verdict_covers_both_partners(limit, verdict):
     assert matrix.entry("model", "f1").verdict == verdict
 
 
-def test_mode_shared_with_local_mode_is_undecided():
-    """Two modes of the reference, each half of one shape of the model and half local."""
+def test_half_local_mode_is_undecided():
+    """Two reference modes each consist half of one model shape and half of a local mode."""
     truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, -B, D, seen=[1.0, 0.5, 0.5, 1.0])
     subject = subject_of(truth, vibration([100.0, 149.0, 250.0, 300.0], A, B, C, D))
     matrix = verdict_matrix(subject, Requirement(modes=3))
@@ -132,8 +135,8 @@ def test_mode_shared_with_local_mode_is_undecided():
         assert "several modes of the reference have the shape of one" in entry.reason
 
 
-def test_local_mode_has_no_partner_but_its_energy():
-    """5 % of its energy in the samples, all of that like a mode of the model."""
+def test_local_mode_has_no_partner():
+    """5 % of its kinetic energy is in the sampled points, with the shape of a model's mode."""
     truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, B, D, seen=[1.0, 0.05, 1.0, 1.0])
     subject = subject_of(truth, vibration([100.0, 153.0, 250.0, 300.0], A, B, C, D))
     matrix = verdict_matrix(subject, Requirement(modes=3))
@@ -146,7 +149,7 @@ def test_local_mode_has_no_partner_but_its_energy():
     assert matrix.entry("model", "order").error == pytest.approx(250.0 / 152.0 - 1.0)
 
 
-def test_repeated_pair_permutation_keeps_mode_order():
+def test_swapped_repeated_pair_keeps_order():
     """The order changes only if a mode of the pair is exchanged with another mode.
 
     Any two independent combinations of the modes of a repeated pair are modes.
@@ -163,8 +166,8 @@ def test_repeated_pair_permutation_keeps_mode_order():
     assert (order.verdict, order.error) == ("inadequate", pytest.approx(90.0 / 150.0 - 1.0))
 
 
-def test_order_of_close_modes_is_undecided():
-    """Exchanged in the model, 0.1 Hz apart in a reference that is known to 1 %."""
+def test_close_mode_order_is_undecided():
+    """Two modes exchanged in the model are 0.1 Hz apart in a reference that is uncertain by 1 %."""
     truth = vibration([100.0, 100.1, 200.0, 300.0], A, B, C, D)
     model = vibration([90.0, 112.0, 200.0, 300.0], B, A, C, D)
     matrix = verdict_matrix(subject_of(truth, model, unsure=0.01), Requirement(modes=3))
@@ -185,7 +188,7 @@ def test_order_of_close_modes_is_undecided():
         (vibration([100.0, 104.0], A, C), [0.0, np.nan, 0.0]),
     ],
 )
-def test_frequency_change_follows_mode_shape(coarse, changes):
+def test_frequency_changes_follow_shapes(coarse, changes):
     """The first three modes of a robot with three close frequencies and a distant one."""
     fine = vibration([100.0, 102.0, 104.0, 200.0], *AXES)
     found = frequency_changes(fine, coarse, 3)[0]
@@ -193,14 +196,14 @@ def test_frequency_change_follows_mode_shape(coarse, changes):
 
 
 @pytest.mark.parametrize(("common", "number"), [(0.4, -1), (0.6, 0)])
-def test_mac_below_half_is_no_partner(common, number):
+def test_mac_below_half_is_not_a_partner(common, number):
     model = vibration([100.0], np.sqrt(common) * A + np.sqrt(1.0 - common) * D)
     found = partners(vibration([100.0, 150.0, 200.0], A, B, C), model, 1)
     assert found.partner_indices.tolist() == [[number]]
     assert found.mac[0, 0] == pytest.approx(common)
 
 
-def test_entry_has_larger_error_of_two_readings():
+def test_entry_has_largest_error_of_readings():
     """Two interpretations of the robot file give references of 100 and 104 Hz."""
     model = vibration([101.0, 150.0, 200.0, 300.0], *AXES)
     told = entry(model, "f1", vibration([104.0, 150.0, 200.0, 300.0], *AXES))
@@ -213,10 +216,10 @@ def test_entry_has_larger_error_of_two_readings():
 
 
 @pytest.mark.parametrize("interior", ["", "give the section of the leg"])
-def test_interval_covers_modes_crossing_in_readings(interior):
-    """From a soft to a stiff inside of a leg A goes from 100 to 130 Hz, and B from 110 to 115.
+def test_interval_covers_crossing_modes(interior):
+    """As the inside of a leg stiffens, mode A rises from 100 to 130 Hz and mode B from 110 to 115.
 
-    In between both may be f1, at up to 115 Hz, or f2, from 110 Hz. Other readings stand alone.
+    In between either may be f1 (up to 115 Hz) or f2 (from 110 Hz). Other readings are not combined.
     """
     soft = vibration([100.0, 110.0, 200.0, 300.0], A, B, C, D)
     stiff = vibration([115.0, 130.0, 200.0, 300.0], B, A, C, D)
@@ -252,7 +255,7 @@ def static_entry(*factors, unsure=0.0, limit=0.05):
     return verdict_matrix(subject, Requirement(deflection=limit, modes=3)).entry("model", "x")
 
 
-def test_model_equal_to_reference_has_zero_error():
+def test_equal_model_has_zero_error():
     told = static_entry(1.0, unsure=0.044)
     assert (told.error, told.uncertainty) == (0.0, pytest.approx(0.044, rel=1e-12))
     assert (told.low, told.high) == (0.0, pytest.approx(0.044, rel=1e-12))
@@ -292,13 +295,13 @@ def test_error_text_lists_differing_readings():
         ([0.0, 0.0], 0),
     ],
 )
-def test_tied_largest_value_is_first_one(sizes, number):
+def test_first_of_equal_values_is_largest(sizes, number):
     assert first_largest(np.array(sizes)) == number
 
 
 @pytest.mark.parametrize("rounding", [-1e-12, 0.0, 1e-12])
-def test_entry_of_tied_readings_is_first_reading(rounding):
-    """6 % off against both readings but for rounding: 6 % farther, and 6 % less far."""
+def test_tied_readings_give_first_one(rounding):
+    """Equal errors up to rounding: 6 % above one reading of the robot file, 6 % below another."""
     told = static_entry(1.06, 0.94 + rounding)
     assert told.error == pytest.approx(0.06, rel=1e-9)
     assert told.along == pytest.approx(0.06, rel=1e-9)
@@ -306,7 +309,7 @@ def test_entry_of_tied_readings_is_first_reading(rounding):
 
 @pytest.mark.parametrize(("limit", "verdict"), [(0.05, "undecided"), (0.07, "adequate")])
 def test_interval_between_readings_contains_zero(limit, verdict):
-    """6 % farther than one reading and 6 % less far than the other: the truth may lie between."""
+    """6 % more than one reading and 6 % less than the other: the truth may lie between."""
     told = static_entry(0.94, 1.06, limit=limit)
     assert told.readings == pytest.approx({"rigid pins": 0.06, "averaged ones": 0.06})
     assert (told.low, told.high, told.verdict) == (0.0, pytest.approx(0.06), verdict)
@@ -333,8 +336,8 @@ def test_wide_interval_is_shown_by_bounds():
 
 
 @pytest.mark.parametrize("ends", [{"low": -np.inf}, {"low": -np.inf, "high": np.inf}])
-def test_infinite_interval_is_shown_as_unbounded(ends):
-    """No mode of the model has the shape of one that may stand at this place."""
+def test_infinite_interval_is_unbounded(ends):
+    """No mode of the model has the shape of one that may have this number."""
     known = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
     told = structs.replace(known, **ends)
     assert plain(error_with_spread(told)) == "−10 % without bound"
@@ -344,8 +347,8 @@ def plain(text):
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
-def test_limit_in_metres_applies_at_each_pose():
-    """4 % of 0.1 mm are 4 µm, 2 % of 1 mm are 20 µm: of 0.1 mm the latter are more."""
+def test_limit_in_metres_holds_in_each_pose():
+    """Errors are 4 µm (4 % of 0.1 mm) and 20 µm (2 % of 1 mm); 20 µm are a fifth of 0.1 mm."""
     compliances = np.array([1e-8 * np.eye(6)] * 2)
     due, moved = (
         Statics(compliances, np.array(along)[:, None, None] * np.eye(6)[:1])
@@ -375,11 +378,11 @@ def test_limit_in_metres_applies_at_each_pose():
         ((1.1e-4, 1.1e-3), (1.1e-4, 1.005e-3), (1e-4, 1e-3), ("first", 0.1)),
     ],
 )
-def test_remedy_meets_limit_in_metres_at_each_pose(given, once, twice, expected):
-    """20 µm of 0.1 mm and of 1 mm: 20 % in the first pose, 2 % in the second.
+def test_remedy_meets_limit_per_pose(given, once, twice, expected):
+    """A limit of 20 µm is 20 % of 0.1 mm in the first pose, and 2 % of 1 mm in the second.
 
-    All poses were compared with the limit of the deciding one: the first model was advised to take
-    one step and remained inadequate, the second two.
+    All poses were formerly compared with the limit of the deciding one: one remedy was proposed for
+    the first model, which remained inadequate, and two for the second.
     """
     compliances = np.array([1e-8 * np.eye(6)] * 2)
     truth, *moved = (
@@ -436,7 +439,7 @@ def same(found, expected):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_entry_has_pose_interval_causes_and_remedy(seed):
+def test_entry_has_pose_causes_and_remedy(seed):
     for entry, rule in entries(seed):
         expected = rule.entry(entry.limit)
         shares = expected.pop("causes", None)
@@ -460,8 +463,8 @@ def explained(entry, shares):
         assert one.source.startswith(source)
 
 
-def test_drawn_matrices_contain_every_verdict():
-    """Verdicts of every kind, modes that lack, another order, remedies that help and do not."""
+def test_random_matrices_have_every_verdict():
+    """Also missing and exchanged modes, and remedies with and without effect."""
     seen = [entry for seed in SEEDS for entry, _ in entries(seed)]
     assert {entry.verdict for entry in seen} == {"adequate", "inadequate", "undecided"}
     assert any(entry.error is None for entry in seen)

@@ -59,7 +59,7 @@ def subject(arm):
 
 
 def test_load_and_peak_errors_match_solve(arm, subject):
-    """Which differs from the reference by its mesh."""
+    """Values of `solve` differ from the reference only by their mesh."""
     names = [one.name for one in arm.requirement.quantities]
     assert [name for name in names if ":" in name] == [*OF_LOADS, *OF_HIT]
     matrix = verdict_matrix(subject, arm.requirement)
@@ -104,10 +104,10 @@ def test_load_and_peak_errors_match_solve(arm, subject):
     assert "--theory timoshenko" in hit.remedy
 
 
-def test_pose_of_impossible_load_is_not_compared(tmp_path):
-    """At its dead centre the arm moves along y alone and cannot accelerate along x, as `stop` does.
+def test_impossible_load_pose_is_not_compared(tmp_path):
+    """At its dead centre the arm can move along y only and cannot accelerate as load `stop`.
 
-    The displacement there was taken as zero for model and reference.
+    Its displacement was formerly taken as zero for model and reference.
     """
     robot = robot_of(HELD + "[path]\nposes = [[0.1], [0.5]]\n" + LOADS, tmp_path)
     at = robot_on_path(Context(robot, "quick"))
@@ -131,7 +131,7 @@ def test_pose_of_impossible_load_is_not_compared(tmp_path):
     )
 
 
-def test_limit_in_metres_replaces_relative_limit(arm, subject):
+def test_limit_in_metres_replaces_relative(arm, subject):
     wanted = replace(arm.requirement, deflection=1e-6, limits={OF_HIT[0]: 0.3}, response=0.01)
     matrix = verdict_matrix(subject, wanted)
     assert [matrix.entry("beam", name).limit for name in OF_HIT] == [0.3, 0.01, 0.01]
@@ -159,7 +159,7 @@ def test_limit_in_metres_replaces_relative_limit(arm, subject):
     assert found.limit == pytest.approx(50.0 * missed / np.linalg.norm(moved))
 
 
-def test_load_displacements_are_in_micrometres(arm, subject):
+def test_displacements_are_in_micrometres(arm, subject):
     """Displacements are those under the load of the file, not under forces of 1000 N."""
     table = table_of(verdict_matrix(subject, arm.requirement))
     robot = dict(zip(table.headings, table.robot, strict=True))
@@ -221,7 +221,7 @@ def test_mass_distribution_affects_only_weight(tmp_path):
 
 
 def test_tension_stiffens_arm(tmp_path):
-    """Pulled with a fifth of the load that turns it over when pressed, it yields 1/6 less."""
+    """A pull of a fifth of the buckling load reduces the compliance by a sixth."""
     pull = '[[loads]]\nname = "pull"\nwrench = [10.0, 2.0e4, 0.0, 0.0, 0.0, 0.0]\n'
     arm = robot_of(HELD + "[path]\nposes = [[0.0]]\n" + pull, tmp_path)
     ((at,),) = stabilities("links", robot_on_path(Context(arm, "quick")).postures)
@@ -229,7 +229,7 @@ def test_tension_stiffens_arm(tmp_path):
 
 
 def test_softening_load_is_undecided(tmp_path):
-    """Pressed with a fifth of k/L, which turns the drive over, the arm yields 1/(5 − 1) more."""
+    """A push of a fifth of the drive's buckling load k/L raises the compliance by 1/(5 − 1)."""
     press = '[[loads]]\nname = "press"\nwrench = [10.0, -2.0e4, 0.0, 0.0, 0.0, 0.0]\n'
     crush = press.replace("press", "crush").replace("-2.0e4", "-2.0e5")
     arm = robot_of(HELD + "[path]\nposes = [[0.0]]\n" + press + crush, tmp_path)
@@ -283,8 +283,11 @@ relative = 0.1
 """
 
 
-def test_measured_peak_includes_damping_uncertainty(tmp_path, arm):
-    """A peak is as 1/2ζ, of which (1/0.9 − 1/1.1)/2 is a standard uncertainty of a tenth."""
+def test_peak_includes_damping_uncertainty(tmp_path, arm):
+    """The peak is proportional to 1/2ζ.
+
+    10 % of ζ give a standard uncertainty of (1/0.9 − 1/1.1)/2.
+    """
     robot = robot_of(arm.text + MEASURED, tmp_path)
     matrix = measured_matrix(Context(robot, "quick"))
     (at,) = postures_of(robot.mechanism, np.zeros((1, 1)))
@@ -306,7 +309,7 @@ def test_measured_peak_includes_damping_uncertainty(tmp_path, arm):
 
 
 def test_undamped_model_has_unbounded_peak(tmp_path):
-    """The material alone loses: rigid bodies on the drive know nothing of it."""
+    """Only the material has losses, which a model of rigid bodies on drives does not contain."""
     lossy = HELD.replace("rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }")
     asked = '[[responses]]\nname = "turn"\ndirection = [1.0, 0.0, 0.0]\nfrom = 5.0\nto = 100.0\n'
     arm = robot_of(f"{lossy}[path]\nposes = [[0.0]]\n{asked}count = 20\n", tmp_path)

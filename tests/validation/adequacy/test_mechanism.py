@@ -86,7 +86,7 @@ def test_branching_robot_has_no_vjm_model():
     assert "branches at" in why_not_serial(path_postures(delta)[:1])
 
 
-def test_unspecified_ends_give_two_interpretations():
+def test_unspecified_ends_give_two_readings():
     mechanism = load_robot("five-bar").mechanism
     legs, said = legs_of(mechanism), dict(mechanism.bodies)
     assert list(holding(mechanism).alternatives) == ["ends rigid", "ends free"]
@@ -118,8 +118,8 @@ def test_other_mechanism_has_no_biglide_cases():
 
 
 @pytest.mark.parametrize("pose", [0, 8])
-def test_rigid_body_samples_have_kinetic_energy(pose):
-    """The platform is turned and its centre of mass is off its origin.
+def test_samples_have_kinetic_energy(pose):
+    """The platform is rotated and its centre of mass is off its origin.
 
     The kinetic energy is that of the assembled mass matrix.
     """
@@ -137,7 +137,7 @@ def test_rigid_body_samples_have_kinetic_energy(pose):
     assert samples.weights[:rows] @ squares == pytest.approx(expected, rel=1e-9)
 
 
-def test_leg_point_masses_have_mass_and_inertia():
+def test_point_masses_equal_leg_inertia():
     mechanism = load_robot("five-bar").mechanism
     samples = samples_of(mechanism)
     counts = [points.size for points in samples.points.values()]

@@ -41,8 +41,8 @@ def vibration(rng, sizes, frequencies, shapes):
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_mode_order_follows_mode_families(seed):
-    """A mode is in its place if the model's mode of that number is of the same family."""
+def test_mode_order_follows_families(seed):
+    """A mode has its correct number if the model's mode of that number is of the same family."""
     rng = np.random.default_rng([43, seed])
     sizes, own, others = families(rng)
     shapes = np.linalg.qr(rng.normal(size=(SAMPLES, sizes.sum())))[0]
@@ -75,8 +75,8 @@ def test_mode_order_follows_mode_families(seed):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_frequency_error_needs_a_partner_mode(seed):
-    """Of models that lack modes in chains; each number is of one mode alone."""
+def test_frequency_error_needs_a_partner(seed):
+    """Models without some modes of chains of close modes: each error belongs to one mode alone."""
     rng = np.random.default_rng([44, seed])
     shapes = np.linalg.qr(rng.normal(size=(SAMPLES, 9)))[0]
     frequencies = 100.0 * np.cumprod(rng.uniform(1.0, 1.09, 9))

@@ -97,10 +97,10 @@ def matrix_of(text, folder):
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("model", [*MODELS, "beam-euler-bernoulli"])
-def test_torsion_of_equal_legs_changes_mode_order(tmp_path, model):
-    """Torsion of the legs, at 111.2 Hz by Saint-Venant, is the robot's seventh to ninth mode.
+def test_leg_torsion_changes_mode_order(tmp_path, model):
+    """Torsion of the legs gives the seventh to ninth mode: 111.2 Hz by Saint-Venant's theory.
 
-    164.3 Hz by solids, 165.1 Hz by Vlasov's torsion with both ends held: 32 % above.
+    Solids give 164.3 Hz, Vlasov's torsion with both ends fixed 165.1 Hz: 32 % above.
     """
     matrix = matrix_of(equal_legs(), tmp_path)
     order = matrix.entry(model, "order")
@@ -114,8 +114,11 @@ def test_torsion_of_equal_legs_changes_mode_order(tmp_path, model):
 
 
 @pytest.mark.exhaustive
-def test_stubby_leg_local_modes_have_no_partner(tmp_path):
-    """Their energy is in the section: 36, 12 and 0.2 % of it move sections as wholes."""
+def test_stubby_leg_modes_have_no_partner(tmp_path):
+    """Sections deform in these modes.
+
+    Rigid motions of sections have 36, 12 and 0.2 % of the energy.
+    """
     matrix = matrix_of(STUBBY, tmp_path)
     for model in MODELS:
         # 995.4 against 979.0 Hz in the first pose, the third mode of beams.

@@ -44,7 +44,7 @@ DIGITS = "digits of the file"
 
 
 @pytest.mark.parametrize("quantity", [one.name for one in UNIT_LOADS])
-def test_constant_sections_distort_6x6_legs(paper, quantity):
+def test_prisms_misrepresent_6x6_legs(paper, quantity):
     entry = paper.entry("vjm", quantity)
     assert entry.verdict == "adequate"
     # Two formulations that share the data alone, whose three digits leave something open.
@@ -66,7 +66,7 @@ def test_constant_sections_distort_6x6_legs(paper, quantity):
 
 
 @pytest.mark.parametrize("model", BEAMS)
-def test_equivalent_legs_agree_with_their_solids(paper, model):
+def test_equivalent_legs_equal_their_solids(paper, model):
     for quantity in ("x", "y", "z"):
         assert paper.entry(model, quantity).verdict == "inadequate"
         entry = paper.formulation.entry(model, quantity)
@@ -92,7 +92,7 @@ def test_matrix_has_all_poses_models_and_notes(paper):
     assert any("give f1" in note for note in paper.notes)
 
 
-def test_six_by_six_leg_is_its_own_reference(paper):
+def test_leg_known_by_6x6_is_its_reference(paper):
     matrix = paper.parts[0]
     assert matrix.verdict("vjm") == "adequate"
     entry = matrix.entry("beam", "y")
@@ -103,7 +103,7 @@ def test_six_by_six_leg_is_its_own_reference(paper):
 
 
 @pytest.mark.parametrize("model", BEAMS)
-def test_verdict_equal_for_all_masses_is_decided(paper, model):
+def test_verdict_for_all_masses_is_decided(paper, model):
     first = paper.entry(model, "f1")
     assert first.verdict == "inadequate"
     assert first.uncertainties["mass distribution of the legs"] > 0.01
@@ -116,7 +116,7 @@ def test_verdict_equal_for_all_masses_is_decided(paper, model):
 
 
 def test_undecided_entry_names_deciding_data(paper_subject):
-    """f1 by beams is off by 33 to 43 %: of a designer who accepts 36 % it is undecided."""
+    """f1 by beams is too high by 33 to 43 %: undecided for a limit of 36 %."""
     asked = Requirement(deflection=1e-4, modes=4, frequency=0.36)
     matrix = verdict_matrix(paper_subject, asked)
     first, y = matrix.entry("beam", "f1"), matrix.entry("vjm", "y")
@@ -125,7 +125,7 @@ def test_undecided_entry_names_deciding_data(paper_subject):
     assert y.reason == "specify the 6×6 in the robot file with more digits"
 
 
-def test_digits_affect_peaks_twice_as_frequencies(tmp_path):
+def test_digits_change_peaks_twice_as_much(tmp_path):
     asked = '[[responses]]\nname = "hit"\ndirection = [0.0, 0.0, 1.0]\nfrom = 20.0\nto = 200.0\n'
     text = f"{load_robot('ifw').text}\n[damping]\nratio = 0.02\n{asked}count = 20\n"
     file = robot_of(text, tmp_path)
@@ -147,7 +147,7 @@ def coupled(leg):
     return GivenLeg(leg.length, leg.mass, tip)
 
 
-def test_omitted_coupling_is_not_adequate():
+def test_omitted_coupling_is_inadequate():
     robot = like_ifw(leg1=coupled(LEG1), leg2=coupled(LEG2), foot_compliance=None)
     robot = robot_on_path(Context(file_of(robot), "quick"))
     subject = static_subject(robot, judged_models_of(robot).values())
@@ -222,7 +222,7 @@ def half_widths_of_digits(robot_file, poses):
     ).displacements
 
 
-def test_rounding_half_width_covers_95_percent(printed, draws):
+def test_rounding_intervals_cover_truth(printed, draws):
     poses = printed.mechanism.poses[[1, 4]]
     stated = half_widths_of_digits(printed, poses)
     own = virtual_joints(printed, poses)
@@ -233,7 +233,7 @@ def test_rounding_half_width_covers_95_percent(printed, draws):
     assert np.abs(inside - 0.95).max() <= 0.05
 
 
-def test_rounding_sensitivity_matches_perturbation(printed, monkeypatch):
+def test_rounding_sensitivity_is_derivative(printed, monkeypatch):
     bodies, poses = printed.mechanism.bodies, printed.mechanism.poses[[2]]
     postures = tuple(postures_of(printed.mechanism, poses))
 
@@ -259,7 +259,7 @@ def test_rounding_sensitivity_matches_perturbation(printed, monkeypatch):
         assert np.allclose(share, off, rtol=1e-3, atol=1e-3 * off.max())
 
 
-def test_rounding_half_width_falls_with_digits(printed):
+def test_half_width_falls_with_digits(printed):
     poses = printed.mechanism.poses[[4]]
 
     def printed_with(digits):
@@ -281,7 +281,7 @@ def test_rounding_half_width_falls_with_digits(printed):
 @pytest.mark.parametrize(
     ("model", "given", "count"), [("vjm", {}, 60), ("segments", {"elements": 4}, 8)]
 )
-def test_solve_bounds_effect_of_6x6_rounding(printed, draws, model, given, count):
+def test_solve_bounds_rounding_of_6x6(printed, draws, model, given, count):
     def solved(robot, *, digits=False):
         return solve(Question(robot, model, given, digits=digits)).answers[0]
 
@@ -319,7 +319,7 @@ def test_second_variation_keeps_the_first():
     assert (both.tool.mass, both.bodies["leg1"].shape.mass) == (40.0, 60.0)
 
 
-def test_compared_frequencies_include_rounding():
+def test_frequencies_include_rounding():
     robot = robot_on_path(Context(load_robot("ifw"), "quick"))
     with_digits, without = (
         compared_frequencies(one).uncertainties for one in (robot, replace(robot, printed=()))

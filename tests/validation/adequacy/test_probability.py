@@ -112,8 +112,8 @@ def test_three_inputs_match_monte_carlo():
 
 
 @pytest.mark.parametrize("quantity", ["x", "phi_z", "any_force"])
-def test_zero_error_probability_follows_slope(quantity):
-    """Beams that are right in the file's robot and off by 5 % for each standard uncertainty."""
+def test_zero_error_has_slope_probability(quantity):
+    """Beams are exact for the file's values, and 5 % off for each standard uncertainty of them."""
     toy = toy_subject(1)
     truth = toy.responses.statics(toy.statics.model, reading(""))
 
@@ -171,7 +171,7 @@ relative = 0.15
 
 
 def test_fitted_drive_depends_on_its_inputs(tmp_path):
-    """The drive of the rigid model makes up for the arm, as long as both are as in the file.
+    """The rigid model's drive is fitted to include the arm's compliance at the file's values.
 
     0.5²/k + c = 0.5²/k' with k = 20000 (1 + 0.1 ξ) and c = 8.113e-6 (1 + 0.15 η).
     """
@@ -230,7 +230,7 @@ def test_half_widths_match_variance_shares():
     assert [shares["a"], shares["b"]] == pytest.approx(indices.first_order, abs=0.02)
 
 
-def test_required_uncertainty_gives_95_percent():
+def test_needed_uncertainty_gives_95_percent():
     found = probability(linear(0.002, 0.02), "adequate", LIMIT, 0)
     # The second one's own part: what 1.645 standard uncertainties of 1 % leave beside the first.
     left = sqrt(((LIMIT - ERROR) / ndtri(0.95)) ** 2 - 0.002**2)
@@ -271,7 +271,7 @@ def of_arm(arm):
     return robot_subject(Context(arm, "quick"))
 
 
-def test_drive_only_robot_matches_hand_calculation(of_arm):
+def test_drive_only_robot_is_exact(of_arm):
     # Deflection by the drive L²/k, by the arm L³/3EI + 6L/5GA (ν = 0: G = E/2).
     length, width, height, modulus = 0.5, 0.06, 0.04, 2.1e11
     area, inertia = width * height, height * width**3 / 12.0

@@ -75,7 +75,7 @@ def refusing(monkeypatch, module, function, refused=lambda _: True):
     monkeypatch.setattr(module, function, refuse)
 
 
-def test_failing_model_leaves_other_verdicts(monkeypatch, arm, sound):
+def test_unsolved_model_keeps_other_verdicts(monkeypatch, arm, sound):
     refusing(monkeypatch, model_ladder, "answers", lambda model: model == "segments")
     refusing(monkeypatch, modes_on_path, "dynamic_bodies", lambda model: model == "segments")
     matrix = robot_adequacy(Context(arm, "quick"))
@@ -113,7 +113,7 @@ SOUND = ConstantLeg(0.8, Rectangle(0.1, 0.06), STEEL, ends="rigid")
     ],
     ids=["walls too thin", "incompressible"],
 )
-def test_leg_without_solid_leaves_other_leg(changed, said):
+def test_leg_without_solid_keeps_other_leg(changed, said):
     legs = {"leg1": SOUND, "leg2": replace(SOUND, **changed)}
     robot = like_ifw(a=0.9, platform_mass=30.0, foot_compliance=None, **legs)
     robot = replace(robot, poses=robot.poses[4:5])
@@ -135,7 +135,7 @@ def test_open_joints_raise_error(monkeypatch, tmp_path):
 
 
 @pytest.mark.exhaustive
-def test_single_section_mesh_leaves_half_width():
+def test_single_section_mesh_is_uncertain():
     """Both solids share the coarsest mesh, and its torsion is half a percent uncertain."""
     section = HollowRectangle(width=0.06, height=0.06, thickness=0.006)
     leg = ConstantLeg(0.9, section, STEEL, ends="free")
@@ -177,7 +177,7 @@ def test_requested_accuracy_is_reached(arm):
 
 
 @pytest.mark.exhaustive
-def test_finest_mesh_decides_verdict(arm):
+def test_finer_mesh_decides_verdict(arm):
     entry = widest(by(arm, "standard"))
     finest = by(arm, "fine", 1e-6)
     assert finest.notes[-1].endswith("; no preset has finer meshes of the bodies")
@@ -234,7 +234,7 @@ def options_taken(said, *words):
 
 
 @pytest.mark.parametrize("remedy", sorted(REMEDIES, key=str), ids=lambda remedy: remedy.text)
-def test_remedy_is_valid_model_or_option_of_solve(remedy):
+def test_remedy_is_valid_input_of_solve(remedy):
     options, used = (
         set(re.findall(r"--(\w+)", remedy.text)),
         re.findall(r"\buse (\w+)", remedy.text),
@@ -252,7 +252,7 @@ def test_remedy_is_valid_model_or_option_of_solve(remedy):
 
 
 @pytest.mark.parametrize("said", [FINER_PARTS, finer_by(FINER)])
-def test_finer_reference_remedy_is_option_of_run(said):
+def test_finer_reference_is_option_of_run(said):
     assert len(options_taken(said, "run", "ifw")) == 1
 
 
@@ -276,7 +276,7 @@ def test_mass_remedy_names_missing_keys(leg1, leg2, said):
     assert all(f'"{key}":' in schema for key in ("mass_centre", "inertia", "section", "material"))
 
 
-def test_end_remedy_lines_are_valid_in_robot_file(tmp_path):
+def test_end_remedy_is_valid_in_robot_file(tmp_path):
     arm = ONE_ARM + "[path]\nposes = [[0.0]]\n"
     decides = holding(robot_of(arm, tmp_path).mechanism).decides
     (table,) = re.findall(r"\[[\w.]+\]", decides)
@@ -293,8 +293,8 @@ def test_end_remedy_lines_are_valid_in_robot_file(tmp_path):
 
 
 @pytest.mark.parametrize("ends", [0.3, 0.8])
-def test_second_largest_uncertainty_has_remedy(ends):
-    """A five-bar's meshes left 0.234 % open, its ends 0.222 %: it was told that nothing helps."""
+def test_second_uncertainty_has_remedy(ends):
+    """A five-bar's half-widths were 0.234 % by meshes (without remedy) and 0.222 % by ends."""
     exact = Statics(np.eye(6)[None], np.zeros((1, 0, 6)))
     held = {"rigid": exact, "free": (1.0 - 0.04 * ends) * exact}
     half_widths, beam = meshes(displacements=np.full((1, 7), 0.02)), toy_model("beam", 1.05 * exact)

@@ -47,7 +47,7 @@ MILLIMETRES = (
 
 
 def test_section_constants_use_file_unit():
-    """Areas in mm² and moments in mm⁴; a polygon's corners likewise."""
+    """Areas in mm², moments of area in mm⁴, and corners of polygons in mm."""
     metres, millimetres = (
         legs_of(described(ARM.format(section=section, length=length, units=units)))["arm"]
         for section, length, units in ((METRES, 0.6, ""), (MILLIMETRES, 600.0, 'units = "mm"'))
@@ -60,8 +60,8 @@ def test_section_constants_use_file_unit():
     assert legs_of(triangle)["arm"].section.area == pytest.approx(0.5 * 0.06 * 0.04, rel=1e-12)
 
 
-def test_section_constants_give_no_verdict(tmp_path):
-    """Every quantity stays undecided, and the reason is that there is nothing to compare with."""
+def test_constants_give_no_verdict(tmp_path):
+    """Every quantity is undecided, with the reason that a section by constants has no solid."""
     robot_file = robot_of(ARM.format(section=METRES, length=0.6, units=""), tmp_path)
     (leg,) = legs_of(robot_file.mechanism).values()
     reason = why_shapeless([leg])
@@ -80,8 +80,8 @@ def test_section_constants_give_no_verdict(tmp_path):
     assert all(entry.verdict == "undecided" and entry.error is None for entry in of_beams)
 
 
-def test_composite_has_solids_but_no_verdict_in_a_run(tmp_path):
-    """A run has no reference for its sections yet: undecided, with that reason."""
+def test_composite_leg_has_no_verdict_yet(tmp_path):
+    """A run has no reference for composite sections yet: undecided, with that reason."""
     parts = (
         '{ shape = "composite", parts = ['
         '{ section = { shape = "rectangle", width = 0.05, height = 0.02 }, '

@@ -85,7 +85,7 @@ def formulations(robot_file):
         if n not in UNRESOLVED
     ),
 )
-def test_lumped_models_of_random_robots_agree(robot_file, command):
+def test_random_robots_have_equal_models(robot_file, command):
     assert ": sound" in command.told("check", robot_file.source).splitlines()[0]
     assert compliance(robot_file, "simplified") is not None
     answered = formulations(robot_file)
@@ -97,7 +97,7 @@ def test_lumped_models_of_random_robots_agree(robot_file, command):
 
 @pytest.mark.exhaustive
 @extreme(*UNRESOLVED)
-def test_ill_conditioned_robots_are_refused(robot_file):
+def test_ill_conditioning_is_refused(robot_file):
     assert compliance(robot_file, "simplified") is not None
     assert len(formulations(robot_file)) < 3
 
@@ -123,7 +123,7 @@ def planar_exactly(at):
 # Soft beside stiff (20), legs that nearly align (7), thin tubes and blades (0, 9, 26) among them.
 @extreme(0, 7, 9, 20, 26)
 @pytest.mark.parametrize("model", ["vjm", "segments", "beam"])
-def test_round_off_bound_covers_closed_form_error(robot_file, model):
+def test_round_off_bound_covers_error(robot_file, model):
     robot = robot_file.mechanism
     options = ModelOptions(legs="equivalent", theory="euler-bernoulli")
     for at in placed_at(robot, *stations(robot, 5)):

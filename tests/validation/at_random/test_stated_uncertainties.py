@@ -32,9 +32,9 @@ ROUNDING = 1e-9
 
 @pytest.mark.parametrize("nu", [0.2, 0.3, 0.45])
 def test_edge_singularity_has_williams_order(nu):
-    """Energies of stresses r^(λ − 1) within r go as r^(2λ): λ by signs of Williams' equation.
+    """The energy of stresses r^(λ − 1) within a radius r is r^(2λ); λ solves Williams' equation. M.
 
-    M. L. Williams (1952), clamped and free sides at 90°; λ = 0.711 for ν = 0.3.
+    L. Williams (1952), clamped and free sides at 90°; λ = 0.711 for ν = 0.3.
     """
     exponents = np.linspace(0.5, 0.999, 200_001)
     misfit = np.sin(0.5 * np.pi * exponents) ** 2 - (4.0 * (1.0 - nu) ** 2 - exponents**2) / (
@@ -44,7 +44,7 @@ def test_edge_singularity_has_williams_order(nu):
     assert edge_order(nu) == pytest.approx(2.0 * root, abs=1e-5)
 
 
-def test_edge_order_without_restrained_contraction():
+def test_edge_has_full_order_without_contraction():
     assert edge_order(0.0) == 4.0
     assert edge_order(0.01) == pytest.approx(2.0, abs=0.05)
     # Complex where stretching is held, near ν = 0 a real root just above 1.
@@ -87,8 +87,8 @@ CORNER = 2.0 * np.pi / (1.5 * np.pi)
         (Tube(0.1, 0.01), "rigid", edge_order(0.3)),
     ],
 )
-def test_inward_corners_have_laplacian_order(section, ends, order):
-    """λ = π/(3π/2), energies with twice that."""
+def test_reentrant_corners_have_order_four_thirds(section, ends, order):
+    """λ = π/(3π/2) = 2/3 for Laplace's equation, and energies have the order 2λ."""
     assert formal_order(ConstantLeg(1.0, section, STEEL), ends) == pytest.approx(order)
 
 
@@ -184,7 +184,7 @@ def coverage(numbers):
     "legs", [1, pytest.param(200, marks=pytest.mark.soak)], ids=["one", "calibration"]
 )
 def test_half_widths_contain_finest_solution(legs):
-    """Shares held and widths over errors, printed by quantity (-s)."""
+    """Shares of half-widths that contain it, and mean ratios to the error, are printed with -s."""
     found = defaultdict(list)
     first = of_statics(random_leg(np.random.default_rng(5)))
     for one in first if legs == 1 else chain.from_iterable(map(random_numbers, range(legs))):

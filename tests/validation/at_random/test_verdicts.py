@@ -126,7 +126,7 @@ def frequency_errors(robot, ends):
         *(pytest.param(chunk, marks=pytest.mark.soak) for chunk in range(1, 50)),
     ],
 )
-def test_static_verdicts_match_independent_errors(chunk, tmp_path):
+def test_static_verdicts_match_true_errors(chunk, tmp_path):
     for robot, ends in robots(chunk, 2, tmp_path):
         context = Context(file_of(robot), "quick")
         places = placed_at(context.robot_file.mechanism, *stations(robot, POSTURES))

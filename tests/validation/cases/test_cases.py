@@ -92,8 +92,8 @@ DATA = (
 )
 
 
-def test_one_mode_robot_skips_have_reasons(tmp_path):
-    """Fewer modes than are judged, and a chain without any compliance: not a failed run."""
+def test_one_mode_robot_has_reasoned_skips(tmp_path):
+    """Neither a robot with fewer modes than are compared nor one without compliance fails a run."""
     bob = robot_of(f"{PENDULUM}[path]\nposes = [[0.0], [0.3]]\n", tmp_path)
     context = Context(bob, "quick")
     cases = [one for one in catalogue(context.robot_file) if isinstance(one, Case)]
@@ -108,7 +108,7 @@ def test_one_mode_robot_skips_have_reasons(tmp_path):
         ("five-bar", {f"mechanism.{n}" for n in ("deflections", "frequencies", "mode-shapes")}),
     ],
 )
-def test_case_ids_sources_and_figures_exist(name, shown):
+def test_cases_have_ids_sources_and_figures(name, shown):
     ids = {task.id for task in TASKS[name]}
     assert len(ids) == len(TASKS[name])
     cases = [task for task in TASKS[name] if isinstance(task, Case)]
@@ -129,7 +129,7 @@ def measured(of):
 
 
 @pytest.mark.parametrize("of", OTHERS, ids=" ".join)
-def test_cases_agree_and_disagree_if_shifted(of):
+def test_shifted_reference_makes_case_disagree(of):
     found, reasons = measured(of)
     if any("not installed" in reason for reason in reasons):
         pytest.skip(reasons[0])
@@ -141,7 +141,7 @@ def test_cases_agree_and_disagree_if_shifted(of):
 
 
 @pytest.mark.parametrize("of", BEYOND_QUICK, ids=" ".join)
-def test_groups_beyond_quick_preset_are_skipped(of):
+def test_large_groups_are_skipped_by_quick(of):
     found, reasons = measured(of)
     assert not found
     assert reasons
@@ -150,12 +150,12 @@ def test_groups_beyond_quick_preset_are_skipped(of):
 
 @pytest.mark.soak
 @pytest.mark.parametrize("of", GROUPS, ids=" ".join)
-def test_no_shared_input_cancels_in_a_case(of):
+def test_shared_input_does_not_cancel(of):
     assert [line for case in GROUPS[of] for line in cancelled(case, CONTEXTS[of[0]])] == []
 
 
 def test_allowance_from_own_value_is_detected():
-    """The allowances of earlier versions: what rigid faces change, from the value itself."""
+    """Earlier versions computed the effect of rigid end faces from the compared value itself."""
     case = next(case for case in TASKS["ifw"] if case.id == "leg2.compliance.solid[c44]")
 
     def circular(context):

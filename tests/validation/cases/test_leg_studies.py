@@ -101,7 +101,7 @@ def differences(leg: ConstantLeg, divisions: int):
 
 
 @pytest.mark.parametrize("name", LEGS)
-def test_difference_of_each_cause_falls_as_known_power(name):
+def test_each_difference_has_known_order(name):
     for cause, amounts in differences(*LEGS[name]).items():
         # −p of C s⁻ᵖ (1 + D/s + …): exponents of the longest legs, extrapolated in 1/s.
         before, last = np.diff(np.log2(amounts[-3:]))
@@ -110,8 +110,8 @@ def test_difference_of_each_cause_falls_as_known_power(name):
         assert low < amounts[0] < high
 
 
-def test_held_face_residual_is_within_mesh_error():
-    """Beam and end effects are exact: what is left converges with the order of the held edges."""
+def test_rigid_face_residual_is_mesh_error():
+    """Beam and end effects are exact. The rest converges with the order of a rigid face's edges."""
     foam = replace(Material.isotropic(3.0e9, 0.45, 1100.0), G=0.8e9)
     tube = ConstantLeg(0.66, Tube(0.14, 0.0137), foam)
     context = Context(file_of(like_ifw(leg1=tube)), "quick")
@@ -120,8 +120,8 @@ def test_held_face_residual_is_within_mesh_error():
         assert 0.0 < -found.unexplained < found.numerical_uncertainty
 
 
-def test_mode_above_section_cut_off_is_skipped():
-    """The walls of the Delta's arms swing by themselves below its first torsional frequency."""
+def test_mode_above_cut_off_is_skipped():
+    """The walls of the Delta's arms vibrate by themselves below its first torsional frequency."""
     delta = Context(load_robot("delta"), "standard")
     cases = {case.id: case for case in leg_theory.cases(legs=("arm1",))}
     for mode, lowest in ((3, 2557), (6, 3728)):
@@ -146,8 +146,8 @@ def four_elements(*_):
 
 
 @pytest.mark.parametrize(("mode", "expected"), [(1, -0.0285), (2, -0.0132)])
-def test_short_box_agrees_with_distortion_allowance(mode, expected, monkeypatch):
-    """Solids of this arm are 2.9 and 1.3 % below Timoshenko's beam."""
+def test_short_box_agrees_with_distortion(mode, expected, monkeypatch):
+    """Frequencies of solids of this arm are 2.9 and 1.3 % below those of Timoshenko's beam."""
     monkeypatch.setattr(leg_theory, "modal_divisions", four_elements)
     monkeypatch.setattr("validation.solids.solid_legs.Refinement.uncertainty", lambda *_: 0.0)
     found = measured_mode(SCARA_ARM, mode)
@@ -196,8 +196,8 @@ def test_wrong_solid_disagrees_despite_distortion(monkeypatch):
     ("section", "length", "nu"),
     [(Tube(0.06, 0.003), 0.4, 0.3), (Tube(0.03, 0.002), 0.4, 0.45), (Tube(0.03, 0.002), 0.1, 0.1)],
 )
-def test_tube_with_own_shear_modulus_agrees(section, length, nu):
-    """Another integration rule in curved cells made it 3e-6 to 9e-6, beside a tolerance of 3e-6."""
+def test_tube_with_independent_g_agrees(section, length, nu):
+    """Another integration rule in curved cells gave 3e-6 to 9e-6; the tolerance is 3e-6."""
     carbon = replace(Material.isotropic(1.2e11, nu, 1600.0), G=5.0e9)
     leg = ConstantLeg(length, section, carbon)
     solid = doubled_tips(leg, 8, static_slices(leg, 8))["free"]
@@ -207,9 +207,9 @@ def test_tube_with_own_shear_modulus_agrees(section, length, nu):
 
 
 def test_wrong_density_disagrees_despite_waves():
-    """2 % more mass in the legs: what waves add to frequencies stays, beams are lower by it.
+    """2 % more mass in the legs lowers the beams' frequencies. The wave correction is unchanged.
 
-    Held against the beams themselves, waves gave the frequencies of the right mass.
+    A correction relative to the beams' own frequencies would have hidden the wrong mass.
     """
     leg = ConstantLeg(0.3, Rectangle(0.03, 0.05), STEEL)
     mechanism = biglide("heavy", 0.4, leg, leg, platform_mass=1e-3, drive_stiffness=1e10)
@@ -234,7 +234,7 @@ def test_wrong_density_disagrees_despite_waves():
 
 @pytest.mark.exhaustive
 def test_wave_correction_exists_for_fixed_ends():
-    """So light a leg bends between ends at rest.
+    """A leg without mass at its ends bends between fixed ends.
 
     With ν = −0.9 its κ by strain energy is 0.007; waves are much stiffer in shear.
     """

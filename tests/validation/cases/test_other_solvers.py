@@ -63,8 +63,8 @@ def test_ritz_hexapod_has_stiffness_of_bars():
 
 
 @pytest.mark.parametrize("softer", [1e-12, 1e6])
-def test_ritz_frequencies_have_any_magnitude(softer):
-    """Rods that idle among them: of all stiffnesses the root."""
+def test_ritz_frequencies_scale_with_stiffness(softer):
+    """With idle rods: all frequencies scale with the root of the stiffness."""
     at = first_pose("delta")
 
     def scaled(thing, *names):
@@ -86,14 +86,14 @@ def test_ritz_frequencies_have_any_magnitude(softer):
     np.testing.assert_allclose(found, np.sqrt(softer) * ritz.frequencies(at, 4), rtol=1e-6)
 
 
-def test_ritz_omits_idle_rod_frequencies():
-    """Six rods of a Delta spin about themselves; in a symmetric pose its modes come in pairs."""
+def test_ritz_omits_idle_rod_spin():
+    """Six rods of a Delta spin about their axes. In a symmetric pose its modes come in pairs."""
     pair = ritz.frequencies(reference_posture(load_robot("delta").mechanism), 2)
     assert pair[0] > 10.0
     assert pair[1] == pytest.approx(pair[0], rel=1e-7)
 
 
-def test_simplified_model_with_parts_equals_ritz():
+def test_simplified_model_of_parts_equals_ritz():
     at = first_pose(ROCKER)
     (own,) = answers("simplified", [at], 1)
     compliance, frequencies = ritz.simplified_response(at, 1)
@@ -102,8 +102,8 @@ def test_simplified_model_with_parts_equals_ritz():
     np.testing.assert_allclose(own.frequencies, frequencies, rtol=1e-10)
 
 
-def test_structure_without_drive_is_rigid():
-    """The arm on a fixed joint: a structure."""
+def test_simplified_structure_is_rigid():
+    """An arm on a fixed joint, without drives: a structure."""
     motor = "axis = [0.0, 0.0, 1.0]\ndrive = { stiffness = 5.0e4 }\n"
     text = ONE_ARM.replace(motor, "").replace('"revolute"', '"fixed"').replace('["x"]', "[]")
     compliance, frequencies = ritz.simplified_response(reference_posture(described(text)), 2)
@@ -160,7 +160,7 @@ def propped(tmp_path):
 
 
 @needs_exudyn
-def test_frame_on_plane_joint_matches_exudyn(propped):
+def test_frame_on_plane_joint_equals_exudyn(propped):
     assert len(listed(propped, "exudyn")) == 1
     own, theirs, uncertain = beams_and_exudyn(reference_posture(propped))
     np.testing.assert_allclose(own.frequencies, theirs, rtol=5e-4)
@@ -176,10 +176,10 @@ class _WithLoad(multibody._ExudynModel):
 
 
 @needs_exudyn
-def test_frame_tool_matches_linearised_exudyn(propped):
-    """All damped modes of its own matrices on the null space of its constraints.
+def test_frame_response_equals_exudyn(propped):
+    """All damped modes of EXUDYN's own matrices on the null space of its constraints.
 
-    Its elements are of second order: frequencies a tenth of a per cent off shift peaks by that.
+    Its elements have second order; frequencies 0.1 % off shift the peaks by as much.
     """
     ratio, options = 0.02, ModelOptions(elements=32)
     at = reference_posture(replace(propped, damping=ratio))
@@ -217,8 +217,8 @@ def test_missing_program_is_named_in_skip(monkeypatch, program, said):
             case.measure(FIVE_BAR)
 
 
-def test_bodies_unsupported_by_exudyn_are_named():
-    """A leg of a 6×6, a body without mass and a joint that gives, each on a line of its own."""
+def test_exudyn_refusal_names_bodies():
+    """A leg known by its 6×6, a body without mass and an elastic joint each give one line."""
     with pytest.raises(InputError) as raised:
         multibody.require_beams(load_robot("ifw").mechanism)
     said = "\n".join(raised.value.faults)
@@ -231,7 +231,7 @@ def test_bodies_unsupported_by_exudyn_are_named():
 @pytest.mark.skipif(
     not any(map(shutil.which, calculix_run.PROGRAMS)), reason="CalculiX (ccx) is not installed"
 )
-def test_five_bar_agrees_with_calculix_and_turns():
+def test_rotated_five_bar_equals_calculix():
     cases = listed(FIVE_BAR.robot_file.mechanism, "calculix")
     assert len(cases) == 2
     for case in cases:

@@ -25,7 +25,7 @@ def test_ten_practice_robots_are_valid():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_links_and_beams_are_equal_in_statics(name):
+def test_links_and_beams_have_equal_statics(name):
     """Both are exact under forces at the ends of legs, prismatic or tapered, on any joints."""
     links, beam = (
         api.solve(ROBOTS / f"{name}.toml", model).answers[0].compliance
@@ -37,7 +37,7 @@ def test_links_and_beams_are_equal_in_statics(name):
 
 
 def test_thin_leaf_is_skipped_by_wave_cases(monkeypatch):
-    """Waves on its section of 0.5 by 20 mm take minutes, and no solid of it is affordable."""
+    """Waves in its section of 0.5 by 20 mm take minutes, and its solid is too large."""
 
     def unaffordable(*_):
         raise AssertionError("waves of a section without solids")
@@ -82,10 +82,10 @@ def test_strips_have_no_wave_correction(monkeypatch, width, reason, tmp_path):
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
 def test_leaf_stage_deflects_as_guided_leaves(model):
-    """x: L³/24EI = 205.7 µm/N, the ends of both leaves kept parallel (Euler–Bernoulli).
+    """Along x: L³/24EI = 205.7 µm/N, with both leaf ends kept parallel (Euler–Bernoulli).
 
-    Shear adds L/2κGA, κ by Cowper, and the tilt of the stage, as leaves d apart are pulled and
-    pushed, L³/2EAd².
+    Shear adds L/2κGA (κ by Cowper). The tilt of the stage, whose leaves at a distance d are pulled
+    and pushed, adds L³/2EAd².
     """
     length, apart, width, height, nu = 0.06, 0.05, 0.0005, 0.02, 0.3
     area, kappa = width * height, 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
@@ -98,8 +98,11 @@ def test_leaf_stage_deflects_as_guided_leaves(model):
     assert answer.compliance[0, 0] == pytest.approx(bending + shear + tilt, rel=1e-8)
 
 
-def test_thin_strips_are_too_large_for_calculix(monkeypatch):
-    """Bars of 0.5 by 20 mm have 430,000 unknowns, which take it more than its ten minutes."""
+def test_thin_strips_exceed_calculix_limit(monkeypatch):
+    """Bars of 0.5 by 20 mm have 430,000 unknowns.
+
+    CalculiX needs more than its limit of ten minutes.
+    """
     for name in ("calculix_solids", "reduced_solids"):
         monkeypatch.setattr(other_programs, name, lambda _: pytest.fail("is computed"))
     context = Context(load_robot(ROBOTS / "leaf-stage.toml"), "standard")
@@ -114,8 +117,8 @@ def test_thin_strips_are_too_large_for_calculix(monkeypatch):
             case.measure(context)
 
 
-def test_laminates_are_not_compared_with_calculix(monkeypatch):
-    """Bars of one isotropic material do not stand for them."""
+def test_laminates_skip_calculix(monkeypatch):
+    """CalculiX models have isotropic bars of one material."""
     for name in ("calculix_solids", "reduced_solids"):
         monkeypatch.setattr(other_programs, name, lambda _: pytest.fail("is computed"))
     context = Context(load_robot(ROBOTS / "packaging-delta.toml"), "standard")

@@ -45,7 +45,7 @@ def test_api_adequacy_equals_run(tmp_path):
     assert finished.matrix.formulation.robot == "equivalent legs"
 
 
-def test_api_run_counts_verdicts_and_names_report(tmp_path):
+def test_api_run_counts_verdicts(tmp_path):
     """Three comparisons of the beam elements of leg 1, all of which agree."""
     finished = api.run(
         "ifw", out=tmp_path / "run", preset="quick", only="leg1.converged?beam*", jobs=1
@@ -55,7 +55,7 @@ def test_api_run_counts_verdicts_and_names_report(tmp_path):
     assert "<!DOCTYPE html>" in finished.report.read_text(encoding="utf-8")
 
 
-def test_wrong_name_raises_error_with_valid_names(judged):
+def test_wrong_name_error_has_valid_names(judged):
     for model, quantity, said in (
         ("bem", "x", 'model "bem" is not judged; there are simplified'),
         ("beam", "f99", 'quantity "f99" is not judged; there are x, y'),
@@ -65,7 +65,7 @@ def test_wrong_name_raises_error_with_valid_names(judged):
             judged.entry(model, quantity)
 
 
-def test_arguments_override_limits_of_file():
+def test_arguments_override_file_limits():
     assert api.load("ifw").requirement == load_robot("ifw").requirement
     loaded = api.load("ifw", accept={"deflection": 0.2, "z": 0.5})
     limits = {one.name: loaded.requirement.limit(one) for one in loaded.requirement.quantities}
@@ -107,7 +107,7 @@ def test_solution_has_table_and_plot():
     assert replace(solution, answers=(rigid,)).table().rows[0][7:] == (100.0, None)
 
 
-def test_solution_at_one_pose_is_plotted_as_bars():
+def test_solution_at_one_pose_has_bars():
     solution = api.solve("ifw", "vjm", poses=[0.4975])
     (deflection,) = solution.plot().axes
     heights = [patch.get_height() for patch in deflection.patches]
@@ -138,7 +138,7 @@ def test_adequacy_has_table_and_plot(judged):
     ],
 )
 def test_messages_name_python_arguments(robot, asked, said):
-    """Not the options of the command line, where a pose is typed as --pose or --x."""
+    """Not options of the command line, where a pose is written as --pose or --x."""
     with pytest.raises(InputError, match=said) as raised:
         api.solve(robot, "segments", **asked)
     assert "--" not in str(raised.value)

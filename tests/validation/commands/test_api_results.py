@@ -26,8 +26,8 @@ BAR = {
 STIFFNESS = 3.0 * STEEL["E"] * SIDE**4 / 12.0 / LENGTH**3
 
 
-def test_fixed_robot_measurement_is_plotted():
-    """Euler–Bernoulli's L³/3EI is what was measured; the pose of a structure has no coordinate."""
+def test_structure_measurement_is_plotted():
+    """Euler–Bernoulli's L³/3EI is the measured value; the pose of a structure has no coordinate."""
     value = {"quantity": "z", "pose": [], "load": 100.0, "value": 100.0 / STIFFNESS}
     measured = {**value, "uncertainty": 1e-6, "source": "dial gauge"}
     compared = api.compare_measured({**BAR, "measured": [measured]})
@@ -44,7 +44,7 @@ def test_robot_without_measurements_is_refused():
         api.compare_measured(BAR)
 
 
-def test_load_displacement_is_in_table_and_plot():
+def test_displacements_are_in_table_and_plot():
     load = {"name": "push", "wrench": [0.0, 0.0, 10.0, 0.0, 0.0, 0.0]}
     solution = api.solve({**BAR, "loads": [load]}, "beam", modes=0, theory="euler-bernoulli")
     ((place, name, *numbers),) = solution.load_table().rows
@@ -63,7 +63,7 @@ def test_robot_without_loads_has_no_load_plots():
             plot()
 
 
-def test_plot_abscissa_is_varying_coordinate():
+def test_abscissa_is_varying_coordinate():
     solution = api.solve("ifw", "vjm", poses=[0.2, 0.3])
     (axes,) = solution.plot().axes
     assert axes.get_xlabel() == "x (m)"
@@ -77,8 +77,8 @@ def test_workspace_without_a_grid_is_refused():
         api.workspace("five-bar")
 
 
-def test_exported_matrices_match_closed_form(tmp_path):
-    """A clamped bar's tip: Euler's stiffness, less 3EI/(κGA L²) = 0.4 % for shear."""
+def test_exported_matrices_equal_beam(tmp_path):
+    """Tip of a clamped bar: Euler–Bernoulli's stiffness, less 3EI/(κGA L²) = 0.4 % for shear."""
     place = api.export(BAR, "npz", out=tmp_path / "bar.npz", modes=2)
     with np.load(place) as found:
         frequency = found["frequencies"][0]
@@ -96,7 +96,7 @@ def test_exported_matrices_match_closed_form(tmp_path):
         ({"part": BAR, "body": "bar", "material": STEEL}, "are in the robot file"),
     ],
 )
-def test_wrong_identify_arguments_are_named(arguments, fault):
+def test_wrong_identify_argument_is_named(arguments, fault):
     with pytest.raises(InputError, match=fault):
         api.identify(**arguments)
 
@@ -106,7 +106,7 @@ def test_unknown_key_cannot_be_varied():
         api.vary(BAR, "bodies.bar.section.depth=0.01:0.02:3", preset="quick")
 
 
-def test_missing_opengl_message_names_packages(monkeypatch):
+def test_missing_opengl_names_packages(monkeypatch):
     monkeypatch.setenv("FLEXPROOF_OPENGL", "off")
     (text,) = api.draw("five-bar").texts
     assert "libegl1" in text.get_text()

@@ -34,7 +34,7 @@ def with_catalogue(monkeypatch):
     return use
 
 
-def test_run_prints_verdict_and_report_path(with_catalogue, tmp_path, capsys):
+def test_run_prints_verdict_and_report(with_catalogue, tmp_path, capsys):
     with_catalogue(toys.sound, runner.run)
     assert cli.main(["run", "--out", str(tmp_path / "out"), "--jobs", "2"]) == 0
     printed = capsys.readouterr()
@@ -44,7 +44,7 @@ def test_run_prints_verdict_and_report_path(with_catalogue, tmp_path, capsys):
 
 
 def test_quiet_run_requests_no_progress(with_catalogue, tmp_path):
-    """For the run and its processes, and not beyond the command."""
+    """This holds for the run and its processes, and ends with the command."""
     seen = []
 
     def catalogue(robot_file):
@@ -57,7 +57,7 @@ def test_quiet_run_requests_no_progress(with_catalogue, tmp_path):
     assert seen == [False, True, False]
 
 
-def test_cases_are_listed_as_text_and_as_json(with_catalogue, command):
+def test_cases_are_listed_as_text_and_json(with_catalogue, command):
     with_catalogue(toys.sound)
     assert "closed-form: made up" in command.told("cases")
     listed = command.json("cases")
@@ -65,7 +65,7 @@ def test_cases_are_listed_as_text_and_as_json(with_catalogue, command):
     assert listed[0]["tolerance"] == 0.1
 
 
-def test_audit_of_built_in_robot_is_printed(command):
+def test_audit_of_robot_is_printed(command):
     used, errata = command.told("check", "ifw").split("misprints and errors of the source")
     assert used.startswith("ifw: sound in form, 4 doubts; IFW demonstrator")
     # The signs of the couplings are used as printed, the foot's rotation is not.
@@ -105,9 +105,7 @@ def test_audit_of_built_in_robot_is_printed(command):
         (["kinematics", "five-bar", "--pose=1e300,0"], "must be 2 finite numbers up to 100 m or"),
     ],
 )
-def test_wrong_input_exits_with_2_and_one_line(
-    arguments, said, with_catalogue, tmp_path, monkeypatch, command
-):
+def test_wrong_input_exits_with_2(arguments, said, with_catalogue, tmp_path, monkeypatch, command):
     with_catalogue(toys.sound)
     monkeypatch.chdir(tmp_path)
     assert said in command.refused(*arguments)
@@ -115,7 +113,7 @@ def test_wrong_input_exits_with_2_and_one_line(
     assert left <= {"report", ".lock"}
 
 
-def test_full_disk_exits_with_3_and_resume_command(with_catalogue, tmp_path, monkeypatch, capsys):
+def test_full_disk_exits_with_3(with_catalogue, tmp_path, monkeypatch, capsys):
     with_catalogue(toys.sound)
     # Of what is kept, not of what is found out beforehand.
     monkeypatch.setattr(
@@ -155,7 +153,7 @@ def test_help_imports_no_heavy_module():
     assert "run" in done.stdout
 
 
-def test_verdict_worse_than_baseline_exits_with_1(with_catalogue, tmp_path, command):
+def test_worse_verdict_than_baseline_exits_1(with_catalogue, tmp_path, command):
     with_catalogue(toys.sound)
     first = tmp_path / "first"
     command.told("run", "--out", first)
@@ -180,7 +178,7 @@ def test_verdict_worse_than_baseline_exits_with_1(with_catalogue, tmp_path, comm
     assert entry["drift"] == pytest.approx(1.0 / 3.0 - 0.25, rel=1e-12)
 
 
-def test_export_is_stored_in_run_folder(with_catalogue, tmp_path, monkeypatch, command):
+def test_export_is_in_run_folder(with_catalogue, tmp_path, monkeypatch, command):
     with_catalogue(toys.sound)
     monkeypatch.setattr(
         "validation.export.files.export_mechanism",
@@ -194,7 +192,7 @@ def test_export_is_stored_in_run_folder(with_catalogue, tmp_path, monkeypatch, c
     assert not (tmp_path / "export").exists()
 
 
-def test_program_error_is_no_disagreement(with_catalogue, tmp_path, monkeypatch, capsys):
+def test_program_error_is_not_disagreement(with_catalogue, tmp_path, monkeypatch, capsys):
     def broken(*_arguments):
         raise RuntimeError("no template")
 

@@ -109,7 +109,7 @@ def written(tmp_path, monkeypatch):
     ("name", "way"),
     [pytest.param(name, way, id=f"{name}-{way}") for name in ROBOTS for way in numbers(name)],
 )
-def test_extreme_number_is_refused_or_computed_with(name, way, written, capsys):
+def test_extreme_number_is_refused_or_finite(name, way, written, capsys):
     for value in VALUES:
         written(name, way, value)
         with warnings.catch_warnings():

@@ -55,7 +55,7 @@ def computed(monkeypatch):
         ("f2", "frequency", BELOW * F2[1], "undecided"),
     ],
 )
-def test_api_accepts_limits_in_every_form(quantity, general, limit, verdict):
+def test_api_accepts_each_form_of_limits(quantity, general, limit, verdict):
     by_default = api.adequacy("ifw")
     said = [by_default.entry("beam", quantity, within=limit)]
     for accept in ({quantity: limit}, {general: limit}):
@@ -73,7 +73,7 @@ def test_api_accepts_limits_in_every_form(quantity, general, limit, verdict):
             by_default.assert_adequate("beam", quantity, within=limit)
 
 
-def test_preset_and_limits_reach_the_models(computed):
+def test_preset_and_limits_are_applied(computed):
     for preset in ("quick", "standard", "fine"):
         found = api.adequacy("ifw", preset=preset, accept={"modes": 6})
         context = computed.pop()
@@ -91,7 +91,7 @@ RUN = {"out": Path("elsewhere"), "preset": "fine", "only": "leg*", "jobs": 3}
 VARY = ("geometry.a=0.9:1:3",)
 
 
-def test_run_passes_every_keyword_on(monkeypatch):
+def test_run_forwards_every_keyword(monkeypatch):
     asked = []
     monkeypatch.setattr(session, "validate", lambda request, _: asked.append(request) or 1 / 0)
     assert set(inspect.signature(api.run).parameters) == {"robot", "vary", *RUN}
@@ -177,7 +177,7 @@ def test_within_and_accept_of_the_fixture(in_folder, pytester):
 
 
 def test_fixture_path_is_relative_to_test(in_folder, pytester):
-    """The folder of the session has another robot of this name, with a limit that is missed."""
+    """The folder of the session has another robot of this name, with a limit that is not met."""
     folder = pytester.mkdir("lower")
     (folder / "mine.toml").write_text(
         f"{load_robot('ifw').text}\n[accept]\ndeflection = {ABOVE * ERROR}\n", encoding="utf-8"
@@ -190,8 +190,8 @@ def test_fixture_path_is_relative_to_test(in_folder, pytester):
     assert in_folder(limit, "lower") == {"test_x": "passed"}
 
 
-def test_robots_with_equal_names_are_separate(in_folder, pytester, computed):
-    """Robot and file have the same name twice; each is judged once, however many tests take it."""
+def test_robots_of_equal_name_are_separate(in_folder, pytester, computed):
+    """Two robots and two files have one name; each is judged once, however many tests use it."""
     heavier = load_robot("ifw").text.replace("mass = 46.0", "mass = 47.0")
     (pytester.mkdir("other") / "mine.toml").write_text(heavier, encoding="utf-8")
     pytester.makepyfile(
@@ -226,8 +226,8 @@ def test_robot_file_is_collected_as_tests(limit, sure, unsure, in_folder, comput
         assert computed.pop().preset == preset
 
 
-def test_program_error_in_model_fails_its_item(in_folder, monkeypatch):
-    """Skipped as undecided, it would pass for ever."""
+def test_program_error_fails_its_item(in_folder, monkeypatch):
+    """If the item were skipped as undecided, the error would never be noticed."""
 
     def faulty(context):
         toy = toy_subject(context.robot_file.requirement.modes)
@@ -325,13 +325,13 @@ def run(monkeypatch, tmp_path):
         ([DISAGREES], "", 1),
     ],
 )
-def test_rely_strict_and_accept_set_exit_code(besides, options, code, run, capsys):
+def test_options_determine_exit_code(besides, options, code, run, capsys):
     assert run(*options.split(), tasks=[ADEQUACY, *besides]) == code
     refused = "relied on but not adequate" in capsys.readouterr().out
     assert refused == (code == 1 and "--rely" in options)
 
 
-def test_only_option_keeps_measured_values(run, tmp_path, capsys):
+def test_only_option_keeps_measurements(run, tmp_path, capsys):
     values = tmp_path / "values.csv"
     values.write_text("quantity,pose,value,uncertainty,source\nf2,0.4975,80.0,0.1,hammer test\n")
     options = ("--only", "adequacy", "--measured", str(values))

@@ -59,7 +59,7 @@ def amiss(code, out, err):
         *(pytest.param(seed, 500, marks=pytest.mark.soak) for seed in range(31, 41)),
     ],
 )
-def test_no_input_ends_in_a_fault_of_flexproof(seed, count, tmp_path, monkeypatch, capfd):
+def test_random_input_causes_no_program_error(seed, count, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     codes, wrong, before = Counter(), [], getrusage(RUSAGE_SELF).ru_maxrss
     for command in random_commands(count, seed):

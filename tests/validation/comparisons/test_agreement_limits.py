@@ -32,7 +32,7 @@ def run(robot, folder, only, *options):
     return code, {case["id"]: case for case in cases}
 
 
-def test_element_count_of_file_is_in_titles(mine):
+def test_element_count_is_in_titles(mine):
     """Segments of leg 1, f3: 0.123 % off at 20 elements, by second order 0.77 % at 8."""
     robot = load_robot(mine("elements = 8\nconvergence = 0.005"))
     by_id = {task.id: task for task in catalogue(robot)}
@@ -46,8 +46,8 @@ def test_element_count_of_file_is_in_titles(mine):
     assert by_id["leg1.agrees[vjm-solid-x]"].elements == 0
 
 
-def test_element_count_is_that_of_compared_model():
-    """One beam element for 20: f1 of leg 1 is 0.48 % high, with the consistent mass."""
+def test_element_count_is_of_compared_model():
+    """One beam element instead of 20: f1 of leg 1 is 0.48 % high with the consistent mass."""
     context, found = Context(load_robot("ifw"), "quick"), {}
     for elements in (1, 20):
         limits = AgreementLimits(elements=elements)
@@ -61,8 +61,11 @@ def test_element_count_is_that_of_compared_model():
     assert found[1] / found[20] == pytest.approx(3.5327 / 3.5160, abs=3e-4)
 
 
-def test_agree_ends_select_the_solid():
-    """The solid of leg 1 is 1.47 % stiffer in torsion than the beam; free to warp, it is not."""
+def test_agree_ends_select_solid():
+    """The solid of leg 1 is 1.47 % stiffer in torsion than the beam.
+
+    With ends free to warp it is not.
+    """
     context, differences = Context(load_robot("ifw"), "quick"), {}
     for ends in ("as given", "free"):
         (case,) = (

@@ -78,8 +78,11 @@ def test_undecided_comparison_has_remedy(uncertainty):
     )
 
 
-def test_random_verdicts_follow_the_rule():
-    """E less all allowances, with its sign, within the tolerance, and so the uncertainty."""
+def test_random_verdicts_follow_rule():
+    """Agreement: the signed difference less all allowances is within the tolerance.
+
+    The uncertainty is, too.
+    """
     rng = np.random.default_rng(12)
     for number in range(300):
         reference, share = float(rng.uniform(0.5, 5.0)), float(10.0 ** rng.uniform(-4.0, -1.0))
@@ -141,8 +144,11 @@ def test_json_record_has_only_finite_numbers():
     assert (failed["table"], failed["allowances"], failed["message"]) == ({}, [], "no licence")
 
 
-def test_comparison_is_read_back_as_written():
-    """All that results.json has; a tolerance is an amount there, an infinite half-width unknown."""
+def test_comparison_round_trips():
+    """All keys of results.json.
+
+    A tolerance is an absolute value there, and an infinite half-width is null.
+    """
     allowed = replace(EQUAL, tolerance=Relative(0.05), model="beam", relation=Relation.AT_MOST)
     there = Elsewhere("x = 0.2 m", 1.1, 1.0, 0.01)
     measurement = Measurement(
@@ -170,8 +176,8 @@ def test_comparison_is_read_back_as_written():
 
 
 @pytest.mark.parametrize("exact_as_written", [{}, {"exact": None}, {"exact": True}])
-def test_file_of_an_earlier_version_is_read(exact_as_written):
-    """Only id and verdict are required; a null is no number."""
+def test_file_of_earlier_version_is_read(exact_as_written):
+    """Only id and verdict are required; null replaces a number."""
     numbers = {"value": 1.0, "reference": None, "numerical_uncertainty": None, "pose": []}
     case = {"id": "old", "verdict": "disagree", **numbers, **exact_as_written}
     content = json.dumps({"cases": [case, {"id": "bare", "verdict": "agree"}]})
@@ -221,7 +227,7 @@ COMMON = {
 
 
 def test_cases_are_ordered_by_group():
-    """Fields are said by the case, its parameters, its family or the group; the nearest counts."""
+    """Fields come from the case, its parameters, its family or the group, in this priority."""
     cases = CaseGroup(over={"leg": (1, 2)}, group="all", **COMMON)
 
     @cases.case(
@@ -267,7 +273,7 @@ def test_cases_are_ordered_by_group():
         ({"effrot": 1.0}, TypeError),
     ],
 )
-def test_wrong_declaration_of_case_is_an_error(declaration, fault):
+def test_wrong_declaration_is_an_error(declaration, fault):
     cases = CaseGroup(over={"length": (1, 2)}, **COMMON)
     fields = {"title": "One", "compute": exact, **declaration}
     compute = fields.pop("compute")

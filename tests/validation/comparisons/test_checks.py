@@ -36,7 +36,7 @@ def items(pytester):
     return run
 
 
-def test_check_names_give_body_model_and_quantity():
+def test_check_names_have_body_and_model():
     names = [check.name for check in checks(load_robot("ifw"))]
     assert len(set(names)) == len(names)
     # Robot and two legs: six motions by four models and four frequencies by two; four frequencies
@@ -86,7 +86,7 @@ def test_items_run_on_two_workers(pytester):
     done.assert_outcomes(passed=2)
 
 
-def test_missing_comparison_is_skipped_with_reason(pytester):
+def test_missing_comparison_is_skipped(pytester):
     write_crane(pytester.path)
     done = pytester.inline_run(
         *("-p", "no:cacheprovider", *PLUGIN_OPTIONS, "--flexproof", "robot.toml"),
@@ -98,7 +98,7 @@ def test_missing_comparison_is_skipped_with_reason(pytester):
 
 
 def test_agreement_text_has_every_number():
-    """1.5 % off, 1.45 % of it explained: 0.05 % is left, of 0.1 %."""
+    """A difference of 1.5 %, 1.45 % of it explained: the remaining 0.05 % meet a limit of 0.1 %."""
     allowances = (Allowance("held end faces", 2.9),)
     own = {"model": "beam", "label": "φx", "body": "leg1", "unit": "Hz"}
     own |= {"allowances": allowances, "tolerance": Relative(0.001)}
@@ -130,11 +130,11 @@ def study():
         ((5, 1e-3), "disagree"),
     ],
 )
-def test_convergence_check_uses_elements_and_limit(study, limits, verdict):
+def test_convergence_check_uses_limit(study, limits, verdict):
     assert convergence_check(study, "segments", "f1", AgreementLimits(*limits)).verdict == verdict
 
 
-def test_uncomputed_element_count_is_skipped(study):
+def test_other_element_count_is_skipped(study):
     with pytest.raises(
         Skip,
         match=r"elements = 12: not among .* numbers of elements; must be one of 5, 10, 20, 40",

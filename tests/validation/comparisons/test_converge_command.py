@@ -24,7 +24,7 @@ def leg1():
     return api.converge("ifw", body="leg1", elements=(5, 10, 20, 40))
 
 
-def test_table_has_errors_and_needed_counts(capsys):
+def test_table_has_errors_and_element_counts(capsys):
     """Segments of leg 1, f1: 0.0089 % at 20; 1 % needs 2, 0.1 % needs 6, 0.01 % needs 19."""
     code, out, _ = run(capsys, "ifw", "--body", "leg1", "--model", "segments")
     assert code == 0
@@ -53,7 +53,7 @@ def test_json_has_values_errors_and_limits(capsys):
     assert document["units"]["x"] == "m/N"
 
 
-def test_csv_holds_the_values(capsys, tmp_path, leg1):
+def test_csv_has_all_values(capsys, tmp_path, leg1):
     path = tmp_path / "convergence.csv"
     code, _, _ = run(capsys, "ifw", "--body", "leg1", "--elements", COUNTS, "--csv", str(path))
     rows = list(csv.DictReader(io.StringIO(path.read_text())))
@@ -79,7 +79,7 @@ def test_csv_holds_the_values(capsys, tmp_path, leg1):
 @pytest.mark.parametrize(
     ("ending", "head"), [(".png", b"\x89PNG"), (".svg", b"<svg")], ids=["png", "svg"]
 )
-def test_picture_kind_follows_the_ending(capsys, tmp_path, ending, head):
+def test_picture_format_follows_suffix(capsys, tmp_path, ending, head):
     path = tmp_path / f"convergence{ending}"
     code, _, _ = run(capsys, "ifw", "--body", "leg1", "--elements", COUNTS, "--picture", str(path))
     assert code == 0
@@ -92,7 +92,7 @@ def number_in(text):
     return float(plain.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")))
 
 
-def test_figure_shows_the_errors_in_percent(leg1):
+def test_figure_shows_errors_in_percent(leg1):
     figure = leg1.plot(["f1", "f2"])
     assert len(figure.axes) == 2
     for axes, column in zip(figure.axes, (0, 1), strict=True):
@@ -115,7 +115,7 @@ def test_figure_shows_the_errors_in_percent(leg1):
 
 
 def test_order_label_is_at_finest_error(leg1):
-    """The static errors are round-off, below 1e-7 %: nothing is drawn of them."""
+    """Static errors are round-off, below 1e-7 %: they are not drawn."""
     quantities = ["f1", "f3", "x"]
     for quantity, panel in zip(quantities, leg1.chart(quantities).panels, strict=True):
         column, ends = leg1.column(quantity), []
@@ -135,7 +135,7 @@ def test_order_label_is_at_finest_error(leg1):
     # f2 of the segments is 0.0087 % off at 20 elements, that of the beams 5e-6 %.
     [("0.0001", 0), ("0.00008", 1)],
 )
-def test_exit_code_is_1_if_limit_is_exceeded(capsys, within, code):
+def test_exceeded_limit_exits_with_1(capsys, within, code):
     arguments = ("ifw", "--body", "leg1", "--elements", "20,40", "--quantity", "f2")
     found, _, err = run(capsys, *arguments, "--within", within)
     assert found == code
@@ -143,7 +143,7 @@ def test_exit_code_is_1_if_limit_is_exceeded(capsys, within, code):
     assert "beam" not in err
 
 
-def test_assert_converged_follows_the_values(leg1):
+def test_assert_converged_follows_values(leg1):
     leg1.assert_converged("f1", elements=20, within=0.01)
     leg1.assert_converged("f2", elements=20, within=6e-8, model="beam")
     with pytest.raises(
@@ -181,7 +181,7 @@ def test_euler_bernoulli_has_own_reference(capsys):
         (("ifw", "--picture", "a.gif"), "must end in .png or .svg"),
     ],
 )
-def test_wrong_converge_input_gives_one_line(capsys, tmp_path, monkeypatch, arguments, fault):
+def test_wrong_input_gives_one_line(capsys, tmp_path, monkeypatch, arguments, fault):
     monkeypatch.chdir(tmp_path)
     code, out, err = run(capsys, *arguments)
     assert code == 2

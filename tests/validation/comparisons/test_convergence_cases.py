@@ -72,7 +72,7 @@ def test_leg_of_paper_converges(model, what):
 
 @pytest.mark.parametrize("what", ["order", "20"])
 def test_literal_layout_disagrees(what):
-    """Order 1.0 for 2.0, and 5.1 % at 20 elements."""
+    """Order 1.0 instead of 2.0, and an error of 5.1 % at 20 elements."""
     study = leg1_study()
     literal = study.of("segments", "literal")
     wrong = replace(literal, discretisation=FORMULATIONS[0], formal_order=2.0)
@@ -81,7 +81,7 @@ def test_literal_layout_disagrees(what):
 
 
 def test_one_quantity_beyond_limit_disagrees():
-    """f4 alone, the last frequency, 1.1 % off at 40 elements."""
+    """Only f4, the last frequency, is 1.1 % off at 40 elements."""
 
     def change(series):
         values = series.values.copy()
@@ -93,7 +93,7 @@ def test_one_quantity_beyond_limit_disagrees():
 
 
 def test_uncertain_limit_is_undecided():
-    """0.95 % of a limit that is known to 0.1 %: it may be 1.05 %."""
+    """0.95 % from a converged value that is uncertain by 0.1 %: the error may be 1.05 %."""
 
     def change(series, half_width):
         values = np.tile(series.limits, (len(series.counts), 1))
@@ -109,7 +109,7 @@ def test_uncertain_limit_is_undecided():
 
 @pytest.mark.parametrize("column", range(4))
 def test_unsettled_order_is_undecided(column):
-    """The finest error of one frequency 20 % larger: its last step shows 0.26 less of an order."""
+    """The finest error of one frequency is 20 % larger: its last observed order is 0.26 lower."""
 
     def change(series):
         values = series.values.copy()
@@ -120,8 +120,8 @@ def test_unsettled_order_is_undecided(column):
     assert verdict_with(study, "leg1.converged[segments-order]") == "undecided"
 
 
-def test_limit_of_wrong_theory_disagrees():
-    """186.8 Hz (Euler–Bernoulli) for 181.8 Hz: errors no longer vanish."""
+def test_wrong_theory_limit_disagrees():
+    """186.8 Hz (Euler–Bernoulli) instead of 181.8 Hz: errors do not converge to zero."""
 
     def change(series):
         limits = series.limits * 1.027
@@ -134,7 +134,7 @@ def test_limit_of_wrong_theory_disagrees():
 
 
 def test_too_narrow_half_widths_disagree():
-    """Values that seem to converge to another limit, 0.1 % beside the exact one."""
+    """Values that seem to converge to another limit, 0.1 % from the exact one."""
 
     def change(series):
         return replace(series, values=1.001 * series.values)
@@ -153,7 +153,7 @@ def outcomes_of(robot_file, body):
             yield error
 
 
-def test_program_error_in_study_is_a_failure(monkeypatch):
+def test_program_error_in_study_is_failure(monkeypatch):
     def broken(*_):
         raise ComputationError("leg1: its matrices are lost in rounding")
 
@@ -181,7 +181,7 @@ def test_leg_without_beam_theory_is_skipped(tmp_path, body):
 
 
 @pytest.mark.usefixtures("coarse_parts")
-def test_part_without_prismatic_sections_is_skipped(tmp_path):
+def test_part_without_prisms_is_skipped(tmp_path):
     write_overlapping_crane(tmp_path)
     robot = load_robot(tmp_path / "robot.toml")
     skips = list(outcomes_of(robot, "arm"))
@@ -248,7 +248,7 @@ def plain_order(counts, errors):
 
 
 def test_leg_figure_matches_its_study():
-    """Curves of f1 from JSON, CSV, page and caption: one set of numbers, orders and counts."""
+    """Curves of f1 in JSON, CSV, page and caption have the same numbers, orders and counts."""
     figure = figure_of(Context(BIGLIDE))
     rows = list(csv.DictReader(io.StringIO(figure.data)))
     study = next(one for one in plain_data(figure.studies) if one["id"] == "convergence.leg1.f1")

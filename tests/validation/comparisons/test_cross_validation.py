@@ -85,12 +85,12 @@ def crossed(studies):
 
 
 @pytest.mark.parametrize("within", [0.00151, None])
-def test_explained_difference_agrees(crossed, within):
+def test_explained_leg_difference_agrees(crossed, within):
     # 1 % less 0.9 % and the half-width of 0.05 %; the case's own tolerance is 1 %.
     crossed.assert_agrees("beam", quantity="f1", within=within, body="arm")
 
 
-def test_half_width_counts_against_agreement(crossed):
+def test_half_width_reduces_agreement(crossed):
     with pytest.raises(AssertionError) as raised:
         crossed.assert_agrees("beam", quantity="f1", within=0.00149, body="arm")
     assert str(raised.value) == (
@@ -99,7 +99,7 @@ def test_half_width_counts_against_agreement(crossed):
     )
 
 
-def test_two_formulations_compare_without_solid(crossed):
+def test_formulations_compare_without_solid(crossed):
     # 202/206 − 1 = −1.94 %.
     crossed.assert_agrees("beam", "segments", quantity="f1", within=0.0195, body="arm")
     with pytest.raises(AssertionError, match=r"202 against 206, -1.94 %; allowed 1.94 %"):
@@ -162,7 +162,7 @@ def test_pandas_is_optional(crossed, monkeypatch):
         crossed.table().to_pandas()
 
 
-def test_plot_shows_unexplained_and_tolerance(crossed):
+def test_plot_has_unexplained_and_tolerance(crossed):
     figure = crossed.plot()
     arm, robot = figure.axes
     assert [one.get_title(loc="left") for one in (arm, robot)] == ["arm", "toy, whole robot"]

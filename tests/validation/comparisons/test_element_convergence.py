@@ -61,7 +61,7 @@ def whole_robot():
         ("literal", 40, 186.32),
     ],
 )
-def test_segments_match_independent_values(leg1, layout, count, frequency):
+def test_segments_equal_independent_values(leg1, layout, count, frequency):
     series = leg1.of("segments", layout)
     computed = series.values[series.counts.index(count), leg1.column("f2")]
     # The source has five or six digits.
@@ -69,7 +69,7 @@ def test_segments_match_independent_values(leg1, layout, count, frequency):
 
 
 @pytest.mark.parametrize(("count", "frequency"), [(2, 181.887), (5, 181.808)])
-def test_beam_elements_match_independent_values(leg1, count, frequency):
+def test_elements_equal_independent_values(leg1, count, frequency):
     series = leg1.of("beam")
     computed = series.values[series.counts.index(count), leg1.column("f2")]
     assert computed == pytest.approx(frequency, abs=6e-4)
@@ -108,7 +108,7 @@ def test_literal_layout_has_known_error():
 
 @pytest.mark.parametrize("index", range(3))
 def test_euler_bernoulli_has_formal_orders(index):
-    """Against their own cantilever, f1 to f4: 2, 1 and 4; deflections exact but for round-off."""
+    """Relative to its own cantilever: orders 2, 1 and 4 of f1 to f4, and exact deflections."""
     study = convergence(BIGLIDE.mechanism, body="leg1", theory="euler-bernoulli")
     series = study.series[index]
     np.testing.assert_allclose(series.orders[:4], series.formal_order, atol=0.1)
@@ -144,7 +144,7 @@ def test_legs_have_formal_orders(leg1, model, layout, order, tolerance):
     assert series.formal_order == order
 
 
-def test_robot_matches_independent_values(whole_robot):
+def test_robot_equals_independent_values(whole_robot):
     """At x = 0.4975 m: f1 = 112.396 Hz, f4 = 353.2 Hz, errors at 20 elements."""
     assert whole_robot.pose == {"x": pytest.approx(0.4975)}
     assert whole_robot.title == "whole robot at x = 0.4975 m"
@@ -162,7 +162,7 @@ def test_robot_matches_independent_values(whole_robot):
     assert literal.orders[0] == pytest.approx(1.0, abs=0.01)
 
 
-def test_error_that_changes_sign_has_no_order(whole_robot):
+def test_sign_change_of_error_has_no_order(whole_robot):
     """f4 of the literal layout crosses its limit near ten elements."""
     series, column = whole_robot.of("segments", "literal"), whole_robot.column("f4")
     assert np.isnan(series.orders[column])
@@ -174,7 +174,7 @@ def test_error_that_changes_sign_has_no_order(whole_robot):
 
 
 def test_reduced_robot_equals_full_robot(whole_robot):
-    """The obvious path: all elements of both legs assembled, no leg reduced."""
+    """Reference: all elements of both legs assembled without reduction."""
     mechanism = BIGLIDE.mechanism
     posture = middle_posture(mechanism)
     for discretisation in (HALF, BEAM):
@@ -192,8 +192,8 @@ def test_reduced_robot_equals_full_robot(whole_robot):
 @pytest.mark.parametrize(
     ("layout", "quantity"), [("half", "f1"), ("half", "f4"), ("literal", "f4")]
 )
-def test_needed_element_counts_are_smallest(leg1, layout, quantity):
-    """One element fewer misses the target, the count itself and the listed finer ones meet it."""
+def test_needed_counts_are_smallest(leg1, layout, quantity):
+    """One element fewer misses the target; the count itself and the listed finer ones meet it."""
     leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
     series, column = leg1.of("segments", layout), leg1.column(quantity)
     for target, needed in zip((0.01, 0.001, 0.0001), series.needed[:, column], strict=True):
@@ -255,7 +255,7 @@ def require_true_half_widths(series):
         *(pytest.param(name, marks=EXHAUSTIVE) for name in ("delta", "orthoglide", "hexapod")),
     ],
 )
-def test_robots_converge_with_formal_orders(robot):
+def test_robots_have_formal_orders(robot):
     mechanism = load_robot(robot).mechanism
     study = robot_convergence(middle_posture(mechanism))
     require_true_half_widths(study.of("segments", "literal"))
@@ -271,7 +271,7 @@ def test_robots_converge_with_formal_orders(robot):
 @EXHAUSTIVE
 @pytest.mark.parametrize("body", ["leg1", None])
 def test_stepped_part_has_second_order(body):
-    """Ten pieces have one to eight segments each: second order, whole elements alone."""
+    """Ten pieces have one to eight segments each: order two, with whole numbers of segments."""
     path = Path(__file__).parents[3] / "examples" / "tapered-biglide" / "robot.toml"
     study = convergence(load_robot(path).mechanism, body=body)
     series = study.of("segments")
@@ -280,8 +280,8 @@ def test_stepped_part_has_second_order(body):
     assert [one.discretisation.layout for one in study.series] == ["half", "half"]
 
 
-def test_fitted_order_is_power_law_slope():
-    """e = 3 n^−p, and the same with the sign turned at one count, which has no order."""
+def test_fitted_order_is_log_slope():
+    """e = 3 n^−p. With an opposite sign at one count there is no order."""
     counts = np.array([5, 10, 20, 40])
     errors = 3.0 * counts[:, None] ** -np.array([1.0, 2.0, 4.0])
     np.testing.assert_allclose(fitted_orders(counts, errors, np.zeros(3)), [1.0, 2.0, 4.0])
@@ -291,8 +291,8 @@ def test_fitted_order_is_power_law_slope():
     assert np.isnan(fitted_orders(counts[:2], errors[2:], np.zeros(3))).all()
 
 
-def test_order_is_fitted_to_three_finest_counts():
-    """The slope over the three finest, by scipy: coarser counts do not bend it."""
+def test_order_is_fitted_to_finest_counts():
+    """The reference is the slope over the three finest, by scipy: coarser counts have no effect."""
     counts = np.array([5, 8, 10, 20, 40])
     errors = 1.0 * counts**-2.0 + 20.0 * counts**-4.0
     slope = scipy.stats.linregress(np.log(counts[-3:]), np.log(errors[-3:])).slope
@@ -301,7 +301,7 @@ def test_order_is_fitted_to_three_finest_counts():
 
 
 def test_half_width_without_order_is_tripled():
-    """Three times the largest error of this and every finer count, plus that of the limit."""
+    """Three times the largest error of this and finer counts, plus the half-width of the limit."""
     series = ConvergenceSeries(
         discretisation=Discretisation("segments"),
         formal_order=2.0,
@@ -316,7 +316,10 @@ def test_half_width_without_order_is_tripled():
 
 
 def test_half_width_by_order_uses_two_counts():
-    """e = n^−2, f∞ = 1: steps over (n/m)² − 1 are e(n), F = 3 until two orders are seen."""
+    """e = n^−2, f∞ = 1: differences over (n/m)² − 1 equal e(n).
+
+    F = 3 until two orders are known.
+    """
     counts = (10, 20, 40, 80)
     errors = np.array(counts, dtype=float)[:, None] ** -2.0
     series = ConvergenceSeries(
@@ -365,7 +368,7 @@ moves = []
 
 
 def test_zero_deflection_is_exact(tmp_path):
-    """Along x and y the slide holds the tool: no error; along z the rod gives L/EA."""
+    """Along x and y the slide supports the tool: no deflection. Along z the rod has L/EA."""
     study = convergence(robot_of(GUIDED, tmp_path).mechanism)
     across = [study.column("x"), study.column("y")]
     for series in study.series:

@@ -37,8 +37,11 @@ def outcome_of(identifier):
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
-def test_leg_torsion_differs_by_rigid_faces_only(model):
-    """Leg 2 as a solid is 18 % stiffer in torsion, its warping held: less than 0.1 % is left."""
+def test_torsion_differs_by_rigid_faces(model):
+    """Leg 2 as a solid is 18 % stiffer in torsion by restrained warping.
+
+    Less than 0.1 % is unexplained.
+    """
     outcome = outcome_of(f"leg2.agrees[{model}-solid-φx]")
     measurement = outcome.measurement
     assert outcome.verdict == "agree"
@@ -60,7 +63,7 @@ def test_bending_without_shear_disagrees(monkeypatch):
 
 
 def test_literal_layout_disagrees_with_solid(monkeypatch):
-    """Segments as §3.2 reads are 7.3 % too stiff along y with 20 elements."""
+    """Segments of §3.2 as printed are 7.3 % too stiff along y with 20 elements."""
     monkeypatch.setattr(
         leg_beam_vs_solid, "_OPTIONS", ModelOptions(legs="equivalent", layout="literal")
     )
@@ -77,8 +80,8 @@ def test_rectangle_constants_match_formula():
     assert abs(formula.amount) < 1e-3 * outcome.measurement.reference
 
 
-def test_error_of_rigid_face_solid_is_unexplained(monkeypatch):
-    """Held faces change f1 of leg 1 by 0.001 %: 3 % more is no held face."""
+def test_wrong_rigid_face_value_is_unexplained(monkeypatch):
+    """Rigid faces change f1 of leg 1 by 0.001 %; an error of 3 % has another cause."""
     right = leg_beam_vs_solid.frequencies
 
     def wrong(context, body, ends, count):
@@ -130,7 +133,10 @@ def test_correct_section_formula_agrees(steel_arm, motion):
 
 
 def test_quick_preset_uses_one_wall_mesh(steel_arm, monkeypatch):
-    """Two section meshes of walls are too large for it: slices alone differ, and decide as well."""
+    """Two section meshes of walls are too large for `quick`: it varies slices alone.
+
+    Verdicts are equal.
+    """
     shape, context = steel_arm
     quick = Context(context.robot_file, "quick")
     assert {motion: vjm_verdict(quick, motion) for motion in MOTIONS} == dict.fromkeys(
@@ -155,7 +161,7 @@ MISTAKES = {
 
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_wrong_section_formula_disagrees(steel_arm, monkeypatch, mistake):
-    """A formula explains no more than it is known to be wrong by."""
+    """The allowance of a formula is the known error of that formula, and no more."""
     name, factor, motion = MISTAKES[mistake]
     shape, context = steel_arm
     right = getattr(shape, name)
@@ -183,7 +189,7 @@ def torsion_of(folder, ends):
     return case.measure(Context(robot_of(text, folder), "quick"))
 
 
-def test_free_ends_need_no_rigid_face_allowance(tmp_path):
+def test_free_ends_have_no_face_allowance(tmp_path):
     free, unsaid = (torsion_of(tmp_path, ends) for ends in ('ends = "free"', ""))
     assert [one.amount for one in free.allowances if one.cause == HELD_FACES] == [0.0]
     (held,) = (one.amount for one in unsaid.allowances if one.cause == HELD_FACES)
@@ -211,7 +217,10 @@ def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
 
 
 def test_table_has_unexplained_differences():
-    """Solid 2 and 4 nm/N; VJM 1.5 % off, 1.45 % of it by held faces."""
+    """Half-widths of the solid are 2 and 4 nm/N.
+
+    The VJM is 1.5 % off, 1.45 % of it by rigid faces.
+    """
     outcomes = [
         agreeing("vjm", "x", 2.0e-9, 2.0e-9),
         agreeing("vjm", "z", 4.06e-9, 4.0e-9, Allowance(HELD_FACES, 0.058e-9)),
@@ -234,7 +243,7 @@ def test_table_has_unexplained_differences():
     assert first.causes == (("held end faces", ("", "+1.45\N{NO-BREAK SPACE}%")),)
 
 
-def test_agreement_summary_gives_largest_difference():
+def test_agreement_summary_has_largest_difference():
     good = [
         agreeing("vjm", "x", 2.001e-9, 2.0e-9),
         agreeing("vjm", "z", 4.06e-9, 4.0e-9, Allowance(HELD_FACES, 0.0599e-9)),
@@ -249,7 +258,7 @@ def test_agreement_summary_gives_largest_difference():
     assert agreement_sentence([]) == ""
 
 
-def test_convergence_summary_gives_largest_error():
+def test_convergence_summary_has_largest_error():
     outcomes = [
         measured(f"c{value}", value, 0.01, tolerance=Relative(0.5)) for value in (0.002, 0.007)
     ]
@@ -259,7 +268,7 @@ def test_convergence_summary_gives_largest_error():
 
 
 def test_thin_strip_torsion_is_skipped(tmp_path):
-    """A leaf of 0.5 by 20 mm: cells 20 times as long as thick leave 0.5 % of J open."""
+    """A leaf of 0.5 by 20 mm: cells 20 times as long as thick have an uncertainty of 0.5 % of J."""
     leaf = '{ shape = "rectangle", width = 0.0005, height = 0.02 }'
     text = SOUND.replace(HOLLOW, leaf)
     case = {one.id: one for one in cases(legs=("leg1",), limits=DEFAULT_LIMITS)}

@@ -84,14 +84,14 @@ def test_equivalent_prism_of_taper_disagrees(monkeypatch):
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
-def test_models_of_bent_arm_have_one_statics(model):
-    """The flexibility integral, whatever the formulation: 1e-9 is round-off."""
+def test_bent_arm_models_have_equal_statics(model):
+    """All formulations are exact flexibility integrals: they differ by round-off (1e-9)."""
     compliance = leg_compliance(model, LEG, ModelOptions(elements=7))
     expected = LEG.sections("timoshenko").tip_compliance
     assert np.abs(compliance - expected).max() < 1e-9 * np.abs(expected).max()
 
 
-def test_elements_along_line_converge_with_formal_orders():
+def test_tapered_elements_have_formal_orders():
     study = leg_convergence("arm", "arm", LEG, counts=(5, 10, 20, 40))
     assert study.of("segments").orders[:4] == pytest.approx(2.0, abs=0.1)
     # Two smooth parts share the elements, rounded up: the ratio of sizes is not quite 2.
@@ -100,7 +100,7 @@ def test_elements_along_line_converge_with_formal_orders():
     assert (errors[:-1] > 8.0 * errors[1:]).all()
 
 
-def test_cases_of_prisms_leave_out_legs_along_a_line():
+def test_prism_cases_exclude_tapered_legs():
     assert isinstance(LEG, LineLeg)
     assert prismatic_legs(ROBOT.mechanism) == ()
     names = [task.id for task in catalogue(ROBOT) if hasattr(task, "measure")]
@@ -108,7 +108,7 @@ def test_cases_of_prisms_leave_out_legs_along_a_line():
     assert not any("anchor.statics[beam" in name for name in names)
 
 
-def test_bent_leg_has_no_stability_and_straight_taper_has():
+def test_only_straight_tapers_have_stability():
     load = {"name": "push", "wrench": [-1000.0, 0.0, 0.0, 0.0, 0.0, 0.0]}
     straight = boom(loads=[load])
     posture = reference_posture(straight.mechanism)
@@ -123,7 +123,7 @@ def test_bent_leg_has_no_stability_and_straight_taper_has():
     assert bent_legs(ROBOT.mechanism) == ["arm"]
 
 
-def test_exudyn_beams_and_stepped_solids_are_refused():
+def test_exudyn_refuses_tapered_legs():
     with pytest.raises(InputError, match="only for straight legs of one section"):
         require_beams(ROBOT.mechanism)
     steps = [TAPER[0], {**TAPER[0], "at": 0.5}, {**TAPER[1], "at": 0.5}, TAPER[1]]

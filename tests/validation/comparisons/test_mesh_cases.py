@@ -55,7 +55,7 @@ def test_mesh_cases_of_leg_agree():
 
 
 def test_mesh_limits_equal_cantilever():
-    """f1 = 114.518 Hz (Huang 1961) with ends free; a wave of 3-D elasticity changes 1e-5 of it."""
+    """f1 = 114.518 Hz (Huang 1961) with free ends; 3-D waves differ from it by 1e-5."""
     study = outcome("leg1.converged[solid-free-f1]").measurement.studies[0]
     name = "hexahedra, free ends"
     assert abs(study.limits[name] - 114.518) <= study.uncertainties[name]
@@ -64,7 +64,7 @@ def test_mesh_limits_equal_cantilever():
 
 
 def test_tetrahedra_match_hexahedra():
-    """Unstructured quadratic tetrahedra are above the limit, two across within 0.1 % of it."""
+    """Unstructured quadratic tetrahedra are too stiff: by up to 0.1 % with two elements across."""
     leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
     for modes in tetrahedral_modes(leg).values():
         errors = modes.frequencies.values[:, 0] / 114.518 - 1.0
@@ -83,11 +83,11 @@ def random_leg(seed):
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_random_solids_have_theoretical_order(seed):
-    """Free ends: h⁴ in bending; held ends: the order of their edges. From one element across on.
+def test_random_solids_have_formal_order(seed):
+    """Free ends: h⁴ in bending. Rigid ends: the order of their edges, from one element across.
 
-    Each half-width from two meshes on contains the next finer mesh; for (1, 2) and (2, 4) that is a
-    mesh twice as fine.
+    Each half-width from two or more meshes contains the next finer mesh; for (1, 2) and (2, 4) that
+    is a mesh twice as fine.
     """
     leg = random_leg(seed)
     found = solid_compliances(leg, (1, 2, 3, 4))
@@ -126,8 +126,8 @@ def test_caption_names_command_for_orders():
     assert "flexproof converge" not in mesh_curves(doubled).caption
 
 
-def test_mesh_figure_has_errors_orders_and_cost():
-    """Panels, curves and data of the figure by a second reading of the cases."""
+def test_mesh_figure_has_errors_and_orders():
+    """Panels, curves and data of the figure equal a second reading of the cases."""
     (family,) = families(outcomes())
     shown = mesh_curves(family.studies)
     panels = {panel.title: panel for panel in shown.panels}

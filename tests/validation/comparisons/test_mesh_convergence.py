@@ -18,8 +18,8 @@ def study():
     return leg_mesh_convergence("", "leg", LEG, divisions=(1, 2, 3, 4))
 
 
-def test_solid_limit_is_timoshenko_cantilever(study):
-    """ν = 0 and ends free to warp: beam theory is exact in bending and tension."""
+def test_solid_limit_is_timoshenko_beam(study):
+    """With ν = 0 and ends free to warp, beam theory is exact in bending and tension."""
     series = next(one for one in study.series if one.discretisation.ends == "free")
     expected = np.diag(tip_compliance(LEG.timoshenko, LEG.length))[:3]
     errors = np.abs(series.limits[4:] / expected - 1.0)
@@ -52,7 +52,7 @@ def test_half_width_contains_doubled_mesh():
 
 
 def test_observed_orders_are_near_formal(study):
-    """Quadratic elements without edges that hold contraction (ν = 0): energies of fourth order."""
+    """Quadratic elements without restrained contraction (ν = 0): energies have order four."""
     for series in study.series:
         assert series.formal_order == pytest.approx(4.0)
         # Four meshes of up to four divisions reach half an order.

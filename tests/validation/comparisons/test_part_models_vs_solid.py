@@ -57,7 +57,7 @@ def test_cad_bar_equals_cantilever(bar):
         assert values[AT["f1"]] == pytest.approx(3.5160 * speed, rel=5e-3)
 
 
-def test_condensed_bar_equals_one_beam_element(bar):
+def test_condensed_bar_equals_beam_element(bar):
     solid, condensed = solid_values(bar).values, condensed_values(bar)
     shares = condensed / solid - 1.0
     np.testing.assert_allclose(shares[: AT["f1"]], 0.0, atol=1e-6)
@@ -105,8 +105,11 @@ def test_part_table_has_no_verdicts(tmp_path):
     assert sentence.startswith(start)
 
 
-def test_condensed_part_below_solid_disagrees(tmp_path, monkeypatch):
-    """A condensed part with 2 % more mass than its solid: f1 and f2 are 0.3 % above it else."""
+def test_heavier_condensed_part_disagrees(tmp_path, monkeypatch):
+    """Its mass is 2 % too large.
+
+    Frequencies f1 and f2 of a correct one are 0.3 % above the solid.
+    """
     right = part_models_vs_solid.condensed_values
     monkeypatch.setattr(
         part_models_vs_solid, "condensed_values", lambda body: right(body) / np.sqrt(1.02)
@@ -115,7 +118,7 @@ def test_condensed_part_below_solid_disagrees(tmp_path, monkeypatch):
     assert outcome.verdict == "disagree"
 
 
-def test_unsteppable_part_is_condensed_only(tmp_path):
+def test_part_without_pieces_is_condensed(tmp_path):
     write_overlapping_crane(tmp_path)
     (outcome,) = outcomes_of(tmp_path / "robot.toml")
     (table,) = agreement_tables([outcome])

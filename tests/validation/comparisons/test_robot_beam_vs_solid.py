@@ -51,8 +51,8 @@ def test_robot_case_ids_are_stable():
 
 
 @pytest.mark.parametrize("model", ["segments", "beam"])
-def test_biglide_f1_agrees_with_solid_legs(model):
-    """f1 = 112.396 Hz at x = 0.4975 m by beams, 0.5 % below the robot on held solid legs."""
+def test_biglide_f1_agrees_with_solids(model):
+    """f1 = 112.396 Hz at x = 0.4975 m by beams, 0.5 % below that on solid legs with rigid ends."""
     outcome = outcome_of("ifw", f"robot.agrees[{model}-solid-f1]")
     measurement = outcome.measurement
     assert outcome.verdict == "agree"
@@ -67,8 +67,8 @@ def test_biglide_f1_agrees_with_solid_legs(model):
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
 @pytest.mark.parametrize("motion", ["x", "z", "φx", "φz"])
-def test_biglide_differs_by_rigid_faces_only(model, motion):
-    """Held warping of the legs makes the robot 2.9 % stiffer about x, not stiffer along x."""
+def test_biglide_differs_by_rigid_faces(model, motion):
+    """Restrained warping of the legs makes the robot 2.9 % stiffer about x, and not along x."""
     outcome = outcome_of("ifw", f"robot.agrees[{model}-solid-{motion}]")
     measurement = outcome.measurement
     assert outcome.verdict == "agree"
@@ -79,7 +79,7 @@ def test_biglide_differs_by_rigid_faces_only(model, motion):
 
 
 def test_thin_walled_frequencies_agree():
-    """Boxes of the five-bar: textbook torsion constants are 1.4 % of f3, held faces 0.6 %."""
+    """Boxes of the five-bar: textbook torsion constants give 1.4 % of f3, rigid faces 0.6 %."""
     outcome = outcome_of("five-bar", "robot.agrees[beam-solid-f3]")
     assert outcome.verdict == "agree"
     assert shares(outcome)[FORMULA] == pytest.approx(-0.0141, abs=5e-4)
@@ -126,8 +126,8 @@ def changed(context, function, change):
 
 
 @pytest.mark.parametrize("field", ["specified_ends", "computed"])
-def test_wrong_input_stays_unexplained(field):
-    """3 % off in one of the frequencies that the named differences are made of."""
+def test_wrong_input_is_unexplained(field):
+    """One of the frequencies from which the allowances are computed is 3 % off."""
     outcome_of("ifw", "robot.agrees[beam-solid-f2]")
 
     def change(modes):
@@ -139,7 +139,7 @@ def test_wrong_input_stays_unexplained(field):
 
 
 def test_model_at_other_pose_disagrees(monkeypatch):
-    """Solid legs in the middle of the path, the judged model at its end."""
+    """The solid legs are in the middle of the path, the judged model at its end."""
     robot_file = load_robot("ifw")
     end = replace(robot_file.mechanism, poses=robot_file.mechanism.poses[:1])
     other = constant_posture(Context(replace(robot_file, mechanism=end), "quick"))
@@ -159,7 +159,7 @@ def elsewhere_named(function):
     return function
 
 
-def test_cad_part_robot_is_skipped_with_reason(tmp_path):
+def test_robot_of_cad_parts_is_skipped(tmp_path):
     write_crane(tmp_path)
     context = Context(load_robot(tmp_path / "robot.toml"), "quick")
     for case in BY_ID.values():

@@ -72,14 +72,14 @@ def test_unencodable_characters_are_replaced():
     assert visible("a\nb\tc\u2028d\udcffe", keep="\n") == "a\nb\\tc\\u2028d\\udcffe"
 
 
-def test_refused_run_writes_nothing_to_home(tmp_path):
+def test_refused_run_leaves_home_empty(tmp_path):
     home = {"HOME": str(tmp_path), "XDG_CACHE_HOME": "", "MPLCONFIGDIR": ""}
     done = shell("flexproof run five-bar --only nothing", **home)
     assert done.returncode == 2, done.stderr
     assert not list(tmp_path.iterdir())
 
 
-def test_relative_home_uses_temporary_folder(monkeypatch):
+def test_relative_home_uses_temporary(monkeypatch):
     """Files that libraries write to the home folder are deleted at the end."""
     files = []
     monkeypatch.setattr(cli, "_run", lambda _: files.append(Path.home() / "x") or files[0].touch())
@@ -143,7 +143,7 @@ def test_missing_folders_are_created(tmp_path, capsys, monkeypatch):
         require_writable(tmp_path / "table", ".csv")
 
 
-def test_results_are_printed_if_write_fails(tmp_path, capsys, command):
+def test_failed_write_prints_results(tmp_path, capsys, command):
     # No file can be made there, which cannot be detected in advance.
     assert cli.main([*TABLE, "/proc/none/table"]) == 2
     printed = capsys.readouterr()
@@ -163,7 +163,7 @@ def test_results_are_printed_if_write_fails(tmp_path, capsys, command):
         "solve five-bar --model simplified --vary tool.mass=1:2:2 --csv t.csv",
     ],
 )
-def test_deleted_working_folder_gives_one_line(words, tmp_path):
+def test_deleted_folder_gives_one_line(words, tmp_path):
     folder = tmp_path / "gone"
     done = shell(f"mkdir '{folder}'; cd '{folder}'; rmdir '{folder}'; flexproof {words}")
     message = "flexproof: the current folder no longer exists; change to another one (cd)\n"
@@ -171,7 +171,7 @@ def test_deleted_working_folder_gives_one_line(words, tmp_path):
 
 
 @pytest.mark.parametrize("module", ["cyclopts", "fem.machine", "validation.export.command"])
-def test_interrupt_during_import_is_one_line(module):
+def test_interrupted_import_is_one_line(module):
     """The signal arrives within the first third of a second."""
     program = f"""
 import os, signal, sys
@@ -193,7 +193,7 @@ EXPORT = ("export", "five-bar", "--to", "npz", "--out")
 @pytest.mark.parametrize(
     ("words", "name"), [(TABLE, "table.csv"), (EXPORT, "robot.npz")], ids=["table", "export"]
 )
-def test_full_disk_exits_with_3_without_files(words, name, tmp_path, monkeypatch, capsys):
+def test_full_disk_writes_no_files(words, name, tmp_path, monkeypatch, capsys):
     """A full disk is not a wrong input, which would have exit code 2."""
     monkeypatch.setattr("meshes.processes.in_own_process", lambda *_: b"content")
     monkeypatch.setattr(os, "fsync", refusing(errno.ENOSPC))
@@ -204,7 +204,7 @@ def test_full_disk_exits_with_3_without_files(words, name, tmp_path, monkeypatch
     assert not list(tmp_path.iterdir())
 
 
-def test_full_disk_leaves_no_incomplete_template(tmp_path):
+def test_full_disk_writes_no_template(tmp_path):
     """A limit of the file size, in blocks of 1024 bytes, simulates a full disk."""
     path = tmp_path / "robot.toml"
     done = shell(f"ulimit -f 1; flexproof new '{path}'")
@@ -213,7 +213,7 @@ def test_full_disk_leaves_no_incomplete_template(tmp_path):
     assert not path.exists()
 
 
-def test_output_link_is_replaced_not_followed(tmp_path):
+def test_output_link_is_not_followed(tmp_path):
     foreign, link = tmp_path / "foreign.csv", tmp_path / "link.csv"
     foreign.write_bytes(b"mine")
     link.symlink_to(foreign)

@@ -60,7 +60,7 @@ def test_site_has_every_guide_page(site):
 
 
 @pytest.mark.exhaustive
-def test_site_loads_nothing_from_the_network(site):
+def test_site_needs_no_network(site):
     _, pages = site
     for file, page in pages.items():
         assert page.loaded, file
@@ -86,7 +86,7 @@ def test_site_links_are_valid(site):
 
 
 @pytest.mark.exhaustive
-def test_external_links_are_complete_addresses(site):
+def test_external_links_are_complete(site):
     """The links are not followed, so that the test needs no network."""
     _, pages = site
     addresses = {address for page in pages.values() for address in page.linked if "://" in address}
@@ -99,7 +99,7 @@ def test_external_links_are_complete_addresses(site):
 
 
 @pytest.mark.exhaustive
-def test_gallery_has_picture_of_each_example(site):
+def test_gallery_has_pictures_of_examples(site):
     folder, pages = site
     scripts = {path.stem for path in (ROOT / "examples/gallery").glob("plot_*.py")}
     thumbnails = pages[folder / "gallery" / "index.html"].loaded
@@ -110,7 +110,7 @@ def test_gallery_has_picture_of_each_example(site):
 
 
 @pytest.mark.exhaustive
-def test_api_reference_has_every_public_name(site):
+def test_api_reference_has_all_names(site):
     folder, pages = site
     anchors = {anchor.rpartition(".")[2] for anchor in pages[folder / "api.html"].anchors}
     assert set(fp.__all__) <= anchors
@@ -156,7 +156,7 @@ def found_pages(folder, words, tmp_path):
 @needs_browser
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_search_finds_newcomer_questions(site, question, tmp_path):
-    """One search in a browser, from files and without a network, and one page."""
+    """One search in a browser, from files and without a network, and one result page."""
     folder, _ = site
     words, page, answer = QUESTIONS[question]
     assert page in found_pages(folder, words, tmp_path)[:3]
@@ -194,6 +194,6 @@ def test_earlier_site_is_replaced(tmp_path, monkeypatch):
     assert calls[0][-1] == str(tmp_path)
 
 
-def test_docs_command_without_sources_is_refused(command, monkeypatch):
+def test_docs_without_sources_are_refused(command, monkeypatch):
     monkeypatch.setattr(docs, "SOURCES", Path("/nonexistent-sources"))
     assert re.search("in a clone of the sources", command.refused("docs"))

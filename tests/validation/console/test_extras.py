@@ -47,7 +47,7 @@ def missing(*requirements):
     return locked.missing_packages(map(Requirement, requirements), locked.locked_packages(LOCK))
 
 
-def test_missing_packages_include_dependencies(packages):
+def test_missing_dependencies_are_listed(packages):
     assert missing("First>=1") == ["first"]
     packages["first"] = ("1.0", "second[more]>2", "windows; sys_platform == 'win32'")
     assert missing("first") == ["second"]
@@ -67,7 +67,7 @@ def test_package_missing_in_lock_is_named(name):
         missing(name)
 
 
-def test_packages_are_installed_by_their_hashes(packages, monkeypatch, tmp_path):
+def test_packages_are_installed_by_hash(packages, monkeypatch, tmp_path):
     for lock, content in zip(locked.LOCKS, (LOCK, ""), strict=True):
         (tmp_path / lock).write_text(content)
     project = '[project.optional-dependencies]\nsample = ["first"]\n'
@@ -95,7 +95,7 @@ def test_packages_are_installed_by_their_hashes(packages, monkeypatch, tmp_path)
         locked.add(tmp_path, ["sample"])
 
 
-def test_lock_has_every_extra_of_the_project():
+def test_lock_has_every_extra():
     project = tomllib.loads((extras.ROOT / locked.PROJECT).read_text("utf-8"))["project"]
     optional = project["optional-dependencies"]
     assert set(EXTRAS) == set(optional) - {"test", "dev"}

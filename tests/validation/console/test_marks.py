@@ -62,14 +62,14 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_mark_of_flexproof_keeps_file_content(kind):
+def test_mark_keeps_file_content(kind):
     content, read = KINDS[kind]
     assert with_mark(content, kind) != content
     assert read(with_mark(content, kind)) == read(content)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_changed_file_is_not_marked_as_flexproof(kind, tmp_path):
+def test_changed_file_loses_its_mark(kind, tmp_path):
     content, path = KINDS[kind][0], tmp_path / f"own{kind}"
     result = with_mark(content, kind)
     path.write_bytes(result)
@@ -140,7 +140,7 @@ def test_command_replaces_only_own_results(name, folder, command):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_own_result_is_replaced_if_renamed(kind, folder):
-    """`identify --out matrices` refused to replace its own file, as if it were a foreign one."""
+    """`identify --out matrices` formerly refused to replace its own file as a foreign one."""
     path, (content, _) = folder / "matrices", KINDS[kind]
     for _ in range(2):
         require_writable(path, kind)
@@ -169,7 +169,7 @@ def test_own_result_is_replaced_if_renamed(kind, folder):
     ],
 )
 def test_foreign_file_is_never_replaced(name, words, folder, command):
-    """The refusal comes before the computation, which would fail for these robots and parts."""
+    """The refusal precedes the computation, which would fail for these robots and parts."""
     path = folder / name
     path.write_bytes(FOREIGN)
     command.refused(*words)

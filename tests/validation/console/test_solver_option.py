@@ -38,7 +38,7 @@ def no_request(monkeypatch):
     forget_card()
 
 
-def test_unknown_solver_is_refused_in_one_line(command, monkeypatch):
+def test_unknown_solver_is_refused(command, monkeypatch):
     for words in (SOLVE, ("run",), ("converge",), ("selftest",)):
         assert 'Invalid value "pardiso" for --solver' in command.refused(
             *words, "--solver", "pardiso"
@@ -48,7 +48,7 @@ def test_unknown_solver_is_refused_in_one_line(command, monkeypatch):
     assert message == 'flexproof: FLEXPROOF_SOLVER = "pardiso": must be auto, rslab, cudss or petsc'
 
 
-def test_cudss_without_its_extra_is_refused(command, monkeypatch):
+def test_cudss_without_extra_is_refused(command, monkeypatch):
     monkeypatch.setattr("fem.extras.find_spec", lambda _: None)
     forget_card()
     message = command.refused(*SOLVE, "--solver", "cudss")
@@ -141,13 +141,13 @@ def warn_of_fallback():
     return 1
 
 
-def test_worker_solver_warning_is_repeated():
+def test_worker_warning_is_repeated():
     with pytest.warns(SolverFallbackWarning, match="graphics card: lost") as caught:
         assert in_own_process(warn_of_fallback) == 1
     assert len(caught) == 1
 
 
-def test_solver_warnings_are_merged_in_one_line(command, monkeypatch, capsys):
+def test_equal_warnings_give_one_line(command, monkeypatch, capsys):
     """Three equal warnings give one line. Results and exit code are unchanged."""
     plain = command.told(*SOLVE)
     monkeypatch.setattr(
@@ -161,7 +161,7 @@ def test_solver_warnings_are_merged_in_one_line(command, monkeypatch, capsys):
     assert printed.err == "flexproof: graphics card: lost\n"
 
 
-def test_version_and_provenance_name_the_solver(command, monkeypatch):
+def test_version_names_the_solver(command, monkeypatch):
     insert_card(monkeypatch)
     for request, expected in (("cudss", "cuDSS 0.8.0 on fake card"), ("rslab", "rslab")):
         monkeypatch.setenv(VARIABLE, request)

@@ -67,7 +67,7 @@ def test_equal_legs_are_exported_once(folder):
     assert (deck.count("*STEP\n"), deck.count("*FREQUENCY\n"), deck.count("*CLOAD")) == (7, 1, 6)
 
 
-def test_exported_tip_displacement_is_compliance(folder):
+def test_exported_displacement_is_compliance(folder):
     mesh = read_vtk(folder / "mechanism_solid.vtu")
     assert mesh.bounds[1] == pytest.approx(LEG.length, rel=1e-12)
     assert mesh.volume == pytest.approx(LEG.section.area * LEG.length, rel=1e-9)
@@ -86,7 +86,7 @@ def test_exported_tip_displacement_is_compliance(folder):
 
 
 @pytest.mark.parametrize("model", ["segments", "beam"])
-def test_centreline_deflects_as_timoshenko_cantilever(folder, model):
+def test_centreline_equals_timoshenko_beam(folder, model):
     line = read_vtk(folder / f"mechanism_{model}.vtp")
     assert (line.n_lines, line.length) == (1, pytest.approx(LEG.length))
     tip = [
@@ -99,7 +99,7 @@ def test_centreline_deflects_as_timoshenko_cantilever(folder, model):
     assert pytest.approx(closed, rel=1e-8, abs=1e-8 * closed.diagonal().min()) == np.hstack(tip).T
 
 
-def test_leg_matrices_give_compliance_and_frequency(folder):
+def test_leg_matrices_give_known_values(folder):
     leg = leg_matrices("beam", LEG)
     K, M = (load_npz(folder / f"mechanism_beam_{letter}.npz").toarray()[6:, 6:] for letter in "KM")
     compliance = np.linalg.inv(K)[:6, :6]
@@ -156,7 +156,7 @@ def part(tmp_path_factory):
     return identified(mechanism.parts["arm"]), folder
 
 
-def test_reduced_part_has_frequencies_and_stiffness(part):
+def test_reduced_part_equals_solid(part):
     """The first interface is clamped. The reduction has an error of 1e-5 (CUTOFF_FACTOR)."""
     arm, folder = part
     assert_read_back(folder)
@@ -167,7 +167,7 @@ def test_reduced_part_has_frequencies_and_stiffness(part):
     np.testing.assert_allclose(K[:18, :18], arm.stiffness, atol=1e-9 * scale)
 
 
-def test_part_displacements_match_its_compliance(part):
+def test_part_displacements_are_consistent(part):
     """Nodes on a rigid face move with its twist. Those on the first interface do not move."""
     arm, folder = part
     mesh = read_vtk(folder / "arm_part.vtu")
@@ -212,7 +212,7 @@ def crank():
 
 
 @pytest.mark.exhaustive
-def test_calculix_solves_exported_deck(folder, tmp_path):
+def test_exported_deck_runs_in_calculix(folder, tmp_path):
     try:
         program = calculix_program()
     except CalculixMissing as missing:
@@ -227,7 +227,7 @@ def test_calculix_solves_exported_deck(folder, tmp_path):
     assert "*ERROR" not in done.stdout
 
 
-def test_state_space_has_solid_modes_and_statics(robot):
+def test_state_space_has_modes_and_statics(robot):
     arrays = np.load(BytesIO(as_statespace(robot, ".npz")))
     A, B, C, D = (arrays[name] for name in "ABCD")
     (solid,) = mechanism_modes("solid", [reference_posture(FIVE_BAR)], COUNT, COARSE)
@@ -258,7 +258,7 @@ def test_state_space_has_modal_damping():
         assert receptance[axis, tool + axis] == pytest.approx(-1j / (loss * stiffness), rel=1e-9)
 
 
-def test_drive_deflection_times_stiffness_is_torque(robot):
+def test_drive_torque_is_stiffness_times_angle(robot):
     ports, solution = robot.matrices.ports, robot.solution
     joint = next(joint for joint in FIVE_BAR.joints if joint.name == "motor1")
     reference, step = reference_posture(FIVE_BAR), 1e-6
@@ -288,7 +288,7 @@ def test_frequency_bounds_cover_finer_reduction(crank):
     assert (crank.bounds < 1e-4 * crank.frequencies).all()
 
 
-def test_npz_and_simscape_files_have_the_matrices(crank):
+def test_npz_and_simscape_have_matrices(crank):
     arrays = np.load(BytesIO(as_npz(crank)))
     assert np.array_equal(arrays["K"], crank.stiffness)
     assert np.array_equal(arrays["M"], crank.mass)
@@ -302,7 +302,7 @@ def test_npz_and_simscape_files_have_the_matrices(crank):
     assert not block["damping"].any()
 
 
-def test_nastran_deck_has_the_matrices(crank):
+def test_nastran_deck_has_matrices(crank):
     nastran = pytest.importorskip("pyyeti.nastran", reason="pyyeti is not installed")
     text = as_nastran(crank).decode()
     matrices = nastran.rddmig(StringIO(text))
@@ -315,7 +315,7 @@ def test_nastran_deck_has_the_matrices(crank):
     assert x == pytest.approx([0.0, CRANK], abs=1e-9)
 
 
-def test_exudyn_script_prints_the_frequencies(robot, tmp_path):
+def test_exudyn_script_prints_frequencies(robot, tmp_path):
     pytest.importorskip("exudyn", reason="EXUDYN (extra exudyn) is not installed")
     script = tmp_path / "robot.py"
     named = replace(robot.matrices, name='end""" + 1 / 0 \\N{')
@@ -327,7 +327,7 @@ def test_exudyn_script_prints_the_frequencies(robot, tmp_path):
 
 
 @pytest.mark.exhaustive
-def test_export_of_few_modes_has_all(tmp_path, monkeypatch, command):
+def test_robot_with_few_modes_exports_all(tmp_path, monkeypatch, command):
     """The gantry has three modes. The default is twenty."""
     monkeypatch.chdir(tmp_path)
     Path("gantry.toml").write_text(GANTRY)
@@ -339,7 +339,7 @@ def test_export_of_few_modes_has_all(tmp_path, monkeypatch, command):
     assert "stiffness" in loadmat("arm.arm.mat")
 
 
-def test_time_estimate_counts_distinct_solids(tmp_path, monkeypatch, command):
+def test_time_estimate_counts_solids_once(tmp_path, monkeypatch, command):
     """The cranks are equal, and so are the rods. Legs known by their 6×6 have no solids."""
     seconds = []
     monkeypatch.setattr(

@@ -82,7 +82,7 @@ def body():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_deck_cards_are_independent_of_name(name, body):
+def test_deck_cards_ignore_robot_name(name, body):
     pytest.importorskip("pyyeti.nastran", reason="pyyeti is not installed")
 
     def cards(content):
@@ -122,7 +122,7 @@ def test_npz_has_any_name_without_pickle(name, reduced):
 
 
 @pytest.mark.parametrize("sign", ["\\u0085", "\\u009b2J", "\\u2028", "\\u202e", "\\u2066", "\\n"])
-def test_name_with_control_characters_is_refused(sign, tmp_path):
+def test_control_characters_are_refused(sign, tmp_path):
     with pytest.raises(
         InputError, match=r"name = .*: must be a text of 1 to 100 characters on one"
     ):
@@ -176,7 +176,7 @@ class Elements(HTMLParser):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_report_elements_are_text_independent(monkeypatch):
+def test_names_add_no_elements_to_report(monkeypatch):
     def page(text):
         def with_text(record, *names):
             copy = msgspec.structs.replace if isinstance(record, msgspec.Struct) else replace
@@ -223,6 +223,6 @@ def test_report_elements_are_text_independent(monkeypatch):
         "<g",
     ],
 )
-def test_drawing_with_active_content_is_refused(markup):
+def test_active_drawing_is_refused(markup):
     with pytest.raises(ValueError, match="has no place in a drawing"):
         Figure("a", "A", "", "Toys", svg=f"<svg >{markup}</svg>")

@@ -31,8 +31,8 @@ def loaded(tmp_path):
     return path
 
 
-def test_cantilever_stress_matches_hand_calculation(loaded):
-    """σ = 6PL/bh² at the corner; τ of T in the middle of the long side; σ_v is at least σ."""
+def test_cantilever_stress_equals_hand(loaded):
+    """σ = 6PL/bh² at the corner; τ of T in the middle of the long side. σ_v is at least σ."""
     (pose,) = fp.forces(loaded, "links").poses
     stress = pose.loads["push"].stresses["bar"]
     bending = 6.0 * 1000.0 * L / (B * H**2)
@@ -51,7 +51,7 @@ def test_cantilever_stress_matches_hand_calculation(loaded):
     )
 
 
-def test_torsion_stress_half_width_contains_series():
+def test_torsion_half_width_contains_series():
     """τ = k T/J of Timoshenko and Goodier §109, von Mises √3 τ."""
     text = CANTILEVER + '[[loads]]\nname = "twist"\nwrench = [0.0, 0.0, 0.0, 80.0, 0.0, 0.0]\n'
     robot = fp.forces(robot_of(text), "links")
@@ -67,7 +67,7 @@ def robot_of(text):
     return tomllib.loads(text)
 
 
-def test_segment_half_width_contains_exact_moment():
+def test_segment_half_width_contains_moment():
     """My = −qL²/12 of a clamped beam under its weight: segments err by 1/n²."""
     text = BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed")
     text += '[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
@@ -81,7 +81,7 @@ def test_segment_half_width_contains_exact_moment():
 
 
 def test_solid_reactions_equal_beam_reactions():
-    """A statically indeterminate beam of solids: M = qL²/12 up to shear and held ends."""
+    """A statically indeterminate beam of solids: M = qL²/12 up to shear and rigid ends."""
     text = BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed")
     text += '[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
     found = fp.forces(robot_of(text), "solid", divisions=2).poses[0].loads["weight"]
@@ -94,7 +94,7 @@ def test_solid_reactions_equal_beam_reactions():
     )
 
 
-def test_json_csv_and_table_hold_the_same_numbers(loaded, command):
+def test_json_csv_and_table_are_equal(loaded, command):
     found = fp.forces(loaded)
     printed = command.json("forces", str(loaded))
     assert printed == json.loads(found.json())
@@ -117,14 +117,14 @@ def test_json_csv_and_table_hold_the_same_numbers(loaded, command):
     assert found.member_table().rows[1][9] == pytest.approx(1e-6 * float(stress["value"]))
 
 
-def test_solve_json_has_the_reactions_of_forces(loaded, command):
+def test_solve_json_has_reactions(loaded, command):
     solved = command.json("solve", str(loaded), "--model", "beam", "--modes", "0")
     found = command.json("forces", str(loaded))
     for name, load in solved["results"][0]["loads"].items():
         assert load["reactions"] == found["results"][0]["loads"][name]["reactions"]
 
 
-def test_undetermined_force_is_null_and_a_dash(tmp_path, command):
+def test_undetermined_force_is_a_dash(tmp_path, command):
     robot = tmp_path / "five-bar.toml"
     text = (Path(fp.__file__).parent / "lumped/robots/five-bar.toml").read_text("utf-8")
     robot.write_text(text + LOADS, "utf-8")
@@ -137,7 +137,7 @@ def test_undetermined_force_is_null_and_a_dash(tmp_path, command):
     assert "–: not determined by statics" in told
 
 
-def test_command_writes_text_table_and_picture(loaded, command, tmp_path):
+def test_forces_command_writes_all_outputs(loaded, command, tmp_path):
     table, picture = tmp_path / "forces.csv", tmp_path / "forces.png"
     told = command.told("forces", str(loaded), "--csv", str(table), "--picture", str(picture))
     assert "cantilever, beam" in told
@@ -157,7 +157,7 @@ def test_command_writes_text_table_and_picture(loaded, command, tmp_path):
         (["--divisions", "2"], "--divisions: has no effect on model beam here"),
     ],
 )
-def test_wrong_requests_are_refused_in_one_line(loaded, command, arguments, said):
+def test_wrong_request_is_refused(loaded, command, arguments, said):
     assert said in command.refused("forces", str(loaded), *arguments)
 
 
@@ -167,7 +167,7 @@ def test_robot_without_loads_is_refused(command):
         fp.forces(robot_of(CANTILEVER + LOADS), loads=["pull"])
 
 
-def test_force_figure_has_drives_joints_and_legs():
+def test_force_figure_has_all_elements():
     text = (Path(fp.__file__).parent / "lumped/robots/five-bar.toml").read_text("utf-8")
     drag = '[[loads]]\nname = "drag"\nwrench = [100.0, 50.0, -30.0, 0.0, 0.0, 0.0]\n'
     found = fp.forces(robot_of(text + LOADS + drag), path=True, loads=["drag", "push"])

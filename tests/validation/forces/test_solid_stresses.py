@@ -32,7 +32,7 @@ gravity = [0.0, 0.0, -9.81]
 
 @pytest.mark.parametrize("material", [STEEL, CUBIC], ids=["isotropic", "cubic"])
 @pytest.mark.parametrize("element", ["hex27", "tet10"])
-def test_stress_of_linear_displacement_is_hookes(element, material):
+def test_linear_displacement_obeys_hooke(element, material):
     """σxx = E εxx and σyy = σzz = 0 under ε = (1, −ν, −ν)ε; τ = Gγ under simple shear."""
     box = Rectangle(0.1, 0.2)
     mesh = hexahedra(box, 0.4, 1, 2) if element == "hex27" else tetrahedra(box, 0.4, 1)
@@ -65,7 +65,7 @@ def bar():
     return solid_field(LOADED)
 
 
-def test_solid_cantilever_has_beam_stresses(bar):
+def test_solid_cantilever_has_beam_stress(bar):
     """σxx = N/A + My z/Iy farther than the height from the ends (Saint-Venant)."""
     _, field = bar
     x, _, z = field.mesh.nodes.T
@@ -84,7 +84,7 @@ def test_solid_cantilever_has_beam_stresses(bar):
     assert -tip == pytest.approx(bent, rel=5e-3)
 
 
-def test_solid_peak_stress_covers_beam_at_clamp(bar):
+def test_peak_stress_covers_beam_at_clamp(bar):
     """N/A + M/W at the clamp, ν = 0: no singular stress, so the field there is the beam's."""
     found, field = bar
     weight = RHO * B * H * 9.81
@@ -123,7 +123,7 @@ def test_reentrant_corner_nodes_are_excluded():
         (("--model", "solid", "--path"), "--vtu: writes one load in one pose"),
     ],
 )
-def test_vtu_of_more_than_one_field_is_refused(words, said, command, tmp_path):
+def test_vtu_of_two_fields_is_refused(words, said, command, tmp_path):
     robot = tmp_path / "arm.toml"
     robot.write_text(LOADED + LOADED[LOADED.index("[[loads]]") :].replace("push", "pull"), "utf-8")
     line = command.refused("forces", robot, *words, "--vtu", tmp_path / "x.vtu")
@@ -133,7 +133,7 @@ def test_vtu_of_more_than_one_field_is_refused(words, said, command, tmp_path):
 
 @pytest.mark.usefixtures("coarse_parts")
 def test_cad_part_bends_as_its_sections(tmp_path):
-    """σxx = −Mz y/Iz in the middle of a tapered arm, 47.5 mm of half-width lost over 475 mm."""
+    """σxx = −Mz y/Iz in the middle of a tapered arm, which is 47.5 mm narrower per 475 mm."""
     robot = write_crane(tmp_path)
     pull = '\n[[loads]]\nname = "pull"\nwrench = [0.0, -500.0, 0.0, 0.0, 0.0, 0.0]\n'
     robot.write_text(robot.read_text("utf-8") + pull, "utf-8")

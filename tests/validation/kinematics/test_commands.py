@@ -14,7 +14,7 @@ COUNTS = {"delta": (9, 6, 69, 0), "biglide": (2, 0, 31, 3)}
 
 
 @pytest.mark.parametrize("robot", COUNTS)
-def test_json_has_mobility_and_closed_loops(robot, command):
+def test_json_has_mobility_and_loops(robot, command):
     document = command.json("kinematics", robot)
     names = ("mobility", "idle", "constraints", "redundant")
     assert tuple(document["reference"][name] for name in names) == COUNTS[robot]
@@ -58,7 +58,7 @@ def test_many_poses_have_time_estimate(monkeypatch, capsys):
 @pytest.mark.parametrize(
     "robot", ["biglide", "five-bar", "3-rrr", "delta", "orthoglide", "hexapod"]
 )
-def test_new_robot_file_is_not_overwritten(robot, tmp_path, command):
+def test_new_keeps_existing_robot_file(robot, tmp_path, command):
     path = tmp_path / "a\nforged.toml"
     (line,) = command.told("new", "--type", robot, path).splitlines()
     assert "a\\nforged.toml written" in line

@@ -86,7 +86,7 @@ def test_maps_of_bipod_match_closed_form(bipod):
     assert np.abs(studies["map.error"]["values"]).max() < 1e-9
 
 
-def test_worst_posture_lies_between_grid_points(bipod):
+def test_worst_posture_is_between_grid_points(bipod):
     """It lies on the lower edge, where both legs are almost in line, and between grid columns."""
     softest = minimize_scalar(
         lambda x: lowest_stiffness(x, 0.1), bounds=(-0.2, 0.2), method="bounded"
@@ -174,7 +174,7 @@ def test_grid_values_match_command_solve(five_bar, command):
     assert frequency["values"][2][1] == pytest.approx(result["frequencies"][0], rel=1e-5)
 
 
-def test_grid_errors_match_verdict_errors(five_bar):
+def test_grid_errors_equal_verdict_errors(five_bar):
     """The file has one reading: all ends are rigid."""
     context, figure = five_bar
     study, robot = studies_by_id(figure)["map.error"], robot_on_path(context)
@@ -229,7 +229,7 @@ def test_only_grids_have_maps(five_bar):
     assert run_record({}, (), (), [restored]).studies == figure.studies
 
 
-def test_star_is_in_slice_nearest_to_worst_pose():
+def test_star_is_in_nearest_slice():
     """Three directions, slices at z = 0, 1, 2, 3, worst posture at z = 2.2."""
     axes = (np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.arange(4.0))
     space = SimpleNamespace(axes=axes, varied=(0, 1, 2))

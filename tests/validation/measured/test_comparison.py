@@ -30,7 +30,7 @@ from validation.report.words import sentence
 LOAD = 1000.0
 
 
-def test_independent_uncertainties_add_as_squares():
+def test_uncertainties_add_as_squares():
     compared = Comparison(10.0, -8.0, 0.1, 0.2, 0.2)
     assert compared.error == pytest.approx(18.0 / 8.0)
     # 95 % of a standard uncertainty of 0.3.
@@ -45,7 +45,7 @@ def test_input_uncertainty_is_linear():
     assert propagated([]) == 0.0
 
 
-def test_measured_verdict_uses_whole_interval():
+def test_verdict_uses_whole_interval():
     for verdict, intervals in {
         "adequate": [(1.02, 0.001), (0.98, 0.001)],
         "inadequate": [(1.12, 0.001), (0.90, 0.001)],
@@ -172,7 +172,7 @@ def test_program_error_affects_one_value(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("lacking", ["inputs", "elements"])
-def test_value_lost_by_changed_input_is_undecided(monkeypatch, tmp_path, lacking):
+def test_value_lost_by_input_is_undecided(monkeypatch, tmp_path, lacking):
     """A missing value must not count as zero, which would give no uncertainty or one of 67 %."""
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     predictions = Predictions.of(Context(robot_file, "quick"))
@@ -194,8 +194,8 @@ def test_value_lost_by_changed_input_is_undecided(monkeypatch, tmp_path, lacking
     assert matrix.faults == ()
 
 
-def test_mode_far_above_measured_keeps_matrix(tmp_path):
-    """Along itself the arm is so stiff that its mode lies far above what a hammer excites."""
+def test_mode_above_measured_range_is_kept(tmp_path):
+    """The arm is so stiff along itself that its axial mode is far above those a hammer excites."""
     robot_file = robot_of(ONE_ARM + "[path]\nposes = [[0.0]]\n", tmp_path)
     places, along = np.array([[0.5, 0.0, 0.0], [0.25, 0.0, 0.0]]), np.eye(3)[[1, 1]]
     frequencies = np.linspace(5.0, 200.0, 50)
@@ -243,7 +243,7 @@ relative = 0.1
 """
 
 
-def test_predictions_are_compared_with_measurement(tmp_path):
+def test_predictions_equal_measurement(tmp_path):
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     at = postures_of(robot_file.mechanism, np.array([[0.1, 0.525]]))
     matrix = measured_matrix(Context(robot_file, "quick"))
@@ -276,7 +276,7 @@ def test_predictions_are_compared_with_measurement(tmp_path):
     assert "adequacy.measured" in {task.id for task in catalogue(robot_file)}
 
 
-def test_values_to_compare_equal_those_of_models():
+def test_compared_values_are_those_of_models():
     five_bar = load_robot("five-bar")
     mechanism = five_bar.mechanism
     predictions = Predictions.of(Context(five_bar, "quick"))

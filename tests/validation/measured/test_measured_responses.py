@@ -93,8 +93,8 @@ def entries_of(robot_file):
 
 
 @pytest.mark.parametrize("derivatives", [0, 1, 2])
-def test_static_and_resonant_response_match_theory(held, derivatives):
-    """1/k at rest, and 1/(2 ζ k) at the modes."""
+def test_response_matches_theory(held, derivatives):
+    """1/k at zero frequency, and 1/(2 ζ k) at the natural frequencies."""
     ratios = RATIO * np.array([1.0, 1.5, 0.8])
     # In mm and kN, by data set 164.
     units = {"units_code": 9, "length": 1e3, "force": 1e-3, "temp": 1.0, "temp_offset": 0.0}
@@ -115,8 +115,8 @@ def test_static_and_resonant_response_match_theory(held, derivatives):
         )
 
 
-def test_response_below_modes_is_the_largest(held):
-    """The spring of the lowest mode is hardly struck: far below, all others move more."""
+def test_response_below_modes_is_largest(held):
+    """The lowest mode is hardly excited: far below it the other modes have larger responses."""
     struck = (1, 10, 10)
     text = robot_text().replace("x = [1, 1, 1]", f"x = {list(struck)}")
     entry = entries_of(held(functions(struck=struck), text))["hammer.low"]
@@ -156,8 +156,8 @@ def test_wrong_sign_or_unit_is_detected(held, factor, verdict, said):
         assert said in one.reason
 
 
-def test_noise_is_within_reported_uncertainty(held):
-    """Noise of 1 % in real and imaginary part; the coherence of eight blows confirms it."""
+def test_noise_is_within_uncertainty(held):
+    """Noise of 1 % in real and imaginary part, confirmed by the coherence of eight impacts."""
     clean = {one.quantity: one.value for one in held(functions()).measured}
     noisy = functions(noise=0.01)
     coherent = 1.0 / (1.0 + 8 * 2 * 0.01**2)
@@ -173,7 +173,7 @@ def test_noise_is_within_reported_uncertainty(held):
     assert random == pytest.approx(0.01 * np.sqrt(59 / 231), rel=0.02)
 
 
-def test_measured_tool_response_gives_its_peak(held):
+def test_tool_response_gives_its_peak(held):
     asked = """[damping]
 ratio = 0.01
 [[responses]]

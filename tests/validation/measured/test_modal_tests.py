@@ -117,8 +117,11 @@ def test_identified_poles_match_two_masses(tmp_path, monkeypatch, binary):
 
 
 @pytest.mark.parametrize("first", [1, 51, 77])
-def test_rounded_first_frequency_shifts_no_pole(tmp_path, first):
-    """The start has six digits: divided by the step it is 51.00006, which made 52 lines."""
+def test_rounded_start_keeps_poles(tmp_path, first):
+    """The first frequency has six digits.
+
+    Divided by the step it is 51.00006, which gave 52 lines.
+    """
     own, step = 2.0 * np.pi * np.array([40.0, 110.0]), 0.390625
     speeds = 2j * np.pi * step * np.arange(first, first + 500)[:, None]
     modal = 0.5 * speeds / (speeds**2 + 0.02 * own * speeds + own**2)
@@ -133,7 +136,7 @@ def test_rounded_first_frequency_shifts_no_pole(tmp_path, first):
 
 @pytest.mark.parametrize("singular", [30, 8])
 def test_model_order_stops_before_singularity(tmp_path, monkeypatch, singular):
-    """Without noise the equations of high orders are singular, on some processors exactly."""
+    """Without noise, equations of high model order are singular, on some processors exactly."""
     own = 2.0 * np.pi * np.array([40.0, 110.0])
     speeds = 2j * np.pi * 0.5 * np.arange(1, 501)[:, None]
     modal = 0.5 * speeds / (speeds**2 + 0.02 * own * speeds + own**2)
@@ -205,7 +208,7 @@ def struck_all_over(sets):
     "changed",
     [list, in_mm_and_g, as_displacements, turned_over, struck_from_behind, struck_all_over],
 )
-def test_modes_are_equal_in_text_and_binary_files(tmp_path, changed):
+def test_text_and_binary_modes_are_equal(tmp_path, changed):
     found = read_modes(written(tmp_path / "h.uff", changed(accelerations())))
     order = np.argsort(FREQUENCIES)
     assert np.abs(found.poles) == pytest.approx(2 * np.pi * FREQUENCIES[order], rel=1e-4)
@@ -231,7 +234,7 @@ def held(folder, sets, robot=ROBOT + ALONG):
     return robot_file, measured_matrix(Context(robot_file, "quick"))
 
 
-def test_noisy_test_gives_verdict_on_every_mode(tmp_path):
+def test_noisy_test_gives_all_verdicts(tmp_path):
     robot_file, matrix = held(tmp_path, accelerations(noise=0.01))
     told = [f"f{n}" for n in range(1, 7)]
     more = [f"response:hammer.{one}" for one in (*told, "low")]
@@ -263,7 +266,7 @@ def test_measured_modes_are_paired_by_shape(tmp_path, scatter):
 
 
 def test_similar_modes_are_undecided(tmp_path):
-    """All modes of a plane look alike at the tip: f2 and f4 do, far below and above 47 Hz."""
+    """All modes in one plane look alike at the tip: f2 and f4 do, far below and above 47 Hz."""
     sets = [shape(1, 1.8 * FREQUENCIES[0], SHAPES[:, 0])]
     robot_file, matrix = held(tmp_path, sets, ROBOT)
     entry = matrix.entry("beam", robot_file.measured[0].quantity.name)
@@ -287,8 +290,11 @@ def test_nearest_similar_mode_is_partner(tmp_path):
     assert errors == pytest.approx({"f2": 1 / 0.95 - 1, "f3": 1 / 0.95 - 1}, abs=3e-3)
 
 
-def test_mixture_of_repeated_modes_is_paired(tmp_path):
-    """A square section bends alike about any axis: along 45° neither of the pair looks like it."""
+def test_mixed_repeated_modes_are_paired(tmp_path):
+    """A square section bends equally about any axis.
+
+    Neither mode of the pair equals one along 45°.
+    """
     square = ROBOT.replace("height = 0.012", "height = 0.020") + ALONG
     # Of both first modes, each of half the square; the frequency along the side of 0.020 m.
     sets = [shape(1, FREQUENCIES[0], SHAPES[:, 0] + SHAPES[:, 3])]
@@ -304,8 +310,8 @@ def at_one_point(frequency):
     return shape(1, frequency, np.eye(len(PLACES))[0])
 
 
-def test_one_point_mode_is_paired_by_frequency(tmp_path):
-    """Along x there are modes at 25.9, 162 and 455 Hz: a single one is near."""
+def test_one_point_mode_needs_frequency(tmp_path):
+    """Along x there are modes at 25.9, 162 and 455 Hz: one of them is near."""
     _, matrix = held(tmp_path, [at_one_point(1.05 * FREQUENCIES[0])])
     (entry,) = matrix.of_model("beam")
     assert entry.error == pytest.approx(1 / 1.05 - 1, abs=2e-3)
@@ -322,7 +328,10 @@ def test_distant_one_point_mode_is_undecided(tmp_path):
 
 
 def test_exchanged_nodes_give_no_verdict(tmp_path):
-    """Nodes 2, 3 and 4 in turn: one mode of each plane is alike by chance, MAC 0.83."""
+    """Nodes 2, 3 and 4 are exchanged in turn.
+
+    One mode of each plane still has a MAC of 0.83 by chance.
+    """
     along = {1: 0.30, 2: 0.60, 3: 0.75, 4: 0.45}
     swapped = "".join(
         f'{node} = {{ body = "beam", at = [0.3, {y:.2f}, 0] }}\n' for node, y in along.items()
@@ -337,7 +346,7 @@ def test_exchanged_nodes_give_no_verdict(tmp_path):
 
 
 def test_file_with_modes_and_functions_has_both(tmp_path):
-    """Modes as somebody else identified them; their functions are held against models as well."""
+    """Modes were identified by other software; the functions are compared with the models, too."""
     poles = 2.0 * np.pi * FREQUENCIES * complex(-DAMPING, np.sqrt(1.0 - DAMPING**2))
     modes = [
         shape(number, FREQUENCIES[mode], SHAPES[:, mode] + 0j) | {"eig": poles[mode]}
@@ -389,15 +398,18 @@ def test_ambiguous_file_is_refused(tmp_path, changed, said):
     assert said in fault
 
 
-def test_missing_extra_message_names_command(tmp_path, monkeypatch):
+def test_missing_extra_names_command(tmp_path, monkeypatch):
     path = written(tmp_path / "h.uff", accelerations()[:2])
     monkeypatch.setitem(sys.modules, "pyuff", None)
     with pytest.raises(InputError, match=r"h.uff: needs pyuff, not .* \./flexproof extras hammer"):
         read_modes(path)
 
 
-def test_rigid_robot_is_compared_by_few_modes(tmp_path):
-    """A block on six springs has no eight modes; that of the spring about x swings its tip."""
+def test_rigid_robot_is_compared_by_six_modes(tmp_path):
+    """A block on six springs has fewer than eight modes.
+
+    That of the spring along x moves its tip.
+    """
     block = """[bodies.beam]
 points = ["A", "P"]
 mass = 1.5

@@ -62,7 +62,7 @@ def under(mechanism, *, model="beam", pose=(), **load):
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam", "solid"])
 def test_cantilever_reaction_balances_loads(model):
-    """R = P + qL, M = PL + qL²/2, and the torque of the tip as it is."""
+    """R = P + qL, M = PL + qL²/2, and the torque of the tip."""
     wrench = np.array([5.0, 7.0, -11.0, 13.0, 0.0, 0.0])
     _, reactions = under(described(CANTILEVER), model=model, wrench=wrench, **WEIGHT)
     weight = Q * L
@@ -75,7 +75,7 @@ def test_cantilever_reaction_balances_loads(model):
 
 
 @pytest.mark.parametrize("model", ["links", "beam"])
-def test_clamped_beam_carries_weight_by_equal_moments(model):
+def test_clamped_beam_has_equal_end_moments(model):
     """R = qL/2 and M = qL²/12 at both ends, with and without shear deformation (symmetry)."""
     beam = described(BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed"))
     _, reactions = under(beam, model=model, **WEIGHT)
@@ -85,7 +85,7 @@ def test_clamped_beam_carries_weight_by_equal_moments(model):
         np.testing.assert_allclose(reactions[joint].wrench, due, atol=1e-9 * moment)
 
 
-def test_propped_beam_reaction_is_three_eighths():
+def test_propped_reaction_is_three_eighths():
     """R_B = 3qL/8 of Euler and Bernoulli's beam, by equal deflections qL⁴/8EI = RL³/3EI."""
     text = BEAM.replace('"RIGHT"', '"spherical"').replace("LEFT", "fixed")
     robot = described(text)
@@ -99,7 +99,7 @@ def test_propped_beam_reaction_is_three_eighths():
     np.testing.assert_allclose(found["a"][4], -Q * L**2 / 8.0, rtol=1e-9)
 
 
-def test_triangle_bar_forces_satisfy_equilibrium():
+def test_triangle_bars_are_in_equilibrium():
     """At the pin, 4/5 N₁ = F_x and 3/5 N₁ + N₂ = F_y: N₁ = 5/4 F_x, N₂ = F_y − 3/4 F_x."""
     force = np.array([120.0, -50.0, 0.0, 0.0, 0.0, 0.0])
     at, reactions = under(described(TRIANGLE), wrench=force)
@@ -113,8 +113,11 @@ def test_triangle_bar_forces_satisfy_equilibrium():
     np.testing.assert_allclose(found[:2], [0.0, column], atol=1e-7)
 
 
-def test_drives_in_parallel_share_force_by_stiffness():
-    """1/k = L/EA + 1/3e8 behind the bar beside 1e8: shares of F are k and 1e8 over both."""
+def test_parallel_drives_share_by_stiffness():
+    """A bar and a drive in series, 1/k = L/EA + 1/3e8, act beside a drive of 1e8 N/m.
+
+    Shares of the force F are proportional to k and 1e8.
+    """
     through_bar = 1.0 / (L / (E * B * H) + 1.0 / 3.0e8)
     share = through_bar / (through_bar + 1.0e8)
     force = np.array([1000.0, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -201,7 +204,7 @@ def leg_inertia(shape):
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
 def test_built_in_robots_are_in_equilibrium(robot, model):
-    """Joints, tool and weight sum to zero: masses at their centres, as Newton has them."""
+    """Forces of joints, tool and weight sum to zero, as do their moments."""
     mechanism = load_robot(robot).mechanism
     wrench = np.array([100.0, 50.0, -30.0, 1.0, 2.0, 3.0])
     at, reactions = under(mechanism, model=model, wrench=wrench, gravity=GRAVITY)
@@ -213,7 +216,7 @@ def test_built_in_robots_are_in_equilibrium(robot, model):
 
 
 @pytest.mark.parametrize("robot", ["five-bar", "3-rrr", "delta", "hexapod"])
-def test_every_body_of_moving_robots_is_in_equilibrium(robot):
+def test_moving_bodies_are_in_equilibrium(robot):
     """Newton's and Euler's equations, with the accelerations of rigid bodies."""
     mechanism = load_robot(robot).mechanism
     motion = {"acceleration": np.array([5.0, 0.0, 0.0]), "speed": np.array([0.5, 0.0, 0.0])}
@@ -228,7 +231,7 @@ SEEDS = (2, 3, 5, 16, 17, 20, 26, 29, 31, 32, 45, 46, 51, 52, 55, 58, 59, 66, 71
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_bodies_of_random_mechanism_are_in_equilibrium(seed):
+def test_random_bodies_are_in_equilibrium(seed):
     at = random_posture(seed)
     tool = at.mechanism.tool
     load = Load("load", tool.body, tool.point, np.array([7.0, 5.0, -3.0, 1.0, 2.0, 3.0]), GRAVITY)
@@ -241,7 +244,7 @@ def test_bodies_of_random_mechanism_are_in_equilibrium(seed):
 
 
 @pytest.mark.parametrize(("robot", "pose"), [("five-bar", (0.05, 0.5)), ("3-rrr", ())])
-def test_drive_forces_do_the_work_of_the_load(robot, pose):
+def test_drive_forces_do_work_of_load(robot, pose):
     """Σ τ δq + F δx = 0 on the closed loops (virtual work), by a difference of postures."""
     mechanism = load_robot(robot).mechanism
     force = np.array([100.0, -60.0, 0.0, 0.0, 0.0, 0.0])
@@ -263,7 +266,7 @@ def test_drive_forces_do_the_work_of_the_load(robot, pose):
 
 
 def test_rigid_loop_reactions_are_undetermined():
-    """Rigid bodies leave the three wrenches across a planar loop open, elastic ones none."""
+    """Rigid planar loops leave three components undetermined, elastic loops none."""
     mechanism = load_robot("five-bar").mechanism
     wrench = np.array([100.0, -60.0, 0.0, 0.0, 0.0, 0.0])
     _, rigid = under(mechanism, model="simplified", wrench=wrench)
@@ -279,7 +282,7 @@ def test_rigid_loop_reactions_are_undetermined():
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_joint_axes_are_a_rotation_with_x_along_axis(robot):
+def test_joint_frame_has_x_along_axis(robot):
     at = reference_posture(load_robot(robot).mechanism)
     for joint in at.mechanism.joints:
         axes = joint_axes(at, joint)

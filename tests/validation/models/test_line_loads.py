@@ -36,8 +36,8 @@ lines = [{{ leg = "arm", wrench = [0.0, 0.0, -{LOAD}, 0.0, 0.0, 0.0], from = 0.2
 
 
 @pytest.mark.parametrize("model", ["beam", "segments", "links", "vjm", "simplified"])
-def test_member_forces_of_line_load_equal_hand(model):
-    """Free body beyond x: shear −q(L − x) and moment q(L − x)²/2, constant shear before 0.2 m."""
+def test_line_load_section_forces_are_exact(model):
+    """Beyond 0.2 m: shear −q(L − x) and moment q(L − x)²/2. Below 0.2 m the shear is constant."""
     at = reference_posture(described(ARM))
     ((forces,),) = load_forces(model, [at], ModelOptions(elements=3))
     (member,) = forces.members
@@ -55,7 +55,7 @@ def test_member_forces_of_line_load_equal_hand(model):
     assert np.linalg.norm(reaction.wrench[3:]) == pytest.approx(LOAD * 0.6 * 0.5, rel=1e-9)
 
 
-def test_theory_of_partial_load_is_that_of_the_model():
+def test_partial_load_follows_model_theory():
     """Without shear, ∫ q (x³/3 + x²(L − x)/2)/EI dx; shear adds ∫ q x/κGA dx."""
     at = reference_posture(described(ARM))
     x = np.polynomial.Polynomial([0.0, 1.0])
@@ -68,8 +68,8 @@ def test_theory_of_partial_load_is_that_of_the_model():
         assert z == pytest.approx(-LOAD * expected, rel=1e-10)
 
 
-def test_column_under_its_own_length_load_buckles():
-    """A cantilever pressed by q N/m buckles at 7.837 EI/L³ (Timoshenko & Gere, §2.12)."""
+def test_column_buckles_under_axial_line_load():
+    """A cantilever compressed by q N/m buckles at 7.837 EI/L³ (Timoshenko & Gere, §2.12)."""
     text = ARM.replace("0.03, height = 0.05", "0.02, height = 0.02")
     line = 'wrench = [-1.0e4, 0.0, 0.0, 0.0, 0.0, 0.0], axes = "leg"'
     text = text.replace(f"wrench = [0.0, 0.0, -{LOAD}, 0.0, 0.0, 0.0], from = 0.2", line)
@@ -81,10 +81,11 @@ def test_column_under_its_own_length_load_buckles():
 
 
 @pytest.mark.parametrize(("ratio", "least"), [(5.0, 5e-3), (15.0, 1e-3)])
-def test_wrenches_of_solid_differ_by_end_effects(ratio, least):
-    """∫ Nᵀq with the static shapes N of a solid: what the reference leaves out of its budget.
+def test_solid_load_vector_has_end_effects(ratio, least):
+    """The load vector is ∫ Nᵀq with the static shapes N of a solid.
 
-    Held warping and contraction of end faces change N by their decay length over the length.
+    The reference does not include its difference from beams. Restrained warping and contraction at
+    the end faces change N by the ratio of their decay length to the length.
     """
     leg = ConstantLeg(
         ratio * 0.05, Rectangle(0.03, 0.05), Material.isotropic(2.1e11, 0.3, 7850.0), "rigid"

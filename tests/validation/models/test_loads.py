@@ -73,8 +73,12 @@ def on(mechanism, **what):
     ("model", "close"),
     [("vjm", 1e-9), ("links", 1e-9), ("beam", 1e-9), ("segments", 2e-3), ("solid", 1e-3)],
 )
-def test_cantilever_under_weight_and_rotation(model, close):
-    """qL⁴/8EI + qL²/2κGA; −αs per mass: Σ f s²(3L − s)/6EI + f s/κGA and ρI α; ρω²L³/3E."""
+def test_cantilever_deflects_under_inertia(model, close):
+    """Weight: qL⁴/8EI + qL²/2κGA.
+
+    Angular acceleration α: a load −αs per mass at s, with Σ f s²(3L − s)/6EI + f s/κGA and ρI α.
+    Angular velocity ω: ρω²L³/3E.
+    """
     arm = described(ARM)
     swung, spun = on(arm, acceleration=[5.0, 0, 0]), on(arm, speed=[2.0, 0, 0])
     weight, swing, spin = under(arm, WEIGHT, swung, spun, model=model, divisions=2)
@@ -100,10 +104,11 @@ def test_cantilever_under_weight_and_rotation(model, close):
         ("solid", 0.04, 1e-3),
     ],
 )
-def test_conical_rotation_pulls_arm_outwards(model, height, close):
-    """Across it ρAω²sc of each place and −ρIω²sc, s and c of its slope; along it ρAω²c².
+def test_coning_arm_is_pulled_outwards(model, height, close):
+    """A load ρAω²sc per length across the arm, a couple −ρIω²sc, and ρAω²c² along the arm.
 
-    The couple is spread to a few percent of itself.
+    Here s and c are sine and cosine of the arm's slope. The couple is distributed with an error of
+    a few per cent of itself.
     """
     cone = ARM.replace("0.2, 0.0]", "0.12, 0.16]").replace("0.5, 0.0]", "0.3, 0.4]")
     cone = described(cone.replace(f"height = {HEIGHT}", f"height = {height}"))
@@ -115,8 +120,8 @@ def test_conical_rotation_pulls_arm_outwards(model, height, close):
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
-def test_force_on_leg_is_reciprocal(model):
-    """Maxwell and Betti: P a²(3L − a)/6EI + P a/κGA, which a force at the tip does at a."""
+def test_leg_force_is_reciprocal(model):
+    """P a²(3L − a)/6EI + P a/κGA: the tip by P at a, and a by P at the tip (Maxwell, Betti)."""
     force = Load("within", "inner", "M", wrench=np.array([0.0, 0.0, 3.0, 0.0, 0.0, 0.0]))
     a = 0.2
     bent = 3.0 * a**2 * (3.0 * LENGTH - a) / (6.0 * E * IX) + 3.0 * a / SHEAR
@@ -128,7 +133,7 @@ def test_force_on_leg_is_reciprocal(model):
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
 def test_translating_bodies_act_as_masses(model):
-    """m a/k along each slide; an acceleration is gravity the other way."""
+    """m a/k along each slide; an acceleration acts as gravity in the opposite direction."""
     gantry = described(GANTRY)
     pulled = on(gantry, acceleration=[4.0, 3.0, 2.0]), on(gantry, gravity=[-4.0, -3.0, -2.0])
     first, second = under(gantry, *pulled, model=model)
@@ -139,7 +144,7 @@ def test_translating_bodies_act_as_masses(model):
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
 def test_pendulum_inertia_acts_on_drive(model):
-    """(J + mc²) α = 0.86 α on the drive, its weight m g c where it hangs aside, nothing by spin."""
+    """The drive carries (J + mc²) α = 0.86 α, and m g c of the horizontal pendulum's weight."""
     bob = described(PENDULUM)
     swung, spun = on(bob, acceleration=[2.0, 0, 0]), on(bob, speed=[3.0, 0, 0])
     aside = on(bob, gravity=[G, 0, 0])
@@ -150,8 +155,11 @@ def test_pendulum_inertia_acts_on_drive(model):
 
 
 @pytest.mark.parametrize("name", ["five-bar", "delta", "ifw", "hexapod"])
-def test_accelerations_match_differences(name):
-    """Second differences of postures along x = ẋt + ẍt²/2; a hexapod's drives swing with legs."""
+def test_accelerations_equal_differences(name):
+    """Reference: second differences of postures along x = ẋt + ẍt²/2.
+
+    The drives of a hexapod swing with its legs.
+    """
     robot = load_robot(name).mechanism
     drive = replace(next(joint.drive for joint in robot.joints if joint.drive), inertia=3.0)
     joints = [
@@ -261,7 +269,7 @@ class _Moving(multibody._ExudynModel):
 
 
 @pytest.mark.parametrize(("speed", "close"), [(0.0, 1e-4), (1.0, 1e-3)], ids=["rest", "moving"])
-def test_accelerated_drive_matches_other_program(speed, close):
+def test_accelerated_hexapod_equals_exudyn(speed, close):
     """A hexapod of rigid bodies in EXUDYN, with forces instead of drives.
 
     Without the inertia forces of its speed the tool would be 13 % slower along z.

@@ -22,8 +22,8 @@ THIRD = np.kron(
 )
 
 
-def test_beams_links_segments_have_equal_statics():
-    """Spatial closed loops away from the reference posture. Serial chains: see closed forms."""
+def test_beams_and_segments_have_equal_statics():
+    """Spatial closed loops in postures other than the reference."""
     mechanism = load_robot("delta").mechanism
     at = [posture(mechanism, pose) for pose in mechanism.poses[::4]]
     links, beam, segments = (
@@ -34,7 +34,7 @@ def test_beams_links_segments_have_equal_statics():
         np.testing.assert_allclose(other, links, rtol=0, atol=1e-9 * np.abs(links[0]).max())
 
 
-def test_branching_error_crosses_processes():
+def test_branching_error_reaches_parent():
     at = [reference_posture(load_robot("delta").mechanism)]
     with pytest.raises(NoChainError, match=r"branches at .*; take --model links") as raised:
         answers("vjm", at, 0)
@@ -64,7 +64,7 @@ def test_equal_bodies_are_reduced_once():
 
 
 def test_printed_release_is_at_leg_tip():
-    """The platform of the paper's robot is fixed to the tip of leg 1, leg 2 hinged there."""
+    """In the paper the platform is fixed to the tip of leg 1, and leg 2 is hinged there."""
     mechanism = load_robot("ifw").mechanism
     joints = [
         replace(joint, first=joint.second, second=joint.first) if joint.name == "seat" else joint
@@ -74,7 +74,7 @@ def test_printed_release_is_at_leg_tip():
     assert {name: own.release for name, _, own in legs} == {"leg1": "condensed", "leg2": "printed"}
 
 
-def test_simplified_model_ignores_joint_compliance():
+def test_simplified_model_has_rigid_joints():
     at = reference_posture(load_robot("ifw").mechanism)
     joints = tuple(replace(joint, compliance=None) for joint in at.mechanism.joints)
     stiff = replace(at, mechanism=replace(at.mechanism, joints=joints))
@@ -124,8 +124,8 @@ def strains_of(leg, twists_at):
     }
 
 
-def test_energy_shares_match_mode_strains():
-    """Shares to 1e-5: difference quotients of 1e-3 of an element."""
+def test_energy_shares_equal_strain_energy():
+    """Tolerance 1e-5: difference quotients with a step of 1e-3 of an element."""
     at = reference_posture(load_robot("five-bar").mechanism)
     (found,) = mechanism_modes("beam", [at], 8)
     system, motions = found.system, found.system.motions
@@ -162,7 +162,7 @@ def test_energy_shares_sum_to_one():
     np.testing.assert_allclose(sum(rigid.strain.values()), np.ones(6), rtol=1e-12)
 
 
-def test_model_modes_are_paired_with_themselves(command):
+def test_model_is_paired_with_itself(command):
     asked = ("--model", "beam", "--modes", "12", "--against", "beam")
     (result,) = command.json("solve", "orthoglide", *asked)["results"]
     pairs = result["partners"]["pairs"]

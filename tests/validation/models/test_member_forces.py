@@ -27,7 +27,7 @@ def members(mechanism, model="beam", **load):
 
 
 @pytest.mark.parametrize("model", ["simplified", "vjm", "links", "segments", "beam"])
-def test_cantilever_section_forces_balance_loads(model):
+def test_cantilever_sections_balance_loads(model):
     """N = Px, Q = P + q(L − x) with its sign, My = −Pz(L − x) + q(L − x)²/2, Mz = Py(L − x)."""
     wrench = np.array([5.0, 7.0, -11.0, 13.0, 17.0, -19.0])
     # The simplified model has rigid legs on a rigid clamp: nothing moves, all is determined.
@@ -52,7 +52,7 @@ ON_DRIVE = CANTILEVER.replace('"fixed"', '"revolute", axis = [0, 1, 0], drive = 
 
 
 @pytest.mark.parametrize("model", ["links", "beam"])
-def test_largest_moment_of_span_is_at_zero_shear(model):
+def test_largest_moment_is_at_zero_shear(model):
     """My = qL²/24 in the middle of the clamped beam, between two stations of its longer part."""
     long = members(described(QUARTERED), model, **WEIGHT)["right"]
     middle = int(np.argmin(np.abs(long.stations - L / 4.0)))
@@ -62,7 +62,7 @@ def test_largest_moment_of_span_is_at_zero_shear(model):
     assert np.abs(long.forces[middle, 2]) <= 1e-9 * Q * L
 
 
-def test_triangle_bars_have_tension_or_compression():
+def test_triangle_bar_tension_is_positive():
     """N₁ = 5/4 F_x and N₂ = F_y − 3/4 F_x as in the reactions; tension is positive."""
     force = np.array([120.0, -50.0, 0.0, 0.0, 0.0, 0.0])
     bars = members(described(TRIANGLE), wrench=force)
@@ -76,7 +76,7 @@ ARM = ARM.replace("moves = []", 'moves = ["y"]')
 
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
-def test_swung_arm_sections_carry_inertia_beyond_them(model):
+def test_swung_arm_sections_carry_inertia(model):
     """Qy = −ρAα(L² − x²)/2, Mz its moment and −ρIα of every section; N = ρAω²(L² − x²)/2."""
     turning, spin = 3.0 / L, 2.0 / L
     motion = {"acceleration": np.array([0.0, 3.0, 0.0]), "speed": np.array([0.0, 2.0, 0.0])}
@@ -91,8 +91,8 @@ def test_swung_arm_sections_carry_inertia_beyond_them(model):
     np.testing.assert_allclose(bar.forces[:, [2, 3, 4]], 0.0, atol=1e-7)
 
 
-def test_open_loop_forces_leave_the_others_determined():
-    """Rigid planar loops determine N, Qy and Mz as elastic ones do; Qz, T and My are open."""
+def test_planar_loop_forces_are_determined():
+    """Rigid planar loops determine N, Qy and Mz as elastic ones do, but not Qz, T and My."""
     mechanism = load_robot("five-bar").mechanism
     wrench = np.array([100.0, -60.0, 0.0, 0.0, 0.0, 0.0])
     rigid = members(mechanism, "simplified", wrench=wrench)
@@ -105,8 +105,8 @@ def test_open_loop_forces_leave_the_others_determined():
         assert not np.isnan(elastic[name].forces).any()
 
 
-def test_line_load_on_part_of_leg_bends_it_as_by_hand():
-    """p on the middle half of a cantilever: Q and My of its resultant beyond each section."""
+def test_partial_line_load_bends_leg():
+    """Load p on the middle half of a cantilever: Q and My balance the load beyond each section."""
     line = 'lines = [{ leg = "bar", from = 0.5, to = 1.5, wrench = [0, 0, -300.0, 0, 0, 0] }]'
     text = CANTILEVER + f'[[loads]]\nname = "wind"\n{line}\n'
     ((forces,),) = load_forces("beam", [reference_posture(described(text))])

@@ -61,7 +61,7 @@ def test_too_large_legs_are_listed():
     assert f"preset fine allows {LARGEST['fine']}" in said
 
 
-def test_missing_frequency_reference_has_reason(context):
+def test_missing_reference_has_reason(context):
     """Without alternatives all verdicts are undecided."""
     robot = robot_at(context, placed_at(SLENDER.mechanism))
     found = of_mechanisms.dynamic_reference(Responses(robot))
@@ -84,7 +84,7 @@ def test_too_large_export_is_refused_first(tmp_path):
 @pytest.mark.parametrize(
     ("thickness", "said"), [(2e-4, "preset fine allows it$"), (5e-5, "no preset allows it$")]
 )
-def test_too_large_leg_names_sufficient_preset(thickness, said):
+def test_too_large_leg_names_preset(thickness, said):
     foil = ConstantLeg(0.85, Tube(0.12, thickness), STEEL, name="leg 1")
     with pytest.raises(InputError, match=said):
         solid_leg(Context(IFW, "quick"), foil)
@@ -94,7 +94,7 @@ def test_too_large_leg_names_sufficient_preset(thickness, said):
     ("preset", "said"),
     [("quick", "--preset fine"), ("standard", "--preset fine"), ("fine", "no preset")],
 )
-def test_undecided_entry_names_finer_preset(preset, said):
+def test_undecided_entry_names_preset(preset, said):
     # 0.1 m by 0.06 m: 900 unknowns are six divisions, and so they are at standard; fine has more.
     leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL)
     uncertain = "undecided because of the mesh uncertainty of the reference"

@@ -79,8 +79,8 @@ def turning(force):
 
 
 @pytest.mark.parametrize("name", ["3-rrr", "orthoglide", "hexapod"])
-def test_rigid_rotation_has_load_stiffness_only(name):
-    """They keep their directions while all else turns: θ × F, and half of θ × M by either side."""
+def test_rotation_has_load_stiffness_only(name):
+    """Loads keep their direction in a rigid rotation θ: θ × F, and half of θ × M from each side."""
     robot = on_pedestal(name)
     at, tool = posture(robot, robot.poses[len(robot.poses) // 3]), robot.tool
     wrench, gravity = np.array([3.0, -2.0, 5.0, 0.4, 0.5, -0.6]), np.array([1.0, 2.0, -9.81])
@@ -130,15 +130,15 @@ def held_twice(first, wrench, *compliances):
 
 
 def test_axial_force_splits_by_end_stiffness():
-    """A quarter of P pulls one end, three press the other: −½ (¾ − ¼) P L/2 θ²."""
+    """A quarter of P pulls on one part, three quarters push on the other: −½ (¾ − ¼) P L/2 θ²."""
     give = 1e-6 * np.eye(6)
     _, twists, found = held_twice('type = "fixed"', [8.0, 0, 0, 0, 0, 0], give, give / 3.0)
     due = twists.T @ np.diag([0, 0, 0, 0, -2.0, -2.0]) @ twists
     np.testing.assert_allclose(found, due, rtol=0, atol=1e-9 * np.abs(due).max())
 
 
-def test_universal_joint_moment_couples_angles():
-    """M·θ(α, β) of the rotation vector θ, whose second derivative by both is ½ a₁ × a₂."""
+def test_cardan_moment_couples_angles():
+    """M·θ(α, β) of the rotation vector θ, whose mixed second derivative is ½ a₁ × a₂."""
     first = 'type = "universal", axes = [[1.0, 0.0, 0.0], [0.6, 0.8, 0.0]]'
     give, moment = np.diag([1e3, 1e3, 1e3, 1e-4, 1e-4, 1e-4]), [0, 0, 0, 0, 0, 7.0]
     (hook, _), twists, found = held_twice(first, moment, None, give)
@@ -148,8 +148,11 @@ def test_universal_joint_moment_couples_angles():
 
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
-def test_inverted_pendulum_buckles_at_closed_form(model):
-    """k/Σ m g h, nothing the other way; half the load at twice the factor; frequencies under it."""
+def test_inverted_pendulum_buckles_at_k_over_mgh(model):
+    """Factor k/Σ m g h, and none for a hanging one. Half the load has twice the factor.
+
+    Also the frequencies under load.
+    """
     up = Load("up", "bob", "P", gravity=np.array([0.0, 9.81, 0.0]))
     down, twice = replace(up, gravity=-up.gravity), replace(up, gravity=2.0 * up.gravity)
     heavier = described(PENDULUM.replace("moves", "mass = 1.0, moves"))
@@ -173,7 +176,7 @@ def test_inverted_pendulum_buckles_at_closed_form(model):
     [("revolute", ", axis = [0, 0, 1]", 1.8213), ("fixed", "", 7.3787)],
     ids=["hinged", "fixed"],
 )
-def test_portal_buckles_at_published_load(base, axis, due):
+def test_portal_frame_buckling_is_published(base, axis, due):
     """kh tan kh = 6 and −kh cot kh = 6 (Timoshenko and Gere, 1961, §2.4), P = (kh)² EI/h² each."""
     frame = described(PORTAL.replace("BASE", base).replace(" AXIS", axis))
     at = reference_posture(frame)
@@ -245,7 +248,10 @@ def buckled(tables, rotation, force, gravity, model="beam"):
 
 @pytest.mark.parametrize("across", [0.0, 2.0, 20.0])
 def test_idle_rod_keeps_euler_load(across):
-    """π²EI/L² (Engesser's by 1e-4 less) in all base axes: it adds no force along a round rod."""
+    """π²EI/L² (Engesser's value is 1e-4 lower) in all base axes.
+
+    A spin adds no force along a round rod.
+    """
     tables = tomllib.loads(ROD)
     euler = np.pi**3 * 2.1e11 * 0.01**4 / 64.0
     push, gravity = np.array([0, 0, -10.0]), np.array([across, 0, 0])
@@ -258,8 +264,8 @@ def test_idle_rod_keeps_euler_load(across):
 
 
 @pytest.mark.parametrize("kind", ["rods", "elastic balls", "rigid rod"])
-def test_buckling_is_frame_invariant_with_spins(kind):
-    """The built-in Delta, six idle spins, under wrench and gravity across its rods."""
+def test_buckling_is_frame_invariant(kind):
+    """The built-in Delta with six freely spinning rods, under a wrench and gravity across them."""
     tables = deepcopy(load_robot("delta").tables)
     if kind == "elastic balls":
         for name in ("elbow1l", "elbow2r"):
@@ -278,7 +284,7 @@ def test_buckling_is_frame_invariant_with_spins(kind):
 
 
 def test_idle_rod_torque_is_frame_invariant():
-    """Inertia of the spinning rod balances the torque, no moment is left for its ball joints."""
+    """The inertia of the spinning rod balances the torque. Its ball joints transmit no moment."""
     tables, found = load_robot("delta").tables, []
     axis = np.subtract(tables["points"]["C1l"], tables["points"]["E1l"]) / 0.56
     for rotation in (np.eye(3), *Rotation.random(2, random_state=8).as_matrix()):
@@ -328,9 +334,9 @@ def rods_under_acceleration(acceleration, tables, leg):
 
 
 def test_accelerated_delta_buckles_as_its_rods():
-    """230.6 times 100 m/s² with ends of the rods in place; 229.6 as its drives give way.
+    """Factor 230.6 at 100 m/s² with rigid drives, 229.6 with elastic drives.
 
-    Elastic drives let the ends move sideways under the pressed rods: 0.4 %.
+    Elastic drives let the ends of the compressed rods move sideways: 0.4 %.
     """
     tables = deepcopy(load_robot("delta").tables)
     robot, factors = load_robot("delta").mechanism, []
@@ -349,8 +355,8 @@ def test_accelerated_delta_buckles_as_its_rods():
 
 
 @pytest.mark.parametrize("up", [[0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1], [1, 0, 0]])
-def test_column_buckles_under_own_weight(up):
-    """Q L²/EI = 7.837 (Greenhill), and never upside down."""
+def test_column_buckles_by_own_weight(up):
+    """Q L²/EI = 7.837 (Greenhill). A hanging column does not buckle."""
     section = '{ shape = "circle", diameter = 0.01 }'
     text = ONE_ARM.replace("P = [0.0, 0.5, 0.0]", f"P = {[0.5 * one for one in up]}")
     text = re.sub("section = .*", f"section = {section}", text).replace("mass = 1.0", "mass = 0.0")
@@ -369,7 +375,7 @@ def test_column_buckles_under_own_weight(up):
     assert hangs.factor is None
 
 
-def test_buckling_differs_by_statics_of_models():
+def test_buckling_differs_as_statics_do():
     robot = load_robot("ifw").mechanism
     weight = Load("weight", robot.tool.body, robot.tool.point, gravity=np.array([0, 0, -9.81]))
     stop = replace(weight, gravity=np.zeros(3), acceleration=np.array([1.0, 0, 0]))
@@ -385,7 +391,7 @@ WIDE = '{ shape = "i-section", width = 0.06, height = 0.02, flange = 0.004, web 
 
 
 def test_solid_buckles_without_shear_formula():
-    """κ of this section is negative at such a Poisson's ratio; its solid is none the worse."""
+    """κ of this section is negative at such a Poisson's ratio. The solid does not need it."""
     arm = ONE_ARM.replace("nu = 0.0", "nu = -0.9").replace("P = [0.0, 0.5", "P = [0.0, 0.3")
     press = '[[loads]]\nname = "press"\nwrench = [0.0, -1.0, 0.0, 0.0, 0.0, 0.0]\n'
     post = described(f"{re.sub(r'section = .*', f'section = {WIDE}', arm)}{press}")

@@ -37,9 +37,10 @@ def body_of(file, length, coupling=None, unit="mm"):
 
 
 def test_channel_twists_about_shear_centre(tmp_path):
-    """60 × 40 mm, 300 mm long, 8 mm thick, open along y: a force along z on its back twists it.
+    """Channel of 60 × 40 mm, 300 mm long, 8 mm thick, open along y.
 
-    Ends are averaged and free to warp, so that Saint-Venant's torsion is the whole of it.
+    A force along z on its web twists it. Ends are coupled by averages and free to warp, so that
+    Saint-Venant's torsion is all there is.
     """
 
     def draw(occ):
@@ -73,7 +74,7 @@ def test_channel_twists_about_shear_centre(tmp_path):
     assert abs(wrong[3, 2]) > 5.0 * abs(off(leg)[3, 2])
 
 
-def test_unsteppable_part_has_reason_and_verdict(tmp_path):
+def test_part_without_pieces_has_reason(tmp_path):
     write_overlapping_crane(tmp_path)
     mechanism = load_robot(tmp_path / "robot.toml").mechanism
     at = posture(mechanism, mechanism.poses[0])
@@ -144,7 +145,7 @@ def hollow_wedge(occ):
 
 
 @pytest.mark.parametrize(("draw", "why"), REFUSED.values(), ids=REFUSED)
-def test_nonprismatic_section_is_refused(tmp_path, draw, why):
+def test_changing_section_is_refused(tmp_path, draw, why):
     with pytest.raises(InputError, match=why) as error:
         stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0, 12.0), 0.4))
     (line,) = error.value.faults
@@ -193,7 +194,7 @@ def compliance(leg, model="beam", theory="timoshenko"):
 
 
 @pytest.mark.parametrize(("component", "section"), [(0, 0), (4, 1)])
-def test_pieces_converge_with_second_order(legs, component, section):
+def test_pieces_converge_with_order_two(legs, component, section):
     exact = quad(lambda x: 1.0 / (STEEL.E * sections(x)[section]), 0.0, 0.4)[0]
     coarse, fine = (compliance(leg)[component, component] / exact - 1.0 for leg in legs.values())
     # Sections in the middle of the pieces: the midpoint rule.
@@ -201,14 +202,14 @@ def test_pieces_converge_with_second_order(legs, component, section):
     assert abs(fine) < 0.01
 
 
-def test_stepped_beams_equal_segments_in_statics(legs):
+def test_pieces_have_equal_statics_as_segments(legs):
     for theory in ("timoshenko", "euler-bernoulli"):
         beam, segments = (compliance(legs[4], model, theory) for model in ("beam", "segments"))
         assert scaled_difference(segments, beam) < 1e-9
 
 
-def test_points_beyond_leg_move_rigidly_with_part(legs):
-    """A wedge of eight pieces somewhere in a body, under unit twists about the body's origin."""
+def test_outer_points_move_rigidly_with_part(legs):
+    """A wedge of eight pieces, somewhere in a body, under unit twists about the body's origin."""
     start, along = np.array([0.1, -0.2, 0.05]), np.array([1.0, 2.0, 2.0]) / 3.0
     ends = np.array([start, start + 0.4 * along])
     leg = leg_matrices("beam", legs[8], ModelOptions(elements=8))
@@ -240,7 +241,7 @@ def coarse(monkeypatch, tmp_path):
 
 @pytest.mark.exhaustive
 @pytest.mark.usefixtures("coarse")
-def test_rocker_with_three_bores_has_all_models():
+def test_rocker_with_three_bores_has_models():
     robot = load_robot(ROCKER / "robot.toml")
     at = [reference_posture(robot.mechanism)]
     (links,) = answers("links", at, 0)

@@ -71,8 +71,8 @@ def tip(length, second, kappa_area, E, nu):
         ("linear-delta", 9, 0),
     ],
 )
-def test_template_has_mobility_of_its_kind(robot, motions, redundant):
-    """Grübler: 6 (bodies) − constraints, and what repeats others."""
+def test_template_has_expected_mobility(robot, motions, redundant):
+    """Grübler: 6 (bodies) − constraints, plus redundant constraints."""
     mechanism = load_robot(robot).mechanism
     found = mobility(reference_posture(mechanism))
     bodies = len(mechanism.bodies) - 1
@@ -81,7 +81,7 @@ def test_template_has_mobility_of_its_kind(robot, motions, redundant):
 
 
 def test_scara_deflects_as_arms_and_quill():
-    """Arms at a right angle: both bend, and the upper arm twists under the lever of the forearm."""
+    """With arms at a right angle, both arms bend, and the forearm's lever twists the upper arm."""
     nu, L1, L2 = 0.33, 0.35, 0.25
     A1, Iy1, _, _, kz1 = box(0.12, 0.09, 0.012, nu)
     A2, Iy2, _, _, kz2 = box(0.09, 0.07, 0.01, nu)
@@ -117,7 +117,7 @@ def test_gantry_deflects_as_clamped_bridge():
 
 
 def test_stage_deflects_as_springs_in_series():
-    """Drives and guides along their axes, guides that tilt 290 and 230 mm below it, the post."""
+    """Drives and guides along their axes, tilting guides (230 and 290 mm lower), and the post."""
     nu, L = 0.3, 0.2
     area = pi / 4.0 * (0.04**2 - 0.028**2)
     second = pi / 64.0 * (0.04**4 - 0.028**4)
@@ -135,9 +135,10 @@ def test_stage_deflects_as_springs_in_series():
 
 
 def test_5r_deflects_as_axial_rods():
-    """Rods at right angles to the cranks, at ±(0.6, 0.8): C = c (1/(2·0.6²), 1/(2·0.8²)).
+    """Rods at right angles to the cranks, along ±(0.6, 0.8): C = c (1/(2·0.6²), 1/(2·0.8²)).
 
-    c of one rod: motor and crank of 0.3 m under a force across it, elbow and rod along it.
+    The compliance c of one rod has motor and crank of 0.3 m under a transverse force, and elbow and
+    rod under an axial one.
     """
     nu, crank, rod = 0.33, 0.3, 0.4
     area, _, Iz, kappa, _ = box(0.05, 0.06, 0.006, nu)
@@ -149,7 +150,7 @@ def test_5r_deflects_as_axial_rods():
 
 
 def test_tricept_deflects_as_three_legs():
-    """Legs between a cardan and a ball joint carry along themselves alone: 1/(3 k cos²)."""
+    """Legs between a cardan and a ball joint carry axial force only: 1/(3 k cos²)."""
     length = np.hypot(0.18, 0.9)
     strut = pi / 4.0 * (0.08**2 - 0.07**2)
     screw = pi / 4.0 * 0.04**2
@@ -160,8 +161,8 @@ def test_tricept_deflects_as_three_legs():
     )
 
 
-def test_linear_delta_deflects_as_rods_and_screws():
-    """Six rods of 500 mm that fall by 400 mm share the force, three screws carry a third each."""
+def test_linear_delta_deflects_as_axial_rods():
+    """Six rods of 500 mm, 400 mm high, share the force. Three screws carry a third each."""
     rod = 0.5 / (E_ALUMINIUM * pi / 4.0 * (0.02**2 - 0.016**2))
     down = rod / (6.0 * 0.8**2) + 1.0 / (3.0 * 2e7)
     assert compliance("linear-delta")[2, 2] == pytest.approx(down, rel=ROUNDING, abs=0.0)

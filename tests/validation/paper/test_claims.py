@@ -87,7 +87,7 @@ def claim_starting(claims: dict[str, Claim], start: str) -> Claim:
         ("Rigid segments: longer legs", "as printed alone", (6, 5, 6)),
     ],
 )
-def test_claim_counts_its_curves_that_hold(claims, start, standing, holding):
+def test_claim_counts_its_valid_curves(claims, start, standing, holding):
     claim = claim_starting(claims, start)
     assert (claim.printed, claim.corrected, len(claim.curves)) == holding
     assert claim.standing == standing
@@ -173,7 +173,7 @@ def drive_compliance(stroke, x):
 
 
 @pytest.mark.parametrize("fraction", [0.1, 0.8])
-def test_simplified_family_matches_closed_form(fraction):
+def test_simplified_family_is_exact(fraction):
     """Check eqs (1), (2) and, with the work balance, (12): J K⁻¹ Jᵀ and a platform of 46 kg."""
     members = family(IFW, fraction, (1.1, 1.25))
     deflection = deflections("simplified", members)
@@ -202,7 +202,7 @@ def test_longer_legs_are_softer_along_z():
     assert deflection.along_z == pytest.approx([23.0, 85.0], abs=0.5)
 
 
-def test_simplified_model_is_rigid_at_stroke_end():
+def test_simplified_model_is_rigid_at_end():
     stroke = stroke_of(IFW.mechanism)
     for x in stroke.ends:
         assert_allclose(drive_compliance(stroke, x)[0], 0.0, atol=1e-16)
@@ -270,7 +270,7 @@ def test_caption_erratum_gives_stroke_ends():
     )
 
 
-def test_foot_misprint_evidence_is_stiffness_along_y():
+def test_foot_misprint_is_seen_along_y():
     printed, used = (
         np.array(tables["foot"]["compliance"]) for tables in (as_printed(IFW), IFW.tables)
     )
@@ -289,7 +289,7 @@ def test_foot_misprint_evidence_is_stiffness_along_y():
     )
 
 
-def test_longitudinal_misprint_evidence_is_mode_ratio():
+def test_longitudinal_misprint_is_mode_ratio():
     """Frequency ratio of a clamped-free beam: π/2L √(EA/μ) over (1.8751/L)² √(EI/μ)."""
     ratios = [
         f"{np.pi / 2.0 * leg.length * np.sqrt(beam.EA / stiffness) / ROOT**2:.2g} "
@@ -301,7 +301,7 @@ def test_longitudinal_misprint_evidence_is_mode_ratio():
     assert evidence("§1", "longitudinal frequencies").endswith(f": {', '.join(ratios)}")
 
 
-def test_eq_12_misprint_evidence_is_stiffness_error():
+def test_eq_12_misprint_is_stiffness_error():
     """Solution of A t = B q̇ by hand with drives of 1e9 and 2e9 N/m and 46 kg."""
     s1, s2 = np.sqrt(L1**2 - CENTRE**2), np.sqrt(L2**2 - (A - CENTRE) ** 2)
     J = np.linalg.solve(np.array([[CENTRE, s1], [CENTRE - A, s2]]), np.diag([s1, s2]))
@@ -323,7 +323,7 @@ def test_eq_12_misprint_evidence_is_stiffness_error():
     )
 
 
-def test_layout_misprint_evidence_is_first_order():
+def test_layout_misprint_gives_order_one():
     beam = LEG_1.properties("euler-bernoulli")
     exact = ROOT**2 / (2.0 * np.pi * L1**2) * np.sqrt(beam.EIz / beam.mu)
     coarse, fine = (

@@ -82,7 +82,7 @@ def test_guide_interface_examples_are_valid():
         np.testing.assert_array_equal(points["A"], [0.1, 0.2, 0.3])
 
 
-def test_point_selects_one_of_two_equal_bores(part):
+def test_point_selects_one_of_equal_bores(part):
     """Both small bores of the rocker have a radius of 16 mm. The point is that of the interface."""
     with pytest.raises(InputError, match=r"on different axes; say point = \[x, y, z\]"):
         interface_at(part, "{ cylinder = { radius = 0.016 } }")

@@ -42,10 +42,10 @@ def timoshenko(height, width, near):
     return brentq(determinant, 0.95 * near, 1.05 * near, xtol=1e-12 * near)
 
 
-def test_free_bar_has_timoshenko_frequencies(bar):
-    """Two modes of bending, one in each plane, within the half-width of the meshes and 1e-3.
+def test_free_bar_equals_timoshenko(bar):
+    """Two bending modes, one in each plane.
 
-    Cowper's coefficient leaves 1e-3 off a solid.
+    The tolerance is the half-width of the meshes plus 1e-3, the error of Cowper's coefficient.
     """
     part = fp.identify_free(bar, material=MATERIAL, unknowns=12_000, modes=2)
     assert part.rigid == 6
@@ -73,7 +73,7 @@ def test_free_part_command_prints_modes(bar, capsys):
     assert len(document["frequencies"]) == 1
 
 
-def test_wrong_requests_for_free_parts_are_refused(bar, capsys):
+def test_wrong_free_part_request_is_refused(bar, capsys):
     options = ["--interface", "A = { faces = [1] }", "--modes", "0"]
     assert cli.main(["identify", str(bar), "--free", *options]) == 2
     errors = capsys.readouterr().err

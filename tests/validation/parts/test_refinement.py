@@ -13,7 +13,7 @@ H = np.array([RATIO**2, RATIO, 1.0])
 
 
 @pytest.mark.parametrize(("order", "width"), [(1.0, 1.5), (1.42, 1.5), (2.0, 1.5), (4.0, 9.0)])
-def test_half_width_covers_single_order_series(order, width):
+def test_half_width_covers_one_order_series(order, width):
     values = 2.0 + np.outer(0.01 * H**order, [0.3, -0.1])
     half_widths = refinement_uncertainty(*values)
     # Orders above two are not believed, so that the half-width is then wider than necessary.
@@ -44,7 +44,7 @@ def test_compliance_half_width_uses_diagonal():
     ],
     ids=["one", "calibration"],
 )
-def test_half_widths_cover_random_part_errors(seeds, tmp_path, monkeypatch):
+def test_half_widths_cover_random_parts(seeds, tmp_path, monkeypatch):
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     parts = (random_part(np.random.default_rng([1, seed])) for seed in seeds)
     uncertainty, error = np.moveaxis([stated(part, tmp_path) for part in parts], 1, 0)

@@ -36,7 +36,10 @@ def rows(*studies):
 
 
 def test_rows_have_worst_quantity():
-    """8 of 5 and 8 elements, 0.12 % of +0.05 % and −0.12 %; other theories stay out."""
+    """The larger of 5 and 8 elements, and 0.12 % of +0.05 % and −0.12 %.
+
+    Other theories are excluded.
+    """
     table = element_counts(
         [
             figure(
@@ -51,12 +54,12 @@ def test_rows_have_worst_quantity():
     assert table.rows == (segments, beams)
 
 
-def test_unreached_limit_needs_more_than_most_elements():
+def test_unreached_limit_needs_more_elements():
     first, second = rows(study((5, 2, 3), (0, 0, 0)), study((None, 2, 3), (0, 0, 0)))
     assert (first.needed, second.needed) == ("more than 40", "2")
 
 
-def test_smallest_element_count_is_an_upper_bound():
+def test_smallest_count_is_an_upper_bound():
     """If the smallest computed number of elements suffices, fewer might suffice too."""
     first, second = rows(study((10, 12, 3), (0, 0, 0)))
     assert (first.needed, second.needed) == ("at most 10", "12")

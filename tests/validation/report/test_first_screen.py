@@ -102,7 +102,7 @@ ALIKE = matrix_of(*(entry(m, "x", 0.0) for m in ("vjm", "beam")))
         ("", matrix_of(), "No verdict on any model."),
     ],
 )
-def test_summary_gives_verdicts_on_relied_models(rely, matrix, expected):
+def test_summary_has_verdicts_on_relied_models(rely, matrix, expected):
     accepted = "3 % to 5 %" if matrix is LOADED else "5 %"
     if rely.split()[:1] == [expected.partition(":")[0]]:
         expected = f"You rely on {expected}. Accepted error: {accepted}."
@@ -111,8 +111,8 @@ def test_summary_gives_verdicts_on_relied_models(rely, matrix, expected):
 
 @pytest.mark.timeout(60)  # It takes less than a second; a loop that finds no model is endless.
 @pytest.mark.parametrize("seed", range(20))
-def test_recommended_models_cover_quantities(seed):
-    """Each added model covers most of the remaining quantities; the simplest one wins a tie."""
+def test_recommended_models_cover_all(seed):
+    """Each added model covers most of the remaining quantities. The simplest one wins a tie."""
     draw = np.random.default_rng(seed)
     names = ("simplified", "vjm", "links", "segments", "beam")
     quantities = ("x", "y", "z", "phi_x", "f1", "f2", "order")
@@ -180,10 +180,10 @@ def test_tiny_half_width_is_hidden():
 
 
 def test_reference_row_has_reference_values():
-    """At most 25 nm/N, a quarter too many, are 20 µm under 1000 N; 30 nrad/(N m) 3 µrad.
+    """25 nm/N, a quarter too large, is 20 µm under 1000 N; 30 nrad/(N m) is 3 µrad.
 
-    Each stands in the middle of what the reference leaves open: 100 Hz between 95 and 115 Hz are
-    105 ± 9.5 %.
+    Each value is the middle of the reference's interval: 100 Hz between 95 and 115 Hz is 105 ±
+    9.5 %.
     """
 
     def own(expected, low, high):
@@ -201,7 +201,7 @@ def test_reference_row_has_reference_values():
     ]
 
 
-def test_equal_causes_and_remedies_share_line():
+def test_equal_remedies_share_a_line():
     matrix = sample_matrix()
     *simple, off = lines = remedies_of(matrix, {entry.model for entry in matrix.entries})
     equivalent = "VJM on equivalent legs, segments and beams"
@@ -225,8 +225,8 @@ def test_equal_causes_and_remedies_share_line():
     assert (screen.remedies, screen.other_remedies) == ((off,), tuple(simple))
 
 
-def test_undecided_reasons_name_their_models():
-    """Models of a second theory are folded, and so is what decides their verdicts."""
+def test_undecided_reasons_name_models():
+    """Models of a second theory are folded, and so are the reasons of their verdicts."""
     theory = "beam-euler-bernoulli"
     reasons = {"beam": "say the ends", theory: "needs a finer reference"}
     matrix = matrix_of(
@@ -255,7 +255,7 @@ def test_remedy_error_range_is_sorted():
     assert plain(line.with_remedy) == "−0.3 to +4 %"
 
 
-def test_legs_and_measurements_have_own_tables():
+def test_legs_and_measurements_have_tables():
     by_gauge = tuple(
         entry(model, "z", size, measured=True, reference="measured: gauge")
         for model, size in (("vjm", 0.01), ("segments", -0.2))

@@ -88,7 +88,7 @@ def read(share):
     return pytest.approx(share, abs=SHOWN * 1.01)
 
 
-def test_drawn_outcomes_have_every_verdict():
+def test_random_outcomes_have_every_verdict():
     assert {one.verdict for outcomes in DRAWN for one in outcomes} == set(MARKS)
 
 
@@ -298,7 +298,7 @@ def assert_causes(sentence, agreed):
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
-def test_agreement_summary_separates_statics(outcomes):
+def test_summary_separates_statics(outcomes):
     agreed = [one for one in outcomes if one.verdict == "agree"]
     sentence = agreement_sentence(agreed)
     for kind, own in (
@@ -318,7 +318,7 @@ def test_agreement_summary_separates_statics(outcomes):
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
-def test_agreement_summary_counts_decided_cases(outcomes):
+def test_summary_counts_decided_cases(outcomes):
     decided = [one for one in outcomes if one.verdict in {"agree", "disagree"}]
     sentence = agreement_sentence(outcomes)
     wrong = sum(one.verdict == "disagree" for one in decided)
@@ -335,7 +335,7 @@ def test_agreement_summary_counts_decided_cases(outcomes):
 
 
 @pytest.mark.parametrize("verdict", ["undecided", "failed"])
-def test_agreement_summary_counts_undecided_cases(verdict):
+def test_summary_counts_undecided_cases(verdict):
     own = {"kind": "agreement", "model": "beam", "tolerance": Relative(TOLERANCE)}
     good = measured("good", 1.0001, 1.0, **own)
     start = "Beam FE agree with solid FE of the same legs within 0.01"
@@ -349,7 +349,7 @@ def test_agreement_summary_counts_undecided_cases(verdict):
     )
 
 
-def test_convergence_summary_uses_specified_elements():
+def test_summary_uses_specified_elements():
     errors = {15: (0.002, 0.007), 0: (0.4,)}
     outcomes = [
         redeclared(one, kind="convergence", elements=elements)

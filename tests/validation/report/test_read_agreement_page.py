@@ -164,7 +164,7 @@ def test_wrong_number_on_page_is_detected(run_of, mistake):
     assert misread(page, spoilt(document, change))[0]
 
 
-def test_exchanged_rows_or_columns_are_detected(run_of):
+def test_exchanged_columns_are_detected(run_of):
     """Numbers of the neighbouring quantity in a row, and of the neighbouring row."""
     page, document = run_of
     measured = [case for case in document["cases"] if case["verdict"] != "skipped"]

@@ -298,7 +298,7 @@ def counted_quantities(matrix, text):
 
 
 def test_remedy_line_has_range_of_errors():
-    """One line for each set of two foremost causes and remedy, in the order of the matrix."""
+    """One line for each set of two largest causes and remedy, in the order of the matrix."""
     for matrix in MATRICES:
         off = [entry for entry in matrix.entries if entry.verdict == "inadequate"]
         groups = defaultdict(list)
@@ -393,7 +393,7 @@ def test_numbers_and_tolerances_have_style():
             assert numbers(said) == [pytest.approx(number, rel=digits)], said
 
 
-def test_console_and_junit_give_the_same_verdicts():
+def test_console_and_junit_verdicts_are_equal():
     values = (1.6, 2.19, 2.21, 1.79, 1.81, 2.0, 9.5)
     wrong = [True, False, True, True, False, False, True]
     own = {"quantity": "deflection", "unit": "µm", "tolerance": Relative(0.1)}

@@ -86,7 +86,7 @@ def test_verdict_is_at_top_of_page(markup):
     assert 'href="#robot.beam-vjm.planar_x_0.4975"' in banner
 
 
-def test_inadequate_relied_model_colours_the_banner():
+def test_inadequate_model_colours_the_banner():
     for rely, colour in (("vjm", "answer"), ("simplified", "inadequate")):
         report = sample_report(outcomes=[])
         page = render(replace(report, results=replace(report.results, rely=(rely,))))
@@ -114,7 +114,7 @@ def test_worst_comparisons_come_first():
     ]
 
 
-def test_page_has_cases_findings_and_provenance(markup):
+def test_page_has_cases_and_provenance(markup):
     cases = len(sample_outcomes())
     for shown in ("Timoshenko &amp; Gere, Table 1", "shear is in both models", ".never</code>"):
         assert markup.count(shown) >= cases
@@ -156,7 +156,7 @@ def test_shared_study_is_shown_once():
     assert len(ids) == len(set(ids))
 
 
-def test_percent_is_shown_for_equality_only():
+def test_only_equality_is_shown_in_percent():
     for more, share in (
         ({}, 0.005),
         ({"tolerance": Absolute(0.1)}, None),
@@ -167,7 +167,7 @@ def test_percent_is_shown_for_equality_only():
         assert unexplained_share(outcome) == (share and pytest.approx(share))
 
 
-def test_budget_shows_difference_causes_and_rest():
+def test_budget_shows_causes_and_remainder():
     allowances = (Allowance("warping", -0.096),)
     outcome = measured("solid", 1.9, 2.0, 1e-4, exact=False, allowances=allowances)
     whole, rest = budget_curves([(outcome, outcome.measurement)]).panels
@@ -216,8 +216,8 @@ def test_chapter_order_is_fixed():
     ]
 
 
-def test_page_shows_scenes_and_missing_pictures():
-    """The viewer stands in the page once, and only where there is something to be turned."""
+def test_page_has_scenes_and_missing_pictures():
+    """The viewer code is in the page once, and only if the page has a scene."""
     scene = InteractiveScene("(a) mode 1", b"PK state")
     one, two, left_out = (
         Figure(name, name, "", "The legs", data="x\n1\n", scenes=(scene,), **picture)
@@ -261,7 +261,7 @@ def test_studies_of_a_family_share_axes():
     ]
 
 
-def test_plot_files_are_unique_and_reproducible(undrawn):
+def test_plot_files_are_reproducible(undrawn):
     undrawn.undo()
     first, again, second = (
         study_figure(family_of([replace(CONVERGENCE, id=name)])) for name in ("one", "one", "two")
@@ -275,8 +275,8 @@ def test_plot_files_are_unique_and_reproducible(undrawn):
     assert set(used) <= ids[0]
 
 
-def test_cross_validation_is_first_and_open():
-    """Directly below the verdict, above the matrix of the models."""
+def test_cross_validation_is_first():
+    """Directly below the verdict, above the matrix of the models, and unfolded."""
     outcome = measured("agrees", 1.0, 1.0, section=AGREEMENT)
     other = measured("robot", 1.0, 1.0, section=PATH)
     first, second = chapters_of([other, outcome], [], plotted=False)
@@ -287,7 +287,7 @@ def test_cross_validation_is_first_and_open():
 
 
 def test_skipped_section_has_reasons():
-    """Each reason once, with the bodies that it is about; none if anything was compared."""
+    """Each reason appears once with its bodies. The section is absent if anything was compared."""
     skipped = tuple(
         redeclared(unmeasured(name, "skipped", "too large"), body=name) for name in ("rod", "crank")
     )

@@ -50,7 +50,7 @@ def scene(title, away=None):
 
 
 @pytest.mark.skipif(EXECUTABLE is None, reason="no Chromium (Debian: chromium)")
-def test_browser_shows_report_and_turns_scenes(tmp_path):
+def test_browser_shows_report_and_scenes(tmp_path):
     scenes = (scene("(a) a box"), scene("(b) the same box"), scene("(c) it swings", 0.4))
     turned = Figure("turnable", "A box", "Made up.", "Leg 1", png=PIXEL, scenes=scenes)
     report = sample_report(figures=(FIG_5, turned))

@@ -84,7 +84,7 @@ def test_stiff_direction_is_not_the_worst() -> None:
     assert relative(*map(statics, whole), ANY_FORCE).along == pytest.approx(0.0214, rel=0.01)
 
 
-def test_errors_equal_norm_and_signed_component() -> None:
+def test_error_has_norm_and_signed_component() -> None:
     """The size of an error is a norm; its component along the load has a sign."""
     rng = np.random.default_rng(7)
     own, other = (one @ np.swapaxes(one, 1, 2) for one in rng.normal(size=(2, 3, 6, 6)))
@@ -115,7 +115,7 @@ def test_rigid_reference_gives_infinite_error() -> None:
 
 
 def test_clamped_beam_modes_are_paired():
-    """In the product of the masses, rotary inertia included (Rayleigh)."""
+    """By the scalar product of the mass matrix, rotary inertia included (Rayleigh)."""
     leg = ConstantLeg(0.85, Rectangle(0.1, 0.16), Material.isotropic(2.1e11, 0.3, 7850.0))
     beam = beam_leg(leg.timoshenko, leg.length, 20)
     stations, lengths = centreline_samples(leg.length, 24)

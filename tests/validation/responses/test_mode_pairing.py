@@ -33,8 +33,11 @@ def rotation(rng, size):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_separate_modes_have_assigned_partners(seed):
-    """Shapes turned by up to some 15°, shuffled; modes of one model see a part of their energy."""
+def test_separate_modes_have_partners(seed):
+    """Shapes are rotated by up to 15° and shuffled.
+
+    The samples contain a part of each mode's energy.
+    """
     rng = RNG_OF([1, seed])
     shapes, weights = orthonormal(rng, MODES + 2)
     others = shapes + 0.04 * rng.normal(size=shapes.shape)
@@ -57,7 +60,7 @@ def test_separate_modes_have_assigned_partners(seed):
 
 
 def test_pairs_maximise_sum_of_mac():
-    """Greedy takes 0.6 for the first and leaves 0; together 0.5 + 0.5 is more."""
+    """A greedy choice takes 0.6 and leaves 0; the best pairs have 0.5 + 0.5."""
     first, second = [1.0, 0.0, 0.0, 0.0], [0.5, 0.5057, 0.7030, 0.0]
     others = [[0.7746, 0.6325, 0.0, 0.0], [0.7071, -0.2126, -0.35, 0.5762]]
     own, other = (
@@ -100,8 +103,8 @@ def test_missing_mode_of_triple_has_no_partner():
     assert pairs.mac[:2] == pytest.approx(1.0)
 
 
-def test_repeated_modes_pair_with_split_modes():
-    """Each direction finds its half; the frequencies are those of both, ascending."""
+def test_repeated_modes_pair_with_split_ones():
+    """Each direction has its own partner. Frequencies are those of both modes, ascending."""
     rng = RNG_OF(5)
     shapes, weights = orthonormal(rng, 3)
     pair = modes_of(
@@ -118,7 +121,7 @@ def test_repeated_modes_pair_with_split_modes():
 
 @pytest.mark.parametrize("seed", range(10))
 def test_permuted_close_modes_are_recovered(seed):
-    """Gaps of 1 to 8 %, however long the chain."""
+    """Gaps of 1 to 8 %, for chains of any length."""
     rng = RNG_OF([6, seed])
     shapes, weights = orthonormal(rng, MODES)
     frequencies = 100.0 * np.cumprod(rng.uniform(1.01, 1.08, MODES))
@@ -142,8 +145,8 @@ def test_shapes_turned_by_45_degrees_are_mixed(degrees, mixed):
 
 
 @pytest.mark.parametrize("share", [0.002, 0.12, 0.3])
-def test_local_mode_mac_is_bounded_by_energy(share):
-    """All that the samples see of it is the shape of a mode: MAC 1, likeness its share."""
+def test_local_mode_mac_is_below_energy(share):
+    """In the samples the local mode looks like a mode: MAC 1, weighted by its share of energy."""
     shapes, weights = orthonormal(RNG_OF(8), 2)
     own = modes_of(np.array([10.0, 11.0]), shapes, weights, np.array([share, 1.0]))
     other = modes_of(np.array([10.0, 12.0]), shapes, weights)
@@ -155,7 +158,7 @@ def test_local_mode_mac_is_bounded_by_energy(share):
 
 
 def test_mode_cluster_is_within_uncertainty():
-    """A chain of gaps of 0.9 % is not one frequency; a certain mode is not one with others."""
+    """A chain of gaps of 0.9 % is not one repeated frequency. A certain mode is in no cluster."""
     chain = 100.0 * 1.009 ** np.arange(5)
     assert equal_frequency_groups(chain, np.full(5, 0.01)).tolist() == [0, 0, 1, 1, 2]
     assert equal_frequency_groups(chain).tolist() == [0, 1, 2, 3, 4]

@@ -86,7 +86,7 @@ def test_cache_entry_with_valid_arrays_is_used():
 
 
 def test_cache_reading_never_unpickles(folder):
-    """Whoever knows how to seal a file has no code run by it."""
+    """A file with a valid seal cannot run code."""
     bomb = BytesIO()
     np.savez(bomb, bomb=np.array([Bomb()]))
     folder.mkdir()
@@ -102,7 +102,7 @@ class Bomb:
         return pytest.fail, ("unpickled",)
 
 
-def test_unwritable_cache_recomputes_everything(folder, monkeypatch, tmp_path):
+def test_unwritable_cache_recomputes_all(folder, monkeypatch, tmp_path):
     folder.write_text("a file")
     assert CacheEntry("a", lambda: ARRAYS, dict).value()["total"] == 6.0
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
@@ -121,7 +121,7 @@ def test_unwritable_cache_recomputes_everything(folder, monkeypatch, tmp_path):
         assert cache.cache_folder() == found / "flexproof"
 
 
-def test_full_cache_drops_least_recently_used(folder, monkeypatch):
+def test_full_cache_drops_oldest_use(folder, monkeypatch):
     for number, key in enumerate("abcd"):
         keep(key, {"much": np.zeros(1000)})
         os.utime(folder / f"{key}.npz", (number, number))

@@ -101,7 +101,7 @@ def test_cluster_results_equal_local_results(command, monkeypatch):
     assert there == command.json(*asked)
 
 
-def test_late_close_keeps_results_and_errors(monkeypatch):
+def test_late_close_keeps_results(monkeypatch):
     """Dask's client raises TimeoutError if its thread does not start in time."""
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 60.0)
@@ -125,7 +125,7 @@ def test_late_close_keeps_results_and_errors(monkeypatch):
 
 @pytest.mark.exhaustive
 def test_parts_are_reduced_on_workers(tmp_path, monkeypatch, cluster):
-    """A worker with a cache of its own, and without the file: what it reduces lies here then."""
+    """A worker has its own cache and not the file. Its reductions are stored in this cache."""
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
     monkeypatch.setattr(read, "within_limits", lambda _, function, *given: function(*given))
@@ -240,7 +240,7 @@ def test_non_dask_service_is_refused(greeting, answer, said, monkeypatch):
         b"".join(one.to_bytes(8, "little") for one in (8, 0)),
     ],
 )
-def test_invalid_greeting_is_no_scheduler(greeting, monkeypatch):
+def test_invalid_greeting_is_refused(greeting, monkeypatch):
     monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 2.0)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
@@ -256,7 +256,7 @@ def test_invalid_greeting_is_no_scheduler(greeting, monkeypatch):
             pass
 
 
-def test_missing_dask_message_names_command(monkeypatch):
+def test_missing_dask_names_command(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.setattr(on_dask, "require_scheduler", silent)
     needed = r"--cluster: needs distributed, not installed; \./flexproof extras cluster adds"

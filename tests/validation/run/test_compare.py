@@ -44,7 +44,7 @@ def saved(tmp_path):
     return save
 
 
-def test_changed_verdicts_and_cases_are_listed():
+def test_changed_verdicts_are_listed():
     from_good_to_bad = ("agree", "skipped", "undecided", "disagree", "failed")
     for (i, before), (j, after) in permutations(enumerate(from_good_to_bad), 2):
         comparison = compare(
@@ -95,7 +95,7 @@ def test_drift_is_change_beyond_uncertainty(values, uncertainties, beyond):
     assert with_drift(after, None) == after
 
 
-def test_compare_output_has_exactly_the_changes():
+def test_compare_lists_exactly_the_changes():
     before = run_of(STEADY, replace(STEADY, id="worse"), replace(STEADY, id="gone"))
     case = dataclasses.replace(STEADY.case, unit="Hz")
     after = run_of(
@@ -178,7 +178,7 @@ def judged(quantity, verdict, *values):
 
 
 def test_values_are_matched_by_pose():
-    """In any order, equal up to rounding, also on half a digit; each with each takes a minute."""
+    """In any order, equal up to half a digit. Comparing all pairs of poses would take a minute."""
     places, values = 0.1 * np.arange(5_000.0) + 5e-10, np.arange(5_000.0)
     runs = []
     for x, y in ((places, values), (places[::-1] + 1e-13, -values[::-1])):
@@ -190,8 +190,8 @@ def test_values_are_matched_by_pose():
 
 
 @pytest.mark.parametrize("poses", [((0.1,), (0.2, 0.3)), ((), (0.1,)), ((0.1, 0.2),) * 2])
-def test_poses_of_other_length_are_not_compared(poses):
-    """None, of robots that move otherwise and of files that somebody made."""
+def test_other_pose_lengths_are_not_compared(poses):
+    """Runs of robots with other coordinates, and files that were edited."""
     entries = (
         replace(judged("x", "adequate"), poses=some, values=(1.0, 2.0))
         for some in (poses, ((0.1,), (0.2,)))
@@ -202,7 +202,7 @@ def test_poses_of_other_length_are_not_compared(poses):
 
 
 def test_errors_are_compared_in_percent(saved, command):
-    """Errors with sign, half-width, bound, readings and their part along the load."""
+    """Errors with sign, half-width, bound, readings and component along the load."""
     own = {"model": "vjm", "verdict": "undecided", "limit": 0.05}
     known = {"error": 0.0325, "uncertainty": 0.0125, "low": 0.02, "high": 0.045}
     entries = [
@@ -236,7 +236,7 @@ def test_runs_without_cases_compare_models(saved, command):
 
 
 def test_variants_have_no_drift():
-    """Values side by side where both runs have the pose; numbers of two inputs are no drift."""
+    """Values are shown side by side in common poses. Numbers of two inputs do not drift."""
     tables = [{"leg1": {"section": {"t": [4, t]}, "length": 0.8}} for t in (0.004, 0.003)]
     thick = run_of(
         STEADY,
@@ -279,7 +279,7 @@ def test_different_postures_are_not_compared():
 
 
 def test_different_robots_have_no_ranking(saved, tmp_path, command):
-    """Cases of one name in runs of two robots have nothing to do with each other."""
+    """Cases of one name in runs of two robots are not related."""
     wrong = replace(moved(value=9.0), verdict="disagree")
     first = saved("first.json", wrong, robot="five-bar", robot_tables={"a": 1})
     second = saved("second.json", STEADY, robot="delta", robot_tables={"b": 1})

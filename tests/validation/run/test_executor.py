@@ -104,8 +104,8 @@ def test_ctrl_c_and_kill_end_all_processes(tmp_path, monkeypatch, how):
     wait_for(lambda: not any(Path(f"/proc/{worker}").exists() for worker in workers))
 
 
-def test_crashed_call_affects_only_itself(tmp_path):
-    """Its neighbours are computed, the rest of its group as well, and how it died is told."""
+def test_crashed_call_ends_only_itself(tmp_path):
+    """Other calls and the rest of its group are computed, and the cause of death is reported."""
     lives = partial(abs, -1)
     groups = [
         [("killed", partial(signal.raise_signal, signal.SIGKILL)), ("after it", lives)],
@@ -138,7 +138,7 @@ def test_lost_unit_ends_sweep_with_reason():
             list(executor([partial(load_robot, "no-such-robot")]))
 
 
-def test_cancelled_calls_are_not_awaited():
+def test_cancelled_calls_end_at_once():
     begun = time.monotonic()
     with on_cores(2) as cores:
         groups = [[(number, partial(time.sleep, 60.0 * (number > 0)))] for number in range(3)]
@@ -176,7 +176,7 @@ assert here == there
 
 
 def test_worker_results_are_bit_identical(tmp_path):
-    """Whatever the user's BLAS may use: with two threads these numbers differ by up to 1e-9."""
+    """BLAS runs with one thread in workers; with two threads these numbers differ by up to 1e-9."""
     (tmp_path / "bits.py").write_text(BITS, encoding="utf-8")
     (tmp_path / "equal.py").write_text(EQUAL, encoding="utf-8")
     blas = dict.fromkeys(ONE_BLAS_THREAD, "2")

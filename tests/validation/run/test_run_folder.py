@@ -54,7 +54,7 @@ def test_records_keep_nan_and_infinity(tmp_path):
         assert folder.remarks == []
 
 
-def test_earlier_run_stays_until_completion(tmp_path):
+def test_earlier_run_is_kept_until_completion(tmp_path):
     path = tmp_path / "run"
     finished(path)
     before = content(path)
@@ -141,7 +141,7 @@ def test_kill_leaves_old_or_new_run(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("beside", ["", ".partial"])
-def test_folder_that_no_run_wrote_is_refused(tmp_path, beside):
+def test_foreign_folder_is_refused(tmp_path, beside):
     path, foreign = tmp_path / "run", tmp_path / f"run{beside}"
     (foreign / "figures").mkdir(parents=True)
     (foreign / "figures" / "thesis.png").write_text("years of work")
@@ -191,10 +191,10 @@ ODD_FILES = [Path.symlink_to, linked_hard, lambda place, _: os.mkfifo(place), fo
 
 @pytest.mark.parametrize("shift", range(4))
 @pytest.mark.parametrize("whole", [True, False])
-def test_links_in_run_folder_are_not_followed(tmp_path, whole, shift):
+def test_links_in_run_folder_are_ignored(tmp_path, whole, shift):
     """Each file of a run but one is replaced by a link, a pipe or a folder of the user.
 
-    The file that remains, run.json or results.jsonl, still identifies the folder as that of a run.
+    The remaining file, run.json or results.jsonl, still identifies the folder as that of a run.
     """
     spared = "run.json" if shift % 2 else "results.jsonl"
     path, precious = tmp_path / "run", tmp_path / "precious"
@@ -216,7 +216,7 @@ def test_links_in_run_folder_are_not_followed(tmp_path, whole, shift):
 
 
 @pytest.mark.parametrize("whole", [True, False])
-def test_linked_subfolder_is_not_written_into(tmp_path, whole):
+def test_linked_subfolder_is_not_written(tmp_path, whole):
     path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
     finished(path, whole=whole)
     figures = (path if whole else partial(path)) / "figures"
@@ -273,7 +273,7 @@ def test_resume_needs_only_one_run_record(tmp_path, lost):
         assert ("a" in folder.records) == (lost == "run.json")
 
 
-def test_second_run_in_folder_is_refused(tmp_path):
+def test_second_run_is_refused(tmp_path):
     path = tmp_path / "run"
     finished(path)
     with open_folder(path, HEADER, "afresh") as folder:
@@ -297,7 +297,7 @@ def test_different_run_is_not_resumed(tmp_path, whole):
         assert_refused(said, tmp_path / "run", HEADER | change, "resumed")
 
 
-def test_unusable_folder_is_refused_unchanged(tmp_path, monkeypatch):
+def test_unusable_folder_is_unchanged(tmp_path, monkeypatch):
     (tmp_path / "empty").mkdir()
     (tmp_path / "file").write_text("")
     finished(tmp_path / "run")

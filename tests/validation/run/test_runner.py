@@ -100,7 +100,7 @@ def test_failed_worker_start_ends_run(robot_file, tmp_path, monkeypatch):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_inconsistent_stored_verdict_is_recomputed(robot_file, tmp_path, monkeypatch):
+def test_inconsistent_verdict_is_recomputed(robot_file, tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "run", run_here)
     request = asked(robot_file, tmp_path, only="toy.agrees")
     validate(request, toys.disagreeing)
@@ -116,7 +116,7 @@ def test_inconsistent_stored_verdict_is_recomputed(robot_file, tmp_path, monkeyp
     assert again.done["toy.agrees"].found.value == 1.0 / 3.0
 
 
-def test_only_pattern_matches_brackets_literally(robot_file):
+def test_brackets_in_patterns_are_literal(robot_file):
     tasks = toys.sound(robot_file)
     for pattern, chosen in {
         "toy.first*": ["toy.first[x=1]"],
@@ -130,7 +130,7 @@ def test_only_pattern_matches_brackets_literally(robot_file):
         runner.select(tasks, "quick", "toy.agree")
 
 
-def test_junit_xml_is_valid_for_control_characters():
+def test_junit_xml_escapes_control_characters():
     case = toys.case("toy.escape", toys.agrees)
     text = junit_xml([outcome_of(case, "failed", 0.0, "\x1b[31mred\x00 <&>")], "toys")
     error = ET.fromstring(text).find("testsuite/testcase/error")  # noqa: S314  our own
@@ -169,7 +169,7 @@ def test_progress_escapes_file_names(monkeypatch, capsys):
 
 
 def test_time_forecast_uses_machine_speed(monkeypatch, capsys):
-    """A hundred seconds elsewhere are 200 here, and three minutes are told as such."""
+    """A hundred seconds on the reference machine are 200 s here, announced as three minutes."""
     monkeypatch.setattr(telling, "slowness", lambda: 2.0)
     monkeypatch.setattr(telling, "_ESTIMATE_DELAY", 0.02)
     with telling.stage("meshing", 100.0):

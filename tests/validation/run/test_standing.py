@@ -69,8 +69,11 @@ def test_summary_of_run_matches_exit_code(tasks, said, sentence, code):
     assert sample_report().checks == sample_report().results.standing.sentence
 
 
-def test_model_with_program_error_is_a_failure():
-    """Its entries are undecided, which alone would be exit code 0; of a leg alone, too."""
+def test_program_error_of_model_is_failure():
+    """Its entries are undecided, which alone would give exit code 0.
+
+    The same holds for a single leg.
+    """
     leg = sample_matrix(robot="leg 1", faults=("beam",))
     matrix = sample_matrix(faults=("links", "beam"), parts=(leg,))
     for tasks, begin in ((CASES, "All 3 comparisons agree"), ([], "No comparison was made")):
@@ -97,8 +100,8 @@ def test_failed_run_never_reports_success():
         assert any(word in standing.sentence for word in words) is troubled
 
 
-def test_failures_of_one_reason_share_a_line():
-    """A missing library fails the comparisons with solids, all for one reason."""
+def test_equal_failures_share_a_line():
+    """A missing library fails all comparisons with solids, for one reason."""
     found = results(CASES, "failed", "agree", "failed")
     lines = [line for line in verdicts(found) if line.startswith("failed")]
     assert lines == ["failed    toy[0] and 1 more: why"]
@@ -128,8 +131,8 @@ def test_measured_values_refuse_a_model(size, code):
     assert replace(found, tasks=tasks, done=both).standing.exit_code == 1
 
 
-def test_missing_verdict_fails_only_if_strict():
-    """The assessment was skipped: nothing is known of the model that is relied on."""
+def test_missing_verdict_fails_if_strict():
+    """The assessment was skipped, so that there is no verdict on the model of --rely."""
     for strict in (False, True):
         found = results([MODELS], "skipped", rely=("beam",), strict=strict)
         assert found.refused == (("beam",) if strict else ())

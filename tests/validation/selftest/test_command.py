@@ -68,12 +68,12 @@ def test_selftest_result_is_quoted_by_runs(selftest, outcomes, code, message):
     assert provenance.last_selftest(HEADER) == quoted
 
 
-def test_explained_difference_agrees():
+def test_explained_benchmark_agrees():
     assert KnownNumber("q", "Hz", 2.0, 2.02, 1e-3, explained=0.01).agrees
     assert not KnownNumber("q", "Hz", 2.0, 2.0, 1e-3, explained=0.01).agrees
 
 
-def test_other_installation_record_is_ignored(selftest, tmp_path):
+def test_other_installation_is_ignored(selftest, tmp_path):
     selftest(numbers(2.0))
     changes = {"versions": {**HEADER["versions"], "numpy": "0"}, "suite_sha256": "0"}
     for name, changed in changes.items():
@@ -102,7 +102,7 @@ LISTED = {benchmark.title: benchmark for benchmark in (*OWN, *FURTHER)}
 
 
 @pytest.mark.parametrize("title", LISTED)
-def test_benchmark_agrees_and_is_documented(title):
+def test_benchmarks_agree_with_guide(title):
     outcome = benchmarks.outcome(LISTED[title])
     if outcome.verdict == "skipped":
         pytest.skip(outcome.message)
@@ -134,7 +134,7 @@ def test_fv5_solid_rotates_at_its_ends():
     assert 0.8 * pi / 10.0 < np.abs(first[4:]).max() / largest < pi / 10.0
 
 
-def test_fv5_explained_part_is_beam_error():
+def test_fv5_explained_part_is_beam_theory():
     kinds = ("bending", "torsion", "tension", "bending", "torsion", "bending")
     # Half waves of each mode along the beam.
     halves = (1.0, 0.5, 0.5, 2.0, 1.5, 3.0)

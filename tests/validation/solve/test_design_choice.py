@@ -57,7 +57,7 @@ def solved(tmp_path, capsys, *options):
     return code, capsys.readouterr()
 
 
-def test_lightest_bar_within_deflection_is_chosen(tmp_path, capsys):
+def test_lightest_stiff_bar_is_chosen(tmp_path, capsys):
     """Heights are 20, 30, 40 and 50 mm; the last two meet the limit of 1 mm."""
     assert (deflections() <= 1e-3).tolist() == [False, False, True, True]
     purpose = "--minimise", "mass", "--where", "deflection.z<=1e-3"
@@ -80,8 +80,8 @@ def test_lightest_bar_within_deflection_is_chosen(tmp_path, capsys):
     assert last[1].startswith("least mass: bodies.bar.section.height=0.04 (mass 6.28 kg, defl")
 
 
-def test_impossible_conditions_name_nearest_robot(tmp_path, capsys):
-    """The stiffest bar has 0.476 mm; 0.4 mm is missed by 19 %."""
+def test_impossible_limit_names_nearest_robot(tmp_path, capsys):
+    """The stiffest bar deflects by 0.476 mm and exceeds the limit of 0.4 mm by 19 %."""
     code, printed = solved(tmp_path, capsys, "--minimise", "mass", "--where", "deflection.z<4e-4")
     assert code == 1
     miss = 100.0 * (deflections()[-1] / 4e-4 - 1.0)
@@ -90,7 +90,7 @@ def test_impossible_conditions_name_nearest_robot(tmp_path, capsys):
     assert printed.out.splitlines()[-1].startswith(expected)
 
 
-def test_highest_frequency_is_chosen_of_worst_poses():
+def test_best_worst_frequency_is_chosen():
     """Two robots in two poses: the first has the higher mean, the second the higher minimum."""
     bar = load_robot("ifw").mechanism
 
@@ -105,8 +105,8 @@ def test_highest_frequency_is_chosen_of_worst_poses():
     assert "greatest f1: second (f1 25 Hz, f2 100 Hz)" in choice_text(choice, ["first", "second"])
 
 
-def test_missing_frequency_meets_no_condition():
-    """A robot without the mode is not taken for one whose mode is high enough."""
+def test_missing_mode_meets_no_condition():
+    """A robot without the mode does not count as one whose mode is high enough."""
     purpose = purpose_of(load_robot("ifw"), "mass", None, ["f1>=10"], 1)
     mass, frequency = purpose.quantities
     choice = DesignChoice(
@@ -145,12 +145,12 @@ def test_mass_counts_bodies_and_tool(tmp_path):
         (None, ("f1>=nan",), r"--where f1>=nan: nan must be a finite number \(Hz\)"),
     ],
 )
-def test_impossible_purpose_is_refused(minimise, where, message):
+def test_wrong_objective_is_refused(minimise, where, message):
     with pytest.raises(InputError, match=message):
         purpose_of(load_robot("ifw"), minimise, None, where, 2)
 
 
-def test_purpose_without_variation_is_refused(tmp_path, capsys):
+def test_objective_needs_a_variation(tmp_path, capsys):
     path = tmp_path / "bar.toml"
     path.write_text(BAR, encoding="utf-8")
     command = ["solve", str(path), "--model", "beam", "--where", "f1>=1"]

@@ -54,7 +54,7 @@ def free(robot, model, modes, **options):
 
 
 def test_free_slender_bar_is_euler_bernoulli():
-    """(x / L)² √(EI/ρA) / 2π in both planes; this theory leaves rotary inertia out."""
+    """(x / L)² √(EI/ρA) / 2π in both planes, without rotary inertia."""
     found = free(bar(1.0, 0.02, 0.01), "beam", 5, theory="euler-bernoulli", elements=80)
     along_z = [x**2 / (2.0 * pi) * 0.01 * sqrt(E / RHO / 12.0) for x in ROOTS]
     along_y = [2.0 * frequency for frequency in along_z[:2]]
@@ -86,7 +86,7 @@ THICK = bar(0.2, 0.03, 0.02)
 
 
 def test_free_thick_bar_is_timoshenko():
-    """Bending in both planes, order 4 in 1/elements; rods in tension: √(E/ρ) / 2L."""
+    """Bending in both planes, order 4 in 1/elements. Axial modes: √(E/ρ) / 2L."""
     found = free(THICK, "beam", 8, elements=80)
     A, L = 6e-4, 0.2
     for number, second in ((0, 0.03 * 0.02**3 / 12), (1, 0.02 * 0.03**3 / 12)):
@@ -106,7 +106,7 @@ def test_free_segments_converge_to_beam():
 
 
 def test_free_solid_bar_has_all_modes():
-    """Timoshenko with Cowper's coefficient is 1e-3 off a solid of L/h = 10 (physics of shear)."""
+    """Timoshenko's theory with Cowper's coefficient differs by 1e-3 from a solid with L/h = 10."""
     found = free(THICK, "solid", 3, divisions=2)
     exact = timoshenko(0.2, 0.03 * 0.02**3 / 12, 6e-4, KAPPA, found[0])
     assert found[0] == pytest.approx(exact, rel=1e-3)
@@ -118,7 +118,7 @@ def test_free_solid_bar_has_all_modes():
 
 
 def test_supported_body_is_not_free():
-    """A spring of the size of the bar's own stiffness between one end and ground: five motions."""
+    """A spring as stiff as the bar between one end and ground leaves five rigid-body motions."""
     leg = ConstantLeg(0.2, Rectangle(0.03, 0.02), Material.isotropic(E, NU, RHO), None, "bar")
     matrices = leg_matrices("beam", leg)
     assert len(free_frequencies(matrices, 3)) == 3
@@ -128,7 +128,7 @@ def test_supported_body_is_not_free():
         free_frequencies(replace(matrices, stiffness=stiffness), 3)
 
 
-def test_free_ends_need_body_and_dynamic_model(tmp_path, capsys):
+def test_free_ends_need_a_body(tmp_path, capsys):
     with pytest.raises(InputError) as refused:
         api.solve(THICK, "vjm", ends="free-free")
     assert refused.value.faults == (
@@ -147,15 +147,15 @@ def test_free_ends_need_body_and_dynamic_model(tmp_path, capsys):
     assert "compliance" not in result
 
 
-def test_free_leg_rounding_affects_frequencies():
-    """The 6×6 of the paper's leg has three digits; a free body has no compliance."""
+def test_rounding_of_6x6_affects_free_modes():
+    """The 6×6 of the paper's leg has three digits. A free body has no compliance."""
     (answer,) = api.solve("ifw", "segments", leg=1, modes=3, ends="free-free").answers
     assert answer.rigid == 6
     assert answer.of_digits.compliance.size == 0
     assert np.all(answer.of_digits.frequencies > 0.0)
 
 
-def test_free_plate_has_frequencies_of_nafems_fv12():
+def test_free_plate_equals_nafems_fv12():
     """NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV12, free square plate.
 
     10 × 10 × 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³: 1.622, 2.360, 2.922 Hz after the six

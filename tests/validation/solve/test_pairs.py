@@ -29,7 +29,7 @@ from validation.solve.question import Question
     ],
 )
 def test_missing_partner_has_reason(monkeypatch, seen, line):
-    """The second of three modes of beams as if so much of it were seen."""
+    """The second of three beam modes has only a small part of its energy in the sampled points."""
     sampled, of_models = pairs.vibration_of, []
 
     def second_seen(*of):

@@ -73,8 +73,8 @@ def test_part_half_width_covers_finer_mesh(own, crane, coarse_parts):
     assert (half_widths <= 0.1 * values(own)).all()
 
 
-def test_f1_uncertainty_ignores_number_of_modes(crane, monkeypatch):
-    """Errors of 1 % fall from mesh to mesh, of the lowest mode with order 1, of others faster."""
+def test_f1_uncertainty_ignores_mode_count(crane, monkeypatch):
+    """Errors of 1 % fall with order 1 for the lowest mode, and faster for the others."""
     shapes, falls = np.eye(12), RATIO ** np.linspace(1.0, 2.0, 12)
 
     def modes_on(robot, reading):
@@ -111,7 +111,7 @@ def test_accuracy_option_refines_part_meshes(crane, coarse_parts):
     assert (apart <= 1.5 * rough.of_parts.compliance).all()
 
 
-def test_bracket_is_effect_of_averaged_interfaces(own, crane):
+def test_coupling_half_width_is_its_effect(own, crane):
     text = crane.text.replace(" } }", ' }, coupling = "average" }')
     average = robot_of(text, Path(crane.source).parent).mechanism
     (said,) = answers("solid", [reference_posture(average)], COUNT)
@@ -126,7 +126,7 @@ def test_bracket_is_effect_of_averaged_interfaces(own, crane):
 
 
 @pytest.mark.parametrize("by", ["fixed", "free"])
-def test_effect_of_omitted_modes_is_within_bound(own, crane, by):
+def test_omitted_modes_are_within_bound(own, crane, by):
     found = own if by == "fixed" else answer_of(crane, reduction="free")
     ((count, below),) = found.of_parts.counted.values()
     highest = 4.0 * below / CUTOFF["solid"]
@@ -144,7 +144,7 @@ def test_effect_of_omitted_modes_is_within_bound(own, crane, by):
     )
 
 
-def test_static_solution_equals_part_compliance(own, crane):
+def test_part_solution_is_its_compliance(own, crane):
     """The solution is that of the part, not of an equivalent prism, with its uncertainty."""
     static = answer_of(crane, 0)
     assert static.compliance == pytest.approx(own.compliance, rel=1e-6, abs=1e-15)
@@ -154,7 +154,10 @@ def test_static_solution_equals_part_compliance(own, crane):
 
 
 def test_load_and_compliance_share_half_width(crane):
-    """Exactly for how the part is held; for its meshes with an order of convergence of its own."""
+    """Half-widths are equal for the coupling.
+
+    Those for the mesh have different orders of convergence.
+    """
     push = '[[loads]]\nname = "push"\nwrench = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]\n'
     found = answer_of(robot_of(f"{crane.text}\n{push}", Path(crane.source).parent), 0)
     np.testing.assert_allclose(found.loads["push"], found.compliance[:, 1], rtol=1e-9, atol=1e-16)
@@ -163,7 +166,7 @@ def test_load_and_compliance_share_half_width(crane):
     assert 0.5 < left.loads["push"][1] / left.compliance[1] < 2.0
 
 
-def test_part_modes_have_partners_in_other_model(crane):
+def test_part_modes_have_partners(crane):
     (answer,) = solve(Question(crane, "solid", {}, 2, against="segments")).answers
     first = answer.paired.pairs[0]
     # An equivalent leg swings alike, at a frequency of its own.
@@ -194,7 +197,7 @@ def matrix(crane):
 
 
 @pytest.mark.exhaustive
-def test_uniform_leg_for_tapered_arm_is_too_soft(crane, matrix):
+def test_uniform_leg_is_softer_than_tapered(crane, matrix):
     assert [note.model for note in matrix.models] == list(judged_models(crane.mechanism))
     entry = matrix.entry("segments", "z")
     assert entry.verdict == "inadequate"
@@ -248,7 +251,7 @@ def test_report_has_reduction_error(crane):
 
 
 def test_run_compares_both_part_reductions(crane):
-    """Within both bounds, which are worth something."""
+    """The difference is within both bounds, which are small enough to matter."""
     listed = {case.id: case for case in part_reductions.cases(mechanism=crane.mechanism)}
     case = listed["mechanism.parts.frequency[2]"]
     found = case.compute(Context(crane, "quick"))
@@ -256,7 +259,7 @@ def test_run_compares_both_part_reductions(crane):
     assert 0.0 < found.value_uncertainty + found.reference_uncertainty < 1e-3 * found.value
 
 
-def test_three_interface_part_is_not_stepped():
+def test_part_of_three_interfaces_has_no_pieces():
     rocker = load_robot(str(Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"))
     said = why_unable(path_postures(Context(rocker, "quick")), JUDGED["segments-stepped"])
     assert said.startswith("no part has exactly two interfaces")

@@ -126,7 +126,7 @@ def test_answer_lists_effective_options(robot, command):
     assert alone == {"theory": "timoshenko", "elements": 2}
 
 
-def test_round_off_dominated_result_is_refused(tmp_path, capsys):
+def test_round_off_result_is_refused(tmp_path, capsys):
     robot_of(SOUND.replace("nu = 0.3", "nu = -0.999999999"), tmp_path)
     asked = ["solve", str(tmp_path / "robot.toml"), "--model", "solid", "--divisions", "2"]
     assert cli.main(asked) == 3
@@ -227,7 +227,7 @@ def test_uncertainty_uses_another_mesh(section):
         assert fine >= 1.44 * coarse
 
 
-def test_single_mesh_has_unknown_uncertainty(bar, command, monkeypatch):
+def test_single_mesh_has_no_half_width(bar, command, monkeypatch):
     asked = ["solve", bar, "--model", "solid", "--leg", "1", "--divisions", "1", "--modes", "0"]
     leg = equivalent_leg(legs_of(load_robot(bar).mechanism)["leg1"])
     only = 1.2 * solid_cost((leg,), 1, 0).memory
@@ -294,7 +294,7 @@ def test_json_numbers_have_unique_names():
 
 
 def test_load_displacements_are_named(tmp_path, command):
-    """Under a wrench C F, whatever the model; at the end of its reach no arm moves on."""
+    """Displacement C F under a wrench F, for every model. A stretched arm cannot move farther."""
     path = robot_of(ONE_ARM + LOADS, tmp_path).source
     for model in ("vjm", "segments"):
         asked = ["solve", path, "--model", model, "--pose", "0.1", "--pose", "0.5"]
@@ -333,7 +333,7 @@ RIGID_DRIVE = (
 
 
 @pytest.mark.parametrize("driven", [True, False], ids=["rigid-drive", "no-drive"])
-def test_simplified_on_rigid_drives_is_rigid(tmp_path, command, driven):
+def test_simplified_with_rigid_drives_is_rigid(tmp_path, command, driven):
     text = RIGID_DRIVE
     if not driven:
         text = re.sub("joints.motor = .*", "joints.root = ROOT", text).replace('["x"]', "[]")
@@ -350,7 +350,7 @@ def test_simplified_on_rigid_drives_is_rigid(tmp_path, command, driven):
     assert "legs bending as beams" in command.told(*asked[:3], "beam", "--modes", "0")
 
 
-def test_load_displacement_is_in_micrometres(tmp_path, command):
+def test_displacement_is_in_micrometres(tmp_path, command):
     """3 N on 1 N/µm: 3 µm in the text, 3e-6 m in JSON."""
     text = """
 schema = 2
@@ -369,7 +369,10 @@ loads = [{ name = "push", wrench = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0] }]
 
 
 def test_models_with_mass_have_responses(tmp_path, command):
-    """Every loss is twice the ratio; what hardly swings is the compliance."""
+    """Every loss factor is twice the damping ratio.
+
+    A point that hardly vibrates has its compliance.
+    """
     wanted = '{ name = "hit", direction = [2, 0, 0], from = 0.01, to = 90.0, at = 30.0 }'
     text = f"damping.ratio = 0.02\nresponses = [{wanted}]\n{ONE_ARM}"
     path = robot_of(text, tmp_path).source
@@ -405,7 +408,7 @@ def test_round_off_is_printed_as_zero():
     ],
     ids=lambda section: section.shape,
 )
-def test_cost_estimate_is_near_real_cost(section):
+def test_cost_estimate_is_near_true_cost(section):
     leg = ConstantLeg(0.3, section, Material.isotropic(2.1e11, 0.3, 7850.0))
     solid = solid_leg(leg, solid_mesh(leg, 4))
     unknowns = solid.stiffness.shape[0]
@@ -435,7 +438,7 @@ def test_ctrl_c_ends_long_solve(robot):
     assert "Traceback" not in screen
 
 
-def test_non_finite_json_number_is_an_error():
+def test_non_finite_json_number_is_refused():
     for document in ({"frequencies": [1.0, float("inf")]}, {"compliance": float("nan")}):
         with pytest.raises(ComputationError, match="a result is not a finite number"):
             finite_json(document)

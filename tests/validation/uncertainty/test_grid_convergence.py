@@ -54,7 +54,7 @@ def test_convergence_behaviour_is_classified(values, behaviour):
 
 
 @pytest.mark.parametrize(("order", "safety"), [(2.0, 1.25), (1.85, 1.25), (1.7, 3.0), (2.4, 3.0)])
-def test_safety_factor_is_small_near_formal_order(order, safety):
+def test_safety_factor_is_small_near_order(order, safety):
     study = analyse(COARSE, 3.0 + 0.7 * COARSE**order, formal_order=2.0)
     assert study.observed_order == pytest.approx(order, rel=1e-6)
     # The true error of the finest value, 0.7 hᵖ, times the safety factor; with an order above the
@@ -73,7 +73,7 @@ def test_safety_factor_is_small_near_formal_order(order, safety):
         (np.cumsum([0.0, 1.0, 0.5, 0.25, 0.125, 0.125 / 8.0]), "outside the asymptotic range"),
     ],
 )
-def test_non_asymptotic_range_has_no_uncertainty(values, reason):
+def test_non_asymptotic_range_is_undecided(values, reason):
     study = analyse(COARSE, values, formal_order=2.0)
     assert (study.uncertainty, study.extrapolated, study.observed_order) == (None, None, None)
     assert reason in study.refusal
@@ -101,10 +101,10 @@ def test_invalid_study_is_refused(sizes, values, reason):
         analyse(np.array(sizes), np.array(values), formal_order=2.0)
 
 
-def test_fit_weights_grids_by_inverse_size():
-    """Weights 1/h, against normal equations written out: grids 1, 1/2, 1/4, 1/10, not one power.
+def test_fit_weights_grids_by_1_over_h():
+    """Reference: normal equations with weights 1/h, grids 1, 1/2, 1/4, 1/10, two powers.
 
-    Without weights, with 1/√h or with 1/h² order and limit would be others.
+    Weights 1, 1/√h or 1/h² would give another order and limit.
     """
     sizes = np.array([1.0, 0.5, 0.25, 0.1])
     values = 5.0 + sizes**2 + np.array([0.1, -0.05, 0.02, -0.01])
@@ -160,13 +160,13 @@ def test_two_grids_use_formal_order():
         ((1.0, 0.0), 0.125),
     ],
 )
-def test_three_mesh_half_width_matches_hand(changes, half_width) -> None:
+def test_three_mesh_half_width_is_exact(changes, half_width) -> None:
     policy = MeshPolicy(2.0, orders=(1.0, 2.0), safety=1.5)
     found = mesh_half_widths([np.array([one]) for one in changes], policy)
     assert found == pytest.approx([half_width], rel=1e-12)
 
 
-def test_richardson_intervals_contain_limits():
+def test_richardson_interval_has_limit():
     rng = np.random.default_rng(14)
     for ladder in ((1, 2, 3, 4), (2, 4, 8, 16)):
         limits, orders = rng.uniform(1.0, 3.0, 4), rng.uniform(1.0, 4.0, 4)
@@ -197,7 +197,7 @@ def refined_to(asked: float):
 
 
 @pytest.mark.parametrize("asked", [0.2, 0.01, 1e-4])
-def test_refinement_stops_at_first_accurate_mesh(asked: float) -> None:
+def test_refinement_stops_if_accurate(asked: float) -> None:
     found, told = refined_to(asked)
     assert left(found) <= asked
     assert told == Accuracy(asked, left(found))
@@ -211,7 +211,7 @@ def test_unreached_accuracy_is_reported() -> None:
 
 
 def test_refinement_ignores_machine_speed(monkeypatch) -> None:
-    """Every look at a clock takes 90 s: the mesh is refined as far as its size allows."""
+    """Each reading of the clock advances by 90 s. Only the size limits the refinement."""
     clock = count(step=90)
     monkeypatch.setattr(refinement, "perf_counter", lambda: float(next(clock)), raising=False)
     assert refined_to(0.01) == (4, Accuracy(0.01, left(4)))

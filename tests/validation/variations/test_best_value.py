@@ -189,7 +189,7 @@ def test_stored_units_keep_all_digits(light_bar, tmp_path, monkeypatch):
             np.testing.assert_equal(asdict(study[objective].decision), asdict(curves.decision))
 
 
-def test_single_reading_is_used_for_all_values():
+def test_single_reading_serves_all_values():
     """The first robot, with legs known by their 6×6, has one reading; the second has two."""
     names = (
         np.array(["beam", "specified 6×6 of the legs"]),
@@ -237,7 +237,7 @@ def test_extreme_value_interval_is_two_sided():
     np.testing.assert_allclose(extremes, [[1.0, 1.0], [0.0, 0.1]])
 
 
-def test_choice_and_loss_match_hand_calculation():
+def test_choice_and_loss_equal_hand():
     # The model chooses its 1.0. The reference has 2.0 there, and 1.6 at its best.
     values, reference = np.array([1.0, 2.0, 4.0, 3.0]), np.array([2.0, 1.6, 3.0, 5.0])
     assert choice(values, reference, "deflection") == Choice(0, (0,), pytest.approx(0.25))

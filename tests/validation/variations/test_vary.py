@@ -47,7 +47,7 @@ def test_varied_value_equals_edited_file(name, key, original, model, tmp_path, c
             np.testing.assert_allclose(result[numbers], expected[numbers], rtol=1e-12, atol=0.0)
 
 
-def test_two_variations_give_all_combinations(tmp_path, command):
+def test_variations_give_all_combinations(tmp_path, command):
     """A * varies six rods together. The Delta stays symmetric: f1 and f2 are equal."""
     arguments = ["delta", "--model", "beam", "--modes", "2", "--csv", tmp_path / "table.csv"]
     keys = ("bodies.rod*.section.diameter", "tool.mass")

@@ -511,7 +511,7 @@ DAMAGES = {
 
 
 @pytest.mark.parametrize(("name", "old", "new", "message"), DAMAGES.values(), ids=DAMAGES.keys())
-def test_damaged_step_refusal_has_reason(files, tmp_path, monkeypatch, name, old, new, message):
+def test_damaged_step_file_is_refused(files, tmp_path, monkeypatch, name, old, new, message):
     if message == "its reader fails":
         monkeypatch.undo()
     text, path = files[name].read_text(), tmp_path / "damaged.step"

@@ -126,7 +126,7 @@ def written(folder, others):
 
 
 @pytest.mark.parametrize("form", [*FORMS, *OF_ABAQUS, *INCLUDED, *INCLUDED_OF_ABAQUS])
-def test_legal_deck_forms_give_same_part(tmp_path, form):
+def test_deck_forms_give_same_part(tmp_path, form):
     text = (FORMS | OF_ABAQUS).get(form, "")
     if not text:
         text, others = (INCLUDED | INCLUDED_OF_ABAQUS)[form]

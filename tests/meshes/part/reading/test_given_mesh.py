@@ -43,7 +43,7 @@ def files(tmp_path_factory):
     return folder
 
 
-def test_three_mesh_formats_give_one_part(files):
+def test_mesh_formats_give_one_part(files):
     parts = [read_part(files / f"plate{suffix}", "mm") for suffix in (".msh", ".inp", ".vtu")]
     first = parts[0]
     assert first.size == "read in mm: 60 × 40 × 10 mm"
@@ -122,7 +122,7 @@ def test_bad_mesh_is_refused(tmp_path, points, kind, cells, message):
         ("*Instance, name=a, part=b\n10., 0., 0.\n*End Instance", r"the place of \*INSTANCE"),
     ],
 )
-def test_unknown_mesh_keyword_is_refused(files, tmp_path, added, refused):
+def test_unknown_keyword_is_refused(files, tmp_path, added, refused):
     text = (files / "plate.inp").read_text()
     path = tmp_path / "plate.inp"
     path.write_text(f"{text}\n{added}\n")

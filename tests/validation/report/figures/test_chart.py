@@ -37,7 +37,7 @@ def series(label, values, quantity="deflection (µm)", **more):
     return Series(label, X, np.array(values, dtype=float), quantity, **more)
 
 
-def test_differences_are_percent_below_curves():
+def test_differences_are_below_curves():
     turned = [series("a", [4, 4, np.nan], "turn"), series("b", [5, 4, 4], "turn")]
     panel = compared(Panel([series("a", [1, 2, 0]), series("b", [1.1, 1, 3]), *turned]), "a")
     assert compared(panel, "c").below == []
@@ -66,7 +66,7 @@ def test_csv_has_abscissa_and_finite_curves():
     assert [[float(cell) for cell in row] for row in rows[1:]] == [[0, 1, 4], [1, 2, 5], [2, 3, 6]]
 
 
-def test_equal_labels_share_a_legend_entry():
+def test_equal_labels_share_legend_entry():
     first = Panel([*(series("a", [n, 2, 3]) for n in (1, 2)), series("b", [np.nan] * 3)], "first")
     others = [*(series(name, [1, 2, 3]) for name in "ac"), series("d", [1, 1, 1], best=2)]
     with plot_style():
@@ -156,8 +156,11 @@ def test_every_line_has_a_marker():
     assert [marker_positions(41, rank, 2) for rank in range(2)] == [(0, 10), (5, 10)]
 
 
-def test_every_model_has_a_unique_line_style():
-    """Told apart without colours, too: by marker and dashes, and points alone by their markers."""
+def test_every_model_has_unique_line_style():
+    """They differ by marker and dashes without colours.
+
+    Models with single points differ by markers.
+    """
     assert set(MODEL_KINDS) | set(JUDGED) <= set(LOOKS)
     looks = [*LOOKS.values(), *OTHERS]
     assert len({(look.marker, look.line) for look in looks}) == len(looks)
@@ -181,7 +184,10 @@ def test_references_have_unique_styles():
 
 @pytest.mark.parametrize("declare", [error_curves, measured_curves])
 def test_panels_and_legend_share_styles(declare):
-    """Some models are missing in some panels; each curve is its model's numbers in its look."""
+    """Some models are missing in some panels.
+
+    Each curve has the values and the style of its model.
+    """
     quantities = {"x": MODEL_KINDS, "y": MODEL_KINDS[2:], "f1": MODEL_KINDS[4::2]}
     errors = np.random.default_rng(1).uniform(-0.3, 0.3, (99, len(POSES))).tolist()
     entries = [

@@ -29,7 +29,7 @@ def robot():
     return fp.load(tomllib.loads(text + LOADS))
 
 
-def test_report_plans_a_figure_for_each_load(robot):
+def test_report_has_figure_for_each_load(robot):
     planned = [task.id for task in catalogue(robot)]
     assert [name for name in planned if name.startswith("mechanism.forces.")] == [
         "mechanism.forces.cutting",
@@ -38,7 +38,7 @@ def test_report_plans_a_figure_for_each_load(robot):
     assert not figures(fp.load("five-bar").mechanism)
 
 
-def test_figure_table_has_the_drive_torques_of_forces(robot):
+def test_figure_table_has_drive_torques(robot):
     cutting, _ = figures(robot.mechanism)
     drawn = cutting.draw(Context(robot, "quick"))
     found = fp.forces(robot, path=True, loads=["cutting"])

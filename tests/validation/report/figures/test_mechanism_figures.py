@@ -67,7 +67,7 @@ def drawn_alike(fine, coarse, mode):
     "name", ["ifw", "delta", pytest.param("hexapod", marks=pytest.mark.exhaustive)]
 )
 def test_drawn_tool_moves_and_keeps_mass(name):
-    """The nearest point drawn of the tool's body, carried to the tool by its own turn."""
+    """The nearest drawn point of the tool's body is moved to the tool by the body's rotation."""
     found = modes_of(name)
     system = found.system
     # Modes are mass-normalised; beams' own mass matrices differ by their shape functions.
@@ -89,7 +89,7 @@ def test_drawn_tool_moves_and_keeps_mass(name):
 
 
 def test_drawn_leg_root_follows_interface():
-    """The rim turns with the interface; drawn enlarged, and coloured by what it moves."""
+    """The rim rotates with the interface, drawn with magnified displacements and their colours."""
     found = modes_of("delta")
     system, shape = found.system, found.modes.shapes[:, 3]
     legs = [one for one in displaced_solids(system, shape) if one.deforms]
@@ -110,8 +110,8 @@ def test_drawn_leg_root_follows_interface():
         assert drawn.values == pytest.approx(1e2 * np.linalg.norm(leg.displacements, axis=1))
 
 
-def test_segment_shapes_have_sense_of_beam_modes():
-    """Double modes of a Delta: whatever mixture each solver returns, both pictures agree."""
+def test_segment_shapes_have_sense_of_beams():
+    """Repeated modes of a Delta: both pictures agree, whatever mixture each solver returns."""
     for mode in range(6):
         assert drawn_alike(modes_of("delta"), modes_of("delta", "segments", 8), mode), mode
 
@@ -132,7 +132,7 @@ def test_scenes_move_by_mode_and_load(five_bar):
         assert f"{far:.4g} µm under the force along {'xyz'[axis]}" in deformed.caption
 
 
-def test_strain_energies_of_a_mode_sum_to_one(five_bar, monkeypatch):
+def test_strain_energies_of_mode_sum_to_one(five_bar, monkeypatch):
     monkeypatch.setattr(modes, "ENERGY_MODES", 12)
     rows = table(modes.energies(five_bar))
     assert len(rows) == 12
@@ -143,7 +143,7 @@ def test_strain_energies_of_a_mode_sum_to_one(five_bar, monkeypatch):
 
 
 def test_mode_pairs_are_at_middle_pose(five_bar, monkeypatch):
-    """Made up: two modes of the models exchanged, each a tenth too high."""
+    """Artificial data: two modes of the models are exchanged, and each is a tenth too high."""
     shapes = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 12, 4)))[0]
     frequencies = np.outer([1.0, 2.0, 3.0], [10.0, 20.0, 40.0, 80.0])
     weights, seen = np.full(12, 1.0 / 12.0), np.ones((3, 4))
@@ -165,7 +165,7 @@ def test_mode_pairs_are_at_middle_pose(five_bar, monkeypatch):
 
 
 def test_figure_has_load_deflections():
-    """Given compliances appear in µm under a force, in µrad under a moment, with differences."""
+    """Compliances appear in µm under a force and in µrad under a moment, with differences."""
     rng = np.random.default_rng(4)
     names = ("simplified", "vjm", "beam", "solid, ends rigid")
     values = {name: rng.uniform(1e-9, 1e-6, (3, 6)) for name in names}
@@ -215,7 +215,7 @@ def test_part_is_drawn_solid_and_condensed(tmp_path):
         assert float(row["A drive (%)"]) + float(row["arm (%)"]) == pytest.approx(100.0, abs=1e-9)
 
 
-def test_interpolation_is_exact_for_linear_fields():
+def test_linear_fields_are_interpolated_exactly():
     rng = np.random.default_rng(5)
     nodes, points, gradient = rng.random((300, 3)), rng.random((40, 3)), rng.random((3, 3))
     found = reduced_parts.interpolated(nodes, (nodes @ gradient + 2.0).reshape(-1, 1))(

@@ -74,7 +74,7 @@ def test_rectangular_prism_has_twelve_edges():
 
 @pytest.mark.parametrize("robot", ["delta", "ifw"])
 def test_bodies_and_joints_are_drawn_in_place(robot):
-    """Legs reach from interface to interface, slides lie where they have slid to."""
+    """Legs reach from interface to interface. Slides are at their positions in the pose."""
     mechanism = load_robot(robot).mechanism
     (at,) = postures_of(mechanism, mechanism.poses[1:2])
     drawn = {one.name: one.surface.points for one in solids(at)}
@@ -145,7 +145,7 @@ def test_browser_scene_equals_drawn_scene():
 
 @pytest.mark.usefixtures("needs_opengl")
 def test_box_is_drawn_at_its_projection():
-    """VTK's own camera against `pixels`: the centre of what is coloured."""
+    """VTK's own camera against `pixels`: the centre of the coloured pixels."""
     corners = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
     view = fitted_view(corners, np.array([0.5, -1.0, 0.4]), np.array([0, 0, 1.0]), (200, 160))
     middle = np.array([0.7, 0.4, 0.8])

@@ -120,7 +120,7 @@ def measured_entry(poses):
     )
 
 
-def test_measured_chart_bars_include_inputs():
+def test_measured_bars_include_inputs():
     pose = ((0.4,),)
     matrix = sample_matrix(entries=(measured_entry(pose),), quantities=("z",), poses=pose)
     chart = measured_curves(matrix)
@@ -134,7 +134,7 @@ def test_measured_chart_bars_include_inputs():
     assert values == pytest.approx([1.1e-6, 1e-6])
 
 
-def test_measured_path_chart_has_full_intervals():
+def test_measured_path_has_full_intervals():
     poses = ((0.4,), (0.5,))
     matrix = sample_matrix(entries=(measured_entry(poses),), quantities=("z",), poses=poses)
     (panel,) = measured_curves(matrix).panels
