@@ -268,8 +268,9 @@ def test_robots_have_formal_orders(robot):
         require_true_half_widths(series)
 
 
-@EXHAUSTIVE
-@pytest.mark.parametrize("body", ["leg1", None])
+@pytest.mark.parametrize(
+    "body", [pytest.param("leg1", marks=EXHAUSTIVE), pytest.param(None, marks=pytest.mark.soak)]
+)
 def test_stepped_part_has_second_order(body):
     """Ten pieces have one to eight segments each: order two, with whole numbers of segments."""
     path = Path(__file__).parents[3] / "examples" / "tapered-biglide" / "robot.toml"

@@ -1,9 +1,11 @@
 """Documentation site: it builds without warnings, opens offline, and its search finds pages."""
 
+import os
 import re
 import shutil
 import subprocess
 import sys
+import time
 from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
@@ -37,14 +39,33 @@ class Addresses(HTMLParser):
             self.loaded.append(attributes["href"])
 
 
+def built_once(shared):
+    """Folder of the site in `shared`, which all workers of a test session have in common.
+
+    The worker that makes the folder builds the site, and the others wait for its last line.
+    """
+    folder, log = shared / "site", shared / "site.log"
+    try:
+        folder.mkdir()
+    except FileExistsError:
+        while not (log.is_file() and log.read_text("utf-8").startswith("exit code ")):
+            time.sleep(0.5)
+    else:
+        program = "import sys; from validation.cli import main; sys.exit(main(sys.argv[1:]))"
+        line = [sys.executable, "-c", program, "docs", "--out", str(folder)]
+        done = subprocess.run(line, capture_output=True, text=True, check=False)
+        log.with_suffix(".new").write_text(f"exit code {done.returncode}\n{done.stderr}", "utf-8")
+        log.with_suffix(".new").rename(log)
+    text = log.read_text("utf-8")
+    assert text.startswith("exit code 0\n"), text
+    return folder
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """Pages of the site by file, as parsed addresses."""
-    folder = tmp_path_factory.mktemp("site")
-    program = "import sys; from validation.cli import main; sys.exit(main(sys.argv[1:]))"
-    line = [sys.executable, "-c", program, "docs", "--out", str(folder)]
-    done = subprocess.run(line, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    """Folder of the site, and its pages by file, as parsed addresses."""
+    base = tmp_path_factory.getbasetemp()
+    folder = built_once(base.parent if "PYTEST_XDIST_WORKER" in os.environ else base)
     pages = {}
     for file in folder.rglob("*.html"):
         pages[file] = page = Addresses()
