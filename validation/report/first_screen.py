@@ -15,12 +15,12 @@ from validation.report.remedies import RemedyLine, remedies_of
 from validation.report.table import Table, csv_of_matrix, table_of
 from validation.report.words import (
     capital,
+    conditions,
     listed,
     model_name,
     models_to_use,
     quantities_text,
     sentence,
-    supposition,
 )
 from validation.studies_and_figures import Figure
 from validation.verdicts import Entry, Matrix
@@ -37,7 +37,7 @@ class FirstScreen:
     """
 
     sentence: str
-    supposed: str
+    conditions: str
     table: Table
     csv: str
     errors: Figure | None
@@ -71,7 +71,7 @@ def first_screen(
     unfolded = [row.note.model for row in table.rows if not row.folded]
     return FirstScreen(
         sentence=sentence(matrix, rely),
-        supposed=supposition(matrix, rely),
+        conditions=conditions(matrix, rely),
         table=table,
         csv=csv_of_matrix(matrix),
         errors=attempted(errors) if plotted else None,

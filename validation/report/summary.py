@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from validation.report.agreement import agreement_sentence, convergence_sentence
 from validation.report.decisions import decision_sentences
 from validation.report.listing import outcome_line
-from validation.report.words import sentence, supposition
+from validation.report.words import conditions, sentence
 from validation.run import compare
 from validation.run.outcome import Outcome
 from validation.run.results import Results
@@ -44,7 +44,7 @@ def adequacy(gathered: Results) -> list[str]:
     lines = [f"relied on but not adequate: {refused}"] if refused else []
     lines += gathered.unjudged
     matrix, measured = gathered.matrix, gathered.measured
-    lines += [f"{sentence(matrix, rely)} {supposition(matrix, rely)}".strip()] if matrix else []
+    lines += [f"{sentence(matrix, rely)} {conditions(matrix, rely)}".strip()] if matrix else []
     lines += [f"against measured values: {sentence(measured, rely)}"] if measured else []
     return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
 

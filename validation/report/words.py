@@ -84,14 +84,29 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
     return f"{text}." if text else "No verdict on any model."
 
 
-def supposition(matrix: Matrix, rely: Sequence[str] = ()) -> str:
-    """Sentence on the assumption behind decided verdicts on frequencies.
+def conditions(matrix: Matrix, rely: Sequence[str] = ()) -> str:
+    """Sentences on the conditions under which decided verdicts hold. "" without conditions.
 
-    Of the models of `rely` if any. "" without such verdicts or without an assumption.
+    Verdicts on the models of `rely` if any. Conditions are the assumption on the distribution of
+    masses, behind frequencies, and poses in which a quantity found adequate cannot be compared.
     """
     entries = [e for model in rely for e in matrix.of_model(model)] or matrix.entries
-    decided = any(e.verdict != "undecided" and not e.quantity.static for e in entries)
-    return f"Verdicts on frequencies hold {matrix.supposed}." if matrix.supposed and decided else ""
+    decided = [entry for entry in entries if entry.verdict != "undecided"]
+    sentences = []
+    if matrix.supposed and any(not entry.quantity.static for entry in decided):
+        sentences.append(f"Verdicts on frequencies hold {matrix.supposed}.")
+    partly_compared: dict[int, set[Quantity]] = {}
+    for entry in decided:
+        # One pose suffices for "inadequate". A measured value has one pose.
+        if entry.verdict == "adequate" and None in entry.errors and not entry.measured:
+            compared = len(entry.errors) - entry.errors.count(None)
+            partly_compared.setdefault(compared, set()).add(entry.quantity)
+    sentences += [
+        f"Adequate for {quantities_text(matrix, quantities)} in {compared} of "
+        f"{len(matrix.poses)} poses: there is no comparison in the others."
+        for compared, quantities in sorted(partly_compared.items())
+    ]
+    return " ".join(sentences)
 
 
 def _relied_text(matrix: Matrix, models: Sequence[str]) -> str:

@@ -27,7 +27,7 @@ from validation.references.responses import Responses
 from validation.references.robot_on_path import robot_on_path
 from validation.report.figures import responses
 from validation.report.table import table_of
-from validation.report.words import quantities_text
+from validation.report.words import conditions, quantities_text
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
 
@@ -117,14 +117,20 @@ def test_impossible_load_pose_is_not_compared(tmp_path):
         path = replace(at, postures=[at.postures[pose] for pose in poses])
         beam = judged_model(path, "beam", judged_models(robot.mechanism)["beam"])
         matrix = verdict_matrix(static_subject(path, [beam]), robot.requirement)
-        return [matrix.entry("beam", name) for name in ("load:stop", "load:weight")]
+        compared = [matrix.entry("beam", name) for name in ("load:stop", "load:weight")]
+        return *compared, conditions(matrix)
 
-    stop, weight = entries([0, 1])
+    stop, weight, condition = entries([0, 1])
     assert (stop.verdict, weight.verdict) == ("adequate", "adequate")
     assert (stop.pose, stop.errors[1]) == ((0.1,), None)
     assert 0.0 < stop.error == stop.errors[0]
+    # Without this sentence beside the verdict, it would be read as one on the whole path.
+    assert condition == (
+        "Adequate for load stop in 1 of 2 poses: there is no comparison in the others."
+    )
     # Without a pose that can follow, nothing is compared: this was adequate with an error of zero.
-    stop, weight = entries([1])
+    stop, weight, condition = entries([1])
+    assert not condition
     assert (stop.verdict, stop.error, weight.verdict) == ("undecided", None, "adequate")
     assert stop.reason == (
         "the tool cannot move as the load requires in any pose, so that nothing is compared"

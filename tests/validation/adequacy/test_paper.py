@@ -32,7 +32,7 @@ from validation.references.model_ladder import SOLID
 from validation.references.reference import Source
 from validation.references.responses import Responses
 from validation.references.robot_on_path import NOMINAL, robot_at, robot_on_path
-from validation.report.words import supposition
+from validation.report.words import conditions
 from validation.solve.answer import Solution
 from validation.solve.answer_json import answer_record
 from validation.solve.answer_text import as_text
@@ -107,7 +107,7 @@ def test_verdict_for_all_masses_is_decided(paper, model):
     first = paper.entry(model, "f1")
     assert first.verdict == "inadequate"
     assert first.uncertainties["mass distribution of the legs"] > 0.01
-    assert supposition(paper, [model]) == (
+    assert conditions(paper, [model]) == (
         "Verdicts on frequencies hold for every plausible distribution of the legs' mass and "
         "stiffness."
     )

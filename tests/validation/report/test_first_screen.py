@@ -14,7 +14,7 @@ from validation.report.page import render
 from validation.report.remedies import remedies_of
 from validation.report.sections import LEGS
 from validation.report.table import table_of
-from validation.report.words import models_to_use, sentence, supposition
+from validation.report.words import conditions, models_to_use, sentence
 from validation.studies_and_figures import Figure
 from validation.verdicts import Cause
 
@@ -159,12 +159,12 @@ def test_frequency_verdicts_state_assumption():
     )
     supposed = "for every plausible distribution of the legs' mass"
     decided = matrix_of(entry("beam", "f1", 0.3), supposed=supposed)
-    assert supposition(decided) == f"Verdicts on frequencies hold {supposed}."
-    assert not supposition(sample_matrix(supposed=supposed))
+    assert conditions(decided) == f"Verdicts on frequencies hold {supposed}."
+    assert not conditions(sample_matrix(supposed=supposed))
     # Those of the model relied on are open, whatever is decided of another.
     both = matrix_of(entry("beam", "f1", 0.3), entry("segments", "f1"), supposed=supposed)
-    assert [supposition(both, [one]) for one in ("segments", "beam")] == ["", supposition(decided)]
-    assert supposition(decided) in unescape(render(sample_report(matrix=decided, figures=())))
+    assert [conditions(both, [one]) for one in ("segments", "beam")] == ["", conditions(decided)]
+    assert conditions(decided) in unescape(render(sample_report(matrix=decided, figures=())))
     # Solids of such legs are of other legs: they help nobody.
     assert "solid" not in sentence(decided)
 
