@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING
 
 from lumped.errors import InputError
 from validation.case import Case, Skip
-from validation.comparisons.convergence_study import ConvergenceStudy
-from validation.comparisons.discretisations import RefinedModel
-from validation.context import Context
-from validation.drawing.text import quantity_name
-from validation.report.agreement import agreement_sentence
-from validation.report.agreement_parts import (
+from validation.comparisons.agreement_rows import (
     AgreementRow,
     agreement_row,
     agreement_rows,
     percent,
 )
+from validation.comparisons.convergence_study import ConvergenceStudy
+from validation.comparisons.discretisations import RefinedModel
+from validation.context import Context
+from validation.drawing.text import quantity_name
+from validation.report.agreement import agreement_sentence
 from validation.run.outcome import Outcome
 from validation.tables import ResultTable, html_paragraph
 

@@ -4,11 +4,15 @@ Input: records whose fields are annotated, as in `Annotated[str, COLUMN]`. Outpu
 and JSON objects. The record alone lists its fields.
 """
 
+import json
 from functools import lru_cache
+from math import isfinite
 from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar, get_args, get_type_hints
 
 import msgspec
 import numpy as np
+
+from lumped.arrays import Array
 
 Document: TypeAlias = Literal["results.json", "cases --json"]
 M = TypeVar("M")
@@ -33,6 +37,13 @@ class JsonKey(NamedTuple):
 
     document: Document
     name: str = ""
+
+
+class CountRecord(msgspec.Struct, frozen=True):
+    """Number of modes of a part below a frequency (Hz)."""
+
+    count: int
+    below: float
 
 
 COLUMN = Column()
@@ -60,6 +71,26 @@ def json_object(record: Any, document: Document) -> dict[str, Any]:
 def plain_data(record: Any) -> Any:
     """Records and arrays as dictionaries, lists and numbers. NaN and infinite numbers are kept."""
     return msgspec.to_builtins(record, enc_hook=_of_numpy)
+
+
+def json_text(record: Any) -> str:
+    """JSON of a record, with null for None.
+
+    Raises ValueError if it contains a number that is not finite.
+    """
+    return json.dumps(plain_data(record), allow_nan=False)
+
+
+def finite(value: float) -> float | None:
+    """The number itself, or None if it is infinite or NaN."""
+    return float(value) if isfinite(value) else None
+
+
+def finite_items(values: Array) -> Any:
+    """Nested lists of an array's numbers, with None for each that is infinite or NaN."""
+    items = values.astype(object)
+    items[~np.isfinite(values)] = None
+    return items.tolist()
 
 
 def _of_numpy(value: object) -> object:

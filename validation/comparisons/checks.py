@@ -16,6 +16,7 @@ from lumped.acceptance.requirement import AgreementLimits
 from lumped.robot_file import RobotFile
 from validation.case import Case, Skip
 from validation.comparisons import leg_beam_vs_solid, line_leg_vs_solid, robot_beam_vs_solid
+from validation.comparisons.agreement_rows import agreement_row
 from validation.comparisons.convergence_cases import JUDGED, study_of, subjects
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import RefinedModel
@@ -87,26 +88,18 @@ def _agrees(case: Case, context: Context) -> Checked:
 
 def agreement_text(outcome: Outcome) -> str:
     """Text of a comparison: values, difference, named causes, half-width and limit."""
-    case, measurement = outcome.case, outcome.measurement
-    assert measurement is not None  # noqa: S101  judged, so measured
-    scale, unit = abs(measurement.reference), f" {case.unit}"
-    causes = [
-        f"{allowance.cause} {percent(allowance.amount / scale)}"
-        for allowance in measurement.allowances
-    ]
-    half_width = percent((measurement.numerical_uncertainty or 0.0) / scale, signed=False)
+    row = agreement_row(outcome)
+    causes = ", ".join(f"{cause} {percent(share)}" for cause, share in row.causes.items())
     return _block(
-        f"{case.body or 'robot'}, {quantity_name(case.label)}, {case.model} compared with "
-        f"solid FE: {outcome.verdict}",
-        value=f"{measurement.value:.6g}{unit}",
-        reference=f"{measurement.reference:.6g}{unit}",
-        difference=percent(measurement.difference / scale),
-        explained=", ".join(causes) or "nothing",
+        f"{row.body}, {row.quantity}, {row.model} compared with solid FE: {row.verdict}",
+        value=f"{row.value:.6g} {row.unit}",
+        reference=f"{row.reference:.6g} {row.unit}",
+        difference=percent(row.difference),
+        explained=causes or "nothing",
         unexplained=(
-            f"{percent(measurement.unexplained / scale)} (tolerance "
-            f"{percent(outcome.tolerance / scale, signed=False)})"
+            f"{percent(row.unexplained)} (tolerance {percent(row.tolerance, signed=False)})"
         ),
-        **{"half-width": half_width},
+        **{"half-width": percent(row.half_width, signed=False)},
     )
 
 

@@ -7,9 +7,9 @@ quantity as text, table, JSON, CSV or picture, and AssertionError if an error ex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
-from json import dumps
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
+import msgspec
 import numpy as np
 
 from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
@@ -20,6 +20,7 @@ from lumped.models.segments import Layout
 from validation.comparisons.convergence_chart import ErrorCurve, ErrorPanel, convergence_chart
 from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries
 from validation.comparisons.convergence_text import (
+    SeriesRecord,
     series_cells,
     series_record,
     series_rows,
@@ -31,6 +32,7 @@ from validation.comparisons.discretisations import RefinedModel
 from validation.drawing.chart import Chart
 from validation.drawing.style import csv_of, plot_style
 from validation.drawing.text import number
+from validation.record_fields import json_text
 from validation.studies_and_figures import ElementStudy
 from validation.tables import ResultTable
 from validation.uncertainty.grid_convergence import COARSE_COUNT
@@ -44,6 +46,20 @@ X_LABELS = {"elements": "elements per leg", "divisions": "divisions across the s
 _VISIBLE = 1.5
 # Relative errors too small to be visible in the figure.
 _NEARLY_EXACT = 1e-7
+
+
+class StudyRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """JSON document of `converge`. `body` is None for the whole robot."""
+
+    schema: Literal[1] = 1
+    kind: Literal["convergence"] = "convergence"
+    robot: str
+    body: str | None
+    pose: Sequence[float]
+    reference: str
+    quantities: Sequence[str]
+    units: Mapping[str, str]
+    series: Sequence[SeriesRecord]
 
 
 @dataclass(frozen=True, eq=False)
@@ -293,22 +309,6 @@ class ConvergenceStudy:
             ]
         return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
 
-    def record(self) -> dict[str, Any]:
-        """The study as plain data. A missing order is None, null in JSON."""
-        return {
-            "schema": 1,
-            "kind": "convergence",
-            "robot": self.robot,
-            "body": self.subject or None,
-            "pose": list(self.pose.values()),
-            "reference": self.reference,
-            "quantities": list(self.quantities),
-            "units": dict(zip(self.quantities, self.units, strict=True)),
-            "series": [
-                series_record(series, self.quantities, self.refined) for series in self.series
-            ],
-        }
-
     def studies(self) -> tuple[ElementStudy, ...]:
         """Entries of "studies" in results.json, one for each quantity."""
         counts = sorted({count for series in self.series for count in series.counts})
@@ -358,7 +358,7 @@ class ConvergenceStudy:
         )
 
     def json(self) -> str:
-        """Record of the study as JSON text.
+        """The study as JSON text (schema 1).
 
         Returns
         -------
@@ -370,7 +370,19 @@ class ConvergenceStudy:
         >>> study.json()[:36]
         '{"schema": 1, "kind": "convergence",'
         """
-        return dumps(self.record(), allow_nan=False)
+        return json_text(
+            StudyRecord(
+                robot=self.robot,
+                body=self.subject or None,
+                pose=tuple(self.pose.values()),
+                reference=self.reference,
+                quantities=self.quantities,
+                units=dict(zip(self.quantities, self.units, strict=True)),
+                series=[
+                    series_record(series, self.quantities, self.refined) for series in self.series
+                ],
+            )
+        )
 
     def missed(self, quantity: str, within: float | None = None) -> list[str]:
         """Formulations whose error at the stated count exceeds `within`, a line for each.

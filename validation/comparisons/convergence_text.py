@@ -1,16 +1,42 @@
-"""Text and plain data of one convergence series, for the terminal and for results.json.
+"""Text and JSON of one convergence series.
 
-Input: a `ConvergenceSeries` and the column of a quantity. Output: lines of text or a dictionary.
+Input: a `ConvergenceSeries` and the column of a quantity. Output: lines of text or a record.
 """
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
 
+import msgspec
 import numpy as np
+from msgspec import UNSET, UnsetType
 
+from lumped.arrays import Array
 from lumped.text import aligned
 from validation.comparisons.convergence_series import ROUND_OFF, TARGETS, ConvergenceSeries
 from validation.drawing.text import number, percent
+from validation.record_fields import finite_items
+
+
+class SeriesRecord(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
+    """JSON object of a `ConvergenceSeries`, whose numbers are given by name of the quantity.
+
+    A missing order or half-width is None. `needed`: smallest sufficient count by relative error,
+    None if the highest count exceeds it.
+    """
+
+    model: str
+    layout: str
+    theory: str
+    formal_order: float
+    elements: Sequence[int] | UnsetType = UNSET
+    divisions: Sequence[int] | UnsetType = UNSET
+    values: Mapping[str, Any]
+    errors: Mapping[str, Any]
+    half_widths: Mapping[str, Any]
+    orders: Mapping[str, float | None]
+    limits: Mapping[str, float | None]
+    limit_half_widths: Mapping[str, float | None]
+    needed: Mapping[str, Mapping[str, int | None]]
 
 
 def series_rows(series: ConvergenceSeries, column: int, refined: str, unit: str) -> str:
@@ -86,35 +112,38 @@ def _stated_error(series: ConvergenceSeries, column: int, stated: int | None) ->
 
 
 def series_record(
-    series: ConvergenceSeries, quantities: Sequence[str], refined: str
-) -> dict[str, Any]:
-    """Plain data of the series by quantity. A missing order or half-width is None."""
-    by_quantity = dict(enumerate(quantities))
-    return {
-        "model": series.discretisation.model,
-        "layout": series.discretisation.layout,
-        "theory": series.discretisation.theory,
-        "formal_order": series.formal_order,
-        refined: list(series.counts),
-        "values": {q: series.values[:, k].tolist() for k, q in by_quantity.items()},
-        "errors": {q: series.errors[:, k].tolist() for k, q in by_quantity.items()},
-        # The first count has no half-width, because it has no coarser count.
-        "half_widths": {
-            q: [None, *series.half_widths[1:, k].tolist()] for k, q in by_quantity.items()
-        },
-        "orders": {
-            q: None if np.isnan(series.orders[k]) else float(series.orders[k])
-            for k, q in by_quantity.items()
-        },
-        "limits": {q: float(series.limits[k]) for k, q in by_quantity.items()},
-        "limit_half_widths": {
-            q: float(series.limit_half_widths[k]) for k, q in by_quantity.items()
-        },
-        "needed": {
-            f"{target:g}": {q: int(row[k]) or None for k, q in by_quantity.items()}
-            for target, row in zip(TARGETS, series.needed, strict=True)
-        },
+    series: ConvergenceSeries, quantities: Sequence[str], refined: Literal["elements", "divisions"]
+) -> SeriesRecord:
+    """JSON object of the series."""
+    discretisation = series.discretisation
+
+    def by_quantity(values: Array) -> dict[str, Any]:
+        return dict(zip(quantities, finite_items(values.T), strict=True))
+
+    # The first count has no half-width, because it has no coarser count.
+    half_widths = {
+        quantity: [None, *finer]
+        for quantity, (_, *finer) in by_quantity(series.half_widths).items()
     }
+    return SeriesRecord(
+        model=discretisation.model,
+        layout=discretisation.layout,
+        theory=discretisation.theory,
+        formal_order=series.formal_order,
+        **{refined: series.counts},
+        values=by_quantity(series.values),
+        errors=by_quantity(series.errors),
+        half_widths=half_widths,
+        orders=by_quantity(series.orders),
+        limits=by_quantity(series.limits),
+        limit_half_widths=by_quantity(series.limit_half_widths),
+        needed={
+            f"{target:g}": {
+                quantity: count or None for quantity, count in by_quantity(counts).items()
+            }
+            for target, counts in zip(TARGETS, series.needed, strict=True)
+        },
+    )
 
 
 def size_text(error: float) -> str:

@@ -19,12 +19,11 @@ from validation.forces.results import (
     SECTION_FORCES,
     ForcesUnderLoad,
     PoseForces,
-    finite,
     largest_of,
-    listed,
     shown,
 )
 from validation.models.options import ModelName
+from validation.record_fields import finite, finite_items
 from validation.tables import Cell, ResultTable, html_paragraph
 
 if TYPE_CHECKING:
@@ -265,7 +264,9 @@ class Forces:
 def _record(result: ForcesUnderLoad) -> dict[str, Any]:
     """Plain data of the forces under one load, for JSON."""
     return {
-        "reactions": {reaction.joint: listed(reaction.wrench) for reaction in result.reactions},
+        "reactions": {
+            reaction.joint: finite_items(reaction.wrench) for reaction in result.reactions
+        },
         "drives": {
             reaction.joint: finite(reaction.drive)
             for reaction in result.reactions
@@ -274,7 +275,7 @@ def _record(result: ForcesUnderLoad) -> dict[str, Any]:
         "members": {
             member.leg: {
                 "stations": member.stations.tolist(),
-                "forces": [listed(row) for row in member.forces],
+                "forces": finite_items(member.forces),
             }
             for member in result.members
         },
@@ -301,9 +302,9 @@ def _record(result: ForcesUnderLoad) -> dict[str, Any]:
         },
         "uncertainty": {
             "reactions": {
-                reaction.joint: listed(reaction.half_width) for reaction in result.reactions
+                reaction.joint: finite_items(reaction.half_width) for reaction in result.reactions
             },
-            "members": {member.leg: listed(member.half_width) for member in result.members},
+            "members": {member.leg: finite_items(member.half_width) for member in result.members},
             "stresses": {leg: finite(stress.half_width) for leg, stress in result.stresses.items()},
         },
     }

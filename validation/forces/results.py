@@ -15,6 +15,7 @@ from lumped.system.members import MemberForces
 from lumped.system.reactions import Reaction
 from validation.forces.solids import SolidStress
 from validation.forces.stresses import MemberStress
+from validation.record_fields import finite_items
 
 REACTION_UNITS = ("N", "N", "N", "N m", "N m", "N m")
 REACTIONS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
@@ -51,16 +52,6 @@ class PoseForces:
     loads: Mapping[str, ForcesUnderLoad | None]
 
 
-def listed(values: Array) -> list[float | None]:
-    """Numbers as a list, with None for those that are infinite or NaN."""
-    return [finite(value) for value in values.tolist()]
-
-
-def finite(value: float) -> float | None:
-    """The number itself, or None if it is infinite or NaN."""
-    return float(value) if np.isfinite(value) else None
-
-
 def largest_of(result: ForcesUnderLoad) -> float:
     """Largest magnitude (N, N m) of all reactions and member forces."""
     wrenches = [reaction.wrench for reaction in result.reactions]
@@ -72,5 +63,5 @@ def shown(values: Array, scale: float) -> list[float | None]:
     """Numbers for display: zero for round-off compared with `scale`, None for infinite or NaN."""
     return [
         0.0 if value is not None and abs(value) <= _ROUND_OFF * scale else value
-        for value in listed(values)
+        for value in finite_items(values)
     ]

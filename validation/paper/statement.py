@@ -12,7 +12,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial, update_wrapper
 from inspect import signature
-from math import isfinite
 from typing import Any, TypeVar, Unpack
 
 import numpy as np
@@ -22,6 +21,7 @@ from validation.case_group import CaseFields, CaseGroup, Over
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 from validation.published_statements import Claim, ClaimedCurve
+from validation.record_fields import finite
 from validation.run.outcome import verdict
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
@@ -138,9 +138,9 @@ class _Statement:
         return ClaimedCurve(
             name=name.format(**parameters),
             unit=case.unit,
-            printed=_finite_or_none(printed.value),
+            printed=finite(printed.value),
             printed_holds=_holds(case, printed),
-            corrected=_finite_or_none(corrected.value),
+            corrected=finite(corrected.value),
             corrected_holds=_holds(case, corrected),
         )
 
@@ -170,7 +170,3 @@ def sampled(number: Callable[[int], float], reference: float) -> Measurement:
     """
     numbers = [number(postures) for postures in (POSTURES, POSTURES - 10, POSTURES - 20)]
     return Measurement(numbers[0], reference, value_uncertainty=float(np.ptp(numbers)))
-
-
-def _finite_or_none(value: float) -> float | None:
-    return float(value) if isfinite(value) else None

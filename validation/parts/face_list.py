@@ -3,12 +3,42 @@
 Input: a `PartFile`. Output: text in the unit of the file, or JSON in SI units.
 """
 
-import json
-from typing import Any
+from collections.abc import Sequence
+from typing import Literal
 
+import msgspec
+from msgspec import UNSET, UnsetType
+
+from lumped.arrays import Array
 from lumped.mechanism.body import METRES
 from meshes.part.faces import Face
 from meshes.part.reading.read import PartFile
+from validation.record_fields import json_text
+
+
+class FaceRecord(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
+    """JSON object of a face. Planes have a normal, bores and bosses an axis and a radius."""
+
+    number: int
+    kind: str
+    area: float
+    centre: Array
+    normal: Array | UnsetType = UNSET
+    axis: Array | UnsetType = UNSET
+    on_axis: Array | UnsetType = UNSET
+    radius: float | UnsetType = UNSET
+    name: str = ""
+
+
+class FacesRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """JSON document of `faces`. `volume` is None if the file has no exact geometry."""
+
+    schema: Literal[1] = 1
+    part: str
+    unit: str
+    extent: Sequence[float]
+    volume: float | None
+    faces: Sequence[FaceRecord]
 
 
 def as_text(part: PartFile) -> str:
@@ -49,30 +79,28 @@ def _row(face: Face, scale: float) -> str:
 
 def as_json(part: PartFile) -> str:
     """Faces as JSON (schema 1), in SI units and the axes of the file."""
-    document: dict[str, Any] = {
-        "schema": 1,
-        "part": str(part.path),
-        "unit": part.unit,
-        "extent": part.extent,
-        "volume": part.exact.volume if part.exact else None,
-        "faces": [_entry(face) for face in part.faces],
-    }
-    return json.dumps(document, allow_nan=False)
+    return json_text(
+        FacesRecord(
+            part=str(part.path),
+            unit=part.unit,
+            extent=part.extent,
+            volume=part.exact.volume if part.exact else None,
+            faces=[_record(face) for face in part.faces],
+        )
+    )
 
 
-def _entry(face: Face) -> dict[str, Any]:
-    entry: dict[str, Any] = {
-        "number": face.number,
-        "kind": face.kind,
-        "area": face.area,
-        "centre": face.centre.tolist(),
-    }
-    if face.kind == "plane":
-        entry["normal"] = face.direction.tolist()
-    if face.kind in ("bore", "boss"):
-        entry |= {
-            "axis": face.direction.tolist(),
-            "on_axis": face.on_axis.tolist(),
-            "radius": face.radius,
-        }
-    return entry | ({"name": face.name} if face.name else {})
+def _record(face: Face) -> FaceRecord:
+    record = FaceRecord(
+        number=face.number,
+        kind=face.kind,
+        area=face.area,
+        centre=face.centre,
+        normal=face.direction if face.kind == "plane" else UNSET,
+        name=face.name,
+    )
+    if face.kind not in ("bore", "boss"):
+        return record
+    return msgspec.structs.replace(
+        record, axis=face.direction, on_axis=face.on_axis, radius=face.radius
+    )

@@ -3,14 +3,36 @@
 Input: a `FreePart`. Output: text, JSON (schema 1) or arrays, in SI units and the axes of the file.
 """
 
-import json
-from dataclasses import asdict
+from collections.abc import Mapping
+from typing import Any, Literal
 
+import msgspec
 import numpy as np
+from msgspec import UNSET, UnsetType
 
 from lumped.arrays import Array
 from validation.parts.free_modes import FreePart
+from validation.record_fields import CountRecord, finite_items, json_text
 from validation.uncertainty.refinement import Accuracy
+
+
+class FreePartRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """JSON document of `identify --free`, in SI units."""
+
+    schema: Literal[1] = 1
+    part: str
+    unit: str
+    unknowns: tuple[int, ...]
+    straightened: int
+    mass: float
+    accuracy: Accuracy | UnsetType = UNSET
+    rigid: int
+    frequencies: Array
+    centre: Array
+    inertia: Array
+    modes_counted: CountRecord
+    # Half-widths due to meshes, with None for an unknown one.
+    uncertainty: Mapping[str, Any]
 
 
 def as_text(part: FreePart, accuracy: Accuracy | None = None) -> str:
@@ -38,24 +60,22 @@ def as_text(part: FreePart, accuracy: Accuracy | None = None) -> str:
 
 def as_json(part: FreePart, accuracy: Accuracy | None = None) -> str:
     """All results as JSON (schema 1), in SI units. null for an unknown number."""
-    half_widths = part.frequency_refinement.astype(object)
-    half_widths[~np.isfinite(part.frequency_refinement)] = None
-    document = {
-        "schema": 1,
-        "part": str(part.part.path),
-        "unit": part.part.unit,
-        "unknowns": part.unknowns,
-        "straightened": part.straightened,
-        "mass": part.total,
-        **({"accuracy": asdict(accuracy)} if accuracy else {}),
-        "rigid": part.rigid,
-        "frequencies": part.frequencies.tolist(),
-        "centre": part.centre.tolist(),
-        "inertia": part.inertia.tolist(),
-        "modes_counted": {"count": part.counted, "below": part.counted_below},
-        "uncertainty": {"frequency": half_widths.tolist()},
-    }
-    return json.dumps(document, allow_nan=False)
+    return json_text(
+        FreePartRecord(
+            part=str(part.part.path),
+            unit=part.part.unit,
+            unknowns=part.unknowns,
+            straightened=part.straightened,
+            mass=part.total,
+            accuracy=accuracy or UNSET,
+            rigid=part.rigid,
+            frequencies=part.frequencies,
+            centre=part.centre,
+            inertia=part.inertia,
+            modes_counted=CountRecord(part.counted, part.counted_below),
+            uncertainty={"frequency": finite_items(part.frequency_refinement)},
+        )
+    )
 
 
 def as_arrays(part: FreePart) -> dict[str, Array]:

@@ -4,17 +4,19 @@ Input: an `Identified` part. Output: text, JSON (schema 1) or arrays, in SI unit
 the file.
 """
 
-import json
-from dataclasses import asdict
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
 
+import msgspec
 import numpy as np
+from msgspec import UNSET, UnsetType
 
 from lumped.arrays import Array
 from lumped.mechanism.placing import leg_frame
 from lumped.screws import turn
 from lumped.text import counted
 from validation.parts.identify import Identified
+from validation.record_fields import CountRecord, finite_items, json_text
 from validation.uncertainty.refinement import Accuracy
 
 _COMPONENTS = ("x", "y", "z", "φx", "φy", "φz")
@@ -22,6 +24,43 @@ _COMPONENTS = ("x", "y", "z", "φx", "φy", "φz")
 # its name in .npz files.
 _ARRAYS = ("stiffness", "compliance", "frequencies", "centre", "inertia")
 _UNCERTAIN = {"compliance": "compliance", "frequencies": "frequency"}
+
+
+class InterfaceRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """JSON object of an interface. `because` is the reason why its faces were chosen."""
+
+    name: str
+    faces: Sequence[int]
+    point: Array
+    coupling: str
+    because: str
+
+
+class IdentifiedRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """JSON document of `identify`, in SI units and the axes of the file.
+
+    Arrays are nested lists, with None for a number that is unknown. `uncertainty` and `bracket`:
+    half-widths due to meshes, and changes by averaged interfaces, of compliance and frequencies.
+    """
+
+    schema: Literal[1] = 1
+    part: str
+    unit: str
+    interfaces: Sequence[InterfaceRecord]
+    unknowns: tuple[int, ...]
+    straightened: int
+    mass: float
+    volume_deviation: float | None
+    accuracy: Accuracy | UnsetType = UNSET
+    condensed_mass: Any
+    stiffness: Any
+    compliance: Any
+    frequencies: Any
+    centre: Any
+    inertia: Any
+    modes_counted: CountRecord
+    uncertainty: Mapping[str, Any]
+    bracket: Mapping[str, Any]
 
 
 def as_text(identified: Identified, accuracy: Accuracy | None = None) -> str:
@@ -141,41 +180,37 @@ def toml(identified: Identified) -> str:
 
 def as_json(identified: Identified, accuracy: Accuracy | None = None) -> str:
     """All results as JSON (schema 1), in SI units and the axes of the file. null if unknown."""
-    arrays = {name: _none_if_not_finite(values) for name, values in as_arrays(identified).items()}
-    document = {
-        "schema": 1,
-        "part": str(identified.part.path),
-        "unit": identified.part.unit,
-        "interfaces": [
-            {
-                "name": interface.name,
-                "faces": interface.faces,
-                "point": interface.point.tolist(),
-                "coupling": interface.coupling,
-                "because": interface.reason,
-            }
-            for interface in identified.interfaces
-        ],
-        "unknowns": identified.unknowns,
-        "straightened": identified.straightened,
-        "mass": identified.total,
-        "volume_deviation": identified.deviation,
-        **({"accuracy": asdict(accuracy)} if accuracy else {}),
-        "condensed_mass": arrays["mass"],
-        **{name: arrays[name] for name in _ARRAYS},
-        "modes_counted": {"count": identified.counted, "below": identified.counted_below},
-        **{
-            name: {quantity: arrays[f"{key}_{name}"] for quantity, key in _UNCERTAIN.items()}
-            for name in ("uncertainty", "bracket")
-        },
-    }
-    return json.dumps(document, allow_nan=False)
+    arrays = {name: finite_items(values) for name, values in as_arrays(identified).items()}
+    return json_text(
+        IdentifiedRecord(
+            part=str(identified.part.path),
+            unit=identified.part.unit,
+            interfaces=[
+                InterfaceRecord(
+                    name=interface.name,
+                    faces=interface.faces,
+                    point=interface.point,
+                    coupling=interface.coupling,
+                    because=interface.reason,
+                )
+                for interface in identified.interfaces
+            ],
+            unknowns=identified.unknowns,
+            straightened=identified.straightened,
+            mass=identified.total,
+            volume_deviation=identified.deviation,
+            accuracy=accuracy or UNSET,
+            condensed_mass=arrays["mass"],
+            **{name: arrays[name] for name in _ARRAYS},
+            modes_counted=CountRecord(identified.counted, identified.counted_below),
+            uncertainty=_uncertain(arrays, "uncertainty"),
+            bracket=_uncertain(arrays, "bracket"),
+        )
+    )
 
 
-def _none_if_not_finite(values: Array) -> Any:
-    entries = values.astype(object)
-    entries[~np.isfinite(values)] = None
-    return entries.tolist()
+def _uncertain(arrays: Mapping[str, Any], kind: str) -> dict[str, Any]:
+    return {quantity: arrays[f"{key}_{kind}"] for quantity, key in _UNCERTAIN.items()}
 
 
 def as_arrays(identified: Identified) -> dict[str, Array]:

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from validation.case import UnjudgedValue
+from validation.comparisons.agreement_rows import AgreementRow, agreement_row
 from validation.drawing.text import engineering, number, percent
-from validation.report.agreement_parts import AgreementRow, agreement_row
 from validation.report.words import capital, listed, pose_text
 from validation.run.outcome import Outcome, Verdict
 from validation.verdicts import Coordinate

@@ -11,6 +11,7 @@ from functools import cached_property, partial
 from math import isnan
 
 from validation.case import Relation, Relative
+from validation.comparisons.agreement_rows import agreement_rows
 from validation.drawing.figures import attempted
 from validation.drawing.text import anchor
 from validation.report.agreement import (
@@ -19,7 +20,6 @@ from validation.report.agreement import (
     agreement_statement,
     agreement_tables,
 )
-from validation.report.agreement_parts import agreement_rows
 from validation.report.element_counts import ElementCounts, element_counts
 from validation.report.figures.budgets import budget_figure
 from validation.report.figures.studies import Family, families, study_figure

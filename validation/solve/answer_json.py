@@ -4,7 +4,6 @@ Input: a `Solution`. Output: the text of the JSON. Rule: keys without a value ar
 numbers have the units of the answers.
 """
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
@@ -17,7 +16,7 @@ from lumped.arrays import Array
 from lumped.errors import ComputationError
 from lumped.system.response import HarmonicResponse
 from lumped.system.stability import Stability
-from validation.record_fields import plain_data
+from validation.record_fields import CountRecord, finite, finite_items, json_text
 from validation.solve.answer import (
     Answer,
     HalfWidths,
@@ -45,13 +44,6 @@ class MeshRecord(HalfWidthRecord, frozen=True, omit_defaults=True, kw_only=True)
 
     divisions: int
     extrapolated_from: tuple[int, ...] = ()
-
-
-class CountRecord(msgspec.Struct, frozen=True):
-    """Number of modes of a part below a frequency (Hz)."""
-
-    count: int
-    below: float
 
 
 class PartRecord(msgspec.Struct, frozen=True):
@@ -164,7 +156,7 @@ def finite_json(document: Any) -> str:
     Raises ComputationError if it contains one.
     """
     try:
-        return json.dumps(plain_data(document), allow_nan=False)
+        return json_text(document)
     except ValueError as error:
         raise ComputationError(
             "a result is not a finite number, because a mass or a stiffness of the robot "
@@ -178,7 +170,7 @@ def answer_record(answer: Answer) -> AnswerRecord:
     return AnswerRecord(
         **msgspec.structs.asdict(answer.place),
         compliance=answer.compliance if answer.rigid is None else UNSET,
-        frequencies=tuple(map(_finite, answer.frequencies.tolist())),
+        frequencies=tuple(finite_items(answer.frequencies)),
         idle=answer.idle,
         rigid=answer.rigid,
         loads={
@@ -231,9 +223,7 @@ def _part_record(parts: PartUncertainty) -> PartRecord:
 def _load_record(
     displacement: Array, wrenches: Mapping[str, Array], stability: Stability | None
 ) -> LoadRecord:
-    reactions = {
-        joint: tuple(map(_finite, wrench.tolist())) for joint, wrench in wrenches.items()
-    } or UNSET
+    reactions = {joint: tuple(finite_items(wrench)) for joint, wrench in wrenches.items()} or UNSET
     if stability is None:
         return LoadRecord(_known(displacement), reactions)
     losses = _known(stability.stiffness_losses)
@@ -259,16 +249,11 @@ def _response_record(response: HarmonicResponse) -> ResponseRecord:
         frequencies=excitation.frequencies,
         real=response.receptance.real,
         imaginary=response.receptance.imag,
-        peak=SizeRecord(_finite(height), _finite(frequency)),
+        peak=SizeRecord(finite(height), finite(frequency)),
         at=SizeRecord(size_at[0], excitation.at) if size_at else UNSET,
         force=excitation.loaded or UNSET,
         displacement=excitation.moved or UNSET,
     )
-
-
-def _finite(number: float) -> float | None:
-    """The number itself, or None if it is infinite or NaN."""
-    return number if np.isfinite(number) else None
 
 
 def _known(values: Array) -> Array | None:

@@ -14,6 +14,7 @@ from lumped.legs import Material
 from lumped.mechanism.body import Body, Frame, Part
 from lumped.robot_file import load_robot
 from validation.comparisons import part_models_vs_solid
+from validation.comparisons.agreement_rows import agreement_rows
 from validation.comparisons.discretisations import Discretisation
 from validation.comparisons.part_models_vs_solid import (
     QUANTITIES,
@@ -25,7 +26,6 @@ from validation.comparisons.part_models_vs_solid import (
 )
 from validation.context import Context
 from validation.report.agreement import agreement_sentence, agreement_tables
-from validation.report.agreement_parts import agreement_rows
 from validation.run.outcome import judge
 
 pytestmark = pytest.mark.usefixtures("coarse_parts")

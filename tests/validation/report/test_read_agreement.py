@@ -15,12 +15,12 @@ import pytest
 from support.pages.report_sample import measured, redeclared, sample_report, unmeasured
 
 from validation.case import Allowance, Relative
+from validation.comparisons.agreement_rows import agreement_rows
 from validation.report.agreement import (
     agreement_sentence,
     agreement_tables,
     convergence_sentence,
 )
-from validation.report.agreement_parts import agreement_rows
 from validation.report.page import render
 from validation.studies_and_figures import AGREEMENT
 
