@@ -130,9 +130,10 @@ def _cubature(element: ElementName, degree: int) -> _Cubature:
 def _for_each_chunk(
     integrate: Callable[[slice], None], count: int, floats_per_element: int
 ) -> None:
-    """Integrate over chunks of `count` elements, several at a time; errors are the first chunk's.
+    """Call `integrate` for chunks of `count` elements, several chunks at a time.
 
-    Each chunk fills entries of its own, so that bits do not depend on the number of threads.
+    Each chunk fills entries of its own, so that the bits of the result do not depend on the number
+    of threads. If chunks fail, the error of the first one is raised.
     """
     size = max(1, _CHUNK_BYTES // (8 * floats_per_element))
     chunks = [slice(start, min(start + size, count)) for start in range(0, count, size)]
@@ -243,7 +244,7 @@ def _require_resolvable(material: Material) -> None:
 def _scalar_mass(
     mesh: VolumeMesh, rho: float, pairs: NodePairs, factors: Array | None = None
 ) -> SparseMatrix:
-    """∫ ρ N_a N_b dV (csr N×N, kg), the density of each element times one of the `factors` (M)."""
+    """Mass matrix ∫ ρ N_a N_b dV (csr N×N, kg), with a factor on ρ for each of the M elements."""
     cubature = _cubature(mesh.element, _MASS_DEGREE[mesh.element])
     k, points = cubature.shapes.shape
     table = np.einsum("aq,bq,q->qab", cubature.shapes, cubature.shapes, rho * cubature.weights)
@@ -292,7 +293,7 @@ def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatr
 def composite_stiffness_and_mass(
     mesh: VolumeMesh, regions: IntArray, materials: Sequence[Material]
 ) -> tuple[SparseMatrix, SparseMatrix]:
-    """`stiffness_and_mass` of a solid whose elements (M) have the materials of their `regions`."""
+    """Stiffness and mass matrices of a solid whose M elements have the materials of `regions`."""
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     blocks = _gradient_products(mesh, pairs)
     by_element = blocks.reshape(len(mesh.cells), -1, 3, 3)

@@ -228,7 +228,7 @@ class _ExudynModel:
 
 
 def _joint_axes(joint: Joint, free: Array) -> tuple[Array, list[int], int]:
-    """Axes of a joint (columns, base axes), flags of constrained components, driven component."""
+    """Axes of a joint, flags of the components that it constrains, and its driven component."""
     match joint.kind:
         case "fixed":
             return np.eye(3), [1, 1, 1, 1, 1, 1], 0

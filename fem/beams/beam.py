@@ -67,11 +67,12 @@ _NO_WARPING = 1e-4
 
 @dataclass(frozen=True)
 class _Member:
-    """One kind of deformation in one element, and the twist components that it uses.
+    """Tension, torsion or bending in one plane within one element.
 
-    `stiffness` and `mass` (k×k) are on the unknowns of `element`, those of its nodes first. `mesh`
-    consists of one element. `components` are the indices of the fields (deflection, then rotation)
-    in the twist, `signs` the signs of the twist components relative to the fields.
+    `stiffness` and `mass` (k×k) refer to the k unknowns of `element`, those of its nodes first.
+    `mesh` consists of one element. The element's fields are its deflection and its rotation.
+    `components` are their indices in the twist of a section, `signs` the signs of the twist
+    components relative to the fields.
     """
 
     element: Element
@@ -172,7 +173,7 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
 
 
 def _shear_stiffnesses(p: BeamProperties) -> tuple[float, float, float]:
-    """Shear stiffnesses (N) along y, along z, and their coupling."""
+    """Shear stiffnesses (N) along y and along z, and their coupling term."""
     if not p.shear_yz:
         return p.GAy, p.GAz, 0.0
     stiffness = np.linalg.inv(p.shear_flexibility)
@@ -197,7 +198,7 @@ def _coupling_mass(
 
 
 def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]]]]:
-    """Weights (in m) of the quadrature points of an element, and fields of each member there."""
+    """Weights (in m) of an element's quadrature points, and the fields of each member there."""
     points, weights = get_quadrature(RefLine, _INTEGRATION_ORDER)
     fields = [_fields(member.element, member.mesh, points) for member in members]
     return weights * members[0].mesh.p[0, -1], fields
@@ -320,9 +321,10 @@ def _places(members: dict[str, _Member], elements: int) -> tuple[dict[str, IntAr
 def _twists(
     member: _Member, places: IntArray, length: float, size: int, stations: Array
 ) -> SparseMatrix:
-    """6k × `size` matrix of a member's contribution to the twists of sections at k `stations`.
+    """Contribution (6k × `size`) of one deformation to the twists of sections at k `stations`.
 
-    `stations` are distances (m) from the root.
+    The columns are those of all `size` unknowns of the leg. `stations` are distances (m) from the
+    root.
     """
     stations = np.atleast_1d(np.asarray(stations, dtype=float))
     slack = ROUNDING * length
@@ -346,8 +348,9 @@ def warping_beam_leg(
 ) -> LegMatrices:
     """Free Timoshenko leg of `length` (m) with warping, consisting of `elements` beam elements.
 
-    Unknowns are those of `beam_leg`, followed by χ (1/m) at the nodes and inside the elements. If
-    `ends` is "rigid", χ is zero at both end faces. Round sections have no χ.
+    The unknowns are those of `beam_leg`, followed by the warping intensity χ (1/m) at the nodes and
+    inside the elements. If `ends` is "rigid", χ is zero at both end faces. Round sections have no
+    χ.
     """
     leg = beam_leg(beam_properties(constants, material), length, elements)
     rod = warping_rod(constants, material)

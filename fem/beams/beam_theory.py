@@ -84,7 +84,7 @@ def kinds_of(properties: BeamProperties) -> tuple[Kind, ...]:
 def _ascending(
     properties: BeamProperties, length: float, kind: Kind
 ) -> Iterator[CantileverFrequency]:
-    """All frequencies of one kind of deformation, ascending."""
+    """Yield all natural frequencies of one kind of deformation, ascending."""
     for order in naturals(1):
         frequency = frequency_of_kind(properties, length, kind, order)
         yield CantileverFrequency(frequency, kind, order)
@@ -206,7 +206,7 @@ def _upper_bound(beam: _Plane, length: float, order: int, euler_bernoulli: float
 def _root(beam: _Plane, length: float, index: int, bound: float) -> float:
     """Angular frequency ω (rad/s) with the given index (from 0) of a cantilever.
 
-    It is below `bound`.
+    The root lies below `bound` (rad/s).
     """
     pieces = _pieces(beam, length, _ROOM * bound)
 

@@ -93,15 +93,19 @@ def interior_properties(leg: GivenLeg, interior: Interior) -> BeamProperties:
 
 
 def _between_ends(length: float, squared_height: float) -> float:
-    """Length (m) of a leg between the ends stiffened by rigid faces. `squared_height` in m²."""
+    """Length (m) of a leg without the end regions that rigid faces stiffen.
+
+    `squared_height` in m².
+    """
     return length - 2.0 * min(_HELD_LENGTH * sqrt(squared_height), _LONGEST_HELD * length)
 
 
 def _bending(transverse: float, turning: float, axial: float, elastic: float) -> _Bending:
-    """Bending and shear stiffness with a given transverse stiffness (N/m, all other twists fixed).
+    """Bending and shear stiffness of a beam with a given transverse end stiffness.
 
-    `turning` is the rotation per moment (rad/(N m)), `axial` the axial stiffness (N/m), which
-    limits κGA, `elastic` the length (m) that deforms.
+    `transverse` (N/m) is that stiffness with all other end motions fixed. `turning` is the rotation
+    per moment (rad/(N m)), `axial` the axial stiffness (N/m), which limits κGA, and `elastic` the
+    length (m) that deforms.
     """
     # Transverse flexibility (m/N) due to shear.
     shear = max(1.0 / transverse - elastic**2 * turning / 12.0, _E_OVER_G / axial)

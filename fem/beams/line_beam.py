@@ -87,9 +87,10 @@ def line_beam(sections: LineSections, elements: int) -> LegMatrices:
 
 
 def _inner_strains(rigid: tuple[bool, ...]) -> IntArray:
-    """Strains that are linear inside elements: all, or tension and torsion without shear.
+    """Indices of the strains that vary linearly inside an element.
 
-    Bending alone is of fourth order without them, as Hermite's element is.
+    These are all strains, or tension and torsion if the beam is `rigid` in shear: bending without
+    shear has fourth order without them, as Hermite's element has.
     """
     if rigid[1] and rigid[2]:
         return np.array([0, 3])
@@ -97,7 +98,7 @@ def _inner_strains(rigid: tuple[bool, ...]) -> IntArray:
 
 
 def _places(elements: int, inner: int) -> tuple[IntArray, int]:
-    """Unknowns of the leg (elements×(12 + inner)) that each element has, and their number."""
+    """Indices of each element's unknowns (elements × (12 + inner)), and the number of all."""
     ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of the nodes from root to tip
     nodal = 6 * ranks[:, None] + np.arange(6)
     size = 6 * (elements + 1)

@@ -18,7 +18,7 @@ from lumped.screws import shift, turn
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A prismatic piece of a stepped leg, between the centroids of its end sections.
+    """A prismatic piece of a stepped leg, between the centroids of two sections of the part.
 
     `start` and `end` (3, m) are these centroids in leg axes. `properties` are in the piece's own
     `axes` (3×3, columns), the first of which is along the piece.
@@ -37,7 +37,7 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class SteppedLeg:
-    """Pieces of a leg from root to tip, which are `length` (m) apart along x.
+    """Prismatic pieces of a leg from root to tip, with `length` (m) from root to tip along x.
 
     `root_mass` and `tip_mass` (6×6, SI, leg axes) are the mass matrices of the rigid regions at
     root and tip.
@@ -50,7 +50,7 @@ class SteppedLeg:
 
 
 def stepped_leg(leg: SteppedLeg, build: Callable[[Piece], LegMatrices]) -> LegMatrices:
-    """Assembled leg of prismatic pieces, each modelled by `build` in its own axes.
+    """Matrices of a leg of prismatic pieces, assembled from the model `build` of each piece.
 
     The unknowns are the twists of root (6) and tip (6), then those inside.
     """
@@ -89,9 +89,9 @@ def stepped_leg(leg: SteppedLeg, build: Callable[[Piece], LegMatrices]) -> LegMa
 
 
 def _node(node: int, count: int, length: float) -> tuple[int, Array | None]:
-    """First unknown of a node, and the point to which its twist is referred.
+    """Index of the first unknown of a node, and the point to which the node's twist is referred.
 
-    None if the twist is that of the node itself.
+    The point is None if the twist is that of the node itself.
     """
     if node == 0:
         return 0, np.zeros(3)

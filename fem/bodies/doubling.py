@@ -138,7 +138,7 @@ def tip_compliance(piece: CondensedPiece, ends: Ends = "rigid") -> Array:
 
 
 def joined(first: CondensedPiece, second: CondensedPiece) -> CondensedPiece:
-    """Two pieces of equal slices end to end, the tip of `first` on the root of `second`."""
+    """Join two pieces of equal slices: the tip of `first` to the root of `second`."""
     length = first.length + second.length
     from_first = shift(np.array([(length - first.length) / 2.0, 0.0, 0.0]))
     from_second = shift(np.array([(second.length - length) / 2.0, 0.0, 0.0]))
@@ -163,7 +163,7 @@ def joined(first: CondensedPiece, second: CondensedPiece) -> CondensedPiece:
 
 
 def doubled(piece: CondensedPiece) -> CondensedPiece:
-    """Two equal pieces end to end: `joined(piece, piece)` with half the work, by symmetry.
+    """Join two equal pieces: the result of `joined(piece, piece)` with half the work, by symmetry.
 
     Axial and in-face deformations v of the middle face are uncoupled. With Y = L⁻¹ S_tip,root, M =
     LLᵀ, the sum of YᵢᵀYᵢ over both kinds of deformation is subtracted from S_root,root, and their
@@ -203,7 +203,7 @@ def _face_deformations(mesh: SolidMesh, leg: ConstantLeg) -> _FaceDeformations:
 
 
 def _complement(loads: Array, rows: IntArray, wrenches: IntArray) -> Array:
-    """Orthonormal displacements (m×(rows − 3)) on which the given loads do no work.
+    """Orthonormal displacements (m × (number of rows − 3)) on which the given loads do no work.
 
     Only the unknowns `rows` are not zero. `wrenches` are the columns of the loads.
     """
@@ -214,7 +214,7 @@ def _complement(loads: Array, rows: IntArray, wrenches: IntArray) -> Array:
 
 
 def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> CondensedPiece:
-    """One slice in the mixed form. The nodes between its faces are condensed.
+    """One slice of a leg in the mixed form, condensed to its two faces.
 
     Deformations of the tip that mirror those of the root (+) are not coupled with those of opposite
     sign (−): S is split into own ± across. With +, the nodes in the middle plane move within this
@@ -266,7 +266,7 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> Conden
 
 
 def _by_deformations(matrix: Array | SparseMatrix, face: _FaceDeformations) -> Array:
-    """Product of `matrix`, which has one column per unknown of a face, with the deformations N.
+    """Product of `matrix` (one column per unknown of a face) with the deformations N of the face.
 
     N has no axial components in in-face deformations and vice versa.
     """

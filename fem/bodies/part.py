@@ -1,4 +1,4 @@
-"""A CAD part on one mesh: its matrices, coupled to its interfaces, clamped at the first."""
+"""A CAD part on one mesh: its matrices, their coupling to the interfaces, and its clamped form."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -51,7 +51,10 @@ class MeshedPart:
 
 
 def meshed_part(mesh: PartMesh, material: Material) -> MeshedPart:
-    """Stiffness and mass of a part on a mesh. Raises ComputationError for folded elements."""
+    """Stiffness and mass matrices of a part on a mesh.
+
+    Raises ComputationError for folded elements.
+    """
     K, M = stiffness_and_mass(mesh, material)
     return MeshedPart(mesh, material, K, M)
 
@@ -94,7 +97,7 @@ def grips_of(
 
 
 def free_part(part: MeshedPart, name: str) -> RootedBody:
-    """Part without interfaces, held in its mean motion, with factorised stiffness.
+    """Part without interfaces whose mean motion is fixed, with factorised stiffness.
 
     The mean motion is that of its mass: Bᵀu = (RᵀMR)⁻¹ RᵀMu with the rigid motions R. Raises as
     `rooted_body` does.

@@ -1,7 +1,7 @@
 """A solid with any number of interfaces, clamped at its first one.
 
-It provides the data for statics, modes and reduction. Rigid motions are removed by means of the
-twist of the first interface, P = I − R̂B₀ᵀ. Six springs on single unknowns make K̂ positive
+The module provides the data for statics, modes and reduction. Rigid motions are removed by means of
+the twist of the first interface, P = I − R̂B₀ᵀ. Six springs on single unknowns make K̂ positive
 definite; loads in equilibrium cause no force in these springs. With the unit wrenches B at the
 other interfaces, U = P(K̂ + springs)⁻¹Pᵀ B are the displacements and C = BᵀU is the compliance.
 Then Ψ = U C⁻¹ are the displacements for unit twists of the other interfaces with the first clamped.
@@ -29,10 +29,11 @@ from lumped.screws import shift
 
 @dataclass(frozen=True, eq=False)
 class _Rooting:
-    """Projection P on displacements with the first interface clamped, with arrays in one memory.
+    """Projection P to displacements with the first interface clamped.
 
     `motions` are the rigid motions R̂ (n×6), `rows` the indices of the unknowns on which wrenches
-    at the interface act, `wrenches` the rows of B₀ for these unknowns.
+    at the first interface act, and `wrenches` the rows of the unit wrenches B₀ for these unknowns.
+    All arrays are in the memory of the host or all on a graphics card.
     """
 
     motions: Any
@@ -80,7 +81,7 @@ class RootedBody:
 
     @property
     def space(self) -> Space:
-        """Memory in which forces do not have to be copied."""
+        """Memory (host or graphics card) in which forces are used without a copy."""
         return self.pencil.symbolic.space
 
     def expanded(self, x: Any) -> Any:
@@ -124,9 +125,10 @@ class RootedBody:
 
     @cached_property
     def relative(self) -> Array:
-        """Matrix [−X I] from the twists of all interfaces to relative twists.
+        """Matrix [−X I] from the twists of all m interfaces to the relative twists of m − 1.
 
-        These are the twists of the other interfaces relative to the rigid motion of the first.
+        These are the twists of all interfaces but the first, relative to the rigid motion of the
+        first.
         """
         points = self.solid.points
         carried = [shift(point - points[0]) for point in points[1:]]
@@ -189,26 +191,33 @@ class RootedBody:
         return replace(modes, shapes=fix_signs(shapes))
 
     def uncounted_frequencies(self, count: int) -> Array:
-        """Frequencies (Hz) of `modes` without the count, hence without proof of completeness."""
+        """Frequencies (Hz) of the lowest `count` modes, without the proof that none is missing."""
         mass, space = self.solid.mass, self.space
         return searched_modes(self.flexibility, mass, count, self.name, space).frequencies
 
     def held_inertia(self, sigma: float) -> Inertia:
-        """Inertia of K − σM (σ in rad²/s²) with all interfaces fixed."""
+        """Numbers of eigenvalues of K − σM by sign, with all interfaces fixed. σ in rad²/s²."""
         return self._inertia(sigma, self.solid.twists)
 
     def free_inertia(self, sigma: float) -> Inertia:
-        """Inertia of K − σM (σ in rad²/s²) of the free body, including its six rigid motions."""
+        """Numbers of eigenvalues of K − σM by sign, for the free body.
+
+        Its six rigid motions are included. σ in rad²/s².
+        """
         return self._inertia(sigma, None)
 
     def rooted_inertia(self, sigma: float) -> Inertia:
-        """Inertia of K − σM (σ in rad²/s²) with the first interface clamped."""
+        """Numbers of eigenvalues of K − σM by sign, with the first interface clamped.
+
+        σ in rad²/s².
+        """
         return self._inertia(sigma, self.root)
 
     def _inertia(self, sigma: float, held: Array | None) -> Inertia:
-        """Inertia of K − σM on displacements x with Bᵀx = 0, or on all x if `held` is None.
+        """Numbers of eigenvalues of K − σM by sign, on the displacements x with Bᵀx = 0.
 
-        `held` (n×6k) is B, the unit wrenches at k fixed interfaces.
+        `sigma` is σ (rad²/s²). `held` (n×6k) is B, the unit wrenches at k fixed interfaces. If it
+        is None, all x count.
         """
         solid, constraints = self.solid, None
         if held is not None:

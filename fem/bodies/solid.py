@@ -84,7 +84,7 @@ def solid_leg(leg: SectionedLeg, mesh: SolidMesh) -> SolidLeg:
 
 
 def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:
-    """Solid leg on the unknowns of its ends, root and tip, and of its other nodes.
+    """Solid leg whose unknowns are the twists of root and tip and the displacements of other nodes.
 
     `ends` is the condition on the end faces: "rigid", or "free" to warp and contract as in
     Saint-Venant's theory.

@@ -2,7 +2,8 @@
 
 Each node has the mean of the stresses of its elements there. For elements of second order, the
 error is of second order in the element size. Towards a sharp re-entrant edge, and towards the edge
-of a rigid face, stresses have no bound: what is nearer to them than a given distance is no result.
+of a rigid face, stresses have no bound: values nearer to such an edge than a given distance are not
+results.
 """
 
 import numpy as np

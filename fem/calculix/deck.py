@@ -145,7 +145,7 @@ def _part(part: ElementSet, name: str, first: int) -> Iterator[str]:
 
 
 def _continued(entries: Sequence[str]) -> Iterator[str]:
-    """Lines of at most `_ENTRIES_PER_LINE` entries. A comma at its end continues a line."""
+    """Lines with at most `_ENTRIES_PER_LINE` of the `entries`. A comma at the end continues one."""
     starts = range(0, len(entries), _ENTRIES_PER_LINE)
     lines = [", ".join(entries[start : start + _ENTRIES_PER_LINE]) for start in starts]
     yield from (f"{line}," for line in lines[:-1])
@@ -175,6 +175,6 @@ def _equation(equation: Equation) -> Iterator[str]:
 
 
 def _number(value: float) -> str:
-    """Text of a number with all digits, or with fourteen if CalculiX would not read all."""
+    """Text of a number with all digits, or with fourteen if CalculiX cannot read all of them."""
     shortest = repr(float(value))
     return shortest if len(shortest) <= _NUMBER_WIDTH else f"{value:.{_NUMBER_WIDTH - 7}e}"

@@ -85,7 +85,7 @@ class _Builder:
         return int(self.count - len(points))
 
     def tie(self, freedom: Freedom, row: Array) -> None:
-        """Couple `freedom` to the independent freedoms by the coefficients `row` (n)."""
+        """Express `freedom` by the n independent freedoms, with the coefficients `row` (n)."""
         terms = self.terms(row)
         if terms:
             self.equations.append(Equation(freedom, terms))
@@ -93,14 +93,14 @@ class _Builder:
             self.held.append(freedom)
 
     def carry(self, numbers: IntArray, points: Array, node: tuple[str, str]) -> None:
-        """Couple nodes at `points` rigidly to a rigid body or an end face."""
+        """Couple the nodes `numbers` at `points` rigidly to `node`, a rigid body or an end face."""
         motions = rigid_motions(points, self.freedoms.places[node]) @ self.freedoms.twists[node]
         for number, rows in zip(numbers.tolist(), motions.reshape(len(points), 3, -1), strict=True):
             for component, row in enumerate(rows):
                 self.tie((number, component), row)
 
     def terms(self, row: Array) -> tuple[OnFreedom, ...]:
-        """Coefficients `row` (n) with their freedoms.
+        """Pairs of an independent freedom and its coefficient in `row` (n).
 
         The same coefficients are the generalised forces of a unit load on the coupled freedom.
         """
@@ -245,7 +245,7 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
 
 
 def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
-    """Directions (6×r, base axes) in which a joint is elastic, and the stiffnesses (r values)."""
+    """Directions (6×r, base axes) in which a joint is elastic, and the r stiffnesses there."""
     directions, stiffnesses = np.zeros((6, 0)), np.zeros(0)
     drive = drive_in(posture, joint)
     if drive is not None and drive.stiffness is not None:
@@ -261,7 +261,7 @@ def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
 
 
 def _eliminated(conditions: Array) -> Array:
-    """Matrix (N×n) from n independent unknowns to all N, by Gauss–Jordan with complete pivoting."""
+    """Matrix (N×n) from n independent unknowns to all N, by Gauss–Jordan elimination."""
     rows = conditions.copy()
     size = rows.shape[1]
     dependent: list[int] = []

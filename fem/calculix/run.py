@@ -116,7 +116,7 @@ def _run(program: str, job: Path, title: str, timeout: float) -> str:
 def first_error(output: str) -> str | None:
     """First *ERROR message in the output of CalculiX, with continuation lines.
 
-    None if there is none.
+    None if the output has no such message.
     """
     lines = output.splitlines()
     for start, line in enumerate(lines):
@@ -164,7 +164,7 @@ def _displacements(printed: str, deck: Deck) -> Array:
 
 
 def _frequencies(printed: str, deck: Deck) -> Array:
-    """Frequencies (Hz) √λ/2π from printed eigenvalues λ. The root halves the rounding error."""
+    """Frequencies (Hz) √λ/2π from the printed eigenvalues λ (rad²/s²)."""
     _, _, after = printed.partition("E I G E N V A L U E   O U T P U T")
     table, _, _ = after.partition("P A R T I C I P A T I O N")
     eigenvalues = [row[0] for row in map(_numbers, table.splitlines()) if len(row) == 4]

@@ -71,9 +71,10 @@ def _mean_diagonal(matrix: SparseMatrix) -> float:
 
 
 def _bordered(own: SparseMatrix, coupling: SparseMatrix, block: SparseMatrix) -> SparseMatrix:
-    """Symmetric matrix [own couplingᵀ; coupling block] (csr) of parts with sorted columns.
+    """Symmetric matrix [own couplingᵀ; coupling block] (csr) from three sparse blocks.
 
-    The large block is copied once, where `hstack` and `vstack` copy it twice.
+    The columns of the blocks must be sorted. The large `block` is copied once; `hstack` and
+    `vstack` would copy it twice.
     """
     first = hstack([own, csr_array(coupling.T)], format="csr")
     added = np.concatenate(
@@ -97,7 +98,7 @@ def _bordered(own: SparseMatrix, coupling: SparseMatrix, block: SparseMatrix) ->
 
 
 class _Numbering:
-    """Numbering of the unknowns x of a coupled solid, and displacements in terms of them."""
+    """Numbering of the unknowns x of a coupled solid, and the matrix from x to displacements."""
 
     def __init__(self, nodes: Array, grips: Sequence[Grip]) -> None:
         self.nodes, self.grips = nodes, grips
@@ -119,7 +120,7 @@ class _Numbering:
 
     @property
     def own(self) -> int:
-        """Number of unknowns of interfaces. They precede those of the nodes."""
+        """Number of the interfaces' unknowns. They precede those of the nodes."""
         return int(self.first[-1])
 
     def _turned(self) -> SparseMatrix | None:
@@ -191,9 +192,9 @@ class _Numbering:
         return _bordered(own, coupling, block)
 
     def _block_of_nodes(self, matrix: SparseMatrix) -> SparseMatrix:
-        """Rows and columns of the kept nodes' unknowns (csr, sorted columns).
+        """Rows and columns of `matrix` for nodes that belong to no rigid interface (csr, sorted).
 
-        Equal to `matrix[inner][:, inner]`. Few columns leave, and these are removed in one pass.
+        The result equals `matrix[inner][:, inner]`. Only few columns are removed, in one pass.
         """
         rows = matrix[self.inner]
         place = np.full(matrix.shape[1], -1, dtype=rows.indices.dtype)
@@ -225,7 +226,7 @@ class _Numbering:
         return np.vstack([*interface_motions, inner])
 
     def twist(self, index: int, motions: Array) -> Array:
-        """Matrix Bᵢ (n×6) of one interface. `motions` are the rigid motions R̂."""
+        """Unit wrenches Bᵢ (n×6) of interface `index`, whose twist is Bᵢᵀx."""
         grip = self.grips[index]
         rows = np.zeros((6, self.own + len(self.inner)))
         own_columns = slice(int(self.first[index]), int(self.first[index + 1]))

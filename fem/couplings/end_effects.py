@@ -101,7 +101,7 @@ class _Squares:
 
 
 def _solver(block: Array, rigid: Array) -> Callable[[Array], Array]:
-    """Function that solves equations with a symmetric, positive semidefinite matrix `block`.
+    """Solver of linear equations with the symmetric, positive semidefinite matrix `block`.
 
     Its null space is spanned by `rigid` (n×k).
     """
@@ -142,7 +142,7 @@ def _decays(fields: SectionFields) -> tuple[Array, Array]:
 def _change(fields: SectionFields, length: float) -> Array:
     """Change of compliance (m×m) by rigid end faces, for the fields of one symmetry.
 
-    It is relative to Saint-Venant's tractions on the faces.
+    The reference is the compliance with Saint-Venant's tractions on the faces.
     """
     root, tip = (saint_venant_states(fields, x) for x in (0.0, length))
     unit = np.linalg.inv(fields.rigid.T @ tip.forces)

@@ -72,9 +72,9 @@ class Grip:
 
     @property
     def own(self) -> Array:
-        """Matrix (k×6) from the twist at the reference point to the k unknowns of the interface.
+        """Matrix (k×6) from the twist of the interface to its k unknowns.
 
-        For a rigid interface these are the twist itself. For a pin they are translations and
+        The unknowns of a rigid interface are the twist itself. Those of a pin are translations and
         rotations perpendicular to the axis of the bore, at a point on the axis.
         """
         if self.kind != "pin":

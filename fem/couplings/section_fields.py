@@ -74,7 +74,7 @@ class SectionFields:
 
     @property
     def chain(self) -> int:
-        """Largest number of coupled solutions for γ² = 0: 2 with deflections, else 1."""
+        """Largest number of coupled solutions for γ² = 0: 2 if there are deflections, else 1."""
         return 2 if any(twist in _DEFLECTIONS for twist in self.twists) else 1
 
     @property
@@ -84,7 +84,7 @@ class SectionFields:
 
     @property
     def deflects(self) -> list[bool]:
-        """True for each of the unstrained rigid motions that is a deflection."""
+        """Flags of the unstrained rigid motions: True for a deflection along y or z."""
         return [twist in _DEFLECTIONS for twist in self.twists if twist in _UNSTRAINED]
 
     @property

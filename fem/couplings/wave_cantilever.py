@@ -37,8 +37,8 @@ _ANOTHER = 0.1
 def cut_off(kind: PrismWaves) -> float:
     """Lowest frequency (Hz) at which the section shears or distorts in phase all along the leg.
 
-    It is that of the symmetry of `kind`. Below it a single wave of this kind travels, that of a
-    beam.
+    Only motions with the symmetry of `kind` count. Below this frequency a single wave of this kind
+    travels, that of a beam.
     """
     # The first eigenvalue is the rigid motion: tension, torsion or the translation of bending.
     squares = eigh(kind.fields.E2, kind.fields.mass, subset_by_index=[1, 1], eigvals_only=True)
@@ -191,10 +191,10 @@ def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
 
 
 def _boundary(kind: PrismWaves, length: float, omega: float) -> tuple[Array, Array]:
-    """Boundary conditions on the amplitudes of all fields and the wrench on the root; tip motion.
+    """Matrix of the boundary conditions on a cantilever, and the row that gives its tip motion.
 
-    Columns are normalised. The second result is the row for the motion (m or rad) of the tip that
-    is conjugate to a wrench.
+    The normalised columns belong to the amplitudes of all fields and to the wrench on the root. The
+    tip motion (m or rad) is the one conjugate to a wrench of this kind.
     """
     fields, tractions = kind.fields, kind.tractions
     left, right = fields.squares_problem(omega)

@@ -39,10 +39,10 @@ _TOO_NEAR = 1e-6
 
 @dataclass(frozen=True)
 class CountedModes(Modes):
-    """All modes below `cutoff` (Hz). Some may lie slightly above it.
+    """All modes of a body below `cutoff` (Hz), and possibly some slightly above it.
 
-    `counted` is the number of modes below the cut-off by inertia, equal to the number found. None
-    if they were not counted.
+    `counted` is the number of modes below the cut-off by a count of eigenvalues, equal to the
+    number found. None if they were not counted.
     """
 
     cutoff: float
@@ -50,7 +50,7 @@ class CountedModes(Modes):
 
 
 def _without(held: Swinging, excluded: Modes) -> Swinging:
-    """Body whose flexibility does not contain the modes `excluded`."""
+    """The body `held` with a flexibility that does not contain the modes `excluded`."""
     shapes, squared = excluded.shapes, (2.0 * np.pi * excluded.frequencies[:, None]) ** 2
 
     def flexibility(forces: Any) -> Any:
@@ -61,10 +61,9 @@ def _without(held: Swinging, excluded: Modes) -> Swinging:
 
 
 def counted_modes(held: Swinging, cutoff: float) -> CountedModes:
-    """All modes of a body below `cutoff` (Hz), counted if the body supports it.
+    """All modes of a body below `cutoff` (Hz), with a count if the body supports it.
 
-    Raises ComputationError if the count exceeds the number of modes that can be found, or is below
-    it.
+    Raises ComputationError if the count differs from the number of modes that can be found.
     """
     modes = interface_modes(held, cutoff)
     if held.inertia is None:
@@ -117,7 +116,7 @@ def interface_modes(held: Swinging, cutoff: float, search: int = 0) -> Modes:
 
 
 def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
-    """All modes below the cut-off. None if these are a large part of all modes."""
+    """All modes below `cutoff` (Hz), by Lanczos. None if they are a large part of all modes."""
     # Random vectors contain modes of every symmetry. Lanczos cannot find modes that its start
     # lacks.
     start = np.random.default_rng(seed).standard_normal((held.size, _BLOCK))

@@ -52,7 +52,7 @@ class CraigBampton(Superelement):
     truncated: Array
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Additions to stiffness and mass that bound the unreduced body, see `Truncated`."""
+        """Additions to stiffness and mass with which a reduced body bounds the unreduced one."""
         return heavier_at_interfaces(self.truncated, self.cutoff, self.matrices.size, squared)
 
 
@@ -109,8 +109,9 @@ def heavier_at_interfaces(
 ) -> tuple[Array, Array]:
     """Additions to stiffness and mass for the bound of `Truncated.loosened`.
 
-    They are those of a Craig–Bampton reduction. `truncated` is W (6m×6m), `size` the number n of
-    unknowns. Only mass is added.
+    Valid for a Craig–Bampton reduction, where only mass is added. `truncated` is the matrix W
+    (6m×6m) on the twists of the m interfaces, `size` the number of unknowns, `squared` the largest
+    ω² (rad²/s²) for which the bound holds.
     """
     added = np.zeros((size, size))
     outer = slice(len(truncated))
@@ -140,7 +141,7 @@ def craig_bampton(
 ) -> CraigBampton:
     """Leg reduced for frequencies up to `highest_frequency` (Hz).
 
-    Arguments and errors: `reduction`.
+    Arguments and errors are those of `reduction`.
     """
     reduced_body = reduction(held, highest_frequency, cutoff)
     superelement = reduced(held, reduced_body.recovery, reduced_body.stiffness, reduced_body.mass)

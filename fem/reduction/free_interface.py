@@ -43,7 +43,7 @@ class FreeTruncation:
     truncated: Array
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Stiffness and mass (s×s) of a body that bounds the unreduced one.
+        """Stiffness and mass (s×s) of a reduced body that bounds the unreduced body.
 
         The unknowns are twists of the interfaces, rigid motions and modes. For any λ up to
         `squared` (rad²/s²), its dynamic stiffness is not above that of the unreduced body.
@@ -93,7 +93,7 @@ def free_interface(
 
 
 def _held(shares: Array, squared: Array) -> tuple[Array, Array]:
-    """Amplitudes (s×(s−6m)) of orthonormal shapes with fixed interfaces, and ω² of these shapes."""
+    """Amplitudes (s × (s − 6m)) of orthonormal shapes with fixed interfaces, and their ω²."""
     sizes = np.linalg.norm(shares, axis=1)
     across = qr((shares / sizes[:, None]).T)[0][:, len(shares) :]
     values, vectors = eigh(across.T @ (squared[:, None] * across))

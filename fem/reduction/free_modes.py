@@ -1,4 +1,4 @@
-"""Lowest elastic modes of a solid that nothing holds, with its rigid-body motions counted."""
+"""Lowest elastic modes of an unsupported solid, and a count of its rigid-body motions."""
 
 from dataclasses import replace
 
@@ -13,11 +13,12 @@ from lumped.models.bodies import RIGID_MOTIONS
 
 
 def free_modes(rooted: RootedBody, count: int) -> CertifiedModes:
-    """The lowest `count` elastic modes of a solid with nothing held.
+    """The lowest `count` elastic modes of an unsupported solid.
 
-    Its interfaces must not stiffen it: averaged or Saint-Venant ones. The inertia of the shifted
-    stiffness counts the elastic modes and, below them, the rigid motions. Raises ComputationError
-    if there are not six of these, and errors like `fem.solvers.modes.lowest_modes`.
+    Its interfaces must be averaged or of Saint-Venant's kind, which do not stiffen it. The signs of
+    the eigenvalues of the shifted stiffness count the elastic modes and, below them, the rigid
+    motions. Raises ComputationError if there are not six of these, and errors like
+    `fem.solvers.modes.lowest_modes`.
     """
     body = free_body(rooted)
 

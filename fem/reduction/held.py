@@ -25,13 +25,14 @@ _NO_RESIDUAL = 1e-11
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Swinging:
-    """A body with n unknowns u whose vibration modes are computed, with fixed interfaces or free.
+    """A body whose vibration modes are computed, either with fixed interfaces or unsupported.
 
-    `state` is its name and support in messages. `flexibility` is a function that computes
-    displacements (n×k) under forces (n×k), symmetric and positive semidefinite. `mass` is n×n.
-    `inertia` is a function that computes the inertia of K − σM for σ (rad²/s²), without rigid
-    motions. None if eigenvalues cannot be counted. `space` returns the memory in which forces do
-    not have to be copied.
+    It has n unknowns u. `state` is its name and support in messages. `flexibility` is a function
+    that computes displacements (n×k) under forces (n×k), symmetric and positive semidefinite.
+    `mass` is n×n. `inertia` is a function that computes the inertia of K − σM for σ (rad²/s²), its
+    numbers of negative, zero and positive eigenvalues, without rigid motions. None if eigenvalues
+    cannot be counted. `space` returns the memory (host or graphics card) in which forces are used
+    without a copy.
     """
 
     state: str

@@ -33,10 +33,10 @@ _GROUNDED = 1e-4
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HeldLeg(Held):
-    """A leg with n unknowns u and fixed twists of both ends, leg axes.
+    """A leg whose two ends are fixed, with the response to twists of these ends. Leg axes.
 
-    `centreline`, `line` and `parts` are those of `LegMatrices`, on u. Modes are not counted: legs
-    are slender, and their modes are those of beams.
+    The leg has n unknowns u. `centreline`, `line` and `parts` are those of `LegMatrices`, for u.
+    Modes are not counted: legs are slender, and their modes are those of beams.
     """
 
     model: str
@@ -67,7 +67,7 @@ def end_motions(length: float) -> Array:
 
 
 def ends_stiffness(tip_stiffness: Array, length: float) -> Array:
-    """12×12 stiffness of both ends from the 6×6 stiffness S of the tip with clamped root: Bᵀ S B.
+    """12×12 stiffness Bᵀ S B of both ends, from the 6×6 stiffness S of the tip with clamped root.
 
     B = [−X I] gives the twist of the tip relative to the rigid motion of the root, so that
     equilibrium and the six rigid motions are exact to round-off for any mesh.
@@ -77,7 +77,7 @@ def ends_stiffness(tip_stiffness: Array, length: float) -> Array:
 
 
 def held_leg(leg: LegMatrices) -> HeldLeg:
-    """Leg of any model with both ends fixed, by one sparse factorisation and twelve solutions.
+    """Fix both ends of a leg of any model, by one sparse factorisation and twelve solutions.
 
     Raises ComputationError if a part of the leg is loose or the leg is supported elsewhere.
     """
@@ -112,7 +112,7 @@ def held_leg(leg: LegMatrices) -> HeldLeg:
 
 
 def held_solid_leg(clamped: RootedBody, mesh: SolidMesh) -> HeldLeg:
-    """Solid leg with the twists of both ends fixed, on its own unknowns, for any end condition.
+    """Fix both ends of a solid leg, for any end condition, on the unknowns of the solid.
 
     The centreline consists of means over sections. At free ends these differ from the twists of the
     ends because of warping.

@@ -5,8 +5,8 @@ Math. Phys. 31 (1952) 268; Benscoter, J. Appl. Mech. 21 (1954) 25):
 
     2V = ∫ G I_p θ'² − 2 G(I_p − J) θ'χ + G(I_p − J) χ² + EΓ χ'² dx,   2T = ∫ ρI_p θ̇² + ρΓ χ̇² dx.
 
-With χ = θ' and without EΓ this is Saint-Venant's rod, with χ = θ' Vlasov's. ω and the polar moment
-I_p are about the shear centre.
+For χ = θ' this is Vlasov's rod, and without EΓ Saint-Venant's. ω and the polar moment I_p are about
+the shear centre.
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ _UNWARPED = 1e-9
 
 @dataclass(frozen=True)
 class WarpingRod:
-    """Stiffnesses and inertias per length of a rod that twists and warps, SI.
+    """Stiffnesses, and inertias per length, of a rod that twists and warps.
 
     `twist` G I_p (N m²), `shear` G(I_p − J) (N m²), `bimoment` EΓ (N m⁴), `rotary` ρI_p (kg m),
     `warping` ρΓ (kg m³).

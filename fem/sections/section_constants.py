@@ -182,11 +182,11 @@ def beam_properties(constants: SectionConstants, material: Material) -> BeamProp
 
 
 def held_contraction(quad: SectionQuadrature, nu: float, shear_to_young: float) -> Array:
-    """Matrix (2×2, m⁴) that the mesh adds to Σ = ∫ s sᵀ dA in bending, s = (y, z).
+    """Stiffening (2×2, m⁴) of bending by a mesh that cannot represent the section's contraction.
 
-    With the strains δε by which the interpolated fields deviate from the contraction, and r = ∫
-    BᵀCδε dA, it is (∫ δεᵀCδε dA − rᵀK⁻¹r)/E: positive semidefinite, and computed without
-    subtracting from Σ.
+    It is added to Σ = ∫ s sᵀ dA with s = (y, z). With the strains δε by which the interpolated
+    fields deviate from the contraction, and r = ∫ BᵀCδε dA, it is (∫ δεᵀCδε dA − rᵀK⁻¹r)/E. This is
+    positive semidefinite, and computed without a difference of second moments.
     """
     y, z = (quad.mesh.nodes - quad.centroid).T
     fields = -nu * np.array([[0.5 * (y**2 - z**2), y * z], [y * z, 0.5 * (z**2 - y**2)]])

@@ -79,7 +79,7 @@ def section_stresses(mesh: SectionMesh, material: Material) -> SectionStresses:
 
 
 class _NodalGradient:
-    """Gradient (2×N, per m) of nodal values (N) at the nodes: the mean of the adjacent cells."""
+    """Gradient (2×N, 1/m) of nodal values (N) at the nodes, as mean over the adjacent cells."""
 
     def __init__(self, mesh: SectionMesh) -> None:
         self._mesh = mesh
@@ -100,7 +100,7 @@ class _NodalGradient:
 
 
 def regular_nodes(mesh: SectionMesh, distance: float) -> Array:
-    """False for nodes (N) of a section mesh within `distance` (m) of a re-entrant corner."""
+    """Flags of the N nodes of a section mesh: False within `distance` (m) of re-entrant corners."""
     rim = _rim(mesh)
     on_rim = np.zeros(len(mesh.nodes), dtype=bool)
     on_rim[rim.ravel()] = True
@@ -112,12 +112,12 @@ def regular_nodes(mesh: SectionMesh, distance: float) -> Array:
 
 
 def _perimeter(mesh: SectionMesh) -> float:
-    """Length of the rim (m). The area over half of it is the thickness of thin walls."""
+    """Length (m) of the boundary. The area divided by half of it is the thickness of thin walls."""
     return float(np.linalg.norm(np.diff(mesh.nodes[_rim(mesh)], axis=1), axis=2).sum())
 
 
 def _rim(mesh: SectionMesh) -> IntArray:
-    """Corner nodes (e×2) of the edges that belong to one cell only."""
+    """Corner nodes (e×2) of the boundary edges, which belong to one cell only."""
     corners = mesh.cells[:, list(ELEMENTS[mesh.element].corner_nodes)]
     edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2))
     unique, counts = np.unique(edges, axis=0, return_counts=True)
@@ -125,7 +125,7 @@ def _rim(mesh: SectionMesh) -> IntArray:
 
 
 def _angles(mesh: SectionMesh) -> Array:
-    """Angle (N, rad) of the section about each node that is a corner of cells, zero for others."""
+    """Angle (N, rad) that the section fills about each corner node of cells. Zero for others."""
     kind = ELEMENTS[mesh.element]
     corners = list(kind.corner_nodes)
     places = kind.nodes[corners]

@@ -82,7 +82,7 @@ def mass_matrix(quad: SectionQuadrature, rho: float) -> Array:
 
 
 def assembled(quad: SectionQuadrature, local: Array) -> Array:
-    """Sum (3N×3N) of the matrices of all cells (M×3n×3n)."""
+    """Assembled matrix (3N×3N) of the matrices of all cells (M×3n×3n)."""
     unknowns = (3 * quad.mesh.cells[:, :, None] + np.arange(3)).reshape(len(local), -1)
     matrix = np.zeros((3 * len(quad.mesh.nodes),) * 2)
     np.add.at(matrix, (unknowns[:, :, None], unknowns[:, None, :]), local)

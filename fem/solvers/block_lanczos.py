@@ -54,7 +54,7 @@ class Ritz:
 
     @property
     def errors(self) -> Array:
-        """Estimated relative errors of the frequencies, from the smaller of two bounds for ω²."""
+        """Estimated relative errors of the frequencies, by the smaller of two bounds on ω²."""
         distances = np.abs(np.append(self.values, self.beyond) - self.values[:, None])
         distances /= self.values[:, None]
         distances[distances < CLUSTER] = np.inf
@@ -63,7 +63,7 @@ class Ritz:
 
 
 def merged(first: Ritz, second: Ritz) -> Ritz:
-    """Modes of two searches. Those of `second` are M-orthogonal to those of `first`."""
+    """Modes of two searches. Those of `second` must be M-orthogonal to those of `first`."""
     values = np.concatenate([first.values, second.values])
     order = np.argsort(values, kind="stable")
     last = values[order[-1]]
@@ -120,7 +120,7 @@ def first_modes(count: int) -> Wanted:
 def modes_below(squared: float) -> Wanted:
     """Requirement of all modes with ω² below `squared`.
 
-    One mode beyond it shows that no more are to come.
+    The search ends with one mode above `squared` (rad²/s²), which shows that all are found.
     """
 
     def wanted(values: Array, residuals: Array) -> int | None:

@@ -23,7 +23,7 @@ _ZERO = 500.0 * np.finfo(np.float64).eps
 
 @dataclass(frozen=True, eq=False)
 class Pencil:
-    """K − σM for any σ, on one pattern that is ordered once.
+    """The matrix K − σM for any σ, with one sparsity pattern that is ordered once.
 
     `springs` (n) are stiffnesses on single unknowns, mostly zero, that support a body while it is
     factorised. `symbolic` is that of K with the springs. `mass` contains the entries of the
@@ -62,11 +62,12 @@ def count_below(
     constraints: Array | None = None,
     room: RenewableFactor | None = None,
 ) -> Inertia:
-    """Inertia of K − σM without the springs of the pencil (σ in rad²/s²).
+    """Inertia of K − σM: numbers of its negative, zero and positive eigenvalues. σ in rad²/s².
 
-    `negative` is the number of eigenvalues of K x = λ M x below σ. If `zero` is above zero, σ is
-    too near an eigenvalue and must be changed. With `constraints` B (n×c, of full rank), only
-    vectors with Bᵀx = 0 count. `room` is a factor that may be released to provide memory.
+    The springs of the pencil do not count. `negative` is the number of eigenvalues of K x = λ M x
+    below σ. If `zero` is above zero, σ is too near an eigenvalue and must be changed. With
+    `constraints` B (n×c, of full rank), only vectors with Bᵀx = 0 count. `room` is a factor whose
+    memory may be released for the count.
     """
     n, springs = pencil.symbolic.size, pencil.springs
     if room is not None:

@@ -50,7 +50,7 @@ class Inertia(NamedTuple):
 
 
 class Analysis:
-    """Order of elimination of one pattern, moved to the processor if a graphics card fails."""
+    """Order of elimination of one sparsity pattern, recomputed on the processor if a card fails."""
 
     def __init__(self, lower: SparseMatrix) -> None:
         self._lower = lower
@@ -68,7 +68,7 @@ class Analysis:
             return self.ordering.factorise(values, part)
 
     def leave_device(self, error: DeviceError) -> None:
-        """Order on the processor from now on, with one warning."""
+        """Continue on the processor after `error` of the graphics card, with one warning."""
         if self.ordering.space is not HOST:
             announce_fallback(error)
             self.ordering = order_on_host(self._lower)
@@ -142,10 +142,10 @@ class Symbolic:
         return replace(self, triangle=triangle)
 
     def _held_by_rounding(self, factor: Factor) -> bool:
-        """True if the stiffness of the most compliant unknown is round-off.
+        """True if the smallest pivot that an order of elimination can give is only round-off.
 
-        1/(A⁻¹)ₖₖ is the pivot of unknown k if it is eliminated last, and its smallest possible
-        pivot.
+        The pivot of unknown k is smallest if it is eliminated last: 1/(A⁻¹)ₖₖ. The most compliant
+        unknown is checked.
         """
         if not self.size:
             return False
@@ -193,7 +193,7 @@ class RenewableFactor:
         vars(self).pop("numeric", None)
 
     def make_room(self) -> None:
-        """Release the factor unless there is ample memory for a second one."""
+        """Release the factor unless the memory suffices for a second one."""
         available = available_memory()
         if available is not None and available < _ROOM * self.symbolic.peak_bytes:
             self.give_up()

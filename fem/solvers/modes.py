@@ -140,7 +140,7 @@ def lowest_modes(
 def searched_modes(
     solve: Solve, M: SparseMatrix, mode_count: int, part: str, space: Space = HOST
 ) -> Modes:
-    """Modes of the first search of `lowest_modes`, without the count, which takes as long."""
+    """The lowest `mode_count` modes as in `lowest_modes`, without the count that certifies them."""
     block = _noise(M.shape[0], np.random.default_rng(_SEED))
     return _lowest(_converged_pairs(solve, M, block, mode_count, part, space), mode_count)
 
@@ -171,7 +171,7 @@ def _converged_pairs(
 
 
 def _noise(n: int, rng: np.random.Generator) -> Array:
-    """A block (n×s) of random vectors, which contain modes of every symmetry."""
+    """A block (n×s) of random vectors, which have components in modes of every symmetry."""
     return np.asarray(rng.standard_normal((n, _BLOCK)) / np.sqrt(n))
 
 

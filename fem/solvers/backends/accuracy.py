@@ -20,8 +20,8 @@ def is_accurate(
 ) -> bool:
     """True if the solution for random forces has a small backward error.
 
-    `triangle` (n×n) is the lower or the upper triangle of the matrix. It and the solutions are in
-    the memory to which `put` copies the forces (n×1).
+    `triangle` (n×n) is the lower or the upper triangle of the matrix. `put` copies the forces (n×1)
+    to the memory (host or graphics card) that contains the triangle and the solutions.
     """
     forces = np.random.default_rng(_SEED).standard_normal((triangle.shape[0], 1))
     right = put(forces)

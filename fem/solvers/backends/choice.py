@@ -28,7 +28,7 @@ LEAST_BYTES = 1_000
 
 
 class SolverFallbackWarning(Remark):
-    """Remark: another library than the chosen one computes."""
+    """Remark to the user that a library replaces the chosen one."""
 
 
 def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:
@@ -70,7 +70,7 @@ def order(lower: SparseMatrix) -> Ordering:
 
 
 def order_on_host(lower: SparseMatrix) -> Ordering:
-    """Order of elimination by rslab. If it cannot be loaded, by SciPy or, for large ones, by PETSc.
+    """Order of elimination by rslab; if it cannot be loaded, by SciPy or, if large, by PETSc.
 
     Raises ComputationError for a large matrix if neither rslab nor PETSc can be used.
     """

@@ -148,7 +148,7 @@ def space() -> DeviceSpace:
 
 @cache
 def _handle() -> int:
-    """Context of the library in this process. Orderings are computed by threads of the host."""
+    """Context of the library in this process, with orderings by threads of the host."""
     from cuda.pathfinder import load_nvidia_dynamic_lib  # noqa: PLC0415
     from nvmath.bindings import cudss  # noqa: PLC0415
 
@@ -278,7 +278,7 @@ class CudssOrdering:
             )
 
     def _signs(self) -> tuple[int, int]:
-        """Number of negative entries of D, and number of pivots that were replaced."""
+        """Numbers of negative entries of D and of replaced pivots."""
         from nvmath.bindings import cudss  # noqa: PLC0415
 
         inertia, replaced = np.zeros(2, dtype=np.int32), np.zeros(1, dtype=np.int32)

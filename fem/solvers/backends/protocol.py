@@ -88,7 +88,7 @@ class Numeric(Protocol):
 
 
 class Ordering(Protocol):
-    """Order of elimination for all matrices of one pattern.
+    """Order of elimination of the unknowns, for all matrices with one sparsity pattern.
 
     `peak_bytes` is the predicted peak of the host's memory during a factorisation.
     """
@@ -97,7 +97,7 @@ class Ordering(Protocol):
 
     @property
     def space(self) -> Space:
-        """Memory in which right-hand sides do not have to be copied."""
+        """Memory (host or graphics card) in which right-hand sides are used without a copy."""
 
     def factorise(self, values: Array, part: str) -> Numeric:
         """Factor of the matrix with the given `values` of its triangle.
