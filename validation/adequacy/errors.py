@@ -34,13 +34,14 @@ _TIE = 1e-9
 class DisplacementErrors:
     """Displacement vectors from which displacement errors follow (R interpretations, P poses).
 
-    `wrench` (R×P×6): unit wrench; for any force the worst one, for loads of the robot file zero.
-    `along` (R×P): signed error of the displacement along the wrench. `difference` (R×P×3):
-    displacement of the model minus that of the reference, over `length` (R×P, m/N or rad/(N m)),
-    the length of the reference's displacement. `between` (R×P, equal for all R): smallest error
-    against any displacement between two interpretations. Infinite if there is one interpretation.
-    `impossible` (R×P): true where the tool cannot move as the load requires. Such poses are not
-    compared; their errors are zero, or NaN if the load is impossible in all poses.
+    `wrench` (R×P×6): unit wrench on the loaded point. For the quantity "any force" it is the force
+    with the largest error, for loads of the robot file zero. `along` (R×P): signed error of the
+    displacement component along the wrench. `difference` (R×P×3): displacement of the model minus
+    that of the reference. `length` (R×P, m/N or rad/(N m)): length of the reference's displacement,
+    by which the difference is divided. `between` (R×P, equal for all R): smallest error of the
+    model against any displacement between two interpretations; infinite if there is one
+    interpretation. `impossible` (R×P): true where the tool cannot move as the load requires. Such
+    poses are not compared; their errors are zero, or NaN if the load is impossible in all poses.
     """
 
     wrench: Array
@@ -55,14 +56,14 @@ class DisplacementErrors:
 class ModePairing:
     """Mode partners from which frequency errors follow (arrays of R interpretations by P poses).
 
-    `below`, `above`: distances from the error to the lowest and highest error with other partners
-    that mixed shapes allow; for the order of modes, with other positions. `undecided`: true if
-    shapes do not show whether the model has the mode. `local`: true if the mode is local to a leg's
-    section. `rigid_share`: share of the mode's kinetic energy in cross-sections and bodies that
-    move as wholes. `mac`: MAC with the partner; without a partner, the largest MAC with any
-    mode of the model. `exchange_below`, `exchange_above`: further distances, to errors of modes
-    that take this mode's number if the stiffness inside the legs lies between those of two
-    interpretations.
+    `below`, `above`: distances from the error to the lowest and the highest error that other
+    partners give, if mixed shapes allow such partners; for the order of modes, the distances with
+    other mode numbers. `undecided`: true if the shapes do not show whether the model has the mode.
+    `local`: true if the mode is local to the cross-section of a leg. `rigid_share`: share of the
+    mode's kinetic energy in cross-sections and bodies that move as rigid wholes. `mac`: MAC with
+    the partner; without a partner, the largest MAC with any mode of the model. `exchange_below`,
+    `exchange_above`: further distances, to the errors of modes that take this mode's number if the
+    stiffness inside the legs lies between those of two interpretations.
     """
 
     below: Array
@@ -79,15 +80,16 @@ class ModePairing:
 class Errors:
     """Errors of one quantity of a model: R interpretations of the reference by P poses (R×P).
 
-    Frequencies (Hz) and peaks of responses (m/N): `error` = `value`/`expected` − 1. Displacements:
-    `value` and `expected` along the load, `error` of the whole vector, never negative, with details
-    in `displacement`. NaN if model and reference have no number to compare. `names`: of the
-    interpretations. `unknown`: true if the reference has fewer modes than are judged or no damped
-    one, if shapes do not show whether the model has the mode, or if the tool cannot move as a load
-    of the file requires in any pose. `budget`: half-width of the error
-    by source of uncertainty, that of meshes included in any case. `pairing`: for modes only.
-    `numbers` (R×P×m), for the order of modes only: index from 0 of the model's mode with the shape
-    of each mode of the reference, −1 if there is none. Shapes: m modes of the reference.
+    For frequencies (Hz) and peaks of responses (m/N), `error` is `value`/`expected` − 1. For
+    displacements, `value` and `expected` are the components along the load, `error` is that of the
+    whole vector, never negative, and `displacement` has the details. All three are NaN if model or
+    reference has no number to compare. `names`: names of the interpretations. `unknown`: true if
+    the reference has fewer modes than are judged, or no damped mode; if the shapes do not show
+    whether the model has the mode; or if the tool cannot move as a load of the robot file requires
+    in any pose. `budget`: half-width of the error by source of uncertainty, always with that of the
+    meshes. `pairing`: partners of the modes, for frequencies only. `numbers` (R×P×m), for the order
+    of modes only: index from 0 of the model's mode with the shape of each of the m modes of the
+    reference, −1 if there is none.
     """
 
     names: tuple[str, ...]
@@ -125,9 +127,9 @@ class Errors:
 
     @property
     def compared(self) -> NDArray[np.bool_]:
-        """True (P) for the poses whose errors count: those in which the load is possible.
+        """True (P) for the poses in which the load is possible, so that errors are compared.
 
-        If the load is impossible in all poses, all poses count.
+        If the load is impossible in all poses, all poses are compared.
         """
         if self.displacement is None:
             return np.ones(self.error.shape[1], dtype=bool)
@@ -157,8 +159,8 @@ class Errors:
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper end of each error's interval (R×P each).
 
-        The interval contains the half-widths and the errors with other possible partners. Shapes: R
-        interpretations of the reference, P poses.
+        The interval covers the half-widths of all sources of uncertainty and the errors with other
+        possible mode partners. Shapes: R interpretations of the reference, P poses.
         """
         low, high = self.error - self.spread, self.error + self.spread
         if self.pairing is None:
@@ -173,10 +175,10 @@ class Errors:
     def interval(self) -> tuple[Array, Array]:
         """Lowest and highest error (P each) over all interpretations, with their half-widths.
 
-        The error of a displacement vector is never below zero, and its lower end is zero if the
-        model lies between two interpretations. For the order of modes, the interval is that of the
-        interpretation with the largest error, since there is nothing between a mode in its place
-        and a mode in another. Shapes: P poses.
+        The error of a displacement vector is never below zero. Its lower end is zero if the model
+        lies between two interpretations. For the order of modes, the interval is that of the
+        interpretation with the largest error, since there is nothing between two mode numbers.
+        Shapes: P poses.
         """
         low, high = self.bounds
         if self.numbers is not None:
@@ -190,7 +192,7 @@ class Errors:
 
     @property
     def bound(self) -> Array:
-        """Largest absolute error (P) within the interval. NaN if an error is missing.
+        """Largest absolute value (P) in the interval of the error. NaN if an error is missing.
 
         Shapes: P poses.
         """
@@ -220,8 +222,8 @@ class Errors:
 class ModelErrors:
     """Errors of all models of a subject against its references. Mode partners are stored.
 
-    `modes`: number of judged frequencies. `factors`: relative changes of uncertain inputs under
-    which models and references are solved.
+    `modes`: number of judged frequencies. `factors`: relative changes of uncertain inputs of the
+    robot file, with which models and references are solved.
     """
 
     subject: Subject
@@ -291,9 +293,9 @@ class ModelErrors:
         interpretation: Interpretation,
         known: Callable[[Model, Reading], H | None],
     ) -> tuple[H, H] | None:
-        """Statics or modes of the reference and of a model, by the function `known`.
+        """Statics or modes (`known` solves for either) of the reference and of a model.
 
-        None if one of them is unsolved or undefined.
+        None if one of the two is unsolved or undefined.
         """
         reading = replace(interpretation.reading, factors=self.factors)
         of_reference = known(reference.model, reading) if reference.model else None
@@ -303,8 +305,8 @@ class ModelErrors:
     def _between(self, wrenches: Array, model: Model, quantity: Quantity) -> Array:
         """Smallest relative error (P) against any displacement between two interpretations.
 
-        `wrenches` (R×P×6): one load for each interpretation, of which the largest error counts.
-        Shapes: R interpretations of the reference, P poses.
+        `wrenches` (R×P×6) has one load for each of the R interpretations of the reference in P
+        poses. The largest of the errors under these loads is returned.
         """
         statics_pairs = self.statics(model)
         nearest = []
@@ -319,12 +321,12 @@ class ModelErrors:
         return np.asarray(np.max(nearest, axis=0))
 
     def _with_exchanges(self, errors: Errors, model: Model, number: int) -> Errors:
-        """Errors extended to every stiffness inside the legs between those of two interpretations.
+        """Errors widened for every stiffness inside the legs between those of two interpretations.
 
-        Interpretations that differ only in that stiffness are the ends of a range. Within the
-        range, a mode has a frequency between those of its shape at the ends. The mode with this
-        `number` has a frequency between those with this number, whatever its shape, since modes
-        pass each other.
+        Interpretations that differ only in the stiffness inside the legs are the ends of a range.
+        Within the range, a mode has a frequency between those of its shape at the two ends. Since
+        frequencies of different shapes can cross, the mode with this `number` (index from 0) has
+        some frequency between those with this number at the ends, and may have another shape.
         """
         (low, high), spread, pairing = errors.bounds, errors.spread, errors.pairing
         poses = np.arange(low.shape[1])
@@ -341,7 +343,7 @@ class ModelErrors:
         return replace(errors, pairing=widened)
 
     def _exchanged(self, model: Model, rows: Sequence[int], number: int) -> tuple[Array, Array]:
-        """Lowest and highest error (P each) of the modes that can take this `number`.
+        """Lowest and highest error (P each) of modes that can have this `number` (index from 0).
 
         `rows` are the interpretations at the ends of a range of stiffness inside the legs. Infinite
         if the model has no partner of such a mode. Shapes: P poses.
@@ -392,7 +394,8 @@ class ModelErrors:
     ) -> Errors | None:
         """Errors of a frequency, or of the order of modes, against one interpretation.
 
-        For the order, the error of that misplaced mode whose error is largest.
+        For the order of modes, the largest error of a mode with another number than in the
+        reference.
         """
         if (both_modes := self.modes_of(model, interpretation)) is None:
             return None
@@ -528,21 +531,21 @@ class ModelErrors:
 
 
 def first_largest(sizes: Array) -> IntArray:
-    """Index of the largest number along the first axis. Of nearly equal ones, the first."""
+    """Index of the largest number along the first axis. Of nearly equal ones, the lowest index."""
     largest = sizes.max(axis=0)
     threshold = np.where(largest > 0.0, (1.0 - _TIE) * largest, largest)
     return np.asarray(np.argmax(sizes >= threshold, axis=0))
 
 
 def stack_errors(errors: Sequence[Errors]) -> Errors:
-    """Errors against all R interpretations (R×P…), from those against each one (P…).
+    """Stack the errors against each of R interpretations (P×…) to arrays over all (R×P×…).
 
     Shapes: P poses.
     """
     first = errors[0]
 
     def columns(records: Sequence[Any]) -> dict[str, Any]:
-        """Arrays of all records by field, one row each."""
+        """Arrays of all records by field name, one row for each record."""
         arrays = [_arrays(record) for record in records]
         return {name: np.array([row[name] for row in arrays]) for name in arrays[0]}
 
@@ -573,8 +576,9 @@ class _MisplacedModes(NamedTuple):
 
     `numbers` (P×K): index of the model's mode for each mode of the reference. `mode` (P): index of
     the reference's mode whose misplacement causes the largest error. `frequency` (P, Hz): the
-    model's frequency with this index. `below`, `above` (P, Hz): distances to the frequencies that
-    decide if modes take other places that mixed shapes allow. Shapes: K judged modes.
+    model's frequency with this index. `below`, `above` (P, Hz): distances from it to the
+    frequencies that determine the error if modes are paired otherwise, as far as mixed shapes
+    allow. Shapes: K judged modes.
     """
 
     numbers: IntArray
@@ -585,9 +589,9 @@ class _MisplacedModes(NamedTuple):
 
 
 def _misplaced_modes(pairs: Partners, frequencies: Array) -> _MisplacedModes:
-    """Misplaced modes of a model, for `frequencies` (P×K, Hz) of the reference.
+    """Modes of a model with other numbers than in the reference, from their partners `pairs`.
 
-    Shapes: P poses, K judged modes.
+    `frequencies` (P×K, Hz) are those of the reference. Shapes: P poses, K judged modes.
     """
     poses, modes = np.arange(len(frequencies)), np.arange(frequencies.shape[1])
     solved = np.isfinite(frequencies) & ~pairs.undecided

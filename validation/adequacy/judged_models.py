@@ -1,8 +1,8 @@
 """Table of the lumped and beam models that are judged, by their names in the matrix of verdicts.
 
 Input: a mechanism. Output: for each model its formulation, options and title, and a `Model` that
-can be solved. Rule: a model that cannot represent the mechanism stays in the table, with the reason
-and without functions to solve it.
+can be solved. Rule: a model that cannot represent the mechanism stays in the table with the reason,
+but has no functions that solve it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ from validation.references.robot_on_path import RobotOnPath, why_not_serial
 
 
 class JudgedModel(NamedTuple):
-    """Formulation, title and options of a judged model."""
+    """Formulation (`kind`), title in the report and options of a judged model."""
 
     kind: ModelName
     title: str
@@ -56,10 +56,10 @@ _RIGID = "all bodies and joints are rigid, and no drive is elastic in this direc
 
 
 def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:
-    """Judged models by name, in the order of the matrix.
+    """Judged models by name, in the order of the matrix of verdicts.
 
-    "vjm-equivalent" is omitted if it equals "vjm": if no leg is known by its 6×6 and no CAD part is
-    replaced by a leg.
+    "vjm-equivalent" is omitted if it equals "vjm", that is, if no leg is specified by its 6×6 and
+    no CAD part is replaced by a leg.
     """
     parts = mechanism.parts.values()
     left_out = set() if parts else {"segments-stepped", "segments-condensed"}
@@ -79,13 +79,13 @@ def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
 def judged_models_of(
     robot: RobotOnPath, recipes: Mapping[str, JudgedModel] | None = None
 ) -> dict[str, Model]:
-    """Solvable models of a robot by name: those of `recipes`. All judged models if it is None."""
+    """Solvable models of a robot by name: those of `recipes`. All judged models if that is None."""
     recipes_by_name = judged_models(robot.mechanism) if recipes is None else recipes
     return {name: judged_model(robot, name, recipe) for name, recipe in recipes_by_name.items()}
 
 
 def judged_model(robot: RobotOnPath, name: str, recipe: JudgedModel) -> Model:
-    """Solvable model with its name in the matrix, from its formulation and options.
+    """Solvable model called `name` in the matrix, from its formulation and options (`recipe`).
 
     Statics and modes are None if the model cannot represent the robot.
     """

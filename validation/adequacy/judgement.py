@@ -8,8 +8,8 @@ The worst verdict over the poses stands; the deciding pose is the one with the l
 its limit.
 
 Causes: each step from the model to the reference removes one cause by a computation that does not
-use the reference. The error that no step removes is listed as the rest. Remedy: the fewest steps
-after which the error meets the limit in all poses.
+use the reference. The error that no step removes is listed as the remainder. Remedy: the fewest
+steps after which the error meets the limit in all poses.
 """
 
 from collections.abc import Mapping, Sequence
@@ -51,8 +51,9 @@ Position: TypeAlias = tuple[int, int]
 def verdict_matrix(subject: Subject, requirement: Requirement) -> Matrix:
     """Matrix of verdicts of a robot: each model for each quantity that it defines.
 
-    It contains the matrices of the legs alone and that of models on legs of constant section. If
-    inputs of the robot are uncertain, a verdict with a probability below 95 % becomes undecided.
+    It contains the matrices of the legs alone, and the matrix of models on equivalent legs of
+    constant section. If inputs of the robot are uncertain, a verdict with a probability below 95 %
+    becomes undecided.
     """
     model_errors = ModelErrors(subject, requirement.modes)
     inputs = UncertainInputs(model_errors, subject.inputs) if subject.inputs else None
@@ -89,7 +90,7 @@ def verdict_matrix(subject: Subject, requirement: Requirement) -> Matrix:
 
 
 def _undefined_reason(subject: Subject, model: Model) -> str:
-    """Reason why a model does not define statics or modes. "" if it defines both."""
+    """Reason why a model does not define statics or modes. "" if it defines both of them."""
     massless = model.modes is not None and subject.responses.modes(model, NOMINAL) is None
     return model.undefined_reason or (_NO_MASS if massless else "")
 
@@ -219,8 +220,8 @@ def _unsolved_entry(
 def verdicts_of(errors: Errors, limits: Array) -> list[Adequacy]:
     """Verdict in each pose from the interval of errors and the limit (P).
 
-    The order of modes is judged for each interpretation on its own, and undecided if these
-    disagree. Shapes: P poses.
+    The order of modes is judged for each interpretation alone, and is undecided if they disagree.
+    Shapes: P poses.
     """
     poses = range(errors.error.shape[1])
     if errors.numbers is None:
@@ -257,8 +258,8 @@ def _verdict(
 def _deciding_pose(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Array) -> int:
     """Index of the pose with the overall `verdict` and the largest error over its limit.
 
-    `shares` (P) are errors over limits. Of equal ones, up to round-off, the first, as in a
-    symmetric robot. Shapes: P poses.
+    `shares` (P) are errors divided by limits. If several are equal up to round-off, as in a
+    symmetric robot, the first of them. Shapes: P poses.
     """
     deciding = np.array([pose_verdict == verdict for pose_verdict in verdicts])
     size = np.where(np.isnan(shares), -0.5, np.abs(shares))
@@ -319,7 +320,7 @@ def _reason(
 
 
 def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str:
-    """Text, to follow the model's name, on why the model has no number to compare."""
+    """Reason why the model has no number to compare: a phrase that follows the model's name."""
     if quantity.static:
         return "is elastic in a direction in which the reference is rigid"
     if quantity.harmonic:
@@ -339,9 +340,10 @@ def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str
 
 
 def _deciding_information(errors: Errors, reference: Reference, pose: int, limits: Array) -> str:
-    """Instruction that supplies the information on which the verdict depends.
+    """Instruction to add the information to the robot file on which the verdict depends.
 
-    The stiffness inside legs, if the verdict is undecided whatever the other interpretations.
+    It is the stiffness inside the legs if, with any choice for the other open points of the robot
+    file, the verdict remains undecided.
     """
     if not reference.interior:
         return reference.decides
@@ -350,7 +352,10 @@ def _deciding_information(errors: Errors, reference: Reference, pose: int, limit
 
 
 def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[str]:
-    """Texts on misplaced modes under each interpretation. [] if all interpretations agree."""
+    """Texts on modes with other numbers than in the reference, one for each interpretation.
+
+    [] if all interpretations agree.
+    """
     if errors.numbers is None:
         return []
     names_by_text: dict[str, list[str]] = {}
@@ -378,18 +383,18 @@ def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[st
 
 
 def _interpretation_rows(errors: Errors, pose: int) -> IntArray:
-    """Index (P) of the interpretation whose numbers an entry shows: that of the largest error.
+    """Index (P) of the interpretation whose numbers an entry shows: that with the largest error.
 
-    All poses use the one of the deciding `pose`, so that a curve over the poses has one meaning.
-    The order of modes, which jumps in any case, uses the largest error in each pose. Shapes: P
-    poses.
+    All poses use the interpretation of the deciding `pose`, so that a curve over the poses has one
+    meaning. The order of modes, which jumps in any case, uses the interpretation with the largest
+    error in each pose. Shapes: P poses.
     """
     largest = errors.largest
     return largest if errors.numbers is not None else np.full_like(largest, largest[pose])
 
 
 def _readings(errors: Errors, pose: int) -> dict[str, float]:
-    """Error against each interpretation in a pose, by name.
+    """Error in a pose against each interpretation, by its name.
 
     {} if there is one interpretation, an error is missing, or the quantity is the order of modes,
     whose errors belong to different modes.
@@ -427,7 +432,10 @@ def _worst_force(errors: Errors, quantity: Quantity, position: Position) -> tupl
 
 
 def _half_width_parts(errors: Errors, reference: Reference, position: Position) -> dict[str, float]:
-    """Half-width by source, and half of the distance between interpretations as further sources."""
+    """Half-width of the error by source.
+
+    Half the distance between interpretations is a further source.
+    """
     parts: dict[str, float] = {
         source: float(half_widths[position])
         for source, half_widths in errors.budget.items()
@@ -463,9 +471,9 @@ def causes_of_error(
 ) -> tuple[Cause, ...]:
     """Causes of the error in one interpretation and pose, the largest first.
 
-    The shares sum to one; those below 0.5 % are then omitted. The error of a displacement is the
-    length of a vector: the amount of a step is the component of its change along that vector, under
-    the same load.
+    All shares sum to one; those below 0.5 % are omitted. The error of a displacement is the length
+    of a vector: the amount of a step is the component of its change along that vector, under the
+    same load.
     """
     if errors.missing[:, position[1]].any():
         return ()
@@ -504,7 +512,7 @@ def _removed_error(
 ) -> float | None:
     """Change of a model's error by the step from the first to the second of two models.
 
-    None if one of them is unsolved.
+    None if one of the two models is unsolved.
     """
     row, pose = position
     displacement = errors.displacement
@@ -534,12 +542,13 @@ def shortest_remedy(
 ) -> tuple[str, float | None]:
     """Remedy with the fewest steps after which the errors meet the limits in all poses.
 
-    Also the remaining error, in the pose in which it is largest relative to the limit. Half-widths
-    do not count. If no number of steps makes the model better than inadequate, the remedy is a
-    model equal to the reference; if there is no such model, the steps with the smallest remaining
-    error relative to the limit. A step is listed if it changes the error in any pose by at least a
-    tenth of the limit there. ("", None) if what remains after the best steps is no
-    smaller, relative to the limit, than the error in the deciding `pose`.
+    It is returned with the remaining error in the pose in which that is largest relative to the
+    limit. Half-widths are not considered. If no number of steps makes the model better than
+    inadequate, the remedy is a model equal to the reference; if there is no such model, the steps
+    with the smallest remaining error relative to the limit. A step is listed if it changes the
+    error in any pose by at least a tenth of the limit there. ("", None) if the error that remains
+    after the best steps is no smaller, relative to the limit, than the error in the deciding
+    `pose`.
     """
     subject = model_errors.subject
     tried: list[tuple[float, float, str, bool]] = []

@@ -1,7 +1,7 @@
-"""Compliances and frequencies of all models in some postures, with their differences from solids.
+"""Compliances and frequencies of all models in some postures, and their differences from solids.
 
 Input: a robot in postures. Output: `Compared`, values and relative differences by name of the
-model, for tables and curves. Rule: differences are relative to the reference under its first
+model, for tables and curves. Rule: the reference is the model of solids under its first
 interpretation; frequencies are compared between modes of the same shape.
 """
 
@@ -31,13 +31,14 @@ _DYNAMIC_STACK = ("simplified", *_DYNAMIC)
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Values of k quantities in P postures, by name of model and, last, of interpretation.
+    """Values of k quantities in P postures: of each model, then of the reference.
 
-    `values` (P×k) in SI units. `against`: name of the first interpretation of the reference.
-    `differences` (P×k): relative difference of each other column from it, NaN if there is no number
-    to compare. `uncertainties` (P×k or more columns, relative): half-widths of the interpretations.
-    For frequencies of robots with legs known by their 6×6, they cover every plausible mass
-    distribution and stiffness inside the legs.
+    `values` (P×k, SI units), by name of the model or, for the reference, of its interpretation.
+    `against`: name of the first interpretation of the reference. `differences` (P×k): relative
+    difference of all others from it; NaN if there is no number to compare. `uncertainties` (P×k or
+    more columns, relative): half-widths of the interpretations. For frequencies of robots with legs
+    specified by their 6×6, these cover every plausible mass distribution and stiffness inside the
+    legs.
     """
 
     values: Mapping[str, Array]
@@ -56,7 +57,7 @@ def compared_models(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, .
 
 
 def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, Array]]:
-    """Statics by name of model and, last, of interpretation; half-widths of the interpretations.
+    """Statics by name of model or interpretation, and half-widths of the interpretations.
 
     Half-widths (P×7, relative) are those of meshes plus those of the robot file's digits. Raises
     InputError or ComputationError if there is no reference. Shapes: P postures.
@@ -102,7 +103,10 @@ def compared_compliances(
 
 
 def _grouped_by_ends(reference: Reference) -> dict[str, list[Interpretation]]:
-    """Groups of interpretations that differ only inside the legs, by the name of the first."""
+    """Groups of interpretations that differ only inside the legs.
+
+    The key is the name of the first.
+    """
     groups: dict[Reading, list[Interpretation]] = {}
     for interpretation in reference.interpretations:
         groups.setdefault(interpretation.reading.restricted(("ends",)), []).append(interpretation)
@@ -157,7 +161,7 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
 def solved_modes(responses: Responses) -> dict[str, PathModes]:
     """Modes of all models that define modes, by name.
 
-    Raises ComputationError if one is unsolved.
+    Raises ComputationError if one of these models is unsolved.
     """
     models = _models_of_stack(responses.robot, _DYNAMIC_STACK)
     return {

@@ -84,14 +84,14 @@ class Slope:
 
 @dataclass(frozen=True, eq=False)
 class ErrorOfInputs:
-    """Errors with the inputs of the file, and their dependence on each uncertain input.
+    """Errors with the inputs of the robot file, and their dependence on each uncertain input.
 
     `nominal` (R×P×f×k): components of the errors, for R interpretations of the reference in P poses
-    under f forces. If `signed`, k = 2: the error and its half-width. Otherwise k = 8: displacement
-    of the model (3) and of the reference (3), smallest length to which the error is relative, and
-    its half-width. `slopes`: the errors with each input changed. `misfit`: root mean square
-    deviation from robots with all inputs changed. `lost`: share of these robots in which the error
-    does not exist although the slopes contain it.
+    under f forces. If `signed` (frequencies), k = 2: the error and its half-width. Otherwise k = 8:
+    displacement of the model (3) and of the reference (3), the smallest length by which the
+    difference is divided, and its half-width. `slopes`: the errors with each input changed.
+    `misfit`: root mean square deviation of these curves from robots with all inputs changed.
+    `lost`: share of these robots in which the error does not exist although the slopes contain it.
     """
 
     nominal: Array
@@ -134,9 +134,9 @@ class ErrorOfInputs:
         return np.asarray((1.0 - self.lost) * shares)
 
     def half_width(self, pose: int) -> float:
-        """Half-width (95 %) of the error in a pose due to inputs, about that of the robot file.
+        """Half-width (95 %) of the error in a pose due to uncertain inputs.
 
-        For a vector, the radius that contains 95 % of its changes.
+        For a displacement vector, the radius that contains 95 % of its changes.
         """
         nominal, below, above = self._largest_components(pose)
         components = _components_at(nominal, below, above, _draws(len(self.slopes)))
@@ -175,7 +175,7 @@ class ErrorOfInputs:
 
     @cached_property
     def _ends(self) -> tuple[Array, Array]:
-        """Components of errors with each of m inputs changed down and up (m×R×P×f×k each).
+        """Components of errors with one of m inputs changed down, and up (m×R×P×f×k each).
 
         Shapes: R interpretations of the reference, P poses, f forces, k components.
         """
@@ -184,12 +184,12 @@ class ErrorOfInputs:
 
     @property
     def losing_inputs(self) -> list[str]:
-        """Keys of inputs of which a change of one alone removes the mode, and with it the error."""
+        """Keys of the inputs that, if changed alone, remove the mode and with it the error."""
         sides = {slope.key: np.array([slope.below, slope.above]) for slope in self.slopes}
         return [key for key, ends in sides.items() if np.isnan(ends).any()]
 
     def shares(self, pose: int) -> dict[str, float]:
-        """Share of each input in the variance of the error of a pose, by key, the largest first.
+        """Share of each input in the variance of the error of a pose, by key, in descending order.
 
         These are first-order Sobol' indices.
         """
@@ -205,10 +205,10 @@ class ErrorOfInputs:
         return {key: share for share, key in ranked if share >= _NAMED_SHARE}
 
     def _largest_components(self, pose: int) -> tuple[Array, Array, Array]:
-        """Components (k) of the largest error in a pose, and with each input changed (m×k each).
+        """Components (k) of the largest error in a pose; those with each of m inputs changed (m×k).
 
-        The largest with the inputs of the file, over all interpretations and forces. Shapes: k
-        components, m inputs.
+        The error is the largest over all interpretations and forces with the inputs of the robot
+        file.
         """
         sizes = np.linalg.norm(self._vectors(self.nominal[:, pose]), axis=-1)
         interpretation, force = np.unravel_index(np.argmax(sizes), sizes.shape)
@@ -311,7 +311,7 @@ def probability(
 
 @dataclass(frozen=True, eq=False)
 class UncertainInputs:
-    """Errors of a robot's models with changed inputs. `nominal` are those of the robot file."""
+    """Errors of a robot's models with changed inputs. `nominal`: those of the robot file."""
 
     nominal: ModelErrors
     inputs: InputUncertainties
@@ -372,10 +372,10 @@ class UncertainInputs:
 
 @dataclass(frozen=True, eq=False)
 class _RobotErrors:
-    """Errors of a model's quantity for one robot. `errors` is None if there are none.
+    """Errors of a quantity of a model for one robot. `errors` is None if there are none.
 
     `statics`: statics of the reference and of the model for each interpretation, from which the
-    errors follow.
+    errors are computed.
     """
 
     quantity: Quantity
@@ -383,9 +383,10 @@ class _RobotErrors:
     statics: Sequence[tuple[Statics, Statics]] = ()
 
     def components(self, nominal: Errors, forces: Array | None) -> Array:
-        """Components as in `ErrorOfInputs.nominal`.
+        """Components of the errors, in the shape of `ErrorOfInputs.nominal`.
 
-        Under the wrenches `forces` (P×f×6) if given. Shapes: P poses, f forces.
+        They are those under the wrenches `forces` (P×f×6) unless it is None. Shapes: P poses, f
+        forces.
         """
         errors, vectorial = self.errors, nominal.displacement is not None
         count = 1 if forces is None else forces.shape[1]
@@ -430,10 +431,10 @@ def _robot_errors(model_errors: ModelErrors, model: Model, quantity: Quantity) -
 
 
 def _worst_forces(errors: Sequence[Errors | None]) -> Array:
-    """At most `_FORCES` worst forces of several robots, as unit wrenches (P×f×6).
+    """At most `_FORCES` forces with the largest errors in several robots, as unit wrenches (P×f×6).
 
-    The first is that of the largest error of the first robot. Each further one is the force least
-    parallel to all before it. Shapes: P poses, f forces.
+    The first force is that of the first robot. Each further one is the force least parallel to all
+    before it. Shapes: P poses, f forces.
     """
     first = errors[0]
     loads = [
@@ -458,7 +459,7 @@ def _deciding_inputs(
 ) -> str:
     """Text on the inputs that must be known better for a verdict: one of them, or the first few.
 
-    `keys` in descending order of their shares. "" if even all of them together do not decide.
+    `keys` are in descending order of their shares. "" if even all inputs together do not decide it.
     """
     relative = {slope.key: slope.relative for slope in error.slopes}
     column = 0 if verdict == "adequate" else 1
@@ -488,7 +489,7 @@ def _deciding_inputs(
 
 
 def _normal_shares(verdicts: Callable[[Array], NDArray[np.bool_]]) -> Array:
-    """Probabilities (m) that m conditions on a normally distributed variable hold.
+    """Probability that each of m conditions on a standard normal variable holds (m).
 
     `verdicts` returns the conditions (m×n) for n values (n×1) of the variable. The value at which a
     condition changes between two of 4096 points is found by bisection.
@@ -518,7 +519,7 @@ def _draws(inputs: int) -> Array:
 
 
 def propagated(changes: Iterable[Sequence[float] | Array]) -> float:
-    """Combined standard uncertainty of a value from independent inputs (GUM, eq. (10)).
+    """Standard uncertainty of a value, combined from independent inputs (GUM, eq. (10)).
 
     `changes`: for each input, the model's value with the input one standard uncertainty below and
     above its value in the file.

@@ -3,7 +3,7 @@
 Input: the robot file, path and preset of a run. Output: a `Subject` (models, references and steps
 between them) and its matrix of verdicts. Rule: meshes are refined until half-widths are at most the
 requested accuracy, or a fifth of the limit of each undecided error. A leg alone, clamped at its
-root, reveals errors that feet, joints and other legs hide, such as torsion of open sections.
+root, shows errors that joints, drives and other legs conceal, such as torsion of open sections.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -73,8 +73,8 @@ def robot_adequacy(context: Context) -> Matrix:
 def judged_robot(context: Context) -> tuple[Subject, Matrix]:
     """Subject and matrix of verdicts of the run's robot, with sufficiently fine meshes.
 
-    Half-widths due to meshes are at most the requested accuracy. Without a request they are at most
-    a fifth of the limit of each undecided error, as far as `finer_context` allows. Raises
+    Half-widths due to meshes are at most the accuracy of --accuracy. Without this option they are
+    at most a fifth of the limit of each undecided error, as far as `finer_context` allows. Raises
     InputError as `robot_subject` does.
     """
     requirement = context.robot_file.requirement
@@ -97,7 +97,8 @@ def judged_robot(context: Context) -> tuple[Subject, Matrix]:
 def _largest_mesh_half_width(matrix: Matrix, accuracy: float | None) -> float:
     """Largest half-width of an error due to meshes.
 
-    Without `accuracy`: relative to a fifth of the error's limit, over undecided errors only.
+    If `accuracy` is None, it is divided by a fifth of the error's limit, and only undecided errors
+    count.
     """
     shares = [
         entry.uncertainties["meshes"] / (1.0 if accuracy else entry.limit / 5.0)
@@ -191,7 +192,10 @@ def _input_uncertainties(subject: Subject) -> InputUncertainties | None:
 
 
 def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
-    """Subject of a robot with the static reference only. Without one if legs cannot be solids."""
+    """Subject of a robot with the reference for statics only.
+
+    It has no reference if legs cannot be solids.
+    """
     responses, steps = Responses(robot), Steps()
     try:
         reference, steps = static_reference(responses), static_steps(robot)
@@ -212,7 +216,7 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
 
 
 def _without_modes(models: Iterable[Model]) -> list[Model]:
-    """Models reduced to their statics. The reason for missing modes is removed."""
+    """Models with their statics alone, and without a reason for missing modes."""
     return [
         replace(
             model,
@@ -226,8 +230,8 @@ def _without_modes(models: Iterable[Model]) -> list[Model]:
 def _constant_section_subject(robot: RobotOnPath, models: Mapping[str, Model]) -> Subject | None:
     """Subject on which models of legs of constant section are judged, against solids of such legs.
 
-    The legs are the equivalent prisms of those known by their 6×6. None if no leg is known by its
-    6×6, or if the robot has CAD parts, whose idealisation would be part of the error.
+    The legs are the equivalent prisms of those specified by their 6×6. None if no leg is, or if the
+    robot has CAD parts, whose idealisation would be part of the error.
     """
     if not robot.given or robot.mechanism.parts:
         return None
@@ -242,7 +246,7 @@ def _constant_section_subject(robot: RobotOnPath, models: Mapping[str, Model]) -
 
 
 def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
-    """Subject of one leg alone, clamped at its root, with its models in statics."""
+    """Subject of one leg alone, clamped at its root, with its models for statics."""
     leg = robot_at(context, [reference_posture(leg_alone(name, shape))])
     left_out = _NOT_FOR_A_LEG if leg.given else (*_NOT_FOR_A_LEG, "vjm-equivalent")
     recipes = {name: recipe for name, recipe in JUDGED.items() if name not in left_out}
@@ -297,7 +301,7 @@ def _notes(robot: RobotOnPath) -> list[str]:
 
 
 def _stability_notes(robot: RobotOnPath) -> tuple[Sequence[str], tuple[str, ...]]:
-    """Notes on stability under the robot's loads. Also names of computations with a fault."""
+    """Notes on stability under the robot's loads, and names of the computations that failed."""
     subject = "stability under loads"
     try:
         results = robot.context.get(stabilities, "links", robot.postures)
