@@ -30,7 +30,7 @@ from validation.run.outcome import Outcome, Verdict, judge
 
 @dataclass(frozen=True)
 class Checked:
-    """Verdict of a check, with a text of its numbers, one on each line."""
+    """Verdict of a check, with its numbers as text, one on each line."""
 
     verdict: Verdict
     text: str
@@ -110,9 +110,10 @@ def _converged(body: str, model: RefinedModel, quantity: str, context: Context) 
 def convergence_check(
     study: ConvergenceStudy, model: RefinedModel, quantity: str, limits: AgreementLimits
 ) -> Checked:
-    """Check of the largest error with the element count of `limits` or more, against their limit.
+    """Check that the largest error with the element count of `limits` or more is below its limit.
 
-    Raises Skip if that count was not computed, as for legs of pieces that it does not divide.
+    Raises Skip if that count was not computed, for example because a leg of pieces is not divisible
+    by it.
     """
     series, column = study.of(model), study.column(quantity)
     if limits.elements not in series.counts:

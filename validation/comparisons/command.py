@@ -102,14 +102,14 @@ def converge(
 
 
 def _counts(option: str, typed: str | None) -> tuple[int, ...] | None:
-    """Whole numbers from a text, separated by commas. None if the option is not given."""
+    """Whole numbers of an option's text, which are separated by commas. None if `typed` is None."""
     if typed is None:
         return None
     numbers = [number.strip() for number in typed.split(",")]
     if not all(re.fullmatch(r"[1-9]\d{0,3}", number) for number in numbers):
         raise InputError(
             f"{option} = {typed}: must be whole numbers from 1 to 9999 separated by commas, "
-            "as 5,10,20,40"
+            "such as 5,10,20,40"
         )
     return tuple(int(number) for number in numbers)
 

@@ -2,7 +2,7 @@
 
 Input: a robot file. Output: for each leg and formulation three verdicts: the observed order equals
 the formal one; the error with 20 elements is below 1 %, as the paper states, or below the limit
-that table [agree] sets; each half-width contains the limit.
+that table [agree] sets; each half-width of the uncertainty is at least as large as the error.
 """
 
 from dataclasses import replace
@@ -60,7 +60,7 @@ def study_of(context: Context, body: str) -> ConvergenceStudy:
 
 
 def _study(mechanism: Mechanism, body: str, limits: AgreementLimits) -> ConvergenceStudy | str:
-    """Convergence study, or the reason why beams do not apply.
+    """Convergence study, or a text with the reason why beams do not apply.
 
     By Timoshenko's theory; for prismatic legs also by that of Euler and Bernoulli.
     """
@@ -127,9 +127,9 @@ def _order(context: Context, body: str, model: RefinedModel) -> Measurement:
 
 
 def _order_uncertainty(series: ConvergenceSeries, column: int) -> float:
-    """Change of the observed order between the two finest pairs of counts that have one.
+    """Change of the observed order between the two finest pairs of element counts with an order.
 
-    Infinite if fewer than two pairs have one.
+    Infinite if fewer than two pairs have an order.
     """
     orders = series.pairwise_orders(column)
     orders = orders[~np.isnan(orders)]

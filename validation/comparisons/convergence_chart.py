@@ -28,8 +28,9 @@ class ErrorCurve:
     """Relative `errors` (n) of one formulation over element counts (n).
 
     `name`: the formulation. `label`: its entry in the legend. `remark`: text at the end of the
-    curve. `look`: key of `validation.drawing.style.LOOKS`. A curve with `drawn` false appears in
-    the data only. If `stated`, the error at the count of [agree] is written beside the curve.
+    curve. `look`: key of `validation.drawing.style.LOOKS`. A curve with `drawn` false is in the
+    table of data only. If `stated`, the error at the element count of table [agree] is written
+    beside the curve.
     """
 
     name: str
@@ -57,9 +58,9 @@ def convergence_chart(
     agreement: AgreementLimits = DEFAULT_LIMITS,
     columns: int = 2,
 ) -> Chart:
-    """Chart with one panel for each quantity of a subject, errors in per cent.
+    """Chart with one panel for each quantity of a subject; errors in per cent.
 
-    Lines mark the error limit and the element count of `agreement`.
+    Lines mark the error limit and the element count of `agreement`. `columns`: panels in a row.
     """
     counts = np.unique(np.concatenate([curve.counts for panel in panels for curve in panel.curves]))
     columns = min(columns, len(panels))
@@ -117,7 +118,7 @@ def _panel(
 
 
 def _notes(texts: Sequence[tuple[float, float, str]], away: float, below: float) -> list[Note]:
-    """Notes at points (error, count), those of close points stacked.
+    """Notes for the drawing from (error, element count, text). Notes of close points are stacked.
 
     `away` and `below`: offsets of a note from its point, to the right and downwards (typographic
     points).

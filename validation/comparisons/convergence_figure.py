@@ -27,7 +27,7 @@ figures = FigureGroup(CONVERGENCE, GROUP)
 
 @figures.figure(FIGURE, "Convergence with element count", effort=1.5)
 def element_convergence(context: Context) -> Chart:
-    """Chart with a column for each of the first legs and for the robot, a row for each quantity."""
+    """Chart with a column for each of the first legs and the robot, a row for each quantity."""
     bodies = subjects(context.robot_file.mechanism)
     if not bodies:
         raise Skip("the robot has no leg that can be divided into elements")
@@ -43,7 +43,7 @@ def element_convergence(context: Context) -> Chart:
 
 
 def _has_errors(study: ConvergenceStudy, quantity: str) -> bool:
-    """True unless all formulations give the exact value for every element count."""
+    """True unless all formulations give the exact value of a quantity for every element count."""
     column = study.column(quantity)
     return not all(series.exact[column] for series in study.series)
 

@@ -11,8 +11,8 @@ Rule for the half-width of count n: it follows from n and the next lower count m
 as F |f(n) − f(m)| / ((n/m)^p − 1). p is the observed order, at most the formal one. F = 1.25 if the
 orders observed over the last four counts are both within a tenth of the formal one, otherwise 3
 (ASME V&V 20). Errors that change sign have no order; their half-width is three times the largest
-error of n and all higher counts. Two counts cannot reveal modes that change places between them, as
-those of few elements do.
+error of n and all higher counts. Two counts cannot reveal modes that exchange their numbers between
+them, as modes of few elements do.
 """
 
 from collections.abc import Mapping, Sequence
@@ -52,9 +52,9 @@ class ConvergenceSeries:
 
     `formal_order`: order of the frequencies in 1/n. `values` (n×q, units of the study) belong to
     `counts` (n, ascending). `limits` (q): values for infinitely many elements; `limit_half_widths`
-    (q): their relative uncertainty. `orders` (q): observed orders in 1/n, NaN if there is none.
-    `needed` (targets×q): smallest count from which on the error stays below each of `TARGETS`, 0 if
-    the highest count exceeds it.
+    (q): half-widths of their uncertainty, relative. `orders` (q): observed orders in 1/n, NaN if
+    there is none. `needed` (targets×q): smallest count from which on the error stays below each of
+    `TARGETS`; 0 if the error at the highest count is above it.
     """
 
     discretisation: Discretisation
@@ -101,9 +101,9 @@ class ConvergenceSeries:
     def half_widths(self) -> Array:
         """Relative half-widths of the discretisation uncertainty (n counts × q quantities).
 
-        NaN for the first count. If there is an order, a half-width follows from this and lower
-        counts only, so that it can be tested against the limit. Otherwise it is three times the
-        largest error of this and all higher counts.
+        NaN for the first count. If there is an order, the half-width of a count is computed from
+        this and lower counts only, so that it can be compared with the error. Otherwise it is three
+        times the largest error of this and all higher counts.
         """
         columns = range(self.values.shape[1])
         return np.column_stack([self._half_widths(column) for column in columns])
@@ -133,9 +133,9 @@ class ConvergenceSeries:
         return np.asarray(widths + self.limit_half_widths[column] + self._round_off)
 
     def pairwise_orders(self, column: int) -> Array:
-        """Order between each count and the one before it (n).
+        """Observed order between each count and the one before it (n).
 
-        NaN for the first and close to the limit. Shapes: n element counts.
+        NaN for the first count, and if the error is close to zero. Shapes: n element counts.
         """
         sizes = np.abs(self.errors[:, column])
         floor = _FITTED + _ABOVE_LIMIT * self.limit_half_widths[column]

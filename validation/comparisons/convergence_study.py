@@ -67,10 +67,10 @@ class ConvergenceStudy:
     """Convergence of a leg or of a robot with element count, or with the mesh of solids.
 
     `subject` is the body's name, or empty for the whole robot. The robot is in `pose`: its
-    coordinates (m, rad) by name.
-    `quantities` (q) are f1, f2, … (Hz) and x, y, z: the deflection of the tip or tool under a unit
-    force along that axis (m/N). `reference` names the source of the limits. `agreement` contains
-    the element count whose error is stated, and the limit on this error.
+    coordinates (m, rad) by name. `quantities` (q) are f1, f2, … (Hz) and x, y, z: the deflection of
+    the tip or tool under a unit force along that axis (m/N). `reference` names the source of the
+    limits. `agreement` contains the element count at which the error is judged, and the limit on
+    this error.
 
     Examples
     --------
@@ -162,7 +162,7 @@ class ConvergenceStudy:
     ) -> None:
         """Raise AssertionError if the error at `elements` or at any finer count exceeds `within`.
 
-        The error counts with the half-width of its limit.
+        The half-width of the limit is added to the error.
 
         Parameters
         ----------
@@ -180,7 +180,7 @@ class ConvergenceStudy:
         Raises
         ------
         AssertionError
-            With error, order and the element counts that would do.
+            With error, order and the element counts that meet the limit.
         InputError
             For a quantity, a formulation or an element count that was not computed.
 
@@ -202,11 +202,14 @@ class ConvergenceStudy:
 
     @property
     def _stated(self) -> int | None:
-        """Element count at which texts give the error. None for meshes."""
+        """Element count at which texts state the error. None for meshes of solids."""
         return self.agreement.elements if self.refined == "elements" else None
 
     def short_summary(self, series: ConvergenceSeries, column: int) -> str:
-        """Text with the error at the judged count and smallest counts, "+0.009 % (2, 6, 19)"."""
+        """Error at the judged count, and smallest counts for 1 %, 0.1 %, 0.01 %.
+
+        Example: "+0.009 % (2, 6, 19)".
+        """
         return short_summary(series, column, self._stated)
 
     def _require_converged(
@@ -241,13 +244,13 @@ class ConvergenceStudy:
         Returns
         -------
         ResultTable
-            Errors from the limit and half-widths in per cent; the order between each count and the
-            one before.
+            Errors relative to the limit and half-widths, in per cent; order between each count and
+            the one before.
 
         Raises
         ------
         InputError
-            For a quantity that the study does not have.
+            For a quantity that the study does not contain.
 
         Examples
         --------
@@ -284,7 +287,7 @@ class ConvergenceStudy:
         Raises
         ------
         InputError
-            For a quantity that the study does not have.
+            For a quantity that the study does not contain.
 
         Examples
         --------
@@ -385,23 +388,23 @@ class ConvergenceStudy:
         )
 
     def missed(self, quantity: str, within: float | None = None) -> list[str]:
-        """Formulations whose error at the stated count exceeds `within`, a line for each.
+        """Formulations whose error at the judged element count exceeds `within`, a line for each.
 
-        The stated count is that of `agreement`, or the finest mesh of solids. The literal layout of
-        the paper is shown and not judged.
+        The judged count is that of `agreement`, or the finest mesh of solids. The literal layout of
+        the paper is not judged.
 
         Parameters
         ----------
         quantity
             "f1", "f2", … or a deflection "x", "y", "z".
         within
-            Largest relative error. The limit of `agreement` if None: it applies to elements, and
-            only if its count was computed.
+            Largest relative error. The limit of `agreement` if None. That limit applies to segments
+            and beam elements only, and only if its count was computed.
 
         Returns
         -------
         list of str
-            Formulation, error, limit and the counts that would do. Empty if none exceeds it.
+            Formulation, error, limit and the counts that meet it. Empty if none exceeds it.
 
         Raises
         ------
@@ -472,12 +475,12 @@ class ConvergenceStudy:
         Returns
         -------
         matplotlib.figure.Figure
-            The legend has the formal orders, curves the observed ones.
+            Formal orders stand in the legend, observed orders at the ends of the curves.
 
         Raises
         ------
         InputError
-            For a quantity that the study does not have.
+            For a quantity that the study does not contain.
 
         Examples
         --------
@@ -500,7 +503,7 @@ class ConvergenceStudy:
     def chart(self, quantities: Sequence[str]) -> Chart:
         """Chart of the errors of quantities.
 
-        Raises InputError for one that the study does not contain.
+        Raises InputError for a quantity that the study does not contain.
         """
         panels = [self.panel(quantity) for quantity in quantities]
         return convergence_chart(panels, X_LABELS[self.refined], self.agreement)
@@ -534,7 +537,7 @@ class ConvergenceStudy:
         )
 
     def _visible(self, series: ConvergenceSeries, column: int) -> bool:
-        """True unless the same formulation by Timoshenko's theory has nearly equal errors."""
+        """True unless Timoshenko's theory in the same formulation has nearly equal errors."""
         timoshenko = replace(series.discretisation, theory="timoshenko")
         for other_series in self.series:
             if (

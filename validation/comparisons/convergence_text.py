@@ -87,7 +87,10 @@ def series_cells(
 
 
 def short_summary(series: ConvergenceSeries, column: int, stated: int | None) -> str:
-    """Text with the error at the `stated` count and the smallest counts: "+0.009 % (2, 6, 19)"."""
+    """Error at the `stated` count, and smallest counts for 1 %, 0.1 %, 0.01 %.
+
+    Example: "+0.009 % (2, 6, 19)".
+    """
     needed = [str(count or f"over {series.counts[-1]}") for count in series.needed[:, column]]
     return f"{_stated_error(series, column, stated)} ({', '.join(needed)})".strip()
 
@@ -152,7 +155,7 @@ def size_text(error: float) -> str:
 
 
 def _percent(error: float) -> str:
-    """Relative error in per cent. Below the round-off, the bound "below …" instead."""
+    """Relative error in per cent with its sign. "below …" if it is smaller than the round-off."""
     if abs(error) < ROUND_OFF["timoshenko"]:
         return f"below {number(100.0 * ROUND_OFF['timoshenko'])}\N{NO-BREAK SPACE}%"
     return percent(error)

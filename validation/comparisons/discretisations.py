@@ -25,9 +25,10 @@ RefinedModel: TypeAlias = Literal["segments", "beam", "solid"]
 class Discretisation:
     """Formulation of the legs with its element count or mesh, layout and theory.
 
-    `elements` per leg (segments and beam). `layout` (segments): "half" has springs of half length
-    at both ends, "literal" follows the text of the paper (§3.2). `theory` (segments and beam).
-    `divisions` across the smaller side of the section, and `ends` (solids).
+    `elements`: number per leg (segments and beam). `layout` (segments): "half" has springs of half
+    length at both ends, "literal" follows the text of the paper (§3.2). `theory` (segments and
+    beam): Timoshenko's or that of Euler and Bernoulli. For solids, `divisions` are the elements
+    across the smaller side of the section, and `ends` the condition of the end faces.
     """
 
     model: RefinedModel
@@ -65,9 +66,9 @@ class Discretisation:
 
     @property
     def fewest_elements(self) -> int:
-        """Smallest element count.
+        """Smallest element count that the formulation allows.
 
-        The literal layout joins an element rigidly to each end and needs two.
+        The literal layout joins one element rigidly to each end, hence it needs two.
         """
         return 2 if self.model == "segments" and self.layout == "literal" else 1
 

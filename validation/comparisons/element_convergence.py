@@ -2,9 +2,9 @@
 
 Input: a leg or a posture of a robot, and element counts. Output: a `ConvergenceStudy` of four
 frequencies and three deflections. Rule: a prismatic leg, clamped at its root, is compared with the
-exact cantilever of the same theory: Huang's frequencies (`fem.beams.beam_theory`) and the closed
-tip compliance. A robot has no closed solution; its limit is that of the beam elements, f = f80 +
-(f80 − f40)/15 for fourth order in 1/n.
+exact cantilever of the same theory: Huang's frequencies (`fem.beams.beam_theory`) and its tip
+compliance in closed form. A robot has no closed solution; its limit is that of the beam elements, f
+= f80 + (f80 − f40)/15 for fourth order in 1/n.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -207,7 +207,7 @@ def leg_values(leg: SectionedLeg | SteppedLeg, discretisation: Discretisation) -
 
 
 def _cantilever(leg: ConstantLeg, theory: Theory) -> tuple[Array, Array]:
-    """Exact frequencies and compliances of the cantilever, with half-widths of zero."""
+    """Exact frequencies (Hz) and tip compliances (m/N) of the cantilever. Half-widths are zero."""
     properties = leg.properties(theory)
     exact_modes = cantilever_frequencies(properties, leg.length, MODES)
     frequencies = np.array([mode.frequency for mode in exact_modes])
@@ -231,7 +231,10 @@ def _robot_values(posture: Posture, highest: float, discretisation: Discretisati
 
 
 def _beam_limit(evaluate: Evaluate, theory: Theory) -> tuple[Array, Array]:
-    """Richardson's limit of the beam elements, and half-widths of three times the last error."""
+    """Richardson's limit of the beam elements, and its half-widths.
+
+    These are three times the error of the highest element count.
+    """
     beams = Discretisation("beam", theory=theory)
     coarse, fine = (evaluate(beams.with_count(count)) for count in _LIMIT_COUNTS)
     limits = richardson(coarse, fine, _LIMIT_COUNTS[1] / _LIMIT_COUNTS[0], BEAM_ORDER)

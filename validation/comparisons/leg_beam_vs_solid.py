@@ -7,7 +7,7 @@ otherwise `ends` of the leg, otherwise rigid faces.
 
 Allowances are made for three named causes, each computed without the judged model: the end
 restraint of rigid faces, from fields that decay from the faces of a prism; section constants by
-formula, within the error of a correct formula (`validation.comparisons.section_formulas`);
+formula, up to the error of a correct formula (`validation.comparisons.section_formulas`);
 distortion of the section in vibration, from waves of 3-D elasticity in a prism.
 """
 
@@ -213,9 +213,10 @@ def _frequency(
 def _solid_statics(context: Context, body: str, ends: Ends) -> tuple[Refinement, tuple[int, ...]]:
     """Tip compliances of the solid leg on several meshes, and the section divisions of each mesh.
 
-    The meshes are those of the doubling method that the preset allows. If these are fewer than two,
-    the two meshes of the robot's solids, which may share the section mesh and differ in slices
-    along the leg. Raises Skip if the preset allows none of them.
+    The meshes are those of the doubling method that the preset allows. If there are fewer than two,
+    the two meshes of the robot's solids are used; these may have the same section mesh and
+    different numbers of slices along the leg. Raises Skip if the preset allows none of these
+    meshes.
     """
     leg = constant_leg_of(context, body)
     if shapeless := why_shapeless([leg]):
@@ -263,16 +264,16 @@ def compliance_band(leg: ConstantLeg, divisions: int) -> tuple[Array, Array]:
 
 
 def frequency_band(leg: ConstantLeg, divisions: int, kinds: tuple[tuple[Kind, int], ...]) -> Array:
-    """Bounds (2×k, Hz) of k frequencies by beam formulas: of the softest and the stiffest beam.
+    """Bounds (2×k, Hz) of the frequencies of k modes, by the softest and by the stiffest beam.
 
-    Both beams have section constants by correct textbook formulas.
-    `kinds` are the kind of deformation and the order of each of the k modes.
+    Both beams have section constants by correct textbook formulas. `kinds` has the kind of
+    deformation and the order of each mode.
     """
     return frequencies_by_kind(leg_formula_band(leg, divisions), leg.length, kinds)
 
 
 def limited(difference: float, band: tuple[float, float], uncertainty: float) -> float:
-    """Part of a difference within `band`, which is widened by `uncertainty` to contain zero."""
+    """Part of `difference` within `band`, which is widened by `uncertainty` and to contain zero."""
     low, high = min(0.0, *band) - uncertainty, max(0.0, *band) + uncertainty
     return min(max(difference, low), high)
 

@@ -1,12 +1,14 @@
-"""Legs along a line by beams, segments and links against solids, each leg alone, root clamped.
+"""Cases on single legs along a line, root clamped: beams, segments and links against solids.
 
-The solid is the same taper or arc in quadratic hexahedra, with the ends of the robot file. Two
-causes of a difference are computed separately: held end faces, by the same solid with free ends,
-and the textbook's section constants along the line. What they leave is the difference to the solid
-with free ends, whose numbers converge with the order of the elements. Beam theory itself takes
-fibres as parallel to the centre line and equally long. It neglects the square of the slope of a
-taper's faces and of half the height over the radius of an arc, which are added to the limits of
-agreement.
+Input: a straight leg whose section varies, or an arc. Output: a verdict for each model on tip
+motions and frequencies. The solid is the same taper or arc in quadratic hexahedra, with the end
+condition of the robot file. Two causes of a difference are computed separately: held end faces, by
+the same solid with free ends, and the textbook's section constants along the line. The remainder is
+the difference from the solid with free ends, whose numbers converge with the order of its elements.
+
+Beam theory itself takes fibres as parallel to the centre line and equally long. It neglects the
+square of the slope of a taper's faces and the square of half the height over the radius of an arc.
+These are added to the tolerances of [agree].
 """
 
 import numpy as np
@@ -57,7 +59,7 @@ _NEGLECTED = (
 
 
 def neglected(leg: LineLeg) -> float:
-    """Relative error of beam theory: (largest slope of a face)² and (half the height/radius)²."""
+    """Relative error of beam theory: (largest slope of a face)² + (half the height / radius)²."""
     slopes = [
         abs(last - first) / (2.0 * (span.end - span.start))
         for span in leg.spans

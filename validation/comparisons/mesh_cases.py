@@ -152,7 +152,7 @@ def _half_width(context: Context, body: str, ends: Ends) -> Measurement:
 
 
 def half_width_shares(refinement: Refinement) -> Array:
-    """Change of each diagonal compliance to the next finer mesh, over its half-width (m−2 × 6).
+    """Change of each diagonal tip compliance to the next finer mesh, over its half-width (m−2 × 6).
 
     The half-width of each of m meshes follows from this mesh and the coarser ones. Values above 1
     show a half-width that is too small.
@@ -260,7 +260,7 @@ def _tetrahedra(context: Context, body: str, ends: Ends, condition: str) -> Meas
 
 
 def tetrahedral_modes(leg: ConstantLeg) -> dict[Ends, SolidModes]:
-    """First frequency of the leg on the meshes `TETRAHEDRA`, by end condition. MAC is NaN."""
+    """First frequency of the leg on the meshes `TETRAHEDRA`, by end condition. Their MAC is NaN."""
     rows_by_ends: dict[Ends, list[tuple[float, int, float]]] = {ends: [] for ends in END_NAMES}
     for number in TETRAHEDRA:
         start = process_time()
@@ -306,7 +306,7 @@ def _study(
     convergence: Convergence,
     notes: tuple[str, ...] = (),
 ) -> Study:
-    """Study of values over unknowns. `panel` has the title, the label of y and the unit."""
+    """Study of values over the number of unknowns. `panel`: title, label of y, unit."""
     title, label, unit = panel
     observed = convergence.observed_order
     width, limit = convergence.uncertainty, convergence.extrapolated

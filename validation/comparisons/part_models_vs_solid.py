@@ -3,7 +3,7 @@
 Input: a CAD part, its first interface clamped, its second loaded or free. Output: one verdict, and
 values of the models without a verdict. Rule for the verdict: stiffness and mass condensed to the
 interfaces (Guyan, AIAA J. 3 (1965) 380) restrain the part to static shapes, so by Rayleigh's
-principle no frequency can lie below that of the same number of the solid on the same mesh.
+principle its k-th frequency cannot lie below the k-th frequency of the solid on the same mesh.
 
 Ribs, lugs and fillets are in the solid and not in a stepped beam, and a condensed part has six
 modes only. These differences are named but not bounded, so no small tolerance applies. The matrix
@@ -44,8 +44,8 @@ UNITS = (*(unit for _, unit in MOTIONS.values()), *MODES * ("Hz",))
 class PartValues:
     """Tip compliances (6, SI, leg axes), then frequencies (Hz, ascending) of a clamped part.
 
-    `half_widths` are those due to the mesh. NaN for a part given as a mesh, and for models without
-    one.
+    `half_widths` are those due to the mesh. NaN for a part whose file is a mesh, and for models
+    without a mesh.
     """
 
     values: Array
@@ -80,7 +80,7 @@ def condensed_values(body: Body) -> Array:
 def stepped_values(body: Body, discretisation: Discretisation) -> Array:
     """Tip compliances and frequencies of a CAD part as prismatic pieces.
 
-    Raises as `stepped` does.
+    Raises InputError if the part cannot be divided into prismatic pieces.
     """
     matrices = leg_matrices(discretisation.model, stepped(body), discretisation.options)
     return _values(tip_compliance_of(matrices), clamped_modes(matrices, MODES).frequencies)
@@ -139,7 +139,7 @@ def _bound(context: Context, body: str, limits: AgreementLimits) -> Measurement:
 def _stepped(body: Body, limits: AgreementLimits, solid: PartValues) -> Iterator[UnjudgedValue]:
     """Values of a CAD part as prismatic pieces.
 
-    The elements of [agree] are rounded to whole ones per piece.
+    The element count of [agree] is rounded to whole elements per piece.
     """
     elements = PIECES * max(1, round(limits.elements / PIECES))
     for model in _STEPPED:

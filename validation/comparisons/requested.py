@@ -75,10 +75,7 @@ def convergence(
 
 
 def leg_names(mechanism: Mechanism) -> list[str]:
-    """Names of the bodies with a convergence study: prisms, 6×6 legs and some CAD parts.
-
-    CAD parts have one if they have two interfaces.
-    """
+    """Names of bodies with a convergence study: prisms, 6×6 legs, CAD parts with two interfaces."""
     parts = (name for name, part in mechanism.parts.items() if is_leg(part))
     return [*legs_of(mechanism), *parts]
 

@@ -4,12 +4,12 @@ Input: the robot in the middle of its path, with all legs of constant section; a
 6×6 is replaced by its equivalent prism. Output: a verdict for each model on six tool motions and
 four frequencies. Rule: as for a single leg (`leg_beam_vs_solid`), the difference less the
 allowances must be within the tolerance of [agree]. Each allowance is the difference between two
-robots, whose legs have the cause or not. The end condition of the solids is that of [agree],
-otherwise `ends` of each leg, otherwise rigid faces.
+robots whose legs differ by one named cause alone. The end condition of the solids is that of
+[agree], otherwise `ends` of each leg, otherwise rigid faces.
 
-Statics: legs by their tip compliance, solids by doubling on two meshes. Dynamics: solids reduced to
-their ends; beams with section constants computed on the mesh of the solid, with and without the
-waves of 3-D elasticity (`validation.cases.leg_waves`). Modes are paired by shape.
+Statics: each leg is its tip compliance, that of solids by doubling on two meshes. Dynamics: solids
+reduced to their ends; beams with section constants computed on the mesh of the solid, with and
+without the waves of 3-D elasticity (`validation.cases.leg_waves`). Modes are paired by shape.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -131,13 +131,13 @@ Spring: TypeAlias = Callable[[str, ConstantLeg, int], Array]
 
 @dataclass(frozen=True, eq=False)
 class RobotStatics:
-    """Motions (6, SI) of the tool along and about the base axes under their own unit loads.
+    """Motions (6, SI) of the tool along and about the base axes, each under its own unit load.
 
-    On a coarse and a fine mesh (2×6), whose sizes differ at least by `ratio`: `solid` legs;
-    `computed`, beams with section constants computed on the mesh of the solid; `restrained`, the
-    same beams with the end restraint of rigid faces. `other_mesh` (6): the computed beams on a
-    section mesh other than the fine one. `textbook` (6): beams with textbook constants; `soft` and
-    `stiff` (6): the limits of correct textbook formulas.
+    Results on a coarse and a fine mesh (2×6), whose element sizes differ at least by `ratio`:
+    `solid`, legs as solids; `computed`, beams with section constants computed on the mesh of the
+    solid; `restrained`, the same beams with the end restraint of rigid faces. Further results (6):
+    `other_mesh`, the computed beams on a section mesh other than the fine one; `textbook`, beams
+    with textbook constants; `soft` and `stiff`, the limits of correct textbook formulas.
     """
 
     solid: Array
@@ -154,12 +154,13 @@ class RobotStatics:
 class RobotModes:
     """Frequencies (Hz) of the first k modes with solid legs, and of their partners in beam models.
 
-    On a coarse and a fine mesh (2×k): solids with `specified_ends` and with `free_ends`;
-    `computed`, beams with section constants computed on the mesh of the solid; `distortion`,
-    relative change of the latter by distortion of the section (waves in the legs).
-    `rigid_end_changes` (k): relative changes due to rigid ends, by beams with warping. `textbook`,
-    `soft` and `stiff` (k) as in `RobotStatics`. NaN for a mode without a partner. `reference`:
-    modes with `specified_ends` on the fine mesh, with which models are paired.
+    Results on a coarse and a fine mesh (2×k): `specified_ends` and `free_ends`, solids with these
+    end conditions; `computed`, beams with section constants computed on the mesh of the solid;
+    `distortion`, relative change of the computed frequencies by distortion of the section (waves in
+    the legs). Further results (k): `rigid_end_changes`, relative changes due to rigid ends, by
+    beams with warping; `textbook`, `soft` and `stiff` as in `RobotStatics`. NaN for a mode without
+    a partner. `reference`: modes with `specified_ends` on the fine mesh, with which modes are
+    paired.
     """
 
     reference: PathModes
@@ -265,7 +266,7 @@ def robot_statics(
 
 @memo(16)
 def _computed_tip(leg: ConstantLeg, divisions: int) -> Array:
-    """Tip compliance (6×6, SI) of the beam with section constants computed on `divisions`."""
+    """Tip compliance (6×6, SI) of the beam with section constants by finite elements."""
     return tip_compliance(computed_properties(leg, divisions), leg.length)
 
 
@@ -427,8 +428,8 @@ def _beam_vibration(
 def _mode_count(context: Context) -> int:
     """Number of modes to compute for the comparison of the robot with its solids.
 
-    It is the number for the verdicts of adequacy if these use the same solids, which are then
-    solved once; otherwise it is smaller.
+    If the verdicts of adequacy use the same solids, it is their number of modes, so that the solids
+    are solved once. Otherwise it is smaller.
     """
     legs = known_legs(context.robot_file.mechanism).values()
     shared = all(isinstance(leg, ConstantLeg) for leg in legs)
@@ -440,7 +441,7 @@ def _mode_count(context: Context) -> int:
 
 
 def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidMeshes) -> None:
-    """Raise Skip if a preset cannot mesh the legs, or if the wave theory neglects a cause."""
+    """Raise Skip if the preset cannot mesh the legs, or if the theory of waves does not apply."""
     numbers = [meshes.fine.divisions(leg) for leg in legs]
     if reason := too_large(legs, numbers, context.preset):
         raise Skip(reason)
@@ -458,8 +459,8 @@ def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidM
         if is_strip(leg):
             raise Skip(
                 f"{leg.name}: strip wider than a tenth of its length; it bends as a plate "
-                "near its ends, which waves of beams neglect (1 % for two leaves a third "
-                "as wide as long)"
+                "near its ends, which the theory of waves neglects (an error of 1 % with two "
+                "leaf springs whose width is a third of their length)"
             )
 
 

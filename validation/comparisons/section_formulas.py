@@ -97,7 +97,10 @@ def torsion_limits(leg: ConstantLeg) -> Limits:
 
 
 class ShearLimits(NamedTuple):
-    """Limits of κ by formula, over the exact κ by mean displacement or by strain energy."""
+    """Limits of the shear coefficient κ by formula, over the exact κ.
+
+    The exact κ is that by mean displacement or by strain energy.
+    """
 
     limits: Limits
     of_mean_displacement: bool = True
