@@ -1,7 +1,7 @@
 """Maps of each quantity over the workspace as contours, values and a table.
 
-Input: the run's robot, whose path is a grid. Output: `WorkspaceMaps`; as a chart, with slices if
-the grid has three directions and a star at the worst posture of each quantity.
+Input: the run's robot, whose path is a grid. Output: `WorkspaceMaps`. Its chart has slices if the
+grid has three directions, and a star at the worst posture of each quantity.
 """
 
 from collections.abc import Mapping, Sequence
@@ -114,7 +114,7 @@ class WorkspaceMaps:
         Returns
         -------
         ResultTable
-            The worst posture is searched between the poses of the grid, too.
+            The worst posture is also searched between the poses of the grid.
 
         Examples
         --------
@@ -183,7 +183,7 @@ def maps(context: Context) -> Chart:
 
 
 def _panels(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> list[Panel]:
-    """Panels row by row: a single row for two varied coordinates, a row per slice for three."""
+    """Panels row by row: one row for two varied coordinates, a row for each slice for three."""
     x, y, *third = space.axes
     slices: list[Indices] = [()]
     if third:
@@ -240,7 +240,7 @@ def _caption(space: Workspace, maps: Sequence[Map]) -> str:
 
 
 def _table(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> dict[str, Column]:
-    """Columns with all poses of the grid and their values, followed by the worst postures."""
+    """Columns of data: all poses of the grid with their values, followed by the worst postures."""
     poses = [space.pose(indices) for indices in np.ndindex(*space.shape)]
     poses += [worst.pose for *_, worst in maps]
     kinds = ["grid"] * (len(poses) - len(maps)) + [f"worst {mapped.title}" for mapped, *_ in maps]
@@ -257,7 +257,7 @@ def _table(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> dict[
 def _study(
     space: Workspace, mapped: MappedQuantity, values: Array, worst: WorstPosture
 ) -> MapStudy:
-    """Entry of a map in results.json."""
+    """Entry of "studies" in results.json for a map."""
     return MapStudy(
         id=mapped.id,
         title=mapped.title,

@@ -44,8 +44,8 @@ _MICRO, _PERCENT = 1e-6, 100.0
 class MappedQuantity:
     """A quantity over the workspace, with a `description` for the caption of its map.
 
-    `model`: name of the model that computes it. `solve`: computes it in postures. `largest`: true
-    if the worst value is the largest, false if it is the smallest.
+    `model`: name of the model that computes it. `solve`: function that computes it in postures.
+    `largest`: true if the worst value is the largest, false if it is the smallest.
     """
 
     id: str
@@ -60,7 +60,7 @@ class MappedQuantity:
 def mapped_quantities(context: Context, mechanism: Mechanism) -> list[MappedQuantity]:
     """Quantities of a mechanism that can be solved. The mechanism is the run's robot without loads.
 
-    Stiffness and error belong to one model, chosen as the module docstring describes.
+    Stiffness and error are those of the mapped model (rule in the docstring of this module).
     """
     postures = [replace(posture, mechanism=mechanism) for posture in path_postures(context)]
     robot = robot_at(context, postures)
@@ -131,7 +131,7 @@ def _mapped_model(
 
 
 def _references(robot: RobotOnPath) -> list[Assembly]:
-    """Static reference under each set of end conditions that the robot file allows."""
+    """Reference for statics under each set of end conditions that the robot file allows."""
     references = []
     for ends in robot.holding.alternatives.values():
         tips = {name: solid_tip(robot.context, leg, ends[name]) for name, leg in robot.legs.items()}
@@ -170,7 +170,7 @@ def _first_frequency(assembled: Assembly, postures: Sequence[Posture]) -> Array:
 def _error(
     model: JudgedModel, references: Sequence[Assembly], postures: Sequence[Posture]
 ) -> Array:
-    """Error (%) of the displacement under any force, the largest against all references."""
+    """Largest error (%) of the displacement under any force, against all references."""
     statics = model_statics(postures, model.kind, model.options)
     no_loads = np.zeros_like(statics.load_displacements)
     reference_statics = [

@@ -1,6 +1,6 @@
 """Postures on the grid of a path, values in them, and a search for the worst posture.
 
-Input: a mechanism whose path is a grid, and a function from postures to a number each. Output:
+Input: a mechanism whose path is a grid, and a function with a number for each posture. Output:
 values at the grid points, and the pose with the worst value. Rule: the search (Nelder and Mead)
 starts at the worst local extrema of the grid; each value is computed in a posture with closed
 loops, none is interpolated.
@@ -38,8 +38,9 @@ _DEFAULT_STEP, _SMALLEST_STEP = 0.3, 0.1
 class Workspace:
     """Postures on a grid of poses.
 
-    `varied`: indices of the coordinates of a pose that vary. `axes`: values of each (m or rad).
-    `postures`: posture by indices of its grid point; poses out of reach are missing.
+    `varied`: indices of the pose coordinates that vary. `axes`: grid values of each varied
+    coordinate (m or rad). `postures`: posture by the indices of its grid point; poses out of reach
+    are missing.
     """
 
     mechanism: Mechanism
@@ -71,7 +72,7 @@ class WorstPosture(NamedTuple):
 
 
 def directions(mechanism: Mechanism) -> Indices:
-    """Indices of pose coordinates that vary on the path's grid. () unless two or three do."""
+    """Indices of pose coordinates that vary on the path's grid. () unless two or three vary."""
     varied = tuple(move for move, values in enumerate(mechanism.grid) if np.ptp(values) > 0.0)
     return varied if len(varied) in (2, 3) else ()
 
@@ -106,7 +107,7 @@ def grid_values(space: Workspace, solve: Solve) -> Array:
 def worst_posture(
     space: Workspace, values: Array, solve: Solve, *, largest: bool = False
 ) -> WorstPosture | None:
-    """Posture with the smallest value, or the `largest`, on the grid or between its points.
+    """Posture with the smallest (or `largest`) value, on the grid or between its points.
 
     `values` are the result of `grid_values`. None if all of them are NaN.
     """
