@@ -54,8 +54,8 @@ _WRONG_UNIT_RATIO = 5.0
 class Comparison:
     """A model's value S and a measured value D, with standard uncertainties, all in one unit.
 
-    `numerical`: due to the model's discretisation. `inputs`: due to uncertain inputs of the robot.
-    `measurement`: that of D. All properties are relative to |D|.
+    `numerical`: standard uncertainty due to the model's discretisation; `inputs`: due to uncertain
+    inputs of the robot; `measurement`: that of D. All properties are relative to |D|.
     """
 
     value: float
@@ -105,10 +105,10 @@ class _RobotInPose(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Predictions:
-    """Values that a robot's models give for its measured values.
+    """Values of a robot's models for the quantities that were measured.
 
     `judged_by_name`: the judged models. `inputs`: relative standard uncertainties of uncertain
-    inputs, by key.
+    inputs, by key in the robot file.
     """
 
     context: Context
@@ -120,7 +120,7 @@ class Predictions:
     def of(cls, context: Context) -> "Predictions":
         """Predictions of all judged models.
 
-        Raises InputError if a changed input gives no valid robot.
+        Raises InputError if a change of an uncertain input makes the robot invalid.
         """
         robot_file = context.robot_file
         inputs = robot_file.uncertain_inputs
@@ -130,9 +130,10 @@ class Predictions:
         return cls(context, judged_models(robot_file.mechanism), inputs)
 
     def value(self, name: str, measured: Measured, reading: Reading = NOMINAL) -> float | None:
-        """Value of a model for a measured value, in its unit. None if the model does not define it.
+        """Value of a model for a measured quantity, in the unit of the measured value.
 
-        Raises InputError or ComputationError if it cannot be computed.
+        None if the model does not define it. Raises InputError or ComputationError if it cannot be
+        computed.
         """
         quantity = measured.quantity
         if measured.of_leg or measured.test is not None:
@@ -157,7 +158,7 @@ class Predictions:
     def _leg_or_test_value(
         self, judged_model: JudgedModel, measured: Measured, reading: Reading
     ) -> float | None:
-        """Value for an entry of a leg's 6×6 or for a modal test.
+        """Value of a model for an entry of a leg's 6×6, or for a quantity of a modal test.
 
         None if the model does not define it.
         """
@@ -190,7 +191,7 @@ class Predictions:
 
 
 def _restricted(postures: Sequence[Posture], model: Model, judged_model: JudgedModel) -> Model:
-    """Model without statics or modes if it does not define them for this robot."""
+    """Model, with its statics or modes removed if they are not defined for this robot."""
     if judged_model.kind == "vjm" and why_not_serial(postures):
         return replace(model, statics=None, modes=None)
     return replace(model, modes=None) if judged_model.kind in STATIC else model
@@ -244,7 +245,7 @@ def measured_matrix(context: Context) -> Matrix:
 def _entry_without_values(
     model: str, quantity: Quantity, reasons: Mapping[Measured, str], requirement: Requirement
 ) -> Entry:
-    """Undecided entry, with the reason, for a quantity that a model could not compute."""
+    """Undecided entry, with the reasons, for a quantity of which a model computed no value."""
     measured, reason = next(iter(reasons.items()))
     return Entry(
         model=model,
@@ -259,9 +260,9 @@ def _entry_without_values(
 
 
 def _with_missing_values(entry: Entry, reasons: Mapping[Measured, str]) -> Entry:
-    """Entry changed to undecided if some measured values could not be computed.
+    """Entry changed to undecided if the model could not compute some of the measured values.
 
-    `reasons` by measured value. An inadequate entry stays inadequate.
+    `reasons`: reason for each such measured value. An inadequate entry stays inadequate.
     """
     if not reasons or entry.verdict == "inadequate":
         return entry
@@ -272,7 +273,7 @@ def _with_missing_values(entry: Entry, reasons: Mapping[Measured, str]) -> Entry
 def _test_value(
     model: ModelName, robot: Mechanism, measured: Measured, test: ModalTest, options: ModelOptions
 ) -> float | None:
-    """A model's frequency for a mode of a test, or its response in phase with the measured one."""
+    """Value of a model for a modal test: frequency of a mode, or response in phase with it."""
     prediction = modal_prediction(model, robot, test, options)
     frequency = measured.frequency
     if frequency is None and (partner := prediction.partners[measured.column]):
@@ -320,9 +321,9 @@ def _comparison(predictions: Predictions, name: str, measured: Measured) -> Comp
 
 
 def _required(value: float | None, changed: str) -> float:
-    """Value of a changed model. Raises ComputationError if there is none.
+    """Value of a model in which `changed` is perturbed. Raises ComputationError if it is None.
 
-    Otherwise a missing value would count as an uncertainty of zero, or of the whole value.
+    Without this check, a missing value would count as an uncertainty of zero or of 100 %.
     """
     if value is None:
         raise ComputationError(f"uncertainty unknown: the model has no solution with {changed}")

@@ -2,8 +2,8 @@
 
 Input: a robot file and a universal or CSV file of a test. Output: measured frequencies and
 responses, each with the number of the model's mode. Rule: shapes are compared at the measured
-points along the measured axes by MAC with equal weights, assigned so that the sum of MAC is
-largest; partners need a MAC of at least 0.8.
+points along the measured axes by their MAC with equal weights. Modes are paired so that the sum of
+all MAC is largest; partners have a MAC of at least 0.8.
 """
 
 from collections.abc import Sequence
@@ -128,10 +128,10 @@ def with_measured_file(robot_file: RobotFile, path: Path) -> RobotFile:
 
 
 class ModalPrediction(NamedTuple):
-    """Results of a model for a test: `partners` of the test's modes, and its `responses`.
+    """Results of a model for a modal test: `partners` of the test's modes, and `responses`.
 
     `responses` contains, for each measured response, the damped modes with their residues. Both are
-    empty for a static model.
+    empty for a model without frequencies.
     """
 
     partners: list[Partner | None]
@@ -198,9 +198,9 @@ def modal_prediction(
 
 
 def _without_verdicts_if_most_misfit(partners: Sequence[Partner | None]) -> list[Partner | None]:
-    """Partners with a reason against comparing any, if most modes of the test have no similar mode.
+    """Partners, all with a reason against comparison if most modes of the test have no partner.
 
-    If nodes of the test are swapped, some pairs are similar by chance.
+    If nodes of the test are mistaken for each other, some pairs of modes are similar by chance.
     """
     misfits = sum(partner is None or partner.mac < LEAST_MAC for partner in partners)
     if 2 * misfits <= len(partners):
@@ -218,7 +218,10 @@ def _without_verdicts_if_most_misfit(partners: Sequence[Partner | None]) -> list
 def _responses(
     robot: Mechanism, solution: PostureModes, test: ModalTest, partners: Sequence[Partner | None]
 ) -> list[DampedModes]:
-    """Damped modes with the residues of each response. Undamped robots get the measured damping."""
+    """Damped modes with the residues of each measured response.
+
+    If the robot is undamped, its modes get the measured damping.
+    """
     unit = np.eye(solution.system.size)
     outputs = np.vstack(
         [_motions(solution.system, unit, response.ends) for response in test.responses]

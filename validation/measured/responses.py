@@ -1,8 +1,8 @@
 """Frequency responses of a modal test as measured values: magnitudes at modes and far below them.
 
 Input: frequency response functions of a test. Output: measured receptances with standard
-uncertainties. Rule: the lines of a spectrum near a frequency are fitted by one damped mode and a
-straight line; the fit interpolates between the lines and shows their scatter.
+uncertainties. Rule: near a frequency, the lines of the spectrum are fitted by one damped mode plus
+a straight line; the fit interpolates between the lines and yields their scatter.
 """
 
 from collections.abc import Iterator, Mapping
@@ -42,9 +42,9 @@ def measured_responses(
 ) -> Iterator[Measured]:
     """Measured values from the responses of a test.
 
-    At each mode, and far below all modes, the largest response is used. Quantities of [[responses]]
-    come from the response of the tool to a force on it. `numbers`: number of the robot's mode for
-    each column of the test.
+    The response with the largest magnitude is used, at each mode and far below all modes.
+    Quantities of [[responses]] are taken from the response of the tool to a force on it. `numbers`:
+    number of the robot's mode for each column of the test.
     """
     located = np.isin(tested.ends[:, :, 0], list(hammer.nodes)).all(axis=1)
     rows = [int(row) for row in np.flatnonzero(located)]
@@ -91,7 +91,7 @@ def _tool_quantities(
 ) -> Iterator[Measured]:
     """Measured values of [[responses]], from a response of the tool to a force on it.
 
-    None are yielded if the response belongs to another point or direction.
+    There are none if the response belongs to another point or direction.
     """
     ends, tool = hammer.freedoms(tested.ends[row]), robot.tool
     offsets = np.abs(ends.places - robot.bodies[tool.body].interfaces[tool.point].position)

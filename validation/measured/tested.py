@@ -2,9 +2,9 @@
 
 Input: the file, which is read in a separate process. Output: `TestedModes`. Rule: mode shapes
 (dataset 55) are used unchanged. From frequency response functions (dataset 58), poles are
-identified by LSCF and residues by LSFD (sdypy-EMA). A pole is accepted if polynomials of most
-orders have it, as on a stabilisation chart (Verboven, thesis, VUB 2002, 5.3); its scatter over the
-orders is its uncertainty.
+identified by LSCF and residues by LSFD (sdypy-EMA). A pole is accepted if it is stable over most
+polynomial orders, as in a stabilisation chart (Verboven, thesis, VUB 2002, 5.3); its scatter over
+the orders is its uncertainty.
 """
 
 import re
@@ -63,7 +63,10 @@ class TestedModes(NamedTuple):
 
 
 def read_modes(path: Path) -> TestedModes:
-    """Modes in a universal file, by ascending frequency. Raises InputError with one line."""
+    """Modes in a universal file, by ascending frequency.
+
+    Raises InputError with one line if the file has none.
+    """
     require_extra("hammer", str(path))
     try:
         content = read_ordinary(path, _FILE_KIND, _LARGEST_SIZE)
@@ -116,7 +119,10 @@ def _modes_of_file(path: Path) -> TestedModes:
 
 
 def _data_sets(path: Path, uff: Any) -> DataSet | list[DataSet]:
-    """Data sets of a file. Blanks after -1, the end of a set, are removed for pyuff."""
+    """Data sets of a universal file.
+
+    Blanks after "-1", which ends a data set, are removed because pyuff does not accept them.
+    """
     content = path.read_bytes()
     plain = _END_WITH_BLANKS.sub(rb"\1", content)
     if plain == content:
@@ -128,9 +134,9 @@ def _data_sets(path: Path, uff: Any) -> DataSet | list[DataSet]:
 
 
 def _given_modes(path: Path, modes: Sequence[DataSet]) -> TestedModes:
-    """Modes that another program identified.
+    """Modes in the file that another program identified.
 
-    Freedoms with zero in all modes count as not measured.
+    A degree of freedom that is zero in all modes counts as not measured.
     """
     for number, mode in enumerate(modes, start=1):
         if not np.isfinite(_pole(mode)):
@@ -159,7 +165,7 @@ def _given_modes(path: Path, modes: Sequence[DataSet]) -> TestedModes:
 
 
 def _pole(mode: DataSet) -> complex:
-    """Pole (1/s) of a mode: that of the file, otherwise from its frequency and damping ratio."""
+    """Pole (1/s) of a mode: as in the file, otherwise from frequency and damping ratio."""
     if "eig" in mode:
         return complex(mode["eig"])
     ratio = float(mode.get("modal_damp_vis", 0.0))
@@ -186,9 +192,9 @@ class _Functions(NamedTuple):
 
 
 def _exact_frequencies(path: Path, printed: Array) -> tuple[Array, int]:
-    """Frequencies (n, Hz) as exact multiples of one step, and the multiple of the first.
+    """Frequencies (n, Hz) as exact multiples of one step, and the first one in steps.
 
-    Printed frequencies are rounded: the first can be 51.00006 steps.
+    Frequencies in files are rounded: the first can be 51.00006 steps.
     """
     steps = np.diff(printed)
     wrong = InputError(f"{path}: must have {_FEWEST_LINES} frequencies, multiples of one step")
@@ -205,9 +211,9 @@ def _exact_frequencies(path: Path, printed: Array) -> tuple[Array, int]:
 def _functions(
     path: Path, tested: Sequence[DataSet], coherent: Sequence[DataSet], length: float, force: float
 ) -> _Functions:
-    """Frequency response functions of one file, with their coherence from `coherent` sets.
+    """Frequency response functions of one file, with their coherence from the `coherent` data sets.
 
-    `length` and `force`: numbers of the file's units in 1 m and 1 N.
+    `length` and `force`: number of the file's units of length in 1 m, and of force in 1 N.
     """
     frequencies, first = _exact_frequencies(path, np.asarray(tested[0]["x"], dtype=float))
     frequencies, rows = frequencies[(positive := frequencies > 0.0)], []
@@ -303,11 +309,11 @@ def _identified_modes(path: Path, functions: _Functions) -> TestedModes:
 def _with_poles(
     path: Path, functions: Array, frequencies: Array, band: tuple[float, float]
 ) -> tuple[Any, int]:
-    """Model with the poles of all polynomial orders, and the highest order.
+    """Model of sdypy-EMA with the poles of all polynomial orders, and the highest order.
 
-    Functions without noise have no information for high orders, whose equations are then singular,
-    on some processors exactly. The highest order is the last regular one. Raises InputError if it
-    is below `_FEWEST_ORDERS`.
+    Measurements without noise leave the equations of high orders singular, on some processors
+    exactly. The highest order is the last one with regular equations. Raises InputError if it is
+    below `_FEWEST_ORDERS`.
     """
     # Imported here because it loads matplotlib, which files without functions do not need.
     from sdypy.EMA import Model  # noqa: PLC0415
