@@ -57,10 +57,10 @@ Model = TypeVar("Model", bound=BodyModel)
 def leg_matrices(
     model: ModelName, leg: SectionedLeg | SteppedLeg, options: ModelOptions = DEFAULT_OPTIONS
 ) -> LegMatrices:
-    """Stiffness and mass of one unsupported leg by `segments` or `beam`.
+    """Stiffness and mass matrix of one unsupported leg by `segments` or `beam`.
 
-    A stepped leg has `options.elements` in all its pieces together. Raises InputError for any other
-    model.
+    In a stepped leg, all pieces together have `options.elements` elements. Raises InputError for
+    any other model.
     """
     if isinstance(leg, SteppedLeg):
         return stepped_leg(leg, partial(_piece, model, options, len(leg.pieces)))
@@ -68,7 +68,8 @@ def leg_matrices(
         return segment_leg(leg_chain(leg, options))
     if model != "beam":
         raise InputError(
-            f"model {model}: its leg matrices depend on frequency, so that none can be returned"
+            f"model {model}: has no leg matrices that are valid for all frequencies; "
+            'must be "segments" or "beam"'
         )
     if isinstance(leg, LineLeg):
         return line_beam(leg.sections(options.theory), options.elements)
@@ -86,7 +87,10 @@ def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) ->
 
 
 def filled(model: Model) -> Model:
-    """Copy of a model with dense matrices, since reduced matrices are small and full."""
+    """Copy of a model with dense instead of sparse matrices.
+
+    Reduced matrices are small and full.
+    """
     parts = {kind: dense(part) for kind, part in model.parts.items()}
     return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)
 
@@ -94,7 +98,7 @@ def filled(model: Model) -> Model:
 def leg_chain(leg: SectionedLeg, options: ModelOptions) -> SegmentChain:
     """Chain of rigid segments joined by springs.
 
-    With release "printed", it includes the tip joint.
+    If `options.release` is "printed", it includes the joint at the tip.
     """
     if isinstance(leg, LineLeg):
         chain = line_segment_chain(leg.sections(options.theory), options.elements, options.layout)
@@ -202,10 +206,11 @@ def leg_frequencies(
 def free_leg_frequencies(
     model: ModelName, leg: Leg, count: int, options: ModelOptions = DEFAULT_OPTIONS
 ) -> Array:
-    """First natural frequencies (Hz, ascending) of one leg with free ends, rigid motions omitted.
+    """First elastic natural frequencies (Hz, ascending) of one leg with free ends.
 
-    For solids, the inertia of the shifted stiffness counts modes and rigid motions. Raises
-    InputError as `leg_frequencies` does, and ComputationError if there are not six rigid motions.
+    The six rigid-body motions are omitted. For solids, Sylvester's law of inertia proves that
+    neither a mode nor a rigid-body motion is missing. Raises InputError as `leg_frequencies` does,
+    and ComputationError if there are not six rigid-body motions.
     """
     if model == "simplified" or model in STATIC:
         raise InputError(

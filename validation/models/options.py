@@ -19,15 +19,16 @@ ReductionBy: TypeAlias = Literal["fixed", "free"]
 
 @dataclass(frozen=True)
 class ModelOptions:
-    """Options of the models, as on the command line. In brackets the models that they affect.
+    """Options of the models, as on the command line; in brackets, the models that each affects.
 
-    `legs` (vjm, links): the 6×6 of the robot file, or that of the equivalent prism. `theory`
-    (segments, beam; vjm and links with equivalent legs). `elements` (segments, beam): number per
-    leg. `release`, `layout` (segments). `ends`, `divisions` (solid). `equivalent`: whether the
-    prism matches the diagonal of the stiffness or of the compliance. `parts` (segments, beam): CAD
-    parts as equivalent legs, as legs stepped in prismatic pieces, or condensed to their interfaces
-    with mass. `reduction` (solid): CAD parts by modes with all interfaces fixed (Craig and Bampton)
-    or free (MacNeal, Rubin).
+    `legs` (vjm, links): the 6×6 of the robot file, or that of the equivalent prism. `theory`: beam
+    theory (segments, beam; vjm and links with equivalent legs). `elements` (segments, beam): number
+    per leg. `release`: treatment of the joint at a leg's tip, `layout`: positions of the springs
+    (segments). `ends`: condition of the end faces, `divisions`: elements across the section
+    (solid). `equivalent`: matrix whose diagonal the equivalent prism shares with the 6×6, the
+    stiffness or the compliance. `parts` (segments, beam): CAD parts as equivalent legs, as legs
+    stepped in prismatic pieces, or condensed to their interfaces with mass. `reduction` (solid):
+    CAD parts by modes with all interfaces fixed (Craig and Bampton) or free (MacNeal, Rubin).
     """
 
     legs: LegSprings = "given"

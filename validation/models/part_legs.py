@@ -1,9 +1,8 @@
 """CAD parts with two interfaces as legs of lumped and beam models.
 
-Input: a body that is a CAD part, and options. Output: its 6×6, its equivalent or stepped leg, or
-its condensed model, as the model of a body. The x axis of such a leg runs from the point of the
-first interface to that of the second; its z axis is as near as possible to the z axis of the part's
-file.
+Input: a body that is a CAD part, and options. Output: a `BodyModel` of it: by its 6×6, as an
+equivalent or stepped leg, or condensed. The x axis of such a leg runs from the point of the first
+interface to that of the second; its z axis is as near as possible to the z axis of the part's file.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,7 +28,7 @@ from validation.models.stepped_parts import stepped
 
 
 def given_leg(body: Body) -> GivenLeg:
-    """CAD part as a leg known by its identified 6×6 and mass, in leg axes."""
+    """CAD part as a leg in leg axes, specified by its identified 6×6 and mass."""
     start, end = (frame.position for frame in body.interfaces.values())
     part = identified(body)
     compliance = turn_matrix(part.compliance, leg_axes(body).rotation.T)
@@ -53,7 +52,7 @@ def require_legs(mechanism: Mechanism) -> None:
 def part_springs(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
     """Tip compliance (6×6, SI, body axes) of each CAD part with two interfaces, by body name.
 
-    Its identified 6×6, or that of the equivalent prism, as `options.legs` specifies.
+    It is the identified one, or that of the equivalent prism if `options.legs` specifies so.
     """
     springs = {}
     for name, body in mechanism.parts.items():
@@ -71,7 +70,7 @@ def part_models(
     options: ModelOptions,
     build: Callable[[SectionedLeg | SteppedLeg, ModelOptions], LegMatrices],
 ) -> dict[str, BodyModel]:
-    """Model of each CAD part as `options.parts` specifies: a leg made by `build`, or condensed.
+    """Model of each CAD part by `options.parts`: a leg made by `build`, or the condensed part.
 
     A part that does not have two interfaces is condensed in any case.
     """
@@ -90,10 +89,11 @@ def part_models(
 
 
 def placed_leg(leg: LegMatrices, frame: Frame, interfaces: Sequence[str]) -> BodyModel:
-    """Leg as the model of a body with two `interfaces`, the first at the root of the leg.
+    """Model of a body with two `interfaces` from the matrices of a leg; the first is at its root.
 
-    `frame`: leg axes in body axes. Of the unknowns, only the twists of the ends are rotated. A
-    point before the root or beyond the tip moves with the end section.
+    `frame`: leg axes in body axes. The twists of the ends are rotated to body axes, all other
+    unknowns are kept. An interface before the root or beyond the tip moves rigidly with the end
+    section.
     """
     to_leg = turn(frame.rotation).T
     size = leg.size - 6 * len(ENDS)
@@ -125,5 +125,5 @@ def placed_leg(leg: LegMatrices, frame: Frame, interfaces: Sequence[str]) -> Bod
 
 
 def _rotation_to_displacement(rotation: Array, arm: Array) -> Array:
-    """Matrix (3×3) of φ ↦ R (φ × r), for rotations φ in leg axes."""
+    """Matrix (3×3) of φ ↦ R (φ × r), with R = `rotation` and r = `arm`; φ is in leg axes."""
     return np.asarray(rotation @ np.cross(np.eye(3), arm).T)

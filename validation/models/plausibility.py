@@ -33,13 +33,13 @@ _TOUCHING = 1e-6
 
 
 def robot_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
-    """All findings about a mechanism. Raises InputError as `found_in` does for unreadable parts."""
+    """All findings about a mechanism. Raises InputError for CAD parts that cannot be read."""
     checks = (_size_and_mass, _gravity, _bores, _slides)
     return tuple(finding for check in checks for finding in check(mechanism))
 
 
 def _size_and_mass(mechanism: Mechanism) -> Iterator[Finding]:
-    """Findings of millimetres read as metres: legs far too heavy, or given masses far too light."""
+    """Findings of millimetres read as metres: legs far too heavy, or masses far too small."""
     for body in mechanism.bodies.values():
         if body.name == GROUND:
             continue
@@ -70,7 +70,10 @@ def _span(body: Body) -> float:
 
 
 def _mass(body: Body) -> float:
-    """Mass (kg) of a body. Zero for a CAD part, whose file has a unit of its own."""
+    """Mass (kg) of a body.
+
+    Zero for a CAD part, whose unit of length is checked when its file is read.
+    """
     return 0.0 if isinstance(body.shape, Part) else body.shape.mass
 
 

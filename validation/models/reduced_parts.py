@@ -3,7 +3,7 @@
 Input: a body that is a CAD part, the mesh level, end conditions and a cut-off frequency. Output:
 its model on the twists of its interfaces and modal coordinates. Rule: a part is meshed, factorised
 and reduced once; the result is stored on disk and in memory (`validation.run.cache`). Modes are
-counted by inertia, and a reduction that lacks a counted mode is an error.
+counted by Sylvester's law of inertia; a reduction without a counted mode is an error.
 """
 
 from collections.abc import Callable, Mapping
@@ -55,10 +55,10 @@ Hold: TypeAlias = Literal["rigid", "average"]
 class ReducedPart(BodyModel):
     """CAD part reduced by Craig and Bampton, accurate for frequencies up to `highest` (Hz).
 
-    With fixed interfaces, `counted` is the number of modes below `cutoff` (Hz), counted by inertia;
-    all are kept. `truncated` W (6m×6m) bounds the error due to higher modes
-    (`fem.reduction.craig_bampton`). For a reduction by MacNeal and Rubin, cut-off and count belong
-    to the elastic modes of the free part, and `free` is the bound. None otherwise.
+    `counted`: number of modes with fixed interfaces below `cutoff` (Hz), by Sylvester's law of
+    inertia; all are kept. `truncated` W (6m×6m): bound of the error due to higher modes
+    (`fem.reduction.craig_bampton`). In a reduction by MacNeal and Rubin, cut-off and count are
+    those of the elastic modes of the free part, and the bound is `free`, which is None otherwise.
     """
 
     highest: float = field(kw_only=True)
@@ -102,7 +102,10 @@ def _read(path: Path, unit: str | None, _written: tuple[int, int] | None) -> Par
 
 
 def _written(path: Path) -> tuple[int, int] | None:
-    """Size and time of a file, so that a changed file is read again. None if it cannot be read."""
+    """Size and modification time of a file, by which a changed file is recognised.
+
+    None if it cannot be read.
+    """
     try:
         status = path.stat()
     except (OSError, ValueError):
@@ -111,7 +114,7 @@ def _written(path: Path) -> tuple[int, int] | None:
 
 
 def shape_of(body: Body) -> Part:
-    """CAD part of a body. Raises InputError for a body that is not one."""
+    """CAD part of a body. Raises InputError if the body is not a CAD part."""
     if not isinstance(body.shape, Part):
         raise InputError(f"bodies.{body.name}: must be a part from a file (step or mesh)")
     return body.shape
@@ -136,7 +139,7 @@ def leg_axes(body: Body) -> Frame:
 def found_in(body: Body) -> tuple[PartFile, tuple[Interface, ...]]:
     """File of a CAD part, and its interfaces at the points of the robot.
 
-    Raises InputError if the file cannot be read or has no faces at the joints.
+    Raises InputError if the file cannot be read or has no faces at the points of the joints.
     """
     shape = shape_of(body)
     try:
@@ -163,10 +166,10 @@ def with_unknowns(mechanism: Mechanism, unknowns: Mapping[str, int]) -> Mechanis
 
 
 def with_finer_parts(mechanism: Mechanism, factor: float) -> Mechanism:
-    """Mechanism with finer meshes of CAD parts, whose half-widths are smaller by `factor`.
+    """Mechanism with meshes of CAD parts that are finer, so that half-widths fall by `factor`.
 
-    Raises InputError if a part is given as a mesh, which cannot be refined, and ComputationError if
-    there is not enough memory.
+    Raises InputError if the file of a part is a mesh, which cannot be refined, and ComputationError
+    if there is not enough memory.
     """
     finer = {}
     for name, body in mechanism.parts.items():
@@ -180,7 +183,7 @@ def with_finer_parts(mechanism: Mechanism, factor: float) -> Mechanism:
 def identified(body: Body, unknowns: int | None = None, modes: int = _MODES) -> Identified:
     """Stiffness, compliance, mass and modes of a CAD part on its interfaces, with uncertainties.
 
-    In body axes. `unknowns` of the finest mesh; if None, those of the body.
+    The matrices are in body axes. `unknowns`: number on the finest mesh; that of the body if None.
     """
     return identified_entry(body, unknowns, modes).value()
 
@@ -209,7 +212,7 @@ def coarsest_mesh(body: Body) -> PartMesh:
 
 
 def condensed(body: Body) -> BodyModel:
-    """CAD part on the twists of its interfaces, exact in statics, with Guyan's mass (1965)."""
+    """CAD part condensed to its interfaces: exact in statics, with the mass matrix of Guyan."""
     part = identified(body)
     displacements = interpolated(part.places, part.shapes)
     return BodyModel("condensed", tuple(body.interfaces), part.stiffness, part.mass, displacements)
@@ -225,8 +228,9 @@ def reduced(
 ) -> ReducedPart:
     """CAD part on one of its meshes, reduced for frequencies up to `highest` (Hz).
 
-    `hold` is the coupling of interfaces without one in the robot file. `by` selects modes with
-    fixed or free interfaces. Raises ComputationError if the reduction lacks a counted mode.
+    `hold`: coupling of the interfaces for which the robot file specifies none. `by`: "fixed" or
+    "free" interfaces in the modes of the reduction. Raises ComputationError if the reduction does
+    not contain all modes below its cut-off.
     """
     part = reduced_entry(body, highest, cutoff, level, hold, by).value()
     if part.kept != part.counted:
@@ -309,7 +313,7 @@ def reduced_entry(
 
 
 def interpolated(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatrix]:
-    """Function from points to displacements (3m×n) by those at `nodes` (N×3).
+    """Function that maps points (m×3) to their displacements (3m×n), from those at `nodes` (N×3).
 
     `recovery` (3N×n) maps n unknowns to the displacements of the nodes. At a node the result is the
     node's displacement. Elsewhere it is a mean over the nearest nodes, with weights that reproduce

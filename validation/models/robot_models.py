@@ -88,7 +88,7 @@ def answers(
 ) -> list[PostureAnswer]:
     """Compliance and the lowest `count` frequencies of one mechanism in each posture.
 
-    `simplified` has as many frequencies as its rigid bodies and its tool allow, at most `count`.
+    `simplified` has at most `count` frequencies: as many as its rigid bodies have elastic motions.
     Raises InputError for frequencies of a static model and for a leg that is not a serial chain
     (vjm), and ComputationError if the tool is free to move.
     """
@@ -156,7 +156,7 @@ class PostureModes:
     def compliance(self) -> Array:
         """6×6 compliance (SI, base axes) at the loaded point.
 
-        Raises as `lumped.system.solution` does.
+        Raises ComputationError if the tool is free to move.
         """
         return compliance(self.solution)
 
@@ -171,7 +171,7 @@ class PostureModes:
 
     @cached_property
     def damped(self) -> DampedModes:
-        """Complex modes, accurate up to the highest frequency of the undamped ones."""
+        """Complex modes, accurate up to the highest frequency of the undamped modes."""
         return damped_modes(self.solution, float(self.modes.frequencies.max(initial=0.0)))
 
     @cached_property
@@ -189,7 +189,7 @@ def mechanism_modes(
     """Lowest `count` modes of one mechanism in each posture. `simplified` may have fewer.
 
     Raises InputError for a static model, and ComputationError if the tool is free to move or fewer
-    modes have mass.
+    than `count` modes move mass.
     """
     _require_dynamic_model(model)
     if not postures:
@@ -216,7 +216,7 @@ def mechanism_modes(
 
 
 def modes_on_drives(postures: Sequence[Posture], count: int) -> Iterator[PostureModes]:
-    """Lowest `count` modes of rigid bodies on elastic drives, or all that move mass."""
+    """Lowest `count` modes of rigid bodies on elastic drives. All modes if fewer move mass."""
     rigid = on_drives_alone(postures[0].mechanism)
     return modes_along(assembly(rigid, {}), postures, count)
 
@@ -224,7 +224,7 @@ def modes_on_drives(postures: Sequence[Posture], count: int) -> Iterator[Posture
 def modes_along(
     prepared: Assembly, postures: Sequence[Posture], count: int
 ) -> Iterator[PostureModes]:
-    """Lowest `count` modes, or all that move mass, of an assembly in each posture."""
+    """Lowest `count` modes of an assembly in each posture. All modes if fewer move mass."""
     for system in prepared.along(postures):
         solution = solved(system)
         yield PostureModes(system.posture, solution, modes_with_mass(solution, count))
@@ -249,10 +249,10 @@ def with_enough_modes(
 ) -> T:
     """Solution by `solve` with bodies reduced up to a frequency (Hz) that covers `count` modes.
 
-    The first estimate is by beams. Restrained warping of open sections can raise frequencies far
-    above it, so `solve` is repeated until the `frequencies` of the solution lie below the limit of
-    the reduction. More modes only lower them (Rayleigh), so the second reduction suffices, apart
-    from round-off.
+    The first estimate of that frequency is by beams. Restrained warping of open sections can raise
+    frequencies far above it. Therefore `solve` is repeated until the `frequencies` of the solution
+    lie below the limit of the reduction. More modes in the reduction only lower frequencies
+    (Rayleigh), so the second reduction suffices, apart from round-off.
     """
     highest = highest_frequency(postures, count, options)
     while (highest_solved := float(np.max(frequencies(solution := solve(highest))))) > highest:
@@ -387,8 +387,8 @@ def sectioned_legs(
 ) -> list[tuple[str, SectionedLeg, ModelOptions]]:
     """Name, prism and options of each leg of a mechanism. Equal prisms are one object.
 
-    With release "printed", the last spring of a leg contains the joint at its tip; `as_printed`
-    fixes that joint in the mechanism.
+    If `options.release` is "printed", the last spring of a leg contains the joint at its tip;
+    `as_printed` fixes that joint in the mechanism.
     """
     representatives: list[SectionedLeg] = []
     legs = []
@@ -430,10 +430,10 @@ def _printed(mechanism: Mechanism, joint: Joint) -> Joint:
 
 
 def _at_tip(mechanism: Mechanism, joint: Joint) -> str:
-    """Name of the leg whose last spring contains a joint as printed. "" if there is none.
+    """Name of the leg whose last spring contains a joint that is released as printed in the paper.
 
     Such a joint is passive and revolute, its second side is the tip of the leg, and it has no
-    compliance.
+    compliance. "" for any other joint.
     """
     if joint.kind != "revolute" or joint.drive is not None or joint.compliance is not None:
         return ""
@@ -453,7 +453,10 @@ def _are_equal(leg: SectionedLeg, other: SectionedLeg) -> bool:
 
 
 def on_drives_alone(mechanism: Mechanism) -> Mechanism:
-    """Mechanism with elastic drives and rigid joints. Drives have their simplified stiffness."""
+    """Mechanism with elastic drives and rigid joints.
+
+    Drives have the stiffness of the simplified model.
+    """
     return replace(mechanism, joints=tuple(_simplified(joint) for joint in mechanism.joints))
 
 

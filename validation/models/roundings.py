@@ -24,14 +24,17 @@ _NEGLIGIBLE = 1e-9
 
 
 class Rounding(NamedTuple):
-    """Postures with one number of a 6×6 changed. Half a unit is `factor` times the change."""
+    """Postures with one number of a 6×6 changed.
+
+    Half a unit of its last digit is `factor` times the change.
+    """
 
     postures: list[Posture]
     factor: float
 
 
 def roundings_of(compliances: Iterable[Printed], postures: Sequence[Posture]) -> list[Rounding]:
-    """A small change of each number of those printed 6×6 that the robot uses.
+    """One small change for each number of those printed 6×6 that the robot uses.
 
     Bodies and joints with equal 6×6 are changed together.
     """

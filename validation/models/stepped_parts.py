@@ -1,9 +1,9 @@
 """CAD parts as stepped legs: prismatic pieces with the part's sections along its centre line.
 
 Input: a body that is a CAD part with two interfaces. Output: a `SteppedLeg` of ten pieces with beam
-properties, and the masses beyond the first and last piece. Rule: planes cut the mesh of the part;
-the constants of each section are computed by finite elements. A part whose sections are not those
-of prisms is refused with NotPrismaticError.
+properties, and the masses of the part before the first and after the last piece. Rule: planes cut
+the mesh of the part; the constants of each section are computed by finite elements. A part whose
+sections are not those of prisms is refused with NotPrismaticError.
 """
 
 from dataclasses import astuple
@@ -148,7 +148,7 @@ def _pieces_and_masses(
 
 
 def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
-    """Raise NotPrismaticError if a section is divided, or changes within its own size.
+    """Raise NotPrismaticError if a section is divided, or changes over a length like its own size.
 
     An opening divides a beam into two side by side. If these bend apart, they are much softer than
     one section and much stiffer than either alone. A rib matters only if it lies at the middle of a

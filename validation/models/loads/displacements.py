@@ -2,8 +2,9 @@
 
 Input: postures of a mechanism with loads, and a model. Output: twists of the loaded point (p
 postures × l loads × 6, m and rad, base axes). Rule: weight and inertia act on the masses of the
-model. A model without mass takes those of beams for legs, those of the file for legs known by their
-6×6, and the parts' own masses; a rigid body carries these by static equivalence.
+model. In a model without mass, legs have the masses of beams, legs known by their 6×6 those of the
+robot file, and CAD parts those of the part. If such a body is rigid, its mass acts by static
+equivalence.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -47,8 +48,8 @@ def displacements(
 ) -> Array:
     """Displacements (p×l×6, m and rad, base axes) of the loaded point under each load.
 
-    NaN if the mechanism cannot move as a load requires. Raises as `answers` does. Shapes: p
-    postures, l loads.
+    NaN if the mechanism cannot move as a load requires. Raises the exceptions of `answers`
+    (`validation.models.robot_models`). Shapes: p postures, l loads.
     """
     mechanism = postures[0].mechanism
     if not mechanism.loads:
@@ -66,7 +67,7 @@ def displacements(
 
 
 def displacements_of(bodies: Mapping[str, BodyModel], postures: Sequence[Posture]) -> Array:
-    """Displacements of the tool (p postures × l loads × 6) with given models of its bodies.
+    """Displacements of the tool (p postures × l loads × 6) with these models of the `bodies`.
 
     Loads act on the masses of these models.
     """
@@ -80,7 +81,10 @@ def _assembled(prepared: Assembly) -> Callable[[Posture, list[Loading]], Array]:
 
 
 def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[Loading]], Array]:
-    """Function that solves for the tool's displacements by serial chains with tip compliances."""
+    """Function that solves for displacements of the tool by serial chains.
+
+    `springs`: tip compliance (6×6, SI, body axes) of each leg, by body name.
+    """
     return lambda at, loads: serial_chains.tool_displacements(at, springs, loads)
 
 
@@ -90,7 +94,7 @@ def displacements_by(
     masses: BodyMasses,
     theory: Theory = "timoshenko",
 ) -> Array:
-    """Displacements (p×l×6) of the tool under all loads in each posture, by `solve`.
+    """Displacements (p×l×6, m and rad) of the tool under all loads in each posture, by `solve`.
 
     `theory`: beam theory that reduces loads along legs to loads at their ends. NaN if the mechanism
     cannot move as a load requires. Shapes: p postures, l loads.
@@ -128,10 +132,10 @@ def masses_of(
     masses: Masses = MASSES[0],
     parts: Mapping[str, BodyModel] | None = None,
 ) -> BodyMasses:
-    """Masses of legs and CAD parts for models without mass: legs as beams, parts with their own.
+    """Masses for models without mass: those of beams for legs, of condensed solids for CAD parts.
 
     `masses` is the distribution in legs known by their 6×6. `parts` are models of the parts; if
-    None they are condensed. {} if no load acts on mass.
+    None, they are condensed here. {} if no load acts on mass.
     """
     if not any(load.acts_on_mass for load in mechanism.loads):
         return {}
@@ -142,7 +146,10 @@ def masses_of(
 
 
 def interface_mass(model: BodyModel) -> Array:
-    """Mass matrix of a model on its interfaces. Craig and Bampton's equals Guyan's there."""
+    """Mass matrix of a model condensed to its interfaces.
+
+    It is the same for a reduction by Craig and Bampton as for Guyan's.
+    """
     ends = slice(6 * len(model.interfaces))
     return dense(model.mass)[ends, ends]
 
@@ -166,6 +173,9 @@ def load_masses(model: ModelName, mechanism: Mechanism, options: ModelOptions) -
 
 
 def _segments(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
-    """Segments condensed to the leg's ends with their mass, which springs in series do not have."""
+    """Segments of a leg condensed to its ends with their mass.
+
+    Springs in series alone have no mass.
+    """
     segments = leg_matrices("segments", leg, replace(options, release="condensed"))
     return static_superelement(held_leg(segments)).matrices

@@ -1,9 +1,9 @@
-"""Forces in the joints and in the legs of a mechanism under the loads of its file, by any model.
+"""Forces in the joints and legs of a mechanism under the loads of its robot file, by any model.
 
 Input: postures of a mechanism with loads, and a model. Output: `LoadForces` for each posture and
 load: the wrench that each joint transmits, and the forces and moments along each leg. Rule: they
-follow from equilibrium with the displacements of the model and the masses on which its loads act
-(`displacements.load_masses`).
+follow from equilibrium of each body, with the displacements of the model and the masses on which
+its loads act (`displacements.load_masses`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -41,8 +41,8 @@ class BodyEnds:
 class LoadForces:
     """Wrenches of all joints, and forces along all straight legs, under one load in one posture.
 
-    Joints and legs have the order of the file. `ends` are wrenches and twists of the interfaces of
-    deformable bodies by name.
+    Joints and legs are in the order of the robot file. `ends`: wrenches and twists at the
+    interfaces of each deformable body, by its name.
     """
 
     reactions: tuple[Reaction, ...]
@@ -55,7 +55,7 @@ def load_forces(
 ) -> list[list[LoadForces | None]]:
     """Forces in joints and legs for each posture (outer list) under each load (inner list).
 
-    None if the mechanism cannot move as a load requires. Raises as `displacements` does.
+    None if the mechanism cannot move as a load requires. Raises the exceptions of `displacements`.
     """
     mechanism = postures[0].mechanism
     masses = load_masses(model, mechanism, options)

@@ -1,11 +1,12 @@
 """Plausible distributions of mass and stiffness along a leg that is known by its 6×6.
 
-Input: the 6×6 of a leg, its mass and, if given, centre of mass and inertia. Output: matrices of the
+Input: the 6×6 of a leg, its mass and, if known, centre of mass and inertia. Output: matrices of the
 leg with each plausible distribution. Rule: between its ends the leg has exactly its 6×6. Along its
 length it is a uniform beam with that 6×6, once as soft and once as stiff as such beams can be
-(`fem.beams.interior`). All distributions have the mass of the file, and its centre of mass if one
-is given. Only the lump can have the inertia of the file, which no mass along a line has. A verdict
-that is the same for all distributions holds for any leg; if verdicts differ, more data are needed.
+(`fem.beams.interior`). All distributions have the leg's mass, and its centre of mass if it is
+known. Only the lumped mass can have the inertia of the robot file, since mass along a line cannot.
+A verdict that is the same for all distributions holds for any leg; if verdicts differ, more data
+are needed.
 """
 
 from collections.abc import Collection, Mapping
@@ -54,8 +55,8 @@ class Inside(NamedTuple):
 def plausible_insides(legs: Collection[GivenLeg]) -> tuple[Inside | None, ...]:
     """All plausible distributions of mass and stiffness inside the legs.
 
-    First the uniform one, then each mass distribution with the softest and the stiffest interior.
-    (None,) without legs known by their 6×6.
+    First the uniform distribution, then each mass distribution with the softest and with the
+    stiffest interior. (None,) if no leg is known by its 6×6.
     """
     if not legs:
         return (None,)
@@ -67,7 +68,8 @@ def plausible_insides(legs: Collection[GivenLeg]) -> tuple[Inside | None, ...]:
 def plausible_masses(legs: Collection[GivenLeg]) -> tuple[Masses, ...]:
     """Names of plausible mass distributions.
 
-    Wedges only if some leg's centre of mass is unknown.
+    Wedges, in which the mass per length rises towards one end, are included only if the centre of
+    mass of a leg is unknown.
     """
     if all(leg.mass_centre is not None for leg in legs):
         return tuple(masses for masses in MASSES if masses not in _CENTRES)
@@ -77,15 +79,15 @@ def plausible_masses(legs: Collection[GivenLeg]) -> tuple[Masses, ...]:
 def leg_with_inside(leg: GivenLeg, inside: Inside, highest: float) -> LegMatrices:
     """Matrices of a leg from its 6×6 and an assumed distribution of mass and stiffness.
 
-    They are accurate up to `highest` (Hz). A lumped mass lies at `mass_centre`, without one in the
-    middle; without `inertia` it is a point. With `mass_centre`, a wedge is the same as mass along
-    the leg.
+    They are accurate up to `highest` (Hz). A lumped mass lies at the leg's `mass_centre`, or in the
+    middle if that is unknown; it is a point mass if `inertia` is unknown. If `mass_centre` is
+    known, a wedge equals mass along the leg.
     """
     return by_shapes(shapes_inside(leg, inside, highest, _ELEMENTS), leg, inside, _ELEMENTS)
 
 
 def ends_mass(leg: GivenLeg, masses: Masses) -> Array:
-    """Mass matrix (12×12, SI, leg axes) on the twists of the ends, the interior condensed."""
+    """Mass matrix (12×12, SI, leg axes) of a leg, condensed to the twists of its ends."""
     beam = interior_beam(leg, "uniform", _ELEMENTS)
     modes = held_leg(beam).constraint_modes
     return np.asarray(modes.T @ (_mass(beam, leg, masses, _ELEMENTS) @ modes))
@@ -105,10 +107,10 @@ def shapes_inside(leg: GivenLeg, inside: Inside, highest: float, elements: int) 
 
 
 def by_shapes(shapes: Array, leg: GivenLeg, inside: Inside, elements: int) -> LegMatrices:
-    """Matrices of a leg reduced to given shapes (n×r).
+    """Stiffness and mass matrix of a leg, reduced to `shapes` (n×r).
 
-    `shapes` belong to this leg, or to one with a slightly different 6×6; matrices are then accurate
-    to first order. Shapes: n unknowns of the beam, r shapes.
+    The shapes are those of this leg, or of one with a slightly different 6×6; in the second case
+    the matrices are accurate to first order. Shapes: n unknowns of the beam, r shapes.
     """
     beam = interior_beam(leg, inside.interior, elements)
     stiffness = shapes.T @ (beam.stiffness @ shapes)
@@ -148,7 +150,10 @@ def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> Sp
 
 
 def _line(leg: GivenLeg, masses: Masses, elements: int) -> tuple[Array, Array]:
-    """Stations (m from the root) and the share of the leg's mass at each. Not for a lumped mass."""
+    """Stations (distance from the root, m) and the share of the leg's mass at each.
+
+    `masses` must not be the lumped mass.
+    """
     centre = _CENTRES.get(masses, 0.5)
     if leg.mass_centre is not None:
         centre = leg.mass_centre / leg.length

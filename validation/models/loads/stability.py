@@ -1,9 +1,9 @@
 """Buckling factors and loss of stiffness under the loads of the robot file, by any model.
 
 Input: postures of a mechanism with loads, and a model. Output: a `Stability` for each posture and
-load, and notes in words. Rule: statics are those of the model, on the interfaces of its bodies.
-Between the interfaces, legs bend as beams in all models; this determines their buckling and the
-effect of the axial force on their stiffness.
+load, and notes for the report. Rule: statics are those of the model, on the interfaces of its
+bodies. Between the interfaces, legs bend as beams in all models; this determines their buckling and
+the effect of the axial force on their stiffness.
 """
 
 from collections.abc import Iterator, Sequence
@@ -56,8 +56,8 @@ def stabilities(
 ) -> list[list[Stability | None]]:
     """Stability in each posture under each load, with the lowest `count` frequencies under load.
 
-    None if the mechanism cannot move as a load requires, or if it has bent legs. Raises as
-    `displacements` does.
+    None if the mechanism cannot move as a load requires, or if it has bent legs. Raises the
+    exceptions of `displacements`.
     """
     mechanism = postures[0].mechanism
     if bent_legs(mechanism):
@@ -124,7 +124,9 @@ def stability_notes(
     rows: Sequence[Sequence[Stability | None]],
     requirement: Requirement,
 ) -> tuple[str, ...]:
-    """Notes for the report, one for each load that reduces stiffness: nearest buckling and loss.
+    """Notes for the report, one for each load that reduces stiffness.
+
+    A note has the smallest buckling factor and the largest loss of stiffness over the postures.
 
     `rows` (postures × loads) is the result of `stabilities`.
     """
