@@ -2,7 +2,7 @@
 
 Input: solved displacements or modes of the reference under one reading of the robot file. Output:
 relative half-widths for each pose and quantity. Rule: for each kind of mesh, the quantity is solved
-on two or three meshes, and `MeshPolicy` makes a half-width of the change from mesh to mesh.
+on two or three meshes, and a `MeshPolicy` computes the half-width from the change between meshes.
 
 The element length along the legs is studied with solid legs, the mesh of their cross-sections with
 beams whose section constants are computed on that mesh. CAD parts are solved on three meshes, under
@@ -51,11 +51,11 @@ LINE_ON_BEAMS = 3e-2
 
 @dataclass(frozen=True)
 class MeshRow:
-    """One kind of mesh: the field of `Reading` that selects it, its levels and its mesh policy.
+    """A kind of mesh: the field of `Reading` that selects it, its levels and its mesh policy.
 
-    `levels` are values of that field from the coarsest to the finest mesh. Half-widths belong to
+    `levels` are values of that field from the coarsest to the finest mesh. Half-widths are those on
     the finest level, which the reference uses. Section meshes are the exception: the reference uses
-    their coarse level, and their policy has a ratio of element sizes below one for this reason.
+    their coarse level; for this reason, the ratio of element sizes in their policy is below one.
 
     `policy` returns the rule that turns changes between meshes into half-widths. It returns a
     number instead if the half-width is known beforehand: 0 if the robot has no mesh of this kind, 1
@@ -120,8 +120,8 @@ def _modal_section_policy(robot: RobotOnPath) -> MeshPolicy | float:
 def _section_beams(reading: Reading) -> Model:
     """Beam model for the study of section meshes: with warping only if all ends are rigid.
 
-    If ends are free, the beams are free to warp. They then depend more on the section mesh than
-    solids with free ends do, so that the half-width errs on the safe side.
+    If ends are free, the beams are free to warp. Such beams depend more on the section mesh than
+    solids with free ends do, so the half-width is an overestimate.
     """
     return COMPUTED_BEAMS if "free" in reading.ends.values() else WARPING_BEAMS
 
@@ -159,10 +159,10 @@ def displacement_half_widths(responses: Responses, reading: Reading) -> Array:
 
 
 def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
-    """Relative half-widths of the judged natural frequencies (P×K) due to all meshes. 1 if unknown.
+    """Relative half-widths (P×K) of the judged frequencies due to all meshes. 1 if unknown.
 
-    The half-width is unknown for a mode that the coarser solid or the beams do not have. For CAD
-    parts, the order of convergence is always observed on the first `MOST_MODES` frequencies, so
+    The half-width is unknown for a mode without a partner on the coarser mesh or in the beams. For
+    CAD parts, the order of convergence is always observed on the first `MOST_MODES` frequencies, so
     that half-widths do not depend on the number of judged modes. Shapes: P poses, K judged
     frequencies.
     """
@@ -205,8 +205,8 @@ def response_half_widths(
 ) -> Array:
     """Relative half-widths of harmonic responses due to all meshes. 1 if unknown.
 
-    `numbers` selects the responses: it returns an array for modes, such as peak sizes (P×q).
-    Shapes: P poses, q judged numbers of responses.
+    `numbers` returns the judged numbers of responses for modes, such as peak sizes (P×q). Shapes: P
+    poses, q judged numbers of responses.
     """
     robot, solve = responses.robot, responses.required_modes
 

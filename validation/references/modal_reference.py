@@ -4,7 +4,8 @@ Input: the robot along its path with its computed modes. Output: a `Reference` w
 interpretation for each set of end conditions and each plausible mass distribution that the robot
 file allows, and for each judged model its sequence of intermediate models. Rule: prismatic legs are
 3-D solids reduced to their end faces, CAD parts are solids reduced to their interfaces, and legs
-known by their 6×6 have each plausible mass and stiffness between their ends in turn.
+known by their 6×6 have, one after the other, each plausible distribution of mass and stiffness
+between their ends.
 """
 
 from collections.abc import Mapping, Sequence
@@ -110,7 +111,7 @@ def _reason_unmeshed(prisms: Sequence[SectionedLeg], preset: Preset) -> str:
 
 
 def _finer_preset(prisms: Sequence[SectionedLeg], preset: Preset) -> str:
-    """Instruction naming the next larger preset that can mesh these legs, or that none can."""
+    """Instruction to use the next larger preset that can mesh these legs. A remark if none can."""
     return finer_by(larger_preset(preset, lambda larger: not _reason_unmeshed(prisms, larger)))
 
 
@@ -178,7 +179,7 @@ def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
 
 
 def _on_twice_as_many(robot: RobotOnPath, reading: Reading) -> PathModes | None:
-    """Modes by segments, with twice as many segments per leg as the judged model."""
+    """Modes by segments, with twice as many segments per leg as in the judged model."""
     return formulation_modes("segments", ModelOptions(), robot, replace(reading, elements=2))
 
 

@@ -1,9 +1,9 @@
 """Points of a mechanism at which mode shapes of different models are compared.
 
-Input: a mechanism, then shapes of a model in its own unknowns. Output: displacements at the same
-points for each model, the mass that each point represents, and the part of each mode's kinetic
-energy that these displacements account for. Points of a leg lie on twelve sections, four in each,
-placed so that they have the section's mass and rotary inertia.
+Input: a mechanism, and mode shapes of a model in the unknowns of the model. Output: displacements
+at the same points for each model, the mass that each point represents, and the part of each mode's
+kinetic energy that these displacements account for. Points of a leg lie on twelve sections, four in
+each, placed so that they have the section's mass and rotary inertia.
 """
 
 from collections.abc import Mapping
@@ -33,9 +33,9 @@ class Samples:
     """Sample points of all bodies of a mechanism, and the mass of each sampled displacement.
 
     `weights` (k): mass (kg) of each sampled displacement, moment of inertia (kg m²) of each sampled
-    rotation. `points` (m×3, body axes) of each leg and CAD part. `turned`: principal axes of
-    inertia of each rigid body with mass (3×3, columns). `prisms`: mass (m, kg) of the points of
-    each leg of constant section.
+    rotation. `points` (m×3, m, body axes): those of each leg and CAD part. `turned`: principal axes
+    of inertia (3×3, columns) of each rigid body with mass. `prisms`: masses (m, kg) of the points
+    of each leg of constant section.
     """
 
     mechanism: Mechanism
@@ -45,7 +45,7 @@ class Samples:
     weights: Array
 
     def of_models(self, models: Mapping[str, BodyModel]) -> dict[str, Array]:
-        """Matrices (3k×n) that map the n unknowns of a leg's model to displacements at k points."""
+        """Matrices (3k×n) from the n unknowns of each model to displacements of its k points."""
         matrices: dict[tuple[BodyModel, bytes], Array] = {}
         matrix_by_body = {}
         for name, model in models.items():
@@ -57,9 +57,9 @@ class Samples:
         return matrix_by_body
 
     def at(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
-        """Sampled displacements (k×m) of m mode shapes, columns of unknowns of a system (n×m).
+        """Sampled displacements (k×m) of m mode shapes (n×m), in the n unknowns of a system.
 
-        `of_models` are the matrices of `Samples.of_models`. A body without a matrix moves rigidly.
+        `of_models`: result of `Samples.of_models`. A body without a matrix there moves rigidly.
         """
         outer = shapes[: system.outer]
         rows = [(system.tool @ shapes)[:3]]
@@ -81,11 +81,11 @@ class Samples:
         return np.vstack(rows)
 
     def energy_shares(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
-        """Share (m) of each mode's kinetic energy for which the sampled displacements account.
+        """Share (m) of each mode's kinetic energy that the sampled displacements represent.
 
-        `shapes` (n×m) are mass-normalised. Samples of a prismatic leg move with whole
-        cross-sections, as a beam does; deformation of the sections themselves is the energy that
-        they miss. All energy of other bodies counts as sampled.
+        `shapes` (n×m) are mass-normalised. Samples of a prismatic leg represent motions of rigid
+        cross-sections, as in a beam; they do not contain the energy of a deformation of the
+        sections. All energy of other bodies counts as sampled.
         """
         inside = np.zeros(shapes.shape[1])
         for name in self.prisms.keys() & of_models.keys():

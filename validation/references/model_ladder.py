@@ -3,8 +3,8 @@
 Input: a robot along its path and a reading of its file. Output: statics (compliances and
 displacements) or modes. Intermediate models replace each leg by the compliance of its tip, with one
 more effect in each model: the couplings of the file's 6×6, computed section constants, restrained
-warping, restrained contraction. The compliances are summed along serial chains (virtual joint
-method) if the legs are such chains, which shares no code with the assembler of the reference;
+warping, restrained contraction. If the legs are serial chains, the compliances are summed along
+them (virtual joint method), by code that is independent of the assembler of the reference;
 otherwise the legs are assembled as links.
 """
 
@@ -73,7 +73,7 @@ def formulation(name: str, kind: ModelName, options: ModelOptions) -> Model:
 
 
 def with_parts(parts: PartLegs) -> Model:
-    """Beam model with CAD parts idealised as `parts` specifies, such as stepped legs."""
+    """Beam model with CAD parts idealised by the method `parts`, such as stepped legs."""
     return formulation(f"beam, parts {parts}", "beam", ModelOptions(parts=parts))
 
 
@@ -86,7 +86,7 @@ def _formulation_statics(
 def formulation_modes(
     kind: ModelName, options: ModelOptions, robot: RobotOnPath, reading: Reading
 ) -> PathModes | None:
-    """Modes of a formulation, with the options' element count multiplied by the reading's factor.
+    """Modes of a formulation. Its element count is that of the options times that of the reading.
 
     None if nothing has mass.
     """
@@ -99,7 +99,7 @@ def with_elements(options: ModelOptions, reading: Reading) -> ModelOptions:
 
 
 def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
-    """Statics with solid prismatic legs and CAD parts. Legs known by their 6×6 keep it."""
+    """Statics with solid prismatic legs and CAD parts. Legs known by their 6×6 have that."""
     tips = {
         body: solid_tip(robot.context, leg, reading.ends[body], mesh=reading.mesh)
         for body, leg in robot.legs.items()
@@ -111,8 +111,8 @@ def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
 def computed_statics(robot: RobotOnPath, reading: Reading) -> Statics:
     """Statics with beams whose section constants are computed by finite elements of the section.
 
-    With the reading's coarse section mesh, a leg whose two solids share a section mesh gets
-    constants from that mesh. All others get constants from the fine one.
+    The constants are computed on the fine section mesh. If the reading has the coarse section mesh,
+    legs whose two solids share a section mesh have constants computed on that mesh.
     """
 
     def divisions(leg: Leg) -> int:

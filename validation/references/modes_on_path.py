@@ -3,8 +3,8 @@
 Input: a robot in its postures, a reading of its file, meshes and the number of modes. Output:
 `PathModes`, with frequencies, sampled shapes and harmonic responses in each pose. All models are
 sampled at the same points (`mode_samples`), so that their shapes can be compared. Legs are reduced
-to their ends with all modes up to a cut-off frequency, which is raised until it covers the
-requested modes.
+to their ends with all modes up to a cut-off frequency. This is raised until the requested modes lie
+below it.
 """
 
 from collections.abc import Callable, Iterable
@@ -103,10 +103,10 @@ def solid_meshes(preset: Preset) -> SolidMeshes:
 def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
     """Modes of the reference: solid prismatic legs, CAD parts, and legs known by their 6×6.
 
-    The latter have the mass distribution and interior stiffness of the reading. The section mesh of
-    thin walls is the same for one and for two divisions, so halving the length of the elements
-    alone would not reveal its excess stiffness against distortion. The fine mesh has four divisions
-    at least.
+    Legs known by their 6×6 have the mass distribution and interior stiffness of the reading. Thin
+    walls have the same section mesh for one and for two divisions; the excess stiffness of that
+    mesh against distortion does not appear if only the length of the elements is halved. Therefore
+    the fine mesh has at least four divisions.
     """
     meshes = solid_meshes(robot.context.meshes)
     mesh = meshes.fine._replace(least=COARSEST_WALLS) if reading.mesh else meshes.coarse
@@ -126,10 +126,10 @@ def modes_of_computed_beams(
 
 
 def vibration_of(samples: Samples, posture_modes: Iterable[PostureModes], count: int) -> PathModes:
-    """`PathModes` with `count` modes from the solved modes of each posture. NaN for missing modes.
+    """Record of `count` modes in all postures, from the modes of each. NaN for missing modes.
 
-    Modes are missing if a robot has few lumped masses, or if it stands on its drives alone and
-    loses a mode at the end of a stroke.
+    Modes are missing if a robot has few lumped masses, or if all its bodies are rigid and a drive
+    has no effect in a posture at the end of a stroke.
     """
     frequencies, shapes, energy_shares, responses, displacements = [], [], [], [], None
     for posture in posture_modes:
@@ -188,10 +188,10 @@ def built_vibration(
     ends: Holds,
     count: int,
 ) -> PathModes:
-    """Modes in each posture, with a matrix model of each leg made by `build`.
+    """Modes in each posture, with matrices of each leg made by `build`.
 
-    `build` takes a leg, its end condition and the highest frequency (Hz) to be covered. `parts` are
-    models of the CAD parts.
+    Arguments of `build` are a leg, its end condition, and the frequency (Hz) up to which its
+    matrices must be accurate. `parts` are models of the CAD parts.
     """
     mechanism = postures[0].mechanism
     samples, legs = samples_of(mechanism), known_legs(mechanism)
@@ -219,7 +219,7 @@ def solid_vibration(
 ) -> PathModes:
     """Modes in each posture with prismatic legs as solids on `mesh`, reduced to their ends.
 
-    Legs known by their 6×6 and CAD parts follow the reading.
+    The reading selects the distributions in legs known by their 6×6, and the mesh of CAD parts.
     """
 
     def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:

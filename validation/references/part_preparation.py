@@ -33,11 +33,10 @@ Question = Callable[[Body], Sequence[CacheEntry[Any]]]
 
 @dataclass(frozen=True)
 class PartWork:
-    """Work on one CAD part, executed on this machine or sent to another: cache entries to compute.
+    """Computation of cache entries for one CAD part, on this machine or on another one.
 
-    `content` is the content of the part's file, for machines that cannot read it. `entries_of`
-    lists the entries. `remote` is true if another machine does the work and returns the computed
-    arrays.
+    `content`: content of the part's file, for machines that cannot read it. `entries_of`: function
+    that lists the entries. `remote`: true if another machine computes them and returns the arrays.
     """
 
     body: Body
@@ -62,7 +61,7 @@ class PartWork:
 
     @contextmanager
     def _local_body(self) -> Iterator[Body]:
-        """The part as a body whose file exists on the machine that executes this."""
+        """Context with the part as a body whose file exists on the executing machine."""
         shape = reduced_parts.shape_of(self.body)
         if not self.remote:
             yield self.body
@@ -98,7 +97,10 @@ def _reduction(body: Body, **options: Any) -> list[CacheEntry[Any]]:
 
 
 def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[Body, Question]]:
-    """Bodies with the reductions that a run needs, finest meshes first, since they take longest."""
+    """Bodies, each with a reduction that a run needs.
+
+    The finest meshes, which take longest, are first.
+    """
     alternatives = tuple(robot.holding.alternatives.values())
     first = alternatives[:1]
     highest, cutoff = highest_of_parts(robot.postures, robot.computed_count)

@@ -3,9 +3,9 @@
 Input: a reading with relative changes of uncertain inputs. Output: the changed robot, or the
 reference's statics and modes under these changes. Rule: a reference of solids is not solved again.
 Beams with computed section constants and the same end conditions are solved with and without the
-changes, and the reference changes as they do: compliances by a congruence C = T C_beams Tᵀ, with T
-= L L_beams⁻¹ from the Cholesky factors of both, and each frequency by a ratio. This holds for
-inputs a few per cent off.
+changes, and the reference changes in the same way: compliances by a congruence C = T C_beams Tᵀ,
+with T = L L_beams⁻¹ from the Cholesky factors of both without changes, and each frequency by a
+ratio. This is accurate for changes of a few per cent.
 """
 
 from dataclasses import replace
@@ -23,7 +23,7 @@ from validation.responses.statics_and_modes import PathModes, Statics
 def perturbed_robot(robot: RobotOnPath, reading: Reading) -> RobotOnPath:
     """Robot with the input changes and the digit change of a reading, in the same poses.
 
-    Raises InputError if no robot can be built with these values.
+    Raises InputError if the changed values make an invalid robot.
     """
     if reading.factors:
         mechanism = _with_factors(robot, reading.factors)
@@ -47,8 +47,8 @@ def congruent(reference: Statics, nominal: Statics, perturbed: Statics) -> Stati
     """Statics of a reference under perturbed inputs, from those of a cheaper beam model.
 
     `nominal` and `perturbed` are statics of the beam model (the stand-in) without and with the
-    change of inputs. Displacements under loads change by T (module docstring) times the change of
-    the beam model.
+    change of inputs. The change of displacements under loads is T (see the module docstring) times
+    that of the beam model.
     """
     change = perturbed - nominal
     try:
@@ -71,8 +71,8 @@ def scaled(reference: PathModes, nominal: PathModes, perturbed: PathModes) -> Pa
     """Modes of a reference under perturbed inputs, from those of a cheaper beam model.
 
     `nominal` and `perturbed` are modes of the beam model (the stand-in) without and with the change
-    of inputs. Each frequency changes in the ratio of the beam mode of the same shape; peaks of
-    harmonic responses change in the ratio of the beam model's peaks.
+    of inputs. Each frequency is multiplied by the ratio of the frequencies of the beam mode with
+    the same shape, and each peak of a harmonic response by the ratio of the beam model's peaks.
     """
     count = min(modes.frequencies.shape[1] for modes in (reference, nominal, perturbed))
     partner_indices = partners(reference, nominal, count).partner_indices

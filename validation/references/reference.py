@@ -59,7 +59,7 @@ class Remedy:
 def use(model: str, how: str = "", option: str = "") -> Remedy:
     """Remedy that replaces the judged model by `model`.
 
-    `how` is a text that describes the `option`.
+    `how` is a text on the `option` of that model, such as "with free ends".
     """
     return Remedy(f"use {model}{how}", option, model)
 
@@ -73,10 +73,11 @@ TIMOSHENKO = Remedy("include shear deformation: --theory timoshenko", "--theory"
 class SourceHalfWidths:
     """Half-widths (95 %) of a reference's numbers due to one source, relative to these numbers.
 
-    `displacements` (P×(7+L)): of the displacement behind each static quantity, in the columns of
-    `Quantity.static_column`. `frequencies` (P×K), `peaks` (P×q) and `receptances` (one P×n for each
-    excitation) belong to the modes. None if the source does not affect them. Shapes: P poses, K
-    judged frequencies, q judged numbers of responses, n frequencies of an excitation.
+    `displacements` (P×(7+L)): of the displacements under 7 unit loads and L loads of the robot
+    file, in the columns of `Quantity.static_column`. `frequencies` (P×K), `peaks` (P×q) and
+    `receptances` (one P×n for each excitation) are those of the modes. Each field is None if the
+    source does not affect its numbers. Shapes: P poses, K judged frequencies, q judged numbers of
+    responses, n frequencies of an excitation.
     """
 
     displacements: Array | None = None
@@ -130,13 +131,13 @@ class Interpretation:
 class Reference:
     """Most accurate model of a robot, under each interpretation that the robot file allows.
 
-    `open` names the information missing in the file; `decides` is the instruction that supplies it.
-    Further instructions: `masses` supplies the mass distribution that loads on the legs' masses
-    need, `interior` the stiffness inside legs, and `finer` reduces the uncertainty. `remedy`
-    replaces a judged model by that of the reference, None if no model of the program equals it.
-    `supposed` is the range that the interpretations are assumed to cover, "" if nothing is assumed.
-    `computed_by` are names of the functions that compute it. If `model` is None there is no
-    reference, and `decides` is the reason.
+    `open`: text on the information that is missing in the robot file; `decides`: instruction to add
+    it. Further instructions: `masses`, to add the mass distribution on which loads act; `interior`,
+    to add the stiffness inside legs; `finer`, to reduce the uncertainty. `remedy`: replacement of a
+    judged model by that of the reference, None if no model of the program equals it. `supposed`:
+    range that the interpretations are assumed to cover, "" if nothing is assumed. `computed_by`:
+    names of the functions that compute the reference. If `model` is None there is no reference, and
+    `decides` is the reason.
     """
 
     title: str
@@ -168,7 +169,10 @@ def no_reference(error: Exception | str) -> Reference:
 
 
 def finer_by(preset: str) -> str:
-    """Instruction for a more accurate reference. `preset` is "--preset fine" or "no preset"."""
+    """Instruction that reduces the uncertainty of a reference.
+
+    `preset`: "--preset fine" or "no preset".
+    """
     return f"undecided because of the mesh uncertainty of the reference; {preset} has a finer one"
 
 
@@ -179,9 +183,8 @@ NOT_FINER = finer_by("no preset")
 class Step:
     """One step from a judged model towards the reference: a model without one `cause` of error.
 
-    `model` is free of this cause and of those of all earlier steps. `source` names the computation
-    by which the effect is evaluated. `remedy` is the option or model that avoids the cause. None if
-    there is none.
+    `model` has neither this cause nor those of all earlier steps. `source`: computation by which
+    the effect is evaluated. `remedy`: option or model that avoids the cause, None if there is none.
     """
 
     cause: str
@@ -237,11 +240,12 @@ class Subject:
     """Data for judging the models of one robot: models, references and the steps between them.
 
     `poses` (P×n) are values of the n `coordinates`. `notes` are remarks for the report. `parts`:
-    each leg as a subject of its own, clamped at its root. `formulation`: if the robot's legs cannot
-    be solids, a subject with other legs, on which the formulations are judged. `inputs`: uncertain
-    inputs, None if the file names none. `loads` and `harmonics`: quantities of the file's loads and
-    of its harmonic responses, in order. `faults`: names of computations, models excluded, that
-    failed by an error of the program. Shapes: P poses, n frequencies of an excitation.
+    each leg as a subject of its own, clamped at its root. `formulation`: if the robot's legs are
+    known by their 6×6, a subject with equivalent prisms, on which the formulations are judged
+    against solids; otherwise None. `inputs`: uncertain inputs, None if the file names none. `loads`
+    and `harmonics`: quantities of the file's loads and of its harmonic responses, in order.
+    `faults`: names of computations (other than models) that failed by an error of the program.
+    Shapes: P poses.
     """
 
     robot: str

@@ -1,8 +1,9 @@
 """Solid legs of a robot's reference, and tip compliances of the models between beam and solid.
 
 Input: a leg and the preset of the run. Output: its 6×6 compliance at the tip with the root clamped
-(SI, leg axes): as a solid on two meshes; as a beam with computed section constants; with restrained
-warping added; with restrained contraction added. The preset limits the unknowns of a section mesh.
+(SI, leg axes): as a solid on two meshes; as a beam with computed section constants; the same with
+restrained warping; and also with restrained contraction of the ends. The preset limits the unknowns
+of a section mesh.
 """
 
 from collections.abc import Iterable
@@ -70,7 +71,7 @@ SECTION_RATIO = COARSEST_WALLS / SECTION_DIVISIONS
 
 
 def slowest(ratio: float) -> MeshPolicy:
-    """Mesh policy for two meshes with this ratio of element sizes, at the slowest convergence."""
+    """Mesh policy for two meshes with this `ratio` of element sizes, at the lowest order."""
     return MeshPolicy.of_order(ratio, SLOWEST_ORDER)
 
 
@@ -97,7 +98,7 @@ def solid_leg(context: Context, leg: SectionedLeg) -> TwoMeshes:
 
 
 def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
-    """Instruction naming the larger preset with finer solids for these legs, or that none has."""
+    """Instruction to use a larger preset with finer solids of these legs. A remark if none has."""
     solids = [leg for leg in legs if isinstance(leg, ConstantLeg)]
     lines = [leg for leg in legs if isinstance(leg, LineLeg)]
 
@@ -114,7 +115,7 @@ def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
 
 
 def shares_section(context: Context, leg: Leg) -> bool:
-    """True if both solids of a leg use one section mesh, since a second one is not affordable."""
+    """True if both solids of a leg have the same section mesh, since a finer one is too large."""
     if not isinstance(leg, ConstantLeg):
         return False
     return not context.get(static_divisions, leg, most_unknowns(context.meshes, leg))
@@ -156,7 +157,7 @@ def line_meshes(leg: LineLeg, coarse: int, fine: int) -> TwoMeshes:
 def solid_tip(context: Context, leg: Leg, ends: Ends, *, mesh: Literal[0, 1] = 1) -> Array:
     """6×6 tip compliance (SI, leg axes) of a solid leg on the coarse (0) or fine (1) mesh.
 
-    A leg given by its 6×6 returns that.
+    For a leg known by its 6×6, that matrix.
     """
     if isinstance(leg, GivenLeg):
         return given_compliance(leg)
@@ -178,7 +179,7 @@ def straight_spring(leg: Leg) -> Array:
 def computed_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
     """6×6 tip compliance (SI, leg axes) of a beam with computed section constants.
 
-    A leg given by its 6×6 returns that.
+    For a leg known by its 6×6, that matrix.
     """
     if isinstance(leg, GivenLeg):
         return leg.compliance
@@ -206,9 +207,10 @@ def warping_spring(context: Context, leg: Leg, ends: Ends) -> Array:
 
 
 def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
-    """6×6 tip compliance (SI, leg axes) of a beam, less the compliance lost by rigid end faces.
+    """6×6 tip compliance (SI, leg axes) of a beam, reduced by the effect of rigid end faces.
 
-    The loss is due to hindered contraction and shear warping at both ends. Zero if ends are free.
+    The effect is due to hindered contraction and shear warping at both ends. It is zero if the ends
+    are free.
     """
     spring = computed_spring(context, leg)
     if not isinstance(leg, GivenLeg) and ends == "rigid":

@@ -2,8 +2,8 @@
 
 Input: postures, end conditions of the interfaces and the mesh level (0 coarse, 1, 2 fine). Output:
 models of the parts, reduced to their interfaces with all modes below a cut-off frequency, and
-rigorous bounds of the frequencies that the omitted modes can change. Rule for the cut-off: it lies
-above the highest judged frequency by the factor `CUTOFF["solid"]`.
+rigorous bounds of the frequencies, with the largest effect of the omitted modes. Rule for the
+cut-off: it lies above the highest judged frequency by the factor `CUTOFF["solid"]`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -84,8 +84,8 @@ def interface_coupling(ends: Ends) -> Hold:
 def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, float]:
     """Highest frequency (Hz) at which reduced parts must be accurate, and cut-off frequency (Hz).
 
-    It covers a third of the `count` computed modes: the judged modes and as many again. Higher
-    computed modes only help to identify mode shapes.
+    The first covers a third of the `count` computed modes: twice as many modes as are judged.
+    Higher computed modes only help to identify mode shapes.
     """
     highest = highest_frequency(postures, max(_FEWEST, count // 3))
     return highest, CUTOFF["solid"] * highest
@@ -94,10 +94,10 @@ def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, fl
 def reduction_note(
     postures: Sequence[Posture], count: int, ends: Mapping[str, Ends], judged: int
 ) -> tuple[str, ...]:
-    """Note on the number of modes in each reduced part, and the largest error in the middle pose.
+    """Note on the number of modes in each reduced part, and their largest error in the middle pose.
 
-    Empty if there are no CAD parts. Arguments as in `solid_parts`; `judged` is the number of judged
-    frequencies. Raises ComputationError and InputError if the robot has fewer modes.
+    Empty if there are no CAD parts. Other arguments as in `solid_parts`; `judged`: number of judged
+    frequencies. Raises ComputationError or InputError if the modes cannot be computed.
     """
     parts = solid_parts(postures, count, ends)
     if not parts:
@@ -126,7 +126,7 @@ def bounded_frequencies(
 ) -> FrequencyBounds:
     """First `judged` frequencies in the middle pose with their bounds due to omitted part modes.
 
-    Other bodies are beams. Arguments as in `solid_parts`, errors as in `reduction_note`.
+    Other bodies are beams. Other arguments as in `solid_parts`, exceptions as in `reduction_note`.
     """
     parts = solid_parts(postures, count, ends, level, by)
     middle = postures[len(postures) // 2]
@@ -165,9 +165,10 @@ def assembled(
 
 
 def part_kinds(mechanism: Mechanism) -> tuple[PartLegs, ...]:
-    """Idealisations of CAD parts that lead to the solid one, in the order of `PART_STEPS`.
+    """Idealisations of CAD parts between a beam and the solid, in the order of `PART_STEPS`.
 
-    Empty without parts. Condensed alone if a part cannot be represented by prismatic pieces.
+    Empty if there are no parts. Only "condensed" if a part cannot be represented by prismatic
+    pieces.
     """
     if not mechanism.parts:
         return ()
@@ -175,9 +176,10 @@ def part_kinds(mechanism: Mechanism) -> tuple[PartLegs, ...]:
 
 
 def part_policy(mechanism: Mechanism) -> MeshPolicy | float:
-    """Mesh policy of the CAD parts. 0 without parts.
+    """Mesh policy of the CAD parts, or their half-width as a number: 0 if there are no parts.
 
-    A part given as a mesh file cannot be refined: its relative half-width is taken as 1.
+    If the file of a part is a mesh, it cannot be refined, and the relative half-width is taken as
+    1.
     """
     if not mechanism.parts:
         return 0.0

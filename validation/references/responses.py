@@ -73,7 +73,7 @@ class Responses:
     def perturbed(self, reading: Reading) -> RobotOnPath:
         """Robot with the changed inputs and digit of a reading.
 
-        Raises InputError if there is none.
+        Raises InputError if the changes make an invalid robot.
         """
         key = reading.restricted(PERTURBATIONS)
         if not key.is_perturbed:
@@ -83,9 +83,9 @@ class Responses:
         return self._robots[key]
 
     def statics(self, model: Model, reading: Reading) -> Statics | Unsolved | None:
-        """Statics of a model under a reading, or why they are unsolved.
+        """Statics of a model under a reading, or the reason why they are unsolved.
 
-        None if it does not define them.
+        None if the model does not define statics.
         """
         if model.statics is None:
             return None
@@ -95,7 +95,7 @@ class Responses:
         return self._statics[key]
 
     def modes(self, model: Model, reading: Reading) -> PathModes | Unsolved | None:
-        """Modes of a model under a reading, or why they are unsolved.
+        """Modes of a model under a reading, or the reason why they are unsolved.
 
         None if the model does not define modes or nothing has mass.
         """
@@ -125,19 +125,19 @@ class Responses:
     def required_statics(self, model: Model, reading: Reading) -> Statics:
         """Statics of a model.
 
-        Raises ComputationError if it does not define them or they are unsolved.
+        Raises ComputationError if the model does not define statics or they are unsolved.
         """
         return _required(model, self.statics(model, reading))
 
     def required_modes(self, model: Model, reading: Reading) -> PathModes:
         """Modes of a model.
 
-        Raises ComputationError if it does not define them or they are unsolved.
+        Raises ComputationError if the model does not define modes or they are unsolved.
         """
         return _required(model, self.modes(model, reading))
 
     def unsolved(self, model: Model, reading: Reading, quantity: Quantity) -> str:
-        """Reason why a quantity of a model cannot be computed. "" if it can."""
+        """Reason why a quantity of a model cannot be computed. "" if it can be computed."""
         solution = self.solution(model, reading, quantity)
         return solution.reason if isinstance(solution, Unsolved) else ""
 

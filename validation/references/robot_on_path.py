@@ -3,7 +3,7 @@
 Input: the robot file and the preset of a run. Output: `RobotOnPath`, the mechanism in at most
 `MOST_POSES` postures of its path with its legs and end conditions, and `Reading`, one choice for
 everything that the file leaves open together with one mesh of each kind. Rule: if the file does not
-specify how end faces or interfaces are held, both the rigid and the free variant are computed.
+specify the condition of end faces or interfaces, both the rigid and the free one are computed.
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -57,10 +57,11 @@ class Reading:
     """One choice for everything that a robot file leaves open, and one mesh of each kind.
 
     `ends`: end condition of each leg and CAD part. `masses`, `interior`: distribution of mass and
-    of stiffness in legs known by their 6×6. `mesh` of solid legs and `section_mesh` of the section
-    constants: 1 is the fine, 0 the coarse mesh. `part_mesh`: mesh level of CAD parts. `elements`:
-    factor on the element count of models. `factors`: relative changes of the robot's inputs.
-    `rounding`: index of the printed digit that is changed (`roundings_of`). None if no digit is.
+    of stiffness in legs known by their 6×6. `mesh`: that of solid legs, `section_mesh`: that for
+    section constants; 1 is the fine, 0 the coarse mesh. `part_mesh`: mesh level of CAD parts.
+    `elements`: factor on the element count of models. `factors`: relative changes of the robot's
+    inputs. `rounding`: index of the printed digit that is changed (`roundings_of`). It is None if
+    no digit is changed.
     """
 
     ends: Holds
@@ -83,7 +84,7 @@ class Reading:
 
     @property
     def inside(self) -> Inside:
-        """Distribution of mass and stiffness inside the legs known by their 6×6."""
+        """Distribution of mass and of stiffness inside legs known by their 6×6."""
         return Inside(self.masses, self.interior)
 
     def on_mesh(self, kind: MeshKind, level: int) -> "Reading":
@@ -116,9 +117,8 @@ class Holding:
 
     `alternatives`: end condition of each leg and part, by name of the alternative. For parts,
     "free" means averaged. There is one alternative if the file specifies all conditions, otherwise
-    a rigid and a free one. `unspecified` is a text on the conditions that the file does not
-    specify; `decides` is the instruction that specifies them. Both are "" if the file specifies
-    all.
+    a rigid and a free one. `unspecified`: text on the conditions that the file does not specify;
+    `decides`: instruction to specify them. Both are "" if the file specifies all conditions.
     """
 
     alternatives: Mapping[str, Holds]
@@ -133,7 +133,7 @@ class Holding:
 
 @dataclass(frozen=True, eq=False)
 class RobotOnPath:
-    """A mechanism in its postures, with what references need: legs, end conditions, printed 6×6.
+    """A mechanism in its postures, with legs, end conditions and printed 6×6 for its references.
 
     `legs` by body name; legs with equal prisms share one object. `printed`: each 6×6 of the robot
     file with half a unit of the last digit of its entries. Empty if digits are not a source of
@@ -168,23 +168,23 @@ class RobotOnPath:
 
     @property
     def masses_instruction(self) -> str:
-        """Instruction that specifies the mass distribution of legs known by their 6×6.
+        """Instruction to specify the mass distribution of legs known by their 6×6.
 
-        "" without any.
+        "" if there are no such legs.
         """
         return masses_instruction(self.given, self.context.robot_file.schema)
 
     @property
     def interior_instruction(self) -> str:
-        """Instruction that specifies the stiffness inside legs known by their 6×6.
+        """Instruction to specify the stiffness inside legs known by their 6×6.
 
-        "" without any.
+        "" if there are no such legs.
         """
         return interior_instruction(self.given, self.context.robot_file.schema)
 
     @property
     def first_reading(self) -> Reading:
-        """Reading under which mesh studies of CAD parts are made: the stiffest end conditions."""
+        """Reading with the stiffest end conditions, for the mesh studies of CAD parts."""
         return Reading(self.holding.first)
 
     @property
@@ -301,10 +301,10 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
 
 
 def masses_instruction(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
-    """Instruction that specifies the mass distribution of legs known by their 6×6: missing keys.
+    """Instruction to add the keys for the mass distribution of legs known by their 6×6.
 
-    If no key is missing, the instruction is to replace the 6×6 by a section or solid. "" without
-    legs.
+    If no key is missing, the instruction is to replace the 6×6 by a section or solid. "" if there
+    are no such legs.
     """
     lacking: dict[str, dict[str, None]] = {}
     for name, leg in legs.items():
@@ -319,7 +319,7 @@ def masses_instruction(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
 
 
 def interior_instruction(legs: Iterable[str], schema: int = 2) -> str:
-    """Instruction that specifies the inside of legs known by their 6×6. "" without legs."""
+    """Instruction to specify the stiffness inside legs known by their 6×6. "" if there are none."""
     tables = _tables(dict.fromkeys(legs), schema)
     return f"specify the section or the solid instead of the 6×6 in {tables}" if tables else ""
 
@@ -348,7 +348,7 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def prismatic_legs(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of distinct legs that are prisms, or known by a 6×6 and then replaced by prisms."""
+    """Names of distinct legs that are prisms, or known by a 6×6 and replaced by prisms."""
     legs = legs_of(mechanism)
     return tuple(name for name in distinct_legs(mechanism) if not isinstance(legs[name], LineLeg))
 
@@ -356,7 +356,7 @@ def prismatic_legs(mechanism: Mechanism) -> tuple[str, ...]:
 def why_not_serial(postures: Sequence[Posture]) -> str:
     """Reason why legs are not serial chains, which the virtual joint method needs.
 
-    "" if they are.
+    "" if they are serial chains.
     """
     mechanism = postures[0].mechanism
     try:

@@ -38,7 +38,10 @@ _BY = {"vjm": "virtual joints with ", "links": "links with "}
 
 
 def static_reference(responses: Responses) -> Reference:
-    """Static reference of a robot. Raises InputError if a section is too fine to mesh."""
+    """Static reference of a robot.
+
+    Raises InputError if the mesh of a section would be too large.
+    """
     robot = responses.robot
     context, parts = robot.context, robot.mechanism.parts
     # Solved first, so that the error names a preset that can mesh the leg.

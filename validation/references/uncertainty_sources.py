@@ -78,8 +78,8 @@ class SourceRow:
 class Perturbations:
     """Half-widths of displacements, from solutions of a model under perturbed readings.
 
-    `readings` returns the perturbations of a robot's reading. `combiner` is the rule by which their
-    changes make one half-width.
+    `readings` returns the perturbed readings for a reading. `combiner`: rule that combines the
+    changes of displacements to one half-width.
     """
 
     model: Model
@@ -119,7 +119,7 @@ def _flattened_statics(statics: Statics) -> Array:
 def _sizes(unperturbed: Statics, changes: Array) -> Array:
     """Magnitudes (n×P×(7+L)) of n changes (n×P×k) relative to the unperturbed displacements.
 
-    Zero if the robot is rigid under the load, since a relative error does not exist then. Shapes: P
+    Zero if the robot is rigid under the load, since no relative change exists then. Shapes: P
     poses, k numbers.
     """
     count, poses, _ = changes.shape
@@ -177,8 +177,7 @@ _MASSES = Perturbations(SOLID, _plausible_mass_readings, Combiner.HULL)
 def _linearity(responses: Responses, _: Reading) -> SourceHalfWidths:
     """Half-widths due to the stiffness change under load (P×(7+L)). Zero if it is negligible.
 
-    1, which is all of the displacement, if the robot has buckled or its stability cannot be
-    computed.
+    1 (100 % of the displacement) if the robot has buckled or its stability cannot be computed.
     """
     robot = responses.robot
     try:
@@ -349,9 +348,9 @@ def _digit_half_widths(
 def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, masses: Masses) -> Array:
     """Relative half-widths (P×K) of the judged frequencies of `fine` due to printed digits.
 
-    Each mode of the solid model has the half-width of the beam mode of the same shape. A mode
-    without such a partner has the largest half-width of all judged modes. Shapes: P poses, K judged
-    frequencies.
+    Each mode of `fine`, the solid model, has the half-width of the beam mode of the same shape. A
+    mode without such a partner has the largest half-width of all judged modes. Shapes: P poses, K
+    judged frequencies.
     """
     beams, share = robot.context.get(
         modes_by_digits, robot.printed, robot.postures, robot.computed_count, masses
