@@ -1,4 +1,4 @@
-"""Comparisons with solids as rows of one table, each difference with its parts.
+"""Comparisons with solids as rows of one table, with each difference split into its parts.
 
 Input: outcomes of comparisons. Output: `AgreementRow` records and a `ResultTable`: values,
 difference, explained and unexplained part, half-width, tolerance and verdict.
@@ -21,7 +21,7 @@ _DECIMALS = 6
 
 
 def _percentage(name: str) -> Column:
-    """Column of a ratio to the solid's value."""
+    """Column of a number in per cent of the solid's value."""
     return Column(f"{name} (%)", percent=True)
 
 

@@ -39,10 +39,10 @@ _IN_TEXT: Mapping[str, str] = dict(MODELS) | {"links": "links", "segments": "seg
 
 @dataclass(frozen=True)
 class AgreementCell:
-    """Difference of a formulation from the solid, as texts of a table cell.
+    """Texts of a table cell with the difference of a formulation from the solid.
 
     `text`: the difference that is judged, or the reason if the comparison was skipped. `raw`: the
-    whole difference if a part of it has named causes, otherwise "". `spread`: the half-width, "" if
+    total difference if a part of it has named causes, otherwise "". `spread`: the half-width, "" if
     it would be displayed as zero. `case`: id of the comparison. `verdict` is None and `mark` "" for
     a difference without a verdict.
     """
@@ -57,13 +57,13 @@ class AgreementCell:
 
 @dataclass(frozen=True)
 class AgreementTable:
-    """Differences of all formulations of a leg or the robot: one row each, one cell per quantity.
+    """Differences of all formulations from the solid: a row for each, a cell for each quantity.
 
-    A cell is None if there is no comparison. `subject`: name of the leg, or the robot and its pose.
-    `solid`: values of the solid with units. Quantities without any value have no column. `causes`:
-    rows of allowances by cause, "" for a quantity without one; `explanations`: the same amounts in
-    words. `missing`: comparisons that were skipped or failed, with the reason. `judged` is False if
-    the differences have no verdicts; `notes` stand below them.
+    A cell is None if there is no comparison. `subject`: name of the compared leg, or the robot with
+    its pose. `solid`: values of the solid with units. Quantities without any value have no column.
+    `causes`: rows of allowances by cause, "" for a quantity without one; `explanations`: the same
+    amounts in words. `missing`: comparisons that were skipped or failed, with the reason. `judged`
+    is False if the differences have no verdicts; `notes` are displayed below the table.
     """
 
     subject: str
@@ -87,7 +87,8 @@ def agreement_tables(
 ) -> tuple[AgreementTable, ...]:
     """Tables for the robot and each leg with comparisons, then for each CAD part.
 
-    `coordinates` of the poses name the robot's pose in the heading. Without them it is "robot".
+    The heading of the robot's table has its pose by the names of `coordinates`, or is "robot" if
+    there are none.
     """
     comparisons = [outcome for outcome in outcomes if outcome.case.kind == "agreement"]
     by_body = {
@@ -110,13 +111,16 @@ def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
 def agreement_statement(outcomes: Sequence[Outcome]) -> str:
     """Sentence on the compared models and their largest differences from solids.
 
-    It counts undecided and failed comparisons. "" without comparisons.
+    It also has the numbers of undecided and failed comparisons. "" if there are no comparisons.
     """
     return " ".join(filter(None, (_judged_sentence(outcomes), _parts_sentence(outcomes))))
 
 
 def agreement_reservations(outcomes: Sequence[Outcome]) -> str:
-    """Sentences on the amounts allowed for by cause, and on skipped comparisons. "" without any."""
+    """Sentences on the amounts that named causes explain, and on skipped comparisons.
+
+    "" if there are neither.
+    """
     comparisons = [outcome for outcome in outcomes if outcome.case.kind == "agreement"]
     if all(outcome.verdict not in {"agree", "disagree"} for outcome in comparisons):
         return ""
@@ -180,9 +184,9 @@ def _judged_sentence(outcomes: Sequence[Outcome]) -> str:
 
 
 def _agreement(agreeing: Sequence[Outcome]) -> str:
-    """Text on the models that agree with solids, and the largest differences.
+    """Text on the models that agree with solids, and on their largest differences.
 
-    Separate differences for compliances and frequencies.
+    Differences of compliances and of frequencies are separate.
     """
     kinds = {
         "compliances": [outcome for outcome in agreeing if outcome.case.unit != "Hz"],
@@ -220,7 +224,7 @@ def _bound_text(agreeing: Sequence[Outcome]) -> str:
 def _largest_part(
     outcomes: Iterable[Outcome], part: Callable[[AgreementRow], float]
 ) -> tuple[Outcome, AgreementRow]:
-    """Comparison for which `part` is largest, and its parts."""
+    """Comparison whose `part` of the difference is largest, with all parts of that difference."""
     compared = [(outcome, agreement_row(outcome)) for outcome in outcomes if outcome.measurement]
     return max(compared, key=lambda pair: part(pair[1]))
 
@@ -228,8 +232,8 @@ def _largest_part(
 def _allowances_sentence(agreeing: Sequence[Outcome]) -> str:
     """Sentence on the largest total difference and on named causes with their largest amounts.
 
-    "Total differences reach 21.27 % (φx of leg2). Named causes, …: held end faces (…)."
-    "" without causes.
+    "Total differences reach 21.27 % (φx of leg2). Named causes, …: held end faces (…)." "" if there
+    are no named causes.
     """
     amounts: dict[str, tuple[float, str]] = {}
     for outcome in agreeing:
@@ -285,9 +289,9 @@ def _quantity_text(outcome: Outcome) -> str:
 
 
 def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
-    """Sentence on the largest error with the element count of [agree].
+    """Sentence on the largest discretisation error with the element count of [agree].
 
-    "" if it was not computed.
+    "" if that count was not computed.
     """
     stated = [
         outcome
@@ -370,7 +374,7 @@ def _part_table(outcome: Outcome) -> AgreementTable:
 
 
 def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:
-    """Compliance (SI with a prefix) or frequency (Hz) of the solid, as text."""
+    """Text with the compliance (SI with a prefix) or frequency (Hz) of the solid."""
     for outcome in outcomes:
         if outcome.case.label == quantity and outcome.measurement is not None:
             return _value(outcome.measurement.reference, outcome.case.unit)
@@ -417,7 +421,7 @@ def _causes_text(outcome: Outcome) -> str:
 def _cause_rows(
     outcomes: Sequence[Outcome], quantities: Sequence[str]
 ) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Amounts by cause and quantity. All of them if they differ between formulations."""
+    """Amounts by cause and quantity. Several amounts if they differ between formulations."""
     amounts: dict[str, dict[str, dict[str, None]]] = {}
     for outcome in outcomes:
         for cause, share in _shares(outcome).items():
@@ -430,7 +434,7 @@ def _cause_rows(
 
 
 def _explanations(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    """Lines with the quantities that the same named causes explain."""
+    """Lines with named causes, each with the quantities whose differences it explains."""
     return _quantities_by_text((_causes_text(outcome), outcome) for outcome in outcomes)
 
 

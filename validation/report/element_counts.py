@@ -1,7 +1,8 @@
 """Table of the elements per leg that an error of 1 % requires, by formulation.
 
-Input: convergence studies of the run's figures. Output: `ElementCounts`. Rule: the worst of f1 to
-f4 and three deflections, over all legs and the robot, decides.
+Input: convergence studies of the run's figures. Output: `ElementCounts`. Rule: the quantity with
+the largest error among f1 to f4 and three deflections, over all legs and the robot, determines the
+count.
 """
 
 from collections.abc import Sequence
@@ -19,8 +20,8 @@ _SMALLEST = 1e-5
 class ElementCount:
     """Elements per leg of one formulation, for its worst frequency or deflection.
 
-    `needed` for an error of 1 %. `error` with the element count of [agree], and `worst`, the
-    quantity with this error; both "" if that count was not computed.
+    `needed`: elements for an error of 1 %. `error`: the largest error with the element count of
+    [agree], and `worst`, the quantity that has it; both "" if that count was not computed.
     """
 
     formulation: str
@@ -31,14 +32,17 @@ class ElementCount:
 
 @dataclass(frozen=True)
 class ElementCounts:
-    """Formulations by Timoshenko's theory. `stated`: element count to which their errors belong."""
+    """Element counts of the formulations by Timoshenko's theory.
+
+    `stated`: count of their errors.
+    """
 
     rows: tuple[ElementCount, ...]
     stated: int
 
 
 def element_counts(figures: Sequence[Figure]) -> ElementCounts | None:
-    """Element counts of each formulation. None without a study over the element count."""
+    """Element counts of each formulation. None if there is no study over the element count."""
     studies = [
         study for figure in figures for study in figure.studies if isinstance(study, ElementStudy)
     ]
@@ -68,7 +72,10 @@ def _row(label: str, studies: Sequence[ElementStudy]) -> ElementCount:
 
 
 def _needed(label: str, studies: Sequence[ElementStudy]) -> str:
-    """Elements for 1 %, as text. A bound if they lie outside the computed counts."""
+    """Elements for 1 %, as text.
+
+    A bound, such as "more than 80", if the number lies outside the computed counts.
+    """
     counts = [study.needed[label][_TARGET] for study in studies]
     needed = [count for count in counts if count is not None]
     computed = [

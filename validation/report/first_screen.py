@@ -1,7 +1,7 @@
 """Content of the first screen of the report, made from the matrix of verdicts.
 
 Input: a matrix. Output: `FirstScreen`: the verdict in one sentence, the table of verdicts,
-remedies, reasons of undecided entries, and the same for single legs.
+remedies, reasons of undecided entries, and a screen of each single leg.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -28,7 +28,7 @@ from validation.verdicts import Entry, Matrix
 
 @dataclass(frozen=True)
 class FirstScreen:
-    """Top of the page: verdict with its assumptions, table of verdicts, errors over the poses.
+    """Top of the page: verdict with its assumptions, table of verdicts, figure of the errors.
 
     `remedies` and `undecided` (entries by reason) belong to unfolded rows of the table, `other_…`
     to folded ones. `inputs`: each uncertain input with the error on which it has the largest

@@ -50,7 +50,7 @@ def as_json(tasks: Sequence[Task]) -> str:
 
 
 def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding], reachable: int) -> str:
-    """Findings of an audit as text, after a line on the state of the data.
+    """Findings of an audit of a robot file as text, after a line on the state of its data.
 
     `reachable`: number of poses of the path within reach. Faults of a printed source that are
     corrected are listed separately from remaining doubts.

@@ -1,6 +1,7 @@
 """The page report.html, made from the results of a run.
 
-Input: `Results` and findings of the audit. Output: self-contained HTML, tables as CSV.
+Input: `Results` and findings of the audit of the robot file. Output: self-contained HTML, and its
+tables as CSV.
 """
 
 import re
@@ -41,17 +42,17 @@ class Report:
 
     @cached_property
     def drifts(self) -> Mapping[str, Outcome]:
-        """Comparisons with a known drift from the baseline, by id."""
+        """Comparisons whose drift from the baseline is known, by id."""
         return {outcome.id: outcome for outcome in self.outcomes if outcome.drift is not None}
 
     @cached_property
     def first(self) -> FirstScreen | None:
-        """First screen with computed references. None if the models were not judged."""
+        """First screen with computed references. None if no model was judged."""
         return self._screen(self.results.matrix)
 
     @cached_property
     def measurements(self) -> FirstScreen | None:
-        """First screen with measured values as references. None without measured values."""
+        """First screen with measured values as references. None if there are no measured values."""
         return self._screen(self.results.measured, measured=True)
 
     def _screen(self, matrix: Matrix | None, *, measured: bool = False) -> FirstScreen | None:
@@ -62,22 +63,28 @@ class Report:
 
     @property
     def answered(self) -> FirstScreen | None:
-        """First screen with the verdict: by computed references, otherwise by measured values."""
+        """First screen that contains the verdict of the page.
+
+        It has computed references. If there are none, measured values.
+        """
         return self.first or self.measurements
 
     @property
     def sentence(self) -> str:
-        """Sentence with the verdict on the models. Without models, on the comparisons."""
+        """Sentence with the verdict on the models, or on the comparisons if no model was judged."""
         return self.answered.sentence if self.answered else self.checks
 
     @property
     def decisions(self) -> list[str]:
-        """Sentences on the values of varied numbers that the models choose. [] without --vary."""
+        """Sentences on the values of varied numbers that the models choose.
+
+        [] if nothing is varied.
+        """
         return decision_sentences(self.outcomes)
 
     @property
     def checks(self) -> str:
-        """Sentence on the comparisons."""
+        """Sentence with the number of comparisons by verdict."""
         sentence, skipped_ids = self.results.standing.sentence, self.results.no_longer_compared
         if skipped_ids:
             sentence += (
@@ -88,7 +95,7 @@ class Report:
 
     @property
     def portrait(self) -> Figure | None:
-        """Picture of the robot. None if there is none."""
+        """Picture of the robot at rest. None if the run has none."""
         return next((figure for figure in self.results.figures if figure.id == PORTRAIT), None)
 
     @property
@@ -150,7 +157,7 @@ class Report:
 
     @property
     def viewer(self) -> str:
-        """Script that displays 3-D scenes. "" without scenes."""
+        """Script that displays 3-D scenes. "" if the page has no scenes."""
         return viewer() if any(figure.scenes for figure in self.results.figures) else ""
 
 
@@ -189,5 +196,5 @@ def _templates() -> Environment:
 
 
 def _unbroken(sentence: str) -> Markup:
-    """Text without line breaks inside an option such as "--parts stepped"."""
+    """Markup of a sentence without line breaks inside an option such as "--parts stepped"."""
     return Markup(re.sub(r"(--\w+ \w+)", r'<span class="data">\1</span>', str(escape(sentence))))  # noqa: S704

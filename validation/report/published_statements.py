@@ -24,9 +24,9 @@ _YES = {True: "yes", False: "no"}
 
 @dataclass(frozen=True)
 class StatementCell:
-    """Table cell for a statement: its number if it has one curve, otherwise the count of curves.
+    """Table cell for a statement: its value if it has one curve, otherwise the number of curves.
 
-    There is one cell for the statement as printed and one for it as corrected.
+    A statement has one cell for its printed and one for its corrected form.
     """
 
     text: str
@@ -36,13 +36,13 @@ class StatementCell:
 
 @dataclass(frozen=True)
 class StatementTable:
-    """Statements of a source, one row each."""
+    """Table of the statements of a source, one row each."""
 
     claims: tuple[Claim, ...]
 
     @property
     def rows(self) -> Iterator[tuple[Claim, list[StatementCell], str, str]]:
-        """Rows: statement, cells as printed and as corrected, standing as text, and its colour."""
+        """Rows: statement, cells as printed and as corrected, and standing with its colour."""
         for claim in self.claims:
             readings = [_cell(claim, reading) for reading in ("printed", "corrected")]
             yield claim, readings, *_STANDINGS[claim.standing]

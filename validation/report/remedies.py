@@ -1,4 +1,4 @@
-"""Lines on inadequate models: entries with the same causes and remedy in one line.
+"""Lines on inadequate models. Entries with the same causes and remedy share a line.
 
 Input: a matrix of verdicts. Output: `RemedyLine` records.
 """
@@ -71,7 +71,7 @@ def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
     """Texts with the leading causes and the range of their shares: "shear: 80 to 96 %".
 
     If causes compensate each other, shares are meaningless. The texts then contain the amount by
-    which each cause changes the error, and state that they interact.
+    which each cause changes the error, and state that causes interact.
     """
     interact = any(cause.share < -_SMALLEST_SHARE for entry in entries for cause in entry.causes)
     sizes: dict[str, list[float]] = {}
@@ -98,7 +98,7 @@ def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
 def _range(
     values: Sequence[float | None], format_error: Callable[..., str], *, signed: bool = False
 ) -> str:
-    """Smallest and largest magnitude as text, by `format_error`. "" without values."""
+    """Smallest and largest magnitude as text, by `format_error`. "" if there are no values."""
     finite = sorted((value for value in values if value is not None), key=abs)
     if not finite:
         return ""
@@ -107,9 +107,9 @@ def _range(
 
 
 def _stiffness_sense(entries: Sequence[Entry]) -> str:
-    """Text " too stiff" or " too soft" if all errors lie along the load with one sign.
+    """Text with the sense of all errors along the load: " too stiff" or " too soft".
 
-    "" otherwise.
+    "" if their signs differ or an error is not along the load.
     """
     along = [
         e.along for e in entries if e.along and abs(e.along) >= _ALONG_SHARE * abs(e.error or 0.0)

@@ -1,8 +1,8 @@
 """Chapters and sections of the report, in the order of the page.
 
 Input: outcomes and figures of a run. Output: `Chapter` records with comparisons, plots and tables.
-Rule: the table `CHAPTERS` assigns sections to chapters; the subject of its cases decides for any
-other section.
+Rule: the table `CHAPTERS` assigns sections to chapters. Any other section belongs to the chapter
+for the subject of its cases: robot or leg.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -58,8 +58,8 @@ _BY_SEVERITY: tuple[Verdict, ...] = ("disagree", "failed", "undecided", "agree",
 class PageSection:
     """A group of cases with the figures that belong to it.
 
-    `plotted`: True to draw the studies behind the comparisons, and error budgets. A plot that fails
-    is omitted alone. `coordinates`: those of the poses.
+    `plotted`: True to draw the studies behind the comparisons, and error budgets. If a plot cannot
+    be drawn, it alone is omitted. `coordinates`: those that a pose prescribes.
     """
 
     title: str
@@ -75,7 +75,7 @@ class PageSection:
 
     @cached_property
     def agreement_csv(self) -> str:
-        """Comparisons of all formulations as CSV. "" without any."""
+        """Comparisons of all formulations as CSV. "" if there are none."""
         return agreement_rows(self.outcomes).csv() if self.agreement else ""
 
     @property
@@ -88,12 +88,18 @@ class PageSection:
 
     @property
     def reservations(self) -> str:
-        """Sentences on amounts allowed for and on missing comparisons. "" without any."""
+        """Sentences on amounts explained by named causes and on missing comparisons.
+
+        "" if there are neither.
+        """
         return agreement_reservations(self.outcomes)
 
     @cached_property
     def element_counts(self) -> ElementCounts | None:
-        """Elements per leg for an error of 1 %. None without studies of element counts."""
+        """Elements per leg for an error of 1 %.
+
+        None if nothing was computed over the element count.
+        """
         return element_counts(self.figures)
 
     @property
@@ -111,9 +117,10 @@ class PageSection:
 
     @cached_property
     def budget(self) -> Figure | None:
-        """Error budget of comparisons with named causes.
+        """Figure of the error budget of comparisons with named causes.
 
-        None without such comparisons, and with agreement tables, which contain the budget as rows.
+        None if there are no such comparisons, and if the section has agreement tables, whose rows
+        contain the budget.
         """
         if self.agreement:
             return None
@@ -148,8 +155,8 @@ class PageSection:
     def largest(self) -> float | None:
         """Largest difference of a comparison from its reference, relative to the reference.
 
-        Parts with named causes are subtracted, see `unexplained_share`. None without such a
-        comparison.
+        Parts with named causes are subtracted, see `unexplained_share`. None if no comparison has
+        such a ratio.
         """
         shares = (unexplained_share(outcome) for outcome in self.outcomes)
         return max((share for share in shares if share is not None), default=None)
@@ -177,7 +184,7 @@ class Chapter:
 
     @property
     def folded(self) -> bool:
-        """True if the chapter belongs to the appendix."""
+        """True if the chapter belongs to the appendix, which is folded when the page is opened."""
         return self.title in _APPENDIX
 
     @property
@@ -238,7 +245,7 @@ def _severity(outcome: Outcome) -> tuple[int, float]:
 
 
 def _chapter_title(section: PageSection) -> str:
-    """Title of the chapter that lists the section. Otherwise by the subject of its first case."""
+    """Title of the chapter: by `CHAPTERS`, otherwise by the subject of the first case."""
     chapters = {title: chapter for chapter, titles in CHAPTERS.items() for title in titles}
     is_leg = section.outcomes and section.outcomes[0].case.subject == "leg"
     return chapters.get(section.title) or (LEGS if is_leg else "The robot")

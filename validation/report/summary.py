@@ -39,7 +39,7 @@ def _grouped_by_reason(outcomes: Sequence[Outcome]) -> list[list[Outcome]]:
 
 
 def adequacy(gathered: Results) -> list[str]:
-    """Lines on models that are relied on and not adequate, and the verdict of the page."""
+    """Lines on models that are relied on but not adequate, and the verdict sentence of the page."""
     refused, rely = ", ".join(gathered.standing.refused), gathered.rely
     lines = [f"relied on but not adequate: {refused}"] if refused else []
     lines += gathered.unjudged
@@ -50,7 +50,7 @@ def adequacy(gathered: Results) -> list[str]:
 
 
 def cross_validation(gathered: Results) -> list[str]:
-    """Line on the agreement of formulations and on the error with 20 elements. [] without any."""
+    """Line on the agreement of formulations and the error with 20 elements. [] if there is none."""
     outcomes = gathered.outcomes
     parts = [agreement_sentence(outcomes), convergence_sentence(outcomes)]
     sentence = " ".join(part for part in parts if part)
@@ -58,7 +58,7 @@ def cross_validation(gathered: Results) -> list[str]:
 
 
 def decisions(gathered: Results) -> list[str]:
-    """Lines on the values of varied numbers that the models choose. [] without --vary."""
+    """Lines on the values of varied numbers that the models choose. [] if the run has no --vary."""
     return decision_sentences(gathered.outcomes)
 
 

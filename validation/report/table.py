@@ -63,7 +63,7 @@ _EULER_BERNOULLI = frozenset(
 
 @dataclass(frozen=True)
 class Cell:
-    """One entry as displayed: number, half-width, verdict, and `hint` for the mouse pointer.
+    """Displayed entry: number, half-width, verdict, and `hint` beside the mouse pointer.
 
     `anchor` is the link to the detail `sheet` with its `title`. The sheet consists of pairs of a
     term and its text.
@@ -83,8 +83,8 @@ class Cell:
 class Row:
     """A model with its cells. A cell is None if the model does not define the quantity.
 
-    `folded` is true if the model has no entries, if it is adequate for nothing and lacks whole
-    motions, or if it is another model with a second theory.
+    `folded` is true if the model has no entries, if it is adequate for no quantity and cannot
+    represent some motions, or if it is another model with a second beam theory.
     """
 
     note: ModelNote
@@ -95,10 +95,11 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of models under `headings` of quantities. `robot` are the robot's own numbers.
+    """Rows of models under `headings` of quantities. `robot`: values of the reference.
 
-    These are the largest deflections (µm, µrad) under `FORCE` and `MOMENT`, and frequencies (Hz) in
-    the pose where the best model is worst, each with its half-width. "" if unknown.
+    These are the largest deflections over the poses (µm, µrad) under `FORCE` and `MOMENT`, and
+    frequencies (Hz) in the deciding pose of the best model, each with its half-width. "" if
+    unknown.
     """
 
     headings: tuple[str, ...]
@@ -112,9 +113,9 @@ class Table:
 
 
 def table_of(matrix: Matrix, unfolded: Collection[str] = ()) -> Table:
-    """Table of a matrix: models in its order, quantities with at least one entry.
+    """Table of a matrix: models in the order of the matrix, quantities with at least one entry.
 
-    `unfolded`: models in the sentence above the table, whose rows are not folded.
+    `unfolded`: models whose rows are not folded, because the sentence above the table names them.
     """
     quantities = [q for q in matrix.quantities if any(e.quantity == q for e in matrix.entries)]
     rows = []
@@ -196,7 +197,7 @@ def _robot_number(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
 
 
 def csv_of_matrix(matrix: Matrix) -> str:
-    """CSV with one line for each entry: annotated fields, and a column for each coordinate."""
+    """CSV with a line for each entry: fields annotated as columns, and coordinates of its pose."""
     columns: dict[str, Sequence[float | str | None]] = {}
     for name, column in columns_of(EntryRecord).items():
         values = [getattr(entry, name) for entry in matrix.entries]
@@ -227,7 +228,7 @@ def _csv_cell(value: Any) -> float | str | None:
 
 
 def _error_texts(entry: Entry) -> tuple[str, str]:
-    """Texts of the error and its half-width. Without an error, "none" or "open"."""
+    """Texts of the error and its half-width. "none" or "open" if there is no error."""
     if entry.error is not None:
         return error_parts(entry, named=False)
     return "none" if entry.verdict == "inadequate" else "open", ""
@@ -327,7 +328,7 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
 
 
 def _readings(entry: Entry) -> str:
-    """Errors by the names of the readings: "0 % with rigid pins, 33 % with averaged ones"."""
+    """Errors by interpretation: "0 % with rigid pins, 33 % with averaged ones"."""
     return ", ".join(
         f"{error_text(error, signed=entry.signed)} with {name}"
         for name, error in entry.readings.items()

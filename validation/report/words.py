@@ -1,6 +1,6 @@
 """Names of models and quantities in sentences, and the sentence on a matrix of verdicts.
 
-Input: a `Matrix` and the models relied on. Output: sentences. Rule: the sentence gives the verdicts
+Input: a `Matrix` and the models relied on. Output: sentences. Rule: the sentence has the verdicts
 on the models relied on; if there are none, it recommends models. It has at most forty words, unless
 many models are relied on. Assumptions are a separate sentence.
 """
@@ -45,7 +45,7 @@ def model_name(model: str) -> str:
 
 
 def quantities_text(matrix: Matrix, quantities: Collection[Quantity]) -> str:
-    """Quantities inside a sentence, with one word for a complete group."""
+    """Names of quantities inside a sentence, with one word for a complete group."""
     judged = {entry.quantity for entry in matrix.entries}
     words: list[str] = []
     remaining = [quantity for quantity in matrix.quantities if quantity in quantities]
@@ -78,7 +78,10 @@ def force_text(entry: Entry) -> str:
 
 
 def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
-    """Sentence with the verdicts on the models of `rely`. Without any, the adequate models."""
+    """Sentence with the verdicts on the models of `rely`.
+
+    If `rely` is empty, it names the adequate models.
+    """
     relied = [model for model in rely if matrix.of_model(model)]
     text = _relied_text(matrix, relied) if relied else _recommendation(matrix)
     return f"{text}." if text else "No verdict on any model."
@@ -87,8 +90,9 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
 def conditions(matrix: Matrix, rely: Sequence[str] = ()) -> str:
     """Sentences on the conditions under which decided verdicts hold. "" without conditions.
 
-    Verdicts on the models of `rely` if any. Conditions are the assumption on the distribution of
-    masses, behind frequencies, and poses in which a quantity found adequate cannot be compared.
+    Only verdicts on the models of `rely` count, unless it is empty. Conditions are the assumption
+    on the distribution of masses, for frequencies, and the poses in which a quantity found adequate
+    cannot be compared.
     """
     entries = [e for model in rely for e in matrix.of_model(model)] or matrix.entries
     decided = [entry for entry in entries if entry.verdict != "undecided"]
@@ -110,7 +114,10 @@ def conditions(matrix: Matrix, rely: Sequence[str] = ()) -> str:
 
 
 def _relied_text(matrix: Matrix, models: Sequence[str]) -> str:
-    """Text with verdicts and largest errors, common to models with the same verdicts."""
+    """Text with verdicts and largest errors of models.
+
+    Models with the same verdicts share a text.
+    """
     models_by_verdicts: dict[tuple[tuple[Quantity, Adequacy], ...], list[str]] = {}
     for model in models:
         verdicts = tuple((entry.quantity, entry.verdict) for entry in matrix.of_model(model))
@@ -140,8 +147,8 @@ def _purpose_text(matrix: Matrix, quantities: Sequence[Quantity]) -> str:
 def _largest_error_text(entries: Sequence[Entry]) -> str:
     """Text with the largest error of entries with one verdict.
 
-    For adequate ones, the largest bound. Errors of the order of modes count only if there are no
-    others, as they compare unrelated modes.
+    For the verdict adequate, the largest bound of the error. Errors of the order of modes count
+    only if there are no others, since they compare unrelated modes.
     """
     adequate = entries[0].verdict == "adequate"
     with_error = [entry for entry in entries if entry.error is not None]
@@ -156,8 +163,8 @@ def _largest_error_text(entries: Sequence[Entry]) -> str:
 def models_to_use(matrix: Matrix) -> list[tuple[str, set[Quantity]]]:
     """Models that together cover all quantities with an adequate model, each with its quantities.
 
-    Greedy choice: each time the model that is adequate for most of the remaining quantities, of
-    equal ones the simplest.
+    Each step chooses the model that is adequate for most of the remaining quantities; the simplest
+    of several such models.
     """
     adequate = {
         note.model: {e.quantity for e in matrix.of_model(note.model) if e.verdict == "adequate"}

@@ -1,6 +1,6 @@
 """Charts of a matrix of verdicts, with one panel for each quantity.
 
-Input: a matrix. Output: errors of all models over the poses, or values against measured ones.
+Input: a matrix. Output: errors of all models over the poses, or their values and measured values.
 """
 
 from collections.abc import Mapping, Sequence
@@ -92,7 +92,7 @@ def measured_curves(matrix: Matrix) -> Chart | None:
 
 
 def _chart(panels: Sequence[Panel], matrix: Matrix, table: Mapping[str, Column]) -> Chart:
-    """Chart of panels over the poses of a matrix, with its table."""
+    """Chart of panels over the poses of a matrix, with its table of data."""
     _, label = _abscissa(matrix)
     ticks = partial(few_ticks, count=5, whole=label == _POSE)
     return Chart(panels, label, min(len(panels), _COLUMNS), 1.9, table, ticks)
@@ -101,7 +101,7 @@ def _chart(panels: Sequence[Panel], matrix: Matrix, table: Mapping[str, Column])
 def _abscissa(matrix: Matrix) -> tuple[Array, str]:
     """Abscissa (p) with its label: the only coordinate of the poses, or the number along the path.
 
-    Entries of legs have no pose. Shapes: p poses.
+    Entries of single legs have no pose. Shapes: p poses.
     """
     poses = np.reshape(matrix.poses, (len(matrix.poses), len(matrix.coordinates)))
     if len(matrix.coordinates) == 1:
@@ -115,7 +115,7 @@ def _numbers(values: Sequence[float | None]) -> Array:
 
 
 def _error_ranges(entry: Entry) -> Array:
-    """Distances (2×p) of each pose's error from its lowest and highest value.
+    """Distances (2×p) from each pose's error down to its lowest and up to its highest value.
 
     Shapes: p poses.
     """
@@ -125,7 +125,7 @@ def _error_ranges(entry: Entry) -> Array:
 
 
 def _entries_with_errors(matrix: Matrix, quantity: Quantity) -> list[Entry]:
-    """Entries of a quantity with at least one error, one for each model."""
+    """Entries of a quantity, one for each model, that have an error in at least one pose."""
     entries = (entry for entry in matrix.entries if entry.quantity == quantity)
     return [entry for entry in entries if np.isfinite(_numbers(entry.errors)).any()]
 

@@ -51,7 +51,7 @@ class DisplacedSolid:
 
     @property
     def deforms(self) -> bool:
-        """True for a leg or CAD part, which is coloured by its displacements."""
+        """True for a leg or CAD part. Its surface is coloured by displacement."""
         return self.solid.carrier is None
 
     @property
@@ -60,7 +60,7 @@ class DisplacedSolid:
         return np.asarray(np.linalg.norm(self.displacements, axis=1))
 
     def body(self, factor: float, unit: float) -> DrawnBody:
-        """Surface to be drawn, with displacements times `factor`.
+        """Surface to be drawn, with displacements enlarged by `factor`.
 
         Legs are coloured by displacement in `unit` (m).
         """
@@ -99,7 +99,7 @@ def _displaced_solid(system: System, solid: Solid, unknowns: Array) -> Displaced
 
 
 def rails(system: System) -> Iterator[Wire]:
-    """Rails on the ground: lines from a joint's reference position to its present position."""
+    """Rails: lines between the two interfaces of each sliding joint on the ground."""
     for joint in system.posture.mechanism.joints:
         if on_ground(joint):
             ends = [
@@ -109,10 +109,11 @@ def rails(system: System) -> Iterator[Wire]:
 
 
 def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
-    """`COMPARED_POINTS` points of each leg and CAD part (m, base axes), and their displacements.
+    """Points of all legs and CAD parts (m, base axes) and their displacements (base axes).
 
-    The points lie on the centreline of legs, and in a row from a part's first interface to its
-    last. `unknowns` n or n×k give displacements m×3 or m×3×k.
+    There are `COMPARED_POINTS` of each body. They lie on the centreline of a leg, and in a row from
+    the first interface of a part to its last. Displacements of the m points are m×3 for `unknowns`
+    n, m×3×k for n×k.
     """
     mechanism = system.posture.mechanism
     points_by_body: dict[str, Array] = {}
@@ -139,7 +140,7 @@ def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
 def leg_outlines(system: System, displaced: Array) -> Wire:
     """Outlines of legs at the compared points, and edges between the faces of CAD parts.
 
-    `displaced`: unknowns (n) times the factor of the drawing.
+    `displaced`: unknowns (n) of the system, enlarged by the factor of the drawing.
     """
     mechanism = system.posture.mechanism
     surfaces = {name: _part_surface(part) for name, part in mechanism.parts.items()}
@@ -163,7 +164,7 @@ def leg_outlines(system: System, displaced: Array) -> Wire:
 def displacements(system: System, name: str, points: Array, unknowns: Array) -> Array:
     """Displacements (base axes) of points (n×3, body axes) of a leg or CAD part.
 
-    `unknowns` n or n×k give displacements n×3 or n×3×k.
+    Displacements are n×3 for a vector of `unknowns`, n×3×k for k columns.
     """
     model = system.models[name]
     if isinstance(model, LegMatrices) and model.line is None:
@@ -178,7 +179,7 @@ def displacements(system: System, name: str, points: Array, unknowns: Array) -> 
 
 
 def _part_surface(part: Body) -> Surface:
-    """Surface of a CAD part's coarsest mesh in body axes, with fewer faces than its file's mesh."""
+    """Surface of a CAD part's coarsest mesh in body axes, simplified to fewer faces."""
     mesh = coarsest_mesh(part)
     coarse = sum(len(facets.cells) for facets in mesh.faces.values()) < _COARSE_PIECES
     pieces = [
@@ -194,7 +195,7 @@ def _part_surface(part: Body) -> Surface:
 
 
 def _points_in_a_row(mechanism: Mechanism, part: str) -> Array:
-    """Points (`COMPARED_POINTS`×3, body axes) of a CAD part next to a line between interfaces.
+    """Points (`COMPARED_POINTS`×3, body axes) of a CAD part closest to a line between interfaces.
 
     The line runs from the first interface to the last. Every model provides the displacements of
     these points.

@@ -27,7 +27,10 @@ _NAME_WIDTH, _CAUSE_WIDTH = 38, 46
 def budget_figure(
     identifier: str, title: str, section: str, outcomes: Sequence[Outcome]
 ) -> Figure | None:
-    """Figure of the error budgets of outcomes with allowances and a reference. None without any."""
+    """Figure of the error budgets of outcomes with named causes and a reference.
+
+    None if there are no such outcomes.
+    """
     budgeted = [
         (outcome, measurement)
         for outcome in outcomes
@@ -41,7 +44,7 @@ def budget_figure(
 
 
 def budget_curves(budgeted: Sequence[tuple[Outcome, Measurement]]) -> Chart:
-    """Chart of difference and named causes (left), and unexplained part over tolerance (right)."""
+    """Chart of difference and named causes (left) and of unexplained part / tolerance (right)."""
     measurements = [measurement for _, measurement in budgeted]
     causes = {
         allowance.cause: np.zeros(len(budgeted))

@@ -65,7 +65,7 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 
 @figures.figure("mechanism.deflections", _TITLE, effort=3.0)
 def deflections(context: Context) -> Chart:
-    """Chart with a panel for each direction, under a force or a moment along it."""
+    """Chart with a panel for each axis: deflection under a force along it or a moment about it."""
     try:
         compared = compared_compliances(*compared_statics(robot_on_path(context)))
     except UNSOLVED as error:
@@ -117,7 +117,7 @@ def frequency_chart(
 def _chart(
     panels: Sequence[Panel], label: str, abscissa: Mapping[str, Column], columns: int = 3
 ) -> Chart:
-    """Panels over a path or a varied number. Numbers of poses have integer ticks."""
+    """Chart of panels over a path or a varied number. An axis of pose numbers has integer ticks."""
     ticks = partial(few_ticks, whole=label == _POSE)
     return Chart(panels, label, columns, table=abscissa, x_scale=ticks)
 
@@ -159,7 +159,7 @@ def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
 
 
 def _deflections(context: Context, variation: Variation) -> Chart:
-    """Chart with a panel for each direction, under a force or a moment along it."""
+    """Chart with a panel for each axis: deflection under a force along it or a moment about it."""
     deflection = varied_curves(context, variation)["deflection"]
     return deflection_chart(deflection.compared, *_varied_abscissa(context, variation)).captioned(
         f"{_OF_THE_POINT}, {_location(context, deflection)}.",
@@ -196,7 +196,7 @@ def _decisions(context: Context, variation: Variation) -> Chart:
 
 
 def objective_panel(decision: Decision, x: Array) -> Panel:
-    """Panel of an objective of n designs over their values x, by models and references.
+    """Panel of an objective for n designs over their values x, by each model and reference.
 
     A star marks the best value of each model and of the first reference.
     """
@@ -210,7 +210,7 @@ def objective_panel(decision: Decision, x: Array) -> Panel:
 
 
 def _choices_sentence(varied: VariedCurves, variation: Variation) -> str:
-    """Sentence on the value that each model chooses by an objective, with its loss."""
+    """Sentence on the value that each model chooses for an objective, and on its loss."""
     decision, values = varied.decision, variation.values
     best = decision.best
     choices = []

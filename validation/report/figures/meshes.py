@@ -26,7 +26,7 @@ _NEAR, _LINE = 2.0, 9.0
 
 
 def mesh_curves(studies: Sequence[Study]) -> Chart:
-    """Chart of studies: magnitudes of errors from the limits, or values if there is no order."""
+    """Chart of studies: errors relative to the limits, or values if no order was observed."""
     formal = {study.variant: study.formal_order for study in studies if study.formal_order}
     titles = list(dict.fromkeys(study.panel for study in studies))
     panels = [
@@ -59,7 +59,10 @@ def mesh_curves(studies: Sequence[Study]) -> Chart:
 
 
 def _without_order(studies: Sequence[Study]) -> list[str]:
-    """Sentence on quantities with too few meshes for an order, with a remedy. [] without any."""
+    """Sentence on quantities with too few meshes for an order, with a remedy.
+
+    [] if there are no such quantities.
+    """
     meshes: dict[str, int] = {}
     for study in studies:
         if study.formal_order:
@@ -105,7 +108,7 @@ def _values(study: Study) -> tuple[float, ...]:
 def _error(study: Study, index: int) -> float | None:
     """Relative error in per cent of one value of a study against its limit.
 
-    None without a limit.
+    None if the study has no limit.
     """
     limit = study.limits.get(study.variant)
     return None if limit is None else 100.0 * (_values(study)[index] / limit - 1.0)
@@ -114,7 +117,7 @@ def _error(study: Study, index: int) -> float | None:
 def _sizes(study: Study) -> Array:
     """Magnitudes of the errors in per cent, NaN below round-off.
 
-    The values without a formal order.
+    If the study has no formal order, its values.
     """
     if not study.formal_order:
         return np.array(_values(study))
@@ -152,7 +155,7 @@ def _limit(study: Study) -> str:
 
 
 def _notes(ends: Sequence[tuple[float, float, str]]) -> list[Note]:
-    """Notes with the order at the ends (error, unknowns) of curves, stacked if they are close."""
+    """Notes with the orders at the ends of curves (error, unknowns, text), stacked if close."""
     notes: list[Note] = []
     height, last = -3.0, 0.0
     for size, count, text in sorted(ends):

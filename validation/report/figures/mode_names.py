@@ -1,9 +1,9 @@
 """Names of modes, such as "torsion" or "along z", for titles, captions and tables.
 
-Input: mode shapes of an assembled system. Output: a name and a sentence for each mode. Rule: the
-kind of deformation with most strain energy identifies torsion; for a planar mechanism, the shares
-of kinetic energy by direction, rotation of sections included, decide between "in the plane" and
-"along z".
+Input: mode shapes of an assembled system. Output: a name and a sentence for each mode. Rule: a mode
+with most strain energy in torsion is called "torsion"; for a planar mechanism, the shares of
+kinetic energy by direction, rotation of sections included, decide between "in the plane" and "along
+z".
 """
 
 from collections.abc import Callable, Mapping
@@ -38,7 +38,7 @@ _CORNERS = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 
 @dataclass(frozen=True, eq=False)
 class ModeNames:
-    """Shares of energy of m modes, from which their names follow.
+    """Shares of energy of m modes, which determine the names of the modes.
 
     `strain`: share (m) of each mode's strain energy by kind of deformation. `kinetic` (3×m): shares
     of kinetic energy along base x, y and z. `planar`: true if all interfaces of the mechanism lie
@@ -50,9 +50,10 @@ class ModeNames:
     planar: bool
 
     def name(self, mode: int) -> str:
-        """Name of a mode (index from 0): "torsion", "in the plane", "along z"; in space e.g.
+        """Name of a mode (index from 0): "torsion", "in the plane", "along z".
 
-        "bending". "" if its kind of deformation is unknown.
+        For a mechanism that is not planar, its kind of deformation, such as "bending". "" if
+        unknown.
         """
         kind = leading_kind(self._without_axes(), mode)
         if kind == "torsion":
@@ -72,7 +73,7 @@ class ModeNames:
         )
 
     def _without_axes(self) -> Mapping[str, Array]:
-        """Shares with bending about both axes summed, since the axes differ from leg to leg."""
+        """Shares of strain energy with bending about both axes summed. Axes differ between legs."""
         bending = [self.strain[kind] for kind in _BENDING if kind in self.strain]
         remaining = {kind: share for kind, share in self.strain.items() if kind not in _BENDING}
         return remaining | ({"bending": np.sum(bending, axis=0)} if bending else {})
@@ -84,7 +85,7 @@ def leading_kind(strain: Mapping[str, Array], mode: int) -> str:
 
 
 def mode_names(system: System, shapes: Array) -> ModeNames:
-    """Names of the modes of a system, whose shapes (n×m) are given.
+    """Names of the modes of a system, from their shapes (n×m).
 
     Shapes: m modes, n unknowns.
     """
@@ -96,7 +97,7 @@ def mode_names(system: System, shapes: Array) -> ModeNames:
 def shares_by_kind(strain: Mapping[Portion, Array], mechanism: Mechanism) -> dict[str, Array]:
     """Shares of strain energy by kind of deformation.
 
-    Drives, joints and parts are one kind each.
+    All drives are one kind, and so are all joints and all CAD parts.
     """
     legs = legs_of(mechanism)
 
@@ -113,7 +114,10 @@ def shares_by_kind(strain: Mapping[Portion, Array], mechanism: Mechanism) -> dic
 def sum_shares(
     strain: Mapping[Portion, Array], group: Callable[[Portion], str]
 ) -> dict[str, Array]:
-    """Shares of strain energy summed by `group`. Groups with a colour of their own come first."""
+    """Shares of strain energy summed by `group`.
+
+    Groups that have a fixed colour in the drawings come first.
+    """
     sums: dict[str, Array] = {}
     for part, share in strain.items():
         sums[group(part)] = sums.get(group(part), 0.0) + share
@@ -130,7 +134,7 @@ def kinetic_shares(system: System, shapes: Array) -> Array:
 
 
 def kinetic_energies(system: System, shapes: Array) -> Array:
-    """∫ρ uᵢ² dV (3×m, kg m²) along base x, y and z, with the mass of bodies lumped in points.
+    """∫ρ uᵢ² dV (3×m, kg m²) for base axes i = x, y, z, with the mass of bodies lumped in points.
 
     Shapes: m modes.
     """

@@ -1,4 +1,4 @@
-"""Charts of the first modes: pairs with the reference by shape, and strain energy.
+"""Charts of the first modes: partners in the reference by shape, and strain energy.
 
 Input: the context of a run. Output: MAC matrices and frequency differences of beams and segments
 against the reference, and shares of strain energy by kind of deformation and by body, all in the
@@ -57,8 +57,8 @@ figures = FigureGroup(MODES, SHARED_SOLIDS)
 def finite_elements(context: Context, count: int) -> PostureModes:
     """First `count` modes in the middle of the path, with prisms as beams and CAD parts as solids.
 
-    With CAD parts, modes above their cut-off frequency are omitted; it covers twice the judged
-    modes.
+    If there are CAD parts, modes above the cut-off frequency of their reduction are omitted. It
+    lies above twice as many modes as are judged.
     """
     postures = path_postures(context)
     if postures[0].mechanism.parts:
@@ -84,7 +84,7 @@ def _middle_posture(postures: Sequence[Posture]) -> Posture:
 def _modes_with_solid_parts(
     postures: tuple[Posture, ...], modes_of_run: int, count: int
 ) -> PostureModes:
-    """Modes with CAD parts as solids, under the first of the run's end conditions."""
+    """Modes with CAD parts as solids, under the first of the end conditions of the run."""
     middle, mechanism = _middle_posture(postures), postures[0].mechanism
     parts = solid_parts(postures, modes_of_run, holding(mechanism).first)
     highest = min(part.highest for part in parts.values())
@@ -156,7 +156,7 @@ def pairs(context: Context) -> Chart:
 
 
 def _middle_pose_modes(modes: PathModes) -> PathModes:
-    """Modes in the middle pose only, without missing ones."""
+    """Modes in the middle pose only. Missing modes (NaN) are removed."""
     middle = len(modes.frequencies) // 2
     finite = np.isfinite(modes.frequencies[middle])
     return PathModes(
@@ -171,7 +171,7 @@ def _middle_pose_modes(modes: PathModes) -> PathModes:
     "mechanism.strain-energy", "Distribution of the strain energy of the first modes", effort=2.0
 )
 def energies(context: Context) -> Chart:
-    """Chart with a stacked bar for each mode: by kind of deformation, and by body."""
+    """Chart of strain energy: a stacked bar for each mode, by kind of deformation and by body."""
     mechanism = context.robot_file.mechanism
     if not (known_legs(mechanism) or mechanism.parts):
         raise Skip("every body is rigid, so that only drives and joints store strain energy")
@@ -222,7 +222,7 @@ def energies(context: Context) -> Chart:
 def _shares_by_body(strain: Portions, mechanism: Mechanism) -> Shares:
     """Shares of strain energy of drives, joints, CAD parts and legs.
 
-    Legs of one shape are summed.
+    The shares of legs of equal shape are summed.
     """
     groups: dict[object, list[str]] = {name: [name] for name in mechanism.parts}
     for name, leg in known_legs(mechanism).items():

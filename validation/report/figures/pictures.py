@@ -1,7 +1,7 @@
 """Pictures of a mechanism: at rest, its first mode shapes, and under unit forces.
 
-Input: the context of a run. Output: scenes with caption and data. Shapes of beams (CAD parts as
-solids) are drawn, with the matching shapes of segments over them.
+Input: the context of a run. Output: scenes with caption and data. The shapes by beams (CAD parts as
+solids) are drawn, and over them those by segments.
 """
 
 from dataclasses import replace
@@ -166,7 +166,7 @@ def _model_texts(context: Context) -> tuple[str, str]:
 
 
 class _DisplacedRobot:
-    """Robot displaced by `unknowns` (n) of its system. `name` is that of the deformation."""
+    """Robot displaced by `unknowns` (n) of its system. `name`: that of the mode or load."""
 
     def __init__(self, system: System, unknowns: Array, name: str) -> None:
         self.system, self.unknowns, self.name = system, unknowns, name
@@ -176,7 +176,7 @@ class _DisplacedRobot:
         self.tip = (system.tool @ unknowns)[:3]
 
     def scene(self, factor: float, unit: float) -> Scene:
-        """Scene with displacements times `factor`, coloured by displacement in `unit` (m).
+        """Scene with displacements enlarged by `factor`, coloured by displacement in `unit` (m).
 
         Motion in the plane of the mechanism is seen from above, any other from the side.
         """
@@ -192,8 +192,8 @@ class _DisplacedRobot:
 def _matching_shape(beam: PostureModes, lumped: PostureModes, mode: int) -> Array:
     """Unknowns of the segments for the combination of their modes closest to a mode of the beams.
 
-    Only modes close in frequency to the partner are combined. The result has the sign of the beams'
-    mode, and its combination of modes of equal frequency.
+    Only modes close in frequency to the partner of that mode are combined. The result has the same
+    sign as the beams' mode and, among modes of equal frequency, the same combination.
     """
     beam_samples = compared_points(beam.system, beam.modes.shapes[:, mode])[1].ravel()
     nearest = int(np.argmin(np.abs(lumped.modes.frequencies - beam.modes.frequencies[mode])))
@@ -215,7 +215,7 @@ def _force_unknowns(system: System, direction: int) -> Array:
 
 
 def _grouped(number: float) -> str:
-    """Factor as text, with its thousands set apart."""
+    """Factor as text, with a space before each group of three digits."""
     if number < 1.0:
         return f"{number:g}"
     return f"{number:,.0f}".replace(",", "\N{THIN SPACE}")

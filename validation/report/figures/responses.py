@@ -55,7 +55,7 @@ def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
 
 
 def measured_figures(robot_file: RobotFile) -> tuple[PlannedFigure, ...]:
-    """Figure of the modal test's response from which most values were read. () without any."""
+    """Figure of the response of a modal test that supplied most values. () if there is no test."""
     group = FigureGroup(PATH, "")
     if any(value.response is not None for value in robot_file.measured):
         group.figure(
@@ -96,7 +96,7 @@ def _chart(
 ) -> Chart:
     """Chart of magnitude and phase (−270° to 90°) of receptances (m/N) over frequencies x (Hz).
 
-    `size_ranges`: smallest and largest magnitude (2×n, µm/N) of some of them.
+    `size_ranges`: smallest and largest magnitude (2×n, µm/N) of some receptances, by name.
     """
     size, phase, intervals = "magnitude (µm/N)", "phase (°)", size_ranges or {}
     sizes = [

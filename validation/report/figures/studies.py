@@ -50,12 +50,15 @@ class Family:
 
     @property
     def panels(self) -> bool:
-        """True if each study names its panel, with an abscissa of its own."""
+        """True if each study names a panel for its curves.
+
+        Each panel has an abscissa of its own.
+        """
         return all(curve.study.panel for curve in self.curves)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Notes of the studies, each once, with the curves concerned unless these are all."""
+        """Notes of the studies, each once, with its curves unless it is common to all."""
         remarks: dict[str, list[str]] = {}
         for curve in self.curves:
             for note in curve.study.notes:
@@ -84,7 +87,10 @@ def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
 
 
 def family_of(studies: Iterable[Study]) -> Family:
-    """Family of studies. A series is labelled by the variant of its study, if it has one."""
+    """Family of studies.
+
+    The label of a series contains the variant of its study, if there is one.
+    """
     members = tuple(studies)
     curves = tuple(
         Curve(
@@ -109,7 +115,7 @@ def study_figure(family: Family) -> Figure:
 
 
 def study_curves(family: Family) -> Chart:
-    """Chart of deviations from the limit with their uncertainty (left) and of their decay (right).
+    """Chart of deviations from the limit with half-widths (left) and of their magnitudes (right).
 
     If no limit is known, the finest value replaces it. A limit of zero means that the values are
     relative errors.
@@ -148,7 +154,10 @@ def study_curves(family: Family) -> Chart:
 
 
 def _deviation(curve: Curve) -> tuple[Array, Array | None]:
-    """Deviations from the limit in per cent, and bar of the finest value. None without a bar."""
+    """Deviations from the limit in per cent, and error bar of the finest value.
+
+    The error bar is None if the uncertainty is unknown.
+    """
     values = np.asarray(curve.values)
     limit = values[-1] if curve.limit is None else curve.limit
     scale = abs(limit) or 1.0
