@@ -196,17 +196,17 @@ def forces(
     Parameters
     ----------
     robot
-        As of `load`, or its result, with ``[[loads]]``.
+        The robot, as for `load`, or the result of `load`. It must have ``[[loads]]``.
     model
-        As of `solve`.
+        Model as for `solve`.
     poses
-        As of `solve`.
+        Poses as for `solve`.
     path
         True for all poses of the path.
     loads
         Names of loads. All of them if empty.
     **options
-        Options of the model, as of ``flexproof forces``.
+        Options of the model, as for ``flexproof forces``.
 
     Returns
     -------
@@ -298,7 +298,7 @@ def cross_validate(robot: Robot, *, preset: Preset = "standard") -> CrossValidat
     robot
         The robot, as for `load`, or the result of `load`.
     preset
-        ``"quick"``, ``"standard"`` or ``"fine"``: how fine the solids are.
+        ``"quick"``, ``"standard"`` or ``"fine"``: fineness of the solids' meshes.
 
     Returns
     -------
@@ -460,7 +460,7 @@ class Adequacy:
 
     @property
     def _lengths(self) -> UnitOfLength:
-        """Unit in which the robot file gives lengths and limits of displacements."""
+        """Unit of length of the robot file, for lengths and limits of displacements."""
         return self.subject.responses.robot.mechanism.lengths
 
     def _within(self, model: str, quantity: str, limit: float) -> Matrix:
@@ -532,14 +532,14 @@ class Adequacy:
 def adequacy(
     robot: Robot, *, preset: Preset = "standard", accept: Mapping[str, float] | None = None
 ) -> Adequacy:
-    """Judge every model of a robot by every quantity.
+    """Judge every model of a robot for every quantity.
 
     Parameters
     ----------
     robot
         The robot, as for `load`, or the result of `load`.
     preset
-        ``"quick"``, ``"standard"`` or ``"fine"``: how fine the references are.
+        ``"quick"``, ``"standard"`` or ``"fine"``: fineness of the references' meshes.
     accept
         Limits that replace those of the file, as for `load`.
 
@@ -593,7 +593,7 @@ def run(
     jobs
         Number of processes. As many as there are cores if None.
     vary
-        Numbers of the robot file over ranges, ``"KEY=FROM:TO:COUNT"`` each, as for ``--vary``.
+        Numbers of the robot file and their ranges, each ``"KEY=FROM:TO:COUNT"`` as for ``--vary``.
 
     Returns
     -------
@@ -605,7 +605,7 @@ def run(
     InputError
         Before anything is written.
     ComputationError
-        If the run cannot go on.
+        If the run cannot be continued.
 
     Examples
     --------
@@ -654,12 +654,12 @@ def identify(
     body
         A body of the robot that is a part from a file.
     interfaces
-        For a file: tables of a robot file by name (m), the first one is clamped:
+        For a file: interfaces (m) by name, each as in a robot file; the first one is clamped:
         ``{"A": {"cylinder": {"radius": 0.04}}, "B": {"cylinder": {"radius": 0.028}}}``.
     material
         For a file: ``{"E": 2.1e11, "nu": 0.3, "rho": 7850.0}`` (Pa, –, kg/m³).
     unit
-        Unit of length of a file that names none: ``"m"``, ``"mm"``, ``"cm"`` or ``"inch"``.
+        Unit of length if the file has none: ``"m"``, ``"mm"``, ``"cm"`` or ``"inch"``.
     unknowns
         Unknowns of the finest of the three meshes.
     modes
@@ -669,7 +669,7 @@ def identify(
     -------
     Identified
         Stiffness and mass (6m×6m for m interfaces), compliance (SI, axes of the file) and
-        frequencies (Hz), with the uncertainty of the meshes and of the interfaces.
+        frequencies (Hz), with half-widths due to the meshes and to the condition of the interfaces.
 
     Raises
     ------
@@ -736,7 +736,7 @@ def identify_free(
     material
         For a file: ``{"E": 2.1e11, "nu": 0.3, "rho": 7850.0}`` (Pa, –, kg/m³).
     unit
-        Unit of length of a file that names none: ``"m"``, ``"mm"``, ``"cm"`` or ``"inch"``.
+        Unit of length if the file has none: ``"m"``, ``"mm"``, ``"cm"`` or ``"inch"``.
     unknowns
         Unknowns of the finest of the three meshes.
     modes
@@ -745,7 +745,7 @@ def identify_free(
     Returns
     -------
     FreePart
-        Frequencies (Hz) with the half-widths of the meshes, and the mass properties.
+        Frequencies (Hz) with half-widths due to the meshes, and the mass properties.
 
     Raises
     ------
@@ -767,7 +767,9 @@ def identify_free(
     """
     faults = faults_of_numbers(unknowns, modes)
     if modes == 0:
-        faults.append("modes = 0: a free part has frequencies alone; must be 1 or more")
+        faults.append(
+            "modes = 0: a part without supports has no results but frequencies; must be 1 or more"
+        )
     if body is not None and (material or unit):
         faults.append("body: its material and unit stand in the robot file")
     if body is None and not isinstance(part, str | Path):
@@ -785,7 +787,7 @@ def identify_free(
 
 @checked
 def draw(robot: Robot, *, poses: Sequence[float | Sequence[float]] = ()) -> "Figure":
-    """Draw a robot: one posture in full, the others as lines, bodies and joints named.
+    """Draw a robot: one posture in full with names of bodies and joints, the others as lines.
 
     Parameters
     ----------
@@ -838,7 +840,7 @@ def workspace(robot: Robot, *, preset: Preset = "standard") -> WorkspaceMaps:
     -------
     WorkspaceMaps
         Lowest stiffness (N/µm), first frequency (Hz) and error (%) of the chosen model over the
-        grid, each with its worst posture, searched between the grid's points, too.
+        grid, each with its worst posture, which is also searched between the points of the grid.
 
     Raises
     ------
@@ -866,7 +868,7 @@ def workspace(robot: Robot, *, preset: Preset = "standard") -> WorkspaceMaps:
 
 @checked
 def vary(robot: Robot, number: str, *, preset: Preset = "standard") -> Designs:
-    """Compare designs that differ in one number by all models, and what each would choose.
+    """Compare designs that differ in one number: results, and the best design by each model.
 
     Parameters
     ----------
@@ -875,7 +877,7 @@ def vary(robot: Robot, number: str, *, preset: Preset = "standard") -> Designs:
     number
         ``"KEY=FROM:TO:COUNT"``, as for ``--vary``: ``"leg1.section.thickness=0.004:0.012:5"``.
     preset
-        ``"quick"``, ``"standard"`` or ``"fine"``: how fine the references are.
+        ``"quick"``, ``"standard"`` or ``"fine"``: fineness of the references' meshes.
 
     Returns
     -------
@@ -886,7 +888,7 @@ def vary(robot: Robot, number: str, *, preset: Preset = "standard") -> Designs:
     Raises
     ------
     InputError
-        For a number that the file does not have, or values for which there is no robot.
+        For a number that the file does not contain, or values that make an invalid robot.
     ComputationError
         If a design cannot be solved.
 
@@ -915,7 +917,7 @@ def compare_measured(robot: Robot, file: str | Path | None = None) -> MeasuredCo
         compared, too.
     file
         Measured values (CSV), or a modal test (``.uff``, ``.unv``; needs the extra ``hammer``, and
-        ``[hammer]`` in the robot file). None if all values stand in the robot file.
+        ``[hammer]`` in the robot file). None if all values are in the robot file.
 
     Returns
     -------
@@ -965,13 +967,13 @@ def export(
         ``"npz"``, ``"exudyn"``, ``"statespace"``, ``"simscape"`` or ``"nastran"``; the last two
         take one `body`.
     out
-        The file. Named by robot and body in the working folder if None.
+        Path of the file. If None, a file in the working folder with the names of robot and body.
     pose
-        Pose of the tool (m, rad) about which the robot is linear. The reference posture if None.
+        Pose of the tool (m, rad) about which the robot is linearised. None: the reference posture.
     body
-        One body, free. The whole robot if None.
+        A body without supports. The whole robot if None.
     modes
-        Number of frequencies for which the model is good.
+        Number of natural frequencies for which the reduced model is accurate.
     force
         Replace a file that flexproof did not write.
 

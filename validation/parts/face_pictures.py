@@ -1,4 +1,4 @@
-"""Pictures of a CAD part's faces with their numbers, from two sides or to be turned.
+"""Pictures of a CAD part's numbered faces: from two sides, and as a scene that can be turned.
 
 Input: a `PartFile`. Output: a PNG and an HTML page. Rule: each number stands on a facet of its face
 that is visible to the viewer. Faces that are visible from neither side, such as those of a cavity,
@@ -62,7 +62,10 @@ def picture(part: PartFile) -> Picture:
 
 
 def scene_page(part: PartFile) -> str:
-    """HTML page that opens offline, with the part and its face numbers, to be turned."""
+    """HTML page with a scene of the part and its face numbers that can be turned.
+
+    It opens offline.
+    """
     numbers = [_number(part, face) for face in part.faces]
     scene = Scene(_bodies(part), (_SIDES[0], _UP), title=part.path.name, turned=numbers)
     return page(scene, _TITLE.format(part.path.name))
@@ -109,9 +112,9 @@ def _visible_points(part: PartFile, face: Face, view: View, surface: Any) -> Arr
 
 
 def _label_point(points: Array, labelled: list[Array], view: View) -> Array:
-    """First of `points` at which the number covers no point of `labelled`.
+    """First of `points` at which a face number covers no point of `labelled`.
 
-    If there is none, the point farthest from them.
+    If there is none, the point farthest from the labelled ones.
     """
     if not labelled:
         return np.asarray(points[0])

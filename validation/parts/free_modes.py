@@ -33,12 +33,12 @@ class FreePart:
     """Part without supports: mass and elastic frequencies, with uncertainties (SI, file axes).
 
     `density` (kg/m³) of the material; `total` mass (kg), `centre` of mass (3, m) and `inertia`
-    about it (3×3, kg m²) of the finest mesh. `frequencies` (Hz) are the elastic ones; `rigid`
-    motions without deformation lie below them. `frequency_refinement` (Hz) are half-widths of the
-    meshes, NaN for a given mesh. `counted` is the number of elastic modes below `counted_below`
-    (Hz) from the inertia of the shifted stiffness, and proves that no mode is missing.
-    `unknowns` of the meshes from coarse to fine. `elements` and `straightened` elements of the
-    finest.
+    about it (3×3, kg m²) of the finest mesh. `frequencies` (Hz): elastic modes; `rigid`: number of
+    rigid-body motions below them. `frequency_refinement` (Hz): half-widths due to the mesh, NaN if
+    the file of the part is a mesh. `counted`: number of elastic modes below `counted_below` (Hz),
+    by Sylvester's law of inertia; it proves that no mode is missing. `unknowns`: their number on
+    the meshes from coarse to fine. `elements`, `straightened`: numbers of all and of straightened
+    elements of the finest mesh.
 
     Examples
     --------
@@ -87,7 +87,7 @@ class FreePart:
         )
 
     def plot(self) -> "Figure":
-        """Bars of the frequencies with the half-widths of the meshes.
+        """Bars of the frequencies with half-widths due to the mesh.
 
         Returns
         -------
@@ -113,7 +113,7 @@ class FreePart:
 def free_entry(
     part: PartFile, material: Material, unknowns: int, modes: int
 ) -> CacheEntry[FreePart]:
-    """Cache entry for a `FreePart`. Its computation raises as `identify_free` does."""
+    """Cache entry for a `FreePart`. Its computation raises the exceptions of `identify_free`."""
     key = part_key(part, (), material, "free", unknowns, modes)
 
     def read(arrays: dict[str, Array]) -> FreePart:
@@ -131,15 +131,20 @@ def free_entry(
 
 
 def largest_half_width(part: FreePart) -> float:
-    """Largest relative half-width of the frequencies. Infinite for a part given as a mesh."""
+    """Largest relative half-width of the frequencies.
+
+    Infinite if the file of the part is a mesh.
+    """
     shares = np.abs(part.frequency_refinement / part.frequencies)
     return float(np.max(np.nan_to_num(shares, nan=np.inf), initial=0.0))
 
 
 def _free_modes(part: PartFile, material: Material, unknowns: int, modes: int) -> dict[str, Any]:
-    """Fields of `FreePart` except for the part, by name."""
+    """Values of all fields of `FreePart` except for `part`, by name of the field."""
     if modes < 1:
-        raise InputError("--modes 0: a free part has frequencies alone; must be 1 or more")
+        raise InputError(
+            "--modes 0: a part without supports has no results but frequencies; must be 1 or more"
+        )
     name, is_mesh = part.path.name, part.mesh is not None
     if not is_mesh:
         require_memory(unknowns, name)
@@ -169,7 +174,7 @@ def _free_modes(part: PartFile, material: Material, unknowns: int, modes: int) -
 def _refinement(frequencies: Sequence[Array]) -> Array:
     """Half-widths (Hz) on the finest mesh, from `frequencies` on coarse to fine meshes.
 
-    NaN for a single mesh.
+    NaN if there is one mesh only.
     """
     if len(frequencies) < len(LEVELS):
         return np.full_like(frequencies[-1], np.nan)

@@ -64,10 +64,10 @@ class IdentifiedRecord(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def as_text(identified: Identified, accuracy: Accuracy | None = None) -> str:
-    """Text with mass, diagonal compliances, frequencies, and the table for a robot file.
+    """Text with mass, diagonal compliances, frequencies, and the TOML table for a robot file.
 
-    Compliances and frequencies have uncertainties. `accuracy` describes the refinement that
-    --accuracy caused.
+    Compliances and frequencies have uncertainties. `accuracy`: result of the refinement by
+    --accuracy, None without this option.
     """
     counts = ", ".join(map(str, identified.unknowns))
     meshes = f"meshes of {counts} unknowns; {identified.elements} tetrahedra in the finest"
@@ -151,9 +151,9 @@ def _frequencies(identified: Identified) -> list[str]:
 
 
 def toml(identified: Identified) -> str:
-    """Table of a body for a robot file of schema 2: a leg by its 6×6, if it has two interfaces.
+    """TOML table for a robot file of schema 2: the part as a leg specified by its 6×6.
 
-    Otherwise a comment with the alternatives.
+    If the part does not have two interfaces, a comment with the alternatives.
     """
     name = identified.part.path.stem
     if len(identified.interfaces) != 2:

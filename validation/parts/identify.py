@@ -2,9 +2,10 @@
 
 Input: a part file, its interfaces, a material and the number of unknowns. Output: `Identified`,
 with stiffness and mass between the interfaces on the finest of three meshes and the first
-frequencies with the first interface clamped. Rule: there are two uncertainties. That of the meshes
-follows from three of them. That of the end condition is the difference between averaged interfaces,
-which bound the stiffness from below, and rigid ones, which bound it from above.
+frequencies with the first interface clamped. Rule: there are two uncertainties. The half-width due
+to the mesh follows from three meshes. The uncertainty of the end condition is the difference
+between averaged interfaces, which bound the stiffness from below, and rigid interfaces, which bound
+it from above.
 """
 
 from collections.abc import Sequence
@@ -47,9 +48,10 @@ _BOUNDS: tuple[Kind, Kind] = ("rigid", "average")
 
 @dataclass(frozen=True, eq=False)
 class MeshAnswer:
-    """Results on one mesh with one coupling (SI, axes of the file), as fields of `Identified`.
+    """Results on one mesh with one coupling of the interfaces (SI, axes of the file).
 
-    `shapes` contains all nodes. `counted` is 0 if the modes are not counted.
+    Fields with the names of fields of `Identified` have the same meaning. `shapes` contains the
+    displacements of all nodes. `counted` is 0 if the modes are not counted.
     """
 
     stiffness: Array
@@ -70,18 +72,18 @@ class Identified:
     `density` (kg/m³) of the material; `total` mass (kg), `centre` of mass (3, m) and `inertia`
     about it (3×3, kg m²) of the finest mesh.
 
-    `stiffness` and `mass` (6m×6m) are condensed to the interfaces. `compliance` (6(m−1) square) of
-    the other interfaces and `frequencies` (Hz) hold with the first interface clamped. `counted` is
-    the number of modes below `counted_below` (Hz) from the inertia of the shifted stiffness, and
-    proves that no mode is missing.
-    `compliance_refinement` and `frequency_refinement` are half-widths of the meshes in the units of
-    the values. NaN for a given mesh, which cannot be refined. `compliance_bracket` and
-    `frequency_bracket` are the values with averaged interfaces less those with rigid ones.
-    `unknowns` of the meshes from coarse to fine. `elements` and `straightened` elements of the
-    finest. `by_curvature` is False if gmsh fails with element sizes from curvature.
+    `stiffness` and `mass` (6m×6m) are condensed to the interfaces. `compliance` (6(m−1) square, of
+    the other interfaces) and `frequencies` (Hz) are those with the first interface clamped.
+    `counted`: number of modes below `counted_below` (Hz), by Sylvester's law of inertia; it proves
+    that no mode is missing. `compliance_refinement` and `frequency_refinement`: half-widths due to
+    the mesh in the units of the values. NaN if the file of the part is a mesh, which cannot be
+    refined. `compliance_bracket` and `frequency_bracket` are the values with averaged interfaces
+    less those with rigid ones. `unknowns`: their number on the meshes from coarse to fine.
+    `elements`, `straightened`: numbers of all and of straightened elements of the finest mesh.
+    `by_curvature` is False if gmsh fails with element sizes from curvature.
 
-    `places` (s×3, m) are samples over the part, `shares` (s, kg) their shares of its mass, and
-    `shapes` (3s×6m) their displacements for unit twists of the interfaces.
+    `places` (s×3, m): sample points over the part; `shares` (s, kg): their shares of its mass;
+    `shapes` (3s×6m): their displacements for unit twists of the interfaces.
 
     Examples
     --------
@@ -136,8 +138,8 @@ class Identified:
         Returns
         -------
         ResultTable
-            Values in SI units; half-widths of the meshes and differences of averaged from rigid
-            interfaces in per cent.
+            Values in SI units; half-widths due to the mesh, and differences between averaged and
+            rigid interfaces, in per cent.
 
         Examples
         --------
@@ -163,7 +165,7 @@ class Identified:
         return ResultTable(headings, tuple(rows))
 
     def plot(self) -> "Figure":
-        """Uncertainty of each compliance and frequency, from meshes and from interfaces.
+        """Uncertainty of each compliance and frequency due to the mesh and to the interfaces.
 
         Returns
         -------
@@ -214,7 +216,7 @@ class Identified:
 
 
 def _in_percent(values: Array, *parts: Array) -> Array:
-    """Parts over values in per cent, one column for each part (n×k).
+    """Each of `parts` in per cent of the values, one column for each part (n×k).
 
     Shapes: k kinds of uncertainty, n values.
     """
@@ -228,7 +230,7 @@ def identify(
     unknowns: int = DEFAULT_UNKNOWNS,
     modes: int = DEFAULT_MODES,
 ) -> Identified:
-    """Identification of a part on three meshes, the finest with about `unknowns` unknowns.
+    """Identify a part on three meshes, the finest with about `unknowns` unknowns.
 
     Raises InputError if no mesh can be made, and ComputationError if memory or a solver fails.
     """
@@ -268,7 +270,7 @@ def identified_entry(
 def largest_half_width(part: Identified) -> float:
     """Largest relative half-width, due to meshes, of diagonal compliances and frequencies.
 
-    Infinite for a part given as a mesh.
+    Infinite if the file of the part is a mesh.
     """
     compliances = np.diag(part.compliance_refinement) / np.diag(part.compliance)
     half_widths = np.concatenate([compliances, part.frequency_refinement / part.frequencies])
@@ -280,7 +282,7 @@ def more_unknowns(unknowns: int, factor: float) -> int:
 
     Parts converge with orders from one to two in the mesh size, which varies as the cube root of
     the number of unknowns. The result is two to eight times `unknowns`. Raises InputError if the
-    factor is infinite, as for a part given as a mesh, and if the mesh would have more than
+    factor is infinite, as for a part whose file is a mesh, and if the mesh would have more than
     `MOST_REFINED` unknowns.
     """
     if not np.isfinite(factor):
@@ -301,7 +303,7 @@ def _identification(
     unknowns: int,
     modes: int,
 ) -> dict[str, Any]:
-    """Fields of `Identified` except for the part and its interfaces, by name."""
+    """Values of all fields of `Identified` except for part and interfaces, by name of the field."""
     name, is_mesh = part.path.name, part.mesh is not None
     coarse_to_fine = (FINEST,) if is_mesh else LEVELS
     by_curvature = True
@@ -369,9 +371,9 @@ def _answer(
 ) -> MeshAnswer:
     """Results on one mesh with one `coupling` of all interfaces.
 
-    If the coupling is None, each interface has its own. `certified` modes are counted, which proves
-    that none is missing. Only the frequencies of the result are certified; the others enter
-    differences, in which a missing mode would show as a large uncertainty.
+    If `coupling` is None, each interface has the coupling of the robot file. If `certified`, modes
+    are counted, which proves that none is missing. This is done for the reported frequencies only;
+    all others are used in differences, in which a missing mode would appear as a large uncertainty.
     """
     body = held_part(part, grips_of(part.mesh, interfaces, coupling), name)
     # Before the modes, because counting them replaces the factorisation of the stiffness.
@@ -397,7 +399,7 @@ def _bracket(rigid: MeshAnswer, average: MeshAnswer) -> dict[str, Array]:
 def _refinement(answers: Sequence[MeshAnswer]) -> tuple[Array, Array]:
     """Half-widths of compliance and of frequencies, from results on coarse to fine meshes.
 
-    NaN for a single mesh.
+    NaN if there is one mesh only.
     """
     if len(answers) < 3:
         (only,) = answers

@@ -60,8 +60,8 @@ def part_key(
 def part_file(path: Path, unit: str | None = None) -> PartFile:
     """CAD part read from its file, or from the cache.
 
-    The surface of a CAD file is meshed to find its faces, which takes time. Raises InputError as
-    `read_part` does.
+    To find its faces, the surface of a CAD file is meshed, which takes seconds. Raises InputError
+    if the file cannot be read.
     """
     require_file(path)
     if path.suffix.lower() in MESHES:
@@ -91,7 +91,7 @@ def part_mesh(
 ) -> PartMesh:
     """Mesh of a part at one of three levels, the finest with about `unknowns` unknowns.
 
-    A part given as a mesh is returned unchanged. Raises InputError if gmsh cannot mesh it.
+    A part whose file is a mesh is returned unchanged. Raises InputError if gmsh cannot mesh it.
     """
     if part.mesh is not None:
         return part.mesh
@@ -102,7 +102,7 @@ def part_mesh(
 def mesh_entries(
     part: PartFile, interfaces: Sequence[Interface], unknowns: int, levels: Sequence[int]
 ) -> tuple[CacheEntry[PartMesh], ...]:
-    """Cache entries for the meshes of some levels. () for a part given as a mesh."""
+    """Cache entries for the meshes of some levels. () if the file of the part is a mesh."""
     if part.mesh is not None:
         return ()
     return tuple(
@@ -117,7 +117,10 @@ def mesh_entries(
 
 
 def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
-    """Size gradings of the three meshes, coarse to fine. Raises InputError as `part_mesh` does."""
+    """Element sizes over the part of the three meshes, coarse to fine.
+
+    Raises InputError if gmsh cannot mesh the part.
+    """
     return _gradings_entry(part, interfaces, unknowns).value()
 
 

@@ -1,15 +1,15 @@
 """Half-widths of a CAD part's results from three meshes with one grading.
 
 Input: compliances or frequencies on a coarse, a middle and a fine mesh. Output: half-widths on the
-fine mesh. Rule: all numbers have one common order of convergence, from the sums of their relative
-changes and limited to the range from one to two.
+fine mesh. Rule: all numbers have one common order of convergence. It follows from the sums of their
+relative changes and is limited to the range from one to two.
 
 The tetrahedra of a part change at random from mesh to mesh, so the observed order of a single
 number means little: with an order between one and four for each number, a quarter of random parts
 lay outside their half-width. One is the lowest order that edges of rigid faces and inner corners
-cause. Orders above two are not used, because walls of one element converge faster at first than on
-finer meshes. With the larger safety factor, the half-widths contained the error of at least 95 % of
-random parts (tests/validation/parts/test_refinement.py, calibration).
+cause. Orders above two are not used, because walls that are one element thick converge faster at
+first than on finer meshes. With the larger safety factor, the half-widths contained the error of at
+least 95 % of random parts (tests/validation/parts/test_refinement.py, calibration).
 """
 
 import numpy as np
@@ -30,7 +30,7 @@ def refinement_uncertainty(
 ) -> Array:
     """Half-widths of values on the finest mesh, in their unit and shape.
 
-    Changes are relative to `scale`, of the shape of the values, or to the values if it is None. A
+    Changes are relative to `scale` (same shape as the values), or to the values if it is None. A
     number with scale 0 has half-width 0. NaN stays NaN.
     """
     size = np.abs(fine) if scale is None else scale

@@ -1,4 +1,4 @@
-"""Interfaces and a material from the command line, written as tables of a robot file.
+"""Interfaces and a material from the command line, where they are written as in a robot file.
 
 Input: texts such as "A = { cylinder = { radius = 0.04 } }". Output: `PartInterface` and `Material`
 records. Raises InputError with all faults.
@@ -26,7 +26,7 @@ _EXAMPLE = "A = { cylinder = { radius = 0.04 } }"
 
 
 def faults_of_numbers(unknowns: int | None, modes: int | None) -> list[str]:
-    """Messages for numbers out of range. None stands for the default value."""
+    """Messages for numbers out of range. None is the default value and valid."""
     faults = []
     if unknowns is not None and not FEWEST_UNKNOWNS <= unknowns <= MOST_UNKNOWNS:
         allowed = f"from {FEWEST_UNKNOWNS} to {MOST_UNKNOWNS}"
@@ -48,7 +48,7 @@ def part_of(robot_file: RobotFile, body: str) -> Body:
 
 
 def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[str, Array]]:
-    """Interfaces from texts, and the points of those that have one, by name.
+    """Interfaces from texts, by name, and the reference points that some of them specify.
 
     Raises InputError with the faults of all texts.
     """
@@ -83,7 +83,10 @@ def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[
 
 
 def material_of(text: str) -> Material:
-    """Isotropic material from a text { E = …, nu = …, rho = … }. Raises InputError for others."""
+    """Isotropic material from a text { E = …, nu = …, rho = … }.
+
+    Raises InputError if it is none.
+    """
     example = "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }"
     tables = _table(f"material = {text}", "--material", example)
     table = tables["material"]

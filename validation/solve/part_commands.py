@@ -142,9 +142,11 @@ def identify(
             "--material: missing; add it, for example { E = 2.1e11, nu = 0.3, rho = 7850.0 }"
         )
     if free and interface:
-        faults.append("--interface: a free part is held nowhere; leave it out")
+        faults.append("--interface: a part without supports has none; leave it out")
     if free and modes == 0:
-        faults.append("--modes 0: a free part has frequencies alone; must be 1 or more")
+        faults.append(
+            "--modes 0: a part without supports has no results but frequencies; must be 1 or more"
+        )
     if body is not None and (interface or material or unit):
         faults.append(
             "--body: not with --material, --interface or --unit, which are in the robot file "

@@ -77,8 +77,11 @@ def test_wrong_free_part_request_is_refused(bar, capsys):
     options = ["--interface", "A = { faces = [1] }", "--modes", "0"]
     assert cli.main(["identify", str(bar), "--free", *options]) == 2
     errors = capsys.readouterr().err
-    assert "--interface: a free part is held nowhere; leave it out" in errors
-    assert "--modes 0: a free part has frequencies alone; must be 1 or more" in errors
+    assert "--interface: a part without supports has none; leave it out" in errors
+    assert (
+        "--modes 0: a part without supports has no results but frequencies; must be 1 or more"
+        in errors
+    )
     with pytest.raises(InputError, match="material: missing"):
         fp.identify_free(bar)
 
