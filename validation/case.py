@@ -100,7 +100,7 @@ class Allowance:
 
 @dataclass(frozen=True)
 class Elsewhere:
-    """The comparison of a measurement in another pose or mode, which `where` names.
+    """Result of the same comparison in another pose or mode, which `where` names.
 
     `uncertainty`: half-width of the unexplained difference. None if the numbers are exact.
     """
@@ -121,7 +121,7 @@ class UnjudgedValue:
     """A value and its reference in `unit`, displayed without a verdict.
 
     `model`, `label` and `elements` as in `Case`. `half_width`: numerical uncertainty of the
-    reference, None if unknown.
+    reference, It is None if unknown.
     """
 
     model: str
@@ -134,7 +134,7 @@ class UnjudgedValue:
 
     @property
     def share(self) -> float:
-        """(value − reference)/reference."""
+        """Relative difference (value − reference)/reference."""
         return self.value / self.reference - 1.0
 
 
@@ -144,15 +144,15 @@ class Measurement:
 
     `value_uncertainty`, `reference_uncertainty` and `judged_uncertainty`: numerical uncertainty of
     the value, of the reference and of the unexplained difference (half-widths, 95 %). The third is
-    given if both sides have the same mesh, whose errors cancel; otherwise it follows from the other
-    two. Either at least one of these is given, or the numbers are `exact`: nothing is discretised,
-    and round-off is the only error. Neither, or both, raise ValueError.
+    set if value and reference have the same mesh, so that its errors cancel; otherwise it follows
+    from the other two. Either at least one of these is set, or the numbers are `exact`: nothing is
+    discretised, and round-off is the only error. Neither, or both, raise ValueError.
 
     `table`: columns of equal length by heading. `studies`: convergence studies and sweeps to be
     displayed with the case. `pose`: the pose of the numbers. If a case compares several poses or
     modes, one is fixed beforehand, so that runs can be compared, and `elsewhere` contains the
-    others, which are judged as well. `shown`: values reported without a verdict. `claim`: a
-    publication's statement on this result, as printed and as corrected. `decides`: action or
+    others, which are judged as well. `shown`: further values, reported without a verdict. `claim`:
+    a publication's statement on this result, as printed and as corrected. `decides`: action or
     information that would decide the case if the uncertainty is too large.
     """
 
@@ -191,9 +191,10 @@ class Measurement:
 
     @property
     def numerical_uncertainty(self) -> float | None:
-        """Half-width of the unexplained difference: as given, or of both sides in quadrature.
+        """Half-width of the unexplained difference. None if the numbers are exact up to round-off.
 
-        None if the numbers are exact up to round-off.
+        It is `judged_uncertainty`. If that is None, those of value and reference are combined in
+        quadrature.
         """
         if self.judged_uncertainty is not None:
             return self.judged_uncertainty
@@ -213,7 +214,7 @@ class Declaration(ScheduledTask):
     `id` is dotted, with parameters in brackets: "robot.beam-vjm.planar[x=0.4975]". `quantity` and
     `unit` name the value ("largest planar deflection", "µm"; "1" for ratios). `model`: model of the
     value ("segments", "solid"; "" if it comes from no model). `subject`: the run's robot, or one of
-    its legs, whose name is `body`. `label`: the quantity in few words, for an axis. `figure`: id of
+    its legs, whose name is `body`. `label`: short name of the quantity for an axis. `figure`: id of
     the figure with its result. `elements`: element count of each leg, 0 if the model has no
     elements or the case covers several counts. `tolerance` is None if it is unknown, as in a
     results.json of a failed case.

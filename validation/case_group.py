@@ -105,7 +105,7 @@ class CaseGroup:
         return group
 
     def __call__(self, **parameters: Any) -> tuple[Case, ...]:
-        """All cases. `parameters` have the values that depend on the robot file.
+        """All cases of the group, for `parameters` whose values depend on the robot file.
 
         Raises KeyError for a template, TypeError for a function, with an unknown parameter.
         """

@@ -1,9 +1,9 @@
 """The command `flexproof`.
 
-Exit codes: 0 nothing against it · 1 a case disagrees, or a model that is relied on is inadequate ·
-2 the input is wrong · 3 a computation failed or was interrupted. Results go to stdout, everything
-else to stderr. Packages that are slow to import are imported by the commands that need them, so
-that help and messages come at once.
+Exit codes: 0 success · 1 a case disagrees, or a model that is relied on is inadequate · 2 the input
+is wrong · 3 a computation failed or was interrupted. Results go to stdout, everything else to
+stderr. Packages that are slow to import are imported by the commands that need them, so that help
+and messages come at once.
 """
 
 import os
@@ -105,9 +105,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def _home() -> Iterator[None]:
-    """Context with a home folder for libraries. A temporary one if HOME is not an absolute path.
+    """Context with a home folder for libraries: a temporary one if HOME is not an absolute path.
 
-    An empty or relative HOME would be the root of the file system, or a folder anywhere.
+    With an empty or relative HOME, libraries would write into the root of the file system or into
+    the working folder.
     """
     home = os.environ.get("HOME")
     if home is None or Path(home).is_absolute():

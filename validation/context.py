@@ -25,9 +25,10 @@ T = TypeVar("T")
 class Context:
     """Robot file, preset and options of a run, and a store of expensive results.
 
-    `finer`: preset of the references' meshes. None if those of the run's preset are fine enough.
-    `context.get(solid_leg, leg, divisions)` is `solid_leg(leg, divisions)`, computed once per
-    process for equal arguments. The function must be pure and defined at the top level of a module.
+    `finer`: preset of the references' meshes. None if the meshes of the run's preset are fine
+    enough. `context.get(solid_leg, leg, divisions)` is `solid_leg(leg, divisions)`, computed once
+    per process for equal arguments. The function must be pure and defined at the top level of a
+    module.
     """
 
     robot_file: RobotFile

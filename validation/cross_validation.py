@@ -50,7 +50,7 @@ class CrossValidation:
 
     @property
     def sentence(self) -> str:
-        """Sentence on the agreement of all formulations.
+        """Sentence on the agreement of all formulations with solids.
 
         Examples
         --------
@@ -78,7 +78,8 @@ class CrossValidation:
         model
             ``"vjm"``, ``"links"``, ``"segments"`` or ``"beam"``.
         quantity
-            "x", "y", "z", "phi_x", "phi_y", "phi_z" (motion under its own load), "f1" to "f4".
+            "x", "y", "z", "phi_x", "phi_y", "phi_z" (motion along or about an axis under a unit
+            load along or about it), or "f1" to "f4".
         body
             A leg, with its root clamped. The whole robot if None.
 
@@ -126,10 +127,11 @@ class CrossValidation:
         Parameters
         ----------
         model, with_
-            Formulations: "vjm", "links", "segments", "beam", and "solid" as the second. Of the
-            difference from a solid, the parts with a named cause are allowed for.
+            Formulations: "vjm", "links", "segments", "beam", and "solid" as the second. Of a
+            difference from a solid, the parts that have a named cause are subtracted.
         quantity
-            "x", "y", "z", "phi_x", "phi_y", "phi_z" (motion under its own load), "f1" to "f4".
+            "x", "y", "z", "phi_x", "phi_y", "phi_z" (motion along or about an axis under a unit
+            load along or about it), or "f1" to "f4".
         within
             Largest relative difference, half-width included. The tolerance of the comparison if
             None.
@@ -190,7 +192,7 @@ class CrossValidation:
         Raises
         ------
         AssertionError
-            With error, order and the element counts that would do.
+            With error, order and the element counts that meet the limit.
         InputError
             For a body, a quantity or an element count that was not computed.
 

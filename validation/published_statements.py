@@ -53,7 +53,7 @@ class Claim(msgspec.Struct, frozen=True, rename={"sentence": "statement"}):
 
     `quantity` names the values of the curves. `differs`: correction of the printed text that
     changes the numbers, "" if there is none. `circular`: reason why the statement is not counted,
-    "" if it is.
+    "" if it is counted.
     """
 
     sentence: str

@@ -94,7 +94,7 @@ class RobotCollector(pytest.File):
         self.robot = robot
 
     def collect(self) -> Iterator[pytest.Item]:
-        """Tests for each model and quantity, and for each comparison.
+        """Tests for each model and quantity, then for each comparison.
 
         Raises UsageError with the faults of the file.
         """

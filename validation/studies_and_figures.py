@@ -1,8 +1,8 @@
 """Data records of a run's convergence studies and figures, which the report displays.
 
-Input: curves, drawings and captions. Output: `Study`, `Figure` and `PlannedFigure`. A figure stands
-on the page with title, caption and table; drawings are defined in `validation.drawing`. SVG is
-checked, because the page embeds it unchanged.
+Input: curves, drawings and captions. Output: `Study`, `Figure` and `PlannedFigure`. The page
+displays a figure with title, caption and table of data; drawings are defined in
+`validation.drawing`. SVG is checked, because the page embeds it unchanged.
 """
 
 import re
@@ -89,16 +89,20 @@ class Study:
             _require_file_name(self.family)
         for name, values in self.series.items():
             if len(values) != len(self.x):
-                raise ValueError(f"study {self.id}: {name} has {len(values)} of {len(self.x)} x")
+                raise ValueError(
+                    f"study {self.id}: {name} has {len(values)} values for {len(self.x)} x"
+                )
 
 
 class ElementStudy(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="convergence"):
-    """Convergence of one quantity with the element count `x`, by formulation: entry of "studies".
+    """Convergence of one quantity with the element count `x`: entry of "studies" in results.json.
 
-    Fields with the names of `Study` have its meaning. A value of `series` is None if the count was
-    not computed. `needed`: smallest counts for relative errors, by the error as text. None if it
-    exceeds the largest count. `stated`: element count of the agreement limits. `body`: None for the
-    robot.
+    `series` and all other mappings have the formulation as key.
+
+    Fields with the names of fields of `Study` have the same meaning. A value of `series` is None if
+    the count was not computed. `needed`: smallest counts for relative errors, by the error as text.
+    A count is None if it exceeds the largest computed one. `stated`: element count of the agreement
+    limits. `body`: None for the robot.
     """
 
     id: str
@@ -128,9 +132,10 @@ class WorstValue(msgspec.Struct, frozen=True):
 
 
 class MapStudy(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", tag="map"):
-    """Quantity of a model over a grid of poses: entry of "studies".
+    """Quantity of a model over a grid of poses: an entry of "studies" in results.json.
 
-    `x`: coordinates along each of the `moves`. `values` are nested by them, None out of reach.
+    `x`: coordinates along each of the `moves`. `values` are nested in the order of the moves; None
+    in poses out of reach.
     """
 
     id: str
@@ -159,9 +164,9 @@ class Figure:
     """Picture with caption and data: `svg` (markup) or `png` (bytes), and `data` as CSV.
 
     If this machine cannot draw it, `left_out` is the reason; data and scenes exist nevertheless.
-    `id` is also the stem of its file names. `section`: its part of the report. `scenes`: the panels
-    of the picture in three dimensions. `computed_by`: names of the functions that computed its
-    numbers. `studies`: its entries in results.json.
+    `id` is also the stem of its file names. `section`: heading of the report under which it stands.
+    `scenes`: the panels of the picture in three dimensions. `computed_by`: names of the functions
+    that computed its numbers. `studies`: its entries of "studies" in results.json.
     """
 
     id: str
@@ -179,7 +184,7 @@ class Figure:
     def __post_init__(self) -> None:
         _require_file_name(self.id)
         if [bool(self.svg), bool(self.png), bool(self.left_out)].count(True) != 1:
-            raise ValueError(f"figure {self.id}: either svg or png, or why there is neither")
+            raise ValueError(f"figure {self.id}: must have exactly one of svg, png and left_out")
         _require_inert(self.svg, self.id)
 
     @property
@@ -204,13 +209,13 @@ def study_record(study: Study) -> dict[str, Any]:
 def _require_inert(svg: str, name: str) -> None:
     """Raise ValueError if SVG markup contains more than drawing elements.
 
-    Figures are also read from records of earlier runs, which anybody can have written.
+    Figures are also read from records of earlier runs, which anybody may have written or changed.
     """
     for tag in (*re.findall(r"<[^<>]*>?", svg), *_FOREIGN_STYLE.findall(svg)):
         if not _INERT.fullmatch(tag) or any(
             not _INTERNAL.match(link) for link in _LINK.findall(tag)
         ):
-            raise ValueError(f"figure {name}: {tag[:60]} has no place in a drawing")
+            raise ValueError(f"figure {name}: {tag[:60]} is not allowed in a drawing")
 
 
 def _require_file_name(identifier: str) -> None:

@@ -75,7 +75,7 @@ class Request:
 
     @cached_property
     def robot_file(self) -> RobotFile:
-        """Robot file as changed by the options. Raises InputError."""
+        """Robot file with the changes by the options. Raises InputError for invalid options."""
         robot_file = self.robot
         if self.measured:
             from validation.measured.modes import with_measured_file  # noqa: PLC0415
@@ -231,7 +231,7 @@ def _executor(cluster: Executor | None, jobs: int) -> Iterator[Executor]:
 
 
 def _solve_varied_robots(request: Request, tasks: Sequence[Task], cluster: Executor | None) -> None:
-    """Solve the robots that differ in one number, if their cases or figures are among the tasks."""
+    """Solve the robots of --vary, if their cases or figures are among the tasks."""
     from validation.variations.curves import variation_study  # noqa: PLC0415
 
     groups = {task.group for task in tasks}
@@ -242,7 +242,10 @@ def _solve_varied_robots(request: Request, tasks: Sequence[Task], cluster: Execu
 
 
 def _read_baseline(request: Request) -> RunRecord | None:
-    """Earlier run for comparison. None without one. Raises InputError if it is of another robot."""
+    """Earlier run for comparison. None if the request has no baseline.
+
+    Raises InputError if it is a run of another robot.
+    """
     if request.baseline is None:
         return None
     baseline = load_run(request.baseline)

@@ -154,7 +154,7 @@ class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
 
     @property
     def chance(self) -> float | None:
-        """Probability of the verdict. If undecided, of the likelier verdict. None if unknown."""
+        """Probability of the verdict, or of the likelier verdict if undecided. None if unknown."""
         if self.probability is None or self.probability_beyond is None:
             return None
         probabilities = {"adequate": self.probability, "inadequate": self.probability_beyond}
@@ -182,13 +182,14 @@ class ModelNote:
 class Matrix:
     """Verdicts on all models for all quantities of one robot.
 
-    `coordinates`: prescribed by a pose. `poses` (p×n): all poses of the path. `notes`: facts to be
-    displayed with the matrix. `supposed`: assumption behind verdicts on frequencies. `parts`:
-    matrices of each leg alone with its root clamped, whose `robot` is the leg's name.
+    `coordinates`: those that a pose prescribes. `poses` (p×n): all poses of the path. `notes`:
+    facts to be displayed with the matrix. `supposed`: assumption behind verdicts on frequencies.
+    `parts`: matrices of each leg alone with its root clamped, whose `robot` is the leg's name.
     `formulation`: if models use legs that differ from the robot's, their comparison with solids of
-    those legs; an error of the matrix that is absent there is due to the legs, not to the model.
+    those legs; an error that only the first matrix has is due to the legs, not to the model.
     `faults`: names of the models, and other computations, that ended with an error of the program;
-    an entry left undecided by it is no statement about the robot. Shapes: p poses, n coordinates.
+    an entry that is undecided for this reason is no statement about the robot. Shapes: p poses, n
+    coordinates.
     """
 
     robot: str
@@ -205,13 +206,13 @@ class Matrix:
 
     @property
     def all_faults(self) -> tuple[str, ...]:
-        """Faults of this matrix and of its attached matrices, each once."""
+        """Faults (see `Matrix`) of this matrix and of its attached matrices, each once."""
         faults = (fault for matrix in (self, *self.attached) for fault in matrix.faults)
         return tuple(dict.fromkeys(faults))
 
     @property
     def attached(self) -> tuple["Matrix", ...]:
-        """Matrices of the parts and of the formulation."""
+        """Matrices of verdicts on each leg alone, and on models of legs of constant section."""
         return (*self.parts, *((self.formulation,) if self.formulation else ()))
 
     def entry(self, model: str, name: str) -> Entry | None:

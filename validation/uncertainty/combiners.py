@@ -1,4 +1,4 @@
-"""Four rules that combine the changes of a number by several perturbations into one half-width.
+"""Four rules that combine changes of a number, due to several perturbations, into one half-width.
 
 Input: changes, one for each perturbation, and a `Combiner`. Output: one half-width.
 """
@@ -19,7 +19,7 @@ _CONFIDENCE = 0.95
 
 
 class Combiner(Enum):
-    """Rule that combines the changes by several perturbations of one source.
+    """Rule that combines the changes of a number due to several perturbations of one source.
 
     HULL: the largest change, for perturbations that exclude each other. LINEAR_SUM: the sum of all
     magnitudes, an upper bound. ROOT_OF_SQUARES: for independent standard uncertainties.
@@ -34,7 +34,7 @@ class Combiner(Enum):
 
 
 def combined(changes: Array, size: Callable[[Array], Array], combiner: Combiner) -> Array:
-    """Half-width from `changes` (R×…), one for each of R perturbations.
+    """Half-width of a number from its `changes` (R×…) due to each of R perturbations.
 
     `size` maps n changes (n×…) to their magnitudes (n×…, of another shape if changes are vectors).
     """

@@ -1,8 +1,8 @@
 """Observed order, extrapolated limit and numerical uncertainty of a refinement series.
 
 Input: values f on meshes of size h, from coarse to fine. Output: `Convergence`, with order, limit
-and uncertainty, or the reason why none can be stated. Rule: f = f∞ + C hᵖ in the asymptotic range.
-An observed order above the formal one is an accident of coarse meshes and is limited to it; an
+and uncertainty, or the reason why there are none. Rule: f = f∞ + C hᵖ in the asymptotic range. An
+observed order above the formal one is an accident of coarse meshes and is limited to it; an
 observed order below it is used. If there are too few meshes to observe an order, the formal one is
 used with a safety factor of three.
 
@@ -97,9 +97,9 @@ def pairwise_orders(sizes: Array, values: Array) -> Array:
 
 
 def fit_order(sizes: Array, values: Array) -> float:
-    """Order p in (0, 12] of f = f∞ + C hᵖ, fitted to at least three meshes.
+    """Order p in (0, 12] of f = f∞ + C hᵖ, fitted to values on at least three meshes.
 
-    The order with the smallest residual of the least-squares fit with the weights of `_fitted`.
+    It minimises the residual of the least-squares fit with the weights of `_fitted`.
     """
 
     def residual(order: float) -> float:
@@ -116,7 +116,7 @@ def fit_order(sizes: Array, values: Array) -> float:
 
 
 def _residuals(sizes: Array, values: Array, orders: Array) -> Array:
-    """Residual norms (m) that `fit_order` minimises, for m orders at once."""
+    """Norms (m) of the residual that `fit_order` minimises, for m orders at once."""
     shape, root = sizes / sizes[-1], np.sqrt(sizes[-1] / sizes)
     weighted = root * values
     basis = np.stack(
@@ -132,7 +132,7 @@ def orders_to_limits(counts: Sequence[int], errors: Array, floors: Array) -> Arr
 
     `counts` n ascend. Fitted by least squares to log |e| over the three finest counts with errors
     above the `floors` (q). NaN if errors from five elements on change sign or grow, if the two
-    orders of neighbouring counts have not settled, or for fewer than three counts.
+    orders of neighbouring counts differ too much, or for fewer than three counts.
     """
     return np.array(
         [
@@ -158,10 +158,10 @@ def _order_to_limit(counts: Sequence[int], errors: Array, floor: float) -> float
 
 
 def _fitted(sizes: Array, values: Array, orders: tuple[float, ...]) -> tuple[Array, Array]:
-    """f∞ and Cᵢ of f = f∞ + Σ Cᵢ h^pᵢ, and the deviations of the fit. h over the finest size.
+    """f∞ and Cᵢ of f = f∞ + Σ Cᵢ h^pᵢ, and residuals of the fit; h is relative to the finest mesh.
 
     Least squares with weights 1/h (Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104), so that fine
-    meshes count more.
+    meshes have more weight.
     """
     shape = sizes / sizes[-1]
     root = 1.0 / np.sqrt(shape)
@@ -221,8 +221,9 @@ def richardson_limits(
 ) -> tuple[Array, Array]:
     """Richardson's limits (n) of n quantities, and uncertainties (n) of their finest values.
 
-    `values` is m×n, for m mesh sizes. Intervals of this half-width about the limits contain the
-    finest values too. NaN if no order is observed. Arguments and errors as for `analyse`.
+    `values` is m×n, for m mesh sizes. The uncertainties are half-widths; about the limits, they
+    also cover the finest values. NaN if no order is observed. Other arguments and exceptions as for
+    `analyse`.
     """
     studies = [analyse(sizes, column, formal_order, round_off) for column in values.T]
     limits, uncertainties = (
@@ -247,9 +248,9 @@ def uncertainty_of(convergence: Convergence) -> float:
 def uncertainty_of_known_orders(sizes: Array, values: Array, orders: tuple[float, ...]) -> float:
     """Numerical uncertainty of the finest value from known orders of convergence, in its unit.
 
-    f = f∞ + Σ Cᵢ h^pᵢ by least squares with weights 1/h, on at least one mesh more than unknowns.
-    The result is 1.25 (ASME's factor for proven convergence) times the error of the finest value,
-    plus the largest deviation from the fit. Raises ValueError for fewer meshes.
+    f = f∞ + Σ Cᵢ h^pᵢ by least squares with weights 1/h, on at least one mesh more than the fit has
+    coefficients. The result is 1.25 (ASME's factor for proven convergence) times the error of the
+    finest value, plus the largest deviation from the fit. Raises ValueError for fewer meshes.
     """
     if len(values) < len(orders) + 2:
         raise ValueError(f"{len(orders)} orders need {len(orders) + 2} grids, not {len(values)}")
@@ -285,7 +286,7 @@ def _refusal(behaviour: Behaviour, orders: Array) -> str:
 
 
 def _asymptotic_tail(orders: Array) -> int:
-    """Index of the coarsest mesh from which on all orders of neighbouring meshes are settled."""
+    """Index of the coarsest mesh from which on orders of neighbouring meshes are nearly equal."""
     tail = len(orders) - 2
     while tail > 0 and abs(orders[tail - 1] - orders[-1]) <= SETTLED * orders[-1]:
         tail -= 1

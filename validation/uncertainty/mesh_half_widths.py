@@ -2,10 +2,10 @@
 
 Input: magnitudes of the changes between two or three meshes, and a `MeshPolicy` with the ratio r of
 element sizes, the possible orders p and a safety factor s. Output: the half-width on one of the
-meshes, usually the finest. Rule: s max(Δ, Δ₋₁/rᵖ)/|rᵖ − 1| plus round-off, which is the error of
-that mesh if errors fall by rᵖ from mesh to mesh, times s. Δ is the last change. It may be small by
-chance; therefore Δ₋₁/rᵖ is used if it is larger, which order p predicts from the change before,
-Δ₋₁ (Roache, J. Fluids Eng. 116 (1994) 405).
+meshes, usually the finest. Rule: s max(Δ, Δ₋₁/rᵖ)/|rᵖ − 1| plus round-off. Without s, this is the
+error on that mesh if errors fall by rᵖ from mesh to mesh. Δ is the last change and Δ₋₁ the change
+before. Δ may be small by chance; therefore the value Δ₋₁/rᵖ that order p predicts is used if it is
+larger (Roache, J. Fluids Eng. 116 (1994) 405).
 """
 
 from collections.abc import Callable, Sequence
@@ -27,11 +27,11 @@ class MeshPolicy:
     """Rule that makes a half-width of the changes between geometrically similar meshes.
 
     `ratio`: element size of the other mesh over that of the mesh whose half-width is needed: above
-    one if the other is coarser, below one if it is finer, 0 if it is infinitely fine. `orders`:
-    lowest and highest order of convergence. With two meshes the lowest is used. With three, the
-    order is observed, from the sum of all numbers' earlier changes and that of their last changes,
-    and limited to this range. `safety`: factor on the estimated error. `round_off`: half-width
-    that is added to the result.
+    one if the other mesh is coarser, below one if it is finer, 0 if it is infinitely fine.
+    `orders`: lowest and highest order of convergence. With two meshes the lowest is used. With
+    three meshes the order is observed, from the sums of the earlier and of the last changes of all
+    numbers, and limited to this range. `safety`: factor on the estimated error. `round_off`:
+    half-width that is added to the result.
     """
 
     ratio: float
@@ -50,7 +50,7 @@ class MeshPolicy:
         return cls(0.0, (1.0, 1.0), safety)
 
     def order(self, before: float, after: float) -> float:
-        """Order of convergence observed from the sums of two successive changes."""
+        """Order of convergence observed from two successive changes, each summed over numbers."""
         lowest, highest = self.orders
         if before > after > 0.0:
             return float(np.clip(np.log(before / after) / np.log(self.ratio), lowest, highest))

@@ -33,7 +33,7 @@ class Accuracy:
 
     @property
     def text(self) -> str:
-        """Line on the accuracy for the report."""
+        """Line of the report with the requested and the reached accuracy."""
         summary = f"accuracy ±{100.0 * self.reached:.2g} %, asked for ±{100.0 * self.asked:.2g} %"
         return f"{summary}; {self.missed}" if self.missed else summary
 
@@ -50,7 +50,7 @@ def refined(
     `largest_half_width` returns the largest relative half-width of a solution. `finer` returns the
     next mesh, given the ratio of that half-width to `requested`. If `finer` or `compute` raises
     InputError or ComputationError, because no finer mesh exists or it is too large, the last
-    solution stands.
+    solution is returned.
     """
     solution = compute(mesh)
     while (reached := largest_half_width(solution)) > requested:

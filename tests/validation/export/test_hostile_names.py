@@ -224,5 +224,5 @@ def test_names_add_no_elements_to_report(monkeypatch):
     ],
 )
 def test_active_drawing_is_refused(markup):
-    with pytest.raises(ValueError, match="has no place in a drawing"):
+    with pytest.raises(ValueError, match="is not allowed in a drawing"):
         Figure("a", "A", "", "Toys", svg=f"<svg >{markup}</svg>")
