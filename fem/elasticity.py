@@ -173,7 +173,7 @@ def _inverse(jacobian: Array, determinant: Array) -> Array:
 
 
 def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
-    """D_ab = ∫ ∂_j N_a ∂_l N_b dV (E·T×3×3, m) over each element, for its T pairs of nodes."""
+    """D_ab = ∫ ∂_j N_a ∂_l N_b dV (E·T×3×3, in m) over each element, for its T pairs of nodes."""
     cubature = _cubature(mesh.element, _STIFFNESS_DEGREE[mesh.element])
     k, _, points = cubature.gradients.shape
     reference = cubature.gradients.transpose(2, 0, 1)
@@ -244,7 +244,7 @@ def _require_resolvable(material: Material) -> None:
 def _scalar_mass(
     mesh: VolumeMesh, rho: float, pairs: NodePairs, factors: Array | None = None
 ) -> SparseMatrix:
-    """Mass matrix ∫ ρ N_a N_b dV (csr N×N, kg), with a factor on ρ for each of the M elements."""
+    """Mass matrix ∫ ρ N_a N_b dV (csr N×N, in kg), with a factor on ρ for each element."""
     cubature = _cubature(mesh.element, _MASS_DEGREE[mesh.element])
     k, points = cubature.shapes.shape
     table = np.einsum("aq,bq,q->qab", cubature.shapes, cubature.shapes, rho * cubature.weights)
@@ -264,7 +264,7 @@ def _scalar_mass(
 
 
 def stiffness(mesh: VolumeMesh, material: Material) -> SparseMatrix:
-    """Stiffness matrix (csr 3N×3N, N/m) of a solid, unknown 3·node + component (x, y, z).
+    """Stiffness matrix (csr 3N×3N, in N/m) of a solid, unknown 3·node + component (x, y, z).
 
     It is symmetric to the last bit. Each pair of nodes that share an element has its nine entries,
     including zeros, in sorted columns. The material is isotropic if material.G = E/2(1+ν), else
@@ -278,9 +278,9 @@ def stiffness(mesh: VolumeMesh, material: Material) -> SparseMatrix:
 
 
 def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatrix, SparseMatrix]:
-    """Stiffness matrix (csr 3N×3N, N/m) and consistent mass matrix of a solid.
+    """Stiffness matrix (csr 3N×3N, in N/m) and consistent mass matrix of a solid.
 
-    The mass matrix ∫ ρ N_a N_b dV (csr N×N, kg) applies to each displacement component: M x is
+    The mass matrix ∫ ρ N_a N_b dV (csr N×N, in kg) applies to each displacement component: M x is
     `mass @ x.reshape(N, 3)`, which has a ninth of the entries of the stiffness matrix.
     """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))

@@ -55,7 +55,7 @@ def unit_diagonal(matrix: Array) -> Array:
 def fix_signs(shapes: Array) -> Array:
     """Mode shapes (n×m, columns) with the sign for which the largest entry of each is positive.
 
-    Repeated runs thus return the same shapes.
+    Repeated computations thus return the same shapes.
     """
     largest = np.argmax(np.abs(shapes), axis=0)
     signed: Array = shapes * np.sign(shapes[largest, np.arange(shapes.shape[1])])

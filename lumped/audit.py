@@ -145,7 +145,7 @@ def _used(finding: Finding, corrections: Iterable[Correction], *, remains: bool)
 
 
 def data_findings(part: DescribedPart) -> tuple[Finding, ...]:
-    """Findings of all checks on one part."""
+    """Findings of all checks on the data of one part of the robot."""
     checks = (
         _symmetry,
         _definiteness,
@@ -275,7 +275,7 @@ def _couplings(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _tip_rotation(part: DescribedPart) -> Iterator[Finding]:
-    """Check that the tip rotates about as much as that of a beam of equal deflection.
+    """Check that the tip rotates about as much as the tip of a beam with equal deflection.
 
     For a beam without shear deformation c66 = 3 c22/L² and c55 = 3 c33/L².
     """

@@ -28,7 +28,7 @@ _SEARCHED, _STEPS = 33, 20
 
 @dataclass(frozen=True)
 class LinePiece:
-    """A piece from `start` to `end` (m): straight, or the arc through `through` in between."""
+    """Piece of a centre line from `start` to `end` (m): straight, or an arc by way of `through`."""
 
     start: Point
     end: Point
@@ -36,7 +36,7 @@ class LinePiece:
 
     @cached_property
     def _rotation(self) -> tuple[Array, Array, float]:
-        """Centre (3, m), axis (unit vector) and angle (rad, up to 2π) of an arc.
+        """Centre (3, in m), axis (unit vector) and angle (rad, up to 2π) of an arc.
 
         The angle of a straight piece is zero.
         """
@@ -73,7 +73,7 @@ class LinePiece:
         return np.asarray(np.subtract(self.end, self.start))
 
     def at(self, shares: Array) -> tuple[Array, Array]:
-        """Points (n×3, m) and unit tangents (n×3) at `shares` (n) of its length."""
+        """Points (n×3, in m) and unit tangents (n×3) at n fractions `shares` of the length."""
         start = np.array(self.start)
         centre, axis, angle = self._rotation
         if not angle:
@@ -86,21 +86,21 @@ class LinePiece:
 
     @cached_property
     def turning(self) -> Array:
-        """Rotation vector of the tangent per length (3, rad/m): zero if the piece is straight."""
+        """Rotation of the tangent per length (3, rad/m), as a vector. Zero for a straight piece."""
         _, axis, angle = self._rotation
         return axis * (angle / self.length)
 
 
 @dataclass(frozen=True)
 class CentreLine:
-    """Centre line of a leg (m, leg axes) and the direction `up` of its sections' z axes."""
+    """Centre line of a leg (m, leg axes), and the direction `up` for the z axes of its sections."""
 
     pieces: tuple[LinePiece, ...]
     up: Point
 
     @cached_property
     def ends(self) -> Array:
-        """Positions (p+1, m along the line) of the ends of the pieces."""
+        """Positions (p+1, in m along the line) of the ends of the pieces."""
         return np.concatenate([[0.0], np.cumsum([piece.length for piece in self.pieces])])
 
     @property
@@ -137,17 +137,19 @@ class CentreLine:
         return min(piece.radius for piece in self.pieces)
 
     def piece_at(self, positions: Array) -> IntArray:
-        """Number (n) of the piece at `positions` (n, m along the line), the later one at its start.
+        """Index of the piece at each of n `positions` (m along the line).
 
-        The end of the line belongs to the last piece.
+        A position at which two pieces meet belongs to the later one, the end of the line to the
+        last one.
         """
         numbers = np.searchsorted(self.ends, positions, side="right") - 1
         return np.clip(numbers, 0, len(self.pieces) - 1)
 
     def frames(self, positions: Array, pieces: IntArray | None = None) -> tuple[Array, Array]:
-        """Points (n×3, m) and axes of the sections (n×3×3, columns) at positions along the line.
+        """Points (n×3, in m) and section axes (n×3×3, columns) at n `positions` (m) along the line.
 
-        `pieces` (n): numbers of the pieces to which the positions belong; default: `piece_at`.
+        `pieces` (n) are the indices of the pieces to which the positions belong. None stands for
+        those of `piece_at`.
         """
         positions = np.asarray(positions, dtype=float)
         numbers = self.piece_at(positions) if pieces is None else pieces
@@ -161,14 +163,14 @@ class CentreLine:
         return points, np.stack([tangents, y, np.cross(tangents, y)], axis=2)
 
     def curvatures(self, axes: Array, pieces: IntArray) -> Array:
-        """Components (n×2, 1/m) of the change of the tangent per length along y and z of `axes`."""
+        """Curvature of n `pieces` of the line: components (n×2, in 1/m) along y and z of `axes`."""
         turning = np.array([piece.turning for piece in self.pieces])[pieces]
         change = np.cross(turning, axes[:, :, 0])
         return np.asarray(np.einsum("ni,nij->nj", change, axes[:, :, 1:]))
 
     @property
     def smallest_sine(self) -> float:
-        """Smallest sine of the angle between `up` and the tangent."""
+        """Smallest sine of the angle between `up` and the tangent of the line."""
         samples = np.concatenate(
             [piece.at(np.linspace(0.0, 1.0, _SEARCHED))[1] for piece in self.pieces]
         )
@@ -176,7 +178,7 @@ class CentreLine:
         return float(np.linalg.norm(np.cross(samples, up), axis=1).min())
 
     def nearest(self, points: Array) -> Array:
-        """Positions (n, m along the line) nearest to `points` (n×3, m, leg axes)."""
+        """Positions (n, in m along the line) nearest to `points` (n×3, in m, leg axes)."""
         shares = np.linspace(0.0, 1.0, _SEARCHED)
         best, distances = np.zeros(len(points)), np.full(len(points), np.inf)
         for piece, start in zip(self.pieces, self.ends, strict=False):

@@ -18,7 +18,7 @@ _LARGEST_FAULT_COUNT = 50
 
 
 class _SendableError(Exception):
-    """An error that can be pickled although its constructor takes more than a message.
+    """Error that can be pickled although its constructor has more arguments than a message.
 
     `part` is the part of the model with which the message begins. "" if the message has no part.
     """
@@ -98,7 +98,7 @@ def write_error(path: object, error: OSError, advice: str = "") -> InputError | 
 def collect_faults(
     function: Callable[[Item], Result], items: Iterable[Item]
 ) -> tuple[list[Result], list[str]]:
-    """Apply a function to items. Return its results and the faults of the items that it rejects."""
+    """Apply a function to items. Return the results, and the faults of items for which it fails."""
     results: list[Result] = []
     faults: list[str] = []
     for item in items:

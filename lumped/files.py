@@ -106,7 +106,7 @@ def write_whole(path: Path, content: bytes, temporary_folder: Path | None = None
 
 
 def read_regular(path: Path) -> bytes | None:
-    """Content of a regular file. None if there is no readable regular file.
+    """Content of a regular file. None if `path` is not a readable regular file.
 
     A pipe or a device is opened without waiting for its other end, and not read.
     """

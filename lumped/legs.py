@@ -272,9 +272,9 @@ class ConstantLeg:
 class GivenLeg:
     """Leg known by its 6×6 tip compliance (root clamped, leg axes, SI), length and mass.
 
-    `length` in m, `mass` in kg. `mass_centre` (m from the root along x) and `inertia` (3×3, kg m²,
-    leg axes, about the mass centre) describe the mass distribution. They are None if it is unknown.
-    `name` is used in messages only.
+    `length` in m, `mass` in kg. `mass_centre` (m from the root along x) and `inertia` (3×3, in kg
+    m², leg axes, about the mass centre) describe the mass distribution. They are None if it is
+    unknown. `name` is used in messages only.
     """
 
     length: float
@@ -287,7 +287,7 @@ class GivenLeg:
 
 @dataclass(frozen=True)
 class Span:
-    """Part of a line from `start` to `end` (m along it), its sections varying linearly."""
+    """Part of a leg from `start` to `end` (m along its line), with linearly varying sections."""
 
     start: float
     end: float
@@ -295,7 +295,7 @@ class Span:
     last: Section
 
     def section(self, share: float) -> Section:
-        """Section at a share of the span: each of its sizes varies linearly."""
+        """Section at the fraction `share` of the span, with linearly interpolated dimensions."""
         if self.first == self.last:
             return self.first
         sizes = {
@@ -310,10 +310,10 @@ class Span:
 class LineLeg:
     """Leg along a centre line, with sections at stations and one material.
 
-    `stations`: positions (m along the line, ascending, the first at its start, the last at its end)
-    and the sections there. Sizes of sections vary linearly between two stations, which therefore
-    have the same shape; two stations at one position make a step. Centroids are on the line.
-    `ends` and `name`: see `ConstantLeg`.
+    `stations` are positions (m along the line, ascending, from its start to its end) with the
+    sections there. Dimensions of sections vary linearly between two stations, which therefore have
+    the same shape. Two stations at one position make a step. Centroids are on the line. `ends` and
+    `name` are explained in `ConstantLeg`.
     """
 
     line: CentreLine
@@ -329,7 +329,7 @@ class LineLeg:
 
     @cached_property
     def spans(self) -> tuple[Span, ...]:
-        """Smooth parts of the leg: within one piece of the line, between two stations."""
+        """Parts of the leg without jumps: between two stations and within one piece of the line."""
         slack = TOGETHER * self.line.length
         spans = []
         for (start, first), (end, last) in pairwise(self.stations):
@@ -349,7 +349,7 @@ class LineLeg:
         return max(max(section.extent) for _, section in self.stations)
 
     def section_at(self, position: float) -> Section:
-        """Section at a position (m along the line), the later one at a step."""
+        """Section at `position` (m along the line). At a step this is the section beyond it."""
         span = next((s for s in reversed(self.spans) if s.start <= position), self.spans[0])
         return span.section(min(1.0, (position - span.start) / (span.end - span.start)))
 
@@ -361,9 +361,10 @@ class LineLeg:
         return float(along.masses(along.ends[[0, -1]], origin)[0, 0, 0])
 
     def inertia_points(self, positions: Array, corners: Array) -> tuple[Array, Array]:
-        """Points (n×c×3, m, leg axes) about the line, and mass per length there (n, kg/m).
+        """Points that represent the mass of sections, and the mass per length there (n, kg/m).
 
-        `positions` (n, m along the line); `corners` (c×2): y and z in radii of gyration.
+        The points (n×c×3, in m, leg axes) lie about the n `positions` (m along the line). `corners`
+        (c×2) are their coordinates y and z, in units of the radii of gyration.
         """
         along = self.sections("euler-bernoulli")
         constants = along.constants(along.span_at(positions), positions)
@@ -374,11 +375,17 @@ class LineLeg:
         return centres[:, None] + offsets, mu
 
     def sections(self, theory: Theory) -> LineSections:
-        """Sections along the line in a beam theory; raises as `ConstantLeg.timoshenko` does."""
+        """Flexibility and mass of the sections along the line, in the beam theory `theory`.
+
+        Raises errors as `ConstantLeg.timoshenko` does.
+        """
         return _line_sections(self, theory)
 
     def sections_by(self, beam: Callable[[ConstantLeg], BeamProperties]) -> LineSections:
-        """Sections along the line, `beam` the constants of a prism with the section at a point."""
+        """Flexibility and mass of the sections along the line.
+
+        `beam` is a function that computes the constants of a prism with the section at a point.
+        """
         values = []
         for span in self.spans:
             shares = [0.0] if span.first == span.last else NODES.tolist()

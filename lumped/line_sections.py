@@ -1,23 +1,23 @@
 """Sections along a centre line: flexibility and mass per length, and their integrals.
 
 The flexibility of any piece follows from equilibrium alone (force method): sections carry the
-wrench at one end of the piece, so that with both referred to one point o
+wrench at one end of the piece. With wrench and compliance referred to one point o
 
     C = ∫ X F Xᵀ ds,   X = shift(o − r(s)),
 
-F the flexibility of the section at r(s) (6×6, per length). It is exact for every taper, step,
-corner and arc in the beam theory of F. Constants of sections vary smoothly within a span, and are
-interpolated there by polynomials: areas and moments of area of linear tapers are polynomials.
+where F is the flexibility of the section at r(s) (6×6, per length). In the beam theory of F this is
+exact for every taper, step, corner and arc. Constants of sections vary smoothly within a span, and
+are interpolated there by polynomials: areas and moments of area of linear tapers are polynomials.
 
 In an arc of curvature k (ky, kz in the section's axes) a fibre at (y, z) is 1 − ky y − kz z = 1 − x
-times as long as the centre line (Winkler). Its strain is (ε + z κy − y κz)/(1 − x) of the extension
-ε and the bending κ of the line. The strain energy is that of a straight beam for the strains
+times as long as the centre line (Winkler). An extension ε and a bending κ of the line cause its
+strain (ε + z κy − y κz)/(1 − x). The strain energy is that of a straight beam for the strains
 
     ε,   κy + kz ε,   κz − ky ε
 
-with ∫ z²/(1 − x) dA, … in place of the moments of area, here to second order, ∫ z²(1 + x²) dA, for
-shapes with two axes of symmetry. The next term is 0.03 (h/R)⁴ of a rectangle's bending stiffness.
-The mass of the longer fibres moves the mass centre off the line, by I/AR.
+if ∫ z²/(1 − x) dA and the like replace the moments of area. They are expanded to second order, ∫
+z²(1 + x²) dA, for shapes with two axes of symmetry. The next term is 0.03 (h/R)⁴ of a rectangle's
+bending stiffness. The mass of the longer fibres moves the mass centre off the line, by I/AR.
 """
 
 from dataclasses import dataclass
@@ -48,20 +48,20 @@ TOGETHER = 1e-9
 # Computed when first needed: many processes import this module and solve no curved leg.
 @cache
 def gauss_points() -> tuple[Array, Array]:
-    """Points on [−1, 1] and weights of the integrals along elements."""
+    """Gauss points on [−1, 1] and their weights, for integrals along elements."""
     points, weights = legendre.leggauss(GAUSS)
     return points, weights
 
 
 @cache
 def _interpolation() -> Array:
-    """Coefficients of Legendre polynomials by the values of a function at the Gauss points."""
+    """Matrix from the values of a function at the Gauss points to its Legendre coefficients."""
     return np.asarray(np.linalg.inv(legendre.legvander(gauss_points()[0], GAUSS - 1)))
 
 
 @cache
 def _cumulative_weights() -> Array:
-    """∫ from the start of [−1, 1] to each Gauss point, of functions by their values there."""
+    """Weights of integrals from −1 to each Gauss point, for functions known at these points."""
     points, _ = gauss_points()
     integrals = [
         legendre.legval(points, antiderivative) - legendre.legval(-1.0, antiderivative)
@@ -71,22 +71,30 @@ def _cumulative_weights() -> Array:
 
 
 def cumulative(values: Array, lengths: Array) -> Array:
-    """∫ from the start of each element to its Gauss points, of `values` there (e×GAUSS×…)."""
+    """Integrals from the start of each of e elements to its Gauss points.
+
+    `values` (e×GAUSS×…) are those of the integrand at the Gauss points, `lengths` (e, in m) those
+    of the elements.
+    """
     return np.asarray(np.einsum("pq,eq...,e->ep...", _cumulative_weights(), values, 0.5 * lengths))
 
 
 def interpolation(coordinates: Array) -> Array:
-    """n×GAUSS: values at `coordinates` (n) of [−1, 1] from those at the Gauss points."""
+    """Matrix (n×GAUSS) that interpolates values at the Gauss points to n `coordinates`.
+
+    The coordinates lie between −1 and 1.
+    """
     return np.asarray(legendre.legvander(coordinates, GAUSS - 1) @ _interpolation())
 
 
 @dataclass(frozen=True, eq=False)
 class SectionField:
-    """Sections at points of a line (leg axes, SI; leading axes of all arrays are equal).
+    """Sections at points of a line, leg axes, SI units.
 
-    `points` (…×3); `strains` (…×6×6): independent strains of the section, as columns, each the rate
-    of its twist; `stiffness` (…×6×6) on these strains, with zero flexibility for the rows that
-    `rigid` (6) marks; `flexibility`, `mass` (…×6×6, per length).
+    All arrays have the same leading axes. `points` (…×3, in m) are positions. The columns of
+    `strains` (…×6×6) are independent strains of the section, each a change of its twist per length.
+    `stiffness` (…×6×6) refers to these strains; those marked in `rigid` (6) have no flexibility.
+    `flexibility` and `mass` (…×6×6) are per length.
     """
 
     points: Array
@@ -101,8 +109,8 @@ class SectionField:
 class LineSections:
     """Sections of a leg along its centre line.
 
-    `ends` (k+1, m along the line) of spans; `values` (k×p×18): `FIELDS` and `FOURTH` at `NODES` of
-    each span.
+    `ends` (k+1 values, in m along the line) are those of the k spans. `values` (k×p×18) are the
+    constants `FIELDS` and `FOURTH` at the p `NODES` of each span.
     """
 
     line: CentreLine
@@ -111,7 +119,7 @@ class LineSections:
 
     @cached_property
     def _coefficients(self) -> Array:
-        """Chebyshev coefficients (k×p×18); of infinite constants the constant term alone."""
+        """Chebyshev coefficients (k×p×18) of the constants. Infinite constants have one term."""
         infinite = np.isinf(self.values).any(axis=1, keepdims=True)
         finite = np.where(infinite, 0.0, self.values)
         transform = np.linalg.inv(chebyshev.chebvander(2.0 * NODES - 1.0, len(NODES) - 1))
@@ -120,7 +128,10 @@ class LineSections:
         return np.asarray(coefficients)
 
     def constants(self, spans: IntArray, positions: Array) -> Array:
-        """`FIELDS` and `FOURTH` (n×18) at positions (n, m along the line), each in its span."""
+        """Constants `FIELDS` and `FOURTH` (n×18) at n `positions` (m along the line).
+
+        `spans` (n) are the indices of the spans to which the positions belong.
+        """
         lengths = np.diff(self.ends)
         shares = (positions - self.ends[spans]) / lengths[spans]
         terms = chebyshev.chebvander(2.0 * shares - 1.0, len(NODES) - 1)
@@ -130,9 +141,10 @@ class LineSections:
         return np.where(infinite, np.inf, values)
 
     def edges(self, elements: int) -> Array:
-        """Ends of about so many elements (m along the line), each within one span.
+        """Ends (m along the line) of about `elements` elements, each of which lies within one span.
 
-        Spans share them by their lengths, rounded up, so that doubled counts halve all elements.
+        Numbers of elements are proportional to the lengths of the spans and rounded up, so that a
+        doubled count halves all elements.
         """
         lengths = np.diff(self.ends)
         counts = np.ceil(elements * lengths / self.ends[-1] - TOGETHER).astype(int)
@@ -163,12 +175,15 @@ class LineSections:
         return SectionField(points, strains, flexibility, stiffness, mass, field.rigid)
 
     def span_at(self, positions: Array) -> IntArray:
-        """Number (n) of the span at positions (n, m along the line)."""
+        """Index of the span at each of n `positions` (m along the line)."""
         numbers = np.searchsorted(self.ends, positions, side="right") - 1
         return np.clip(numbers, 0, len(self.ends) - 2)
 
     def at(self, spans: IntArray, positions: Array) -> SectionField:
-        """Sections at positions (n, m along the line), each in its span."""
+        """Sections at n `positions` (m along the line).
+
+        `spans` (n) are the indices of the spans to which the positions belong.
+        """
         pieces = self.line.piece_at(0.5 * (self.ends[spans] + self.ends[spans + 1]))
         points, axes = self.line.frames(positions, pieces)
         rows = dict(zip((*FIELDS, *FOURTH), self.constants(spans, positions).T, strict=True))
@@ -220,11 +235,17 @@ class LineSections:
         )
 
     def compliances(self, edges: Array, origins: Array) -> Array:
-        """C (m×6×6) of the pieces between `edges` (m+1), each referred to its origin (m×3)."""
+        """Compliances (k×6×6, SI) of the k pieces between `edges`.
+
+        Each piece is referred to its origin, a row of `origins` (k×3, in m).
+        """
         return self._integrals(edges, origins, mass=False)
 
     def masses(self, edges: Array, origins: Array) -> Array:
-        """Mass (m×6×6) of the pieces between `edges` (m+1) about `origins` (m×3), moved rigidly."""
+        """Mass matrices (k×6×6, SI) of the k pieces between `edges`, as rigid bodies.
+
+        Each piece is referred to its origin, a row of `origins` (k×3, in m).
+        """
         return self._integrals(edges, origins, mass=True)
 
     def _integrals(self, edges: Array, origins: Array, *, mass: bool) -> Array:
@@ -249,7 +270,7 @@ class LineSections:
 
     @property
     def tip_compliance(self) -> Array:
-        """6×6 compliance (SI, leg axes) at the tip, root clamped."""
+        """6×6 compliance (SI, leg axes) at the tip with the root clamped."""
         tip = np.array([[self.line.chord, 0.0, 0.0]])
         # Elements halve the taper within the reach of one quadrature.
         fine = self.edges(4 * (len(self.ends) - 1))

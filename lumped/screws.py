@@ -1,9 +1,9 @@
 """Twists and wrenches: transformations between points and frames, and descriptions in words.
 
-A twist (or small displacement) is [x y z φx φy φz] (m, rad), a wrench [Fx Fy Fz Mx My Mz] (N, N m).
-The work wrench · twist does not depend on the reference point or the axes. Both consist of a line
-vector u (rotation or force) and its moment w (translation or moment) about the reference point. The
-line passes through r = u × w / |u|². The pitch is u·w / |u|².
+A twist (or small displacement) is [x y z φx φy φz] (m, rad), a wrench [Fx Fy Fz Mx My Mz] (N,
+N m). The work wrench · twist does not depend on the reference point or the axes. Both consist of a
+line vector u (rotation or force) and its moment w (translation or moment) about the reference
+point. The line passes through r = u × w / |u|². The pitch is u·w / |u|².
 """
 
 import numpy as np
@@ -53,7 +53,7 @@ def rotation_z(angle: float) -> Array:
 
 
 def rotation_about(vector: Array) -> Array:
-    """Rotation matrices (…×3×3) of rotation vectors (…×3, rad), by Rodrigues' formula."""
+    """Rotation matrices (…×3×3) of rotation vectors (…×3, in rad), by Rodrigues' formula."""
     angle = np.linalg.norm(vector, axis=-1)[..., None, None] / np.pi
     cross = skew(vector)
     matrix: Array = np.sinc(angle) * cross + 0.5 * np.sinc(0.5 * angle) ** 2 * cross @ cross
@@ -61,7 +61,7 @@ def rotation_about(vector: Array) -> Array:
 
 
 def rotation_vector(rotation: Array) -> Array:
-    """Rotation vectors (…×3, rad, of length up to π) of rotation matrices (…×3×3).
+    """Rotation vectors (…×3, in rad, of length up to π) of rotation matrices (…×3×3).
 
     They are computed from the quaternion q = (w, x, y, z), a normalised row of the matrix 4 q qᵀ,
     which is linear in the rotation matrix. The row with the largest entry of q is used (S. W.

@@ -16,7 +16,7 @@ _LONGEST_NAME = 100
 
 
 def shown(value: object) -> str:
-    """A value from a file approximately as it was typed, cut to one short line."""
+    """Text of a value from a file, approximately as typed and cut to one short line."""
     try:
         text = repr(value) if isinstance(value, float) else _as_json(value)
     except ValueError:

@@ -1,8 +1,8 @@
-"""Solid meshes of legs along a line: the mesh of one section, carried along and stretched.
+"""Solid meshes of tapered and curved legs: the mesh of one section, moved along and stretched.
 
-Each plane of nodes has the section at its position, in which walls stay as thick as there and the
-elements keep their numbers. Hexahedra of one span are straight across a linear taper, and quadratic
-along an arc. A line with corners and a section that jumps have no such mesh.
+Each plane of nodes has the size and the wall thickness of the section at its position; element
+numbers are those of the first mesh. Within a linear taper the hexahedra have straight sides, and
+along an arc quadratic ones. Lines with corners and sections with steps have no such mesh.
 """
 
 from dataclasses import dataclass
@@ -35,10 +35,11 @@ _SAME_LINE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LoftedMesh(SolidMesh):
-    """Mesh of hex27 along a `line`; root and tip are normal to it.
+    """Mesh of hex27 along a centre line. The end faces are normal to the line.
 
-    Nodes are numbered plane by plane, as in an extruded mesh: `positions` (p, m along the line) of
-    the planes, `sections` (p×n×2): y and z of their nodes in the axes of the line.
+    Nodes are numbered plane by plane, as in an extruded mesh. `positions` (p values, in m along the
+    line) are those of the planes, and `sections` (p×n×2) the coordinates y and z of their nodes in
+    the axes of the line.
     """
 
     line: CentreLine
@@ -88,18 +89,18 @@ def why_no_loft(leg: LineLeg) -> str:
 
 
 def mesh_section(leg: LineLeg) -> Section:
-    """Section in the middle of the line, whose mesh is stretched to all others."""
+    """Section in the middle of the line. Its mesh is stretched to those of all other sections."""
     return leg.section_at(0.5 * leg.line.length)
 
 
 def slices_along(leg: LineLeg, divisions: Divisions) -> int:
-    """Number of slices as long as `divisions` make elements wide."""
+    """Number of slices that are as long as elements of the section with `divisions` are wide."""
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     return max(2, ceil(leg.line.length / element_length(mesh_section(leg), count)))
 
 
 def loft(leg: LineLeg, divisions: Divisions, slices: int) -> LoftedMesh:
-    """Mesh of a leg in about so many `slices`, `divisions` of its section as for prisms.
+    """Mesh of a leg with about `slices` slices, and `divisions` of its section as in prisms.
 
     Raises InputError for a leg that has no such mesh, ComputationError if elements are too
     distorted.
@@ -137,7 +138,7 @@ def loft(leg: LineLeg, divisions: Divisions, slices: int) -> LoftedMesh:
 def _planes(
     leg: LineLeg, face: SectionMesh, reference: Section, slices: int
 ) -> tuple[Array, IntArray, Array]:
-    """Positions (p), numbers of the line's pieces (p) and nodes of the sections (p×n×2)."""
+    """Positions (p) of the planes of nodes, indices (p) of their pieces of line, nodes (p×n×2)."""
     positions, shapes = [], []
     for number, span in enumerate(leg.spans):
         count = max(1, ceil(slices * (span.end - span.start) / leg.line.length - TOGETHER))
@@ -151,7 +152,7 @@ def _planes(
 
 
 def stretched(nodes: Array, reference: Section, section: Section) -> Array:
-    """Nodes (n×2) of a mesh of `reference` as nodes of another size of its shape."""
+    """Nodes (n×2) of a mesh of the section `reference`, moved to another `section` of its shape."""
     if section == reference:
         return nodes
     if isinstance(reference, Circle | Tube) and isinstance(section, Circle | Tube):

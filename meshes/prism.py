@@ -19,7 +19,7 @@ from meshes.solid_mesh import EndFace, SolidMesh
 
 
 def stations(length: float, count: int) -> Array:
-    """Boundaries (count+1 values, m) of `count` ≥ 1 equal slices between x = 0 and x = `length`."""
+    """Ends (count+1 values, in m) of `count` ≥ 1 equal slices between x = 0 and x = `length`."""
     if count < 1:
         raise InputError(f"slices = {count}: must be at least 1")
     return length * np.linspace(0.0, 1.0, count + 1)
@@ -28,7 +28,7 @@ def stations(length: float, count: int) -> Array:
 def extrude(section: SectionMesh, boundaries: Array) -> SolidMesh:
     """Mesh of hex27 from a section mesh, with slices between the x coordinates `boundaries`.
 
-    `boundaries` (S+1 values, m) are ascending, from 0 at the root. Node p·N + n is node n of the
+    `boundaries` (S+1 values, in m) are ascending, from 0 at the root. Node p·N + n is node n of the
     section (quad9, N nodes) in plane p. There is a plane at each boundary and in the middle of each
     slice.
     """

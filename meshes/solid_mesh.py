@@ -24,7 +24,7 @@ class EndFace:
 
 @dataclass(frozen=True, eq=False)
 class VolumeMesh:
-    """Mesh of a solid: `nodes` (N×3, m), and node numbers of the `cells` (M×k), right-handed.
+    """Mesh of a solid: `nodes` (N×3, in m), and node numbers of the `cells` (M×k), right-handed.
 
     The nodes of a cell are in the order of `meshes.elements`.
     """

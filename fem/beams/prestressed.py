@@ -74,7 +74,7 @@ class PrestressedLeg:
     def geometric_stiffness(self, ends: Array, distributed: Array, *, spins: bool = False) -> Array:
         """Geometric stiffness (r×r, SI) of the leg under forces on its ends.
 
-        `ends` (12, N and N m, leg axes) are the forces on root and tip that the leg's stiffness
+        `ends` (12, in N and N m, leg axes) are the forces on root and tip that the leg's stiffness
         balances, `distributed` the part of them that acts along the length. `spins` is True if the
         leg spins idly about its axis.
         """

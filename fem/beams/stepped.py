@@ -20,7 +20,7 @@ from lumped.screws import shift, turn
 class Piece:
     """A prismatic piece of a stepped leg, between the centroids of two sections of the part.
 
-    `start` and `end` (3, m) are these centroids in leg axes. `properties` are in the piece's own
+    `start` and `end` (3, in m) are these centroids in leg axes. `properties` are in the piece's own
     `axes` (3×3, columns), the first of which is along the piece.
     """
 

@@ -72,7 +72,7 @@ class CondensedPiece:
 
     There are k deformations v per face. `compliance` is C (6×6, SI), with wrench and relative twist
     at the middle of the piece. `twists` is the part of H for the root (6×k). `own` is the block
-    S_root,root (k×k, N/m), `across` is S_root,tip s (k×k, symmetric). `mirror` s (k) gives the
+    S_root,root (k×k, in N/m), `across` is S_root,tip s (k×k, symmetric). `mirror` s (k) gives the
     blocks of the tip from these.
     """
 
@@ -90,12 +90,12 @@ class CondensedPiece:
 
     @property
     def tip_own(self) -> Array:
-        """Block S_tip,tip (k×k, N/m)."""
+        """Block S_tip,tip (k×k, in N/m)."""
         return np.asarray(self.mirror[:, None] * self.own * self.mirror)
 
     @property
     def root_tip(self) -> Array:
-        """Block S_root,tip (k×k, N/m)."""
+        """Block S_root,tip (k×k, in N/m)."""
         return np.asarray(self.across * self.mirror)
 
 
@@ -276,7 +276,7 @@ def _by_deformations(matrix: Array | SparseMatrix, face: _FaceDeformations) -> A
 
 
 def _deformation_stiffness(piece: CondensedPiece) -> Array:
-    """Stiffness S (2k×2k, N/m) of the deformations of root and tip without a transmitted wrench."""
+    """Stiffness S (2k×2k, in N/m) of the deformations of root and tip, without a wrench."""
     across = piece.root_tip
     return np.block([[piece.own, across], [across.T, piece.tip_own]])
 

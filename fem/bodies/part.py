@@ -24,7 +24,7 @@ _BYTES, _UNKNOWNS, _POWER = 1.6e9, 150e3, 1.4
 
 @dataclass(frozen=True)
 class MassProperties:
-    """Mass (kg), mass centre (3, m) and inertia (3×3, kg m², about the centre), in mesh axes."""
+    """Mass (kg), mass centre (3, in m), and inertia about it (3×3, in kg m²), mesh axes."""
 
     mass: float
     centre: Array

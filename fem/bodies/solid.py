@@ -45,7 +45,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class SolidLeg:
-    """A leg on a mesh: `stiffness` (csr 3N×3N, N/m) and `mass` (csr 3N×3N, kg)."""
+    """A leg on a mesh: `stiffness` (csr 3N×3N, in N/m) and `mass` (csr 3N×3N, in kg)."""
 
     leg: SectionedLeg
     mesh: SolidMesh

@@ -21,7 +21,7 @@ _PAIRS = ((0, 1), (1, 2), (0, 2))
 
 
 def nodal_stresses(mesh: VolumeMesh, material: Material, displacements: Array) -> Array:
-    """Stresses (N×6, Pa; xx, yy, zz, xy, yz, xz) from nodal displacements (N×3, m), body axes.
+    """Stresses (N×6, Pa; xx, yy, zz, xy, yz, xz) from nodal displacements (N×3, in m), body axes.
 
     The material is cubic along these axes.
     """
@@ -54,14 +54,14 @@ def _stress(gradient: Array, material: Material) -> Array:
 
 
 def von_mises(stresses: Array) -> Array:
-    """Von Mises stress (N, Pa) of stresses (N×6)."""
+    """Von Mises stress (N values, Pa) of stresses (N×6, in Pa)."""
     xx, yy, zz, *shear = stresses.T
     differences = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
     return np.asarray(np.sqrt(0.5 * differences + 3.0 * sum(one**2 for one in shear)))
 
 
 def away_from(nodes: Array, singular: IntArray, distance: float) -> Array:
-    """True for `nodes` (N×3, m) farther than `distance` (m) from all `singular` ones."""
+    """True for `nodes` (N×3, in m) farther than `distance` (m) from all `singular` ones."""
     if not len(singular):
         return np.ones(len(nodes), dtype=bool)
     return np.asarray(cKDTree(nodes[singular]).query(nodes)[0] > distance)

@@ -57,7 +57,7 @@ class Equation:
 class Deck:
     """A linear model with its load cases and the number of requested modes.
 
-    `nodes` (N×3, m) are positions. `held` are freedoms fixed at zero. `masses` (kg) are point
+    `nodes` (N×3, in m) are positions. `held` are freedoms fixed at zero. `masses` (kg) are point
     masses at nodes. Each of the `load_cases` is one static step. Displacements are printed for the
     `watched` nodes. If `modes` is 0, no frequencies are computed.
     """

@@ -76,7 +76,7 @@ def compliance_and_frequencies(
 
 
 def mass_at_stiffness_points(mesh: VolumeMesh, rho: float) -> SparseMatrix:
-    """Mass matrix (csr 3N×3N, kg) of tet10 summed over the stiffness points, as in CalculiX.
+    """Mass matrix (csr 3N×3N, in kg) of tet10 summed over the stiffness points, as in CalculiX.
 
     M = Nᵀ diag(ρ w det J) N with the shape functions N (points × nodes) at all points. It is too
     inaccurate for models of legs, but needed to compare frequencies with CalculiX to the last

@@ -79,7 +79,7 @@ class _Builder:
         self.count = self.packed
 
     def add(self, points: Array) -> int:
-        """Add nodes at `points` (k×3, m). Return the number of the first."""
+        """Add nodes at `points` (k×3, in m). Return the number of the first."""
         self.nodes.append(points)
         self.count += len(points)
         return int(self.count - len(points))
@@ -284,7 +284,7 @@ def _eliminated(conditions: Array) -> Array:
 
 
 def _six_points(shape: Rigid) -> Array:
-    """Six points (6×3, m, body axes) that represent the mass of a body.
+    """Six points (6×3, in m, body axes) that represent the mass of a body.
 
     Equal masses at these points have the mass centre and the inertia of the body.
     """

@@ -28,7 +28,7 @@ class CoupledSolid:
     `stiffness` and `mass` are csr n×n. The nodal displacements are u (3N) = `transformation` x.
     `twists` (n×6m) contains the columns Bᵢ, `motions` (n×6) the unknowns x in rigid motions about
     the point of the first interface. `points` (k×3, in m) are those of the interfaces, `places`
-    (N'×3, m) the positions of the nodes whose displacements are the last unknowns, three each.
+    (N'×3, in m) the positions of the nodes whose displacements are the last unknowns, three each.
     """
 
     stiffness: SparseMatrix
@@ -48,7 +48,7 @@ class CoupledSolid:
 def coupled_solid(
     stiffness: SparseMatrix, mass: SparseMatrix, nodes: Array, grips: Sequence[Grip]
 ) -> CoupledSolid:
-    """Couple the matrices (csr 3N×3N) of a solid on `nodes` (N×3, m) to its interfaces.
+    """Couple the matrices (csr 3N×3N) of a solid on `nodes` (N×3, in m) to its interfaces.
 
     No two of the `grips` may have nodes in common.
     """

@@ -39,7 +39,7 @@ def unknowns(nodes: IntArray) -> IntArray:
 
 
 def rigid_motions(points: Array, reference: Array) -> Array:
-    """Displacements (3n×6) of `points` (n×3, m) for unit twists at `reference` (3, m)."""
+    """Displacements (3n×6) of `points` (n×3, in m) for unit twists at `reference` (3, in m)."""
     x, y, z = (np.asarray(points) - reference).T
     motions = np.zeros((len(points), 3, 6))
     motions[:, :, :3] = np.eye(3)
@@ -53,9 +53,10 @@ def rigid_motions(points: Array, reference: Array) -> Array:
 class Grip:
     """Faces of a solid and their coupling to one interface.
 
-    `facets` are the facets of the faces on the nodes of the solid, `point` (3, m) is the reference
-    point. `axis` (unit vector) and `on_axis` (3, m) are the axis of a bore and a point on it; None
-    if there is no bore. `tractions` (3n×6) are Saint-Venant's nodal loads for this coupling.
+    `facets` are the facets of the faces on the nodes of the solid, `point` (3, in m) is the
+    reference point. `axis` (unit vector) and `on_axis` (3, in m) are the axis of a bore and a point
+    on it; None if there is no bore. `tractions` (3n×6) are Saint-Venant's nodal loads for this
+    coupling.
     """
 
     kind: Kind
@@ -132,7 +133,7 @@ def _across(axis: Array) -> Array:
 
 
 def area_weights(nodes: Array, facets: Facets) -> SparseMatrix:
-    """Area weights W = ∫N_a N_b dA (csr n×n, m²) of the n nodes of `facets`, ascending."""
+    """Area weights W = ∫N_a N_b dA (csr n×n, in m²) of the n nodes of `facets`, ascending."""
     points, weights = quadrature(facets.element, _FACE_DEGREE)
     shapes, slopes = values(facets.element, points), gradients(facets.element, points)
     tangents = np.einsum("fki,kjq->fqij", nodes[facets.cells], slopes)
@@ -146,10 +147,10 @@ def area_weights(nodes: Array, facets: Facets) -> SparseMatrix:
 
 
 def saint_venant_loads(face: EndFace, points: Array, reference: Array, material: Material) -> Array:
-    """Consistent nodal loads (3n×6) of unit wrenches at `reference` (3, m) on an end face.
+    """Consistent nodal loads (3n×6) of unit wrenches at `reference` (3, in m) on an end face.
 
     The tractions are those of Saint-Venant's solution: uniform for Fx, flexural shear for Fy and
-    Fz, torsional shear for Mx, linear σxx for My and Mz. `points` (n×3, m) are the nodes of the
+    Fz, torsional shear for Mx, linear σxx for My and Mz. `points` (n×3, in m) are the nodes of the
     face in the order of `face.nodes`. BᵀR = I to round-off for the rigid motions R.
     """
     ratio = poisson_shear_ratio(material.nu, material.G / material.E)

@@ -43,7 +43,7 @@ class CraigBampton(Superelement):
 
     Unknowns: 12 motions of the ends, amplitudes of the fixed-interface modes, amplitudes of the
     residual modes. `frequencies` (Hz) are those of the fixed-interface modes. `truncated` is W = Σ
-    p pᵀ/ω_k⁶ over the dropped modes (12×12, kg s⁶ for translations), p = ΨᵀMφ_k on the twists of
+    p pᵀ/ω_k⁶ over the dropped modes (12×12, in kg s⁶ for translations), p = ΨᵀMφ_k on the twists of
     the ends.
     """
 
@@ -179,7 +179,7 @@ def reduction_on(
 ) -> Reduction:
     """Body reduced to the twists of its interfaces and to `shapes` (n×k) with fixed interfaces.
 
-    `shapes` are orthonormal with respect to the mass, `squared` (k, rad²/s²) are their ω².
+    `shapes` are orthonormal with respect to the mass, `squared` (k, in rad²/s²) are their ω².
     `momenta` is MΨ (n×6m). `modes` are those below the cut-off, `truncated` bounds the effect of
     the others.
     """

@@ -32,9 +32,9 @@ from lumped.errors import ComputationError
 class FreeTruncation:
     """Data to bound the error of a free-interface reduction with modes up to `cutoff` (Hz).
 
-    `squared` (s, rad²/s²) are ω² of rigid motions, modes and residual modes. `shares` P (6m×s) are
-    the twists of the interfaces in these, with unit modal mass; the last 6m are residual modes.
-    `truncated` is W (6m×6m) on wrenches at the interfaces.
+    `squared` (s values, rad²/s²) are ω² of rigid motions, modes and residual modes. `shares` P
+    (6m×s) are the twists of the interfaces in these, with unit modal mass; the last 6m are residual
+    modes. `truncated` is W (6m×6m) on wrenches at the interfaces.
     """
 
     cutoff: float

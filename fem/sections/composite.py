@@ -31,8 +31,8 @@ _DEGREES = ((0, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 1))
 class WrenchStates:
     """States of unit wrenches (x y z φx φy φz) on a section about the origin of its mesh.
 
-    `tractions` (3N×6): nodal forces. `compliance` (6×6, 1/N, 1/(N m), 1/(N m²)): strains per length
-    of a beam, conjugate to the wrenches.
+    `tractions` (3N×6): nodal forces. `compliance` (6×6, in 1/N, 1/(N m), 1/(N m²)): strains per
+    length of a beam, conjugate to the wrenches.
     """
 
     tractions: Array

@@ -33,9 +33,9 @@ from meshes.shape_functions import gradients, quadrature, values
 class SectionQuadrature:
     """Quadrature points of a section mesh: M cells, Q points each, k nodes per cell.
 
-    `shapes` (k×Q) are shape functions, `gradients` (M×k×2×Q, 1/m) their gradients, `weights` (M×Q,
-    m²) sum up to the area. `points` (2×M×Q, m) are y and z relative to the `centroid` (2, m) of the
-    section.
+    `shapes` (k×Q) are shape functions, `gradients` (M×k×2×Q, in 1/m) their gradients, `weights`
+    (M×Q, in m²) sum up to the area. `points` (2×M×Q, in m) are y and z relative to the `centroid`
+    (2, in m) of the section.
     """
 
     mesh: SectionMesh
@@ -109,12 +109,13 @@ def section_quadrature(mesh: SectionMesh) -> SectionQuadrature:
 class SaintVenant:
     """Stress fields of a section under unit loads, at the points of `quadrature`.
 
-    `moments` (2×2, m⁴) is Σ = ∫ s sᵀ dA. The rows of `slopes` (2×2, m⁻⁴) are c = Σ⁻¹F for the unit
-    forces Fy and Fz. `warping` (N, m²) is ω for rotation about the centroid, with zero mean, and
-    `twist_stress` (2×M×Q, m) is τ/Gθ′. `flexure` (2×N, m⁻¹) are Ψ and `flexure_stress` (2×2×M×Q,
-    m⁻²; force, component, …) τ of the unit forces through the shear centre, which do no work on
-    twist. `flexure_torque` (2, m) are the moments of these stresses about the centroid.
-    `twist_shares` (2) are the shares of ω and of the twist's stress that are subtracted for this.
+    `moments` (2×2, in m⁴) is Σ = ∫ s sᵀ dA. The rows of `slopes` (2×2, m⁻⁴) are c = Σ⁻¹F for the
+    unit forces Fy and Fz. `warping` (N, in m²) is ω for rotation about the centroid, with zero
+    mean, and `twist_stress` (2×M×Q, in m) is τ/Gθ′. `flexure` (2×N, in m⁻¹) are Ψ and
+    `flexure_stress` (2×2×M×Q, m⁻²; force, component, …) τ of the unit forces through the shear
+    centre, which do no work on twist. `flexure_torque` (2, in m) are the moments of these stresses
+    about the centroid. `twist_shares` (2) are the shares of ω and of the twist's stress that are
+    subtracted for this.
     """
 
     quadrature: SectionQuadrature
@@ -130,11 +131,11 @@ class SaintVenant:
     twist_shares: Array
 
     def torsion_stress(self) -> Array:
-        """Shear stress τ (2×M×Q, m⁻³) due to a unit torque."""
+        """Shear stress τ (2×M×Q, in m⁻³) due to a unit torque."""
         return self.twist_stress / self.torsion_constant
 
     def centroid_force_stress(self) -> Array:
-        """Shear stress τ (2×2×M×Q, m⁻²) due to unit forces Fy and Fz through the centroid."""
+        """Shear stress τ (2×2×M×Q, in m⁻²) due to unit forces Fy and Fz through the centroid."""
         return self.flexure_stress - np.multiply.outer(self.flexure_torque, self.torsion_stress())
 
 

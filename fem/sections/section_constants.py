@@ -100,7 +100,7 @@ def section_constants(
 def constants_of(solution: SaintVenant, held: Array) -> SectionConstants:
     """Constants of a section from its torsion and flexure.
 
-    `held` (2×2, m⁴) is added to ∫ s sᵀ dA in bending because of prevented contraction.
+    `held` (2×2, in m⁴) is added to ∫ s sᵀ dA in bending because of prevented contraction.
     """
     quad = solution.quadrature
     kappa = [
@@ -182,7 +182,7 @@ def beam_properties(constants: SectionConstants, material: Material) -> BeamProp
 
 
 def held_contraction(quad: SectionQuadrature, nu: float, shear_to_young: float) -> Array:
-    """Stiffening (2×2, m⁴) of bending by a mesh that cannot represent the section's contraction.
+    """Stiffening (2×2, in m⁴) of bending by a mesh that cannot represent the section's contraction.
 
     It is added to Σ = ∫ s sᵀ dA with s = (y, z). With the strains δε by which the interpolated
     fields deviate from the contraction, and r = ∫ BᵀCδε dA, it is (∫ δεᵀCδε dA − rᵀK⁻¹r)/E. This is

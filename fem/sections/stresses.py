@@ -43,7 +43,7 @@ class SectionStresses:
     regular: Array
 
     def von_mises(self, forces: Array) -> Array:
-        """Von Mises stress (s×N, Pa) at all nodes under section forces (s×6)."""
+        """Von Mises stress (s×N, in Pa) at all nodes under section forces (s×6)."""
         normal = forces @ self.normal.T
         shear = self.shear @ forces.T
         return np.asarray(np.sqrt(normal**2 + 3.0 * (shear**2).sum(axis=0).T))
@@ -79,7 +79,7 @@ def section_stresses(mesh: SectionMesh, material: Material) -> SectionStresses:
 
 
 class _NodalGradient:
-    """Gradient (2×N, 1/m) of nodal values (N) at the nodes, as mean over the adjacent cells."""
+    """Gradient (2×N, in 1/m) of nodal values (N) at the nodes, as mean over the adjacent cells."""
 
     def __init__(self, mesh: SectionMesh) -> None:
         self._mesh = mesh
@@ -125,7 +125,7 @@ def _rim(mesh: SectionMesh) -> IntArray:
 
 
 def _angles(mesh: SectionMesh) -> Array:
-    """Angle (N, rad) that the section fills about each corner node of cells. Zero for others."""
+    """Angle (rad) that the section fills about each of N nodes. Zero if not a corner of cells."""
     kind = ELEMENTS[mesh.element]
     corners = list(kind.corner_nodes)
     places = kind.nodes[corners]

@@ -64,7 +64,7 @@ def strains(quad: SectionQuadrature, k: float) -> Array:
 
 
 def elasticity(material: Material) -> Array:
-    """Elasticity matrix (6×6, Pa) of a material with cubic symmetry."""
+    """Elasticity matrix (6×6, in Pa) of a material with cubic symmetry."""
     E, nu = material.E, material.nu
     lame = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
     matrix = np.zeros((6, 6))

@@ -51,7 +51,7 @@ class Freedoms:
 class MeasuredResponse:
     """Measured frequency response function: complex displacement per harmonic force.
 
-    `receptance` (n values, m/N) at `frequencies` (n values, Hz). `ends` are two motions: the
+    `receptance` (n values, in m/N) at `frequencies` (n values, in Hz). `ends` are two motions: the
     displacement is measured along the first, the force acts along the second.
     """
 
@@ -103,12 +103,12 @@ class Measured:
 
     @property
     def of_leg(self) -> bool:
-        """True for an entry of the 6×6 compliance of a leg alone, which has no pose."""
+        """True for an entry of the 6×6 compliance of a single leg, which has no pose."""
         return self.quantity.kind is QuantityKind.COMPLIANCE
 
 
 def measured_value(table: Mapping[str, Any], place: str, responses: Sequence[str] = ()) -> Measured:
-    """Measured value from the table of a robot file whose keys have been checked.
+    """Measured value from a table [[measured]] whose keys have been checked.
 
     `place` is the location of the table in messages. `responses` are the names of the numbers of
     harmonic responses that the robot file defines. Raises InputError with one line per fault.
@@ -123,7 +123,7 @@ def measured_value(table: Mapping[str, Any], place: str, responses: Sequence[str
 
 
 def _names(responses: Sequence[str]) -> str:
-    """Comma-separated names of all quantities of a robot that can be measured."""
+    """Comma-separated names of all measurable quantities of a robot, for messages."""
     names = ", ".join(
         (
             *(quantity.name for quantity in response_quantities(responses)),
@@ -182,7 +182,7 @@ def pose_faults(robot: Mechanism, measured: Measured, place: str) -> list[str]:
 
 
 def place_faults(robot: Mechanism, pose: Sequence[float], place: str) -> list[str]:
-    """Reasons why the robot cannot take the pose `pose`, one line each."""
+    """Reasons why the robot cannot take the pose `pose`, one line each, beginning with `place`."""
     moves = robot.tool.moves
     if len(pose) != len(moves):
         required = f"as many numbers as the tool's moves ({', '.join(moves) or 'none'}; m, rad)"

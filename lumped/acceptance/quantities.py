@@ -25,7 +25,7 @@ _LEG_ENTRY = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
 
 
 class QuantityKind(StrEnum):
-    """Kinds of quantities. Those after SIZE occur for measured values only.
+    """Kinds of quantities. Kinds listed after SIZE occur for measured values only.
 
     The texts of a kind are one row of `_TEXTS`.
     """
@@ -180,7 +180,7 @@ class Quantity:
 
     @property
     def modal(self) -> bool:
-        """True for natural frequencies and for the sequence of modes."""
+        """True for natural frequencies and for the order of the modes."""
         return self.kind in _MODAL
 
     @property
@@ -242,7 +242,7 @@ def load_quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
 
 
 def response_quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
-    """Numbers of harmonic responses that are judged, such as the peak and its frequency.
+    """Judged values of harmonic responses, such as the peak and its frequency.
 
     `names` are their names without the prefix "response:", such as "mill.frequency".
     """

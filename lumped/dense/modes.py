@@ -56,5 +56,5 @@ class FewerModesError(ComputationError):
 
 
 def too_few(part: str, count: int) -> FewerModesError:
-    """Error for a request of `count` modes of `part` if fewer modes move mass."""
+    """Error to raise if `count` modes of `part` were requested, but fewer modes move mass."""
     return FewerModesError(f"{counted(count, 'mode')} asked for, but fewer have mass", part=part)

@@ -1,12 +1,12 @@
 """Partial fractions of the receptance of a system with viscous dashpots.
 
-The receptance H(s) = A (K + sD + s²M)⁻¹ Aᵀ at s = iω has first-order terms. With x = K⁻¹(Aᵀ − sDx −
-s²Mx) in the basis of undamped modes and y = s√μ x, the state z = (x, y) follows from z + sNz = b.
-With the eigenvalues ν of N,
+The receptance H(s) = A (K + sD + s²M)⁻¹ Aᵀ at s = iω is a sum of first-order terms. With x = K⁻¹(Aᵀ
+− sDx − s²Mx) in the basis of undamped modes and y = s√μ x, the state z = (x, y) follows from z +
+sNz = b. With the eigenvalues ν of N,
 
     H = Σ G / (1 + sν)
 
-and the poles s = −1/ν. Two terms of an oscillation are added to one of second order,
+and the poles are s = −1/ν. The two terms of an oscillation add up to one of second order,
 
     (g + sh) / (1 + sκ + s²μ),    μ = ν₁ν₂,  κ = ν₁ + ν₂,  g = G₁ + G₂,  h = G₁ν₂ + G₂ν₁.
 
@@ -34,7 +34,7 @@ _DEFECTIVE = 1e8
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """Terms (g + sh) / (1 + sκ + s²μ) of a receptance, r of them.
+    """The r terms (g + sh) / (1 + sκ + s²μ) of a receptance.
 
     `inverses` are μ (s²), `rates` κ (s), `residues` g (r×k×k), `rate_residues` h (r×k×k).
     """
@@ -51,8 +51,8 @@ def partial_fractions(
     """Terms of the receptance of `outputs` A (k×n) for matrices K, D and M (n×n).
 
     If K is singular, a positive `shift` (1/s) of s makes K + sD + s²M regular. Terms with a pole at
-    zero are omitted; they must not move the outputs. None if a motion is damped critically, so that
-    the eigenvectors are dependent.
+    zero are omitted; their motions must not move the outputs. The result is None if a motion is
+    damped critically, so that eigenvectors are linearly dependent.
     """
     shifted = elastic + shift * viscous + shift**2 * inertia
     inverses, shapes = np.linalg.eig(np.linalg.solve(shifted, inertia))

@@ -146,12 +146,12 @@ def biglide(
 ) -> Mechanism:
     """Biglide with two legs on slides `a` (m) apart.
 
-    Its reference posture is the middle of the stroke. `tool_offset` (3, m, base axes) is the vector
-    from B to the loaded point P, at which `platform_mass` (kg) is located. `foot_compliance` (6×6,
-    SI, base axes) acts in both revolute joints of the feet, `tool_compliance` (6×6, SI, base axes)
-    in series at P. None stands for rigid. The drives are rigid except in the simplified model, in
-    which `drive_stiffness` (N/m) represents all compliance. Raises InputError if the legs cannot
-    meet.
+    Its reference posture is the middle of the stroke. `tool_offset` (3, in m, base axes) is the
+    vector from B to the loaded point P, at which `platform_mass` (kg) is located. `foot_compliance`
+    (6×6, SI, base axes) acts in both revolute joints of the feet, `tool_compliance` (6×6, SI, base
+    axes) in series at P. None stands for rigid. The drives are rigid except in the simplified
+    model, in which `drive_stiffness` (N/m) represents all compliance. Raises InputError if the legs
+    cannot meet.
     """
     stroke = Stroke(a, leg1.length, leg2.length)
     if faults := stroke.faults():

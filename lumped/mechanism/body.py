@@ -97,7 +97,7 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Position (3, m) of an origin, and rotation (3×3) with the axes as columns.
+    """Position (3, in m) of an origin, and rotation (3×3) with the axes as columns.
 
     Both are expressed in the parent frame: the base for a body, the body for an interface.
     """
@@ -116,7 +116,7 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Rigid:
-    """Rigid body: `mass` (kg), mass centre `centre` (3, m), `inertia` (3×3, kg m²). Body axes.
+    """Rigid body: `mass` (kg), mass `centre` (3, in m), `inertia` (3×3, in kg m²). Body axes.
 
     The inertia is about the mass centre.
     """

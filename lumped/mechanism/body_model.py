@@ -54,7 +54,7 @@ class LegMatrices(BodyModel):
     sections at k `stations` (distances along the line in m). Sections remain plane. `parts` splits
     the stiffness into "tension", "torsion", "bending y" (deflection along z, EIy) and "bending z"
     (deflection along y, EIz), each with its shear. If the section couples both bendings, they are
-    one part "bending". The legs along a line have no parts.
+    one part "bending". Tapered, curved and bent legs have no parts.
     """
 
     interfaces: tuple[str, ...] = field(init=False, default=ENDS)

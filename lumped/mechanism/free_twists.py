@@ -24,7 +24,7 @@ from lumped.screws import rotation_about, rotation_vector, skew
 
 
 def interface_position(posture: Posture, side: Side) -> Array:
-    """Position (3, m, base axes) of the interface on one side of a joint."""
+    """Position (3, in m, base axes) of the interface on one side of a joint."""
     frame = posture.frames[side.body]
     interface = posture.mechanism.bodies[side.body].interfaces[side.point]
     return frame.position + frame.rotation @ interface.position
@@ -77,7 +77,7 @@ def joint_twists(joint: Joint, first: Array, second: Array) -> Array:
 def free_axes(joint: Joint) -> tuple[Array, Array]:
     """Axes of the free translations and of the free rotations of a joint.
 
-    Both are n×3, in base axes of the reference posture.
+    Both arrays are n×3, in base axes of the reference posture.
     """
     none = np.zeros((0, 3))
     match joint.kind:
@@ -124,11 +124,11 @@ def constraints(joint: Joint) -> tuple[Array, Array, Array]:
 
 
 def coordinates(joint: Joint, p: Array, R: Array) -> Array:
-    """Coordinates (f values, m and rad) of a closed joint, with angles between −π and π.
+    """Coordinates (f values, in m and rad) of a closed joint, with angles between −π and π.
 
-    `p` (3, m) and `R` (3×3) are position and rotation of the second interface seen from the first.
-    The coordinates of a spherical joint are its rotation vector. Those of a universal joint are the
-    angles about its first and about its second axis.
+    `p` (3, in m) and `R` (3×3) are position and rotation of the second interface seen from the
+    first. The coordinates of a spherical joint are its rotation vector. Those of a universal joint
+    are the angles about its first and about its second axis.
     """
     translations, rotations = free_axes(joint)
     match joint.kind:

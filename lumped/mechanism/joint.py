@@ -51,7 +51,7 @@ class Side:
 
 @dataclass(frozen=True)
 class BallScrew:
-    """Ball screw of a drive: shaft, nut and bearings in series, softer with a longer shaft.
+    """Ball screw of a drive: shaft, nut and bearings in series. A longer shaft is softer.
 
     `axial` is EA (N) of the root circle. In the reference posture the nut is at `length` (m) from
     the bearing that holds the shaft along its axis; a positive coordinate of the joint makes it
@@ -68,10 +68,10 @@ class BallScrew:
     nut: float
 
     def stiffness(self, coordinate: Array | float) -> Array:
-        """Stiffness (…, N/m) at a coordinate of the joint (…, m).
+        """Stiffness (N/m) at one or several coordinates (m) of the joint.
 
-        1/k = L/EA + bearing + nut (ISO 3408-4); between two bearings both parts of the shaft, each
-        with its bearing, are parallel. Raises ComputationError if the nut passes a bearing.
+        1/k = L/EA + bearing + nut (ISO 3408-4). Between two bearings, both parts of the shaft with
+        their bearings act in parallel. Raises ComputationError if the nut passes a bearing.
         """
         length = np.asarray(self.length + self.sign * np.asarray(coordinate))
         lengths = [length] if self.span is None else [length, self.span - length]
@@ -102,7 +102,7 @@ class Drive:
     screw: BallScrew | None = None
 
     def at(self, coordinate: float) -> "Drive":
-        """The drive with its stiffness at a coordinate (m) of the joint."""
+        """Drive with its stiffness at `coordinate` (m) of the joint."""
         if self.screw is None:
             return self
         return replace(self, stiffness=float(self.screw.stiffness(coordinate)), screw=None)
@@ -118,9 +118,10 @@ class Joint:
     The interfaces may be apart along the axis of a prismatic or cylindrical joint. `compliance`
     (6×6, SI, base axes of the reference posture, fixed to the first body) acts in series with the
     free twists and has the loss factor `loss`. It is zero in directions in which the joint is
-    rigid; None if the joint is rigid in all. `damping` (6×6, N s/m and N m s/rad, in the same axes)
-    is the matrix of viscous dashpots between the two bodies, parallel to all else in the joint;
-    None without dashpots. Raises InputError if the axes violate these conditions.
+    rigid, and None if the joint is rigid in all directions. `damping` (6×6, in N s/m and N m s/rad,
+    in the same axes) is the matrix of viscous dashpots between the two bodies, which act parallel
+    to the rest of the joint. None without dashpots. Raises InputError if the axes violate these
+    conditions.
     """
 
     name: str

@@ -12,8 +12,8 @@ from lumped.arrays import Array
 class LineLoad:
     """A load along a leg between `start` and `stop` (m from its root), leg axes.
 
-    `first` and `last` (6, N/m and N) are forces and moments per length at both, about the line of
-    centroids; between them they vary linearly.
+    `first` and `last` (6 values each, in N/m and N) are forces and moments per length at both ends
+    of this range, about the line of centroids. Between them the load varies linearly.
     """
 
     start: float
@@ -22,12 +22,12 @@ class LineLoad:
     last: Array
 
     def per_length(self, stations: Array) -> Array:
-        """Forces and moments per length (s×6) at stations (s, m) between `start` and `stop`."""
+        """Forces and moments per length (s×6) at s `stations` (m) between `start` and `stop`."""
         share = (stations[:, None] - self.start) / (self.stop - self.start)
         return self.first + share * (self.last - self.first)
 
     def in_axes(self, rotation: Array) -> "LineLoad":
-        """The load in other axes, the columns of `rotation` (3×3) in its own."""
+        """The same load in other axes, whose columns in the present axes are `rotation` (3×3)."""
         first, last = (
             (wrench.reshape(2, 3) @ rotation).ravel() for wrench in (self.first, self.last)
         )
@@ -36,7 +36,7 @@ class LineLoad:
 
 @dataclass(frozen=True, eq=False)
 class AppliedLine:
-    """A load of the robot file along the leg `leg`, in its axes, or in base axes if `in_base`."""
+    """A load of the robot file along the leg `leg`, in leg axes, or in base axes if `in_base`."""
 
     leg: str
     load: LineLoad
@@ -48,9 +48,9 @@ class Load:
     """A static load of a robot file, in base axes and SI units.
 
     `wrench` (6) acts at the interface `point` of `body`. If `path_wrenches` (p×6, one for each pose
-    of the path) is not None, it replaces `wrench`. `gravity` (3, m/s²) acts on the mass of all
-    bodies. If the tool's point moves with `speed` (3, m/s) and `acceleration` (3, m/s²), so do
-    inertia forces. `lines` act along legs.
+    of the path) is not None, it replaces `wrench`. `gravity` (3, in m/s²) acts on the mass of all
+    bodies. If the tool's point moves with `speed` (3, in m/s) and `acceleration` (3, in m/s²), so
+    do inertia forces. `lines` act along legs.
     """
 
     name: str
@@ -76,7 +76,7 @@ class Load:
 
 @dataclass(frozen=True, eq=False)
 class AppliedWrench:
-    """A `wrench` (6, SI, base axes) at `position` (3, m, base axes) on an interface of a body."""
+    """Wrench (6, SI, base axes) at `position` (3, in m, base axes) on an interface of a body."""
 
     body: str
     point: str
@@ -113,8 +113,8 @@ class Excitation:
     to `last`, equally spaced on a logarithmic scale. The peak of the response is judged, and its
     magnitude at the frequency `at` (Hz) unless that is None. The force acts at the point `loaded`
     (body and interface), and the response is the displacement of the point `moved` along
-    `moved_direction` (3, a unit vector, base axes). None for the tool, and for the direction of the
-    force.
+    `moved_direction` (3, a unit vector, base axes). A point that is None stands for the tool, and a
+    `moved_direction` that is None for the direction of the force.
     """
 
     name: str

@@ -16,7 +16,7 @@ _PARALLEL = 1e-6
 
 
 def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
-    """Frame at `start` (3, m) with x towards `end` and z as near to `up` (3) as possible.
+    """Frame at `start` (3, in m) with x towards `end` and z as near to `up` (3) as possible.
 
     By default `up` is the z axis of the base, or its x axis for a leg along z. Raises InputError if
     the two points coincide or `up` is parallel to the leg.
@@ -59,7 +59,7 @@ def place_leg(
     points: Mapping[str, Array],
     up: Array | None = None,
 ) -> tuple[Body, Frame]:
-    """Body of a leg between two named `points` (3, m, base axes), and its frame in base axes.
+    """Body of a leg between two named `points` (3, in m, base axes), and its frame in base axes.
 
     `ends` are the names of root and tip. The distance of the points must equal the length of the
     leg within round-off. Raises InputError as `leg_frame` does.
@@ -77,9 +77,9 @@ def place_rigid_body(
     shape: Rigid | None = None,
     origin: Array | None = None,
 ) -> tuple[Body, Frame]:
-    """Rigid body with interfaces at named `points` (3, m, base axes), and its frame in base axes.
+    """Rigid body with interfaces at named `points` (3, in m, base axes), and its frame there.
 
-    The axes of the body are parallel to the base axes. The origin is `origin` (3, m), by default
+    The axes of the body are parallel to the base axes. The origin is `origin` (3, in m), by default
     the first interface. `shape` is given in the frame of the body and is massless by default.
     """
     names = tuple(interfaces)

@@ -39,9 +39,9 @@ KINDS = {"tension": (0,), "torsion": (3,), "bending y": (2, 4), "bending z": (1,
 class SegmentChain:
     """Rigid elements and massless ends of a leg from root to tip, and springs between neighbours.
 
-    `points` (b×3, m from the root) are the reference points of the b bodies at `stations` (b, m
-    along the leg), `springs_at` (b−1×3) those of the springs. `masses` (b×6×6) are mass matrices at
-    the reference points, `stiffnesses` (b−1×6×6) act on the relative twists at the springs. Leg
+    `points` (b×3, in m from the root) are the reference points of the b bodies at `stations` (b, in
+    m along the leg), `springs_at` (b−1×3) those of the springs. `masses` (b×6×6) are mass matrices
+    at the reference points, `stiffnesses` (b−1×6×6) act on the relative twists at the springs. Leg
     axes, SI. `line` is the centre line, None if it is the x axis.
     """
 
@@ -55,7 +55,7 @@ class SegmentChain:
 
     @property
     def tip(self) -> Array:
-        """Point (3, m) of the tip."""
+        """Point (3, in m) of the tip."""
         return self.length * _ALONG
 
 
@@ -146,7 +146,7 @@ def _stations(length: float, elements: int, layout: Layout) -> _Stations:
 
 
 def _body_masses(masses: Array, centres: Array, points: Array) -> Array:
-    """Masses (b×6×6) at the bodies' points from those of the elements about their centres."""
+    """Mass matrices (b×6×6) at the bodies' reference points, from those at the element centres."""
     if len(points) > len(centres):
         return np.pad(masses, ((1, 1), (0, 0), (0, 0)))
     levers = shift(centres - points)

@@ -81,7 +81,7 @@ def serial_chains(
 def tool_displacements(
     posture: Posture, legs: Mapping[str, Array], loads: Sequence[Loading]
 ) -> Array:
-    """Displacements (l×6, m and rad, base axes) of the loaded point under each of l loads.
+    """Displacements (l×6, in m and rad, base axes) of the loaded point under each of l loads.
 
     `legs` contains tip compliances as in `compliance`. A load on a body that is not part of a chain
     acts on the node of the chains to which the body is attached. Raises the errors of `compliance`.
@@ -124,7 +124,7 @@ def tool_displacements(
 
 
 def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) -> Array:
-    """Twist (6) at `end` (3, m) due to the deflection of a drive under the force on its rotor."""
+    """Twist (6) at `end` (3, in m) due to the deflection of a drive by a force on its rotor."""
     joint = step.across
     drive = None if isinstance(joint, str) else drive_in(posture, joint)
     if isinstance(joint, str) or drive is None or drive.stiffness is None:

@@ -43,9 +43,9 @@ class Chain:
 def serial_chain(
     end: Array, joints: Sequence[tuple[Array, Array]], springs: Sequence[tuple[Array, Array]]
 ) -> Chain:
-    """Chain with its end at `end` (3, m) in the current posture. All data in base axes, SI.
+    """Chain with its end at `end` (3, in m) in the current posture. All data in base axes, SI.
 
-    `joints` contains the position (3, m) and the twist (6) for a unit rate of each passive joint
+    `joints` contains the position (3, in m) and the twist (6) for a unit rate of each passive joint
     with one degree of freedom, `springs` the position and the compliance (6×6, positive
     semidefinite) of each virtual spring.
     """
@@ -186,7 +186,7 @@ def _column_space(matrix: Array) -> Array:
 
 
 def _characteristic_length(reach: float, S: Array) -> float:
-    """Length (m) that makes rotations comparable to translations: that of chain or springs."""
+    """Length (m) that makes rotations comparable to translations, from the chain or its springs."""
     translation, rotation = np.trace(S[:3, :3]), np.trace(S[3:, 3:])
     spring_length = np.sqrt(translation / rotation) if translation > 0.0 and rotation > 0.0 else 0.0
     return max(reach, float(spring_length)) or 1.0

@@ -115,7 +115,7 @@ def _line_faults(table: Mapping[str, Any], key: str, robot: Mechanism) -> Iterat
 def _point_faults(
     table: Mapping[str, Any], key: str, point_key: str, robot: Mechanism
 ) -> Iterator[str]:
-    """Faults of a point under `point_key`, and of the `body` that has it."""
+    """Faults of a point under `point_key`, and of the `body` to which the point belongs."""
     name, owner = table[point_key], table["body"]
     if name is None:
         if owner is not None:
@@ -178,7 +178,10 @@ def _unit(direction: Sequence[float]) -> Array:
 
 
 def _force_of(table: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Point and body of the force of a response. A number `at` is a frequency."""
+    """Point and body on which the force of a response acts.
+
+    The key `at` is a point, or a frequency if it is a number.
+    """
     at = table["at"] if isinstance(table["at"], str) else None
     return {"at": at, "body": table["body"]}
 
@@ -235,7 +238,7 @@ def _names_twice(read: Sequence[Mapping[str, Any]], array_name: str) -> Iterator
 
 
 def _wrenches_over(path: Path, robot: Mechanism) -> Array:
-    """Wrenches (p×6, N and N m, base axes) for all p poses of the robot's path, from a CSV file.
+    """Wrenches (p×6, in N and N m, base axes) for all p poses of the robot's path, from a CSV file.
 
     Its columns are Fx Fy Fz Mx My Mz, and either `pose` (number of the pose along the path, from 1)
     or the coordinates of the pose under the names of the tool's moves. Other columns are ignored.

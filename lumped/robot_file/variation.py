@@ -59,7 +59,7 @@ def variations_of(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variatio
 def varied(
     robot_file: RobotFile, variations: Sequence[Variation]
 ) -> list[tuple[tuple[float, ...], RobotFile]]:
-    """All combinations of the values of `variations`, each with the robot file that has them.
+    """Yield each combination of the values of `variations` with its robot file.
 
     Raises InputError for the first impossible robot only, because others have the same cause.
     """

@@ -182,7 +182,7 @@ def _area(part: CompositePart) -> float:
 
 @memo(64)
 def _stiffness_moments(section: Composite) -> tuple[Array, Array]:
-    """Centroid (2, m) and Σ (2×2, m⁴) about it, weighted by E over its mean."""
+    """Centroid (2, in m) and Σ (2×2, in m⁴) about it, weighted by E over its mean."""
     E, *_ = section.mean_material
     _, centroid, moments = weighted_moments(_regions(section, "E", E))
     return centroid, moments
@@ -190,7 +190,7 @@ def _stiffness_moments(section: Composite) -> tuple[Array, Array]:
 
 @memo(64)
 def _mass_moments(section: Composite) -> tuple[Array, Array]:
-    """Centre of mass (2, m), and Σ (2×2, m⁴) about the centroid weighted by ρ over its mean."""
+    """Centre of mass (2, in m), and Σ (2×2, in m⁴) about the centroid, weighted by density."""
     *_, rho = section.mean_material
     area, centre, moments = weighted_moments(_regions(section, "rho", rho))
     offset = centre - _stiffness_moments(section)[0]

@@ -50,7 +50,7 @@ class Layer:
 
     @property
     def stiffness(self) -> Array:
-        """Q̄ (3×3, Pa): stresses (σx, σs, τxs) from strains (εx, εs, γxs)."""
+        """Q̄ (3×3, in Pa): stresses (σx, σs, τxs) from strains (εx, εs, γxs)."""
         share = 1.0 - self.nu12**2 * self.E2 / self.E1
         q11, q22 = self.E1 / share, self.E2 / share
         own = np.array([[q11, self.nu12 * q22, 0.0], [self.nu12 * q22, q22, 0.0], [0, 0, self.G12]])
@@ -168,7 +168,7 @@ class Laminate(Section):
 
     @property
     def wall(self) -> Array:
-        """A (3×3, N/m) of the wall: forces per width from strains."""
+        """A (3×3, in N/m) of the wall: forces per width from strains."""
         return self._sum(self._of_layers("thickness"))
 
     def faults(self, unit: str = "m") -> list[str]:

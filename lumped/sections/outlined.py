@@ -243,7 +243,7 @@ def _edge_distances(first: Loop, second: Loop) -> Array:
 
 
 def distances_to_edges(point: Array, loop: Loop) -> Array:
-    """Distance (n values, m) of a point from each edge of a closed line.
+    """Distance (n values, in m) of a point from each edge of a closed line.
 
     Edge i starts at corner i.
     """
@@ -251,13 +251,13 @@ def distances_to_edges(point: Array, loop: Loop) -> Array:
 
 
 def distances_to_segments(point: Array, start: Array, end: Array) -> Array:
-    """Distance (n values, m) of a point from each edge between `start` and `end` (n×2)."""
+    """Distance (n values, in m) of a point from each edge between `start` and `end` (n×2)."""
     edge = end - start
     share = np.clip(((point - start) * edge).sum(axis=-1) / (edge**2).sum(axis=-1), 0.0, 1.0)
     return np.asarray(np.linalg.norm(point - start - share[..., None] * edge, axis=-1))
 
 
 def twice_area(a: Array, b: Array, c: Array) -> Array:
-    """Twice the area of triangles with corners a, b, c (…×2, m), positive if counter-clockwise."""
+    """Twice the area of triangles with corners a, b, c (…×2, in m). Positive anticlockwise."""
     u, v = b - a, c - a
     return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])

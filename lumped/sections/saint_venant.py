@@ -422,7 +422,7 @@ def _rim(edges: _Edges) -> _Rim:
 
 
 def inner_angles(loop: Loop) -> Array:
-    """Interior angle (n, rad) at each corner of a closed line. The section lies to its left."""
+    """Interior angle (n, in rad) at each corner of a closed line. The section lies to its left."""
     before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     return np.asarray(np.pi - np.arctan2(cross, (before * after).sum(axis=1)))

@@ -334,7 +334,7 @@ class ISection(WalledProfile):
 
     @property
     def outline(self) -> Array:
-        """Corners (12×2, m) in the directions y and z, counterclockwise."""
+        """Corners (12×2, in m) in the directions y and z, counterclockwise."""
         b, h, w = self.width / 2.0, self.height / 2.0, self.web / 2.0
         f = h - self.flange
         right = [(b, -h), (b, -f), (w, -f), (w, f), (b, f), (b, h)]

@@ -131,7 +131,7 @@ class Assembly:
 
     @cached_property
     def _split_models(self) -> Mapping[str, tuple[tuple[Array, Array | SparseMatrix], ...]]:
-        """By body, blocks of stiffness and mass: interfaces, and coupling to inner unknowns."""
+        """Blocks of stiffness and mass of each body: interfaces, and coupling to inner unknowns."""
         return {
             name: (_split(model, "stiffness")[:2], _split(model, "mass")[:2])
             for name, model in self.models.items()

@@ -1,8 +1,8 @@
 """Loads along a leg, and the forces in its sections that balance them.
 
-The forces in the section at x act on the part of the leg before it, from the part beyond. They
-follow from the equilibrium of the part before x, whatever the leg's stiffness: N = n·eₓ is tension,
-Qy and Qz are shear forces, T, My and Mz the moments about the leg's axes.
+The forces in the section at x are those of the part beyond it on the part before it. They follow
+from the equilibrium of the part before x, whatever the leg's stiffness: N = n·eₓ is tension, Qy and
+Qz are shear forces, T, My and Mz the moments about the leg's axes.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ _POINTS = 3
 
 
 def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> Array:
-    """Forces and moments (s×6) in sections at `stations` (s, m) with a wrench on the root (6)."""
+    """Forces and moments (s×6) in sections at s `stations` (m), given the wrench on the root."""
     x = stations[:, None]
     total, lever = np.zeros((len(x), 6)), np.zeros((len(x), 3))
     for load in loads:
@@ -36,11 +36,12 @@ def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> A
 
 
 def end_wrenches(properties: BeamProperties, length: float, load: LineLoad) -> Array:
-    """Consistent wrenches (2×6) of a load on root and tip of a uniform leg: work on any motion.
+    """Wrenches (2×6) on root and tip of a uniform leg that do the work of a load along it.
 
-    They are opposite to the reactions of clamped ends. With the root clamped, a wrench w at x moves
-    the tip by X C(x) w with the compliance C of the part before x, and X for the rigid part beyond;
-    the wrench on the tip moves it as far as the load does. Displacements of the ends are exact.
+    They are opposite to the reactions of clamped ends, and displacements of the ends are exact.
+    With the root clamped, a wrench w at x moves the tip by X C(x) w, with the compliance C of the
+    part before x and the transformation X to the tip. The wrench on the tip moves it as far as the
+    load does.
     """
     points, shares = np.polynomial.legendre.leggauss(_POINTS)
     half = 0.5 * (load.stop - load.start)
@@ -55,7 +56,7 @@ def end_wrenches(properties: BeamProperties, length: float, load: LineLoad) -> A
 
 
 def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> LineLoad:
-    """Inertia and weight of a uniform leg that moves as a rigid body, on its whole length.
+    """Inertia and weight, per length, of a uniform leg that moves as a rigid body.
 
     `motion` is that of its root in leg axes, with gravity as an acceleration of opposite sign.
     """
@@ -74,9 +75,10 @@ def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> L
 
 
 def linear_load(root: Array, tip: Array, length: float) -> LineLoad:
-    """Load that varies linearly along a leg, from wrenches (6 each, N and N m) on its ends.
+    """Load that varies linearly along a leg, from wrenches (6 each, in N and N m) on its ends.
 
-    It has their resultant; along and about the leg it has their shares, too.
+    The load has the resultant of both wrenches. Along and about the leg it also has their
+    distribution to both ends.
     """
     first, last = 2.0 * (2.0 * root - tip) / length, 2.0 * (2.0 * tip - root) / length
     total = root + tip

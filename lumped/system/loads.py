@@ -47,11 +47,12 @@ def loading(
     masses: Mapping[str, Array],
     theory: Theory = "timoshenko",
 ) -> Loading:
-    """Wrenches of a load in one posture. Beam theory `theory` reduces loads along legs to ends.
+    """Wrenches of a load in one posture.
 
     `masses` contains the mass matrices (6m×6m, SI, body axes) of deformable bodies on the twists of
-    their m interfaces. Raises ComputationError if the tool cannot perform the motion of the load,
-    or if the load has no wrench for this pose.
+    their m interfaces. Loads along legs are reduced to the ends by the beam theory `theory`. Raises
+    ComputationError if the tool cannot perform the motion of the load, or if the load has no wrench
+    for this pose.
     """
     mechanism = posture.mechanism
     load_position = interface_position(posture, Side(load.body, load.point))
@@ -115,7 +116,7 @@ def _along_leg(posture: Posture, line: AppliedLine) -> LineLoad:
 
 
 def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> list[AppliedWrench]:
-    """Wrenches on both ends of a leg of a load along it (leg axes)."""
+    """Wrenches (2×6, leg axes) on the ends of leg `name` that represent a load along it."""
     body = posture.mechanism.bodies[name]
     if not isinstance(body.shape, ConstantLeg | GivenLeg):
         raise InputError(f"bodies.{name}: loads act along legs of constant section, or with a 6×6")
@@ -136,7 +137,7 @@ def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> lis
 
 
 def _line_load(leg: Leg, at_ends: Array, motion: Motion) -> LineLoad:
-    """Inertia load along a leg; linear with its wrenches `at_ends` (2×6) unless it is a prism."""
+    """Inertia load along a leg. Unless the leg is a prism, it is linear with wrenches `at_ends`."""
     if not isinstance(leg, ConstantLeg):
         return linear_load(at_ends[0], at_ends[1], leg.length)
     try:
@@ -237,7 +238,7 @@ def work_on(system: System, load: Loading) -> Array:
 
 
 def tool_displacements(solution: Solved, loads: Sequence[Loading]) -> Array:
-    """Displacements (l×6, m and rad, base axes) of the loaded point under each of l loads.
+    """Displacements (l×6, in m and rad, base axes) of the loaded point under each of l loads.
 
     If a load acts on an idle motion, that motion follows freely.
     """

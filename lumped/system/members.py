@@ -22,7 +22,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class MemberForces:
-    """Forces N, Qy, Qz, T, My, Mz (s×6, N and N m, leg axes) in sections at `stations` (s, m).
+    """Forces N, Qy, Qz, T, My, Mz (s×6, in N and N m, leg axes) in sections at `stations` (s, m).
 
     The stations are distances from the root. Components that statics does not determine are NaN.
     `half_width` (6) is that of their numerical uncertainty.
@@ -70,7 +70,7 @@ def _end_wrench(
 ) -> Array:
     """Wrenches (6×(1 + k), leg axes) of joints and loads on an interface of a leg.
 
-    Behind them are those of the k self-balanced wrenches that statics leaves undetermined.
+    The last k columns are the self-balanced wrenches that statics leaves undetermined.
     """
     position = interface_position(posture, Side(name, point))
     count = forces.joints[0].undetermined.shape[1] if forces.joints else 0
@@ -89,13 +89,13 @@ def _end_wrench(
 
 
 def _distinct(stations: Array) -> Array:
-    """Ascending stations without those that differ from the one before by round-off alone."""
+    """Stations in ascending order, each once: stations that differ by round-off count as equal."""
     apart = np.diff(stations) > _ROUNDING * stations[-1]
     return np.asarray(stations[np.concatenate([[True], apart])])
 
 
 def _zeros(stations: Array, shear: Array) -> Iterator[float]:
-    """Stations (m) between those given at which a column of `shear` (s×2) changes its sign.
+    """Stations (m) at which a column of `shear` (s×2), known at s `stations`, changes its sign.
 
     Shear forces under linear loads are parabolas.
     """

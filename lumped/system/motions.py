@@ -70,7 +70,7 @@ class Structure:
 class Motions:
     """Twists of the nodes, as linear functions of n unknowns y.
 
-    The twists of the N nodes are `twists` y (…×N×6×n, base axes) at `places` (…×N×3, m), in one
+    The twists of the N nodes are `twists` y (…×N×6×n, base axes) at `places` (…×N×3, in m), in one
     posture or in many. A unit of y moves the mechanism about as far as it is long. `springs`
     contains, for each elastic part of a joint, the matrix D (…×k×n) of its strain energy ½|D y|²
     (J). `locks` y (…×l×n) are dimensionless deflections of all springs: the motions for which they
@@ -86,7 +86,7 @@ class Motions:
     def at(self, body: str, point: str, position: Array) -> Array:
         """Matrix (…×6×n) from the unknowns to the twist of an interface's node at `position`.
 
-        `position` (…×3, m) and the twist are in base axes.
+        `position` (…×3, in m) and the twist are in base axes.
         """
         node = self.structure.node(body, point)
         if node == _FIXED:
@@ -107,14 +107,14 @@ class Motions:
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """Frames of all bodies in P postures: `positions` (P×3, m) and `rotations` (P×3×3) by body."""
+    """Frames of all bodies in P postures: `positions` (P×3, in m), `rotations` (P×3×3) by body."""
 
     mechanism: Mechanism
     positions: Mapping[str, Array]
     rotations: Mapping[str, Array]
 
     def interface(self, body: str, point: str) -> Array:
-        """Positions (P×3, m, base axes) of an interface of a body."""
+        """Positions (P×3, in m, base axes) of an interface of a body."""
         position_in_body = self.mechanism.bodies[body].interfaces[point].position
         return np.asarray(self.positions[body] + self.rotations[body] @ position_in_body)
 

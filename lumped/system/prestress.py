@@ -119,7 +119,7 @@ def _without_idle_parts(solution: Solved, geometric: Array) -> Array:
 def _arm_hessian(force: Array, arm: Array) -> Array:
     """Hessian (3×3) of the energy −½ f·(θ × (θ × r)) with respect to the rotation θ.
 
-    f is `force` (3, N), r is `arm` (3, m).
+    f is `force` (3, in N), r is `arm` (3, in m).
     """
     product = np.outer(force, arm)
     return np.asarray(float(force @ arm) * np.eye(3) - 0.5 * (product + product.T))

@@ -43,7 +43,7 @@ _DEPENDENT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class BodyForces:
-    """Forces (6m, N and N m, body axes) on the m interfaces of a deformable body.
+    """Forces (6m, in N and N m, body axes) on the m interfaces of a deformable body.
 
     `elastic` are those that its stiffness balances, `load` those of the load on its mass, and
     `inertia` is its mass times the acceleration of an idle motion. `rounding` is the half-width of
@@ -68,11 +68,11 @@ class BodyForces:
 
 @dataclass(frozen=True, eq=False)
 class JointWrench:
-    """Wrench (6, N and N m, base axes) of a joint on its second body, at its first interface.
+    """Wrench (6, in N and N m, base axes) of a joint on its second body, at its first interface.
 
-    `undetermined` (6×k) spans the wrenches that can be added without a change of any load: columns
-    of a statically indeterminate loop of rigid bodies. `rounding` (N) is the half-width of
-    round-off of forces, and with `length` (m) of moments.
+    In a statically indeterminate loop of rigid bodies, the columns of `undetermined` (6×k) are
+    wrenches that can be added without a change of any load. `rounding` (N) is the half-width of the
+    forces' round-off; times `length` (m) it is that of the moments.
     """
 
     joint: Joint
@@ -84,7 +84,7 @@ class JointWrench:
 
 @dataclass(frozen=True, eq=False)
 class Reaction:
-    """Wrench (6, N and N m) of a joint on its second body, at its first interface, joint axes.
+    """Wrench (6, in N and N m) of a joint on its second body, at its first interface, joint axes.
 
     Components are NaN if statics does not determine them. `half_width` (6) is that of its numerical
     uncertainty. `drive` (N or N m) is the force of the motor along the joint's first free twist,
@@ -115,10 +115,10 @@ class InternalForces:
 def joint_axes(posture: Posture, joint: Joint) -> Array:
     """Axes x, y, z (3×3, columns, base axes) of a joint in a posture.
 
-    x is the axis of the joint, of a universal joint the normal of both (`catalogue.directions`).
-    z of a prismatic joint is as close to the base's z axis as possible, if the joint is not along
-    it. Fixed and spherical joints have the base axes of the reference posture. The axes turn with
-    the first body.
+    x is the axis of the joint, or the normal of both axes of a universal joint
+    (`catalogue.directions`). z of a prismatic joint is as close to the base's z axis as possible,
+    unless the joint is along it. Fixed and spherical joints have the base axes of the reference
+    posture. The axes rotate with the first body.
     """
     first = rotation_since_reference(posture, joint.first.body)
     if joint.kind in {"fixed", "spherical"}:
@@ -189,7 +189,7 @@ def _load_on_mass(system: System, body: str, load: Loading) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Equilibrium:
-    """Conditions on the wrenches of all joints, N and N: moments over the length of the mechanism.
+    """Conditions on the wrenches of all joints. Moments are divided by the mechanism's length (N).
 
     Wrenches are those of joints on their second bodies, at their first interfaces, base axes.
     """

@@ -66,7 +66,7 @@ class DampedModes:
     `inverses` (r) are μ (s²), the inverse squares of the complex natural frequencies. `residues`
     (r×…) are the contributions g of the modes to the static compliance (6×6, SI, base axes, or its
     component in one direction). `ratio` is the damping ratio, one for all modes or one for each.
-    Viscous dashpots add iωκ to the denominators, with the `rates` κ (r, s), and iωh to the
+    Viscous dashpots add iωκ to the denominators, with the `rates` κ (r, in s), and iωh to the
     contributions, with the `rate_residues` h (like `residues`).
     """
 
@@ -96,11 +96,11 @@ class DampedModes:
         return np.asarray(of_parts + self.rates.real * natural + 2.0 * self.ratio)
 
     def along(self, direction: Array) -> "DampedModes":
-        """Modes for displacement and force along `direction` (3, a unit vector, base axes)."""
+        """The same modes for displacement and force along `direction` (unit vector, base axes)."""
         return self.between(slice(3), direction, slice(3), direction)
 
     def between(self, moved: slice, direction: Array, loaded: slice, force: Array) -> "DampedModes":
-        """Modes for the displacement along `direction` under a force along `force` (unit vectors).
+        """The same modes for displacement along `direction` and force along `force` (unit vectors).
 
         `moved` and `loaded` are the rows of the translations of the two points among the outputs.
         """
@@ -112,9 +112,10 @@ class DampedModes:
         return component if self._moves(component, moved, loaded) else component._without_terms()
 
     def _moves(self, component: "DampedModes", moved: slice, loaded: slice) -> bool:
-        """True if a component of the receptance exceeds the round-off of those of its points.
+        """True if a component of the receptance exceeds round-off.
 
-        It is compared in statics and near all resonances. Terms of equal frequencies may cancel.
+        It is compared with the receptances of both points, in statics and near all resonances.
+        Terms of equal frequencies may cancel.
         """
         finite = self.frequencies[np.isfinite(self.frequencies)]
         samples = np.append(0.0, _BESIDE_RESONANCE * finite)
@@ -134,7 +135,7 @@ class DampedModes:
         )
 
     def _without_terms(self) -> "DampedModes":
-        """Modes of a motion that no force causes."""
+        """Modes without contributions to the receptance, for a motion that no force causes."""
         zeros = np.zeros_like(self.residues)
         return replace(self, residues=zeros, rate_residues=zeros)
 

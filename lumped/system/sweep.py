@@ -142,7 +142,7 @@ def _together(
 def _frequencies(
     nodes: NodeMatrices, inside: _InnerMatrices, inverse: Array, count: int
 ) -> Array | None:
-    """Natural frequencies (P×count, Hz). None if fewer modes move mass in one of the postures."""
+    """Natural frequencies (P×count, in Hz). None if too few modes move mass in a posture."""
     postures, size = inverse.shape[:2]
     if not count:
         return np.zeros((postures, 0))

@@ -111,7 +111,7 @@ def boundary(mesh: VolumeMesh) -> Facets:
 
 
 def area_vectors(nodes: Array, facets: Facets) -> Array:
-    """Normal vector times area (F×3, m²) of each facet, evaluated at its centre."""
+    """Normal vector times area (F×3, in m²) of each facet, evaluated at its centre."""
     flat = ELEMENTS[facets.element]
     corners = flat.nodes[list(flat.corner_nodes)]
     slopes = gradients(facets.element, corners.mean(axis=0)[:, None])[:, :, 0]

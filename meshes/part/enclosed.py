@@ -1,6 +1,6 @@
 """Volume, centre and moments of a solid, and areas of its faces, by integrals over its surface.
 
-These integrals check those of the geometry kernel of gmsh (OpenCASCADE).
+These integrals check those of gmsh's geometry kernel (OpenCASCADE).
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ _DEGREE = 8
 
 @dataclass(frozen=True, eq=False)
 class VolumeProperties:
-    """Volume properties of a solid: `volume` (m³), `centre` (3, m), `inertia` (3×3, m⁵).
+    """Volume properties of a solid: `volume` (m³), `centre` (3, in m), `inertia` (3×3, in m⁵).
 
     The inertia is that for density 1 about the centre. `error` (m³) is the half-width of the
     volume's uncertainty from two surface meshes. Zero if the volume is exact.
@@ -47,9 +47,9 @@ def _tri6() -> tuple[Array, Array, Array]:
 
 
 def _integrated(nodes: Array, facets: Facets) -> tuple[Array, Array]:
-    """Quadrature points (F×Q×3, m) of quadratic triangles, and weighted normals there.
+    """Quadrature points (F×Q×3, in m) of quadratic triangles, and weighted normals there.
 
-    The normals (F×Q×3, m²) are multiplied by the quadrature weights.
+    The normals (F×Q×3, in m²) are multiplied by the quadrature weights.
     """
     shapes, slopes, weights = _tri6()
     corners = nodes[facets.cells]
@@ -80,15 +80,15 @@ def enclosed(nodes: Array, faces: Sequence[Facets]) -> VolumeProperties:
 
 
 def extrapolated(coarse: Array, fine: Array) -> Array:
-    """Limit of an integral over triangles of decreasing size, from a coarse and a fine mesh.
+    """Extrapolated integral over a surface, from meshes of coarse and of fine triangles.
 
-    The ratio of their sizes is COARSENESS.
+    The ratio of the sizes of the triangles is COARSENESS.
     """
     return fine + _ERROR * (fine - coarse)
 
 
 def half_width(coarse: float, fine: float) -> float:
-    """Half-width of the uncertainty of the extrapolated limit of two integrals."""
+    """Half-width of the uncertainty of an integral extrapolated from two meshes."""
     return _SAFETY * _ERROR * abs(fine - coarse)
 
 
@@ -117,7 +117,7 @@ def corrected(
 
 @dataclass(frozen=True, eq=False)
 class FaceArea:
-    """Area (m²) of a face, and the centre (3, m) of the area."""
+    """Area (m²) of a face, and the centre (3, in m) of the area."""
 
     area: float
     centre: Array

@@ -44,7 +44,7 @@ class Face:
 
 
 def face_of(number: int, nodes: Array, facets: Facets, name: str = "") -> Face:
-    """Face that consists of `facets` on `nodes` (N×3, m), with its type."""
+    """Face that consists of `facets` on `nodes` (N×3, in m), with its type."""
     vectors = area_vectors(nodes, facets)
     areas = np.linalg.norm(vectors, axis=1)
     area = float(areas.sum())
@@ -74,7 +74,7 @@ def _plain(direction: Array) -> Array:
 
 
 def _cylinder(points: Array, vectors: Array, areas: Array) -> tuple[Array, Array, float] | None:
-    """Axis (3), a point on it (3, m) and radius (m) of the cylinder through `points`.
+    """Axis (3), a point on it (3, in m) and radius (m) of the cylinder through `points`.
 
     None if they do not lie on a cylinder. The normals are perpendicular to the axis, which is
     therefore the direction of their smallest scatter. A circle about the axis is fitted to the

@@ -93,7 +93,7 @@ def cut_at_inner_edges(mesh: PartMesh) -> PartMesh:
 
 
 def _renewed(mesh: PartMesh, edges: IntArray, cut: "_Cut", positions: Array) -> PartMesh:
-    """Mesh of all pieces, whose nodes have the given `positions` (P×10×3, m)."""
+    """Mesh of all pieces, whose nodes have the given `positions` (P×10×3, in m)."""
     corner_numbers, corners = _renumbered(cut.corners)
     sides, middles = np.unique(_middles(corners), return_inverse=True)
     cells = np.hstack([corners, len(corner_numbers) + middles.reshape(-1, 6)])
@@ -123,7 +123,7 @@ class _Cut:
     shares: Array
 
     def positions(self, mesh: PartMesh) -> Array:
-        """Positions (P×10×3, m) of the nodes of the pieces in the curved tetrahedra."""
+        """Positions (P×10×3, in m) of the nodes of the pieces in the curved tetrahedra."""
         middles = self.shares[:, SIMPLEX_EDGES[4]].mean(axis=2)
         shares = np.concatenate([self.shares, middles], axis=1)
         shapes = values("tet10", shares[:, :, 1:].reshape(-1, 3).T).reshape(10, len(shares), -1)
@@ -131,7 +131,7 @@ class _Cut:
 
 
 def _side(start: IntArray, end: IntArray) -> IntArray:
-    """Unique number of each side between two nodes, or from a node to itself."""
+    """Unique number of the element side between the nodes `start` and `end`, which may be equal."""
     return (start << _BITS) + end
 
 
@@ -175,7 +175,7 @@ def _cut(cells: IntArray, edges: IntArray) -> _Cut:
 
 
 def _pieces(on: Array, order: IntArray) -> IntArray:
-    """Corners (P×k×2) of the pieces of a simplex, of whose corners some lie `on` the edge.
+    """Corners (P×k×2) of the pieces of a simplex with some corners `on` a re-entrant edge.
 
     `order` contains the corners in ascending order of their node numbers: diagonals start at the
     lower number, so that they agree in both neighbours.

@@ -36,9 +36,9 @@ _SAME_DIRECTION = float(np.cos(np.radians(0.5)))
 class Interface:
     """Interface of a part: the `faces` to which a joint is attached, and its reference point.
 
-    `point` (3, m, file axes) is the reference point. If the faces form a cylinder, `axis` is the
-    unit vector of its axis and `on_axis` (3, m) a point on it; otherwise both are None. `area` (m²)
-    is that of the faces. `by_default` is True if the robot file does not specify the coupling.
+    `point` (3, in m, file axes) is the reference point. If the faces form a cylinder, `axis` is the
+    unit vector of its axis and `on_axis` (3, in m) a point on it; otherwise both are None. `area`
+    (m²) is that of the faces. `by_default` is True if the robot file does not specify the coupling.
     """
 
     name: str

@@ -37,7 +37,7 @@ class NotPrismaticError(InputError):
 
 @dataclass(frozen=True, eq=False)
 class Slice:
-    """One connected piece of a section: outer outline and holes (n×2 each, m, in the plane)."""
+    """One connected piece of a section: outer outline and holes (n×2 each, in m, in the plane)."""
 
     outer: Array
     holes: tuple[Array, ...]
@@ -49,7 +49,7 @@ class Slice:
 
     @property
     def centroid(self) -> Array:
-        """Centroid (2, m) of the area without the holes."""
+        """Centroid (2, in m) of the area without the holes."""
         first = _moments(self.outer)[1] - sum(_moments(hole)[1] for hole in self.holes)
         return np.asarray(first / self.area)
 
@@ -74,7 +74,7 @@ class Slice:
 def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Slice]:
     """Pieces of the section of a part with a plane. The first is the nearest to `origin`.
 
-    The plane passes through `origin` (3, m), and its normal is the first column of `axes` (3×3).
+    The plane passes through `origin` (3, in m), and its normal is the first column of `axes` (3×3).
     The outlines are in the other two axes. `facets` is the boundary of the part on `nodes`. Raises
     NotPrismaticError if the plane does not cut the part.
     """
@@ -141,7 +141,7 @@ def _slice_mesh(piece: Slice) -> SectionMesh:
 
 
 def _loops(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Array]:
-    """Closed polygons (n×2, m) in which the plane cuts the boundary of the part."""
+    """Closed polygons (n×2, in m) in which the plane cuts the boundary of the part."""
     local = (nodes - origin) @ axes
     height = local[:, 0].copy()
     # Nodes in the plane count as above it, so that a face in the plane lies on one side of it.

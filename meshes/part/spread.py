@@ -37,7 +37,7 @@ def spread_over(mesh: VolumeMesh) -> tuple[IntArray, Array]:
 
 
 def cell_volumes(mesh: VolumeMesh) -> Array:
-    """Volume (M, m³) of each cell, from the Jacobian at its centre."""
+    """Volume (M, in m³) of each cell, from the Jacobian at its centre."""
     kind = ELEMENTS[mesh.element]
     corners = kind.nodes[list(kind.corner_nodes)]
     slopes = gradients(mesh.element, corners.mean(axis=0)[:, None])[:, :, 0]

@@ -25,7 +25,7 @@ _ROUNDS = 10
 
 
 def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
-    """Nodes (N×3, m) after straightening of folded tet10 `cells`, and the number of these cells.
+    """Nodes (N×3, in m) after straightening of folded tet10 `cells`, and the number of these cells.
 
     Midside nodes are moved half way between the corners. Neighbours that share these edges may
     become folded and are straightened, too. Raises ComputationError if a cell is inverted or flat
@@ -58,7 +58,7 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
 
 
 def are_folded(positions: Array) -> NDArray[np.bool_]:
-    """True for each tet10 with nodes at `positions` (M×10×3, m) that is folded or nearly folded."""
+    """True for each tet10 with nodes at `positions` (M×10×3, in m) that is (nearly) folded."""
     return np.asarray(_evenness(positions) < _FOLDED)
 
 

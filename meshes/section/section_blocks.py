@@ -257,7 +257,7 @@ def _strip_counts(
 
 
 def _mirrored(*sizes: float) -> list[float]:
-    """Coordinates of the sides of concentric strips with the given sizes, the widest first."""
+    """Coordinates of the sides of concentric strips of the given sizes (widest first)."""
     return [-size / 2.0 for size in sizes] + [size / 2.0 for size in reversed(sizes)]
 
 

@@ -120,7 +120,7 @@ def _composite_mesh(section: Composite, refinements: int, part: str) -> SectionM
 
 
 def _vertex_sizes(partition: Partition, largest: float) -> Array:
-    """Size of the elements (m) at each vertex: the distance to the nearest edge not at it."""
+    """Element size (m) at each vertex: the distance to the nearest edge that does not meet it."""
     starts, ends = (partition.vertices[partition.ends[:, i]] for i in (0, 1))
     sizes = np.full(len(partition.vertices), largest)
     for number, vertex in enumerate(partition.vertices):
@@ -227,7 +227,7 @@ def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) ->
 
 
 def symmetrised(nodes: Array, part: str) -> Array:
-    """Nodes (N×2, m), averaged with the mirror images of their partners about both axes.
+    """Nodes (N×2, in m), averaged with the mirror images of their partners about both axes.
 
     gmsh positions points on arcs with errors of about 1e-9 of their length. After averaging,
     products of inertia and couplings vanish to round-off. Raises ComputationError, with `part` in

@@ -1,4 +1,5 @@
-"""Joints in the terms of catalogues: stiffnesses and dashpots along named directions.
+"""Joints as in catalogues of machine elements: stiffness and damping along named directions.
 
-`directions` names the directions of each kind of joint and makes matrices of numbers along them.
+`directions` contains the names of the directions of each kind of joint, and converts values along
+them to matrices.
 """

@@ -1,10 +1,11 @@
 """Hertzian contact of a ball between two grooves, and preloaded ball bearings.
 
-A ball of diameter D between the grooves of two rings yields by δ under the load Q = c δ^(3/2), with
+A ball of diameter D is pressed between the grooves of two rings. Under the load Q = c δ^(3/2) they
+approach by δ, with
 
     δ = δ* (3Q (1 − ν²) / (E Σρ))^(2/3) Σρ/2,    δ* = (2K/π) (π/(2κ²E))^(1/3)
 
-of each contact (Hertz; Harris, Rolling Bearing Analysis, chapter 6), where Σρ is the sum of the
+for each contact (Hertz; Harris, Rolling Bearing Analysis, chapter 6), where Σρ is the sum of the
 principal curvatures and κ the ratio of the axes of the contact ellipse, which follows from the
 curvature difference F(ρ) = ((κ² + 1)E − 2K)/((κ² − 1)E) with the complete elliptic integrals K and
 E of the parameter 1 − 1/κ².
@@ -54,7 +55,7 @@ _STEEPEST = 0.5 * np.pi - 1e-6
 
 @dataclass(frozen=True)
 class BallBearing:
-    """A row of a ball bearing: `balls`, their diameter and that of their circle (m).
+    """One row of a ball bearing: number of `balls`, their diameter and pitch circle diameter (m).
 
     `angle` is the contact angle without load (rad). `inner` and `outer` are the radii of the
     grooves relative to the ball's diameter.
@@ -74,7 +75,7 @@ class BallBearing:
 
     @property
     def contact_constant(self) -> float:
-        """C (N/m^1.5) of a ball with both contacts in series."""
+        """Constant c (N/m^1.5) of a ball with its contacts to both rings in series."""
         D = self.ball_diameter
         gamma = D * np.cos(self.angle) / self.pitch_diameter
         along = 2.0 / D * np.array([gamma / (1.0 - gamma), -gamma / (1.0 + gamma)])
@@ -101,8 +102,9 @@ class BallBearing:
     def stiffness(self, preload: float, sign: float, position: float) -> Array:
         """6×6 stiffness (SI, axes with x along the shaft) of a row under an axial `preload` (N).
 
-        The row is at `position` (m) along the shaft; `sign` is the direction in which its inner
-        ring presses against the balls. Referred to the origin of the axes.
+        The row is at `position` (m) along the shaft. `sign` (1 or −1) is the direction along x in
+        which its inner ring presses against the balls. The stiffness is referred to the origin of
+        the axes.
         """
         angle, approach = self.under_preload(preload)
         length = self.distance + approach
@@ -125,15 +127,16 @@ class BallBearing:
 
 
 def bearing_of_size(size: str) -> BallBearing:
-    """A row of a bearing of `SIZES`."""
+    """One row of a bearing with the name `size` in `SIZES`."""
     balls, ball, pitch, angle, inner, outer = SIZES[size]
     return BallBearing(balls, ball, pitch, float(np.radians(angle)), inner, outer)
 
 
 def hertz_constant(curvatures: Sequence[float]) -> float:
-    """C (N/m^1.5) in Q = c δ^(3/2) of two steel bodies with principal `curvatures` (4, 1/m).
+    """Constant c (N/m^1.5) of Q = c δ^(3/2) for two steel bodies in contact.
 
-    Those of the first body, then those of the second, in the same two planes. Negative if hollow.
+    `curvatures` (4 values, in 1/m) are the principal curvatures of the first body, then those of
+    the second in the same two planes. They are negative for a hollow side.
     """
     total = float(sum(curvatures))
     ratio = ellipse_ratio(curvature_difference(curvatures))
@@ -145,13 +148,13 @@ def hertz_constant(curvatures: Sequence[float]) -> float:
 
 
 def curvature_difference(curvatures: Sequence[float]) -> float:
-    """F(ρ) of Hertz: the relative difference of the curvatures in both planes."""
+    """Hertz's F(ρ): relative difference of the curvatures in both principal planes."""
     first, second, third, fourth = curvatures
     return abs((first - second) + (third - fourth)) / sum(curvatures)
 
 
 def ellipse_ratio(difference: float) -> float:
-    """Ratio κ of the axes of a contact ellipse from the curvature difference; 1 for a sphere."""
+    """Ratio κ of the axes of a contact ellipse, from F(ρ) = `difference`. 1 for two spheres."""
     if difference < 1e-9:
         return 1.0
 
@@ -166,9 +169,10 @@ def ellipse_ratio(difference: float) -> float:
 def bearing_stiffness(
     bearing: BallBearing, preload: float, rows: int, arrangement: Arrangement, distance: float
 ) -> Array:
-    """6×6 stiffness (SI, x along the shaft) of `rows` rows, `distance` (m) apart, about the middle.
+    """6×6 stiffness (SI, x along the shaft) of one or several rows, about their middle.
 
-    Each row has the axial `preload` (N). The rotation about the shaft is free.
+    Each of the `rows` has the axial `preload` (N). They are `distance` (m) apart. The rotation
+    about the shaft is free.
     """
     signs = [_SIGNS[arrangement][int(2 * row >= rows)] for row in range(rows)]
     positions = distance * (np.arange(rows) - 0.5 * (rows - 1))
@@ -180,7 +184,7 @@ def bearing_stiffness(
 
 
 def bearing_compliance(stiffness: Array) -> Array:
-    """6×6 compliance of a bearing (x along the shaft), zero about the shaft."""
+    """6×6 compliance of a bearing, x along the shaft. Zero for the rotation about the shaft."""
     held = [0, 1, 2, 4, 5]
     compliance = np.zeros((6, 6))
     compliance[np.ix_(held, held)] = np.linalg.inv(stiffness[np.ix_(held, held)])

@@ -1,9 +1,9 @@
-"""Carriage of a profile rail guide on four rows of balls, preloaded against each other.
+"""Carriage of a profile rail guide on four rows of balls that are preloaded against each other.
 
 The rows lie at the corners of a rectangle across the rail, each ball between two straight grooves
-with the lines of contact at an angle to the plane of the rail. Balls yield as in
+whose line of contact is at an angle to the plane of the rail. Contact stiffness is that of
 `lumped.mechanism.catalogue.ball_contact`. The upper rows press against the lower ones with the
-preload F = 2 n Q sin α of n loaded balls in a row; α is that under preload.
+preload F = 2 n Q sin α of n loaded balls in a row, with the contact angle α under preload.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ Lines: TypeAlias = Literal["O", "X"]
 
 @dataclass(frozen=True)
 class BallGuide:
-    """A carriage with `balls` loaded balls in each of its four rows; lengths in m.
+    """A carriage with `balls` loaded balls in each of its four rows. Lengths are in m.
 
     Rows are `width` apart along y and `height` along z, their balls `spacing` apart. `angle` (rad)
     is that of the lines of contact, `groove` the radius of the grooves relative to the ball's
@@ -39,7 +39,7 @@ class BallGuide:
     def stiffness(self, preload: float) -> Array:
         """6×6 stiffness (SI) about the middle of the carriage under a `preload` (N).
 
-        Axes: x along the rail, z normal to it. There is none along x.
+        The axes are x along the rail and z normal to it. The stiffness along x is zero.
         """
         D = self.ball_diameter
         constant = hertz_constant((2.0 / D, 2.0 / D, 0.0, -1.0 / (self.groove * D))) / 2.0**1.5
@@ -63,7 +63,7 @@ class BallGuide:
 
 
 def guide_compliance(stiffness: Array) -> Array:
-    """6×6 compliance of a guide (x along the rail), zero along it."""
+    """6×6 compliance of a guide, x along the rail. Zero for the free motion along the rail."""
     compliance = np.zeros((6, 6))
     compliance[1:, 1:] = np.linalg.inv(stiffness[1:, 1:])
     return compliance

@@ -1,9 +1,9 @@
-"""Directions of joints by name, and the matrices of numbers along them.
+"""Named directions of joints, and matrices of stiffness or damping along them.
 
 The x axis of a joint is the axis of its kind; of a universal joint, the normal of its two axes in
 the reference posture; of a spherical or fixed one, the direction `up`. The z axis of a prismatic
 joint is as close to `up` as possible: x is along the slide, y lateral, z normal, and roll, pitch
-and yaw turn about them. The other kinds have equal numbers along y and z.
+and yaw are rotations about these axes. The other kinds have equal values along y and z.
 """
 
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ from lumped.screws import turn_matrix
 
 @dataclass(frozen=True)
 class Direction:
-    """Components (0 to 5) of a twist in joint axes. `free`: the joint moves along them."""
+    """Components (0 to 5) of a twist in joint axes. `free` if the joint moves along them."""
 
     components: tuple[int, ...]
     free: bool = False
@@ -79,8 +79,8 @@ NEED_UP: dict[JointKind, tuple[tuple[str, str], ...]] = {
 def joint_axes(kind: JointKind, axes: Array, up: Array | None) -> Array:
     """Axes (3×3, as columns) of a joint in base axes of the reference posture.
 
-    `axes` (n×3, unit vectors) are those of its kind. Without `up` (3), directions that depend on it
-    are arbitrary.
+    `axes` (n×3, unit vectors) are those that the kind of joint has. If `up` is None, directions
+    that depend on it are arbitrary.
     """
     if kind in {"spherical", "fixed"}:
         x = np.eye(3)[0] if up is None else up / np.linalg.norm(up)
@@ -96,9 +96,10 @@ def joint_axes(kind: JointKind, axes: Array, up: Array | None) -> Array:
 
 
 def joint_matrix(kind: JointKind, axes: Array, values: Mapping[str, float]) -> Array | None:
-    """Symmetric 6×6 matrix in base axes with `values` along directions in joint `axes` (3×3).
+    """Symmetric 6×6 matrix in base axes, with `values` along the directions of a kind of joint.
 
-    Zero along all other directions. None if all values are zero.
+    `axes` (3×3) are those of the joint. The matrix is zero along all other directions. None if all
+    values are zero.
     """
     diagonal = np.zeros(6)
     for name, value in values.items():

@@ -29,8 +29,8 @@ _STEP = 1e-5
 class Motion:
     """Velocity and acceleration of a body, in base axes or in body axes.
 
-    `linear_acceleration` (3, m/s²) is that of the origin of the body axes. `angular_acceleration`
-    (3) is in rad/s², `angular_velocity` (3) in rad/s.
+    `linear_acceleration` (3, in m/s²) is that of the origin of the body axes.
+    `angular_acceleration` (3) is in rad/s², `angular_velocity` (3) in rad/s.
     """
 
     linear_acceleration: Array
@@ -38,7 +38,7 @@ class Motion:
     angular_velocity: Array
 
     def acceleration_at(self, arm: Array) -> Array:
-        """Acceleration (3, m/s²) of the point of the body at `arm` (3, m) from its origin."""
+        """Acceleration (3, in m/s²) of the point of the body at `arm` (3, in m) from its origin."""
         centripetal = np.cross(self.angular_velocity, np.cross(self.angular_velocity, arm))
         return np.asarray(
             self.linear_acceleration + np.cross(self.angular_acceleration, arm) + centripetal
@@ -51,8 +51,8 @@ REST = Motion(np.zeros(3), np.zeros(3), np.zeros(3))
 def accelerations(posture: Posture, speed: Array, acceleration: Array) -> dict[str, Motion]:
     """Motion of each body if the loaded point moves with `speed` and `acceleration`.
 
-    `speed` (3, m/s) and `acceleration` (3, m/s²) are in base axes. All other coordinates that the
-    pose of the tool prescribes are constant. Raises ComputationError if the mechanism cannot
+    `speed` (3, in m/s) and `acceleration` (3, in m/s²) are in base axes. All other coordinates that
+    the pose of the tool prescribes are constant. Raises ComputationError if the mechanism cannot
     perform the motion.
     """
     closure = closure_of(posture.mechanism)

@@ -30,7 +30,7 @@ _SMALL = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Positions of all n bodies: `origins` (n×3, m, base axes), and rotations `turns` (n×3×3).
+    """Positions of all n bodies: `origins` (n×3, in m, base axes), and rotations `turns` (n×3×3).
 
     The rotations are counted from the reference posture.
     """
@@ -79,7 +79,7 @@ class Closure:
         self._weights = np.array([1.0] * 3 + [self.size] * 3)[self.moves]
 
     def _arm(self, body: str, point: str) -> Array:
-        """Vector (3, m) from a body's origin to an interface.
+        """Vector (3, in m) from a body's origin to an interface.
 
         Base axes of the reference posture.
         """
@@ -258,7 +258,7 @@ class Closure:
         return Placement(origins, turns)
 
     def _tool_rotation(self, placement: Placement) -> Array:
-        """Rotation vector (3, rad) of the tool. Zero if no rotation is prescribed."""
+        """Rotation vector (3, in rad) of the tool. Zero if no rotation is prescribed."""
         if max(self.moves, default=0) < 3:
             return np.zeros(3)
         return rotation_vector(placement.turns[self._tool_body])

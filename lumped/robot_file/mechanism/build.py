@@ -79,7 +79,7 @@ def _body(description: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
 
 
 def _point(description: Draft, place: Any) -> Array:
-    """Position (3, m) of a point given by its name or its coordinates."""
+    """Position (3, in m) of a point given by its name or its coordinates."""
     return description.points[place] if isinstance(place, str) else np.array(place)
 
 

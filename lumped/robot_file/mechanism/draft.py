@@ -29,7 +29,7 @@ class Draft:
 
     - bodies: `kind` ("leg", "rigid body" or "part"; None if the keys fit none or several), the
       material as a table, the key of a named material (`material_key`), `interface_points` (None if
-      they have faults). For legs also the `vector` (3, m) from first to second point and its
+      they have faults). For legs also the `vector` (3, in m) from first to second point and its
       `length` (m);
     - bodies and joints: `lengths`, the unit of length in messages;
     - joints: `points` on both bodies, `repeated_point` (True if two equal names are given),

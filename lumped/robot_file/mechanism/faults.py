@@ -236,7 +236,7 @@ def _axis_faults(mechanism: Mechanism, barred: Sequence[str]) -> list[str]:
 
 
 def _screw_faults(place: Posture, location: str) -> Iterator[str]:
-    """Faults of ball screws whose nut is beyond a bearing in a posture."""
+    """Faults of ball screws whose nut would be beyond a bearing in the posture `place`."""
     for joint in place.mechanism.joints:
         try:
             drive_in(place, joint)

@@ -1,8 +1,8 @@
 """Centre line of a leg of schema 2 and its sections at stations, or the faults of both.
 
-`through` lists the points of the line between `from` and `to`: a point that the line reaches
-straight from the one before, or `{ arc = POINT }`, on the arc that joins the points before and
-after it.
+`through` lists the points of the line between `from` and `to`. The line goes straight to a point
+that is given by its name or coordinates. A point `{ arc = POINT }` lies on the arc that joins the
+points before and after it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,7 +30,10 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LegLine:
-    """Line of a leg (leg axes) and stations (m along it, section). None if there are `faults`."""
+    """Centre line of a leg (leg axes) and its stations (m along it, section).
+
+    Both are None if there are `faults`.
+    """
 
     line: CentreLine | None
     stations: tuple[tuple[float, Section], ...] | None
@@ -39,7 +42,7 @@ class LegLine:
 
 @dataclass(frozen=True, eq=False)
 class _Stop:
-    """Point on the centre line of a leg. `position`: (3, m, base axes).
+    """Point on the centre line of a leg. `position`: (3, in m, base axes).
 
     `name` is "" for a point given by coordinates. `key` is its key in the robot file.
     """
@@ -108,7 +111,7 @@ def _triple(vector: Array) -> Point:
 
 
 def _stops(body: Mapping[str, Any], points: Mapping[str, Array], key: str) -> list[_Stop] | None:
-    """Points of the line from root to tip. None if a name is unknown, which is another fault."""
+    """Points of the line from root to tip. None if a name is unknown (reported elsewhere)."""
     stops = []
     entries = [(f"{key}.from", body["from"])]
     entries += [(f"{key}.through[{n}]", at) for n, at in enumerate(body["through"] or (), 1)]
@@ -170,7 +173,7 @@ def _pieces(stops: Sequence[_Stop], positions: Sequence[Point]) -> tuple[LinePie
 
 
 def _named_positions(stops: Sequence[_Stop], line: CentreLine) -> dict[str, float]:
-    """Positions (m along the line) of its named points; those inside an arc have none."""
+    """Positions (m along the line) of its named points, except those inside an arc."""
     ends = [stop for stop in stops if not stop.on_arc]
     return {
         stop.name: float(position)

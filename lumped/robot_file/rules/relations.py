@@ -259,7 +259,7 @@ def joint_faults(joint: Entry) -> Iterator[str]:
 
 
 def _direction_faults(joint: Entry) -> Iterator[str]:
-    """Faults of numbers along directions of a joint, and of `up`, on which they depend."""
+    """Faults of values along directions of a joint, and of `up`, on which the directions depend."""
     key, kind, stiffness, damping = (joint[k] for k in ("key", "type", "stiffness", "damping"))
     directions = DIRECTIONS[kind]
     held = [name for name, direction in directions.items() if not direction.free]
@@ -326,7 +326,7 @@ def _bearing_faults(joint: Entry, bearing: Entry) -> Iterator[str]:
 def _strange_directions(
     numbers: Entry, directions: Sequence[str], key: str, kind: str
 ) -> Iterator[str]:
-    """Faults of numbers along directions that a kind of joint does not have."""
+    """Faults of values for directions that a kind of joint does not have."""
     present_keys = _present_keys(numbers, *numbers)
     if not present_keys:
         yield f"{key}: has no number; must have one of {', '.join(directions)}"

@@ -1,4 +1,4 @@
-"""Sections with materials of their own as a robot file describes them, before they are built."""
+"""Sections with their own materials, as described in a robot file, before they are built."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
@@ -18,7 +18,7 @@ class CompositeTable:
     parts: tuple[Mapping[str, Any], ...]
 
     def resolved(self, materials: Mapping[str, Any]) -> "CompositeTable":
-        """The same parts with the tables of the materials that they name."""
+        """The same parts, with tables in place of the names of their materials."""
 
         def with_table(part: Mapping[str, Any]) -> Mapping[str, Any]:
             material = part["material"]
@@ -28,7 +28,7 @@ class CompositeTable:
         return replace(self, parts=tuple(map(with_table, self.parts)))
 
     def faults(self, unit: str = "m") -> list[str]:
-        """Faults of the shapes and their places, whatever their materials."""
+        """Faults of the shapes and their positions, regardless of materials."""
         parts = tuple(
             CompositePart(part["section"], E=1.0, nu=0.0, rho=1.0, at=part["at"])
             for part in self.parts
@@ -54,7 +54,7 @@ class CompositeTable:
 
     @property
     def section(self) -> Composite:
-        """The section. Its materials are tables without faults."""
+        """Composite section of the parts, whose materials must be tables without faults."""
         return Composite(tuple(map(_part, self.parts)))
 
 
@@ -77,7 +77,7 @@ class LaminateTable:
     sizes: Mapping[str, float]
 
     def resolved(self, materials: Mapping[str, Any]) -> "LaminateTable":  # noqa: ARG002
-        """The same wall, which names no materials."""
+        """The same wall. It contains no names of materials."""
         return self
 
     def faults(self, unit: str = "m") -> list[str]:
@@ -91,12 +91,12 @@ class LaminateTable:
         return missing[:1] or self.section.faults(unit)
 
     def material_faults(self, key: str) -> Iterator[str]:  # noqa: ARG002
-        """No faults: those of layers are faults of the section."""
+        """Empty: faults of layers are among those of the section."""
         yield from ()
 
     @property
     def _layers(self) -> list[dict[str, Any]]:
-        """Keys of each layer with their values, None if they are given nowhere."""
+        """Keys of each layer with their values. None if neither layer nor ply defines the key."""
         tables = [x if isinstance(x, Mapping) else {"angle": x} for x in self.layers]
         names = [field.name for field in fields(Layer)]
         return [
@@ -106,7 +106,7 @@ class LaminateTable:
 
     @property
     def section(self) -> Laminate:
-        """The section. Its layers lack no key."""
+        """Laminate section of the wall, whose layers must have all keys."""
         return self.shape(tuple(Layer(**layer) for layer in self._layers), **self.sizes)
 
 

@@ -43,7 +43,7 @@ _GAP = 1e-7
 class CadModel:
     """The solid with the number `tag` in the current gmsh model.
 
-    `unit` is the length unit of its file, `extent` (3, m) its size. `gap` (m) is the largest
+    `unit` is the length unit of its file, `extent` (3, in m) its size. `gap` (m) is the largest
     distance between faces, edges and corners of the solid that should coincide.
     """
 
@@ -66,7 +66,7 @@ class CadModel:
 
     @property
     def unknown_share(self) -> float:
-        """Relative uncertainty of the volume due to gaps: area times gap divided by volume."""
+        """Relative uncertainty of the volume due to gaps: surface area times gap over volume."""
         occ = self.gmsh.model.occ
         area = sum(float(occ.getMass(2, tag)) for tag in self.faces())
         return self.gap * area / abs(float(occ.getMass(3, self.tag)))
@@ -153,7 +153,7 @@ def _import(gmsh: ModuleType, path: Path, unit: str) -> None:
 
 
 def _box(gmsh: ModuleType, solid: int) -> Array:
-    """Lower and upper corner (2×3, m) of the bounding box of a solid.
+    """Lower and upper corner (2×3, in m) of the bounding box of a solid.
 
     The kernel's boxes include all control points of splines, which do not lie on the surface. For
     spline faces the box of the kernel's triangulation is used instead.
@@ -162,7 +162,7 @@ def _box(gmsh: ModuleType, solid: int) -> Array:
 
 
 def _box_of_faces(gmsh: ModuleType, faces: Sequence[tuple[int, int]]) -> Array:
-    """Lower and upper corner (2×3, m) of the bounding box of faces."""
+    """Lower and upper corner (2×3, in m) of the bounding box of faces."""
     lower, upper = [], []
     edges = gmsh.model.getBoundary(faces, combined=False, oriented=False)
     for dimension, tag in {*faces, *edges}:
@@ -181,7 +181,7 @@ def _box_of_faces(gmsh: ModuleType, faces: Sequence[tuple[int, int]]) -> Array:
 
 
 def _largest_gap(gmsh: ModuleType, solid: int) -> tuple[float, Array]:
-    """Largest gap (m) of a solid of the current model, and its position (3, m).
+    """Largest gap (m) of a solid of the current model, and its position (3, in m).
 
     Edges in space are compared with the same edges on the surfaces of their faces, and corners with
     the ends of their edges. The kernel ignores such gaps: it considers a shape closed if its faces,

@@ -40,9 +40,9 @@ _SECONDS, _SECONDS_PER_MB = 60.0, 300.0
 class PartFile:
     """A part read from the file `path`, in metres and in the axes of the file.
 
-    `unit` is the length unit of the file, `extent` (3, m) the size of the part. `surface` (N×3, m)
-    are the nodes of the `faces`. `exact` are volume properties of the shape; None for a mesh file.
-    `mesh` is the mesh of a mesh file; None for a CAD file. `gap` (m) is the largest distance
+    `unit` is the length unit of the file, `extent` (3, in m) the size of the part. `surface` (N×3,
+    in m) are the nodes of the `faces`. `exact` are volume properties of the shape; None for a mesh
+    file. `mesh` is the mesh of a mesh file; None for a CAD file. `gap` (m) is the largest distance
     between faces, edges and corners that should coincide, `unknown_share` the relative uncertainty
     of the volume due to the gap. `by_curvature` is False if gmsh cannot mesh the part with element
     sizes that follow the curvature.

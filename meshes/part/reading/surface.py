@@ -41,7 +41,7 @@ class SurfaceIntegrals:
     """Integrals over the surface of a solid.
 
     `inside` are volume properties of the solid, `areas` the areas of the faces by face number.
-    `extent` (3, m) is the size of the bounding box.
+    `extent` (3, in m) is the size of the bounding box.
     """
 
     inside: VolumeProperties
@@ -105,7 +105,7 @@ def surface_integrals(model: CadModel, triangles: Mapping[int, IntArray]) -> Sur
 
 
 def _middles_on_curves(gmsh: ModuleType) -> dict[tuple[int, int], Array]:
-    """Points (3, m) half way along each piece of a curve, by the node tags of its two ends."""
+    """Points (3, in m) half way along each piece of a curve, by the node tags of its two ends."""
     middles: dict[tuple[int, int], Array] = {}
     for _, curve in gmsh.model.getEntities(1):
         _, ends = gmsh.model.mesh.getElementsByType(_LINE, curve)
@@ -129,7 +129,7 @@ def _middles_on_curves(gmsh: ModuleType) -> dict[tuple[int, int], Array]:
 
 
 def _middles_inside(gmsh: ModuleType, face: int, edges: IntArray) -> Array:
-    """Points (E×3, m) on a face half way between the nodes of `edges` (E×2 node tags)."""
+    """Points (E×3, in m) on a face half way between the nodes of `edges` (E×2 node tags)."""
     tags, coordinates, parameters = gmsh.model.mesh.getNodes(
         2, face, includeBoundary=True, returnParametricCoord=True
     )
@@ -151,7 +151,7 @@ def _middles_inside(gmsh: ModuleType, face: int, edges: IntArray) -> Array:
 
 
 def _curve_extremes(gmsh: ModuleType) -> Array:
-    """Largest and smallest coordinates (2×3, m) of the curves of the model.
+    """Largest and smallest coordinates (2×3, in m) of the curves of the model.
 
     Each is the vertex of a parabola through the extreme one of many points and its two neighbours.
     """

@@ -123,7 +123,7 @@ def chosen_unit(file_unit: str | None, specified: str | None, source: str) -> st
 def require_plausible(
     extent: list[float], unit: str, source: str, *, unit_in_file: bool = False
 ) -> None:
-    """Raise InputError if a part with the `extent` (3, m) cannot be part of a robot.
+    """Raise InputError if a part with the `extent` (3, in m) cannot be part of a robot.
 
     `unit` is the unit in which the file was read. `unit_in_file` is True if the file contains the
     unit, so that no other one can be specified.
@@ -137,6 +137,6 @@ def require_plausible(
 
 
 def describe(extent: list[float], unit: str) -> str:
-    """Text of the `extent` (3, m) in `unit`, such as "905 × 170 × 210 mm"."""
+    """Text of the `extent` (3, in m) in `unit`, such as "905 × 170 × 210 mm"."""
     sides = " × ".join(f"{side / METRES[unit]:.6g}" for side in extent)
     return f"{sides} {unit}"
