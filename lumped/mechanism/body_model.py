@@ -28,7 +28,9 @@ class BodyModel:
 
     `displacements(points)` is the 3k×n matrix that maps the n unknowns to displacements (body axes)
     of `points` (k×3, in m, body axes). `parts` splits the stiffness by type of deformation: its
-    matrices add up to `stiffness`. It is empty if the model does not provide them.
+    matrices add up to `stiffness`. It is empty if the model does not provide them. `unit_pressures`
+    are the wrenches (6 for each interface, body axes) of 1 Pa on each face of a CAD part, by face
+    number. It is empty for bodies without faces.
     """
 
     model: str
@@ -37,6 +39,7 @@ class BodyModel:
     mass: Array | SparseMatrix
     displacements: Callable[[Array], SparseMatrix]
     parts: Mapping[str, Array | SparseMatrix] = field(default_factory=dict)
+    unit_pressures: Mapping[int, Array] = field(default_factory=dict)
 
     @property
     def size(self) -> int:

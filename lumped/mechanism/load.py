@@ -6,6 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.mechanism.body import Selection
+
+# Components of the resultant of a pressure below this share of pressure times area are round-off:
+# forces in N, moments in N m with a lever of 1 m.
+_ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +48,60 @@ class AppliedLine:
     in_base: bool
 
 
+@dataclass(frozen=True)
+class Pressure:
+    """A uniform `pressure` (Pa) on selected `faces` of the CAD part `body`, positive into it.
+
+    Points and directions of the selection are in m and in the axes of the part's file.
+    """
+
+    body: str
+    faces: Selection
+    pressure: float
+
+
+@dataclass(frozen=True, eq=False)
+class PressureResultant:
+    """Resultant of a `pressure` (Pa) on `faces` of the CAD part `body`, whose `area` is in m².
+
+    `force` (3, N) and `moment` (3, N m) about the origin of the part's axes, in these axes.
+    """
+
+    body: str
+    faces: tuple[int, ...]
+    pressure: float
+    area: float
+    force: Array
+    moment: Array
+
+    @property
+    def text(self) -> str:
+        """Text with pressure, faces, area, force and moment."""
+        numbers = ", ".join(map(str, self.faces))
+        label = "faces" if len(self.faces) > 1 else "face"
+        smallest = _ROUND_OFF * abs(self.pressure) * self.area
+        force, moment = (
+            ", ".join(f"{0.0 if abs(x) < smallest else x:.4g}" for x in vector)
+            for vector in (self.force, self.moment)
+        )
+        return (
+            f"{self.pressure:.6g} Pa on {label} {numbers} of {self.body} "
+            f"({self.area * 1e6:.5g} mm²), force ({force}) N, moment ({moment}) N m"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class InterfaceLoads:
+    """Wrenches on the interfaces of deformable bodies for unit accelerations and pressures.
+
+    Body axes, SI units. `masses`: mass matrices (6m×6m) on the twists of the m interfaces, by body
+    name. `unit_pressures`: wrenches (6m) of 1 Pa on selected faces, by body name and selection.
+    """
+
+    masses: Mapping[str, Array] = field(default_factory=dict)
+    unit_pressures: Mapping[tuple[str, Selection], Array] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, eq=False)
 class Load:
     """A static load of a robot file, in base axes and SI units.
@@ -50,7 +109,7 @@ class Load:
     `wrench` (6) acts at the interface `point` of `body`. If `path_wrenches` (p×6, one for each pose
     of the path) is not None, it replaces `wrench`. `gravity` (3, in m/s²) acts on the mass of all
     bodies. If the tool's point moves with `speed` (3, in m/s) and `acceleration` (3, in m/s²), so
-    do inertia forces. `lines` act along legs.
+    do inertia forces. `lines` act along legs, `pressures` on faces of CAD parts.
     """
 
     name: str
@@ -62,6 +121,7 @@ class Load:
     speed: Array = field(default_factory=lambda: np.zeros(3))
     path_wrenches: Array | None = None
     lines: Sequence[AppliedLine] = ()
+    pressures: Sequence[Pressure] = ()
 
     @property
     def acts_on_mass(self) -> bool:
@@ -88,10 +148,10 @@ class AppliedWrench:
 class Loading:
     """Wrenches of a load in one posture.
 
-    `point_wrenches` act at points. `body_wrenches` are gravity, inertia forces and loads along
-    legs, reduced to the interfaces of the bodies. `rotor_forces` are forces (N) or moments (N m) on
-    the rotors of drives along the coordinates of their joints, by joint name. `line_loads` are
-    those of `body_wrenches` that act along legs, by name of the leg.
+    `point_wrenches` act at points. `body_wrenches` are gravity, inertia forces, loads along legs
+    and pressures, reduced to the interfaces of the bodies. `rotor_forces` are forces (N) or moments
+    (N m) on the rotors of drives along the coordinates of their joints, by joint name. `line_loads`
+    are those of `body_wrenches` that act along legs, by name of the leg.
     """
 
     point_wrenches: Sequence[AppliedWrench]

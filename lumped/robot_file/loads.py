@@ -13,12 +13,14 @@ import numpy as np
 from lumped.acceptance.quantities import TEST_RESPONSE
 from lumped.arrays import Array
 from lumped.errors import InputError, collect_faults
+from lumped.mechanism.body import Rigid
 from lumped.mechanism.kinematics.postures import shown_pose
-from lumped.mechanism.load import AppliedLine, Excitation, LineLoad, Load
+from lumped.mechanism.load import AppliedLine, Excitation, LineLoad, Load, Pressure
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism
 from lumped.models.bodies import legs_of
+from lumped.robot_file.mechanism.build import selection_of
 from lumped.robot_file.reading import TableRow, number_or_text, table_rows
-from lumped.robot_file.rules.relations import NO_DIRECTION, named_twice
+from lumped.robot_file.rules.relations import NO_DIRECTION, interface_faults, named_twice
 from lumped.robot_file.rules.rule import Number
 from lumped.robot_file.rules.tables import COORDINATE, FORCE, MOST_POSES
 from lumped.text import did_you_mean, shown
@@ -26,6 +28,7 @@ from lumped.text import did_you_mean, shown
 # Smallest speed (m/s) and acceleration (m/s²). Squares of smaller numbers are round-off.
 _SMALLEST = 1e-12
 _LOAD_KEYS = ("wrench", "gravity", "acceleration", "speed")
+_KINDS = (*_LOAD_KEYS, "file", "lines", "pressures")
 _COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 _NUMBER = "pose"
 # Excess over the length of a leg that is rounding of its points.
@@ -42,6 +45,10 @@ def loads_of(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Path) 
             **{key: np.array(table[key]) for key in _LOAD_KEYS if table[key] is not None},
             path_wrenches=_wrenches_over(folder / table["file"], robot) if table["file"] else None,
             lines=tuple(_line_of(line, robot) for line in table["lines"] or ()),
+            pressures=tuple(
+                Pressure(on_faces["body"], selection_of(on_faces), on_faces["pressure"])
+                for on_faces in table["pressures"] or ()
+            ),
         )
         for table in read
     )
@@ -52,10 +59,12 @@ def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Pat
     yield from _names_twice(read, "loads")
     for number, table in enumerate(read, start=1):
         key = f"loads[{number}]"
-        if all(table[key_name] is None for key_name in (*_LOAD_KEYS, "file", "lines")):
-            yield f"{key}: has no load; must have one of {', '.join(_LOAD_KEYS)}, file, lines"
+        if all(table[key_name] is None for key_name in _KINDS):
+            yield f"{key}: has no load; must have one of {', '.join(_KINDS)}"
         for line_number, line in enumerate(table["lines"] or (), start=1):
             yield from _line_faults(line, f"{key}.lines[{line_number}]", robot)
+        for pressure_number, on_faces in enumerate(table["pressures"] or (), start=1):
+            yield from _pressure_faults(on_faces, f"{key}.pressures[{pressure_number}]", robot)
         if table["file"] is not None:
             if table["wrench"] is not None:
                 yield f"{key}.wrench: must be left out beside a file of wrenches"
@@ -110,6 +119,18 @@ def _line_faults(table: Mapping[str, Any], key: str, robot: Mechanism) -> Iterat
         )
     elif start >= stop:
         yield f"{key}.from = {lengths.of(start)!r}: must be below {lengths.shown(stop)}, its end"
+
+
+def _pressure_faults(table: Mapping[str, Any], key: str, robot: Mechanism) -> Iterator[str]:
+    """Faults of a pressure on faces of a part."""
+    name, parts = table["body"], robot.parts
+    if name not in parts:
+        body = robot.bodies.get(name)
+        instead = "wrench" if body is not None and isinstance(body.shape, Rigid) else "lines"
+        reason = "" if body is None else f"; this body has no faces, load it by {instead}"
+        advice = did_you_mean(name, parts, otherwise=f": {', '.join(parts) or 'none'}")
+        yield f"{key}.body = {shown(name)}: must be a CAD part (step or mesh){advice}{reason}"
+    yield from interface_faults(dict(table), key)
 
 
 def _point_faults(

@@ -32,7 +32,14 @@ from lumped.mechanism.free_twists import drive_in, free_twists, interface_positi
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
 from lumped.mechanism.kinematics.postures import shown_pose
-from lumped.mechanism.load import AppliedLine, AppliedWrench, LineLoad, Load, Loading
+from lumped.mechanism.load import (
+    AppliedLine,
+    AppliedWrench,
+    InterfaceLoads,
+    LineLoad,
+    Load,
+    Loading,
+)
 from lumped.mechanism.mechanism import GROUND, Posture
 from lumped.screws import shift, skew, turn
 from lumped.system.assembly import System, rigid_mass
@@ -44,15 +51,14 @@ from lumped.system.solution import Solved, with_idle
 def loading(
     posture: Posture,
     load: Load,
-    masses: Mapping[str, Array],
+    bodies: InterfaceLoads,
     theory: Theory = "timoshenko",
 ) -> Loading:
     """Wrenches of a load in one posture.
 
-    `masses` contains the mass matrices (6m×6m, SI, body axes) of deformable bodies on the twists of
-    their m interfaces. Loads along legs are reduced to the ends by the beam theory `theory`. Raises
-    ComputationError if the tool cannot perform the motion of the load, or if the load has no wrench
-    for this pose.
+    `bodies` contains the masses of deformable bodies and the wrenches of pressures on their faces.
+    Loads along legs are reduced to the ends by the beam theory `theory`. Raises ComputationError if
+    the tool cannot perform the motion of the load, or if the load has no wrench for this pose.
     """
     mechanism = posture.mechanism
     load_position = interface_position(posture, Side(load.body, load.point))
@@ -63,6 +69,9 @@ def loading(
         along = _along_leg(posture, line)
         line_loads.setdefault(line.leg, []).append(along)
         body_wrenches += _on_ends(posture, line.leg, along, theory)
+    for on_faces in load.pressures:
+        unit = bodies.unit_pressures[on_faces.body, on_faces.faces]
+        body_wrenches += _on_interfaces(posture, on_faces.body, on_faces.pressure * unit)
     if not load.acts_on_mass:
         return Loading(point_wrenches, body_wrenches, line_loads=line_loads)
     motions: Mapping[str, Motion] = dict.fromkeys(mechanism.bodies, REST)
@@ -73,7 +82,7 @@ def loading(
         if isinstance(body.shape, Rigid):
             mass, points = rigid_mass(body.shape), np.zeros((1, 3))
         else:
-            mass = masses[name]
+            mass = bodies.masses[name]
         if name == GROUND or not mass.any():
             continue
         frame = posture.frames[name]
@@ -125,13 +134,16 @@ def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> lis
         properties = leg.properties(theory)
     except NoBeamTheoryError:
         properties = leg.properties("euler-bernoulli")
+    return _on_interfaces(posture, name, end_wrenches(properties, leg.length, line))
+
+
+def _on_interfaces(posture: Posture, name: str, wrenches: Array) -> list[AppliedWrench]:
+    """Wrenches on the m interfaces of a body, from those in body axes (6m or m×6)."""
     axes = turn(posture.frames[name].rotation)
     return [
         AppliedWrench(name, point, interface_position(posture, Side(name, point)), axes @ wrench)
         for point, wrench in zip(
-            body.interfaces,
-            end_wrenches(properties, leg.length, line),
-            strict=True,
+            posture.mechanism.bodies[name].interfaces, wrenches.reshape(-1, 6), strict=True
         )
     ]
 

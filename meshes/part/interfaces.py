@@ -15,6 +15,7 @@ from lumped.mechanism.body import (
     ByPlane,
     Coupling,
     PartInterface,
+    Selection,
 )
 from meshes.part.faces import Face
 from meshes.part.reading.read import PartFile
@@ -85,7 +86,7 @@ def find_interfaces(
 def _interface(
     part: PartFile, name: str, specified: PartInterface, point: Array | None
 ) -> Interface:
-    faces = _selected_faces(part, specified, point)
+    faces = selected_faces(part, specified.selection, point)
     axis = _common_axis(faces)
     areas = np.array([face.area for face in faces])
     if point is None:
@@ -105,16 +106,20 @@ def _interface(
     return Interface(name, numbers, point, coupling, by_default, axis, on_axis, total)
 
 
-def _selected_faces(part: PartFile, specified: PartInterface, point: Array | None) -> list[Face]:
-    match specified.selection:
+def selected_faces(part: PartFile, selection: Selection, point: Array | None = None) -> list[Face]:
+    """Selected faces of a part. `point` (m, file axes) stands for a missing point of the selection.
+
+    Raises InputError with the nearest face that might be meant.
+    """
+    match selection:
         case ByFaces(faces):
             return _numbered(part.faces, faces)
         case ByName(name):
             return _faces_named(part, name)
         case ByCylinder():
-            return _on_cylinder(part.faces, specified.selection, point)
+            return _on_cylinder(part.faces, selection, point)
         case ByPlane():
-            return _in_plane(part.faces, specified.selection, point)
+            return _in_plane(part.faces, selection, point)
 
 
 def _numbered(faces: Sequence[Face], numbers: tuple[int, ...]) -> list[Face]:

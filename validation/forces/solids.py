@@ -3,15 +3,16 @@
 Input: a posture, a load, and the wrenches and twists of the interfaces by a model of the robot.
 Output: `SolidStress` for each body. Rule: the first interface is clamped, the others have their
 wrenches, and weight and inertia act on the mass. By equilibrium of the body, the reaction of the
-first interface is then the wrench that acts on it.
+first interface is then the wrench that acts on it. Pressures act on the faces of a CAD part.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fem.bodies.part import grips_of, held_part, meshed_part
+from fem.bodies.pressures import forces_on_faces
 from fem.bodies.rooted import RootedBody
 from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
 from fem.bodies.stresses import away_from, nodal_stresses, von_mises
@@ -23,12 +24,13 @@ from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body import Body
 from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
 from lumped.mechanism.load import Load
-from lumped.mechanism.mechanism import Posture
+from lumped.mechanism.mechanism import Mechanism, Posture
 from meshes.elements import ELEMENTS
 from meshes.part.boundary import PartMesh
 from meshes.part.inner_edges import inner_edges
 from meshes.solid_mesh import SolidMesh, VolumeMesh
 from validation.models.loads.forces import BodyEnds
+from validation.models.loads.pressures import pressed_faces
 from validation.models.options import ModelOptions
 from validation.models.reduced_parts import found_in, shape_of, unknowns_of
 from validation.models.robot_models import sectioned_legs
@@ -67,7 +69,7 @@ class SolidStress:
 class _Solid:
     """Body on one mesh, factorised with its first interface clamped, with its nodal masses.
 
-    `singular`: nodes on edges with singular stresses.
+    `singular`: nodes on edges with singular stresses. `pressures`: nodal forces (3N) of pressures.
     """
 
     mesh: VolumeMesh
@@ -75,6 +77,7 @@ class _Solid:
     rooted: RootedBody
     mass: SparseMatrix
     singular: IntArray
+    pressures: Array
 
 
 def solid_stresses(
@@ -87,6 +90,7 @@ def solid_stresses(
     """
     if load.lines:
         raise InputError(f"--vtu: load {load.name} acts along legs, which solids do not support")
+    pressures = _pressures(posture.mechanism, load)
     motions = accelerations(posture, load.speed, load.acceleration) if load.moves_tool else {}
     legs = {
         name: (leg, own)
@@ -108,7 +112,8 @@ def solid_stresses(
             fine = _leg(leg, own, own.divisions)
             coarse = _leg(leg, own, second_divisions(own, [leg]))
         elif name in posture.mechanism.parts:
-            fine, coarse = _part(body, FINEST), _part(body, FINEST - 1)
+            on_faces = pressures.get(name, {})
+            fine, coarse = (_part(body, level, on_faces) for level in (FINEST, FINEST - 1))
         else:
             raise InputError(f"--vtu: {name} has no stress field, its section varies along it")
         fields[name] = _field(posture, body, (fine, coarse), of_body, in_body)
@@ -123,7 +128,8 @@ def _leg(leg: ConstantLeg, options: ModelOptions, divisions: int) -> _Solid:
     held = options.ends == "rigid"
     edges = np.concatenate([_rim(mesh.root.nodes, mesh), _rim(mesh.tip.nodes, mesh)])
     singular = np.union1d(corners, edges) if held else corners
-    return _Solid(mesh, leg.material, clamped_leg(solid, options.ends), solid.mass, singular)
+    clamped = clamped_leg(solid, options.ends)
+    return _Solid(mesh, leg.material, clamped, solid.mass, singular, np.zeros(mesh.nodes.size))
 
 
 def _rim(face: IntArray, mesh: SolidMesh) -> IntArray:
@@ -135,7 +141,17 @@ def _rim(face: IntArray, mesh: SolidMesh) -> IntArray:
     return np.asarray(face[np.unique(unique[counts == 1])])
 
 
-def _part(body: Body, level: int) -> _Solid:
+def _pressures(mechanism: Mechanism, load: Load) -> dict[str, dict[int, float]]:
+    """Pressures (Pa) of a load on faces of CAD parts, by body and face number."""
+    pressures: dict[str, dict[int, float]] = {}
+    for row in pressed_faces(replace(mechanism, loads=(load,))):
+        on_faces = pressures.setdefault(row.pressure.body, {})
+        for number in row.faces:
+            on_faces[number] = on_faces.get(number, 0.0) + row.pressure.pressure
+    return pressures
+
+
+def _part(body: Body, level: int, pressures: Mapping[int, float]) -> _Solid:
     file, interfaces = found_in(body)
     mesh = part_mesh(file, interfaces, unknowns_of(body), level)
     meshed = meshed_part(mesh, shape_of(body).material)
@@ -144,7 +160,8 @@ def _part(body: Body, level: int) -> _Solid:
     singular = np.union1d(_edges(mesh), faces)
     rooted = held_part(meshed, grips, body.name)
     mass = on_three_components(meshed.scalar_mass)
-    return _Solid(mesh, meshed.material, rooted, mass, singular)
+    forces = forces_on_faces(mesh, pressures)
+    return _Solid(mesh, meshed.material, rooted, mass, singular, forces)
 
 
 def _edges(mesh: PartMesh) -> IntArray:
@@ -186,7 +203,8 @@ def _solved(solid: _Solid, ends: BodyEnds, motion: Motion) -> tuple[Array, Array
     coupled, nodes = solid.rooted.solid, solid.mesh.nodes
     accelerations_of_nodes = np.array([motion.acceleration_at(arm) for arm in nodes])
     inertia = -(solid.mass @ accelerations_of_nodes.ravel())
-    forces = coupled.transformation.T @ inertia + solid.rooted.loads @ ends.wrenches[6:]
+    inside = inertia + solid.pressures
+    forces = coupled.transformation.T @ inside + solid.rooted.loads @ ends.wrenches[6:]
     unknowns = solid.rooted.flexibility(np.asarray(forces)[:, None])[:, 0]
     deformed = (coupled.transformation @ unknowns).reshape(-1, 3)
     stresses = nodal_stresses(solid.mesh, solid.material, deformed)

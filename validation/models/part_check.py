@@ -1,7 +1,7 @@
-"""Text of `flexproof check` on CAD parts: their size, and the faces of each interface.
+"""Text of `flexproof check` on CAD parts: their size, the faces of each interface, and pressures.
 
 Input: a mechanism. Output: lines of text. Rule: each interface is listed with its faces and their
-distance from the point of the joint.
+distance from the point of the joint, each pressure with its faces and its resultant.
 """
 
 import numpy as np
@@ -12,19 +12,28 @@ from lumped.mechanism.body import Body
 from lumped.mechanism.mechanism import Mechanism
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
+from validation.models.loads.pressures import surface_resultants
 from validation.models.reduced_parts import found_in
 
 
 def parts_text(mechanism: Mechanism) -> str:
     """Lines on each CAD part: its size, and the faces of each interface with their distance.
 
-    The distance is that from the point of the joint. "" if no body is a CAD part. Raises InputError
+    Pressures follow with their resultants. "" if no body is a CAD part. Raises InputError
     with the faults of all parts.
     """
     texts, faults = collect_faults(_part_text, mechanism.parts.values())
     if faults:
         raise InputError(faults)
-    return "\n".join(texts)
+    return "\n".join([*texts, *_pressure_texts(mechanism)])
+
+
+def _pressure_texts(mechanism: Mechanism) -> list[str]:
+    """Lines on each pressure of the loads: its faces and its resultant."""
+    rows = surface_resultants(mechanism)
+    heading = "pressures, with resultants about the origin of the part, axes of the part:"
+    lines = [f"  {row.load}: {resultant.text}" for row, resultant in rows]
+    return [heading, *lines] if lines else []
 
 
 def _part_text(body: Body) -> str:

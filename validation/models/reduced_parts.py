@@ -17,19 +17,20 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
 from fem.bodies.part import grips_of, held_part, meshed_part, require_memory
+from fem.bodies.pressures import as_columns, from_columns, wrenches_of_faces
 from fem.reduction.craig_bampton import Reduction, heavier_at_interfaces, reduction
 from fem.reduction.free_interface import FreeTruncation, free_interface
 from fem.reduction.held import held_body
 from lumped.arrays import Array, SparseMatrix, dense
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.body import Body, Frame, Part
+from lumped.mechanism.body import Body, Frame, Part, Selection
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.placing import leg_frame
 from lumped.memo import memo
 from lumped.text import counted
 from meshes.part.boundary import PartMesh
-from meshes.part.interfaces import Interface, find_interfaces
+from meshes.part.interfaces import Interface, find_interfaces, selected_faces
 from meshes.part.reading.read import PartFile
 from validation.models.options import ReductionBy
 from validation.parts import identify
@@ -150,6 +151,15 @@ def found_in(body: Body) -> tuple[PartFile, tuple[Interface, ...]]:
         raise InputError(f"bodies.{body.name}: {fault}" for fault in error.faults) from error
 
 
+def faces_of(body: Body, selection: Selection) -> tuple[int, ...]:
+    """Numbers of the selected faces of a CAD part.
+
+    Raises InputError if the file cannot be read or does not have such faces.
+    """
+    file, _ = found_in(body)
+    return tuple(face.number for face in selected_faces(file, selection))
+
+
 def unknowns_of(body: Body) -> int:
     """Unknowns of the finest of the three meshes of a CAD part."""
     return shape_of(body).unknowns or UNKNOWNS
@@ -215,7 +225,14 @@ def condensed(body: Body) -> BodyModel:
     """CAD part condensed to its interfaces: exact in statics, with the mass matrix of Guyan."""
     part = identified(body)
     displacements = interpolated(part.places, part.shapes)
-    return BodyModel("condensed", tuple(body.interfaces), part.stiffness, part.mass, displacements)
+    return BodyModel(
+        "condensed",
+        tuple(body.interfaces),
+        part.stiffness,
+        part.mass,
+        displacements,
+        unit_pressures=from_columns(part.pressed, part.pressures),
+    )
 
 
 def reduced(
@@ -267,6 +284,8 @@ def reduced_entry(
         mesh = part_mesh(file, found_interfaces, unknowns, level)
         meshed = meshed_part(mesh, shape.material)
         rooted = held_part(meshed, grips_of(mesh, interfaces), body.name)
+        shapes = rooted.solid.transformation @ rooted.constraint_modes
+        pressed, pressures = as_columns(wrenches_of_faces(mesh, shapes))
         truncation_arrays: dict[str, Array] = {}
         reduction_result: Reduction
         if by == "free":
@@ -275,6 +294,8 @@ def reduced_entry(
         else:
             reduction_result = reduction(held_body(rooted), highest, cutoff)
         return truncation_arrays | {
+            "pressed": pressed,
+            "pressures": pressures,
             "stiffness": reduction_result.stiffness,
             "mass": reduction_result.mass,
             "nodes": mesh.nodes,
@@ -292,6 +313,8 @@ def reduced_entry(
         n = len(arrays["stiffness"])
         square = {"stiffness": (n, n), "mass": (n, n)}
         require_shape(arrays, **square, nodes=(None, 3), recovery=(3 * len(arrays["nodes"]), n))
+        pressed, ends = arrays["pressed"], 6 * len(body.interfaces)
+        require_shape(arrays, pressed=(None,), pressures=(len(pressed), ends))
         cutoff, truncated = float(arrays["cutoff"]), arrays["truncated"]
         free = None
         if by == "free":
@@ -302,6 +325,7 @@ def reduced_entry(
             arrays["stiffness"],
             arrays["mass"],
             interpolated(arrays["nodes"], arrays["recovery"]),
+            unit_pressures=from_columns(pressed, arrays["pressures"]),
             highest=highest,
             cutoff=cutoff,
             counted=int(arrays["counted"]),

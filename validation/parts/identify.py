@@ -8,7 +8,7 @@ between averaged interfaces, which bound the stiffness from below, and rigid int
 it from above.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
@@ -22,6 +22,7 @@ from fem.bodies.part import (
     meshed_part,
     require_memory,
 )
+from fem.bodies.pressures import as_columns, wrenches_of_faces
 from fem.couplings.grips import Kind
 from lumped.acceptance.quantities import DIAGONAL_UNITS
 from lumped.arrays import Array
@@ -51,7 +52,8 @@ class MeshAnswer:
     """Results on one mesh with one coupling of the interfaces (SI, axes of the file).
 
     Fields with the names of fields of `Identified` have the same meaning. `shapes` contains the
-    displacements of all nodes. `counted` is 0 if the modes are not counted.
+    displacements of all nodes. `unit_pressures` are those of `fem.bodies.pressures`. `counted` is
+    0 if the modes are not counted.
     """
 
     stiffness: Array
@@ -59,6 +61,7 @@ class MeshAnswer:
     compliance: Array
     frequencies: Array
     shapes: Array
+    unit_pressures: Mapping[int, Array]
     counted: int
     counted_below: float
 
@@ -83,7 +86,8 @@ class Identified:
     `by_curvature` is False if gmsh fails with element sizes from curvature.
 
     `places` (s×3, m): sample points over the part; `shares` (s, kg): their shares of its mass;
-    `shapes` (3s×6m): their displacements for unit twists of the interfaces.
+    `shapes` (3s×6m): their displacements for unit twists of the interfaces. `pressures` (F×6m):
+    wrenches on the interfaces for 1 Pa on each of the faces with the numbers `pressed` (F).
 
     Examples
     --------
@@ -119,6 +123,8 @@ class Identified:
     places: Array
     shares: Array
     shapes: Array
+    pressed: Array
+    pressures: Array
 
     @property
     def deviation(self) -> float | None:
@@ -251,6 +257,7 @@ def identified_entry(
     def read(arrays: dict[str, Array]) -> Identified:
         square = {"stiffness": (m, m), "mass": (m, m), "compliance": (m - 6, m - 6)}
         require_shape(arrays, **square, places=(None, 3), shares=(None,), shapes=(None, m))
+        require_shape(arrays, pressed=(None,), pressures=(len(arrays["pressed"]), m))
         names = [entry.name for entry in fields(Identified) if entry.name in arrays]
         # numpy stores scalars as arrays without axes.
         values: dict[str, Any] = {
@@ -336,6 +343,7 @@ def _identification(
     del meshed
     rows, volumes = spread_over(finest)
     refinement = _refinement([*(answer for _, answer in coarser), fine])
+    pressed, pressures = as_columns(fine.unit_pressures)
     return {
         "density": material.rho,
         "total": properties.mass,
@@ -357,6 +365,8 @@ def _identification(
         "places": finest.nodes[rows],
         "shares": material.rho * volumes,
         "shapes": fine.shapes.reshape(len(finest.nodes), 3, -1)[rows].reshape(3 * len(rows), -1),
+        "pressed": pressed,
+        "pressures": pressures,
     }
 
 
@@ -386,7 +396,8 @@ def _answer(
         below = float(np.sqrt(certified_modes.shift) / (2.0 * np.pi))
     elif modes:
         frequencies = body.uncounted_frequencies(modes)
-    return MeshAnswer(*matrices, frequencies, shapes, counted, below)
+    unit_pressures = wrenches_of_faces(part.mesh, shapes)
+    return MeshAnswer(*matrices, frequencies, shapes, unit_pressures, counted, below)
 
 
 def _bracket(rigid: MeshAnswer, average: MeshAnswer) -> dict[str, Array]:

@@ -24,7 +24,7 @@ from validation.models.loads.displacements import (
     by_chains,
     displacements,
     displacements_by,
-    masses_of,
+    interface_loads,
 )
 from validation.models.options import ModelName, ModelOptions, PartLegs
 from validation.models.robot_models import answers
@@ -141,8 +141,8 @@ def _by_springs(robot: RobotOnPath, springs: Springs) -> Statics:
 def _summed(postures: Sequence[Posture], springs: Springs) -> Statics:
     """Statics by the virtual joint method along serial chains, each leg by its tip compliance."""
     compliances = np.array([serial_chains.compliance(posture, springs) for posture in postures])
-    masses = masses_of(postures[0].mechanism)
-    return Statics(compliances, displacements_by(by_chains(springs), postures, masses))
+    bodies = interface_loads(postures[0].mechanism)
+    return Statics(compliances, displacements_by(by_chains(springs), postures, bodies))
 
 
 def _given(_robot: RobotOnPath, leg: Leg, _ends: Ends) -> Array:

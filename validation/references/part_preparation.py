@@ -20,6 +20,7 @@ from lumped.mechanism.body import Body
 from lumped.robot_file.included import part_content
 from validation.context import Context
 from validation.models import reduced_parts
+from validation.models.loads.pressures import pressed_faces
 from validation.models.stepped_parts import stepped_entry
 from validation.parts.meshes import COARSE, FINEST, MIDDLE, part_key
 from validation.references.reference_parts import highest_of_parts, interface_coupling
@@ -75,9 +76,11 @@ class PartWork:
 def prepare_parts(context: Context, executor: Executor, *, remote: bool) -> None:
     """Compute and store the cache entries of all CAD parts: identifications first, then reductions.
 
-    Raises the executor's error if a process or the cluster is lost.
+    Raises the executor's error if a process or the cluster is lost, and InputError for interfaces
+    or pressures without faces.
     """
     mechanism = context.robot_file.mechanism
+    pressed_faces(mechanism)
     bodies = {
         part_key(*reduced_parts.found_in(body), reduced_parts.shape_of(body).material): body
         for body in mechanism.parts.values()

@@ -20,7 +20,7 @@ from lumped.system.loads import tool_displacements
 from lumped.system.solution import compliance, solved
 from lumped.text import counted
 from validation.drawing.text import percent
-from validation.models.loads.displacements import displacements_by, masses_of
+from validation.models.loads.displacements import displacements_by, interface_loads
 from validation.models.loads.leg_masses import MASSES, Masses
 from validation.models.options import PartLegs, ReductionBy
 from validation.models.reduced_parts import Hold, ReducedPart, condensed, found_in, reduced
@@ -157,7 +157,7 @@ def assembled(
     load_displacements = displacements_by(
         lambda posture, loads: tool_displacements(solutions[posture], loads),
         postures,
-        masses_of(mechanism, masses, part_models),
+        interface_loads(mechanism, masses, part_models),
     )
     return Statics(
         np.array([compliance(solution) for solution in solutions.values()]), load_displacements

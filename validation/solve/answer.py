@@ -14,6 +14,7 @@ import numpy as np
 from lumped.acceptance.quantities import DIAGONAL_UNITS
 from lumped.arrays import Array
 from lumped.errors import InputError
+from lumped.mechanism.load import PressureResultant
 from lumped.system.joint_motion import Portion
 from lumped.system.response import HarmonicResponse
 from lumped.system.stability import Stability
@@ -162,17 +163,18 @@ class PairedModes(msgspec.Struct, frozen=True):
 class Answer:
     """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) in one posture or of one leg.
 
-    `idle`: number of mobilities that do not move the tool. `loads`: displacements of the tool (6, m
-    and rad, base axes) under each load of the file, NaN without a solution. `stability`: buckling
-    under these loads, None without a solution. `reactions`: wrenches of joints (6, N and N m, joint
-    axes) by load and joint, NaN if statics does not determine them. `responses`: receptances of the
-    tool. `damped`: frequencies (Hz) and loss factors of the complex modes, None without damping.
-    `strain`: shares of drives, joints and bodies in each mode's strain energy. `paired`: partners
-    of the modes in another model, None unless requested. `uncertainty`: half-widths due to the mesh
-    of prisms, None without such a mesh. `of_parts`: half-widths due to CAD parts. `of_digits`:
-    bounds due to the printed digits of the 6×6 in the robot file, to first order. `rigid`: for a
-    free body, the number of rigid-body motions, which are not among `frequencies`; its compliance
-    is empty.
+    `idle`: number of mobilities that do not move the tool. `loads`: displacements of the tool
+    (6, m and rad, base axes) under each load of the file, NaN without a solution. `stability`:
+    buckling under these loads, None without a solution. `reactions`: wrenches of joints (6, N
+    and N m, joint axes) by load and joint, NaN if statics does not determine them. `pressures`:
+    resultants of the pressures on faces of CAD parts, by load. `responses`: receptances of the
+    tool. `damped`: frequencies (Hz) and loss factors of the complex modes, None without
+    damping. `strain`: shares of drives, joints and bodies in each mode's strain energy.
+    `paired`: partners of the modes in another model, None unless requested. `uncertainty`:
+    half-widths due to the mesh of prisms, None without such a mesh. `of_parts`: half-widths due
+    to CAD parts. `of_digits`: bounds due to the printed digits of the 6×6 in the robot file, to
+    first order. `rigid`: for a free body, the number of rigid-body motions, which are not among
+    `frequencies`; its compliance is empty.
     """
 
     place: Place
@@ -184,6 +186,7 @@ class Answer:
     damped: tuple[Array, Array] | None = None
     stability: Mapping[str, Stability | None] = field(default_factory=dict)
     reactions: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
+    pressures: Mapping[str, Sequence[PressureResultant]] = field(default_factory=dict)
     uncertainty: MeshUncertainty | None = None
     of_parts: PartUncertainty | None = None
     of_digits: HalfWidths | None = None

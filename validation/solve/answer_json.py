@@ -4,7 +4,7 @@ Input: a `Solution`. Output: the text of the JSON. Rule: keys without a value ar
 numbers have the units of the answers.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -14,6 +14,7 @@ from msgspec import UNSET, UnsetType
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError
+from lumped.mechanism.load import PressureResultant
 from lumped.system.response import HarmonicResponse
 from lumped.system.stability import Stability
 from validation.record_fields import CountRecord, finite, finite_items, json_text
@@ -70,16 +71,31 @@ class BucklingRecord(msgspec.Struct, frozen=True):
     shares: Mapping[str, float]
 
 
+class PressureRecord(msgspec.Struct, frozen=True):
+    """JSON object of a pressure (Pa) on faces of a CAD part, whose area is in m².
+
+    `force` (3, N) and `moment` (3, N m) about the origin of the part, in the axes of the part.
+    """
+
+    body: str
+    faces: tuple[int, ...]
+    pressure: float
+    area: float
+    force: Array
+    moment: Array
+
+
 class LoadRecord(msgspec.Struct, frozen=True):
     """JSON object of a load: displacement of the tool, reactions, buckling and lost stiffness.
 
     The displacement is None without a solution. `reactions` (6, N and N m, joint axes) by joint;
-    None for a number that statics does not determine. A buckled mechanism has no stiffness: numbers
-    that depend on it are None.
+    None for a number that statics does not determine. `pressures` on faces of CAD parts. A buckled
+    mechanism has no stiffness: numbers that depend on it are None.
     """
 
     displacement: Array | None
     reactions: Mapping[str, tuple[float | None, ...]] | UnsetType = UNSET
+    pressures: tuple[PressureRecord, ...] | UnsetType = UNSET
     buckling: BucklingRecord | UnsetType = UNSET
     stiffness_lost: Array | UnsetType | None = UNSET
     farther: float | UnsetType | None = UNSET
@@ -175,7 +191,10 @@ def answer_record(answer: Answer) -> AnswerRecord:
         rigid=answer.rigid,
         loads={
             name: _load_record(
-                displacement, answer.reactions.get(name, {}), answer.stability.get(name)
+                displacement,
+                answer.reactions.get(name, {}),
+                answer.pressures.get(name, ()),
+                answer.stability.get(name),
             )
             for name, displacement in answer.loads.items()
         },
@@ -221,15 +240,20 @@ def _part_record(parts: PartUncertainty) -> PartRecord:
 
 
 def _load_record(
-    displacement: Array, wrenches: Mapping[str, Array], stability: Stability | None
+    displacement: Array,
+    wrenches: Mapping[str, Array],
+    resultants: Sequence[PressureResultant],
+    stability: Stability | None,
 ) -> LoadRecord:
     reactions = {joint: tuple(finite_items(wrench)) for joint, wrench in wrenches.items()} or UNSET
+    pressures = tuple(PressureRecord(**vars(resultant)) for resultant in resultants) or UNSET
     if stability is None:
-        return LoadRecord(_known(displacement), reactions)
+        return LoadRecord(_known(displacement), reactions, pressures)
     losses = _known(stability.stiffness_losses)
     return LoadRecord(
         displacement=_known(displacement),
         reactions=reactions,
+        pressures=pressures,
         buckling=BucklingRecord(
             stability.factor,
             stability.reversed,

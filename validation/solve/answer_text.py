@@ -60,6 +60,7 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
             f"    {name}: {_displacement_text(displacement)}"
             for name, displacement in answer.loads.items()
         ]
+        lines += _pressure_lines(answer)
         bending = "rigid legs" if model == "simplified" else "legs bending as beams"
         lines.append(
             f"  stability under these loads, {bending} between their ends:"
@@ -68,6 +69,8 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
         )
         lines += [
             f"    {name}: {_stability_text(stability)}"
+            if stability or name not in answer.pressures
+            else f"    {name}: not computed, the pressures turn with the part that gives way first"
             for name, stability in answer.stability.items()
         ]
     if len(answer.frequencies):
@@ -106,6 +109,20 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
         lines.append("  uncertainty due to rounding of the 6×6 in the robot file (upper bound):")
         lines += _share_lines(answer, digits)
     return lines
+
+
+def _pressure_lines(answer: Answer) -> list[str]:
+    """Lines with the resultants of pressures on faces of CAD parts."""
+    if not answer.pressures:
+        return []
+    return [
+        "  resultants of pressures about the origin of the part, axes of the part:",
+        *(
+            f"    {load}: {pressure.text}"
+            for load, pressures in answer.pressures.items()
+            for pressure in pressures
+        ),
+    ]
 
 
 def _displacement_text(displacement: Array) -> str:

@@ -21,7 +21,8 @@ from lumped.models.bodies import RIGID_MOTIONS, leg_of
 from validation.models.leg_models import free_leg_frequencies, leg_compliance, leg_frequencies
 from validation.models.loads.displacements import displacements
 from validation.models.loads.forces import load_forces
-from validation.models.loads.stability import bent_legs, stabilities
+from validation.models.loads.pressures import resultants
+from validation.models.loads.stability import bent_legs, gives_way_pressed, stabilities
 from validation.models.reduced_parts import free_body_part, with_finer_parts
 from validation.models.robot_models import (
     PostureAnswer,
@@ -219,17 +220,24 @@ def _answers(
             model, postures, options, count if model == "beam" else 0
         )
         forces_by_posture = load_forces(model, postures, options)
+        pressures = resultants(question.mechanism)
         solved = [
             replace(
                 answer,
                 loads=dict(zip(names, displacement, strict=True)),
                 # Bent legs have no geometric stiffness.
-                stability={} if bent else dict(zip(names, near, strict=True)),
+                stability={}
+                if bent
+                else {
+                    load.name: None if result and gives_way_pressed(load, result) else result
+                    for load, result in zip(loads, near, strict=True)
+                },
                 reactions={
                     name: {one.joint: one.wrench for one in found.reactions}
                     for name, found in zip(names, forces, strict=True)
                     if found is not None
                 },
+                pressures=pressures,
             )
             for answer, displacement, near, forces in zip(
                 solved, displaced, stability_by_posture, forces_by_posture, strict=True

@@ -259,13 +259,15 @@ def isotropic_of(material: Entry) -> Material:
 
 def interface_of(table: Entry) -> PartInterface:
     """Interface of a part described by a table."""
-    selection: Selection
+    return PartInterface(selection_of(table), table["coupling"])
+
+
+def selection_of(table: Entry) -> Selection:
+    """Selection of faces of a part described by a table."""
     if table["faces"] is not None:
-        selection = ByFaces(table["faces"])
-    elif table["name"] is not None:
-        selection = ByName(table["name"])
-    elif table["cylinder"] is not None:
-        selection = ByCylinder(**table["cylinder"])
-    else:
-        selection = ByPlane(**table["plane"])
-    return PartInterface(selection, table["coupling"])
+        return ByFaces(table["faces"])
+    if table["name"] is not None:
+        return ByName(table["name"])
+    if table["cylinder"] is not None:
+        return ByCylinder(**table["cylinder"])
+    return ByPlane(**table["plane"])

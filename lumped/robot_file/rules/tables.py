@@ -298,11 +298,14 @@ _NEAR = Key("tolerance", _LENGTH, "largest distance of faces from it")
 _AXIS = Key("axis", _DIRECTION, "its direction; default: any")
 _CYLINDER = TableRule(needed("radius", _LENGTH, "radius of the bore or boss"), _AXIS, _ON_IT, _NEAR)
 _PLANE = TableRule(needed("normal", _DIRECTION, "outward normal"), _ON_IT, _NEAR)
-INTERFACE = TableRule(
+_SELECTED_FACES = (
     Key("faces", Several(Number(whole=True)), "numbers of faces, see `flexproof faces`"),
     Key("name", _TEXT, "name of faces in the part's file"),
     Key("cylinder", _CYLINDER, "all faces on a cylinder"),
     Key("plane", _PLANE, "all flat faces in a plane"),
+)
+INTERFACE = TableRule(
+    *_SELECTED_FACES,
     Key("coupling", OneOf(get_args(Coupling)), "how the faces are held by the joint"),
     Key("point", _POINT, "reference point for `identify`; in a robot: the point of that name"),
 )
@@ -556,6 +559,13 @@ _LINE = TableRule(
     Key("to", _STATION, "distance from the root where it ends; default: the tip"),
     Key("axes", OneOf(("base", "leg")), "axes of the forces and moments", default="base"),
 )
+# 1 GPa: above the strength of most materials, and far above any hydraulic or contact pressure.
+_PRESSURE = Number("Pa", least=-1e9, most=1e9)
+_ON_FACES = TableRule(
+    needed("body", _BODY_NAME, "CAD part whose faces it acts on"),
+    needed("pressure", _PRESSURE, "pressure, positive into the body"),
+    *_SELECTED_FACES,
+)
 LOAD = TableRule(
     needed("name", _NAME, "name; judged as load:NAME"),
     Key("wrench", Several(FORCE, 6), "forces and moments, base axes"),
@@ -563,6 +573,7 @@ LOAD = TableRule(
     Key("at", _POINT_NAME, _THERE),
     Key("body", _BODY_NAME, _WHOSE),
     Key("lines", Several(_LINE, most=100), "loads along legs"),
+    Key("pressures", Several(_ON_FACES, most=100), "pressures on faces of CAD parts"),
     Key("gravity", _PER_SECOND_SQUARED, "acceleration of gravity on all bodies, base axes"),
     Key("acceleration", _PER_SECOND_SQUARED, "acceleration of the tool; inertia of all bodies"),
     Key("speed", _SPEED, "speed of the tool; inertia forces with its square"),

@@ -9,6 +9,7 @@ from support.robots.robot_from_text import described
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.free_twists import drive_in
 from lumped.mechanism.kinematics.postures import posture
+from lumped.mechanism.load import InterfaceLoads
 from lumped.models import serial_chains
 from lumped.robot_file import load_robot
 from lumped.system.assembly import assemble, assembly
@@ -58,7 +59,7 @@ def test_screw_stiffness_follows_nut(x):
     assert compliance(solution)[0, 0] == pytest.approx(1.0 / k, rel=1e-10)
     assert serial_chains.compliance(at, {})[0, 0] == pytest.approx(1.0 / k, rel=1e-10)
     assert modes(solution, 1).frequencies[0] == pytest.approx(np.sqrt(k / MASS) / 2 / np.pi)
-    load = loading(at, mechanism.loads[0], {})
+    load = loading(at, mechanism.loads[0], InterfaceLoads())
     assert tool_displacements(solution, [load])[0, 0] == pytest.approx(800.0 / k, rel=1e-10)
 
 

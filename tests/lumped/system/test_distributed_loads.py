@@ -8,7 +8,7 @@ from fem.beams.beam import beam_leg
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.kinematics.postures import posture, reference_posture
-from lumped.mechanism.load import LineLoad
+from lumped.mechanism.load import InterfaceLoads, LineLoad
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, links, tip_compliances
 from lumped.models.segments import segment_chain, segment_leg
@@ -49,7 +49,7 @@ def displacement(text, model, place=None, number=0):
     """Return the displacement (6) of the tool under one load of the robot by one model."""
     mechanism = described(text)
     at = reference_posture(mechanism) if place is None else posture(mechanism, np.array(place))
-    load = loading(at, mechanism.loads[number], {})
+    load = loading(at, mechanism.loads[number], InterfaceLoads())
     compliances = tip_compliances(mechanism)
     if model == "chains":
         return serial_chains.tool_displacements(at, compliances, [load])[0]

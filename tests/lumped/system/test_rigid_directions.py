@@ -5,6 +5,7 @@ import pytest
 from support.robots.robot_from_text import described
 
 from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.mechanism.load import InterfaceLoads
 from lumped.system.assembly import assemble
 from lumped.system.loads import loading
 from lumped.system.prestress import geometric_stiffness
@@ -40,7 +41,7 @@ def factor(axial):
     mechanism = described(BAR.replace("AXIAL", str(axial)))
     at_reference = reference_posture(mechanism)
     solution = solved(assemble(at_reference, {}))
-    loads = loading(at_reference, mechanism.loads[0], {})
+    loads = loading(at_reference, mechanism.loads[0], InterfaceLoads())
     return stability(solution, geometric_stiffness(solution, loads, {}), loads).factor
 
 

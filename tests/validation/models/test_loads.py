@@ -27,7 +27,7 @@ from lumped.system.joint_motion import Portion
 from lumped.system.loads import loading, work_on
 from lumped.system.solution import solved
 from validation.cases import ritz
-from validation.models.loads.displacements import displacements, masses_of
+from validation.models.loads.displacements import displacements, interface_loads
 from validation.models.options import ModelOptions
 from validation.models.robot_models import answers, static_bodies
 
@@ -182,7 +182,7 @@ def test_accelerations_equal_differences(name):
         before, axis, after = (one.frames[body].rotation[:, 0] for one in ones)
         swung, due = np.cross(found[body].angular_velocity, axis), (after - before) / (2.0 * step)
         np.testing.assert_allclose(swung, due, rtol=1e-4, atol=1e-4)
-    rotor_forces = loading(ones[1], pull, masses_of(robot)).rotor_forces
+    rotor_forces = loading(ones[1], pull, interface_loads(robot)).rotor_forces
     assert set(rotor_forces) == {joint.name for joint in joints if joint.drive}
     for joint, force in rotor_forces.items():
         (before,), (now,), (after,) = (one.coordinates[joint] for one in ones)
@@ -281,7 +281,7 @@ def test_accelerated_hexapod_equals_exudyn(speed, close):
     robot = replace(robot, loads=(load,))
     at = posture(robot, robot.poses[2])
     system = assemble(at, static_bodies("links", robot))
-    work = work_on(system, loading(at, load, masses_of(robot)))
+    work = work_on(system, loading(at, load, interface_loads(robot)))
     moved = solved(system).displacements(work[:, None])
     legs = legs_of(robot).items()
     bodies = {name: replace(robot.bodies[name], shape=rigid(leg)) for name, leg in legs}

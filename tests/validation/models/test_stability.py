@@ -17,7 +17,7 @@ from support.robots.single_arm import ONE_ARM
 from lumped.errors import ComputationError
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.kinematics.postures import posture, reference_posture
-from lumped.mechanism.load import AppliedWrench, Load, Loading
+from lumped.mechanism.load import AppliedWrench, InterfaceLoads, Load, Loading
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.robot_file.load import described_by
@@ -27,7 +27,7 @@ from lumped.system.loads import loading
 from lumped.system.prestress import geometric_stiffness
 from lumped.system.solution import solved
 from lumped.system.stability import stability
-from validation.models.loads.displacements import masses_of
+from validation.models.loads.displacements import interface_loads
 from validation.models.loads.stability import prestressed_assembly, stabilities
 from validation.models.options import ModelOptions
 from validation.models.robot_models import answers
@@ -92,7 +92,7 @@ def test_rotation_has_load_stiffness_only(name):
     turned[:outer] = np.linalg.lstsq(motions.twists.reshape(-1, outer), rigid)[0]
     assert np.abs(motions.twists.reshape(-1, outer) @ turned[:outer] - rigid).max() < 1e-9
 
-    load = loading(at, Load("forces", tool.body, tool.point, wrench), {})
+    load = loading(at, Load("forces", tool.body, tool.point, wrench), InterfaceLoads())
     (force,) = load.point_wrenches
     rows = motions.at(force.body, force.point, force.position)
     base = motions.at("pedestal", "O", np.zeros(3))
@@ -106,7 +106,7 @@ def test_rotation_has_load_stiffness_only(name):
 
     # Weight acts along the legs: by the bodies' centres, where all of it turns.
     weight = Load("weight", tool.body, tool.point, gravity=gravity)
-    load = loading(at, weight, masses_of(replace(robot, loads=(weight,))))
+    load = loading(at, weight, interface_loads(replace(robot, loads=(weight,))))
     found = turned.T @ geometric_stiffness(solution, load, legs) @ turned
     masses = [(tool.mass, load.point_wrenches[-1].position)]
     for name_of, body in robot.bodies.items():

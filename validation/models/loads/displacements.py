@@ -9,7 +9,6 @@ equivalence.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TypeAlias
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from lumped.errors import ComputationError
 from lumped.legs import GivenLeg, Leg, SectionedLeg, Theory
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.kinematics.accelerations import accelerations
-from lumped.mechanism.load import Load, Loading
+from lumped.mechanism.load import InterfaceLoads, Load, Loading
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of
@@ -29,6 +28,7 @@ from lumped.system.loads import loading, tool_displacements
 from lumped.system.solution import solved
 from validation.models.leg_models import condensed_leg, leg_matrices
 from validation.models.loads.leg_masses import MASSES, Masses, ends_mass
+from validation.models.loads.pressures import unit_pressures
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.models.reduced_parts import condensed
 from validation.models.robot_models import (
@@ -38,9 +38,6 @@ from validation.models.robot_models import (
     springs_of,
     static_bodies,
 )
-
-# Mass matrix (6m×6m, SI, body axes) of each body, on the twists of its m interfaces.
-BodyMasses: TypeAlias = Mapping[str, Array]
 
 
 def displacements(
@@ -54,26 +51,27 @@ def displacements(
     mechanism = postures[0].mechanism
     if not mechanism.loads:
         return np.zeros((len(postures), 0, 6))
-    masses = load_masses(model, mechanism, options)
+    bodies = interface_loads_of(model, mechanism, options)
     if model == "vjm":
         springs = springs_of(mechanism, options)
-        return displacements_by(by_chains(springs), postures, masses, options.theory)
+        return displacements_by(by_chains(springs), postures, bodies, options.theory)
     if model == "simplified":
         prepared = assembly(on_drives_alone(mechanism), {})
     else:
         ready = released(postures, options)[0].mechanism
         prepared = assembly(ready, static_bodies(model, mechanism, options))
-    return displacements_by(_assembled(prepared), postures, masses, options.theory)
+    return displacements_by(_assembled(prepared), postures, bodies, options.theory)
 
 
 def displacements_of(bodies: Mapping[str, BodyModel], postures: Sequence[Posture]) -> Array:
     """Displacements of the tool (p postures × l loads × 6) with these models of the `bodies`.
 
-    Loads act on the masses of these models.
+    Loads act on the masses and faces of these models.
     """
     mechanism = postures[0].mechanism
     masses = {name: interface_mass(body) for name, body in bodies.items()}
-    return displacements_by(_assembled(assembly(mechanism, bodies)), postures, masses)
+    interface_loads = InterfaceLoads(masses, unit_pressures(mechanism, bodies))
+    return displacements_by(_assembled(assembly(mechanism, bodies)), postures, interface_loads)
 
 
 def _assembled(prepared: Assembly) -> Callable[[Posture, list[Loading]], Array]:
@@ -91,7 +89,7 @@ def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[Loading]]
 def displacements_by(
     solve: Callable[[Posture, list[Loading]], Array],
     postures: Sequence[Posture],
-    masses: BodyMasses,
+    bodies: InterfaceLoads,
     theory: Theory = "timoshenko",
 ) -> Array:
     """Displacements (p×l×6, m and rad) of the tool under all loads in each posture, by `solve`.
@@ -105,7 +103,7 @@ def displacements_by(
         solvable, loadings = [], []
         for number, load in enumerate(loads):
             try:
-                loadings.append(loading(posture, load, masses, theory))
+                loadings.append(loading(posture, load, bodies, theory))
             except ComputationError:
                 continue
             solvable.append(number)
@@ -127,22 +125,24 @@ def impossible_poses(postures: Sequence[Posture], load: Load) -> int:
     return sum(not is_possible(posture) for posture in postures) if load.moves_tool else 0
 
 
-def masses_of(
+def interface_loads(
     mechanism: Mechanism,
     masses: Masses = MASSES[0],
     parts: Mapping[str, BodyModel] | None = None,
-) -> BodyMasses:
-    """Masses for models without mass: those of beams for legs, of condensed solids for CAD parts.
+) -> InterfaceLoads:
+    """Masses and pressures for models without mass: masses of legs as beams, of parts their own.
 
     `masses` is the distribution in legs known by their 6×6. `parts` are models of the parts; if
-    None, they are condensed here. {} if no load acts on mass.
+    None, they are condensed here. No masses if no load acts on mass.
     """
+    pressures = unit_pressures(mechanism, parts)
     if not any(load.acts_on_mass for load in mechanism.loads):
-        return {}
+        return InterfaceLoads({}, pressures)
     if parts is None:
         parts = {name: condensed(body) for name, body in mechanism.parts.items()}
     legs = {name: _leg_mass(leg, masses) for name, leg in legs_of(mechanism).items()}
-    return legs | {name: interface_mass(model) for name, model in parts.items()}
+    of_parts = {name: interface_mass(model) for name, model in parts.items()}
+    return InterfaceLoads(legs | of_parts, pressures)
 
 
 def interface_mass(model: BodyModel) -> Array:
@@ -160,16 +160,23 @@ def _leg_mass(leg: Leg, masses: Masses) -> Array:
     return ends_mass(leg, masses)
 
 
-def load_masses(model: ModelName, mechanism: Mechanism, options: ModelOptions) -> BodyMasses:
-    """Masses on which loads act: those of the model, or of `masses_of` if the model has none."""
+def interface_loads_of(
+    model: ModelName, mechanism: Mechanism, options: ModelOptions
+) -> InterfaceLoads:
+    """Masses on which loads act, and wrenches of pressures on faces of CAD parts.
+
+    Masses are those of the model, or of `interface_loads` if the model has none.
+    """
     if model == "simplified" or model in STATIC:
-        return masses_of(mechanism)
+        return interface_loads(mechanism)
+    pressures = unit_pressures(mechanism)
     if not any(load.acts_on_mass for load in mechanism.loads):
-        return {}
+        return InterfaceLoads({}, pressures)
     bodies = static_bodies(model, mechanism, options)
     if model == "segments":
         bodies |= bodies_of(mechanism, replace(options, release="condensed"), _segments)
-    return {name: interface_mass(body) for name, body in bodies.items()}
+    masses = {name: interface_mass(body) for name, body in bodies.items()}
+    return InterfaceLoads(masses, pressures)
 
 
 def _segments(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:

@@ -2,8 +2,8 @@
 
 Input: postures of a mechanism with loads, and a model. Output: `LoadForces` for each posture and
 load: the wrench that each joint transmits, and the forces and moments along each leg. Rule: they
-follow from equilibrium of each body, with the displacements of the model and the masses on which
-its loads act (`displacements.load_masses`).
+follow from equilibrium of each body, with the displacements of the model and the masses and faces
+on which its loads act (`displacements.interface_loads_of`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ from lumped.system.loads import loading
 from lumped.system.members import MemberForces, member_forces
 from lumped.system.reactions import InternalForces, Reaction, internal_forces, reaction
 from lumped.system.solution import Solved, solved
-from validation.models.loads.displacements import load_masses
+from validation.models.loads.displacements import interface_loads_of
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.models.robot_models import on_drives_alone, released, static_bodies
 
@@ -58,7 +58,7 @@ def load_forces(
     None if the mechanism cannot move as a load requires. Raises the exceptions of `displacements`.
     """
     mechanism = postures[0].mechanism
-    masses = load_masses(model, mechanism, options)
+    loaded_bodies = interface_loads_of(model, mechanism, options)
     prepared = _assembly(model, postures, options)
     rows: list[list[LoadForces | None]] = []
     for posture in postures:
@@ -66,7 +66,7 @@ def load_forces(
         row: list[LoadForces | None] = []
         for load in mechanism.loads:
             try:
-                acting = loading(posture, load, masses, options.theory)
+                acting = loading(posture, load, loaded_bodies, options.theory)
             except ComputationError:
                 row.append(None)
                 continue

@@ -22,6 +22,7 @@ from lumped.arrays import dense
 from lumped.errors import ComputationError
 from lumped.legs import LineLeg, SectionedLeg, Theory, is_bent
 from lumped.mechanism.kinematics.postures import shown_pose
+from lumped.mechanism.load import Load
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.memo import memo
 from lumped.models.bodies import legs_of
@@ -32,7 +33,7 @@ from lumped.system.solution import solved
 from lumped.system.stability import Stability, stability
 from validation.drawing.text import number, percent
 from validation.models.leg_models import filled
-from validation.models.loads.displacements import load_masses
+from validation.models.loads.displacements import interface_loads_of
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.models.robot_models import (
     on_drives_alone,
@@ -64,7 +65,7 @@ def stabilities(
         return [[None for _ in mechanism.loads] for _ in postures]
     if not mechanism.loads:
         return [[] for _ in postures]
-    masses = load_masses(model, mechanism, options)
+    loaded_bodies = interface_loads_of(model, mechanism, options)
     prepared, legs = prestressed_assembly(model, postures, options)
 
     rows: list[list[Stability | None]] = []
@@ -73,7 +74,7 @@ def stabilities(
         row: list[Stability | None] = []
         for load in mechanism.loads:
             try:
-                loadings = loading(posture, load, masses, options.theory)
+                loadings = loading(posture, load, loaded_bodies, options.theory)
             except ComputationError:
                 row.append(None)
                 continue
@@ -81,6 +82,15 @@ def stabilities(
             row.append(stability(solution, geometric, loadings, count))
         rows.append(row)
     return rows
+
+
+def gives_way_pressed(load: Load, result: Stability) -> bool:
+    """True if the body that gives way first is one on whose faces the load presses.
+
+    Its factor is then not known: a pressure turns with its face, whereas the wrenches that stand
+    for it keep their direction. They would buckle even a body under equal pressure from all sides.
+    """
+    return next(iter(result.shares), None) in {pressure.body for pressure in load.pressures}
 
 
 def bent_legs(mechanism: Mechanism) -> list[str]:
@@ -137,12 +147,12 @@ def stability_notes(
         return (f"Stability under loads is not computed: {names} bent, with no straight axis",)
     return tuple(
         f"Load {load.key}: {'; '.join(statements)}"
-        for load, row in zip(loads, zip(*rows, strict=True), strict=True)
+        for load, applied, row in zip(loads, mechanism.loads, zip(*rows, strict=True), strict=True)
         if (
             solved_postures := [
                 (posture, stability_result)
                 for posture, stability_result in zip(postures, row, strict=True)
-                if stability_result
+                if stability_result and not gives_way_pressed(applied, stability_result)
             ]
         )
         and (statements := [*_statements(load, requirement, solved_postures)])

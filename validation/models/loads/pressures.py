@@ -1,0 +1,125 @@
+"""Pressures on faces of CAD parts: their faces, and their wrenches on the interfaces of the parts.
+
+Input: a mechanism with loads, and models of its CAD parts. Output: wrenches of unit pressures on
+the interfaces (`fem.bodies.pressures`), and resultants of each pressure. Rule: the displacements of
+the interfaces are exact, because unit wrenches there load no face, so that the work of the pressure
+on the static displacements of the part is sufficient (Maxwell and Betti). Legs and rigid bodies
+that stand for a part carry the same wrenches at its interfaces.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.bodies.pressures import pressure_forces
+from lumped.arrays import Array
+from lumped.errors import InputError, collect_faults
+from lumped.mechanism.body import Body, Selection
+from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.load import Pressure, PressureResultant
+from lumped.mechanism.mechanism import Mechanism
+from lumped.screws import shift
+from meshes.part.reading.read import PartFile
+from validation.models.reduced_parts import condensed, faces_of, found_in
+
+
+@dataclass(frozen=True, eq=False)
+class PressedFaces:
+    """A pressure of a load on faces of a CAD part: `key` in the robot file, and face numbers."""
+
+    load: str
+    key: str
+    pressure: Pressure
+    faces: tuple[int, ...]
+
+
+def pressed_faces(mechanism: Mechanism) -> list[PressedFaces]:
+    """Faces of all pressures of all loads. Raises InputError with all selections without faces."""
+    pressures = [
+        (load.name, f"loads[{number}].pressures[{entry}]", pressure)
+        for number, load in enumerate(mechanism.loads, start=1)
+        for entry, pressure in enumerate(load.pressures, start=1)
+    ]
+
+    def with_faces(row: tuple[str, str, Pressure]) -> PressedFaces:
+        load, key, pressure = row
+        try:
+            faces = faces_of(mechanism.bodies[pressure.body], pressure.faces)
+        except InputError as error:
+            raise InputError(f"{key}: {fault}" for fault in error.faults) from error
+        return PressedFaces(load, key, pressure, faces)
+
+    rows, faults = collect_faults(with_faces, pressures)
+    if faults:
+        raise InputError(faults)
+    return rows
+
+
+def unit_pressures(
+    mechanism: Mechanism, parts: Mapping[str, BodyModel] | None = None
+) -> dict[tuple[str, Selection], Array]:
+    """Wrenches (6m, body axes) of 1 Pa on the m interfaces, by body and selection of faces.
+
+    `parts` are models of the CAD parts; if None they are condensed. {} without pressures.
+    """
+    wrenches = {}
+    for row in pressed_faces(mechanism):
+        body = row.pressure.body
+        model = condensed(mechanism.bodies[body]) if parts is None else parts[body]
+        of_faces = [model.unit_pressures[number] for number in row.faces]
+        wrenches[body, row.pressure.faces] = np.sum(of_faces, axis=0)
+    return wrenches
+
+
+def resultants(mechanism: Mechanism) -> dict[str, list[PressureResultant]]:
+    """Resultants of all pressures on the finest meshes of the parts, by load.
+
+    By equilibrium they are those of the wrenches on the interfaces. Loads without pressures are
+    left out.
+    """
+    by_load: dict[str, list[PressureResultant]] = {}
+    for row in pressed_faces(mechanism):
+        body = mechanism.bodies[row.pressure.body]
+        of_faces = condensed(body).unit_pressures
+        wrenches = np.sum([of_faces[number] for number in row.faces], axis=0).reshape(-1, 6)
+        total = sum(
+            shift(interface.position).T @ wrench
+            for interface, wrench in zip(body.interfaces.values(), wrenches, strict=True)
+        )
+        by_load.setdefault(row.load, []).append(_resultant(body, row, np.asarray(total)))
+    return by_load
+
+
+def surface_resultants(mechanism: Mechanism) -> list[tuple[PressedFaces, PressureResultant]]:
+    """Resultants of all pressures on the surfaces in the files of the parts, without any mesh.
+
+    They are exact on plane faces. On curved faces of CAD files they are those of the triangles
+    between points on the face.
+    """
+    return [
+        (row, _resultant(body, row, _on_surface(found_in(body)[0], row.faces)))
+        for row in pressed_faces(mechanism)
+        for body in (mechanism.bodies[row.pressure.body],)
+    ]
+
+
+def _resultant(body: Body, row: PressedFaces, unit: Array) -> PressureResultant:
+    """Resultant with the wrench `unit` (6) of 1 Pa."""
+    file, _ = found_in(body)
+    area = float(sum(file.face(number).area for number in row.faces))
+    force, moment = np.split(row.pressure.pressure * unit, 2)
+    return PressureResultant(body.name, row.faces, row.pressure.pressure, area, force, moment)
+
+
+def _on_surface(file: PartFile, faces: Sequence[int]) -> Array:
+    """Force and moment (6) of 1 Pa on faces of the surface in a file."""
+    total = np.zeros(6)
+    for face in map(file.face, faces):
+        if face.kind == "plane":
+            forces, points = -face.area * face.direction[None], face.centre[None]
+        else:
+            forces = pressure_forces(file.surface, face.facets)
+            points = file.surface[face.facets.nodes]
+        total += np.concatenate([forces.sum(axis=0), np.cross(points, forces).sum(axis=0)])
+    return total
