@@ -4,6 +4,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from errno import EAGAIN, EDQUOT, EFBIG, EIO, EMFILE, ENFILE, ENOMEM, ENOSPC
+from traceback import format_exception
 from typing import Any, TypeVar
 
 from lumped.text import shortened
@@ -80,6 +81,25 @@ class ComputationError(_SendableError):
         super().__init__(_prefixed(part, message))
 
 
+class ProgramError(ComputationError):
+    """An error of the program itself in another process.
+
+    The message contains the part of the model, and the error with its class. `traceback` are the
+    lines for a report of the error.
+    """
+
+    def __init__(self, message: str, traceback: Iterable[str], part: str = "") -> None:
+        super().__init__(message, part)
+        self.traceback = tuple(traceback)
+
+
+def program_error(error: Exception) -> ProgramError:
+    """Any other error as ProgramError, with the parts of the model that `naming` noted."""
+    parts = [part for part in getattr(error, "__notes__", ()) if part]
+    lines = "".join(format_exception(error)).splitlines()
+    return ProgramError(": ".join([*reversed(parts), f"{type(error).__name__}: {error}"]), lines)
+
+
 def _prefixed(part: str, message: str) -> str:
     return f"{part}: {message}" if part else message
 
@@ -114,6 +134,7 @@ def naming(part: str) -> Iterator[None]:
     """Context that prefixes the messages of errors raised in it with `part`, a part of the model.
 
     Messages that begin with this part already, and all messages if `part` is "", remain unchanged.
+    Errors of the program itself get the part as a note.
     """
     try:
         yield
@@ -121,7 +142,15 @@ def naming(part: str) -> Iterator[None]:
         if part in ("", error.part):
             raise
         raise InputError(error.faults, part) from error
+    except ProgramError as error:
+        if part in ("", error.part):
+            raise
+        raise ProgramError(str(error), error.traceback, part) from error
     except ComputationError as error:
         if part in ("", error.part):
             raise
         raise ComputationError(str(error), part) from error
+    except Exception as error:
+        if part:
+            error.add_note(part)
+        raise

@@ -27,7 +27,7 @@ from time import monotonic, process_time
 from types import ModuleType
 from typing import Any, NamedTuple, TypeVar
 
-from lumped.errors import ComputationError, InputError, Remark, remarks_to
+from lumped.errors import ComputationError, InputError, Remark, program_error, remarks_to
 from lumped.posix import resource
 
 T = TypeVar("T")
@@ -55,11 +55,19 @@ class _Raised:
     error: Exception
 
 
-class _Answer(NamedTuple):
+class Answer(NamedTuple):
     """The value of a call or its error, and the remarks made during the computation."""
 
     value: object
     remarks: list[Remark]
+
+    def result(self) -> Any:
+        """Value of the call. Its remarks are repeated in this process, or its error is raised."""
+        for remark in self.remarks:
+            warnings.warn(remark, stacklevel=2)
+        if isinstance(self.value, _Raised):
+            raise self.value.error
+        return self.value
 
 
 class _Question(NamedTuple):
@@ -125,21 +133,29 @@ class Process:
         """Value of the earliest call not yet answered, for which it waits up to `patience` (s).
 
         Remarks of the call are repeated in this process. Raises the InputError or ComputationError
-        of the call, ComputationError for any other error of the call, and Crashed.
+        of the call, ProgramError for any other error of the call, and Crashed.
         """
         begun = monotonic()
+        while not self.has_answer():
+            if monotonic() - begun > patience:
+                raise Crashed(f"the computing process gave no answer in {patience:g} s")
+        return self.receive().result()
+
+    def has_answer(self) -> bool:
+        """Wait up to half a second for an answer, or the end of the process. False without one."""
         try:
-            while not self.connection.poll(_HEARTBEAT):
-                if monotonic() - begun > patience:
-                    raise Crashed(f"the computing process gave no answer in {patience:g} s")
-            answer: _Answer = self.connection.recv()
+            return self.connection.poll(_HEARTBEAT)
+        except ConnectionError:
+            # `receive` reports the end of the process.
+            return True
+
+    def receive(self) -> Answer:
+        """Answer to the earliest call not yet answered. Raises Crashed if the process ended."""
+        try:
+            answer: Answer = self.connection.recv()
         except (EOFError, ConnectionError):
             raise Crashed(f"the computing process {self._cause_of_end()}") from None
-        for remark in answer.remarks:
-            warnings.warn(remark, stacklevel=2)
-        if isinstance(answer.value, _Raised):
-            raise answer.value.error
-        return answer.value
+        return answer
 
     def end(self) -> None:
         """Kill the process."""
@@ -228,15 +244,15 @@ def _answered(content: bytes, persistent: list[object]) -> bytes:
         if question.persistent:
             persistent.append(value)
             value = None
-        return pickle.dumps(_Answer(value, remarks))
+        return pickle.dumps(Answer(value, remarks))
     except (InputError, ComputationError) as error:
         raised = _Raised(error)
     except MemoryError:
         raised = _Raised(ComputationError("out of memory"))
     except Exception as error:  # noqa: BLE001  any error is passed to the caller
         traceback.print_exc()
-        raised = _Raised(ComputationError(f"{type(error).__name__}: {error}"))
-    return pickle.dumps(_Answer(raised, remarks))
+        raised = _Raised(program_error(error))
+    return pickle.dumps(Answer(raised, remarks))
 
 
 def _receive(connection: Connection, questions: SimpleQueue[bytes]) -> None:

@@ -21,7 +21,7 @@ from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 from fem.extras import require_extra
 from fem.machine import TO_COMPUTE, TO_READ, require_room, usable_cores
 from fem.solvers.backends.request import request_solver
-from lumped.errors import EXHAUSTED, ComputationError, InputError, remarks_to
+from lumped.errors import EXHAUSTED, ComputationError, InputError, ProgramError, remarks_to
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.solver_request import RANKS_VARIABLE, VARIABLE
 from lumped.text import shortened, visible
@@ -59,6 +59,7 @@ app = App(
     # No option --empty-x for arguments that can be repeated, and no default in help if it is empty.
     default_parameter=Parameter(negative=(), show_default=lambda value: value or None),
 )
+_REPORT_REQUEST = "this is an error in flexproof itself; please report it with the lines above"
 app.command(converge)
 app.command(docs)
 app.command(extras)
@@ -90,17 +91,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         return write_messages(error.faults, 2)
     except (ComputationError, KeyboardInterrupt) as error:
-        return write_messages([str(error) or "interrupted"], 3)
+        return write_messages(_lines_of(error), 3)
     except MemoryError:
         return write_messages(["out of memory; choose a coarser mesh or a smaller preset"], 3)
     except Exception as error:  # noqa: BLE001  whatever it is, code 1 would pass for a disagreement
-        return write_messages(
-            [
-                *"".join(format_exception(error)).splitlines(),
-                ("this is an error in flexproof itself; please report it with the lines above"),
-            ],
-            3,
-        )
+        lines = "".join(format_exception(error)).splitlines()
+        return write_messages([*lines, _REPORT_REQUEST], 3)
+
+
+def _lines_of(error: ComputationError | KeyboardInterrupt) -> list[str]:
+    """Lines on the end of a computation, with the traceback of an error of the program itself."""
+    if isinstance(error, ProgramError):
+        return [*error.traceback, str(error), _REPORT_REQUEST]
+    return [str(error) or "interrupted"]
 
 
 @contextmanager
@@ -220,8 +223,8 @@ def run(
         Also write export/: meshes, displacements and modes for ParaView, matrices as .npz and
         Matrix Market.
     cluster
-        Address of a Dask scheduler (tcp://host:port) that computes the robots of --vary and CAD
-        parts; needs the extra "cluster".
+        Address of a Dask scheduler (tcp://host:port) whose workers compute everything; needs the
+        extra "cluster".
     accept
         Accepted relative error of the models, for example deflection=0.03; overrides
         [accept] of the robot file. Names: deflection, frequency, response, modes, or one

@@ -10,7 +10,7 @@ from hashlib import sha256
 import gmsh
 import pytest
 
-from lumped.errors import ComputationError, InputError
+from lumped.errors import ComputationError, InputError, ProgramError, naming
 from lumped.sections import Rectangle
 from meshes.gmsh_session import gmsh_model
 from meshes.prism import tetrahedra
@@ -22,7 +22,7 @@ REFUSED = "from lumped.errors import InputError; raise InputError(('one', 'two')
 def test_process_returns_values_and_errors():
     process = Process()
     # The process has its own session, so that Ctrl-C or the end of a terminal does not reach it.
-    questions = (divmod, 7, 2), (os.getsid, 0), (exec, REFUSED), (divmod, 1, 0)
+    questions = (divmod, 7, 2), (os.getsid, 0), (exec, REFUSED), (lookup_of_robot, 3)
     for question in questions:
         process.ask(*question)
     assert process.answer() == (3, 1)
@@ -30,9 +30,17 @@ def test_process_returns_values_and_errors():
     with pytest.raises(InputError, match="one") as raised:
         process.answer()
     assert raised.value.faults == ("one", "two")
-    with pytest.raises(ComputationError, match="ZeroDivisionError"):
+    # An error of the program has its case, its message, and a traceback for a report.
+    with pytest.raises(ProgramError) as failed, naming("run"):
         process.answer()
     process.end()
+    assert str(failed.value) == "run: --vary tool.mass=1: leg 2: KeyError: 3"
+    assert "in lookup_of_robot" in "".join(failed.value.traceback)
+
+
+def lookup_of_robot(leg):
+    with naming("--vary tool.mass=1"), naming("leg 2"):
+        return {}[leg]
 
 
 def test_process_keeps_value_for_later_calls():

@@ -11,6 +11,7 @@ import pytest
 from support.fakes import toy_catalogue as toys
 from support.fakes.toy_runs import refusing, run_here
 
+from lumped.errors import ProgramError
 from lumped.files import os_errors_as_store_errors
 from validation import cli
 from validation.console import streams
@@ -190,6 +191,21 @@ def test_export_is_in_run_folder(with_catalogue, tmp_path, monkeypatch, command)
     assert not (tmp_path / ".export.tmp").exists()
     command.told(*asked)
     assert not (tmp_path / "export").exists()
+
+
+def test_program_error_of_process_has_traceback(monkeypatch, capsys):
+    """In another process an error of the program is known by its lines alone."""
+
+    def broken(_name):
+        raise ProgramError("leg 2: KeyError: 3", ["Traceback", "in postures"])
+
+    monkeypatch.setattr("lumped.robot_file.load_robot", broken)
+    assert cli.main(["check", "ifw"]) == 3
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[:3] == [
+        f"flexproof: {line}" for line in ("Traceback", "in postures", "leg 2: KeyError: 3")
+    ]
+    assert "this is an error in flexproof itself" in lines[3]
 
 
 def test_program_error_is_not_disagreement(with_catalogue, tmp_path, monkeypatch, capsys):
