@@ -288,8 +288,10 @@ def run(
     go_on = f"continue with: {request.resume_command}"
     try:
         gathered = validate(request, catalogue)
-    except (StoreError, ComputationError) as error:
+    except StoreError as error:
         return write_messages([str(error), go_on], 3)
+    except ComputationError as error:
+        return write_messages([*_lines_of(error), go_on], 3)
     except KeyboardInterrupt:
         return write_messages(["interrupted", go_on], 3)
     write_messages([*gathered.remarks, *summary.left_out(gathered)], 0)

@@ -11,6 +11,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from shlex import join
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from lumped.acceptance.measured import digest
 from lumped.acceptance.requirement import SMALLEST_SHARE
@@ -28,16 +29,20 @@ from validation.report.listing import junit_xml
 from validation.report.page import Report, render
 from validation.report.words import sentence
 from validation.run import progress, provenance, runner
-from validation.run.cache import some_cache
+from validation.run.cache import Arrays, some_cache
 from validation.run.executor import Executor, on_cores
 from validation.run.folder import RunFolder, Start, open_folder
 from validation.run.outcome import Record, Task
 from validation.run.provenance import last_selftest
+from validation.run.provisions import Provisions, provisions
 from validation.run.records import RunRecord, load_run
 from validation.run.results import Results
 from validation.solve.cost import PER_PART
 from validation.uncertainty.refinement import accuracy_faults
 from validation.verdicts import ADEQUACY, MEASURED, MEASURED_RESPONSE
+
+if TYPE_CHECKING:
+    from validation.run.cluster import Cluster
 
 # Pause between two writes of results.json, as a multiple of the time of one write.
 _WRITE_PAUSE = 20.0
@@ -51,7 +56,7 @@ class Request:
 
     `only`: shell-style pattern of ids. `baseline`: folder or results.json of an earlier run for
     comparison. `exports`: True if meshes, fields and matrices are written to files. `cluster`:
-    address of a Dask scheduler for CAD parts and the robots of `vary`. `accept`, `rely`, `accuracy`
+    address of a Dask scheduler whose workers compute everything. `accept`, `rely`, `accuracy`
     (see `Requirement`), `inputs` (see `RobotFile.supposed`) and the file of `measured` values
     extend the robot file. `strict`: undecided counts as inadequate.
     """
@@ -145,11 +150,6 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
     ComputationError if workers cannot start or the export fails.
     """
     robot_file, preset = request.robot_file, request.preset
-    if request.cluster is not None and not (request.variations or robot_file.mechanism.parts):
-        raise InputError(
-            "--cluster: computes the robots of --vary and the parts of a mechanism; this run has "
-            "neither"
-        )
     if request.exports:
         _refuse_large_exports(request)
     if request.variations:
@@ -164,7 +164,7 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
     # Read before anything is written, because the baseline can be in the same folder.
     baseline = _read_baseline(request)
     with ExitStack() as stack:
-        executor = None
+        executor: Cluster | None = None
         if request.cluster is not None:
             from validation.run.cluster import on_cluster  # noqa: PLC0415
 
@@ -188,7 +188,7 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
                 _solve_varied_robots(request, tasks, executor)
         if any(task.id not in results.done for task in tasks):
             _prepare_parts(request, executor)
-        _compute_tasks(request, catalogue, results, folder)
+        _compute_tasks(request, catalogue, results, folder, executor)
         with stage("writing the report"):
             publish(results, folder, findings)
         if request.exports and not results.unfinished:
@@ -272,6 +272,21 @@ def _prepare_parts(request: Request, cluster: Executor | None) -> None:
         prepare_parts(context, executor, remote=cluster is not None)
 
 
+def _provisions(request: Request, context: Context) -> Provisions:
+    """Files and cache entries that tasks need on other machines: parts and robots of --vary."""
+    entries: dict[str, Arrays] = {}
+    if context.robot_file.mechanism.parts:
+        from validation.references.part_preparation import prepared_entries  # noqa: PLC0415
+
+        entries |= prepared_entries(context)
+    if request.variations:
+        from validation.variations.curves import stored_robots  # noqa: PLC0415
+
+        for variation in request.variations:
+            entries |= stored_robots(context.robot_file, variation, request.preset)
+    return provisions(context, entries)
+
+
 def _refuse_large_exports(request: Request) -> None:
     """Raise InputError for legs whose solids are too large to be written."""
     from validation.export.files import DIVISIONS  # noqa: PLC0415
@@ -284,7 +299,11 @@ def _refuse_large_exports(request: Request) -> None:
 
 
 def _compute_tasks(
-    request: Request, catalogue: runner.Catalogue, results: Results, folder: RunFolder
+    request: Request,
+    catalogue: runner.Catalogue,
+    results: Results,
+    folder: RunFolder,
+    cluster: "Cluster | None",
 ) -> None:
     begun = perf_counter() - results.header["seconds"]
     due = 0.0
@@ -316,6 +335,8 @@ def _compute_tasks(
             waiting,
             jobs=request.jobs,
             log=folder.log,
+            cluster=cluster,
+            sent=_provisions(request, context) if cluster else None,
             keep=keep,
             progress=display,
         )

@@ -90,6 +90,17 @@ def prepare_parts(context: Context, executor: Executor, *, remote: bool) -> None
     _compute_missing(requests, executor, remote=remote)
 
 
+def prepared_entries(context: Context) -> dict[str, Arrays]:
+    """Stored arrays by key of all that `prepare_parts` computes."""
+    parts = context.robot_file.mechanism.parts.values()
+    requests = [
+        *((body, _identification) for body in parts),
+        *_reductions(robot_on_path(context), parts),
+    ]
+    entries = [entry for body, entries_of in requests for entry in _entries(entries_of, body)]
+    return {key: arrays for entry in entries for key, arrays in entry.stored_arrays.items()}
+
+
 def _identification(body: Body) -> list[CacheEntry[Any]]:
     stepped = [stepped_entry(body)] if reduced_parts.is_leg(body) else []
     return [reduced_parts.identified_entry(body), *stepped]

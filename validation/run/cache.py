@@ -29,7 +29,7 @@ from lumped.posix import fcntl
 
 Arrays: TypeAlias = dict[str, Array]
 T = TypeVar("T")
-_CACHE_VARIABLE = "FLEXPROOF_CACHE"
+CACHE_VARIABLE = "FLEXPROOF_CACHE"
 # Largest size of the cache (bytes). Beyond it, the entries unused for longest are removed until
 # this fraction of the limit is left.
 _CACHE_LIMIT, _REMAINING_SHARE = 5_000_000_000, 0.8
@@ -83,7 +83,7 @@ def cache_folder() -> Path | None:
 
     None if the cache is off or there is no home folder.
     """
-    setting = os.environ.get(_CACHE_VARIABLE)
+    setting = os.environ.get(CACHE_VARIABLE)
     if setting:
         return None if setting == "off" else Path(setting)
     base = os.environ.get("XDG_CACHE_HOME")
@@ -102,14 +102,14 @@ def some_cache() -> Iterator[None]:
     if cache_folder() is not None:
         yield
         return
-    setting = os.environ.get(_CACHE_VARIABLE)
+    setting = os.environ.get(CACHE_VARIABLE)
     with TemporaryDirectory(prefix="flexproof-cache-") as folder:
-        os.environ[_CACHE_VARIABLE] = folder
+        os.environ[CACHE_VARIABLE] = folder
         try:
             yield
         finally:
-            os.environ.pop(_CACHE_VARIABLE) if setting is None else os.environ.update(
-                {_CACHE_VARIABLE: setting}
+            os.environ.pop(CACHE_VARIABLE) if setting is None else os.environ.update(
+                {CACHE_VARIABLE: setting}
             )
 
 

@@ -1,34 +1,46 @@
-"""Executor for units of work on a Dask cluster (optional extra `cluster`).
+"""Executor for tasks on a Dask cluster (optional extra `cluster`).
 
 Input: the address of a scheduler and functions that can be pickled. Output: results in order of
-completion. Rule: workers must have the same program and libraries as this process. A unit whose
+completion. Rule: workers must have the same program and libraries as this process. A task whose
 worker is lost goes to another one; results come to this process when they are finished, so that
-nothing is lost with a worker or with the scheduler.
+nothing is lost with a worker or with the scheduler. Workers compute as cores do
+(`validation.run.cluster_worker`).
 """
 
 import gc
 import logging
 import os
+import pickle
 import re
 import socket
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import warnings
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from queue import Empty, SimpleQueue
-from threading import Lock
 from time import monotonic, sleep
 from types import ModuleType
 from typing import Any
 
 from fem.extras import require_extra
-from fem.machine import one_blas_thread
 from fem.solvers.backends.choice import solver_name
 from lumped.errors import ComputationError, InputError
-from lumped.memo import memo
 from lumped.solver_request import request_variables
-from validation.run.executor import Executor, Finished, Work
-from validation.run.provenance import versions
-from validation.run.sources import source_digest
+from meshes.processes import Answer, Crashed
+from validation.run.cluster_worker import (
+    Conditions,
+    DifferentProgram,
+    Reply,
+    Unable,
+    compute,
+    differences,
+    end_idle,
+    program,
+    requested_program,
+)
+from validation.run.executor import Answers, Call, Groups, ProcessExecutor, Work
 
 # Timeout (s) for the scheduler's answer, and time (s) without workers before a notice.
 _ANSWER_TIMEOUT = 10.0
@@ -39,22 +51,19 @@ _HEARTBEAT = 0.5
 _LONGEST_GREETING = 1 << 20
 _GONE = "--cluster {}: the scheduler is gone; what was finished is kept"
 _ADDRESS = re.compile(r"(?:tcp|tls)://(?P<host>\[[0-9a-fA-F:.]+\]|[\w.-]+):(?P<port>\d{1,5})")
-# A worker can have several threads, but gmsh has one model and each unit needs a core.
-_ONE_AT_A_TIME = Lock()
-
-
-class DifferentProgram(Exception):  # noqa: N818  carried from a worker to the run, which names it
-    """Raised by a worker whose program or libraries differ from those of the run."""
+_LOST_WITH_WORKERS = (
+    "lost with several workers, one after the other, probably because of lack of memory"
+)
 
 
 @contextmanager
-def on_cluster(address: str, notify: Callable[[str], object]) -> Iterator[Executor]:
+def on_cluster(address: str, notify: Callable[[str], object]) -> Iterator["Cluster"]:
     """Context with an executor on the Dask cluster at `address` ("tcp://host:port").
 
     Waits for workers without limit, with a notice after ten seconds. Raises InputError if Dask is
-    not installed, no scheduler answers, or a worker has another program. The executor raises errors
-    of calls, and ComputationError if the scheduler is lost, a worker with another program joins, or
-    workers are lost faster than units are finished.
+    not installed, no scheduler answers, or a worker has another program. The executor raises
+    ComputationError if the scheduler is lost or a worker with another program joins. A call that is
+    lost with several workers counts as crashed.
     """
     require_extra("cluster", "--cluster")
     require_scheduler(address)
@@ -70,18 +79,20 @@ def on_cluster(address: str, notify: Callable[[str], object]) -> Iterator[Execut
             f"--cluster {address}: the service at this address is not a Dask scheduler, "
             "or the scheduler is busy"
         )
-    watch = _SchedulerWatch(client, address, notify)
+    watch, cluster = _SchedulerWatch(client, address, notify), None
     try:
         while not watch.has_workers():
             sleep(_HEARTBEAT)
         with _connection_errors(distributed, address):
             _require_same_program(client, address)
 
-        def execute(calls: Sequence[Work]) -> Finished:
-            return _execute(distributed, watch, calls)
-
-        yield execute
+        cluster = Cluster(distributed, watch)
+        yield cluster
     finally:
+        if cluster is not None and client.status == "running":
+            # Other errors than that of the run are of no interest.
+            with suppress(Exception):
+                client.run(end_idle, list(cluster.keys), wait=False)
         # Do not wait for a scheduler that has ended. On a busy machine, the thread that closes can
         # start later than this; the results, or the error of a call, are here already.
         with suppress(TimeoutError):
@@ -123,9 +134,18 @@ class _SchedulerWatch:
     client: Any
     address: str
     notify: Callable[[str], object]
+    # Numbers of workers, at least one, and of their threads.
+    workers: int = 1
+    threads: int = 1
+    _checked: float = 0.0
     _last_fault: str = ""
     _since: float = 0.0
     _notified: bool = False
+
+    @property
+    def is_due(self) -> bool:
+        """True half a second after the last check."""
+        return monotonic() - self._checked >= _HEARTBEAT
 
     def has_workers(self) -> bool:
         """True if there are workers. After ten seconds without any, a notice is written.
@@ -133,6 +153,7 @@ class _SchedulerWatch:
         Raises ComputationError if the scheduler does not return in that time.
         """
         fault, now = self._connection_fault(), monotonic()
+        self._checked = now
         if fault != self._last_fault:
             self._last_fault, self._since = fault, now
         late = now - self._since > _WORKER_TIMEOUT
@@ -155,7 +176,9 @@ class _SchedulerWatch:
         # If the connection breaks during this call, the next check of the client's status detects
         # it.
         with suppress(OSError):
-            return "" if self.client.nthreads() else "no workers"
+            threads = self.client.nthreads()
+            self.workers, self.threads = max(1, len(threads)), max(1, sum(threads.values()))
+            return "" if threads else "no workers"
         return "no workers"
 
 
@@ -168,89 +191,171 @@ def _connection_errors(distributed: ModuleType, address: str) -> Iterator[None]:
         raise ComputationError(_GONE.format(address)) from error
 
 
-def _execute(distributed: ModuleType, watch: _SchedulerWatch, calls: Sequence[Work]) -> Finished:
-    with _connection_errors(distributed, watch.address):
-        yield from _results(distributed, watch, calls)
+@dataclass
+class Cluster(ProcessExecutor):
+    """Executor on the workers of a Dask cluster, see `on_cluster`.
 
-
-def _results(distributed: ModuleType, watch: _SchedulerWatch, calls: Sequence[Work]) -> Finished:
-    context: dict[str, Any] = {"program": _program(solver_name()), "request": request_variables()}
-    futures = watch.client.map(_run_on_worker, calls, **context, pure=False, batch_size=None)
-    numbers = {future.key: number for number, future in enumerate(futures)}
-    finished: SimpleQueue[Any] = SimpleQueue()
-
-    def fetch(future: Any) -> None:
-        # In a thread, because a result lost with a worker is awaited until another worker has
-        # computed it.
-        try:
-            finished.put((numbers[future.key], future.result(), None))
-        except BaseException as error:  # noqa: BLE001  raised where the result is awaited
-            finished.put((numbers[future.key], None, error))
-
-    for future in futures:
-        future.add_done_callback(fetch)
-    try:
-        for _ in futures:
-            number, result, error = _next(finished, watch)
-            if error is not None:
-                raise error
-            yield number, result
-    except DifferentProgram as error:
-        raise ComputationError(
-            f"--cluster {watch.address}: {error}; what was finished is kept"
-        ) from error
-    except distributed.KilledWorker as error:
-        raise ComputationError(
-            "--cluster: one unit of the sweep was lost with several workers, one after the other, "
-            "probably because of lack of memory; what was finished is kept"
-        ) from error
-    finally:
-        if watch.client.status == "running":
-            watch.client.cancel(futures)
-
-
-def _next(finished: SimpleQueue[Any], watch: _SchedulerWatch) -> Any:
-    while True:
-        try:
-            return finished.get(timeout=_HEARTBEAT)
-        except Empty:
-            watch.has_workers()
-
-
-def _run_on_worker(call: Work, program: Mapping[str, str], request: Mapping[str, str]) -> Any:
-    from distributed import get_worker  # noqa: PLC0415  an optional extra, and slow to import
-
-    # A worker can have joined after the check of all workers.
-    if differing := _differences(_requested_program(request), program):
-        worker = get_worker()
-        raise DifferentProgram(_difference_text(f"{worker.name} ({worker.address})", differing))
-    with _ONE_AT_A_TIME, one_blas_thread():
-        return call()
-
-
-@memo(2)
-def _program(solver: str) -> dict[str, str]:
-    """Digest of the sources, versions of libraries, and `solver`.
-
-    Equal programs give equal numbers.
+    A task is sent when a thread of a worker is free. The next task of its group goes to the same
+    worker as long as that is there. `log` and `begin` are those of `on_cores`.
     """
-    return {"another flexproof": source_digest()} | versions() | {"linear solver": solver}
+
+    distributed: ModuleType
+    watch: "_SchedulerWatch"
+    log: Path = Path(os.devnull)
+    begin: Work | None = None
+    # Keys of the conditions of all processes that this run began.
+    keys: set[str] = field(default_factory=set)
+    advice = "continue with more memory for each worker, or a coarser mesh"
+
+    def beginning(self, log: Path, begin: Work) -> "Cluster":
+        """Executor whose processes begin with the value of `begin`, with their output in `log`.
+
+        The function travels to each worker once.
+        """
+        return replace(self, log=log, begin=begin)
+
+    def answers(
+        self,
+        groups: Groups,
+        started: Callable[[Any], object] = lambda _name: None,
+        stopped: Callable[[], bool] = lambda: False,
+    ) -> Answers:
+        """Answers as of `ProcessExecutor`. Raises ComputationError if the scheduler is lost."""
+        content = b"" if self.begin is None else pickle.dumps(self.begin)
+        conditions = Conditions(content, program(solver_name()), request_variables())
+        self.keys.add(conditions.key)
+        sent = _SentCalls(self.distributed, self.watch, conditions)
+        queue = deque(deque(group) for group in groups)
+        # Single calls wait on each worker, so that it need not wait for this process.
+        single = all(len(group) == 1 for group in groups)
+        try:
+            with _connection_errors(self.distributed, self.watch.address):
+                while (queue or sent.todo) and not stopped():
+                    while (
+                        queue and len(sent.todo) < self.watch.threads + single * self.watch.workers
+                    ):
+                        calls = queue.popleft()
+                        sent.send(calls)
+                        started(calls[0][0])
+                    reply = sent.next_reply()
+                    if self.watch.is_due:
+                        self.watch.has_workers()
+                    if reply is None:
+                        continue
+                    calls, answer, worker, log = reply
+                    self._append(log)
+                    name, _ = calls.popleft()
+                    if calls:
+                        sent.send(calls, worker)
+                        started(calls[0][0])
+                    yield name, answer
+        finally:
+            sent.cancel()
+
+    def _append(self, log: bytes) -> None:
+        """Append the output of a worker's process to the log."""
+        # Results are kept even if the disk is too full for the log.
+        with suppress(OSError), self.log.open("ab") as file:
+            file.write(log)
 
 
-def _requested_program(request: Mapping[str, str]) -> dict[str, str]:
-    """Program of a worker, with the linear solver that the run requests."""
-    os.environ.update(request)
-    return _program(solver_name())
+class _SentCalls:
+    """Calls that are computed on the cluster, each the first of its group."""
+
+    def __init__(
+        self, distributed: ModuleType, watch: "_SchedulerWatch", conditions: Conditions
+    ) -> None:
+        self.distributed, self.watch = distributed, watch
+        # Dask sends the value of a task to each worker once, and computes it again if it is lost.
+        with warnings.catch_warnings():
+            # A large task is intended here.
+            warnings.simplefilter("ignore", UserWarning)
+            self._conditions = watch.client.submit(
+                _itself, conditions, key=f"flexproof-{conditions.key}"
+            )
+        # Calls of the group and future by key.
+        self.todo: dict[str, tuple[deque[tuple[Any, Call]], Any]] = {}
+        self._finished: SimpleQueue[tuple[str, Any]] = SimpleQueue()
+
+    def send(self, calls: deque[tuple[Any, Call]], worker: str | None = None) -> None:
+        """Submit the first of the calls, if possible to this worker and before other groups."""
+        future = self.watch.client.submit(
+            compute,
+            calls[0][1],
+            str(id(calls)),
+            self._conditions,
+            pure=False,
+            workers=worker and [worker],
+            allow_other_workers=worker is not None,
+            priority=int(worker is not None),
+        )
+        self.todo[future.key] = calls, future
+        future.add_done_callback(self._fetch)
+
+    def _fetch(self, future: Any) -> None:
+        """Queue the reply of a finished call.
+
+        In a thread, because a reply lost with a worker is awaited until another worker has computed
+        it.
+        """
+        try:
+            reply = future.result()
+        except BaseException as error:  # noqa: BLE001  raised where the result is awaited
+            reply = error
+        self._finished.put((future.key, reply))
+
+    def next_reply(self) -> tuple[deque[tuple[Any, Call]], Any, str | None, bytes] | None:
+        """Calls of a group, answer to the first, worker and log. None after half a second.
+
+        Raises ComputationError for a worker with another program, or one that cannot begin.
+        """
+        try:
+            key, reply = self._finished.get(timeout=_HEARTBEAT)
+        except Empty:
+            return None
+        calls, _ = self.todo.pop(key)
+        if isinstance(reply, self.distributed.KilledWorker):
+            return calls, Crashed(_LOST_WITH_WORKERS), None, b""
+        if isinstance(reply, Reply):
+            return calls, self._result(reply), reply.worker, reply.log
+        if not isinstance(reply, Exception) or _is_lost(self.distributed, reply):
+            raise reply
+        # Dask could not even read the call on a worker, or its reply here.
+        raise self._failure(f"a worker failed with {type(reply).__name__}: {reply}") from reply
+
+    def _result(self, reply: Reply) -> Any:
+        """Value or error of a call, whose remarks are repeated here."""
+        if isinstance(reply.answer, DifferentProgram):
+            reason = _difference_text(reply.worker, str(reply.answer))
+            raise self._failure(reason) from reply.answer
+        if isinstance(reply.answer, Unable):
+            raise self._failure(f"worker {reply.worker}: {reply.answer}") from reply.answer
+        if not isinstance(reply.answer, Answer):
+            return reply.answer
+        try:
+            return reply.answer.result()
+        except (InputError, ComputationError) as error:
+            return error
+
+    def _failure(self, reason: str) -> ComputationError:
+        return ComputationError(
+            f"--cluster {self.watch.address}: {reason}; what was finished is kept"
+        )
+
+    def cancel(self) -> None:
+        """Cancel all calls that are not finished."""
+        if self.watch.client.status == "running":
+            self.watch.client.cancel([future for _, future in self.todo.values()])
 
 
-def _differences(worker_program: Mapping[str, str], program: Mapping[str, str]) -> str:
-    """Text on differences between a worker's program and that of this process. "" without any."""
-    if worker_program.get("another flexproof") != program["another flexproof"]:
-        return "another flexproof, or none"
-    return ", ".join(
-        f"{name} {worker_program.get(name, 'missing')} (here {version})"
-        for name, version in program.items()
-        if worker_program.get(name) != version
+def _itself(conditions: Conditions) -> Conditions:
+    return conditions
+
+
+def _is_lost(distributed: ModuleType, error: Exception) -> bool:
+    """True if the error means that the scheduler is lost."""
+    return isinstance(
+        error, distributed.client.FutureCancelledError | distributed.comm.CommClosedError
     )
 
 
@@ -277,13 +382,13 @@ def _require_same_program(client: Any, address: str) -> None:
         if isinstance(answer, InputError):
             faults.append(f"--cluster {address}: worker {worker_address}: {answer}")
             continue
-        name, program = answer if isinstance(answer, tuple) else ("", {})
-        if differing := _differences(program, _program(solver_name())):
+        name, worker_program = answer if isinstance(answer, tuple) else ("", {})
+        if differing := differences(worker_program, program(solver_name())):
             worker = f"{name} ({worker_address})" if name else worker_address
             faults.append(f"--cluster {address}: {_difference_text(worker, differing)}")
     if faults:
         raise InputError(faults)
 
 
-def _worker_program(dask_worker: Any, request: Mapping[str, str]) -> tuple[str, dict[str, str]]:
-    return str(dask_worker.name), _requested_program(request)
+def _worker_program(dask_worker: Any, request: Mapping[str, str]) -> tuple[str, Mapping[str, str]]:
+    return str(dask_worker.name), requested_program(request)

@@ -2,33 +2,38 @@
 
 Input: functions without arguments. Output: number and result of each, in order of completion. Calls
 run in this process (`in_turn`), on the cores of this machine (`on_cores`), or on a Dask cluster
-(`validation.run.cluster`). On cores, a process that dies loses only one call, and the reason is
-known; docs/guide/architecture.md compares other process pools.
+(`validation.run.cluster`). Cores and workers of a cluster compute in the same processes
+(`Interpreter`). One that dies loses only one call, and the reason is known;
+docs/guide/architecture.md compares other process pools.
 """
 
 import os
+from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable, Generator, Hashable, Iterator, Sequence
+from collections.abc import Callable, Generator, Hashable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, ClassVar, TypeAlias
 
 from fem.machine import ONE_BLAS_THREAD
 from lumped.errors import ComputationError, InputError
 from lumped.files import read_regular
-from meshes.processes import Crashed, Process
+from meshes.processes import Answer, Crashed, Process
 
 # Call without arguments that can be pickled.
 Work: TypeAlias = Callable[[], Any]
 # Call that can be pickled. It has one argument if processes begin with a value.
 Call: TypeAlias = Callable[..., Any]
+# Calls in groups, each with its name. Those of a group run one after the other in one process.
+Groups: TypeAlias = Sequence[Sequence[tuple[Hashable, Call]]]
+# Name and answer (result or exception) of each call, in order of completion.
+Answers: TypeAlias = Generator[tuple[Any, Any], None, None]
 # Number and result of each call, in order of completion.
 Finished: TypeAlias = Generator[tuple[int, Any], None, None]
 # Function that computes calls in any order.
 Executor: TypeAlias = Callable[[Sequence[Work]], Finished]
-K = TypeVar("K", bound=Hashable)
 # One thread per process, including the sparse solver, since there are as many processes as cores.
 _SINGLE_THREADED = {"OMP_NUM_THREADS": "1", **ONE_BLAS_THREAD}
 # Interval (s) between checks of `stopped`.
@@ -39,6 +44,101 @@ def in_turn(calls: Sequence[Work]) -> Finished:
     """Compute the calls one after the other in this process."""
     for number, call in enumerate(calls):
         yield number, call()
+
+
+class OutOfMemoryCrash(Crashed):
+    """OpenBLAS ended a process for lack of memory."""
+
+
+@dataclass
+class Interpreter:
+    """A process of one thread for calls, with its output appended to `log`.
+
+    It computes one call at a time.
+    """
+
+    process: Process
+    log: Path
+    # Size of the log (bytes) when the current call began.
+    log_from: int = 0
+
+    @classmethod
+    def start(
+        cls, log: Path, begin: Work | None, environment: Mapping[str, str] | None = None
+    ) -> "Interpreter":
+        """Process that computes `begin` first, if there is one, as argument of all its calls.
+
+        The answer to `begin` is received like that of a call.
+        """
+        process = Process(log, {**(environment or {}), **_SINGLE_THREADED})
+        interpreter = cls(process, log, _size(log))
+        if begin is None:
+            process.ask(int)
+        else:
+            process.begin(begin)
+        return interpreter
+
+    def ask(self, call: Call) -> None:
+        """Request the result of a call."""
+        self.log_from = _size(self.log)
+        self.process.ask(call)
+
+    def receive(self) -> Answer:
+        """Answer to the earliest request. Raises Crashed, or OutOfMemoryCrash if the log tells it.
+
+        The log has a message of OpenBLAS if that library ended the process for lack of memory.
+        """
+        try:
+            return self.process.receive()
+        except Crashed:
+            text = (read_regular(self.log) or b"")[self.log_from :].decode("utf-8", "replace")
+            lines = [line.strip() for line in text.splitlines() if "OpenBLAS error" in line]
+            if lines:
+                raise OutOfMemoryCrash(f"ran out of memory ({lines[-1]})") from None
+            raise
+        finally:
+            self.log_from = _size(self.log)
+
+
+def _size(file: Path) -> int:
+    try:
+        return file.stat().st_size
+    except OSError:
+        return 0
+
+
+class ProcessExecutor(ABC):
+    """Executor on processes of this machine or of others."""
+
+    # Advice if a process died.
+    advice: ClassVar[str]
+
+    def __call__(self, calls: Sequence[Work]) -> Finished:
+        """Results of the calls. Raises errors of calls, and ComputationError if a process dies."""
+        groups = [[(number, call)] for number, call in enumerate(calls)]
+        with closing(self.answers(groups)) as answers:
+            for number, answer in answers:
+                if isinstance(answer, Crashed):
+                    raise ComputationError(
+                        f"{answer}; what was finished is kept: {self.advice}"
+                    ) from answer
+                if isinstance(answer, InputError | ComputationError):
+                    raise answer
+                yield number, answer
+
+    @abstractmethod
+    def answers(
+        self,
+        groups: Groups,
+        started: Callable[[Any], object] = lambda _name: None,
+        stopped: Callable[[], bool] = lambda: False,
+    ) -> Answers:
+        """Yield (name, result or exception) of named calls in order of completion.
+
+        Calls of a group are computed one after the other in one process. `started` is called with
+        each name. When `stopped` returns True, or the generator is closed, unfinished calls are
+        abandoned. Raises ComputationError if processes cannot begin.
+        """
 
 
 @contextmanager
@@ -62,52 +162,33 @@ def on_cores(
 class _Worker:
     """A process with its remaining calls. A busy process computes the first of them."""
 
-    process: Process
+    interpreter: Interpreter
     todo: deque[tuple[Any, Call]]
     begun: bool = False
-    # Size of the log (bytes) when the current call began.
-    log_from: int = 0
 
-
-class OutOfMemoryCrash(Crashed):
-    """OpenBLAS ended a process for lack of memory."""
+    @property
+    def process(self) -> Process:
+        """Process of the interpreter."""
+        return self.interpreter.process
 
 
 @dataclass
-class Cores:
+class Cores(ProcessExecutor):
     """Executor on processes of this machine, see `on_cores`."""
 
     jobs: int
     log: Path
     begin: Work | None
     idle: list[_Worker] = field(default_factory=list)
-
-    def __call__(self, calls: Sequence[Work]) -> Finished:
-        """Results of the calls. Raises errors of calls, and ComputationError if a process dies."""
-        groups = [[(number, call)] for number, call in enumerate(calls)]
-        with closing(self.answers(groups)) as answers:
-            for number, answer in answers:
-                if isinstance(answer, Crashed):
-                    raise ComputationError(
-                        f"{answer}; what was finished is kept: start it again with fewer jobs or a "
-                        "coarser mesh"
-                    )
-                if isinstance(answer, InputError | ComputationError):
-                    raise answer
-                yield number, answer
+    advice = "start it again with fewer jobs or a coarser mesh"
 
     def answers(
         self,
-        groups: Sequence[Sequence[tuple[K, Call]]],
-        started: Callable[[K], object] = lambda _name: None,
+        groups: Groups,
+        started: Callable[[Any], object] = lambda _name: None,
         stopped: Callable[[], bool] = lambda: False,
-    ) -> Generator[tuple[K, Any], None, None]:
-        """Yield (name, result or exception) of named calls in order of completion.
-
-        Calls of a group are computed one after the other in one process. `started` is called with
-        each name. When `stopped` returns True, or the generator is closed, unfinished calls are
-        abandoned. Raises ComputationError if processes cannot begin.
-        """
+    ) -> Answers:
+        """Answers as of `ProcessExecutor`."""
         queue = deque(deque(group) for group in groups)
         busy: dict[Connection, _Worker] = {}
         try:
@@ -124,7 +205,7 @@ class Cores:
                         continue
                     name, _ = worker.todo.popleft()
                     if worker.todo and not isinstance(answer, Crashed):
-                        self._start_call(worker)
+                        worker.interpreter.ask(worker.todo[0][1])
                         started(worker.todo[0][0])
                     else:
                         del busy[worker.process.connection]
@@ -144,43 +225,23 @@ class Cores:
             worker = self.idle.pop()
             worker.todo = todo
         else:
-            worker = _Worker(Process(self.log, _SINGLE_THREADED), todo, log_from=self._log_size())
-            if self.begin is None:
-                worker.process.ask(int)
-            else:
-                worker.process.begin(self.begin)
-        self._start_call(worker)
+            worker = _Worker(Interpreter.start(self.log, self.begin), todo)
+        worker.interpreter.ask(todo[0][1])
         return worker
-
-    def _start_call(self, worker: _Worker) -> None:
-        if worker.begun:
-            worker.log_from = self._log_size()
-        worker.process.ask(worker.todo[0][1])
 
     def _receive_answer(self, worker: _Worker) -> Any:
         try:
-            answer = worker.process.answer()
+            answer = worker.interpreter.receive().result()
         except (InputError, ComputationError) as error:
-            answer = self._crash_reason(error, worker.log_from)
+            answer = error
         if not worker.begun and isinstance(answer, Exception):
             worker.process.end()
-            raise ComputationError(
-                f"a worker process ended before it began to compute: {answer} ({self.log} may say "
-                "more)"
-            )
+            raise began_badly(answer, self.log) from answer
         return answer
 
-    def _crash_reason(self, error: InputError | ComputationError, start: int) -> Exception:
-        """The error, or OutOfMemoryCrash if the log has a message of OpenBLAS on lack of memory."""
-        log_text = (read_regular(self.log) or b"")[start:].decode("utf-8", "replace")
-        lines = [line.strip() for line in log_text.splitlines() if "OpenBLAS error" in line]
-        crashed = isinstance(error, Crashed)
-        if crashed and lines:
-            return OutOfMemoryCrash(f"ran out of memory ({lines[-1]})")
-        return error
 
-    def _log_size(self) -> int:
-        try:
-            return self.log.stat().st_size
-        except OSError:
-            return 0
+def began_badly(error: Exception, log: Path) -> ComputationError:
+    """Error of a process that ended before it computed a call."""
+    return ComputationError(
+        f"a worker process ended before it began to compute: {error} ({log} may say more)"
+    )

@@ -9,7 +9,7 @@ factorisation. Output of the computations goes to the log of the run, never to t
 
 import signal
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import partial
@@ -33,11 +33,13 @@ from validation.run.outcome import (
     outcome_of,
     plain,
 )
+from validation.run.provisions import Provisions
 from validation.studies_and_figures import PlannedFigure
 from validation.verdicts import Assessment
 
 if TYPE_CHECKING:
-    # Rich, which processes that compute do without.
+    # Rich, which processes that compute do without, and Dask's part, which few runs need.
+    from validation.run.cluster import Cluster
     from validation.run.progress import RunProgress
 
 # Module-level function that lists the cases and figures for a robot file. It must be fast and
@@ -82,21 +84,28 @@ def run(
     *,
     jobs: int,
     log: Path,
+    cluster: "Cluster | None" = None,
+    sent: Provisions | None = None,
     keep: Callable[[Record], None],
     progress: "RunProgress",
 ) -> None:
-    """Compute some of the catalogue's tasks with `jobs` processes.
+    """Compute some of the catalogue's tasks with `jobs` processes, or on the `cluster`.
 
+    `sent` are files and entries for processes of the cluster.
     `keep` is called with each record on arrival; an exception in it ends the run. SIGINT, SIGTERM
-    and SIGHUP end the run within a second. Raises ComputationError if workers cannot start.
+    and SIGHUP end the run within a second. Raises ComputationError if workers cannot start, or the
+    cluster is lost.
     """
     by_id = {task.id: task for task in tasks}
     groups = [[(name, partial(_compute, name)) for name in group] for group in _groups(tasks)]
+    begin = partial(_begin, catalogue, context, sent)
     with (
         _interruptible() as interrupted,
-        on_cores(jobs, log, partial(_begin, catalogue, context)) as cores,
+        nullcontext(cluster.beginning(log, begin))
+        if cluster
+        else on_cores(jobs, log, begin) as workers,
         closing(
-            cores.answers(groups, lambda name: progress.started(by_id[name]), interrupted)
+            workers.answers(groups, lambda name: progress.started(by_id[name]), interrupted)
         ) as answers,
     ):
         for name, answer in answers:
@@ -167,7 +176,9 @@ class _Assigned:
     context: Context
 
 
-def _begin(catalogue: Catalogue, context: Context) -> _Assigned:
+def _begin(catalogue: Catalogue, context: Context, sent: Provisions | None) -> _Assigned:
+    if sent is not None:
+        context = sent.unpack(context)
     return _Assigned({task.id: task for task in catalogue(context.robot_file)}, context)
 
 

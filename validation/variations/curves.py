@@ -27,7 +27,7 @@ from validation.adequacy.posture_errors import (
 )
 from validation.context import BUILT_IN, Context, Preset
 from validation.references.robot_on_path import RobotOnPath, path_postures, robot_at
-from validation.run.cache import find, keep, key_of
+from validation.run.cache import Arrays, find, keep, key_of
 from validation.run.executor import Executor, in_turn
 from validation.run.sources import program
 from validation.variations.decision import OBJECTIVES, Decision, Objective
@@ -211,6 +211,12 @@ def computed(
                 stored[missing[number]] = keep(missing[number], arrays)
     # Numbers are stored as arrays without dimensions.
     return [kind(**{name: array[()] for name, array in stored[key].items()}) for key in keys]
+
+
+def stored_robots(robot_file: RobotFile, variation: Variation, preset: Preset) -> dict[str, Arrays]:
+    """Stored results of the robots of a variation, by key."""
+    keys = [key_of(program(), unit) for unit in varied_robots(robot_file, variation, preset)]
+    return {key: arrays for key in keys if (arrays := find(key))}
 
 
 @dataclass(frozen=True, eq=False)

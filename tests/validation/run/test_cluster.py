@@ -1,5 +1,6 @@
 """Work on a real Dask scheduler and its workers, one of which is killed in mid-run."""
 
+import os
 import re
 import shutil
 import signal
@@ -16,11 +17,12 @@ from threading import Thread, Timer
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.fakes import toy_catalogue as toys
 from support.fakes.cleared_memory import forget
 from support.fakes.toy_runs import ENVIRONMENT, content, wait_for
 from support.robots.crane import write_meshed_crane
 
-from lumped.errors import ComputationError, InputError
+from lumped.errors import ComputationError, InputError, ProgramError
 from lumped.robot_file import load_robot
 from meshes.part.reading import read
 from validation.context import Context
@@ -29,8 +31,10 @@ from validation.references.part_preparation import prepare_parts
 from validation.references.reference_parts import highest_of_parts, solid_parts
 from validation.references.robot_on_path import computed_count, holding, path_postures
 from validation.run import cluster as on_dask
+from validation.run import progress, runner
 from validation.run.cluster import on_cluster
 from validation.run.folder import open_folder
+from validation.run.outcome import plain
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -87,24 +91,85 @@ def silent(_line):
     """Nothing is expected to be said."""
 
 
-def test_cluster_results_equal_local_results(command, monkeypatch):
-    """The scheduler and a worker run in threads of this process and receive pickled calls."""
-    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
-    monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 60.0)
-    asked = ["solve", "five-bar", "--model", "beam", "--modes", "2", "--vary", "tool.mass=1:2:2"]
-    here = {"processes": False, "protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": ""}
+@pytest.fixture(scope="module")
+def dask():
+    """A scheduler and a worker in threads of this process, which receive pickled calls."""
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(1, threads_per_worker=1, **here) as cluster:
-        there = command.json(*asked, "--cluster", cluster.scheduler_address)
-        assert sum(worker.state.executed_count for worker in cluster.workers.values()) == 2
+    here = {"processes": False, "protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": ""}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(on_dask, "_ANSWER_TIMEOUT", 60.0)
+        with distributed.LocalCluster(1, threads_per_worker=1, **here) as cluster:
+            yield cluster
+
+
+def executed(dask):
+    """Number of calls that the workers computed."""
+    return sum(worker.state.executed_count for worker in dask.workers.values())
+
+
+def test_cluster_results_equal_local_results(command, monkeypatch, dask):
+    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
+    asked = ["solve", "five-bar", "--model", "beam", "--modes", "2", "--vary", "tool.mass=1:2:2"]
+    before = executed(dask)
+    there = command.json(*asked, "--cluster", dask.scheduler_address)
+    # Two robots, and the conditions of the run, which come to the worker once.
+    assert executed(dask) - before == 3
     forget()
     assert there == command.json(*asked)
 
 
-def test_late_close_keeps_results(monkeypatch):
+def test_run_on_cluster_equals_local_run(tmp_path, dask):
+    """Values, errors with their messages, a crash, and the log."""
+    robot = load_robot("ifw")
+    context, left_out = Context(robot, "quick"), {"toy.starved"}
+    tasks = [task for task in toys.troubled(robot) if task.id not in left_out]
+    records, log = {}, tmp_path / "log"
+    with on_cluster(dask.scheduler_address, silent) as workers:
+        runner.run(
+            toys.troubled,
+            context,
+            tasks,
+            jobs=1,
+            log=log,
+            cluster=workers,
+            keep=lambda record: records.update({record["id"]: record}),
+            progress=progress.RunProgress(tasks),
+        )
+    notes = [records[name]["found"].pop("notes") for name in ("toy.first[x=1]", "toy.second[x=2]")]
+    # A group shares what is expensive.
+    assert notes[0] == notes[1] != []
+    assert "was ended by SIGSEGV" in records.pop("toy.crash")["message"]
+    for task in tasks:
+        if task.id != "toy.crash":
+            here = plain(runner.execute(task, context))
+            if task.group == "shared":
+                del here["found"]["notes"]
+            there = records.pop(task.id)
+            assert there == here | {"seconds": there["seconds"]}
+    assert not records
+    for line in ("Traceback", "Segmentation fault", "this belongs into the log"):
+        assert line in log.read_text()
+
+
+def test_stopped_run_ends_calls_on_workers(tmp_path, dask):
+    """A call that nobody awaits is ended, with its process."""
+    child = tmp_path / "child"
+    with on_cluster(dask.scheduler_address, silent) as workers:
+        answers = workers.answers([[("sleeps", partial(sleep_long, child))]], stopped=child.exists)
+        assert list(answers) == []
+        wait_for(lambda: not Path("/proc", child.read_text()).exists())
+
+
+def sleep_long(file):
+    """Write the number of this process, and sleep."""
+    file.with_suffix(".new").write_text(str(os.getpid()))
+    file.with_suffix(".new").replace(file)
+    time.sleep(60.0)
+
+
+def test_late_close_keeps_results(monkeypatch, dask):
     """Dask's client raises TimeoutError if its thread does not start in time."""
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 60.0)
     close = distributed.Client.close
 
     def late(client, timeout):
@@ -112,15 +177,16 @@ def test_late_close_keeps_results(monkeypatch):
         raise TimeoutError(f"timed out after {timeout} s.")
 
     monkeypatch.setattr(distributed.Client, "close", late)
-    here = {"processes": False, "protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": ""}
-    with distributed.LocalCluster(1, threads_per_worker=1, **here) as cluster:
-        with on_cluster(cluster.scheduler_address, silent) as executor:
-            assert [result for _, result in executor([partial(abs, -1)])] == [1]
-        with (
-            pytest.raises(ZeroDivisionError),
-            on_cluster(cluster.scheduler_address, silent) as executor,
-        ):
-            list(executor([partial(divmod, 1, 0)]))
+    results = []
+    with pytest.raises(ProgramError, match="ZeroDivisionError"):
+        append_results(dask.scheduler_address, [partial(abs, -1), partial(divmod, 1, 0)], results)
+    assert results == [1]
+
+
+def append_results(address, calls, results):
+    with on_cluster(address, silent) as executor:
+        for call in calls:
+            results += [result for _, result in executor([call])]
 
 
 @pytest.mark.exhaustive

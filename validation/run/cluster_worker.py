@@ -1,0 +1,232 @@
+"""Computation of calls on a Dask worker, by the same processes as on cores.
+
+Input: a call, and the conditions under which processes begin. Output: a `Reply` with answer and
+log. Rules: a Dask worker computes in child processes, one for each of its threads, so that errors,
+crashes, logs, memory and numbers are those of a local run. A process remains for the next call with
+the same conditions. The process of a cancelled call is ended.
+"""
+
+import os
+from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from hashlib import blake2b
+from pathlib import Path
+from pickle import loads
+from threading import Lock
+from typing import Any, NamedTuple
+
+from fem.solvers.backends.choice import solver_name
+from lumped.errors import ComputationError, InputError
+from lumped.files import read_regular
+from lumped.memo import memo
+from meshes.processes import Answer, Crashed
+from validation.run.cache import CACHE_VARIABLE, cache_folder
+from validation.run.executor import Call, Interpreter
+from validation.run.provenance import versions
+from validation.run.sources import source_digest
+
+# Largest part of a log (bytes) that is sent with an answer.
+_LONGEST_LOG = 1 << 20
+# Final states of a Dask worker, in which its tasks are lost.
+_ENDING = {"closing", "closed", "closing_gracefully", "failed", "stopping", "stopped"}
+
+
+class DifferentProgram(ComputationError):  # noqa: N818  names the event, as messages do
+    """Error: program or libraries of a worker differ from those of the run."""
+
+
+class Unable(ComputationError):  # noqa: N818  names the event, as messages do
+    """Error: a process failed before it computed a call, or its call was cancelled."""
+
+
+class Reply(NamedTuple):
+    """Answer to a call, or the reason why there is none.
+
+    `worker` is the address of the Dask worker, `log` the output of its process.
+    """
+
+    answer: Answer | ComputationError
+    worker: str
+    log: bytes
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Conditions under which the processes of a run begin.
+
+    `content` is the pickled function without arguments whose value is the first argument of all
+    calls; b"" if calls have none. `program` identifies sources and libraries of the run, `request`
+    its linear solver (environment variables).
+    """
+
+    content: bytes
+    program: Mapping[str, str]
+    request: Mapping[str, str]
+
+    @cached_property
+    def key(self) -> str:
+        """Digest of all fields."""
+        text = repr((sorted(self.program.items()), sorted(self.request.items())))
+        return blake2b(text.encode() + self.content, digest_size=16).hexdigest()
+
+    def __call__(self) -> Any:
+        """Value with which a process begins. Raises DifferentProgram."""
+        if differing := differences(program(solver_name()), self.program):
+            raise DifferentProgram(differing)
+        return loads(self.content)() if self.content else None  # noqa: S301  from the run
+
+
+@dataclass
+class _Pool:
+    """Idle processes of this Dask worker, by the key of their conditions.
+
+    Each with the group of its last call.
+    """
+
+    idle: dict[str, list[tuple[str, Interpreter]]] = field(default_factory=dict)
+    lock: Lock = field(default_factory=Lock)
+    count: int = 0
+
+    def take(self, key: str, group: str) -> Interpreter | None:
+        """Idle process with these conditions, that of the group if possible.
+
+        None if there is none. Processes with other conditions are ended.
+        """
+        self.end([other for other in self.idle if other != key])
+        with self.lock:
+            idle = self.idle.get(key, [])
+            idle.sort(key=lambda item: item[0] == group)
+            return idle.pop()[1] if idle else None
+
+    def next_log(self, folder: Path) -> Path:
+        """File for the output of a new process."""
+        with self.lock:
+            self.count += 1
+            return folder / f"flexproof-{self.count}.log"
+
+    def give_back(self, key: str, group: str, interpreter: Interpreter) -> None:
+        """Keep a process for the next call with the same conditions."""
+        with self.lock:
+            self.idle.setdefault(key, []).append((group, interpreter))
+
+    def end(self, keys: Collection[str]) -> None:
+        """End the idle processes with these conditions."""
+        with self.lock:
+            ended = [interpreter for key in keys for _, interpreter in self.idle.pop(key, [])]
+        for interpreter in ended:
+            interpreter.process.end()
+            interpreter.log.unlink(missing_ok=True)
+
+
+@memo(1)
+def _pool() -> _Pool:
+    return _Pool()
+
+
+async def end_idle(keys: Collection[str]) -> None:
+    """End the idle processes of a run on this Dask worker."""
+    _pool().end(keys)
+
+
+def compute(call: Call, group: str, conditions: Conditions) -> Reply:
+    """Compute a call in a child process of this Dask worker, whose thread waits for the answer.
+
+    Calls of a group run in the same process if they come to the same worker.
+    """
+    from distributed import get_worker  # noqa: PLC0415  an optional extra, and slow to import
+
+    worker, pool = get_worker(), _pool()
+    wanted = partial(_is_wanted, worker, worker.get_current_task())
+    interpreter = pool.take(conditions.key, group)
+    is_new = interpreter is None
+    if interpreter is None:
+        folder = Path(worker.local_directory)
+        interpreter = Interpreter.start(
+            pool.next_log(folder),
+            conditions if conditions.content else None,
+            _environment(conditions, folder),
+        )
+    try:
+        if is_new:
+            _begin(interpreter, conditions, wanted)
+        interpreter.ask(call)
+        answer = _next_answer(interpreter, wanted)
+    except (Crashed, DifferentProgram, Unable) as error:
+        interpreter.process.end()
+        log = _taken_log(interpreter.log)
+        interpreter.log.unlink(missing_ok=True)
+        return Reply(error, worker.address, log)
+    log = _taken_log(interpreter.log)
+    pool.give_back(conditions.key, group, interpreter)
+    return Reply(answer, worker.address, log)
+
+
+def _environment(conditions: Conditions, folder: Path) -> dict[str, str]:
+    """Environment of child processes: the run's solver, a shared cache, and a temporary folder.
+
+    The folder ends with the worker.
+    """
+    cache = {} if cache_folder() else {CACHE_VARIABLE: str(folder / "flexproof-cache")}
+    return {**conditions.request, **cache, "TMPDIR": str(folder)}
+
+
+def _begin(interpreter: Interpreter, conditions: Conditions, wanted: Callable[[], bool]) -> None:
+    """Wait until a new process can compute. Raises DifferentProgram and Unable."""
+    try:
+        _next_answer(interpreter, wanted).result()
+        if not conditions.content:
+            interpreter.ask(conditions)
+            _next_answer(interpreter, wanted).result()
+    except (DifferentProgram, Unable):
+        raise
+    except (ComputationError, InputError) as error:
+        raise Unable(f"a process ended before it began to compute: {error}") from error
+
+
+def _next_answer(interpreter: Interpreter, wanted: Callable[[], bool]) -> Answer:
+    while not interpreter.process.has_answer():
+        if not wanted():
+            raise Unable("the call was cancelled")
+    return interpreter.receive()
+
+
+def _is_wanted(worker: Any, key: object) -> bool:
+    """False if the task has been cancelled, also by the end of the run or of its scheduler."""
+    task = worker.state.tasks.get(key)
+    return task is not None and task.state != "cancelled" and worker.status.name not in _ENDING
+
+
+def _taken_log(log: Path) -> bytes:
+    """Content of a log, which is emptied."""
+    content = (read_regular(log) or b"")[-_LONGEST_LOG:]
+    with suppress(OSError):
+        os.truncate(log, 0)
+    return content
+
+
+@memo(2)
+def program(solver: str) -> Mapping[str, str]:
+    """Digest of the sources, versions of libraries, and `solver`.
+
+    Equal programs give equal numbers.
+    """
+    return {"another flexproof": source_digest()} | versions() | {"linear solver": solver}
+
+
+def requested_program(request: Mapping[str, str]) -> Mapping[str, str]:
+    """Program of a worker, with the linear solver that the run requests."""
+    os.environ.update(request)
+    return program(solver_name())
+
+
+def differences(worker_program: Mapping[str, str], run_program: Mapping[str, str]) -> str:
+    """Text on differences between a worker's program and that of the run. "" without any."""
+    if worker_program.get("another flexproof") != run_program["another flexproof"]:
+        return "another flexproof, or none"
+    return ", ".join(
+        f"{name} {worker_program.get(name, 'missing')} (here {version})"
+        for name, version in run_program.items()
+        if worker_program.get(name) != version
+    )

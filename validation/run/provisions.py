@@ -1,0 +1,57 @@
+"""Files and cache entries that the processes of a run need on other machines.
+
+Input: the context of a run, and arrays from the cache of this machine. Output: `Provisions`, which
+travel to each worker of a cluster once. Rule: files count by their content. Where a worker has
+another file at the path, or none, it writes a copy.
+"""
+
+import tempfile
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from lumped.errors import InputError
+from lumped.mechanism.body import Body, Part
+from lumped.robot_file.included import part_content
+from validation.context import Context
+from validation.run.cache import Arrays, find, keep
+
+
+@dataclass(frozen=True)
+class Provisions:
+    """Contents of the files of CAD parts, and arrays of cache entries by key."""
+
+    files: Mapping[Path, bytes]
+    entries: Mapping[str, Arrays]
+
+    def unpack(self, context: Context) -> Context:
+        """Store the entries on this machine. The robot's parts get files that exist here."""
+        for key, arrays in self.entries.items():
+            if find(key) is None:
+                keep(key, arrays)
+        robot_file = context.robot_file
+        bodies = {name: self._local(body) for name, body in robot_file.mechanism.bodies.items()}
+        if bodies == robot_file.mechanism.bodies:
+            return context
+        mechanism = replace(robot_file.mechanism, bodies=bodies)
+        return replace(context, robot_file=replace(robot_file, mechanism=mechanism))
+
+    def _local(self, body: Body) -> Body:
+        """The body, with a copy of its file if this machine has another one or none."""
+        if not isinstance(body.shape, Part):
+            return body
+        file, content = body.shape.file, self.files[body.shape.file]
+        with suppress(OSError, InputError):
+            if part_content(file) == content:
+                return body
+        copy = Path(tempfile.mkdtemp(prefix="flexproof-part-")) / file.name
+        copy.write_bytes(content)
+        return replace(body, shape=replace(body.shape, file=copy))
+
+
+def provisions(context: Context, entries: Mapping[str, Arrays]) -> Provisions:
+    """Provisions of a run: these entries, and the files of all parts."""
+    shapes = [body.shape for body in context.robot_file.mechanism.bodies.values()]
+    files = {shape.file for shape in shapes if isinstance(shape, Part)}
+    return Provisions({file: part_content(file) for file in files}, entries)
