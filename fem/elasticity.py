@@ -298,9 +298,9 @@ def composite_stiffness_and_mass(
     blocks = _gradient_products(mesh, pairs)
     by_element = blocks.reshape(len(mesh.cells), -1, 3, 3)
     for region, material in enumerate(materials):
-        chosen = regions == region
-        products = by_element[chosen]
-        by_element[chosen] = _node_blocks(products.reshape(-1, 3, 3), material).reshape(
+        in_region = regions == region
+        products = by_element[in_region]
+        by_element[in_region] = _node_blocks(products.reshape(-1, 3, 3), material).reshape(
             products.shape
         )
     densities = np.array([material.rho for material in materials])

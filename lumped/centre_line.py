@@ -155,9 +155,9 @@ class CentreLine:
         numbers = self.piece_at(positions) if pieces is None else pieces
         points, tangents = np.empty((len(positions), 3)), np.empty((len(positions), 3))
         for number, piece in enumerate(self.pieces):
-            chosen = numbers == number
-            shares = (positions[chosen] - self.ends[number]) / piece.length
-            points[chosen], tangents[chosen] = piece.at(shares)
+            on_piece = numbers == number
+            shares = (positions[on_piece] - self.ends[number]) / piece.length
+            points[on_piece], tangents[on_piece] = piece.at(shares)
         y = np.cross(np.array(self.up), tangents)
         y /= np.linalg.norm(y, axis=1)[:, None]
         return points, np.stack([tangents, y, np.cross(tangents, y)], axis=2)

@@ -335,11 +335,11 @@ class LineLeg:
         for (start, first), (end, last) in pairwise(self.stations):
             if end - start <= slack:
                 continue
-            whole = Span(start, end, first, last)
+            span = Span(start, end, first, last)
             inner = [x for x in self.line.ends.tolist() if start + slack < x < end - slack]
             edges = [start, *inner, end]
             for a, b in pairwise(edges):
-                sections = (whole.section((x - start) / (end - start)) for x in (a, b))
+                sections = (span.section((x - start) / (end - start)) for x in (a, b))
                 spans.append(Span(a, b, *sections))
         return tuple(spans)
 

@@ -158,7 +158,7 @@ def stretched(nodes: Array, reference: Section, section: Section) -> Array:
     if isinstance(reference, Circle | Tube) and isinstance(section, Circle | Tube):
         radii = np.linalg.norm(nodes, axis=1)
         rims, new_rims = (
-            [one.inner_diameter / 2.0, one.diameter / 2.0] for one in (reference, section)
+            [tube.inner_diameter / 2.0, tube.diameter / 2.0] for tube in (reference, section)
         )
         new = new_rims[0] + (radii - rims[0]) * (new_rims[1] - new_rims[0]) / (rims[1] - rims[0])
         factors = np.divide(new, radii, out=np.zeros_like(radii), where=radii > 0.0)

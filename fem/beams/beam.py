@@ -131,11 +131,11 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
         return csr_matrix(coo_matrix(entries, shape=(size, size)))
 
     def coupled(matrix: Array, row: str, column: str) -> SparseMatrix:
-        one = assembled(matrix, row, column)
-        return csr_matrix(one + one.T)
+        block = assembled(matrix, row, column)
+        return csr_matrix(block + block.T)
 
-    parts = {name: assembled(one.stiffness, name, name) for name, one in members.items()}
-    mass = sum(assembled(one.mass, name, name) for name, one in members.items())
+    parts = {name: assembled(member.stiffness, name, name) for name, member in members.items()}
+    mass = sum(assembled(member.mass, name, name) for name, member in members.items())
     y, z = members["bending z"], members["bending y"]
     if p.couples_bending:
         both = coupled(_coupling_stiffness(y, z, p.EIyz, GAyz), "bending z", "bending y")
@@ -193,8 +193,8 @@ def _coupling_mass(
 ) -> Array:
     """∫ `inertia` u₁u₂ dx (k₁×k₂) for the fields with the indices `fields` of two members."""
     weights, (first_fields, second_fields) = _integrated(first, second)
-    one, other = first_fields[fields[0]][0], second_fields[fields[1]][0]
-    return np.asarray(inertia * (one * weights) @ other.T)
+    first_field, other = first_fields[fields[0]][0], second_fields[fields[1]][0]
+    return np.asarray(inertia * (first_field * weights) @ other.T)
 
 
 def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]]]]:
@@ -385,8 +385,8 @@ def with_warping(leg: LegMatrices, rod: WarpingRod, elements: int, ends: Ends) -
         return csr_matrix(block_diag([matrix, csr_array((len(free_nodes), len(free_nodes)))]))
 
     def centreline(stations: Array) -> SparseMatrix:
-        own = leg.centreline(stations)
-        return csr_matrix(hstack([own, csr_array((own.shape[0], len(free_nodes)))]))
+        twists = leg.centreline(stations)
+        return csr_matrix(hstack([twists, csr_array((twists.shape[0], len(free_nodes)))]))
 
     other_parts = {kind: wide(part) for kind, part in leg.parts.items() if kind != "torsion"}
     parts = {**other_parts, "torsion": torsion}

@@ -343,13 +343,13 @@ def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
     alike. Bending is bounded with the smaller stiffness and the larger inertia of both planes.
     """
     bending = np.linalg.eigvalsh(p.bending)[0]
-    beside = p.mu * (p.mass_y**2 + p.mass_z**2)
+    eccentric = p.mu * (p.mass_y**2 + p.mass_z**2)
     shear, rotary = (
         float(np.linalg.eigvalsh(matrix)[-1]) for matrix in (p.shear_flexibility, p.rotary_inertia)
     )
-    plane = _Plane(float(bending), shear, 2.0 * p.mu, rotary + beside)
+    plane = _Plane(float(bending), shear, 2.0 * p.mu, rotary + eccentric)
     squared = (p.mass_y - p.centre_y) ** 2 + (p.mass_z - p.centre_z) ** 2
-    polar = p.rho_J - beside + 2.0 * p.mu * squared
+    polar = p.rho_J - eccentric + 2.0 * p.mu * squared
     speeds = [sqrt(p.GJ / polar), sqrt(p.EA / (2.0 * p.mu))]
     by_waves = int(length * omega / (np.pi * min(speeds))) + 1
     return max(_pieces(plane, length, omega), by_waves)

@@ -54,8 +54,8 @@ def line_beam(sections: LineSections, elements: int) -> LegMatrices:
     closed = np.linalg.solve(compliance, closing)
     stiffness[:, :12, :12] = np.swapaxes(ends, 1, 2) @ relative
     moduli = field.stiffness[..., inner, :][..., inner]
-    own = np.einsum("eg,egij->eij", integral * points**2, moduli)
-    stiffness[:, 12:, 12:] = own - np.swapaxes(closing, 1, 2) @ closed
+    inner_stiffness = np.einsum("eg,egij->eij", integral * points**2, moduli)
+    stiffness[:, 12:, 12:] = inner_stiffness - np.swapaxes(closing, 1, 2) @ closed
 
     turned, bent = cumulative(flexibility, lengths), cumulative(strains, lengths)
     start = np.zeros_like(ends)
@@ -102,8 +102,8 @@ def _places(elements: int, inner: int) -> tuple[IntArray, int]:
     ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of the nodes from root to tip
     nodal = 6 * ranks[:, None] + np.arange(6)
     size = 6 * (elements + 1)
-    own = size + np.arange(elements * inner).reshape(elements, inner)
-    return np.hstack([nodal[:-1], nodal[1:], own]), size + own.size
+    inner_unknowns = size + np.arange(elements * inner).reshape(elements, inner)
+    return np.hstack([nodal[:-1], nodal[1:], inner_unknowns]), size + inner_unknowns.size
 
 
 def _twists(

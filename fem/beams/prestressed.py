@@ -139,7 +139,7 @@ def _prestressed(
 ) -> PrestressedLeg:
     """Prestressed leg of a straight `beam` with elements between `edges` (m)."""
     length = float(edges[-1])
-    held = held_leg(beam)
+    held_ends = held_leg(beam)
     inner = beam.size - ENDS
     inside = solve_modes(
         dense(beam.stiffness)[ENDS:, ENDS:],
@@ -149,7 +149,7 @@ def _prestressed(
     )
     recovery = np.hstack(
         [
-            held.constraint_modes,
+            held_ends.constraint_modes,
             np.vstack([np.zeros((ENDS, inside.shapes.shape[1])), inside.shapes]),
         ]
     )
@@ -161,7 +161,7 @@ def _prestressed(
     matrices = LegMatrices(
         model="prestressed beam",
         length=length,
-        stiffness=block_diag(held.stiffness, np.diag((2.0 * np.pi * inside.frequencies) ** 2)),
+        stiffness=block_diag(held_ends.stiffness, np.diag((2.0 * np.pi * inside.frequencies) ** 2)),
         mass=0.5 * (mass + mass.T),
         centreline=centreline,
     )

@@ -175,8 +175,8 @@ def doubled(piece: CondensedPiece) -> CondensedPiece:
     compliance = to_middle @ piece.compliance @ to_middle.T
     compliance += from_middle @ piece.compliance @ from_middle.T
     twists = to_middle @ piece.twists
-    own = piece.own
-    across = np.zeros_like(own)
+    root_block = piece.own
+    across = np.zeros_like(root_block)
     for sign in (-1.0, 1.0):
         kind = np.flatnonzero(piece.mirror == sign)
         factor = _cholesky(2.0 * piece.own[np.ix_(kind, kind)], "face between slices")
@@ -184,11 +184,11 @@ def doubled(piece: CondensedPiece) -> CondensedPiece:
         solved = solve_triangular(factor, columns, lower=True, overwrite_b=True)
         to_root, to_wrench = solved[:, :-6], solved[:, -6:]
         lost = to_root.T @ to_root
-        own = own - lost
+        root_block = root_block - lost
         across -= sign * lost
         compliance += to_wrench.T @ to_wrench
         twists -= to_wrench.T @ to_root
-    return CondensedPiece(2.0 * piece.length, compliance, twists, own, across, piece.mirror)
+    return CondensedPiece(2.0 * piece.length, compliance, twists, root_block, across, piece.mirror)
 
 
 def _face_deformations(mesh: SolidMesh, leg: ConstantLeg) -> _FaceDeformations:

@@ -232,11 +232,11 @@ def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
 
     Raises ComputationError if it cannot be clamped or the memory is insufficient.
     """
-    held = _statically_determinate(solid, name)
+    supported = _statically_determinate(solid, name)
     springs = np.zeros(solid.size)
     # The springs are as stiff as the node to which they are attached, so that the condition of the
     # matrix does not deteriorate.
-    springs[held] = solid.stiffness.diagonal()[held]
+    springs[supported] = solid.stiffness.diagonal()[supported]
     sprung = pencil(solid.stiffness, solid.mass, springs)
     factor = RenewableFactor(sprung.symbolic, name)
     # The factor is computed at once, so that a part that cannot be clamped is refused here.

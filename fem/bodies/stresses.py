@@ -28,11 +28,11 @@ def nodal_stresses(mesh: VolumeMesh, material: Material, displacements: Array) -
     cells, nodes = mesh.cells, mesh.nodes
     local = gradients(mesh.element, ELEMENTS[mesh.element].nodes.T)
     total, counts = np.zeros((len(nodes), 6)), np.bincount(cells.ravel(), minlength=len(nodes))
-    corners, moved = nodes[cells], displacements[cells]
+    corners, cell_displacements = nodes[cells], displacements[cells]
     for corner in range(cells.shape[1]):
         slopes = local[:, :, corner]
         jacobian = np.einsum("mki,kj->mij", corners, slopes, optimize=True)
-        by_reference = np.einsum("mki,kj->mij", moved, slopes, optimize=True)
+        by_reference = np.einsum("mki,kj->mij", cell_displacements, slopes, optimize=True)
         # ∂u/∂x = ∂u/∂ξ (∂x/∂ξ)⁻¹.
         gradient = by_reference @ np.linalg.inv(jacobian)
         stress = _stress(gradient, material)
@@ -57,7 +57,7 @@ def von_mises(stresses: Array) -> Array:
     """Von Mises stress (N values, Pa) of stresses (N×6, in Pa)."""
     xx, yy, zz, *shear = stresses.T
     differences = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-    return np.asarray(np.sqrt(0.5 * differences + 3.0 * sum(one**2 for one in shear)))
+    return np.asarray(np.sqrt(0.5 * differences + 3.0 * sum(component**2 for component in shear)))
 
 
 def away_from(nodes: Array, singular: IntArray, distance: float) -> Array:

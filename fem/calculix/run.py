@@ -154,13 +154,13 @@ def _displacements(printed: str, deck: Deck) -> Array:
             f"{deck.title}: CalculiX printed {len(blocks)} of {cases} load cases"
         )
     rows = {node + 1: row for row, node in enumerate(deck.watched)}
-    found = np.full((cases, len(rows), 3), np.nan)
+    displacements = np.full((cases, len(rows), 3), np.nan)
     for case, block in enumerate(blocks[:cases]):
         for line in block.splitlines():
             number, values = line.split()[:1], _numbers(line)
             if len(values) == 3 and number[0].isdigit() and int(number[0]) in rows:
-                found[case, rows[int(number[0])]] = values
-    return found
+                displacements[case, rows[int(number[0])]] = values
+    return displacements
 
 
 def _frequencies(printed: str, deck: Deck) -> Array:

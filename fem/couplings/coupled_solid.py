@@ -178,7 +178,7 @@ class _Numbering:
         if not matrix.has_sorted_indices:
             matrix = matrix.sorted_indices()
         product = csr_array(matrix @ self.dependent)
-        own = csr_array(self.dependent.T @ product)
+        interface_block = csr_array(self.dependent.T @ product)
         coupling, block = product[self.inner], self._block_of_nodes(matrix)
         free = self.is_free[self.inner].astype(float)
         if not free.all():
@@ -186,10 +186,10 @@ class _Numbering:
             coupling = csr_array(mask @ coupling)
             block = csr_array(mask @ block @ mask + diags_array(held * (1.0 - free), format="csr"))
             block = csr_array((block + block.T) / 2.0)
-        own = csr_array((own + own.T) / 2.0)
-        own.sort_indices()
+        interface_block = csr_array((interface_block + interface_block.T) / 2.0)
+        interface_block.sort_indices()
         coupling.sort_indices()
-        return _bordered(own, coupling, block)
+        return _bordered(interface_block, coupling, block)
 
     def _block_of_nodes(self, matrix: SparseMatrix) -> SparseMatrix:
         """Rows and columns of `matrix` for nodes that belong to no rigid interface (csr, sorted).
@@ -197,9 +197,9 @@ class _Numbering:
         The result equals `matrix[inner][:, inner]`. Only few columns are removed, in one pass.
         """
         rows = matrix[self.inner]
-        place = np.full(matrix.shape[1], -1, dtype=rows.indices.dtype)
-        place[self.inner] = np.arange(len(self.inner))
-        columns, data, pointers = place[rows.indices], rows.data, rows.indptr
+        new_columns = np.full(matrix.shape[1], -1, dtype=rows.indices.dtype)
+        new_columns[self.inner] = np.arange(len(self.inner))
+        columns, data, pointers = new_columns[rows.indices], rows.data, rows.indptr
         left_out = np.flatnonzero(columns < 0)
         if left_out.size:
             columns, data = np.delete(columns, left_out), np.delete(data, left_out)

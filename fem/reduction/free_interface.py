@@ -86,9 +86,9 @@ def free_interface(
     squared = (2.0 * np.pi * np.concatenate([np.zeros(body.rigid.shape[1]), elastic])) ** 2
     shares = wrenches.T @ fields
     amplitudes, inner = _held(shares, squared)
-    held = held_body(rooted)
-    momenta = held.mass @ held.constraint_modes
-    reduced_body = reduction_on(held, momenta, fields @ amplitudes, inner, modes, truncated)
+    fixed_body = held_body(rooted)
+    momenta = fixed_body.mass @ fixed_body.constraint_modes
+    reduced_body = reduction_on(fixed_body, momenta, fields @ amplitudes, inner, modes, truncated)
     return reduced_body, FreeTruncation(modes.cutoff, squared, shares, truncated)
 
 

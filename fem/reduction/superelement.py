@@ -117,16 +117,16 @@ def held_solid_leg(clamped: RootedBody, mesh: SolidMesh) -> HeldLeg:
     The centreline consists of means over sections. At free ends these differ from the twists of the
     ends because of warping.
     """
-    held = held_body(clamped)
+    fixed_body = held_body(clamped)
     return HeldLeg(
-        state=held.state,
+        state=fixed_body.state,
         model="solid",
         length=mesh.length,
-        constraint_modes=held.constraint_modes,
-        stiffness=held.stiffness,
-        flexibility=held.flexibility,
-        space=held.space,
-        mass=held.mass,
+        constraint_modes=fixed_body.constraint_modes,
+        stiffness=fixed_body.stiffness,
+        flexibility=fixed_body.flexibility,
+        space=fixed_body.space,
+        mass=fixed_body.mass,
         centreline=centreline_of(mesh, clamped.solid),
         line=line_of(mesh),
     )

@@ -66,7 +66,7 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
     is unknown. `count` computes the inertia of K − σM. Raises MissedModesError if the count is
     higher, ComputationError if it is lower or impossible.
     """
-    last, wanted = float(values[-1]), len(values)
+    last, mode_count = float(values[-1]), len(values)
     half_way = (beyond - last) / 2.0
     near = min(_SHIFT_ABOVE * last, half_way)
     # The last of these shifts is farthest above the last mode, with the largest margin for
@@ -76,11 +76,11 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
         inertia = count(sigma)
         if inertia.zero:
             continue
-        missing = inertia.negative - wanted
+        missing = inertia.negative - mode_count
         message = (
             f"certificate of the modes failed: {inertia.negative} lie below "
-            f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz, {wanted} were found; the start vectors have "
-            "no share in a mode or the factor of the stiffness is inaccurate"
+            f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz, {mode_count} were found; the start vectors "
+            "have no share in a mode or the factor of the stiffness is inaccurate"
         )
         if missing > 0:
             raise MissedModesError(message, missing, part)
@@ -155,9 +155,9 @@ def _converged_pairs(
     known: Array | None = None,
 ) -> Ritz:
     limit = 12 * count + 20 * start.shape[1]
-    wanted = first_modes(count)
+    requirement = first_modes(count)
     try:
-        ritz = block_lanczos(solve, M, start, wanted, limit, _RESIDUAL, known, space)
+        ritz = block_lanczos(solve, M, start, requirement, limit, _RESIDUAL, known, space)
     except NotConvergedError as error:
         raise ComputationError(
             f"{min(error.converged, count)} of {counted(count, 'mode')} converged in "

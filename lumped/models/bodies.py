@@ -87,8 +87,8 @@ def tip_compliances(
         if isinstance(leg, GivenLeg) and springs == "given":
             compliances[name] = given_compliance(leg)
         else:
-            own = sectioned_leg(leg, by) if springs == "given" else equivalent_leg(leg, by)
-            compliances[name] = sectioned_compliance(own, theory)
+            sectioned = sectioned_leg(leg, by) if springs == "given" else equivalent_leg(leg, by)
+            compliances[name] = sectioned_compliance(sectioned, theory)
     return compliances
 
 
@@ -158,8 +158,8 @@ def free_frequencies(leg: LegMatrices, count: int) -> Array:
     """
     stiffness, mass = dense(leg.stiffness), dense(leg.mass)
     shift_by = float(2.0 * np.pi * clamped_modes(leg, 1).frequencies[0]) ** 2
-    wanted = count + RIGID_MOTIONS
-    shifted = solve_modes(stiffness + shift_by * mass, mass, wanted, leg.model)
+    total_count = count + RIGID_MOTIONS
+    shifted = solve_modes(stiffness + shift_by * mass, mass, total_count, leg.model)
     squared = (2.0 * np.pi * shifted.frequencies) ** 2 - shift_by
     rigid = int(np.count_nonzero(np.abs(squared) <= _NO_FREQUENCY * shift_by))
     if rigid != RIGID_MOTIONS:

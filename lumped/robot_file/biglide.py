@@ -23,9 +23,9 @@ def biglide_faults(tables: Mapping[str, Any]) -> list[str]:
     faults = rules.faults_within(tables)
     for name in _LEGS:
         rule = rules.keys[name].kind
-        own = {"key": name, "lengths": length_unit_of(tables)}
+        derived = {"key": name, "lengths": length_unit_of(tables)}
         if name in tables and not rule.faults(tables[name], name):
-            faults += leg_faults(rule.read(tables[name]) | own)
+            faults += leg_faults(rule.read(tables[name]) | derived)
     return faults
 
 

@@ -49,15 +49,15 @@ def read_measured(
     """
     rows = table_rows(path, "a CSV file of measured values", _COLUMNS, MEASURED_VALUES.most)
     rules, values, faults = MEASURED.in_unit(unit, moves), [], []
-    for place, cells in rows:
+    for location, cells in rows:
         table = {name: _value(name, cells[name]) for name in _COLUMNS}
         if cells.get("load"):
             table["load"] = _value("load", cells["load"])
-        if row_faults := rules.faults_within(table, f"{place}."):
+        if row_faults := rules.faults_within(table, f"{location}."):
             faults += row_faults
             continue
         try:
-            values.append(measured_value(rules.read(table), place, responses))
+            values.append(measured_value(rules.read(table), location, responses))
         except InputError as error:
             faults += error.faults
     if faults:
@@ -139,13 +139,13 @@ def evidence_faults(
     for number, table in enumerate(read.get("corrections", ()), start=1):
         faults += _correction_faults(tables, f"corrections[{number}]", Correction(**table))
     for number, table in enumerate(read["measured"], start=1):
-        place = f"measured[{number}]"
+        location = f"measured[{number}]"
         try:
-            value = measured_value(table, place, robot.judged_responses)
+            value = measured_value(table, location, robot.judged_responses)
         except InputError as error:
             faults += error.faults
         else:
-            faults += pose_faults(robot, value, place)
+            faults += pose_faults(robot, value, location)
     if read["hammer"] is not None:
         faults += hammer_faults(read["hammer"], robot)
     keys = [table["key"] for table in read["input_uncertainty"]]

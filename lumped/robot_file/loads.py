@@ -172,9 +172,9 @@ def excitations_of(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> tuple
     for table in read:
         force, motion = _force_of(table), _motion_of(table)
         loaded = None if force["at"] is None else (_body_of(force, robot) or "", force["at"])
-        moved = loaded
+        moved_point = loaded
         if motion["point"] is not None:
-            moved = _body_of(motion, robot, "point") or "", motion["point"]
+            moved_point = _body_of(motion, robot, "point") or "", motion["point"]
         tool = robot.tool.body, robot.tool.point
         direction = motion["direction"]
         excitations.append(
@@ -186,7 +186,7 @@ def excitations_of(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> tuple
                 table["count"],
                 at=_frequency_of(table),
                 loaded=None if loaded == tool else loaded,
-                moved=None if moved == tool else moved,
+                moved=None if moved_point == tool else moved_point,
                 moved_direction=None if direction is None else _unit(direction),
             )
         )
@@ -203,14 +203,18 @@ def _force_of(table: Mapping[str, Any]) -> Mapping[str, Any]:
 
     The key `at` is a point, or a frequency if it is a number.
     """
-    at = table["at"] if isinstance(table["at"], str) else None
-    return {"at": at, "body": table["body"]}
+    point = table["at"] if isinstance(table["at"], str) else None
+    return {"at": point, "body": table["body"]}
 
 
 def _motion_of(table: Mapping[str, Any]) -> Mapping[str, Any]:
     """Point, body and direction of the displacement of a response."""
-    of = table["of"]
-    return of if isinstance(of, Mapping) else {"point": of, "body": None, "direction": None}
+    motion = table["of"]
+    return (
+        motion
+        if isinstance(motion, Mapping)
+        else {"point": motion, "body": None, "direction": None}
+    )
 
 
 def _frequency_of(table: Mapping[str, Any]) -> float | None:

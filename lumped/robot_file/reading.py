@@ -70,7 +70,7 @@ def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list
     if len(rows) > most:
         faults = [too_many(str(path), len(rows), most)]
     # A decimal comma splits a cell into two.
-    faults += [f"{place}: more cells than headings" for place, row in rows if None in row]
+    faults += [f"{location}: more cells than headings" for location, row in rows if None in row]
     if faults:
         raise InputError(faults)
     return [TableRow(*row) for row in rows]

@@ -70,8 +70,8 @@ def varied(
         try:
             robots.append((values, robot_file.with_values(changes)))
         except InputError as error:
-            place = f"--vary {assignments(variations, values)}"
-            raise InputError(f"{place}: {error.faults[0]}") from error
+            option = f"--vary {assignments(variations, values)}"
+            raise InputError(f"{option}: {error.faults[0]}") from error
     return robots
 
 

@@ -289,9 +289,9 @@ def _edges(regions: Sequence[Region]) -> _Edges:
     weights = np.append([region.weight for region in regions], 0.0)
     jumps = weights[partition.left] - weights[partition.right]
     # Edges between parts of one material are none.
-    kept = np.abs(jumps) > _EQUAL_WEIGHTS * weights.max()
-    smallest = _smallest_at_vertices(partition, kept)
-    return _Edges(partition.vertices, partition.ends[kept], jumps[kept], smallest)
+    has_jump = np.abs(jumps) > _EQUAL_WEIGHTS * weights.max()
+    smallest = _smallest_at_vertices(partition, has_jump)
+    return _Edges(partition.vertices, partition.ends[has_jump], jumps[has_jump], smallest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,16 +335,16 @@ def partition_edges(regions: Sequence[Sequence[Loop]]) -> Partition:
                     pair = sides.setdefault((min(a, b), max(a, b)), [-1, -1])
                     pair[int(a > b)] = number
     ends = np.array(list(sides))
-    beside = np.array(list(sides.values()))
-    return Partition(places, ends, beside[:, 0], beside[:, 1])
+    neighbours = np.array(list(sides.values()))
+    return Partition(places, ends, neighbours[:, 0], neighbours[:, 1])
 
 
 def _vertices_between(places: Array, start: Array, end: Array, gap: float) -> list[int]:
     """Numbers of the `places` (n×2) on an edge from `start` to `end`, in this order."""
-    way = end - start
-    length = float(np.linalg.norm(way))
-    along = (places - start) @ way / length
-    across = np.abs((places - start) @ np.array([-way[1], way[0]])) / length
+    edge = end - start
+    length = float(np.linalg.norm(edge))
+    along = (places - start) @ edge / length
+    across = np.abs((places - start) @ np.array([-edge[1], edge[0]])) / length
     passed = np.flatnonzero((across <= gap) & (along >= -gap) & (along <= length + gap))
     return [int(number) for number in passed[np.argsort(along[passed])]]
 
@@ -367,8 +367,8 @@ def _smallest_at_vertices(partition: Partition, kept: NDArray[np.bool_]) -> Arra
         openings = np.diff(np.append(angles[order], angles[order[0]] + 2.0 * np.pi))
         # The region counter-clockwise from an edge lies on its left if the edge starts here.
         begins = ends[:, 0] == number
-        beside = np.where(begins, partition.left[at_vertex], partition.right[at_vertex])
-        opening = _sharpest_opening(openings, beside[order] >= 0)
+        neighbours = np.where(begins, partition.left[at_vertex], partition.right[at_vertex])
+        opening = _sharpest_opening(openings, neighbours[order] >= 0)
         share = min(_LEFT ** (opening / (2.0 * np.pi)), _SMALLEST_WEAK)
         smallest[number] = share * np.linalg.norm(ways, axis=1).min()
     return smallest
@@ -394,17 +394,17 @@ def _rim(edges: _Edges) -> _Rim:
     nodes, cells, along, lengths, jumps = [vertices], [], [], [], []
     begun = len(vertices)
     for (first, last), jump in zip(edges.ends.tolist(), edges.jumps.tolist(), strict=True):
-        start, way = vertices[first], vertices[last] - vertices[first]
-        shares = np.append(_graded(start, way, vertices, edges.smallest), 1.0)
+        start, edge = vertices[first], vertices[last] - vertices[first]
+        shares = np.append(_graded(start, edge, vertices, edges.smallest), 1.0)
         count = len(shares) - 1
         # Middle nodes, then the nodes between elements.
         middles = begun + np.arange(count)
         between = np.concatenate([[first], begun + count + np.arange(count - 1), [last]])
         inner = np.concatenate([0.5 * (shares[:-1] + shares[1:]), shares[1:-1]])
-        nodes.append(start + inner[:, None] * way)
+        nodes.append(start + inner[:, None] * edge)
         cells.append(np.column_stack([between[:-1], middles, between[1:]]))
-        length = float(np.linalg.norm(way))
-        along.append(np.tile(way / length, (count, 1)))
+        length = float(np.linalg.norm(edge))
+        along.append(np.tile(edge / length, (count, 1)))
         lengths.append(np.diff(shares) * length)
         jumps.append(np.full(count, jump))
         begun += len(inner)

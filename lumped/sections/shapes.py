@@ -161,8 +161,10 @@ class _Round(Section):
 
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
         ratio = (self.inner_diameter / self.diameter) ** 2
-        whole = (1.0 + ratio) ** 2
-        kappa = 6.0 * (1.0 + nu) * whole / ((7.0 + 6.0 * nu) * whole + (20.0 + 12.0 * nu) * ratio)
+        squared = (1.0 + ratio) ** 2
+        kappa = (
+            6.0 * (1.0 + nu) * squared / ((7.0 + 6.0 * nu) * squared + (20.0 + 12.0 * nu) * ratio)
+        )
         return kappa, kappa
 
 

@@ -48,8 +48,8 @@ def end_wrenches(properties: BeamProperties, length: float, load: LineLoad) -> A
     stations = load.start + half * (1.0 + points)
     root, displacement = np.zeros(6), np.zeros(6)
     for x, share, wrench in zip(stations, half * shares, load.per_length(stations), strict=True):
-        moved = tip_compliance(properties, x) @ wrench
-        displacement += share * shift((length - x) * _ALONG) @ moved
+        tip_twist = tip_compliance(properties, x) @ wrench
+        displacement += share * shift((length - x) * _ALONG) @ tip_twist
         root += share * shift(x * _ALONG).T @ wrench
     tip = np.linalg.solve(tip_compliance(properties, length), displacement)
     return np.array([root - shift(length * _ALONG).T @ tip, tip])

@@ -90,8 +90,8 @@ def _end_wrench(
 
 def _distinct(stations: Array) -> Array:
     """Stations in ascending order, each once: stations that differ by round-off count as equal."""
-    apart = np.diff(stations) > _ROUNDING * stations[-1]
-    return np.asarray(stations[np.concatenate([[True], apart])])
+    is_distinct = np.diff(stations) > _ROUNDING * stations[-1]
+    return np.asarray(stations[np.concatenate([[True], is_distinct])])
 
 
 def _zeros(stations: Array, shear: Array) -> Iterator[float]:

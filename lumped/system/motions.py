@@ -265,8 +265,8 @@ def drive_stiffnesses(joint: Joint, frames: Frames) -> Array | None:
         for side in (joint.first, joint.second)
     )
     axis = frames.since_reference(joint.first.body) @ joint.axes[0]
-    apart = (second_reference.position - first_reference.position) @ joint.axes[0]
-    return drive.screw.stiffness(np.sum(axis * (second - first), axis=-1) - apart)
+    reference_distance = (second_reference.position - first_reference.position) @ joint.axes[0]
+    return drive.screw.stiffness(np.sum(axis * (second - first), axis=-1) - reference_distance)
 
 
 def _closed(

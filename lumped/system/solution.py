@@ -311,10 +311,10 @@ def _relative(system: System, body: str) -> Array:
     """
     length = system.motions.structure.length
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
-    first, *others = system.posture.mechanism.bodies[body].interfaces.values()
+    first, *other_interfaces = system.posture.mechanism.bodies[body].interfaces.values()
     ends = system.ends[body]
     rows = [
         unit * (ends[6 * i : 6 * i + 6] - shift(other.position - first.position) @ ends[:6])
-        for i, other in enumerate(others, start=1)
+        for i, other in enumerate(other_interfaces, start=1)
     ]
     return np.vstack([np.zeros((0, system.outer)), *rows])

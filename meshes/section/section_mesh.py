@@ -96,12 +96,12 @@ def _composite_mesh(section: Composite, refinements: int, part: str) -> SectionM
             lines[end, start] = -lines[start, end]
         surfaces = []
         for loops in loops_by_part:
-            ways = [partition.vertices_along(loop) for loop in loops]
+            rings = [partition.vertices_along(loop) for loop in loops]
             curves = [
                 geo.addCurveLoop(
-                    [lines[pair] for pair in zip(way, [*way[1:], way[0]], strict=True)]
+                    [lines[pair] for pair in zip(ring, [*ring[1:], ring[0]], strict=True)]
                 )
-                for way in ways
+                for ring in rings
             ]
             surfaces.append(geo.addPlaneSurface(curves))
         geo.synchronize()
@@ -124,8 +124,8 @@ def _vertex_sizes(partition: Partition, largest: float) -> Array:
     starts, ends = (partition.vertices[partition.ends[:, i]] for i in (0, 1))
     sizes = np.full(len(partition.vertices), largest)
     for number, vertex in enumerate(partition.vertices):
-        apart = ~(partition.ends == number).any(axis=1)
-        distances = distances_to_segments(vertex, starts[apart], ends[apart])
+        is_elsewhere = ~(partition.ends == number).any(axis=1)
+        distances = distances_to_segments(vertex, starts[is_elsewhere], ends[is_elsewhere])
         sizes[number] = min(largest, float(distances.min()))
     return sizes
 
@@ -221,8 +221,8 @@ def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) ->
     origin, first, last = (
         nodes[cells[:, i]] for i in (0, 1, len(ELEMENTS[element].corner_nodes) - 1)
     )
-    (ay, az), (by, bz) = (first - origin).T, (last - origin).T
-    clockwise = ay * bz < az * by
+    (ay, az), (y_b, bz) = (first - origin).T, (last - origin).T
+    clockwise = ay * bz < az * y_b
     return np.where(clockwise[:, None], cells[:, _REVERSED[element]], cells)
 
 

@@ -58,10 +58,10 @@ def order(lower: SparseMatrix) -> Ordering:
     # A process that solves only small matrices does not search for a graphics card.
     small = request is Solver.AUTO and unknowns < GAIN_FROM
     card = None if small or request not in {Solver.AUTO, Solver.CUDSS} else cudss.device()
-    chosen = choose(request, unknowns, card)
-    if chosen is Solver.PETSC:
+    library = choose(request, unknowns, card)
+    if library is Solver.PETSC:
         return PetscOrdering(lower)
-    if chosen is Solver.CUDSS:
+    if library is Solver.CUDSS:
         try:
             return CudssOrdering(lower)
         except DeviceError as error:

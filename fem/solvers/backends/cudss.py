@@ -64,14 +64,14 @@ def _device_or_reason() -> Device | str:
 
 def device() -> Device | None:
     """Graphics card on which CUDA computes. None without a card or without the extra `gpu`."""
-    found = _device_or_reason()
-    return found if isinstance(found, Device) else None
+    card_or_reason = _device_or_reason()
+    return card_or_reason if isinstance(card_or_reason, Device) else None
 
 
 def device_fault() -> str:
     """The reason why no graphics card can be used: packages, driver or card. "" if one can."""
-    found = _device_or_reason()
-    return found if isinstance(found, str) else ""
+    card_or_reason = _device_or_reason()
+    return card_or_reason if isinstance(card_or_reason, str) else ""
 
 
 def title() -> str:
@@ -83,7 +83,7 @@ def title() -> str:
 def _version() -> str:
     from nvmath.bindings import cudss  # noqa: PLC0415
 
-    return ".".join(str(cudss.get_property(place)) for place in range(3))
+    return ".".join(str(cudss.get_property(component)) for component in range(3))
 
 
 @contextmanager
@@ -213,9 +213,9 @@ class CudssOrdering:
                 cudss.MatrixViewType.UPPER,
                 cudss.IndexBase.ZERO,
             )
-            made = self._config, self._data, self._matrix
+            handles = self._config, self._data, self._matrix
             # At the end of the process the memory of the card is freed anyway.
-            finalize(self, _destroy, cudss, handle, *made).atexit = False
+            finalize(self, _destroy, cudss, handle, *handles).atexit = False
             self._configure(cudss.ConfigParam.HOST_NTHREADS, threads())
             self._execute(cudss.Phase.ANALYSIS, self._vector, self._vector)
             estimates = np.zeros(16, dtype=np.uint64)
@@ -306,16 +306,16 @@ class CudssOrdering:
 
         handle, real, layout = _handle(), cudss.DataType.R_64F, cudss.Layout.COL_MAJOR
         cudss.set_stream(handle, cupy.cuda.get_current_stream().ptr)
-        made = [
+        wrappers = [
             cudss.matrix_create_dn(
                 self._size, block.shape[1], self._size, block.data.ptr, real, layout
             )
             for block in (solution, right)
         ]
         try:
-            cudss.execute(handle, phase, self._config, self._data, self._matrix, *made)
+            cudss.execute(handle, phase, self._config, self._data, self._matrix, *wrappers)
         finally:
-            for matrix in made:
+            for matrix in wrappers:
                 cudss.matrix_destroy(matrix)
 
     def _configure(self, name: int, value: int) -> None:

@@ -160,8 +160,8 @@ def ellipse_ratio(difference: float) -> float:
 
     def excess(ratio: float) -> float:
         first, second = ellipk(1.0 - ratio**-2), ellipe(1.0 - ratio**-2)
-        own = ((ratio**2 + 1.0) * second - 2.0 * first) / ((ratio**2 - 1.0) * second)
-        return float(own - difference)
+        value = ((ratio**2 + 1.0) * second - 2.0 * first) / ((ratio**2 - 1.0) * second)
+        return float(value - difference)
 
     return float(brentq(excess, 1.0 + 1e-7, _LONGEST, xtol=1e-12, rtol=1e-14))
 
@@ -185,7 +185,7 @@ def bearing_stiffness(
 
 def bearing_compliance(stiffness: Array) -> Array:
     """6×6 compliance of a bearing, x along the shaft. Zero for the rotation about the shaft."""
-    held = [0, 1, 2, 4, 5]
+    elastic = [0, 1, 2, 4, 5]
     compliance = np.zeros((6, 6))
-    compliance[np.ix_(held, held)] = np.linalg.inv(stiffness[np.ix_(held, held)])
+    compliance[np.ix_(elastic, elastic)] = np.linalg.inv(stiffness[np.ix_(elastic, elastic)])
     return compliance

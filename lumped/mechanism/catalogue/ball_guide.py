@@ -56,8 +56,8 @@ class BallGuide:
                 block = 1.5 * load / approach * np.outer(along, along)
                 block += load / length * np.outer(across, across)
                 for x in stations.tolist():
-                    place = np.array([x, 0.5 * right * self.width, 0.5 * up * self.height])
-                    arm = shift(place)[:3]
+                    position = np.array([x, 0.5 * right * self.width, 0.5 * up * self.height])
+                    arm = shift(position)[:3]
                     total += arm.T @ block @ arm
         return total
 

@@ -229,13 +229,13 @@ def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress:
     `progress` is that part, from 0 to 1.
     """
     widths = _widths(closure, _nearest(closure, placement, pose))
-    reached = closure.pose(placement)[: len(pose)]
+    last_pose = closure.pose(placement)[: len(pose)]
     joint = closure.mechanism.joints[int(np.argmax(widths))]
     reason = (
         f'cannot be reached: joint "{joint.name}" stays open by '
         f"{closure.mechanism.lengths.shown(widths.max(), 3)}; on the way from the "
         f"reference posture the last reachable pose, after {100.0 * progress:.0f} %, is "
-        f"{shown_pose(closure.mechanism, reached)}"
+        f"{shown_pose(closure.mechanism, last_pose)}"
     )
     result = mobility_at(closure, placement)
     if progress == 0.0 and result.at_limit:

@@ -142,15 +142,15 @@ def _body_values(
 
 
 def _joint_values(joint: Entry, points: Mapping[str, Array], name: str) -> dict[str, Any]:
-    at = joint["at"]
+    point_names = joint["at"]
     axis_key = ("", "axis", "axes")[AXES[joint["type"]]]
     directions = joint[axis_key] if axis_key else None
-    pair = (at, at) if isinstance(at, str) else at
+    pair = (point_names, point_names) if isinstance(point_names, str) else point_names
     vector = _vector_between(pair, points)
     return {
         "key": f"joints.{name}",
         "points": pair,
-        "repeated_point": pair == at and at[0] == at[1],
+        "repeated_point": pair == point_names and point_names[0] == point_names[1],
         "axis_key": axis_key,
         "directions": ()
         if directions is None

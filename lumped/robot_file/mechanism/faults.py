@@ -75,9 +75,9 @@ def _unknown_names(description: Draft) -> Iterator[str]:
     }
     for table, entries in entries_of.items():
         for key, name, among in _references(table, entries):
-            known = description.names[among] + ((GROUND,) if among == "bodies" else ())
-            if name not in known:
-                yield unknown_name(key, name, known, f"the name of one of [{among}]")
+            known_names = description.names[among] + ((GROUND,) if among == "bodies" else ())
+            if name not in known_names:
+                yield unknown_name(key, name, known_names, f"the name of one of [{among}]")
 
 
 def _references(table: str, entries: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:

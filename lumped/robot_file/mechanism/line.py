@@ -114,18 +114,18 @@ def _stops(body: Mapping[str, Any], points: Mapping[str, Array], key: str) -> li
     """Points of the line from root to tip. None if a name is unknown (reported elsewhere)."""
     stops = []
     entries = [(f"{key}.from", body["from"])]
-    entries += [(f"{key}.through[{n}]", at) for n, at in enumerate(body["through"] or (), 1)]
+    entries += [(f"{key}.through[{n}]", point) for n, point in enumerate(body["through"] or (), 1)]
     entries.append((f"{key}.to", body["to"]))
-    for place, entry in entries:
+    for location, entry in entries:
         on_arc = isinstance(entry, dict)
-        at = entry["arc"] if on_arc else entry
-        if isinstance(at, str) and at not in points:
+        point = entry["arc"] if on_arc else entry
+        if isinstance(point, str) and point not in points:
             return None
-        if at is None:
+        if point is None:
             return None
-        position = points[at] if isinstance(at, str) else np.array(at)
-        name = at if isinstance(at, str) else ""
-        stops.append(_Stop(f"{place}.arc" if on_arc else place, name, position, on_arc))
+        position = points[point] if isinstance(point, str) else np.array(point)
+        name = point if isinstance(point, str) else ""
+        stops.append(_Stop(f"{location}.arc" if on_arc else location, name, position, on_arc))
     return stops
 
 
@@ -136,11 +136,11 @@ def _stop_faults(stops: Sequence[_Stop], unit: UnitOfLength) -> list[str]:
             faults.append(
                 f"{second.key}: follows another arc; must be preceded by the point where it begins"
             )
-        apart = float(np.linalg.norm(second.position - first.position))
-        if apart < _TOGETHER:
+        distance = float(np.linalg.norm(second.position - first.position))
+        if distance < _TOGETHER:
             faults.append(
                 f"{second.key}: must be apart from the point before it (they are "
-                f"{unit.shown(apart, 3)} apart)"
+                f"{unit.shown(distance, 3)} apart)"
             )
     if faults:
         return faults
@@ -191,24 +191,25 @@ def _stations(
         return constant, []
     faults = []
     positions = []
-    for number, (at, _) in enumerate(body["sections"], start=1):
-        if isinstance(at, str) and at not in names:
+    for number, (station, _) in enumerate(body["sections"], start=1):
+        if isinstance(station, str) and station not in names:
             faults.append(
-                f"{key}.sections[{number}].at = {shown(at)}: must be a corner or an end of the "
-                f"line ({', '.join(names)}), or a share of its length from 0 to 1"
+                f"{key}.sections[{number}].at = {shown(station)}: must be a corner or an end of "
+                f"the line ({', '.join(names)}), or a share of its length from 0 to 1"
             )
             continue
-        positions.append(names[at] if isinstance(at, str) else at * line.length)
+        positions.append(names[station] if isinstance(station, str) else station * line.length)
     if faults:
         return None, faults
     slack = TOGETHER * line.length
     last = len(positions)
-    for number, expected, place in ((1, 0.0, "0"), (last, line.length, "1")):
+    for number, expected, fraction in ((1, 0.0, "0"), (last, line.length, "1")):
         if abs(positions[number - 1] - expected) > slack:
-            end = "from" if place == "0" else "to"
+            end = "from" if fraction == "0" else "to"
             faults.append(
                 f"{key}.sections[{number}].at = {shown(body['sections'][number - 1][0])}: must be "
-                f'{place} or "{body[end]}", where the line {"begins" if place == "0" else "ends"}'
+                f'{fraction} or "{body[end]}", where the line '
+                f"{'begins' if fraction == '0' else 'ends'}"
             )
     faults += [
         f"{key}.sections[{number}].at = {shown(body['sections'][number - 1][0])}: must not come "
@@ -267,17 +268,17 @@ def _section_faults(
     faults = []
     slack = TOGETHER * line.length
     for number, ((start, first), (end, last)) in enumerate(pairwise(stations), start=2):
-        place = f"{key}.sections[{number}]"
+        location = f"{key}.sections[{number}]"
         if end - start <= slack or first == last:
             continue
         if type(first) is not type(last):
             faults.append(
-                f'{place}.shape = "{last.shape}": must be "{first.shape}" as before it, or follow '
-                f"a section of its own shape at the same position (a step)"
+                f'{location}.shape = "{last.shape}": must be "{first.shape}" as before it, or '
+                f"follow a section of its own shape at the same position (a step)"
             )
         elif isinstance(last, Polygon | SectionProperties):
             faults.append(
-                f"{place}: a {last.shape} has no sizes that could vary linearly; must equal the "
+                f"{location}: a {last.shape} has no sizes that could vary linearly; must equal the "
                 "section before it, or follow an equal one at the same position (a step)"
             )
     arcs = [
@@ -288,19 +289,19 @@ def _section_faults(
     constant = stations[0][1] == stations[-1][1] and len(stations) == 2
     for piece, start, end in arcs:
         for number, (_, section) in enumerate(stations, start=1):
-            place = f"{key}.section" if constant else f"{key}.sections[{number}]"
+            location = f"{key}.section" if constant else f"{key}.sections[{number}]"
             following = stations[min(number, len(stations) - 1)][0]
             before = stations[max(number - 2, 0)][0]
             if following < start + slack or before > end - slack:
                 continue
             if fourth_moments(section) is None:
                 faults.append(
-                    f'{place}.shape = "{section.shape}": must have two axes of symmetry on an arc; '
-                    "use straight pieces, or another shape"
+                    f'{location}.shape = "{section.shape}": must have two axes of symmetry on an '
+                    "arc; use straight pieces, or another shape"
                 )
             elif max(section.extent) >= 2.0 * piece.radius:
                 faults.append(
-                    f"{place}: {unit.shown(max(section.extent))} across; must be below the "
+                    f"{location}: {unit.shown(max(section.extent))} across; must be below the "
                     f"diameter of its arc, {unit.shown(2.0 * piece.radius)}"
                 )
     largest = max(range(len(stations)), key=lambda k: max(stations[k][1].extent))

@@ -82,8 +82,8 @@ def has_patterns(tables: Tables) -> bool:
 
 def pattern_faults(tables: Tables) -> list[str]:
     """Faults of patterns in tables whose keys have been checked, one line each."""
-    found, faults = collect_faults(partial(_pattern, tables), _repeated(tables))
-    patterns = dict(found)
+    pattern_items, faults = collect_faults(partial(_pattern, tables), _repeated(tables))
+    patterns = dict(pattern_items)
     for (table, name), pattern in patterns.items():
         copies = {f"{name}{number}": number for number in range(1, pattern.count + 1)}
         faults += [
@@ -138,31 +138,31 @@ def _repeated(tables: Tables) -> list[Key]:
 
 def _pattern(tables: Tables, of: Key) -> tuple[Key, _Pattern]:
     """Entry and its pattern. Raises InputError if the pattern has a fault."""
-    (table, name), named = of, tables.get("patterns", {})
-    key, given = f"{table}.{name}.{_PATTERN}", tables[table][name][_PATTERN]
-    if isinstance(given, str):
-        if given not in named:
-            raise InputError(unknown_name(key, given, named, "the name of one of [patterns]"))
-        key, given = f"patterns.{given}", named[given]
-    about, through = given["about"], given.get("through", [0.0, 0.0, 0.0])
+    (table, name), patterns = of, tables.get("patterns", {})
+    key, pattern = f"{table}.{name}.{_PATTERN}", tables[table][name][_PATTERN]
+    if isinstance(pattern, str):
+        if pattern not in patterns:
+            raise InputError(unknown_name(key, pattern, patterns, "the name of one of [patterns]"))
+        key, pattern = f"patterns.{pattern}", patterns[pattern]
+    about, through = pattern["about"], pattern.get("through", [0.0, 0.0, 0.0])
     axis = np.eye(3)["xyz".index(about)] if isinstance(about, str) else np.array(about, float)
     if np.linalg.norm(axis) < NO_DIRECTION:
         raise InputError(f"{key}.about = {list(about)}: must not be zero, it is a direction")
-    place = tables["points"].get(through) if isinstance(through, str) else through
-    if not isinstance(place, list):
+    position = tables["points"].get(through) if isinstance(through, str) else through
+    if not isinstance(position, list):
         raise InputError(
             f"{key}.through = {shown(through)}: must be the name of a point without a pattern, or "
             "[x, y, z]"
         )
     unit = tuple((axis / np.linalg.norm(axis)).tolist())
-    return of, _Pattern(unit, tuple(map(float, place)), given["count"])
+    return of, _Pattern(unit, tuple(map(float, position)), pattern["count"])
 
 
 def _references(tables: Tables, table: str, name: str) -> Iterator[tuple[str, str, str]]:
     """Location, table and name of each reference to another entry in one entry."""
     rule = rules_of(tables).keys[table].kind
-    own = {name: tables[table][name]}
-    for key, kind, value in rule.within(own, table):
+    entries = {name: tables[table][name]}
+    for key, kind, value in rule.within(entries, table):
         if isinstance(kind, Text) and kind.among in _COPIED:
             yield key, kind.among, value
 
@@ -185,8 +185,8 @@ def _copied(
     def numbered(among: str, value: Any) -> Any:
         if isinstance(value, str):
             return f"{value}{number}" if (among, value) in patterns else value
-        are_names = isinstance(value, list) and all(isinstance(one, str) for one in value)
-        return [numbered(among, one) for one in value] if are_names else value
+        are_names = isinstance(value, list) and all(isinstance(name, str) for name in value)
+        return [numbered(among, name) for name in value] if are_names else value
 
     def placed(stop: Any) -> Any:
         """Point of a leg's line in the copy, by its name or its coordinates."""
@@ -207,7 +207,9 @@ def _copied(
         ]
     if "interfaces" in entry:
         faces = entry["interfaces"]
-        entry["interfaces"] = {numbered("points", point): one for point, one in faces.items()}
+        entry["interfaces"] = {
+            numbered("points", point): selection for point, selection in faces.items()
+        }
         entry["place"] = entry["place"] | {"at": numbered("points", entry["place"]["at"])}
     return entry
 
@@ -215,9 +217,11 @@ def _copied(
 def _default_up(tables: Tables, leg: Tables) -> list[float]:
     """Default direction of `up` of a leg. Legs whose points have faults are refused later."""
     ends = [tables["points"].get(leg.get(end)) for end in ("from", "to")]
-    start, tip = (np.array(one["at"] if isinstance(one, dict) else one or 0.0) for one in ends)
-    way = tip - start
-    up: list[float] = default_up(way / (np.linalg.norm(way) or 1.0)).tolist()
+    start, tip = (
+        np.array(point["at"] if isinstance(point, dict) else point or 0.0) for point in ends
+    )
+    chord = tip - start
+    up: list[float] = default_up(chord / (np.linalg.norm(chord) or 1.0)).tolist()
     return up
 
 
@@ -237,8 +241,10 @@ def _turned(entry: Tables, pattern: _Pattern, number: int) -> dict[str, Any]:
     if "axes" in entry:
         turned["axes"] = [pattern.direction(axis, number) for axis in entry["axes"]]
     if "place" in entry:
-        place = entry["place"]
-        turned["place"] = place | {key: pattern.direction(place[key], number) for key in "xy"}
-        if isinstance(place["at"], list):
-            turned["place"]["at"] = pattern.place(place["at"], number)
+        placement = entry["place"]
+        turned["place"] = placement | {
+            key: pattern.direction(placement[key], number) for key in "xy"
+        }
+        if isinstance(placement["at"], list):
+            turned["place"]["at"] = pattern.place(placement["at"], number)
     return turned

@@ -251,10 +251,10 @@ def joint_faults(joint: Entry) -> Iterator[str]:
             "a universal joint turns about two directions"
         )
     if slides and directions and not _parallel(directions[0], vector, SMALLEST_SINE):
-        apart = joint["lengths"].shown(float(np.linalg.norm(vector)), 3)
+        distance = joint["lengths"].shown(float(np.linalg.norm(vector)), 3)
         yield (
             f"{key}.axis = {list(directions[0])}: must point from {points[0]} to {points[1]} or "
-            f"back, which are {apart} apart; or be left out"
+            f"back, which are {distance} apart; or be left out"
         )
 
 
@@ -262,18 +262,20 @@ def _direction_faults(joint: Entry) -> Iterator[str]:
     """Faults of values along directions of a joint, and of `up`, on which the directions depend."""
     key, kind, stiffness, damping = (joint[k] for k in ("key", "type", "stiffness", "damping"))
     directions = DIRECTIONS[kind]
-    held = [name for name, direction in directions.items() if not direction.free]
+    fixed_directions = [name for name, direction in directions.items() if not direction.free]
     if stiffness is not None:
         if joint["compliance"] is not None:
             yield f"{key}.stiffness: must be left out beside {key}.compliance, which replaces it"
-        yield from _strange_directions(stiffness, held, f"{key}.stiffness", kind)
-        for name in held:
+        yield from _strange_directions(stiffness, fixed_directions, f"{key}.stiffness", kind)
+        for name in fixed_directions:
             if stiffness[name] is None:
                 unit = "N m/rad" if directions[name].turns else "N/m"
                 yield f'{key}.stiffness.{name}: missing; must be a number in {unit}, or "rigid"'
     if damping is not None:
         yield from _strange_directions(damping, list(directions), f"{key}.damping", kind)
-        for name in _present_keys(damping, *held) if joint["compliance"] is None else ():
+        for name in (
+            _present_keys(damping, *fixed_directions) if joint["compliance"] is None else ()
+        ):
             if stiffness is None or stiffness[name] == "rigid":
                 yield (
                     f"{key}.damping.{name}: the joint is rigid there, a dashpot has no effect; "
@@ -307,9 +309,9 @@ def _bearing_faults(joint: Entry, bearing: Entry) -> Iterator[str]:
     for name in _present_keys(joint, "compliance", "stiffness"):
         yield f"{key}: must be left out beside {joint['key']}.{name}, which it determines"
     inside = ("balls", "ball_diameter", "pitch_diameter")
-    others = ("contact_angle", "inner_groove", "outer_groove")
+    groove_keys = ("contact_angle", "inner_groove", "outer_groove")
     if bearing["size"] is not None:
-        for name in _present_keys(bearing, *inside, *others):
+        for name in _present_keys(bearing, *inside, *groove_keys):
             yield f"{key}.{name}: must be left out beside {key}.size, which determines it"
     else:
         missing = [name for name in inside if bearing[name] is None]

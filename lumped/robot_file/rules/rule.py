@@ -136,8 +136,10 @@ class Number(Rule):
         limits = {name: getattr(self, name) for name in ("above", "least", "below", "most", "slip")}
         scaled = {name: limit and limit * factor for name, limit in limits.items()}
         # The questions suspect millimetres in a file in metres, so they do not apply here.
-        own = replace(self, unit=self.unit.replace("m", unit.name), low="", high="", **scaled)
-        return own if self.unit == COORDINATES else replace(own, divisor=factor)
+        scaled_rule = replace(
+            self, unit=self.unit.replace("m", unit.name), low="", high="", **scaled
+        )
+        return scaled_rule if self.unit == COORDINATES else replace(scaled_rule, divisor=factor)
 
     @property
     def _unit(self) -> str:
@@ -429,9 +431,9 @@ class TableRule(Rule):
         unknown = [name for name in table if name not in self.keys]
         faults = []
         for i, name in enumerate(unknown):
-            known = f"; known here: {', '.join(self.keys)}"
+            known_keys = f"; known here: {', '.join(self.keys)}"
             advice = (
-                did_you_mean(name, self.keys, otherwise=known)
+                did_you_mean(name, self.keys, otherwise=known_keys)
                 if i < _LARGEST_SUGGESTION_COUNT
                 else ""
             )

@@ -22,8 +22,8 @@ class CompositeTable:
 
         def with_table(part: Mapping[str, Any]) -> Mapping[str, Any]:
             material = part["material"]
-            named = isinstance(material, str) and material in materials
-            return {**part, "material": materials[material]} if named else part
+            is_named = isinstance(material, str) and material in materials
+            return {**part, "material": materials[material]} if is_named else part
 
         return replace(self, parts=tuple(map(with_table, self.parts)))
 

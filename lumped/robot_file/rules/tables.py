@@ -222,12 +222,12 @@ def _shape_table(shape: str, unit: UnitOfLength) -> TableRule:
     sizes = (
         needed(field.name, _SIZE, "outer dimension or wall thickness") for field in fields(kind)
     )
-    own = _OWN_KEYS.get(shape) or tuple(sizes)
+    keys = _OWN_KEYS.get(shape) or tuple(sizes)
     if issubclass(kind, Laminate):
-        own = (*(key for key in own if key.name != "layers"), *_LAMINATE_KEYS)
+        keys = (*(key for key in keys if key.name != "layers"), *_LAMINATE_KEYS)
     if kind is Composite:
-        own = (needed("parts", _PARTS, "parts that touch along edges, each of one material"),)
-    table = TableRule(needed("shape", OneOf((shape,)), "kind of section"), *own)
+        keys = (needed("parts", _PARTS, "parts that touch along edges, each of one material"),)
+    table = TableRule(needed("shape", OneOf((shape,)), "kind of section"), *keys)
     return table.in_unit(unit, ())
 
 
@@ -267,12 +267,12 @@ class StationRule(SectionRule):
             return [self.refused(value, key)]
         rest = {name: entry for name, entry in value.items() if name != "at"}
         allowed = f"must be {_PLACE_ON_LINE.allowed}"
-        at = (
+        position_faults = (
             _PLACE_ON_LINE.faults(value["at"], f"{key}.at")
             if "at" in value
             else [f"{key}.at: missing; {allowed}"]
         )
-        return [*at, *super().faults(rest, key)]
+        return [*position_faults, *super().faults(rest, key)]
 
     def read(self, value: Any) -> Any:
         rest = {name: entry for name, entry in value.items() if name != "at"}
@@ -447,9 +447,9 @@ _STIFF = 'more than any joint has; "rigid" holds it'
 
 def _direction_keys() -> Iterator[tuple[str, Direction, str]]:
     """Name of each direction of a joint, the direction, and the kinds of joints that have it."""
-    names = dict.fromkeys(name for named in DIRECTIONS.values() for name in named)
+    names = dict.fromkeys(name for directions in DIRECTIONS.values() for name in directions)
     for name in names:
-        kinds = [kind for kind, named in DIRECTIONS.items() if name in named]
+        kinds = [kind for kind, directions in DIRECTIONS.items() if name in directions]
         yield name, DIRECTIONS[kinds[0]][name], ", ".join(kinds)
 
 

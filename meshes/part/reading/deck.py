@@ -250,9 +250,9 @@ def _solid_kind(card: _Card) -> tuple[str, int]:
         return _KIND[count], count
     if not solid and _NO_SOLID.match(name.upper()):
         return "", 0
-    known = ", ".join(f"C3D{count}" for count, kind in _KIND.items() if "wedge" not in kind)
+    names = ", ".join(f"C3D{count}" for count, kind in _KIND.items() if "wedge" not in kind)
     raise card.line.fault(
-        f"elements of the type {shown(name)} are not known here; must be {known} with any letters "
+        f"elements of the type {shown(name)} are not known here; must be {names} with any letters "
         "behind, or no solid",
     )
 

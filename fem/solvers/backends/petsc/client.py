@@ -97,11 +97,11 @@ class Server:
 
     def _started(self, interpreter: str, ranks: int, mpiexec: str) -> "subprocess.Popen[bytes]":
         """Process of the keeper, which starts the server."""
-        here = Path(__file__).parent
-        command = [interpreter, "-I", str(here / "server.py"), str(self._folder)]
+        folder = Path(__file__).parent
+        command = [interpreter, "-I", str(folder / "server.py"), str(self._folder)]
         if ranks > 1:
             command = [mpiexec, "-n", str(ranks), *command]
-        keeper = [sys.executable, "-I", str(here / "keeper.py"), str(self._folder), *command]
+        keeper = [sys.executable, "-I", str(folder / "keeper.py"), str(self._folder), *command]
         with (self._folder / "log").open("wb") as log:
             return subprocess.Popen(  # noqa: S603  this interpreter
                 keeper,
@@ -217,8 +217,8 @@ class Server:
             raise AssertionError("standard output is a pipe")
         end = None if patience is None else monotonic() + patience
         while True:
-            left = None if end is None else max(0.0, end - monotonic())
-            if not select.select([output], [], [], left)[0]:
+            remaining = None if end is None else max(0.0, end - monotonic())
+            if not select.select([output], [], [], remaining)[0]:
                 raise ComputationError(f"{self._what} did not start in {patience:g} s", part)
             line = output.readline()
             if not line:
@@ -257,8 +257,8 @@ def _mpiexec(interpreter: str) -> str:
 
     "" if none.
     """
-    beside = Path(interpreter).parent / "mpiexec"
-    return str(beside) if beside.exists() else shutil.which("mpiexec") or ""
+    neighbour = Path(interpreter).parent / "mpiexec"
+    return str(neighbour) if neighbour.exists() else shutil.which("mpiexec") or ""
 
 
 def _started(interpreter: str, ranks: int) -> Server:

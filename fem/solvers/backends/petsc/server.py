@@ -88,8 +88,8 @@ class _Factor:
     def factorise(self, name: int) -> "tuple[int, int]":
         """Numbers of negative and of zero eigenvalues of the matrix with the values in a file."""
         values = np.load(self._folder / f"{name}-values.npy", mmap_mode="r")
-        own = np.array(values[self._entries])
-        self._matrix.setValuesCSR(self._offsets, self._columns, own)
+        rank_values = np.array(values[self._entries])
+        self._matrix.setValuesCSR(self._offsets, self._columns, rank_values)
         self._matrix.assemble()
         for relaxation in _RELAXATIONS:
             self._factor.setMumpsIcntl(_RELAXATION, relaxation)
@@ -107,13 +107,13 @@ class _Factor:
         """Write the solutions for the right-hand sides (n×k) in their file."""
         right = np.load(self._folder / "right.npy", mmap_mode="r")
         solution = np.load(self._folder / "solution.npy", mmap_mode="r+")
-        known = self._dense(np.array(right[self._rows], order="F"))
+        right_side = self._dense(np.array(right[self._rows], order="F"))
         unknown = self._dense(
             np.zeros((self._rows.stop - self._rows.start, right.shape[1]), order="F")
         )
-        self._factor.matSolve(known, unknown)
+        self._factor.matSolve(right_side, unknown)
         solution[self._rows] = unknown.getDenseArray()
-        known.destroy()
+        right_side.destroy()
         unknown.destroy()
         self._petsc.COMM_WORLD.barrier()
 
