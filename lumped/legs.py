@@ -10,6 +10,7 @@ from itertools import pairwise
 from typing import Literal, TypeAlias
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from lumped.arrays import Array
 from lumped.centre_line import CentreLine
@@ -17,7 +18,7 @@ from lumped.errors import ComputationError
 from lumped.line_sections import FIELDS, NODES, TOGETHER, LineSections
 from lumped.memo import memo
 from lumped.screws import move_compliance
-from lumped.sections import Section, fourth_moments
+from lumped.sections import Section, symmetric_moments
 
 Theory: TypeAlias = Literal["euler-bernoulli", "timoshenko"]
 Ends: TypeAlias = Literal["rigid", "free"]
@@ -305,6 +306,27 @@ class Span:
         }
         return type(self.first)(**sizes)
 
+    def taper_rates(self, shares: Array) -> Array:
+        """Rates d ln a/ds (p×2, 1/m) of the lever arms a = I/S at shares (p) of the span.
+
+        In bending about z and about y, with S the first moment of half the section. Zero for shapes
+        without two axes of symmetry.
+        """
+        if self.first == self.last or symmetric_moments(self.first) is None:
+            return np.zeros((len(shares), 2))
+        coordinates = 2.0 * NODES - 1.0
+        arms = np.array([_lever_arms(self.section(share)) for share in NODES.tolist()])
+        fitted = chebyshev.chebfit(coordinates, np.log(arms), len(NODES) - 1)
+        slopes = chebyshev.chebval(2.0 * shares - 1.0, chebyshev.chebder(fitted)).T
+        return np.asarray(slopes * 2.0 / (self.end - self.start))
+
+
+def _lever_arms(section: Section) -> tuple[float, float]:
+    """I/S (m) in bending about z and about y of a shape with two axes of symmetry."""
+    if (moments := symmetric_moments(section)) is None:
+        raise TypeError(f"{section.shape}: no lever arms without two axes of symmetry")
+    return 2.0 * section.second_moment_z / moments.y, 2.0 * section.second_moment_y / moments.z
+
 
 @dataclass(frozen=True)
 class LineLeg:
@@ -382,30 +404,39 @@ class LineLeg:
         return _line_sections(self, theory)
 
     def sections_by(self, beam: Callable[[ConstantLeg], BeamProperties]) -> LineSections:
-        """Flexibility and mass of the sections along the line.
+        """Flexibility and mass of the sections along the line by Timoshenko's theory.
 
         `beam` is a function that computes the constants of a prism with the section at a point.
         """
+        return self._sections(beam, inclined=True)
+
+    def _sections(
+        self, beam: Callable[[ConstantLeg], BeamProperties], *, inclined: bool
+    ) -> LineSections:
+        """Sections along the line. `inclined`: False to take the fibres of tapers as parallel."""
         values = []
         for span in self.spans:
-            shares = [0.0] if span.first == span.last else NODES.tolist()
+            prismatic = span.first == span.last
             rows = []
-            for share in shares:
+            for share in [0.0] if prismatic else NODES.tolist():
                 prism = ConstantLeg(
                     span.end - span.start, span.section(share), self.material, self.ends, self.name
                 )
                 properties = beam(prism)
                 constants = [getattr(properties, name) for name in FIELDS]
-                fourth = fourth_moments(prism.section) or (0.0, 0.0, 0.0)
+                moments = symmetric_moments(prism.section)
+                fourth = (moments.yyyy, moments.zzzz, moments.yyzz) if moments else (0.0,) * 3
                 rows.append([*constants, *(self.material.E * moment for moment in fourth)])
-            values.append(np.broadcast_to(rows, (len(NODES), len(rows[0]))))
+            constants_and_moments = np.broadcast_to(rows, (len(NODES), len(rows[0])))
+            rates = span.taper_rates(NODES) if inclined else np.zeros((len(NODES), 2))
+            values.append(np.hstack([constants_and_moments, rates]))
         ends = np.array([self.spans[0].start, *(span.end for span in self.spans)])
         return LineSections(self.line, ends, np.array(values, dtype=float))
 
 
 @memo(32)
 def _line_sections(leg: LineLeg, theory: Theory) -> LineSections:
-    return leg.sections_by(lambda prism: prism.properties(theory))
+    return leg._sections(lambda prism: prism.properties(theory), inclined=theory == "timoshenko")
 
 
 # Legs with sections and a material.

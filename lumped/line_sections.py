@@ -18,6 +18,21 @@ strain (ε + z κy − y κz)/(1 − x). The strain energy is that of a straight
 if ∫ z²/(1 − x) dA and the like replace the moments of area. They are expanded to second order, ∫
 z²(1 + x²) dA, for shapes with two axes of symmetry. The next term is 0.03 (h/R)⁴ of a rectangle's
 bending stiffness. The mass of the longer fibres moves the mass centre off the line, by I/AR.
+
+In a taper, fibres converge: that at (y, z) has the slope (λy y, λz z) against the centre line. Here
+λ is the rate of the lever arm a = I/S about each axis, λ = d ln a/ds, with the second moment I and
+the first moment S of half the section. Equilibrium of the part of the section beyond a fibre gives
+the shear flow d(M S/I)/ds, so that the forces that shear the section are
+
+    Qy + λy Mz,   Qz − λz My
+
+(Bleich, Stahlhochbauten, 1932): none in a wedge that is loaded at its apex, as Michell found. An
+inclined fibre has the strain energy of a parallel one times 1/cos⁴ = 1 + 2(λy² y² + λz² z²) + …,
+which enters EA and EI by the moments of area, and the component of the shear stress along it adds
+2/3 λ ∫y⁴ dA/EI² between moment and shear force. These effects are computed for shapes with two axes
+of symmetry. They belong to Timoshenko's theory; that of Euler and Bernoulli takes fibres as
+parallel. In plane tapers, errors of bending and tension are of fourth order in the slope; torsion
+and the taper across the plane of bending leave errors of second order.
 """
 
 from dataclasses import dataclass
@@ -35,8 +50,9 @@ FIELDS = (
     *("EA", "EIy", "EIz", "GJ", "GAy", "GAz", "mu", "rho_J", "rho_Iy", "rho_Iz"),
     *("EIyz", "rho_Iyz", "shear_yz", "centre_y", "centre_z"),
 )
-# E times ∫y⁴ dA, ∫z⁴ dA and ∫y²z² dA (N m⁴), which follow them; zero in straight legs.
-FOURTH = ("EIyyyy", "EIzzzz", "EIyyzz")
+# E times ∫y⁴ dA, ∫z⁴ dA and ∫y²z² dA (N m⁴), and rates λy and λz (1/m) of the taper follow them,
+# which are zero for shapes without two axes of symmetry.
+FURTHER = ("EIyyyy", "EIzzzz", "EIyyzz", "rate_y", "rate_z")
 # Shares of a span (12) at which sections are evaluated: exact for polynomials of degree 11.
 NODES: Array = np.asarray(0.5 * (1.0 + chebyshev.chebpts1(12)))
 # Gauss points per element. A taper 2 : 1 in one element has an error of 5.8^-24.
@@ -109,8 +125,8 @@ class SectionField:
 class LineSections:
     """Sections of a leg along its centre line.
 
-    `ends` (k+1 values, in m along the line) are those of the k spans. `values` (k×p×18) are the
-    constants `FIELDS` and `FOURTH` at the p `NODES` of each span.
+    `ends` (k+1 values, in m along the line) are those of the k spans. `values` (k×p×20) are the
+    constants `FIELDS` and `FURTHER` at the p `NODES` of each span.
     """
 
     line: CentreLine
@@ -119,7 +135,7 @@ class LineSections:
 
     @cached_property
     def _coefficients(self) -> Array:
-        """Chebyshev coefficients (k×p×18) of the constants. Infinite constants have one term."""
+        """Chebyshev coefficients (k×p×20) of the constants. Infinite constants have one term."""
         infinite = np.isinf(self.values).any(axis=1, keepdims=True)
         finite = np.where(infinite, 0.0, self.values)
         transform = np.linalg.inv(chebyshev.chebvander(2.0 * NODES - 1.0, len(NODES) - 1))
@@ -128,7 +144,7 @@ class LineSections:
         return np.asarray(coefficients)
 
     def constants(self, spans: IntArray, positions: Array) -> Array:
-        """Constants `FIELDS` and `FOURTH` (n×18) at n `positions` (m along the line).
+        """Constants `FIELDS` and `FURTHER` (n×20) at n `positions` (m along the line).
 
         `spans` (n) are the indices of the spans to which the positions belong.
         """
@@ -186,7 +202,7 @@ class LineSections:
         """
         pieces = self.line.piece_at(0.5 * (self.ends[spans] + self.ends[spans + 1]))
         points, axes = self.line.frames(positions, pieces)
-        rows = dict(zip((*FIELDS, *FOURTH), self.constants(spans, positions).T, strict=True))
+        rows = dict(zip((*FIELDS, *FURTHER), self.constants(spans, positions).T, strict=True))
         to_axes = turn(axes)
         own_strains = np.zeros_like(to_axes)
         own_strains[...] = np.eye(6)
@@ -194,21 +210,37 @@ class LineSections:
         own_strains[:, 1, 3], own_strains[:, 2, 3] = rows["centre_z"], -rows["centre_y"]
         curvature_y, curvature_z = self.line.curvatures(axes, pieces).T
         own_strains[:, 4, 0], own_strains[:, 5, 0] = -curvature_z, curvature_y
+        own_strains[:, 5, 1], own_strains[:, 4, 2] = rows["rate_y"], -rows["rate_z"]
         strains = to_axes @ own_strains
         local = np.zeros_like(to_axes)
         shear = np.stack(
             [[1.0 / rows["GAy"], rows["shear_yz"]], [rows["shear_yz"], 1.0 / rows["GAz"]]]
         )
         bending = np.stack([[rows["EIy"], -rows["EIyz"]], [-rows["EIyz"], rows["EIz"]]])
-        yyyy, zzzz, yyzz = (rows[name] for name in FOURTH)
+        yyyy, zzzz, yyzz, rate_y, rate_z = (rows[name] for name in FURTHER)
+        # ∫ 2 slope² (1, z², y²) E dA.
+        inclined = 2.0 * np.array(
+            [
+                rate_y**2 * rows["EIz"] + rate_z**2 * rows["EIy"],
+                rate_y**2 * yyzz + rate_z**2 * zzzz,
+                rate_y**2 * yyyy + rate_z**2 * yyzz,
+            ]
+        )
+        EA, bending[0, 0], bending[1, 1] = (
+            rows[name] / (1.0 + part / rows[name])
+            for name, part in zip(("EA", "EIy", "EIz"), inclined, strict=True)
+        )
         squares = curvature_y**2, curvature_z**2
         bending[0, 0] += squares[0] * yyzz + squares[1] * zzzz
         bending[1, 1] += squares[0] * yyyy + squares[1] * yyzz
         bending[0, 1] -= 2.0 * curvature_y * curvature_z * yyzz
         bending[1, 0] = bending[0, 1]
-        local[:, 0, 0], local[:, 3, 3] = 1.0 / rows["EA"], 1.0 / rows["GJ"]
+        local[:, 0, 0], local[:, 3, 3] = 1.0 / EA, 1.0 / rows["GJ"]
         local[:, 1:3, 1:3] = np.moveaxis(shear, -1, 0)
         local[:, 4:, 4:] = np.linalg.inv(np.moveaxis(bending, -1, 0))
+        # Shear stresses along fibres in tension: ∫ 2 slope y τ dA, where ∫ y² τ dA = Q ∫y⁴ dA/3I.
+        local[:, 1, 5] = local[:, 5, 1] = -2.0 / 3.0 * rate_y * yyyy / rows["EIz"] ** 2
+        local[:, 2, 4] = local[:, 4, 2] = 2.0 / 3.0 * rate_z * zzzz / rows["EIy"] ** 2
         rigid = tuple(bool(row) for row in (np.diagonal(local, axis1=1, axis2=2) == 0.0).any(0))
         stiffness = np.zeros_like(local)
         elastic = np.flatnonzero(~np.array(rigid))

@@ -109,8 +109,33 @@ def _end_tractions(solid: SolidLeg, face: EndFace, point: Array) -> Array:
     if face.axes is None:
         return saint_venant_loads(face, points, point, leg.material)
     local = saint_venant_loads(face, (points - point) @ face.axes, np.zeros(3), leg.material)
+    if isinstance(leg, LineLeg):
+        span, share = (leg.spans[0], 0.0) if face is solid.mesh.root else (leg.spans[-1], 1.0)
+        local = _along_fibres(local, face.mesh, span.taper_rates(np.array([share]))[0])
     turned = np.einsum("ij,njk->nik", face.axes, local.reshape(-1, 3, 6)) @ turn(face.axes).T
     return np.asarray(turned.reshape(-1, 6))
+
+
+def _along_fibres(tractions: Array, section: SectionMesh, rates: Array) -> Array:
+    """Nodal loads (3n×6) of unit wrenches on the end of a taper, along its inclined fibres.
+
+    A fibre at (y, z) has the slope (λy y, λz z); `rates` (2): λ (1/m) of both directions. Without
+    the loads across the line, thin walls would bend at the end until their tension follows them.
+    Shear stresses balance their resultants (see `lumped.line_sections`).
+    """
+    quad = section_quadrature(section)
+    y, z = quad.points
+    one = np.ones_like(y)
+    # Second moments without those of the mesh's polygon would leave a resultant.
+    area, inertia_z, inertia_y = (quad.integral(values) for values in (one, y * y, z * z))
+    inclined = tractions.reshape(-1, 3, 6).copy()
+    for column, tension in ((0, one / area), (4, z / inertia_y), (5, -y / inertia_z)):
+        inclined[:, 1, column] += quad.load(rates[0] * y * tension)
+        inclined[:, 2, column] += quad.load(rates[1] * z * tension)
+    loads = inclined.reshape(-1, 6)
+    loads[:, 5] += rates[0] * tractions[:, 1]
+    loads[:, 4] -= rates[1] * tractions[:, 2]
+    return loads
 
 
 def materials_of(leg: SectionedLeg) -> tuple[Material, ...]:

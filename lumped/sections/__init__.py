@@ -6,7 +6,6 @@ shear coefficients.
 
 from lumped.sections.composite import Composite, CompositePart
 from lumped.sections.constants import SectionProperties
-from lumped.sections.fourth_moments import fourth_moments
 from lumped.sections.laminate import Laminate, LaminateBox, LaminateTube, Layer
 from lumped.sections.outlined import (
     Angle,
@@ -27,6 +26,7 @@ from lumped.sections.shapes import (
     Tube,
     rectangle_torsion_constant,
 )
+from lumped.sections.symmetric_moments import SymmetricMoments, symmetric_moments
 
 SHAPES: dict[str, type[Section]] = {
     cls.shape: cls
@@ -66,12 +66,13 @@ __all__ = [
     "Rectangle",
     "Section",
     "SectionProperties",
+    "SymmetricMoments",
     "Tee",
     "Tube",
     "distances_to_edges",
     "distances_to_segments",
-    "fourth_moments",
     "is_inside",
     "partition_edges",
     "rectangle_torsion_constant",
+    "symmetric_moments",
 ]

@@ -6,9 +6,9 @@ condition of the robot file. Two causes of a difference are computed separately:
 the same solid with free ends, and the textbook's section constants along the line. The remainder is
 the difference from the solid with free ends, whose numbers converge with the order of its elements.
 
-Beam theory itself takes fibres as parallel to the centre line and equally long. It neglects the
-square of the slope of a taper's faces and the square of half the height over the radius of an arc.
-These are added to the tolerances of [agree].
+Beam theory itself neglects the square of the slope of a taper's faces (torsion, tapers across the
+plane of bending, sections without two axes of symmetry) and the square of half the height over the
+radius of an arc. These are added to the tolerances of [agree].
 """
 
 import numpy as np

@@ -19,7 +19,7 @@ from lumped.line_sections import TOGETHER
 from lumped.mechanism.length_unit import UnitOfLength
 from lumped.mechanism.placing import default_up, leg_frame
 from lumped.robot_file.rules.several_materials import CompositeTable, LaminateTable
-from lumped.sections import Polygon, Section, SectionProperties, fourth_moments
+from lumped.sections import Polygon, Section, SectionProperties, symmetric_moments
 from lumped.text import shown
 
 # Distance (m) below which two points of a line coincide.
@@ -294,7 +294,7 @@ def _section_faults(
             before = stations[max(number - 2, 0)][0]
             if following < start + slack or before > end - slack:
                 continue
-            if fourth_moments(section) is None:
+            if symmetric_moments(section) is None:
                 faults.append(
                     f'{location}.shape = "{section.shape}": must have two axes of symmetry on an '
                     "arc; use straight pieces, or another shape"

@@ -10,7 +10,7 @@ from lumped.centre_line import CentreLine, LinePiece
 from lumped.legs import ConstantLeg, LineLeg, Material
 from lumped.models.bodies import clamped_modes
 from lumped.screws import shift
-from lumped.sections import Circle, Rectangle
+from lumped.sections import Circle, HollowRectangle, ISection, Rectangle
 
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 UP = (0.0, 0.0, 1.0)
@@ -58,6 +58,30 @@ def test_slender_tapered_solid_equals_beam():
     assert abs(ratios[3]) < 0.01
     expected = clamped_modes(line_beam(beam, 20), 4).frequencies
     assert solid.modes(4).frequencies == pytest.approx(expected, rel=1.5e-3)
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "largest"),
+    [
+        (HollowRectangle(0.1, 0.08, 0.004), HollowRectangle(0.06, 0.05, 0.004), 0.006),
+        (ISection(0.05, 0.10, 0.006, 0.006), ISection(0.05, 0.06, 0.006, 0.006), 0.003),
+    ],
+    ids=["box", "i-section"],
+)
+def test_thin_tapered_solid_equals_beam(first, last, largest):
+    """Walls that converge carry shear, and loads along their fibres do not bend them at the ends.
+
+    With parallel fibres in the beam, and loads along the line on the ends of the solid, errors were
+    2.0 % and 1.3 %. Squares of the slopes (1/20, 1/40) are left, the error of this mesh (half of
+    it) and, of the I-section, that of Cowper's κ (0.2 %).
+    """
+    length = 0.4 if isinstance(first, HollowRectangle) else 0.8
+    line = CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), UP)
+    leg = tapered(line, first, last)
+    beam = leg.sections("timoshenko").tip_compliance
+    ratios = np.diag(clamped(leg, 1).compliance) / np.diag(beam) - 1.0
+    # Torsion of thin shapes whose sides converge is no matter of beam theory.
+    assert np.abs(ratios[[0, 1, 2, 4, 5]]).max() < largest
 
 
 def test_ring_solid_equals_elasticity():
