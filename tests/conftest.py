@@ -1,4 +1,4 @@
-"""What every test needs: no windows, and a cache of their own."""
+"""Settings of all tests: no windows, and a cache folder for the session."""
 
 import os
 import shutil
@@ -16,7 +16,7 @@ LIMITS = {"exhaustive": 3600, "faults": 3600, "soak": 6 * 3600}
 
 
 def pytest_configure(config):
-    """The workers of a session share a cache, which is nobody else's and goes with it."""
+    """Create a cache folder that the workers of this session share. It is removed at the end."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         # In the background of a script Ctrl-C is ignored, by all that is started there as well.
         signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -28,7 +28,7 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(items):
-    """Give tests of the long sets the limit of their set."""
+    """Set the time limit of tests in the long sets to that of their set."""
     for item in items:
         for mark, seconds in LIMITS.items():
             if item.get_closest_marker(mark):

@@ -1,4 +1,4 @@
-"""Examples in the docstrings of public functions and of their results run as they are printed."""
+"""Run the examples in docstrings of public functions and of their results."""
 
 import doctest
 import inspect

@@ -1,4 +1,4 @@
-"""The gallery's examples run as scripts, and land on numbers from elsewhere.
+"""Examples of the gallery, run as scripts and compared with independent numbers.
 
 Sources: docs/guide/known-values.md (computed by other code before this program), closed forms, and
 values that other tests check against such sources; each stands beside its number.

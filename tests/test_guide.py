@@ -1,4 +1,4 @@
-"""Every example of README.md and docs/guide is run here, in the order of the page.
+"""Run every example of README.md and docs/guide, in the order of each page.
 
 A fenced block says by its first word what it is:
 
@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from support.fakes.toy_runs import run_here
+from support.fakes.toy_runs import run_in_this_process
 
 from lumped import sections
 from lumped.robot_file import load_robot
@@ -59,7 +59,7 @@ def long_apart(paths):
 def test_examples_of_page_work(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     # Workers are tested elsewhere.
-    monkeypatch.setattr(runner, "run", run_here)
+    monkeypatch.setattr(runner, "run", run_in_this_process)
     namespace = {"__name__": "example"}
     for language, argument, text in blocks(page):
         if language == "console":

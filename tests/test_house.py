@@ -1,4 +1,4 @@
-"""The house keeps its rules: arrows downwards, small rooms, nothing of the builder's machine."""
+"""Rules of the code base: one-way imports, small folders, and no paths of a machine."""
 
 import ast
 import re

@@ -1,4 +1,4 @@
-"""The notebook of first steps is that of its scripts, without outputs, and its cells run."""
+"""The notebook of first steps equals its scripts, has no outputs, and runs."""
 
 import json
 import runpy

@@ -1,4 +1,4 @@
-"""Systems without POSIX's modules: what is imported there, what runs, and what is refused."""
+"""Systems without POSIX modules, gmsh or its libraries: supported and refused commands."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Mistakes put into a copy of the sources, one at a time: do the nearest tests notice?
+"""Mistakes put into a copy of the sources, one at a time, must fail the nearest tests.
 
     ./flexproof test -m faults                              all of mistakes.toml, half an hour
     ./flexproof test -m faults -k "shear or drive"          some of them

@@ -1,4 +1,4 @@
-"""Flexibility of tapered, stepped, curved and bent legs against closed forms."""
+"""Flexibility of tapered, stepped, curved and bent legs, against closed forms."""
 
 import numpy as np
 import pytest

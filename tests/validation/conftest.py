@@ -22,22 +22,22 @@ from validation.verdicts import Matrix
 
 
 class CommandLine:
-    """The command line, called in this process."""
+    """The command line, run in this process."""
 
     def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
         self._capsys = capsys
 
     def told(self, *words: object, code: int = 0) -> str:
-        """What it prints to stdout when it ends with the code."""
+        """Output on stdout of a command that must end with the exit code `code`."""
         assert cli.main([str(word) for word in words]) == code
         return self._capsys.readouterr().out
 
     def json(self, *words: object) -> Any:
-        """What it prints as JSON."""
+        """JSON output of a command."""
         return json.loads(self.told(*words, "--json"))
 
     def refused(self, *words: object) -> str:
-        """Its one line on stderr when it refuses what is typed, without results."""
+        """The single line on stderr of a command that is refused and prints no results."""
         assert cli.main([str(word) for word in words]) == 2
         printed = self._capsys.readouterr()
         assert printed.out == ""
@@ -52,8 +52,8 @@ def command(capsys: pytest.CaptureFixture[str]) -> CommandLine:
 
 
 @pytest.fixture(scope="module")
-def undrawn():
-    """Charts are blank, which take most of what making a page takes, where none is looked at."""
+def blank_charts():
+    """Replace charts by blank ones, which saves most of the time of making a page."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("validation.drawing.plot.chart_svg", lambda _: "<svg ></svg>")
         yield patch
@@ -61,9 +61,9 @@ def undrawn():
 
 @pytest.fixture(scope="session")
 def paper_subject() -> Subject:
-    """The paper's robot, of which several modules look at the one or the other part.
+    """Subject of the paper's robot, for tests in several modules.
 
-    The first worker that wants it computes it, the others wait.
+    The first worker that needs it computes it, and the others wait.
     """
     with Path(os.environ["XDG_CACHE_HOME"], "paper").open("a+b") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
@@ -85,7 +85,7 @@ def paper(paper_subject: Subject) -> Matrix:
 
 @pytest.fixture(scope="module")
 def coarse_parts():
-    """Meshes of some thousand unknowns in the place of those of a run, made in this process."""
+    """Replace the meshes of parts by coarse ones of some thousand unknowns (in this process)."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(reduced_parts, "UNKNOWNS", 6_000)
         for module in (read, volume, slices):
@@ -95,7 +95,7 @@ def coarse_parts():
 
 @pytest.fixture(scope="module")
 def coarse_legs():
-    """Legs' solids on section meshes of a hundred nodes in the place of those of a quick run."""
+    """Replace the solids of legs by coarse ones, with section meshes of a hundred nodes."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(reference_legs.UNKNOWNS, "quick", (300, 2500))
         yield

@@ -1,4 +1,4 @@
-"""Keys of what is kept: each of their ingredients is changed, one at a time, and makes another.
+"""Keys of stored results: each input of a key is changed, one at a time, and changes the key.
 
 What is kept under a key that has not all that its numbers depend on is believed by a run of
 another robot, preset, option, library or source.

@@ -1,4 +1,4 @@
-"""Composite sections by finite elements against closed forms, boundary elements and solids."""
+"""Composite sections by finite elements, against closed forms, boundary elements and solids."""
 
 from math import pi
 

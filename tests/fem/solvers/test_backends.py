@@ -12,7 +12,7 @@ from support.fakes.graphics_card import (
     CUDARuntimeError,
     CuDSSError,
     OutOfMemoryError,
-    forget_card,
+    discard_card,
     insert_card,
 )
 from support.fakes.petsc_installation import require_petsc
@@ -47,7 +47,7 @@ STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 @pytest.fixture(autouse=True)
 def fresh_memos():
     yield
-    forget_card()
+    discard_card()
 
 
 @pytest.fixture(scope="module")
@@ -243,7 +243,7 @@ def test_wrong_variable_is_refused(monkeypatch):
 def test_cudss_without_card_is_refused(monkeypatch, matrices):
     monkeypatch.setenv(VARIABLE, "cudss")
     monkeypatch.setattr("fem.extras.find_spec", lambda _: None)
-    forget_card()
+    discard_card()
     with pytest.raises(InputError, match=r"solver cudss: needs cupy and nvmath, not installed"):
         analyse(matrices[0])
     insert_card(monkeypatch)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
-from support.robots.paper_robot_variants import LEG1, LEG2, like_ifw
+from support.robots.paper_robot_variants import LEG1, LEG2, variant_of_ifw
 
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
@@ -276,7 +276,7 @@ def test_demonstrator_stroke():
     assert STROKE.length == pytest.approx(0.705, rel=1e-14)
     assert STROKE.centre == pytest.approx(0.4975, rel=1e-14)
     # A pose is the position of B for any offset of the loaded point.
-    robot = like_ifw(tool_offset=np.array([0.03, -0.02, 0.155]))
+    robot = variant_of_ifw(tool_offset=np.array([0.03, -0.02, 0.155]))
     assert_allclose(robot.poses[[0, 4, 8], 0], [0.145, 0.4975, 0.85], rtol=1e-14)
     assert robot.reference_pose == pytest.approx([0.4975], rel=1e-14)
 

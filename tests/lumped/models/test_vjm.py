@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support.robots.paper_robot_variants import IFW, like_ifw, placed_at, stations
+from support.robots.paper_robot_variants import IFW, placed_at, stations, variant_of_ifw
 
 from lumped.equivalent_leg import constant_leg
 from lumped.errors import ComputationError
@@ -152,10 +152,10 @@ def test_tool_offset_changes_compliance():
     The paper prints no sign of the offset; 13.6 µm results with the tool on the −z side.
     """
     offset, tool = np.array([0.0, 0.0, -0.155]), 1e-9 * np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
-    robot = like_ifw(tool_offset=offset)
+    robot = variant_of_ifw(tool_offset=offset)
     at_b, at_p = compliance(IFW.mechanism, 0.4975), compliance(robot, 0.4975)
     assert_allclose(at_p, move_compliance(at_b, offset), rtol=1e-11, atol=1e-20)
     largest = max(deflections(compliance(robot, x))[:2].max() for x in stations(robot, 21))
     assert largest == pytest.approx(13.6, abs=0.05)  # digits printed
-    with_tool = compliance(like_ifw(tool_offset=offset, tool_compliance=tool), 0.4975)
+    with_tool = compliance(variant_of_ifw(tool_offset=offset, tool_compliance=tool), 0.4975)
     assert_allclose(with_tool, at_p + tool, rtol=1e-12)

@@ -1,4 +1,4 @@
-"""Legs along a line in robot files: geometry, mass, copies, and one line for each fault."""
+"""Tapered and curved legs in robot files: geometry, mass, copies, and error messages."""
 
 import numpy as np
 import pytest

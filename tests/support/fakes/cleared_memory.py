@@ -1,4 +1,4 @@
-"""What objects of the program keep in memory, dropped along with what its functions do."""
+"""Removal of all values that the program keeps in memory."""
 
 import gc
 from functools import cached_property
@@ -9,7 +9,7 @@ PACKAGES = {"lumped", "meshes", "fem", "validation"}
 
 
 def forget():
-    """Have everything computed again, as when a model is changed under what was kept of it."""
+    """Discard memoised values and cached properties, so that a changed model is computed again."""
     memo.forget()
     properties = {}
     for thing in gc.get_objects():

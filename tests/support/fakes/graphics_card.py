@@ -21,19 +21,19 @@ MEMORY = 8_000_000_000
 
 
 class OutOfMemoryError(MemoryError):
-    """As cupy.cuda.memory raises it."""
+    """Error of cupy.cuda.memory."""
 
 
 class CUDARuntimeError(RuntimeError):
-    """As cupy.cuda.runtime raises it."""
+    """Error of cupy.cuda.runtime."""
 
 
 class CuDSSError(Exception):
-    """As nvmath.bindings.cudss raises it."""
+    """Error of nvmath.bindings.cudss."""
 
 
 class CardArray(np.ndarray):
-    """Array on the card."""
+    """Array in the memory of the card."""
 
     @property
     def data(self):
@@ -81,7 +81,7 @@ def on_host(value):
 
 
 class CardMatrix:
-    """Sparse matrix on the card."""
+    """Sparse matrix in the memory of the card."""
 
     def __init__(self, content, shape=None):
         if isinstance(content, tuple):
@@ -126,9 +126,10 @@ class DataParam(IntEnum):
 
 @dataclass
 class FakeCard:
-    """State of the card: objects by number, calls so far, free bytes.
+    """State of the card: objects by number, calls up to now, free bytes.
 
-    `fails`: the error that a call of this name raises after so many of them, and all calls then.
+    `fails` contains the name of a call, the number of successful calls of this name, and the error
+    that this and all later calls raise.
     """
 
     free: int = MEMORY
@@ -144,7 +145,7 @@ class FakeCard:
 
     @property
     def alive(self):
-        """Number of objects that nobody has destroyed."""
+        """Number of objects that have not been destroyed."""
         return len(self._objects)
 
     def make(self, content):
@@ -209,7 +210,7 @@ def at(pointer, size, kind):
 
 
 def insert_card(monkeypatch):
-    """A fake card in place of any real one, with nothing remembered of that."""
+    """Replace any real card by a fake one, and discard what was stored about the real one."""
     card = FakeCard()
     stream = SimpleNamespace(ptr=0, synchronize=lambda: card.call("synchronize"))
     runtime = SimpleNamespace(
@@ -279,11 +280,11 @@ def insert_card(monkeypatch):
     )
     sys.modules["nvmath.bindings"].cudss = library
     monkeypatch.setattr("fem.extras.find_spec", lambda _: True)
-    forget_card()
+    discard_card()
     return card
 
 
-def forget_card():
-    """Forget the card that was looked for, and the library's context on it."""
+def discard_card():
+    """Discard the card found earlier and the library's context on it."""
     for remembered in (cudss._device_or_reason, cudss._handle):
         remembered.cache_clear()

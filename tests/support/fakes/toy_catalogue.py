@@ -1,4 +1,4 @@
-"""Made-up cases for the tests of runner and command line; workers import this module by name."""
+"""Artificial comparisons for tests of runner and command line. Workers import this module."""
 
 import os
 import resource
@@ -127,7 +127,7 @@ def slowly(context):
 
 
 def real(robot_file):
-    """Some of the paper's cases between others of a steady pace, and a figure."""
+    """Some of the paper's cases between cases that take 0.03 s each, and a figure."""
     from validation import paper  # noqa: PLC0415  the other catalogues do not need it
 
     steady = tuple(case(f"toy.steady[{k}]", slowly) for k in range(12))
@@ -139,6 +139,6 @@ def tells_much(context):
     return replace(agrees(context), notes=("tell" * 5000,))
 
 
-def chatty(_robot_file):
-    """Fills a small disk within its first cases."""
-    return tuple(case(f"toy.chatty[{k}]", tells_much) for k in range(12))
+def verbose(_robot_file):
+    """Cases with results so long that the first ones fill a small disk."""
+    return tuple(case(f"toy.verbose[{k}]", tells_much) for k in range(12))

@@ -1,4 +1,4 @@
-"""Models with made-up responses, and references with made-up responses by interpretation."""
+"""Models and references with prescribed responses."""
 
 from validation.references.reference import Interpretation, Reference, Source, SourceHalfWidths
 from validation.references.responses import Model
@@ -7,32 +7,36 @@ from validation.responses.statics_and_modes import Statics
 
 
 def reading(name):
-    """Reading for each name."""
+    """Reading of a robot file with the name `name`."""
     return Reading({"toy": name})
 
 
 def model(name, statics=None, modes=None, **more):
-    """Model with these halves under any reading. None if it does not define one."""
+    """Model with the same statics and modes under any reading.
+
+    None if the model does not define them.
+    """
     solve = [half and (lambda *_, half=half: half) for half in (statics, modes)]
     return Model(name, f"{name} of a toy", *solve, **more)
 
 
 def model_by_reading(name, statics=None, modes=None):
-    """Model with halves by the names of the readings."""
+    """Model with statics and modes by the name of the reading."""
     solve = [half and (lambda _, at, half=half: half[at.ends["toy"]]) for half in (statics, modes)]
     return Model(name, name, *solve, ("ends",), ("ends",))
 
 
 def meshes(**half_widths):
-    """Budget of meshes alone."""
+    """Uncertainty budget with half-widths due to meshes only."""
     return {Source.MESHES: SourceHalfWidths(**half_widths)}
 
 
 def reference(title, halves, budgets=None, insides=(), **more):
-    """Reference with statics or modes by the names of its interpretations.
+    """Reference with statics or modes (`halves`) by the names of its interpretations.
 
-    `budgets`: one for all, or one for each. `insides`: stiffness inside the legs, by which alone
-    they differ; without it they differ in their ends.
+    `budgets` is one uncertainty budget for all interpretations, or a list with one for each.
+    Interpretations differ in the stiffness inside the legs if `insides` names it, otherwise in the
+    end conditions.
     """
     names = list(halves)
     readings = [Reading({}, interior=one) for one in insides] or [reading(name) for name in names]

@@ -1,4 +1,4 @@
-"""`flexproof` on catalogues of toy_catalogue, here and in processes of their own."""
+"""Runs of `flexproof` on the catalogues of toy_catalogue, in this and in other processes."""
 
 import json
 import os
@@ -37,7 +37,7 @@ def command(catalogue, *arguments):
 
 
 def started(line):
-    """A process in a session of its own."""
+    """Start the command `line` as a process in a new session."""
     return subprocess.Popen(
         line,
         env=ENVIRONMENT,
@@ -60,8 +60,11 @@ def wait_for(condition):
         time.sleep(0.02)
 
 
-def on_terminal(arguments, environment, *, pressed):
-    """Exit code and screen of a process on a terminal of its own, Ctrl-C once `pressed(screen)`."""
+def run_on_terminal(arguments, environment, *, pressed):
+    """Run a process on a new terminal. Return its exit code and the text on the screen.
+
+    Ctrl-C is sent once `pressed(screen)` is true.
+    """
     process, terminal = pty.fork()
     if process == 0:
         os.execve(arguments[0], arguments, environment | {"TERM": "xterm"})  # noqa: S606
@@ -83,7 +86,7 @@ def on_terminal(arguments, environment, *, pressed):
 
 
 def refusing(number):
-    """A function that raises the system's error of that number, whatever it is given."""
+    """Function that raises the error `number` of the operating system for any arguments."""
 
     def refuse(*_arguments, **_named):
         raise OSError(number, os.strerror(number))
@@ -92,33 +95,33 @@ def refusing(number):
 
 
 def partial(path):
-    """Where a run is written that is not whole yet."""
+    """Folder of an incomplete run at `path`."""
     return path.with_name(f"{path.name}.partial")
 
 
 def lines(path):
-    """The lines of what a run has finished, in its folder or where it is written."""
+    """Lines of the finished results of a complete or an incomplete run."""
     files = [folder / "results.jsonl" for folder in (partial(path), path)]
     file = next((file for file in files if file.exists()), None)
     return file.read_bytes().splitlines() if file else []
 
 
 def content(path):
-    """What a folder holds, by name, but for locks."""
+    """Contents of the files in a folder by relative path, except locks."""
     files = (file for file in path.rglob("*") if file.is_file() and file.name != ".lock")
     return {str(file.relative_to(path)): file.read_bytes() for file in files}
 
 
 def numbers(path):
-    """The cases and studies of a run, but for times, and process numbers in notes."""
+    """Cases and studies of a run, without times and notes, which contain process numbers."""
     found = json.loads((path / "results.json").read_text())
     for entry in found["cases"]:
         del entry["seconds"], entry["notes"]
     return found["cases"], found["studies"]
 
 
-def run_here(_catalogue, context, tasks, *, keep, progress, **_):
-    """In place of runner.run, where workers are not what is tested: in this process."""
+def run_in_this_process(_catalogue, context, tasks, *, keep, progress, **_):
+    """Replacement of runner.run that computes in this process, for tests not about workers."""
     for task in tasks:
         progress.started(task)
         keep(record := plain(execute(task, context)))

@@ -1,7 +1,7 @@
-"""A robot's subject with two made-up models of which every error is known beforehand.
+"""Artificial subject of an assessment: two models whose errors are known.
 
-`beam` is 4 % too soft in every direction of load and 4 % too high in every frequency, f2 of its
-reference is known to ± 2 % alone; `vjm` is right, and says nothing of frequencies.
+`beam` is 4 % too soft in every direction of load and 4 % too high in every frequency. The
+reference's f2 has a half-width of 2 %. `vjm` has the reference's statics and no frequencies.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ POSES = np.array([[0.3], [0.7]])
 
 
 def toy_subject(count, robot=None):
-    """The subject with so many modes, at two poses. `robot`: where its file matters."""
+    """Subject with `count` modes at two poses. `robot` is needed if a test uses its robot file."""
     compliances = np.array([np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0])] * len(POSES)) * 1e-8
     statics = Statics(compliances, np.zeros((len(POSES), 0, 6)))
     frequencies = np.array([100.0 * np.arange(1, count + 1)] * len(POSES))

@@ -1,4 +1,4 @@
-"""Copies of plain data, each with one number, text or array entry of it changed."""
+"""Copies of plain data, each with one changed number, text or array entry."""
 
 from collections.abc import Callable, Iterator, Mapping
 from copy import copy
@@ -12,9 +12,10 @@ Changes = Callable[[Any], Iterator[tuple[str, Any]]]
 
 
 def least(value: Any) -> Iterator[tuple[str, Any]]:
-    """The smallest changes that there are of a value by itself: a key that rounds is none.
+    """Smallest possible changes of a value. A cache key that rounds would not notice them.
 
-    Of an array its first and last entry; of a collection what it holds is another matter.
+    In an array the first and the last entry are changed. The items of a collection are not changed
+    here.
     """
     match value:
         case np.ndarray():
@@ -42,10 +43,10 @@ def least(value: Any) -> Iterator[tuple[str, Any]]:
 def changed_leaves(
     value: Any, changes: Changes = least, place: str = ""
 ) -> Iterator[tuple[str, Any]]:
-    """Every place in `value` with a copy of the whole that differs there alone.
+    """Yield each location in `value` with a copy of the whole that differs at this location only.
 
-    Places read "leg.material.E" or "poses[0]". Checks of a record's own construction are passed by:
-    what is asked is whether a key sees it.
+    Locations are texts such as "leg.material.E" or "poses[0]". Checks in constructors are bypassed,
+    because the copies only serve to test cache keys.
     """
     yield from ((place + where, other) for where, other in changes(value))
     match value:

@@ -1,4 +1,4 @@
-"""How far two compliances are apart, whatever the units of their entries."""
+"""Difference of two compliances, independent of the units of their entries."""
 
 import numpy as np
 
@@ -6,7 +6,8 @@ import numpy as np
 def scaled_difference(found, reference):
     """Largest |Δc_ij| of two compliances in units of √(c_ii c_jj) of the reference.
 
-    No entry of a positive matrix is larger: zero couplings count as well, whatever their unit.
+    In a positive definite matrix |c_ij| is at most √(c_ii c_jj), so that zero couplings are
+    compared, too.
     """
     unit = 1.0 / np.sqrt(np.diag(reference))
     return float(np.abs((found - reference) * unit[:, None] * unit).max())

@@ -1,4 +1,4 @@
-"""An exported folder as readers of other people take it up."""
+"""An exported folder, read by other libraries."""
 
 import re
 
@@ -9,7 +9,7 @@ from scipy.sparse import load_npz
 
 
 def assert_read_back(folder):
-    """README.txt names every file, and every one is read; symmetric matrices in both formats."""
+    """Assert that README.txt names every file, that each is readable, and that matrices agree."""
     text = (folder / "README.txt").read_text(encoding="utf-8")
     margin = [line for line in text.splitlines() if re.match(r"\S+\.\w+(,|$)", line)]
     there = {path.name for path in folder.iterdir()} - {"README.txt"}

@@ -1,6 +1,6 @@
-"""Published benchmarks that no machine of a user could fail, in the form of `flexproof selftest`.
+"""Published benchmarks that are independent of the machine, in the form of `flexproof selftest`.
 
-They are beams that are exact or nearly so: tests solve them, and the verification manual shows them
+Beams solve them almost exactly. They are tested here only, and the verification manual shows them
 beside those of the self-test.
 """
 
@@ -45,7 +45,7 @@ FV2_CLUSTERS = (
 
 
 def benchmarks() -> tuple[Benchmark, ...]:
-    """All of them."""
+    """All benchmarks of this module."""
     return (
         Benchmark(
             "NAFEMS FV5, deep simply supported beam, by Timoshenko beams",
@@ -77,7 +77,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
 
 
 def deep_beam() -> list[KnownNumber]:
-    """FV5: simply supported, held along and about its axis at the first end alone."""
+    """NAFEMS FV5: deep simply supported beam, fixed along and about its axis at the first end."""
     beam = beam_leg(own.DEEP.timoshenko, own.DEEP.length, 32)
     free = np.delete(np.arange(beam.size), [0, 1, 2, 3, 7, 8])
     stiffness, mass = (dense(matrix)[np.ix_(free, free)] for matrix in (beam.stiffness, beam.mass))
@@ -86,14 +86,14 @@ def deep_beam() -> list[KnownNumber]:
 
 
 def slender_cantilever() -> list[KnownNumber]:
-    """Test 71: Euler–Bernoulli bending in one plane."""
+    """NAFEMS test 71: cantilever in Euler–Bernoulli bending in one plane."""
     beam = beam_leg(SLENDER.properties("euler-bernoulli"), SLENDER.length, 32)
     found = kind_frequencies(beam, "bending z", len(TEST_71_CLUSTERS))
     return [cluster.known_number(found) for cluster in TEST_71_CLUSTERS]
 
 
 def pinned_cross() -> list[KnownNumber]:
-    """FV2, its crossing on a hinge."""
+    """NAFEMS FV2: pin-ended double cross with its crossing on a hinge."""
     up = np.array([[0.0, 0.0, 1.0]])
     angles = np.arange(ARMS) * 2.0 * np.pi / ARMS
     inwards = [np.array([-np.cos(angle), -np.sin(angle), 0.0]) for angle in angles]

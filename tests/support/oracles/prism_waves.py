@@ -1,7 +1,7 @@
-"""Harmonic waves along a prism: as a beam has them, and as the three-dimensional body does.
+"""Harmonic waves along a prism, by beam theory and by three-dimensional elasticity.
 
-Half a wave is a simply supported mode, a quarter a mode of a bar held at one end, so that waves
-say what beam theory itself is worth at a given length.
+Half a wave is a mode of a simply supported bar, a quarter wave a mode of a cantilever. Waves thus
+give the error of beam theory at a given length.
 """
 
 from math import pi, sqrt
@@ -17,7 +17,7 @@ from meshes.section.section_mesh import SectionMesh
 
 
 def beam_wave_frequency(beam, kind, wavenumber):
-    """Frequency (Hz) of the beam's wave of `wavenumber` k (1/m); bending y, Timoshenko's.
+    """Frequency (Hz) of a wave of a beam with `wavenumber` k (1/m). Bending is Timoshenko's.
 
     Bending: w = sin kx, θ = cos kx, the lower root of a two by two problem.
     """
@@ -32,7 +32,7 @@ def beam_wave_frequency(beam, kind, wavenumber):
 
 
 def prism_wave_frequency(section, material, kind, wavenumber, degree=10):
-    """Frequency (Hz) of a rectangular prism's lowest wave of a kind, wavenumber k (1/m), 3-D.
+    """Frequency (Hz) of the lowest wave of one kind in a rectangular prism, by 3-D elasticity.
 
     u = (U cos kx, V sin kx, W sin kx), U, V, W polynomials of `degree` in y and in z, by Ritz on
     the section of an isotropic prism with free sides. The kinds differ in parity: U is odd in z for
@@ -75,9 +75,9 @@ def prism_wave_frequency(section, material, kind, wavenumber, degree=10):
 def bending_wave(mesh: SectionMesh, material: Material, wave_number: float, along: str) -> float:
     """Angular frequency (rad/s) of the wave on a section mesh that bends along "y" or "z".
 
-    Timoshenko's is that of its section's own constants as k → 0. At finite k contraction by
-    Poisson's ratio stiffens it, relative order (k · side)²; warping by shear, (k · side)⁴, and
-    walls that bend soften it.
+    As k → 0 it is the wave of the Timoshenko beam with the section's constants. At finite k,
+    contraction by Poisson's ratio raises the frequency, of relative order (k · side)². Warping by
+    shear, of order (k · side)⁴, and walls that bend lower it.
     """
     motion = np.zeros((len(mesh.nodes), 3))
     motion[:, "xyz".index(along)] = 1.0
@@ -89,7 +89,7 @@ def bending_wave(mesh: SectionMesh, material: Material, wave_number: float, alon
 
 
 def wall_frequency(mesh: SectionMesh, material: Material) -> float:
-    """Lowest angular frequency (rad/s) at which the walls of an endless leg move, all in phase."""
+    """Lowest angular frequency (rad/s) at which the walls of an infinite leg vibrate in phase."""
     quad = section_quadrature(mesh)
     stiffness, mass = stiffness_matrix(quad, material, 0.0), mass_matrix(quad, material.rho)
     # The first four are the section's rigid motions: tension, two bendings, torsion.

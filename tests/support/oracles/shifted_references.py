@@ -1,4 +1,4 @@
-"""What a comparison would say of a reference that lay elsewhere: a sound one can disagree."""
+"""Verdicts of comparisons with shifted references: a valid comparison can disagree."""
 
 from dataclasses import replace
 from math import isfinite
@@ -8,9 +8,9 @@ from validation.run.outcome import Outcome, Verdict, verdict
 
 
 def perturbed(outcome: Outcome, factor: float) -> Verdict:
-    """The verdict if the reference lay `factor` tolerances further where the difference grows.
+    """Verdict for a reference that is shifted by `factor` tolerances so that the difference grows.
 
-    The tolerance keeps its amount. A sound case turns for a factor of three.
+    The tolerance keeps its absolute value. A valid comparison disagrees for a factor of three.
     """
     measurement, relation = outcome.measurement, outcome.case.relation
     if measurement is None:
@@ -24,8 +24,11 @@ def perturbed(outcome: Outcome, factor: float) -> Verdict:
     )
 
 
-def assert_agrees_and_can_turn(outcome: Outcome) -> None:
-    """A sound comparison agrees, states its uncertainty, and disagrees three tolerances further."""
+def assert_agrees_and_can_disagree(outcome: Outcome) -> None:
+    """Assert that a comparison agrees, has an uncertainty, and disagrees if shifted.
+
+    The shift of the reference is three tolerances.
+    """
     said = outcome.case.id, outcome.measurement, outcome.message
     assert outcome.verdict == "agree", said
     assert outcome.measurement is not None

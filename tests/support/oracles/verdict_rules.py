@@ -1,9 +1,9 @@
-"""The rules of the first screen once more, one pose after the other, from the raw responses.
+"""Independent implementation of the rules for verdicts, pose by pose, from the responses.
 
-Written from the interface's words; of the product's code there is the search for the worst
-direction of force alone, which test_displacement holds against a search of the sphere: errors of
-the whole displacement, partners by the largest likeness, an interval over what is left open, the
-verdict, the pose that decides, what each cause takes off, and the remedy.
+It shares no code with the program, except the search for the worst direction of force, which
+test_displacement compares with a search of the sphere. It computes errors of the whole
+displacement, partners of modes by the largest MAC, the interval over all uncertainties, the
+verdict, the deciding pose, the share of each cause, and the remedy.
 """
 
 from functools import cache
@@ -21,10 +21,11 @@ SOURCES = ("meshes", "digits of the file")
 
 
 class Plain(NamedTuple):
-    """Error of a quantity at a pose: `low` to `high` over all that is open; or it is not there.
+    """Error of a quantity at one pose, with its interval from `low` to `high`, or its absence.
 
-    `error` is the largest of all alternatives, `halves` and `errors` are those of each. `alone`:
-    what each alternative says of the order by itself.
+    `errors` and their half-widths `halves` belong to the interpretations of the reference; `error`
+    is the largest one. `alone` contains the result for the order of modes under each
+    interpretation.
     """
 
     low: float
@@ -59,13 +60,13 @@ class Plain(NamedTuple):
 
 @cache
 def worst(*of):
-    """The worst direction of force; each step and each limit ask for it again."""
+    """Worst direction of force, cached because each step and each limit need it."""
     off, due = (np.frombuffer(one).reshape(1, 3, 3) for one in of)
     return worst_force(off, due).force[0]
 
 
 def deflection(own, due, quantity):
-    """Whole error, the vector of it, and what is along the load, at one pose."""
+    """Error of the displacement at one pose: magnitude, vector, and component along the load."""
     part = slice(3, 6) if quantity.startswith("phi") else slice(3)
     load, floor = np.zeros(6), 0.0
     if quantity == "any_force":
@@ -90,7 +91,7 @@ def deflection(own, due, quantity):
 
 
 def nearest(own, pair, found):
-    """Error of a model against the reading between two that is nearest to it, under one load."""
+    """Smallest error of a model under one load, against all references between two readings."""
     part, load = found["part"], found["load"]
     moved = own[part] @ load
     first, second = (due[part] @ load for due in pair)
@@ -105,7 +106,10 @@ def nearest(own, pair, found):
 
 
 def partner(truth, model, mode, pose):
-    """The model's mode whose shape has most, and at least half, in common with the truth's."""
+    """Index of the model's mode with the largest MAC with a mode of the reference.
+
+    None if that MAC is below one half.
+    """
     a = truth.samples[pose, :, mode]
     likeness = [float(a @ b) ** 2 / float(a @ a) / float(b @ b) for b in model.samples[pose].T]
     best = int(np.argmax(likeness))
@@ -120,7 +124,7 @@ def frequency(truth, model, mode, pose):
 
 
 def order(truth, model, modes, pose):
-    """The mode that is elsewhere in the model and whose number misleads most."""
+    """Error of the mode order: that of the mode whose number in the model is most misleading."""
     worst = {"error": 0.0, "mode": None, "grown": 1.0, "value": None}
     for mode in range(modes):
         own = float(model.frequencies[pose, mode])
@@ -132,7 +136,7 @@ def order(truth, model, modes, pose):
 
 
 class Rule:
-    """One quantity of one model of a subject, looked at pose by pose."""
+    """Verdict on one quantity of one model of a subject, pose by pose."""
 
     def __init__(self, subject, model, quantity, modes):
         self.quantity, self.modes, self.poses = quantity, modes, subject.poses
@@ -160,7 +164,7 @@ class Rule:
         return [self.numbers(one, place, pose) for place, one in enumerate(responses)]
 
     def spread(self, found, place, pose, *kinds):
-        """What the alternative of that place leaves open of its own numbers, of this error."""
+        """Half-width of this error due to the uncertainty budget of the interpretation `place`."""
         budget = self.reference.interpretations[place].budget
         column = (*AXES, "any_force").index(self.quantity) if self.static else found["mode"]
         if column is None:
@@ -189,9 +193,10 @@ class Rule:
         return Plain(max(low, 0.0) if self.static else low, high, **told)
 
     def between(self, responses, pose):
-        """Error against the nearest of all readings from one alternative to another.
+        """Smallest error against all references between two interpretations.
 
-        Under any force that of the load, of all worst ones, under which it is largest.
+        For the quantity any_force, the worst force of each interpretation is tried, and the largest
+        result is used.
         """
         references = [one.compliances[pose] for one in self.truths]
         return max(
@@ -205,7 +210,7 @@ class Rule:
         return [self.at(responses, pose) for pose in range(len(self.poses))]
 
     def entry(self, limit):
-        """Fields of the entry: the pose of the worst verdict, and of it the largest error."""
+        """Fields of the entry, at the pose with the worst verdict and there the largest error."""
         path = self.along(self.model)
         verdicts = [one.verdict(limit) for one in path]
         worst = min(verdicts, key=("inadequate", "undecided", "adequate").index)
@@ -239,13 +244,13 @@ class Rule:
         return told | {"causes": causes, "remedy": advice[0], "error_with_remedy": advice[1]}
 
     def readings(self, at):
-        """Errors by the names of the alternatives, where there are several of one quantity."""
+        """Errors by interpretation. Empty if there is one, and for the order of modes."""
         names = [one.name for one in self.reference.interpretations]
         several = len(names) > 1 and self.quantity != "order"
         return dict(zip(names, at.errors, strict=True)) if several else {}
 
     def series(self, path, places):
-        """Errors over the poses; None where one is not there."""
+        """Errors and bounds over the poses. None at poses without an error."""
         rows = []
         for one in path:
             place = None if one.missing else next(places)
@@ -255,7 +260,7 @@ class Rule:
         return dict(zip(names, zip(*rows, strict=True), strict=True))
 
     def causes(self, pose):
-        """Shares by cause of the largest error, with the rest that no cause accounts for."""
+        """Shares of the causes in the largest error, and the remainder without a cause."""
         k = self.at(self.model, pose).place
         of = self.each(self.model, pose)[k]
         total = of["error"]
@@ -278,9 +283,10 @@ class Rule:
         return {name: one / total for name, one in amounts.items()}
 
     def remedy(self, limit, pose):
-        """The first step that is enough, else the reference's model, else the best step.
+        """First step that suffices, otherwise the model of the reference, otherwise the best step.
 
-        The model only where all steps leave it inadequate; none that is no better than nothing.
+        The model of the reference is the remedy only if the model stays inadequate with all steps.
+        A step that does not reduce the error is no remedy.
         """
         start, before = self.at(self.model, pose), self.along(self.model)
         words, tried = {}, []

@@ -2,7 +2,7 @@
 
 
 def only_message(printed):
-    """The one line on stderr, which forecasts and progress may precede on a busy machine."""
+    """The single message on stderr, without forecasts and progress of a busy machine."""
     *earlier, line = printed.splitlines()
     assert all("about " in one or "elapsed" in one for one in earlier), earlier
     return line

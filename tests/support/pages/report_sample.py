@@ -1,6 +1,6 @@
-"""A report from made-up outcomes, with everything that a report can show.
+"""Report of artificial outcomes that contains every element of a report.
 
-Its matrix is like that of a robot whose legs are given by a 6×6.
+Its verdict matrix is like that of a robot with legs known by their 6×6.
 """
 
 import base64
@@ -39,16 +39,16 @@ LOADS = ("weight", "tug")
 
 
 def quantity_of(name, *, measured=False):
-    """Quantity of verdicts, or of measured values, by its name."""
+    """Quantity with the name `name`, of verdicts or of measured values."""
     if measured:
         return measured_quantity(name)
     return next(one for one in quantities(LOADS) if one.name == name)
 
 
 def entry(model, name, *curve, **fields):
-    """An entry judged by the largest of the errors along `curve`, or one for all; else undecided.
+    """Entry judged by the largest error along `curve`. Undecided without a curve.
 
-    Of deflections the whole displacement is off by what it is along the load, which has a sign.
+    The error of a displacement is equal to that of its component along the load, which has a sign.
     """
     quantity = quantity_of(name, measured=fields.get("measured", False))
     own = {"error": None, "uncertainty": None, "verdict": "undecided", "pose": POSES[0]}
@@ -165,12 +165,12 @@ FIG_5 = Figure("fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL
 
 @cache
 def drawn():
-    """The figure of the study, drawn once for all tests of a page."""
+    """Figure of the study, drawn once for all tests of the page."""
     return study_figure(family_of([CONVERGENCE]))
 
 
 def measured(identifier, value, reference, *spreads, exact=True, **own):
-    """An outcome; fields of a case and of a measurement by their names."""
+    """Outcome with the given fields of its case and its measurement."""
     names = ("allowances", "studies", "table")
     of_measurement = {name: own.pop(name) for name in names if name in own}
     found = Measurement(value, reference, *spreads, exact=exact, **of_measurement)
@@ -178,7 +178,7 @@ def measured(identifier, value, reference, *spreads, exact=True, **own):
 
 
 def redeclared(outcome, **own):
-    """The outcome with other fields of its case."""
+    """Copy of the outcome with other fields of its case."""
     return msgspec.structs.replace(outcome, case=replace(outcome.case, **own))
 
 
@@ -231,9 +231,9 @@ def sample_report(
     unfinished=0,
     findings=(FINDING,),
 ):
-    """A report on these; `matrix` and `measured` are left out where None.
+    """Report on the given outcomes. `matrix` and `measured` are omitted if None.
 
-    `unjudged` has assessments that failed, and why.
+    `unjudged` contains failed assessments with their reasons.
     """
     outcomes = sample_outcomes() if outcomes is None else outcomes
     figures = (drawn(), FIG_5) if figures is None else figures

@@ -1,7 +1,7 @@
-"""Robot files with something done to them, always the same for one seed, sound or not.
+"""Robot files with random changes, equal for equal seeds, valid or not.
 
-What slips while one edits a table (a key lost, renamed, a value in another's place), and values
-that nobody means.
+The changes are slips of editing (a key is lost or renamed, a value is at another key) and absurd
+values.
 """
 
 import json
@@ -25,7 +25,7 @@ _Path = tuple[str | int, ...]
 
 
 def places(tree: Any, path: _Path = ()) -> Iterator[_Path]:
-    """Ways to all entries of nested tables and lists."""
+    """Paths to all entries of nested tables and lists."""
     entries = tree.items() if isinstance(tree, dict) else enumerate(tree)
     for key, value in entries:
         yield (*path, key)
@@ -40,7 +40,7 @@ def _at(tree: Any, path: _Path) -> Any:
 
 
 def mutated(rng: random.Random, tree: dict[str, Any]) -> dict[str, Any]:
-    """Nested tables with one to three of their entries lost, renamed or replaced."""
+    """Nested tables in which one to three entries are removed, renamed or replaced."""
     tree = deepcopy(tree)
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
         ways = list(places(tree))
@@ -61,7 +61,7 @@ def mutated(rng: random.Random, tree: dict[str, Any]) -> dict[str, Any]:
 
 
 def toml(tables: dict[str, Any]) -> str:
-    """The text of a file with these tables, those inside others and lists as inline values."""
+    """TOML text of the tables, with nested tables and lists as inline values."""
     inline = partial(json.dumps, separators=(", ", " = "))
     text = "".join(f"{json.dumps(key)} = {inline(value)}\n" for key, value in tables.items())
     return text.replace("NaN", "nan").replace("Infinity", "inf")

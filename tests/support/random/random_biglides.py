@@ -1,7 +1,7 @@
-"""Biglides that are sound, as robot files, always the same for one seed.
+"""Robot files of valid random biglides, equal for equal seeds.
 
-Extreme ones, far from what is usual, and mild ones as one builds them: values that are chosen from,
-and powers of ten from the lowest to the highest.
+There are extreme ones and ordinary ones. Values are drawn from lists, or as powers of ten between a
+lowest and a highest value.
 """
 
 import random
@@ -95,7 +95,7 @@ def _leg(rng, length, spread):
 
 
 def random_robots(count, seed, spread=EXTREME):
-    """`count` robot files."""
+    """Texts of `count` robot files."""
     rng = random.Random(seed)  # noqa: S311  any choice will do
     for number in range(count):
         first = 10.0 ** rng.uniform(*spread.length)

@@ -1,6 +1,6 @@
-"""Commands with the files that they name, always the same for one seed: sound, slips, and nonsense.
+"""Random commands with their files, equal for equal seeds: valid ones, slips, and nonsense.
 
-None of them computes for long: runs ask for cases that are not there, and solids are refused.
+None of them computes for long: runs request cases that do not exist, and solids are refused.
 """
 
 import json
@@ -90,7 +90,7 @@ class Command(NamedTuple):
 
 
 def random_commands(count, seed):
-    """`count` commands."""
+    """Generate `count` commands."""
     rng = random.Random(seed)  # noqa: S311  any choice will do
     weights = [_WEIGHTS.get(name, 0.5) for name in _OPTIONS]
     for name in rng.choices(list(_OPTIONS), weights, k=count):
@@ -146,7 +146,7 @@ def _robot(rng):
 
 
 def _damaged(rng, text):
-    """A text with one or two of its bytes, words or stretches lost, doubled or replaced."""
+    """Text in which one or two bytes, words or ranges are lost, doubled or replaced."""
     for _ in range(rng.choice((1, 1, 2))):
         begin, end = sorted(rng.randrange(len(text) + 1) for _ in range(2))
         match rng.randrange(5):

@@ -1,6 +1,6 @@
-"""Mechanisms at random: legs of random bodies and joints between the ground and a platform.
+"""Random mechanisms: legs of random bodies and joints between the ground and a platform.
 
-Postures are off the reference: every body has turned since by a rotation of its own.
+Postures differ from the reference posture: every body has its own rotation.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ Z = np.array([0.0, 0.0, 1.0])
 
 
 class Maker:
-    """Puts bodies and joints together; positions and axes are those of the posture."""
+    """Builder of a mechanism from bodies and joints, with positions and axes of the posture."""
 
     def __init__(self, rng: np.random.Generator, *, planar: bool = False) -> None:
         self.rng, self.planar = rng, planar
@@ -36,13 +36,13 @@ class Maker:
         return vector / np.linalg.norm(vector)
 
     def rotation(self, x: np.ndarray) -> np.ndarray:
-        """Axes with the given x."""
+        """Random axes (3×3, columns) with the given x axis."""
         y = np.cross(Z if self.planar else self.rng.normal(size=3), x)
         y /= np.linalg.norm(y)
         return np.column_stack([x, y, np.cross(x, y)])
 
     def body(self, name: str, shape: Shape, frame: Frame, points: dict[str, np.ndarray]) -> None:
-        """Add a body; `points` in base axes."""
+        """Add a body with interfaces at `points` (base axes)."""
         inverse = frame.inverse()
         self.bodies[name] = Body(
             name, shape, {key: inverse @ Frame(point) for key, point in points.items()}
@@ -53,7 +53,7 @@ class Maker:
         self.reference[name] = Frame(frame.position, turned.T @ frame.rotation)
 
     def leg(self, name: str, first: str, second: str, ends: np.ndarray) -> None:
-        """Add a prism, or a leg given by a 6×6, between two points (2×3)."""
+        """Add a prism, or a leg known by its 6×6, between the points `ends` (2×3)."""
         length = float(np.linalg.norm(ends[1] - ends[0]))
         frame = Frame(ends[0], self.rotation((ends[1] - ends[0]) / length))
         prism = ConstantLeg(length, SECTIONS[self.rng.integers(len(SECTIONS))], STEEL)
@@ -66,7 +66,7 @@ class Maker:
         drive: Drive | None = None,
         compliance: np.ndarray | None = None,
     ) -> None:
-        """Add a joint with random axes, in base axes of the posture."""
+        """Add a joint with random axes (base axes of the posture)."""
         first, second = (Side(*side) for side in sides)
         axes = []
         for number in range(AXES[kind]):
@@ -80,7 +80,7 @@ class Maker:
         self.joints.append(Joint(name, kind, first, second, rows, drive, compliance))
 
     def compliance(self) -> np.ndarray:
-        """A joint's own 6×6 give: positive definite, of the size of a bearing's."""
+        """Random compliance (6×6) of a joint: positive definite, as large as that of a bearing."""
         root = self.rng.normal(size=(6, 6))
         return 1e-9 * (root @ root.T + np.eye(6))
 
@@ -92,9 +92,10 @@ class Maker:
 
 
 def random_posture(seed: int, *, planar: bool = False, rigid: float = 0.2) -> Posture:
-    """One to four serial legs of one to three bodies each, from the ground to a rigid platform.
+    """Posture of one to four serial legs of one to three bodies each, with a rigid platform.
 
-    `rigid` is the share of bodies that are rigid. May be movable, overconstrained or neither.
+    `rigid` is the fraction of rigid bodies. The mechanism may be movable, overconstrained or
+    neither.
     """
     rng = np.random.default_rng(seed)
     make = Maker(rng, planar=planar)

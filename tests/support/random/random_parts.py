@@ -1,7 +1,8 @@
-"""Parts at random: tapered boxes and tubes as STEP files, and their solutions on other meshes.
+"""Random parts: tapered boxes and tubes as STEP files, and their solutions on other meshes.
 
-The truth of a part is computed without its file: hexahedra of 27 nodes in slices, the section's
-mesh drawn in along the part, both graded towards the edges where stresses are singular.
+The reference of a part is computed without its file, by slices of 27-node hexahedra. The mesh of
+the section shrinks along the part. Sections and slices are graded towards edges with singular
+stresses.
 """
 
 from dataclasses import dataclass, replace
@@ -33,9 +34,9 @@ _SOLID, _WALLED = 6, 12
 
 @dataclass(frozen=True)
 class RandomPart:
-    """A prism of `section` and `length` (m) whose sides along y and z shrink to `taper` at x = L.
+    """Prism of `section` and `length` (m) whose sides shrink by the factors `taper` along y and z.
 
-    Its ends are held by `coupling`.
+    `coupling` is that of both ends.
     """
 
     section: Section
@@ -47,12 +48,12 @@ class RandomPart:
 
     @property
     def ends(self) -> dict[str, PartInterface]:
-        """Its two end faces."""
+        """Interfaces on the two end faces."""
         return plane_ends(self.length, self.coupling)
 
 
 def random_part(rng: np.random.Generator) -> RandomPart:
-    """A box or a tube, solid or hollow, two and a half to eight sides long."""
+    """Random box or tube, solid or hollow, with a length of two and a half to eight sides."""
     size, ratio = rng.uniform(0.06, 0.2), rng.uniform(0.6, 1.0)
     width, height = rng.permutation([size, ratio * size]).tolist()
     wall = rng.uniform(0.1, 0.2) * ratio * size
@@ -75,7 +76,7 @@ def random_part(rng: np.random.Generator) -> RandomPart:
 
 
 def step_of(part: RandomPart, path: Path) -> Path:
-    """The part as STEP in millimetres."""
+    """Write the part as a STEP file in millimetres."""
 
     def loft(occ: Any, width: float, height: float) -> tuple[int, int]:
         wires = []
@@ -109,16 +110,17 @@ def step_of(part: RandomPart, path: Path) -> Path:
 
 
 def graded(t: Array, grading: float = _GRADING) -> Array:
-    """Places from 0 to 1 for t from 0 to 1, closer at both ends: dx/dt is `grading`^2t to t = 1/2.
+    """Graded coordinates from 0 to 1 for t from 0 to 1, with smaller steps at both ends.
 
-    Elements in the middle are longer by `grading` than at the ends.
+    dx/dt is proportional to `grading`^2t up to t = 1/2: elements in the middle are `grading` times
+    as long as at the ends.
     """
     nearer = np.expm1(2.0 * np.minimum(t, 1.0 - t) * np.log(grading)) / (grading - 1.0) / 2.0
     return np.where(t <= 0.5, nearer, 1.0 - nearer)
 
 
 def _section(section: Section, fineness: float) -> SectionMesh:
-    """Elements are smaller at edges that are singular; round sections have none."""
+    """Mesh of the section, with smaller elements at singular edges. Round sections have none."""
     across = round(fineness * (_WALLED if isinstance(section, HollowRectangle) else _SOLID))
     mesh = section_mesh(section, max(across, 4))
     nodes = mesh.nodes.copy()
@@ -155,9 +157,9 @@ def true_compliance(part: RandomPart, fineness: float = 1.0) -> Array:
 
 
 def stated(part: RandomPart, folder: Path) -> tuple[Array, Array]:
-    """Relative uncertainties and errors of the six numbers on the diagonal.
+    """Relative uncertainties and errors of the six diagonal compliances.
 
-    As they are stated by identification, which sees the file alone.
+    The uncertainties are those of `identify`, which uses only the file.
     """
     file = read_part(step_of(part, folder / "part.step"))
     found = identify(file, find_interfaces(file, part.ends), part.material, part.unknowns, modes=0)

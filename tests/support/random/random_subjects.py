@@ -1,7 +1,7 @@
-"""Subjects of an assessment at random: what models and references answer, with nothing computed.
+"""Random subjects of an assessment: prescribed responses of models and references.
 
-Modes are orthogonal shapes of which a model has most, in another order and a little turned, and
-lacks one or the other; sequences of steps lead from the model to the reference.
+Modes are orthogonal shapes. A model has most of them, in another order and slightly rotated, and
+lacks some. Sequences of steps lead from the model to the reference.
 """
 
 import numpy as np
@@ -32,14 +32,14 @@ REMEDIES = [
 
 
 def statics(rng):
-    """Of a robot: m/N, rad/N, rad/(N m), all coupled, axes up to a thousand times apart; p×6×6."""
+    """Random compliances (p×6×6) of a robot, with all couplings and very unequal axes."""
     root = rng.normal(size=(POSES, 6, 6)) + 2.0 * np.eye(6)
     softness = UNITS * 10.0 ** rng.uniform(-0.75, 0.75, 6)
     return Statics(root @ root.transpose(0, 2, 1) * np.outer(softness, softness), NO_LOADS)
 
 
 def near(rng, own, size):
-    """Another one, about so far off."""
+    """Statics that differ from `own` by about the relative amount `size`."""
     compliances = own.compliances
     scale = np.sqrt(np.einsum("pii,pjj->pij", compliances, compliances))
     change = rng.normal(size=(POSES, 6, 6)) * scale
@@ -47,7 +47,7 @@ def near(rng, own, size):
 
 
 def modes_near(rng, truth, size):
-    """A model's: some modes exchanged, all a little turned and off, one or none lacking."""
+    """Modes of a model: some exchanged, all slightly rotated and shifted, at most one missing."""
     frequencies, samples = truth.frequencies.copy(), truth.samples.copy()
     for p in range(POSES):
         count = frequencies.shape[1]
@@ -65,7 +65,7 @@ def modes_near(rng, truth, size):
 
 
 def subject(seed):
-    """One reference of one or two alternatives, two models with two or three causes each."""
+    """Subject of two models with two or three causes, and one or two interpretations."""
     rng = np.random.default_rng([24, seed])
     names = ("ends rigid", "ends free")[: int(rng.integers(1, 3))]
     basis = np.linalg.qr(rng.normal(size=(POSES, SAMPLES, SAMPLES)))[0][:, :, : MODES + 2]

@@ -1,4 +1,4 @@
-"""A crane: one tapered arm between two bores, a part drawn by gmsh, and a mass at its tip."""
+"""Crane of one tapered arm between two bores, a part drawn by gmsh, with a mass at its tip."""
 
 import re
 from pathlib import Path
@@ -50,7 +50,7 @@ OVERLAPPING = (
 
 
 def write_crane(folder: Path) -> Path:
-    """arm.step, which tapers from 120 to 25 mm, 40 mm high, and robot.toml, in `folder`."""
+    """Write robot.toml and arm.step, which tapers from 120 to 25 mm and is 40 mm high."""
 
     def draw(occ: Any) -> None:
         corners = [(-45, -60), (430, -12.5), (430, 12.5), (-45, 60)]
@@ -72,7 +72,7 @@ def write_crane(folder: Path) -> Path:
 
 
 def write_meshed_crane(folder: Path) -> Path:
-    """The same with arm.msh, a mesh of some thousand unknowns, in the place of arm.step."""
+    """Write the crane with arm.msh, a mesh of some thousand unknowns, instead of arm.step."""
     robot, step = write_crane(folder), folder / "arm.step"
     meshed(folder / "arm.msh", lambda kernel: kernel.importShapes(str(step)), 30.0, 12.0)
     step.unlink()
@@ -81,9 +81,9 @@ def write_meshed_crane(folder: Path) -> Path:
 
 
 def write_overlapping_crane(folder: Path) -> None:
-    """block.msh and robot.toml: a wide blind bore from below reaches over a narrow one from above.
+    """Write block.msh and robot.toml, with a wide blind bore from below around one from above.
 
-    Nothing of the arm lies between its interfaces.
+    No material of the arm lies between its interfaces.
     """
 
     def draw(occ: Any) -> None:

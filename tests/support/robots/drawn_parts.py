@@ -1,4 +1,4 @@
-"""Parts that tests draw by gmsh's kernel: they and their meshes as files, and their plane ends."""
+"""Parts drawn by gmsh's kernel: files of the parts and of their meshes, and their plane ends."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from meshes.part.reading import read
 
 
 def written(path, draw):
-    """The file, in mm, of what `draw(kernel)` adds to an empty model, in mm."""
+    """Write a CAD file, in mm, of the shapes that `draw(kernel)` adds to an empty model."""
     with gmsh_model(path.stem) as gmsh:
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
         gmsh.option.setNumber("Geometry.OCCScaling", 1.0)
@@ -20,9 +20,9 @@ def written(path, draw):
 
 
 def meshed(path, draw, size, sides=4.0):
-    """The mesh, in mm, of what `draw(kernel)` adds to an empty model, in mm.
+    """Write a mesh, in mm, of the shapes that `draw(kernel)` adds to an empty model.
 
-    Second-order tetrahedra of that `size` (mm), shorter where they make up the `sides` of a circle.
+    The mesh has second-order tetrahedra of `size` (mm), with at least `sides` sides per circle.
     """
     with gmsh_model(path.stem) as gmsh:
         draw(gmsh.model.occ)
@@ -36,14 +36,14 @@ def meshed(path, draw, size, sides=4.0):
 
 
 def lug(kernel, length=200.0):
-    """A bar `length` × 40 × 30 mm with bores along z, 20 mm from its ends, of radius 8 and 5."""
+    """Bar of `length` × 40 × 30 mm with bores of radius 8 and 5 mm along z, 20 mm from its ends."""
     bar, bores = kernel.addBox(0.0, -20.0, -15.0, length, 40.0, 30.0), ((20.0, 8), (length - 20, 5))
     tools = [(3, kernel.addCylinder(x, 0, -30, 0, 0, 60, radius)) for x, radius in bores]
     kernel.cut([(3, bar)], tools)
 
 
 def without_processes(patch):
-    """Files that do not end the CAD kernel are read and meshed without a process of their own."""
+    """Read and mesh files in this process. They must not crash the CAD kernel."""
     for module in (read, volume):
         patch.setattr(module, "within_limits", lambda _, function, *rest: function(*rest))
 
@@ -55,7 +55,7 @@ def read_here(path, unit=None):
 
 
 def plane_ends(length, coupling=None):
-    """Interfaces A and B: the plane ends of what is `length` (m) long along x, from the origin."""
+    """Interfaces A and B on the plane ends of a part from x = 0 to x = `length` (m)."""
     return {
         name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), coupling)
         for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, length))

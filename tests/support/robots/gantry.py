@@ -1,4 +1,4 @@
-"""Rigid bodies on three slides that do not touch each other's motion: k/m along each axis."""
+"""Gantry of rigid bodies on three slides with independent motions: ω² = k/m along each axis."""
 
 # N/m and kg along x, y and z.
 STIFFNESSES, MASSES = (2.0e6, 5.0e6, 4.0e6), (28.0, 8.0, 3.0)

@@ -1,4 +1,4 @@
-"""Sound robot files with a key set or left out, and what is said of each: invalid_files.txt."""
+"""Valid robot files with a changed or omitted key, and their error lines: invalid_files.txt."""
 
 import re
 import tomllib
@@ -18,7 +18,7 @@ PLACE = re.compile(r"([^\[]+)(?:\[(\d)(?:,(\d))?\])?")
 
 
 class InvalidFile(NamedTuple):
-    """A sound file by name, lines `key = value` that change it, and lines that are said of it."""
+    """Name of a valid file, lines `key = value` that change it, and the expected error lines."""
 
     robot: str
     edits: list[str]
@@ -28,7 +28,7 @@ class InvalidFile(NamedTuple):
         return f"{self.robot}-{self.edits[0]}"
 
     def tables(self) -> dict[str, Any]:
-        """The file's tables with all changes."""
+        """Tables of the file with all changes."""
         if self.robot == "schema 1":
             found = tomllib.loads(SOUND) | {"corrections": [dict(CORRECTION)]}
         else:
@@ -39,7 +39,7 @@ class InvalidFile(NamedTuple):
 
 
 def invalid_files() -> Iterator[InvalidFile]:
-    """All of invalid_files.txt."""
+    """All entries of invalid_files.txt."""
     for section in re.split(r"^(?=\[[\w -]+\]\n)", TEXT, flags=re.MULTILINE)[1:]:
         title, *rows = section.strip().split("\n\n")
         for row in rows:
@@ -54,7 +54,7 @@ def _text_of(robot: str) -> str:
 
 
 def _edit(tables: Any, line: str) -> None:
-    """Set what `key = value` says in TOML, or leave out what `key =` names."""
+    """Apply the TOML line `key = value` to the tables. A line `key =` removes the key."""
     key, _, value = line.partition(" =")
     found = PLACE.fullmatch(key)
     assert found, line

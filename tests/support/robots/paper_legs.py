@@ -20,16 +20,16 @@ LEG_2 = constant_leg(0.775, EA=4.316e9, EIy=5.980e7, EIz=4.182e6, GJ=6.478e6, ma
 
 
 def meshed(leg: ConstantLeg, divisions: Divisions, slices: int) -> SolidLeg:
-    """A leg in hexahedra of second order, by elements across its section and along it."""
+    """Solid leg of second-order hexahedra, by divisions of its section and number of slices."""
     section = section_mesh(leg.section, divisions)
     return solid_leg(leg, extrude(section, stations(leg.length, slices)))
 
 
 def kind_frequencies(leg: LegMatrices, kind: str, count: int) -> Array:
-    """First frequencies (Hz) of one kind of deformation of the clamped leg.
+    """The lowest frequencies (Hz) of one kind of deformation of the clamped leg.
 
-    The kinds of a straight leg do not couple, so that each is solved on its own unknowns: modes
-    of two kinds at one frequency stay apart.
+    The kinds of a straight leg are uncoupled. Each is solved on its own unknowns, so that modes of
+    two kinds with equal frequencies are not mixed.
     """
     stiffness = dense(leg.parts[kind])
     own = np.flatnonzero(np.diag(stiffness) > 0.0)

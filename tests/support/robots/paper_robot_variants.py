@@ -1,4 +1,4 @@
-"""The paper's robot with other legs, feet or tool, for tests that need a robot to change."""
+"""Variants of the paper's robot with other legs, feet or tool."""
 
 from dataclasses import replace
 from typing import Any
@@ -29,27 +29,27 @@ DATA: dict[str, Any] = {
 EQUIVALENT = on_equivalent_legs(IFW.mechanism)
 
 
-def like_ifw(**changes: Any) -> Mechanism:
-    """The robot with other arguments of its constructor."""
+def variant_of_ifw(**changes: Any) -> Mechanism:
+    """The paper's robot with some other arguments of its constructor."""
     return biglide(**DATA | changes)
 
 
 def file_of(mechanism: Mechanism, **changes: Any) -> RobotFile:
-    """A file that describes another robot, no built-in one."""
+    """Robot file of a mechanism that is not built in."""
     return replace(IFW, mechanism=mechanism, built_in=False, source="changed.toml", **changes)
 
 
 def stations(mechanism: Mechanism, count: int) -> Array:
-    """`count` positions x of B (m), evenly over the stroke, both ends included."""
+    """Positions x (m) of point B: `count` values from end to end of the stroke, equally spaced."""
     first, *_, last = mechanism.poses[:, 0]
     return np.linspace(first, last, count)
 
 
 def placed_at(mechanism: Mechanism, *x: float) -> tuple[Posture, ...]:
-    """The postures with B at each x (m), in the middle of the stroke without one."""
+    """Postures with B at each of the given x (m). In the middle of the stroke without any."""
     return tuple(posture(mechanism, np.array([one])) for one in x or stations(mechanism, 3)[1:2])
 
 
 def system_of(x: float, leg1: BodyModel, leg2: BodyModel) -> System:
-    """The robot with B at `x` (m) from models of its two legs, of constant section or any other."""
+    """System of the robot with B at `x` (m), from models of its two legs."""
     return assemble(*placed_at(EQUIVALENT, x), {"leg1": leg1, "leg2": leg2})

@@ -1,4 +1,4 @@
-"""A rigid bob on a driven pivot, and nothing else, but for its path."""
+"""Robot file of a rigid bob on a driven pivot, without a path."""
 
 PENDULUM = """
 schema = 2

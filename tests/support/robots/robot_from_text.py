@@ -1,4 +1,4 @@
-"""A robot from the text of its file."""
+"""Robots and mechanisms from the text of a robot file."""
 
 import tomllib
 from pathlib import Path
@@ -9,12 +9,12 @@ from lumped.robot_file.load import described_by
 
 
 def robot_of(text: str, folder: Path) -> RobotFile:
-    """The robot that the text describes, written into the folder and read."""
+    """Robot file with this text, written into `folder` and read."""
     path = folder / "robot.toml"
     path.write_text(text, encoding="utf-8")
     return load_robot(path)
 
 
 def described(text: str) -> Mechanism:
-    """The mechanism that the text describes, no file being read."""
+    """Mechanism described by the text, without a file."""
     return described_by(tomllib.loads(text), Path())[0]

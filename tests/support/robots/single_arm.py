@@ -1,4 +1,4 @@
-"""A robot of one prismatic arm on a driven joint, but for its path."""
+"""Robot file of one prismatic arm on a driven joint, without a path."""
 
 ONE_ARM = """
 schema = 2

@@ -1,4 +1,4 @@
-"""A sound robot of both kinds of leg, from which files that are wrong differ by an edit."""
+"""Valid biglide with both kinds of leg. Invalid files differ from it by one edit."""
 
 SOUND = """\
 schema = 1

@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.fakes.toy_responses import reference
-from support.robots.paper_robot_variants import LEG1, LEG2, file_of, like_ifw, placed_at, stations
+from support.robots.paper_robot_variants import (
+    LEG1,
+    LEG2,
+    file_of,
+    placed_at,
+    stations,
+    variant_of_ifw,
+)
 
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling
@@ -81,7 +88,7 @@ def test_equal_legs_share_a_reduction():
 
 def at_the_centre(requirement=None, **changes):
     """A robot like the paper's in one pose, quick, its legs' digits not looked at."""
-    robot = like_ifw(**changes)
+    robot = variant_of_ifw(**changes)
     robot = replace(robot, poses=robot.poses[4:5])
     return Context(file_of(robot, text="", requirement=requirement), "quick")
 
@@ -167,7 +174,7 @@ def test_end_conditions_change_torsion_verdict():
 )
 def test_half_widths_cover_finer_mesh(section, ends):
     leg = ConstantLeg(0.9, section, STEEL, ends=ends)
-    robot = like_ifw(a=1.0, platform_mass=30.0, leg1=leg, leg2=leg)
+    robot = variant_of_ifw(a=1.0, platform_mass=30.0, leg1=leg, leg2=leg)
     quick, finer = (
         robot_at(Context(file_of(robot), preset), placed_at(robot, *stations(robot, 2)))
         for preset in ("quick", "standard")

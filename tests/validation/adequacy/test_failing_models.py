@@ -1,4 +1,4 @@
-"""The failure of one model leaves the verdicts on all the others as they are."""
+"""Verdicts on other models do not change if one model fails."""
 
 import pytest
 from support.robots.robot_from_text import robot_of

@@ -1,4 +1,4 @@
-"""Frequencies of robots whose legs are known by a 6×6 against the solids that it is of."""
+"""Frequencies of robots whose legs are known by a 6×6, against the solids that have this 6×6."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from support.fakes.toy_responses import reference
-from support.robots.paper_robot_variants import FOOT, file_of, like_ifw, placed_at
+from support.robots.paper_robot_variants import FOOT, file_of, placed_at, variant_of_ifw
 from support.robots.robot_from_text import described
 
 from fem.reduction.craig_bampton import craig_bampton
@@ -182,7 +182,7 @@ def random_twins(seed):
         name: GivenLeg(leg.length, leg.mass, tip(leg), inertia(leg), leg.length / 2.0)
         for name, leg in legs.items()
     }
-    mechanism = like_ifw(a=span, platform_mass=platform, foot_compliance=foot, **given)
+    mechanism = variant_of_ifw(a=span, platform_mass=platform, foot_compliance=foot, **given)
     return Twins(mechanism, mechanism.poses[len(mechanism.poses) // 2, 0], legs)
 
 

@@ -1,4 +1,4 @@
-"""Errors, partners by shape and verdicts: small tables, and a second, plain rule at random."""
+"""Errors, partners of modes by shape, and verdicts, for artificial responses."""
 
 from dataclasses import replace
 from functools import cache

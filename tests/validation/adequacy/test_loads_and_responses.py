@@ -1,4 +1,4 @@
-"""Verdicts on a robot's own loads and responses: plain errors against the solid of `solve`."""
+"""Verdicts on loads and responses of the robot file, against errors computed by `solve`."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The adequacy of a mechanism's models: what is sampled, what is held against what."""
+"""Adequacy of a mechanism's models: sampled poses and points, interpretations, and cases."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Verdicts on the order of modes against permutations that are known by construction."""
+"""Verdicts on the order of modes, for known permutations."""
 
 from dataclasses import replace
 

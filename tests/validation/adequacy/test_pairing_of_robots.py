@@ -1,4 +1,4 @@
-"""Modes of whole robots find their partners: equal legs in a chain of modes, stubby legs."""
+"""Partners of the modes of whole robots: close modes of equal legs, and stubby legs."""
 
 import numpy as np
 import pytest

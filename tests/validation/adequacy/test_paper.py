@@ -1,4 +1,4 @@
-"""What is said of the paper's robot, one whose legs couple x and z, and its printed digits."""
+"""Verdicts on the paper's robot and on one with coupled legs, and the effect of printed digits."""
 
 import re
 from dataclasses import replace
@@ -7,7 +7,7 @@ from itertools import groupby
 
 import numpy as np
 import pytest
-from support.robots.paper_robot_variants import LEG1, LEG2, file_of, like_ifw
+from support.robots.paper_robot_variants import LEG1, LEG2, file_of, variant_of_ifw
 from support.robots.robot_from_text import robot_of
 
 from lumped.acceptance.quantities import UNIT_LOADS
@@ -148,7 +148,7 @@ def coupled(leg):
 
 
 def test_omitted_coupling_is_inadequate():
-    robot = like_ifw(leg1=coupled(LEG1), leg2=coupled(LEG2), foot_compliance=None)
+    robot = variant_of_ifw(leg1=coupled(LEG1), leg2=coupled(LEG2), foot_compliance=None)
     robot = robot_on_path(Context(file_of(robot), "quick"))
     subject = static_subject(robot, judged_models_of(robot).values())
     matrix = verdict_matrix(subject, robot.context.robot_file.requirement)

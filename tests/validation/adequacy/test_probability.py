@@ -1,4 +1,4 @@
-"""Probabilities of verdicts where inputs are uncertain: closed forms and plain Monte Carlo."""
+"""Probabilities of verdicts with uncertain inputs, against closed forms and Monte Carlo."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What cannot be solved or decided is told, with a remedy that there is; the rest is judged."""
+"""Reasons and remedies for verdicts that cannot be decided."""
 
 import re
 from dataclasses import replace
@@ -9,7 +9,7 @@ import pytest
 from support.fakes.toy_responses import meshes, reference
 from support.fakes.toy_responses import model as toy_model
 from support.robots.crane import write_crane
-from support.robots.paper_robot_variants import file_of, like_ifw
+from support.robots.paper_robot_variants import file_of, variant_of_ifw
 from support.robots.robot_from_text import robot_of
 from support.robots.single_arm import ONE_ARM
 
@@ -115,7 +115,7 @@ SOUND = ConstantLeg(0.8, Rectangle(0.1, 0.06), STEEL, ends="rigid")
 )
 def test_leg_without_solid_keeps_other_leg(changed, said):
     legs = {"leg1": SOUND, "leg2": replace(SOUND, **changed)}
-    robot = like_ifw(a=0.9, platform_mass=30.0, foot_compliance=None, **legs)
+    robot = variant_of_ifw(a=0.9, platform_mass=30.0, foot_compliance=None, **legs)
     robot = replace(robot, poses=robot.poses[4:5])
     matrix = robot_adequacy(Context(file_of(robot), "quick"))
     statics = [entry for entry in matrix.entries if entry.quantity.name in ("x", "z", "phi_x")]

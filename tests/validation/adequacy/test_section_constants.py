@@ -1,4 +1,4 @@
-"""Legs whose sections are given by constants: models run, and no verdict is made up for them."""
+"""Legs with sections given by constants: models run, and verdicts are undecided."""
 
 import pytest
 from support.robots.robot_from_text import described, robot_of

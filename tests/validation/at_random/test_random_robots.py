@@ -1,4 +1,4 @@
-"""Random and extreme robots read from files: models are right about them, or say why not."""
+"""Random and extreme robots from files: models agree, or refuse them with a reason."""
 
 from functools import partial
 from itertools import combinations

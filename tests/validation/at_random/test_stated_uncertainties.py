@@ -1,4 +1,4 @@
-"""Orders of edges and corners in closed form, and uncertainties that hold finer solutions."""
+"""Convergence orders at edges and corners, and half-widths against finer solutions."""
 
 from collections import defaultdict
 from itertools import chain

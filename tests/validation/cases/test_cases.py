@@ -16,7 +16,7 @@ from itertools import islice
 import numpy as np
 import pytest
 from support.oracles.changed_values import changed_leaves
-from support.oracles.shifted_references import assert_agrees_and_can_turn
+from support.oracles.shifted_references import assert_agrees_and_can_disagree
 from support.robots.pendulum import PENDULUM
 from support.robots.robot_from_text import robot_of
 
@@ -137,7 +137,7 @@ def test_shifted_reference_makes_case_disagree(of):
     assert not reasons or of in SOME
     assert all(re.search(SOME[of], reason) for reason in reasons)
     for case, measurement in found:
-        assert_agrees_and_can_turn(judge(case, measurement, 0.0))
+        assert_agrees_and_can_disagree(judge(case, measurement, 0.0))
 
 
 @pytest.mark.parametrize("of", BEYOND_QUICK, ids=" ".join)

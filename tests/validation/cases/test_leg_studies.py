@@ -1,4 +1,4 @@
-"""A leg as a solid: how what sets it apart from beams vanishes, and what no beam has."""
+"""Comparisons of a solid leg with beams: differences and their orders, and local modes."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.robots.paper_legs import LEG_1, LEG_2, STEEL, kind_frequencies
-from support.robots.paper_robot_variants import file_of, like_ifw, placed_at
+from support.robots.paper_robot_variants import file_of, placed_at, variant_of_ifw
 
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling
@@ -114,7 +114,7 @@ def test_rigid_face_residual_is_mesh_error():
     """Beam and end effects are exact. The rest converges with the order of a rigid face's edges."""
     foam = replace(Material.isotropic(3.0e9, 0.45, 1100.0), G=0.8e9)
     tube = ConstantLeg(0.66, Tube(0.14, 0.0137), foam)
-    context = Context(file_of(like_ifw(leg1=tube)), "quick")
+    context = Context(file_of(variant_of_ifw(leg1=tube)), "quick")
     for entry in ((0, 0), (1, 1)):
         found = leg_theory._entry(context, "leg1", entry, "rigid", 1.0)
         assert 0.0 < -found.unexplained < found.numerical_uncertainty
@@ -134,7 +134,7 @@ SCARA_ARM = ConstantLeg(0.35, HollowRectangle(0.12, 0.09, 0.006), ALUMINIUM)
 
 
 def measured_mode(leg, mode, preset="quick"):
-    context = Context(file_of(like_ifw(leg1=leg)), preset)
+    context = Context(file_of(variant_of_ifw(leg1=leg)), preset)
     cases = {case.id: case for case in leg_theory.cases(legs=("leg1",))}
     case = cases[f"leg1.frequency.solid[{mode}]"]
     return judge(case, case.measure(context), 0.0)

@@ -1,4 +1,4 @@
-"""Ten ordinary robots of practice: none fails a run without a finding about the robot."""
+"""Ten ordinary robots: a run fails only because of a finding about the robot."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""flexproof from Python: what the command line gives, as frozen data that shows itself."""
+"""flexproof from Python: the results of the command line as frozen data with tables and plots."""
 
 from dataclasses import FrozenInstanceError, replace
 from html import escape

@@ -1,4 +1,4 @@
-"""Results in Python beside those of commands: maps, designs, measured values, parts, exports."""
+"""Results in Python and those of commands: maps, designs, measured values, parts, exports."""
 
 import numpy as np
 import pytest

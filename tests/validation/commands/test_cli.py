@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 from support.fakes import toy_catalogue as toys
-from support.fakes.toy_runs import refusing, run_here
+from support.fakes.toy_runs import refusing, run_in_this_process
 
 from lumped.errors import ProgramError
 from lumped.files import os_errors_as_store_errors
@@ -18,7 +18,7 @@ from validation.console import streams
 from validation.run import runner
 from validation.run.folder import RunFolder
 
-pytestmark = pytest.mark.usefixtures("undrawn")
+pytestmark = pytest.mark.usefixtures("blank_charts")
 ROOT = Path(__file__).parents[3]
 HEAVY = ("gmsh", "pyvista", "vtk", "skfem", "matplotlib", "scipy", "numpy", "jinja2")
 
@@ -27,7 +27,7 @@ HEAVY = ("gmsh", "pyvista", "vtk", "skfem", "matplotlib", "scipy", "numpy", "jin
 def with_catalogue(monkeypatch):
     """Made-up tasks, computed here and not by workers but where those are wanted."""
 
-    def use(catalogue, by=run_here):
+    def use(catalogue, by=run_in_this_process):
         monkeypatch.setattr(runner, "run", by)
         cases = SimpleNamespace(catalogue=catalogue)
         monkeypatch.setitem(sys.modules, "validation.catalogue", cases)

@@ -1,4 +1,4 @@
-"""What teams rely on: every way to say a limit, and what it is held against, on both sides of it.
+"""Limits in each form, of the API, the fixture, robot files and the command line.
 
 One made-up robot with known errors (toy_subject) is judged through the API, the pytest plugin and
 `flexproof run`; an option that is dropped, or scaled, on its way changes an outcome here.
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from support.fakes import toy_catalogue
-from support.fakes.toy_runs import run_here
+from support.fakes.toy_runs import run_in_this_process
 from support.fakes.toy_subject import ERROR, F2, toy_subject
 from support.pages.report_sample import measured, sample_report, unmeasured
 
@@ -294,7 +294,7 @@ DISAGREES = toy_catalogue.case("toy.disagrees", toy_catalogue.disagrees)
 @pytest.fixture
 def run(monkeypatch, tmp_path):
     """`flexproof run` of made-up tasks, computed here and not by workers, without its page."""
-    monkeypatch.setattr(runner, "run", run_here)
+    monkeypatch.setattr(runner, "run", run_in_this_process)
     monkeypatch.setattr(session, "publish", lambda *_: None)
 
     def run_of(*options, tasks):

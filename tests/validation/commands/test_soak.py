@@ -1,4 +1,4 @@
-"""Whatever is typed, in whatever files: an exit code that says what it was, and lines in words."""
+"""Random commands and files: each ends with a documented exit code and readable lines."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Limits of table [agree]: cases, sentences, terminal, `converge` and kept results follow them."""
+"""Limits of table [agree] in cases, sentences, terminal, `converge` and stored results."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Cases: how they are declared, when they agree, and that every one is able to fail."""
+"""Cases: their declaration, their verdicts, and their records."""
 
 import json
 from dataclasses import replace

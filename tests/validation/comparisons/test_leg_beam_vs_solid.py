@@ -1,4 +1,4 @@
-"""All formulations of a leg against its solid: verdicts, named differences, the table."""
+"""All formulations of a leg against its solid: verdicts, explained differences, the table."""
 
 from dataclasses import replace
 from functools import partialmethod

@@ -1,4 +1,4 @@
-"""Legs along a line in comparisons: verdicts, models that take them, and what refuses them."""
+"""Tapered and curved legs in comparisons: verdicts, supported models, and refusals."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Verdicts and figure of the convergence with mesh: small solids, and mistakes that are noticed."""
+"""Verdicts and figure of the convergence with the mesh, for small solids and with mistakes."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""The whole robot by all formulations against solid legs: verdicts and named differences."""
+"""The whole robot by all formulations against solid legs: verdicts, explained differences."""
 
 from dataclasses import replace
 from functools import cache

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from support.fakes.graphics_card import forget_card, insert_card
+from support.fakes.graphics_card import discard_card, insert_card
 from support.fakes.petsc_installation import require_petsc
 
 from fem.solvers.backends.choice import SolverFallbackWarning
@@ -35,7 +35,7 @@ def no_request(monkeypatch):
     monkeypatch.delenv(VARIABLE, raising=False)
     monkeypatch.delenv(RANKS_VARIABLE, raising=False)
     yield
-    forget_card()
+    discard_card()
 
 
 def test_unknown_solver_is_refused(command, monkeypatch):
@@ -50,7 +50,7 @@ def test_unknown_solver_is_refused(command, monkeypatch):
 
 def test_cudss_without_extra_is_refused(command, monkeypatch):
     monkeypatch.setattr("fem.extras.find_spec", lambda _: None)
-    forget_card()
+    discard_card()
     message = command.refused(*SOLVE, "--solver", "cudss")
     assert "solver cudss: needs cupy and nvmath, not installed; ./flexproof extras gpu" in message
     monkeypatch.setenv(VARIABLE, "cudss")

@@ -175,7 +175,7 @@ class Elements(HTMLParser):
         self.elements.append((tag, [name for name, _ in attributes]))
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("blank_charts")
 def test_names_add_no_elements_to_report(monkeypatch):
     def page(text):
         def with_text(record, *names):

@@ -1,4 +1,4 @@
-"""`flexproof forces` and its record: stresses by hand, half-widths, and every way out."""
+"""`flexproof forces` and its record: stresses by hand, half-widths, and all outputs."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""Measured frequency responses held against models; the test is of one mass on three springs.
+"""Measured frequency responses against models, for a mass on three springs.
 
 In closed form: along a spring k the mass moves by 1/(k − mω² + 2iζω√km) by force, 1/k at rest and
 1/2ζk at its mode. It is struck along (1, 1, 1): a share √⅓ of the force is along each spring.

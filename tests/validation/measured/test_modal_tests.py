@@ -1,4 +1,4 @@
-"""Modal tests from universal files, held against models; the tests are of closed-form structures.
+"""Modal tests from universal files against models, for structures with known modes.
 
 A chain of two masses, and a cantilever (Blevins, Formulas for Natural Frequency, table 8-1) whose
 frequency responses are sums over its first modes in two planes.

@@ -1,4 +1,4 @@
-"""Loads along legs: section forces by hand, and consistent wrenches of solids beside beams'."""
+"""Loads along legs: section forces by hand, and load vectors of solids and of beams."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The designer's own loads by every model: closed forms first, then other ways to the same."""
+"""Loads of the robot file by every model, against closed forms and other solutions."""
 
 import tomllib
 from dataclasses import replace

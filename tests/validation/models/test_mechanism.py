@@ -1,4 +1,4 @@
-"""Models of the built-in mechanisms: one answer where they must agree, and what symmetry asks."""
+"""Models of the built-in mechanisms: equal statics, symmetry, and shared legs."""
 
 import pickle
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Doubts about robots that are sound in form; ordinary ones raise none."""
+"""Warnings on implausible robots. Ordinary ones have none."""
 
 from pathlib import Path
 from typing import get_args

@@ -1,4 +1,4 @@
-"""Mechanisms under their loads: what turns as a whole feels nothing, and published buckling."""
+"""Mechanisms under their loads: invariance under rotations, and published buckling loads."""
 
 import re
 import tomllib

@@ -1,4 +1,4 @@
-"""CAD parts in models: as stepped legs, of a hollow wedge against its sections, and as they are."""
+"""CAD parts as stepped legs: a hollow wedge against its sections, and a channel."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The first screen from a made-up matrix: the sentence, the table, sheets, the figure."""
+"""First screen of the report from an artificial matrix: sentence, table, sheets and figure."""
 
 import re
 from html import unescape
@@ -18,7 +18,7 @@ from validation.report.words import conditions, models_to_use, sentence
 from validation.studies_and_figures import Figure
 from validation.verdicts import Cause
 
-pytestmark = pytest.mark.usefixtures("undrawn")
+pytestmark = pytest.mark.usefixtures("blank_charts")
 
 
 def plain(text):

@@ -1,4 +1,4 @@
-"""Everything that is told of a matrix and of comparisons, read back and held against its numbers.
+"""Texts on a matrix and on comparisons, read back and compared with the numbers.
 
 Sheets, cells, hints, CSV, curves with their axes, records, the API's line, the run's list and JUnit
 are parsed as a reader would; a factor, a sign, a unit or another entry's number differs.

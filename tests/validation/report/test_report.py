@@ -33,7 +33,7 @@ from validation.studies_and_figures import AGREEMENT, PATH, Figure, InteractiveS
 from validation.verdicts import ADEQUACY, MEASURED
 
 # After the first page, whose charts are drawn.
-pytestmark = pytest.mark.usefixtures("markup", "undrawn")
+pytestmark = pytest.mark.usefixtures("markup", "blank_charts")
 VOID = {"meta", "link", "img", "br", "hr", "input"}
 
 
@@ -261,8 +261,8 @@ def test_studies_of_a_family_share_axes():
     ]
 
 
-def test_plot_files_are_reproducible(undrawn):
-    undrawn.undo()
+def test_plot_files_are_reproducible(blank_charts):
+    blank_charts.undo()
     first, again, second = (
         study_figure(family_of([replace(CONVERGENCE, id=name)])) for name in ("one", "one", "two")
     )

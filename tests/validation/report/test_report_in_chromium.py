@@ -1,4 +1,4 @@
-"""The report as a reader opens it: from a file, without a network, in a real browser."""
+"""The report in a browser, opened from a file without a network."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""The cache on the disk: what does not hold is nothing, and any number of processes share it."""
+"""The cache on the disk: invalid entries, a full or read-only disk, several processes."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""Two runs side by side, references apart from earlier values. The numbers are made up."""
+"""Comparison of two runs: changed verdicts, and drift of values. All numbers are artificial."""
 
 import dataclasses
 import json

@@ -1,4 +1,4 @@
-"""Calls on the cores of this machine: what is finished is kept, and what dies is lost alone."""
+"""Calls on the cores of this machine: results, crashes, and cancellation."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""Runs that are killed, interrupted, out of disk, or tampered with: what was finished is not lost.
+"""Runs that are killed, interrupted, out of disk space or corrupted keep finished results.
 
 Bits that flipped, files cut short, exchanged, replaced, or gone: whatever does not hold is computed
 again, and what somebody else wrote keeps every byte. Links and pipes: test_run_folder.
@@ -21,7 +21,7 @@ from lumped.robot_file import load_robot
 from validation.run import runner
 from validation.validate import Request, validate
 
-pytestmark = pytest.mark.usefixtures("undrawn")
+pytestmark = pytest.mark.usefixtures("blank_charts")
 
 ASKED = ("run", "--preset", "quick", "--out")
 
@@ -104,7 +104,7 @@ def test_hangup_ends_run_like_ctrl_c(tmp_path):
 def test_ctrl_c_on_terminal_ends_run(tmp_path):
     path = tmp_path / "run"
     asked = toys.command("endless", "run", "--out", path)
-    code, screen = toys.on_terminal(asked, toys.ENVIRONMENT, pressed=lambda _: toys.lines(path))
+    code, screen = toys.run_on_terminal(asked, toys.ENVIRONMENT, pressed=lambda _: toys.lines(path))
     assert code == 3
     for said in ("1 not computed", "interrupted", "--resume"):
         assert said in screen
@@ -117,7 +117,7 @@ def test_ctrl_c_on_terminal_ends_run(tmp_path):
 def test_full_disk_keeps_finished_results(tmp_path):
     disk = tmp_path / "disk"
     disk.mkdir()
-    asked = ("chatty", "run", "--out", disk / "run", "--jobs", "1")
+    asked = ("verbose", "run", "--out", disk / "run", "--jobs", "1")
     mount, umount = (
         shutil.which(name) or pytest.skip(f"no {name}") for name in ("mount", "umount")
     )
@@ -163,7 +163,7 @@ def asked(path, **changes):
 def untouched(tmp_path_factory):
     path = tmp_path_factory.mktemp("untouched") / "run"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(runner, "run", toys.run_here)
+        patch.setattr(runner, "run", toys.run_in_this_process)
         validate(asked(path), toy_catalogue.disagreeing)
         yield path
 

@@ -1,4 +1,4 @@
-"""The run folder: whole or not there, locked, resumable, kind to what others wrote."""
+"""The folder of a run: complete or absent, locked, resumable, and safe for other files."""
 
 import errno
 import json

@@ -1,4 +1,4 @@
-"""The runner: verdicts from whatever happens, the same numbers for any number of processes."""
+"""The runner: verdicts on results and errors, and equal numbers for any number of processes."""
 
 import json
 import os
@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from support.fakes import toy_catalogue as toys
-from support.fakes.toy_runs import lines, run_here
+from support.fakes.toy_runs import lines, run_in_this_process
 
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
@@ -76,7 +76,7 @@ def test_error_in_case_becomes_its_verdict(troubled_run):
         assert said in log
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("blank_charts")
 def test_resumed_run_computes_missing_tasks(robot_file, troubled_run, capfd, monkeypatch):
     first, path = troubled_run
     # A busy machine takes as long as it likes: no line says how far the work is.
@@ -99,9 +99,9 @@ def test_failed_worker_start_ends_run(robot_file, tmp_path, monkeypatch):
     assert "only workers come here" in (tmp_path / "run.partial" / "log.txt").read_text()
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("blank_charts")
 def test_inconsistent_verdict_is_recomputed(robot_file, tmp_path, monkeypatch):
-    monkeypatch.setattr(runner, "run", run_here)
+    monkeypatch.setattr(runner, "run", run_in_this_process)
     request = asked(robot_file, tmp_path, only="toy.agrees")
     validate(request, toys.disagreeing)
     # Whoever knows how a record is sealed: the value is far off, the verdict left at agree.

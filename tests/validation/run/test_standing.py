@@ -1,4 +1,4 @@
-"""What a run comes to: exit code and sentence of the same count, whatever failed."""
+"""Outcome of a run: exit code and sentence agree, whatever failed."""
 
 from dataclasses import replace
 from itertools import product

@@ -1,4 +1,4 @@
-"""Frequencies of a leg that nothing holds: exact bars, solids, and the count of rigid motions."""
+"""Frequencies of an unsupported leg: exact bars, solids, and the count of rigid motions."""
 
 import json
 from dataclasses import replace

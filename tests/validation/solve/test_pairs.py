@@ -1,4 +1,4 @@
-"""Partners of modes in another model, as they are shown."""
+"""Display of the partners of modes in another model."""
 
 from dataclasses import replace
 

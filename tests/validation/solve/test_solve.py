@@ -1,4 +1,4 @@
-"""`flexproof solve`: what is typed is heard or refused, and what costs too much as well."""
+"""`flexproof solve`: options, results with half-widths, and refusals."""
 
 import json
 import re
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.fakes.toy_runs import ENVIRONMENT, on_terminal
+from support.fakes.toy_runs import ENVIRONMENT, run_on_terminal
 from support.robots.pendulum import PENDULUM
 from support.robots.robot_from_text import robot_of
 from support.robots.single_arm import LOADS, ONE_ARM
@@ -432,7 +432,7 @@ def test_ctrl_c_ends_long_solve(robot):
     program = "import sys; from validation.cli import main; sys.exit(main())"
     asked = [sys.executable, "-c", program, "solve", robot, "--model", "solid", "--divisions", "6"]
     # What is computed, and what it will take, is shown while one waits.
-    code, screen = on_terminal(asked, ENVIRONMENT, pressed=lambda screen: "unknowns" in screen)
+    code, screen = run_on_terminal(asked, ENVIRONMENT, pressed=lambda screen: "unknowns" in screen)
     assert code == 3
     assert "interrupted" in screen
     assert "Traceback" not in screen

@@ -1,4 +1,4 @@
-"""Observed orders, extrapolation and uncertainty where sequences are not as they should be.
+"""Observed orders, extrapolation and uncertainty, also of irregular sequences.
 
 Sources: NASA Glenn, NPARC Alliance, "Examining spatial (grid) convergence"; P. J. Roache, J. Fluids
 Eng. 116 (1994) 405.

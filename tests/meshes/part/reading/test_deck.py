@@ -1,4 +1,4 @@
-"""Abaqus and CalculiX decks: all legal forms of a deck give one part, and CalculiX runs them."""
+"""Abaqus and CalculiX decks: all valid forms of a deck give one part, and CalculiX runs them."""
 
 import shutil
 import subprocess

@@ -1,4 +1,4 @@
-"""Figures of mechanisms: what is drawn goes where the model says, and shows what it is named."""
+"""Figures of mechanisms: positions, displacements and names of drawn objects."""
 
 import csv
 import gzip

@@ -1,4 +1,4 @@
-"""Scenes: closed surfaces, where points come to lie, what is drawn, and what a browser is told."""
+"""Scenes: closed surfaces, positions, drawn objects, and their data for the browser."""
 
 import gzip
 import io

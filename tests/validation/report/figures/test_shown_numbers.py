@@ -1,4 +1,4 @@
-"""Numbers that a figure shows are those of the pose that it names, with all that is left open."""
+"""Values in figures: those of the named pose, with all uncertainties."""
 
 from dataclasses import replace
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""Refinement studies and error budgets as they are drawn."""
+"""Drawings of refinement studies and error budgets."""
 
 import numpy as np
 import pytest
