@@ -9,6 +9,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
+import numpy as np
+
 from fem.beams.beam import beam_leg
 from fem.beams.line_beam import line_beam
 from fem.beams.stepped import Piece, SteppedLeg, stepped_leg
@@ -17,6 +19,7 @@ from fem.bodies.rooted import RootedBody
 from fem.reduction.craig_bampton import CraigBampton, craig_bampton
 from fem.reduction.free_modes import free_modes
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
+from fem.solvers.modes import CertifiedModes
 from lumped.arrays import Array, dense
 from lumped.equivalent_leg import equivalent_leg, sectioned_leg
 from lumped.errors import InputError
@@ -47,8 +50,12 @@ from lumped.models.segments import (
 )
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, ModelOptions
+from validation.responses.mode_pairing import centreline_samples
+from validation.responses.statics_and_modes import PathModes
 from validation.solids.solid_legs import held_solid
 
+# Number of sections at which shapes of a solid leg alone are sampled.
+_STATIONS = 24
 Model = TypeVar("Model", bound=BodyModel)
 
 
@@ -198,8 +205,7 @@ def leg_frequencies(
         )
     sectioned = sectioned_leg(leg, options.equivalent)
     if model == "solid":
-        solid_leg = clamped_solid(sectioned, options.divisions, options.ends)
-        return solid_leg.modes(count).frequencies
+        return _solid_modes(sectioned, count, options, free=False).frequencies
     return clamped_modes(leg_matrices(model, sectioned, options), count).frequencies
 
 
@@ -219,8 +225,32 @@ def free_leg_frequencies(
     sectioned = sectioned_leg(leg, options.equivalent)
     if model != "solid":
         return free_frequencies(leg_matrices(model, sectioned, options), count)
-    rooted = clamped_solid(sectioned, options.divisions, "free")
-    return free_modes(rooted, count).frequencies
+    return _solid_modes(sectioned, count, options, free=True).frequencies
+
+
+def sampled_solid_modes(
+    leg: SectionedLeg, count: int, options: ModelOptions, *, free: bool
+) -> PathModes:
+    """Modes of one solid leg in one pose, sampled by the twists of sections.
+
+    The root is clamped, or nothing is held if `free`.
+    """
+    modes = _solid_modes(leg, count, options, free=free)
+    mesh = solid.solid_mesh(leg, options.divisions)
+    stations, lengths = centreline_samples(mesh.length, _STATIONS)
+    samples = solid.section_twists(mesh, stations) @ modes.shapes
+    # Modes on two meshes have nearly the same shapes. Any weights therefore pair them.
+    arm = mesh.length / _STATIONS
+    weights = np.outer(lengths, np.repeat([1.0, arm**2], 3)).ravel()
+    return PathModes(modes.frequencies[None], samples[None], weights, np.ones((1, count)))
+
+
+def _solid_modes(
+    leg: SectionedLeg, count: int, options: ModelOptions, *, free: bool
+) -> CertifiedModes:
+    if free:
+        return free_modes(clamped_solid(leg, options.divisions, "free"), count)
+    return clamped_solid(leg, options.divisions, options.ends).modes(count)
 
 
 def constant_leg_of(context: Context, body: str) -> ConstantLeg:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import ceil, isclose, log2
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -49,7 +49,17 @@ from validation.models.leg_models import (
 )
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions, PartLegs
 from validation.models.part_legs import part_models, part_springs, require_legs
+from validation.parts.meshes import FINEST
 
+
+class PartMeshing(NamedTuple):
+    """Mesh level of CAD parts, and coupling of interfaces for which the robot file states none."""
+
+    level: int = FINEST
+    hold: reduced_parts.Hold = "rigid"
+
+
+FINE_PARTS = PartMeshing()
 T = TypeVar("T")
 # Relative difference of lengths, due to twelve typed digits, up to which legs are equal.
 _ALIKE = 1e-9
@@ -185,8 +195,11 @@ def mechanism_modes(
     postures: Sequence[Posture],
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
+    part_mesh: PartMeshing = FINE_PARTS,
 ) -> list[PostureModes]:
     """Lowest `count` modes of one mechanism in each posture. `simplified` may have fewer.
+
+    `part_mesh`: mesh and coupling of CAD parts as solids.
 
     Raises InputError for a static model, and ComputationError if the tool is free to move or fewer
     than `count` modes move mass.
@@ -200,7 +213,7 @@ def mechanism_modes(
     postures = released(postures, options)
 
     def solve(highest: float) -> list[PostureModes]:
-        bodies = dynamic_bodies(model, mechanism, highest, options)
+        bodies = dynamic_bodies(model, mechanism, highest, options, part_mesh)
         solutions = list(modes_along(assembly(postures[0].mechanism, bodies), postures, count))
         if any(len(solution.modes.frequencies) < count for solution in solutions):
             raise too_few(mechanism.name, count)
@@ -279,10 +292,12 @@ def dynamic_bodies(
     mechanism: Mechanism,
     highest: float,
     options: ModelOptions = DEFAULT_OPTIONS,
+    part_mesh: PartMeshing = FINE_PARTS,
 ) -> dict[str, BodyModel]:
     """Model of each body, accurate for frequencies of the mechanism up to `highest` (Hz).
 
     Bodies are reduced, unless beams or segments have so few unknowns that reduction saves no time.
+    `part_mesh`: mesh and coupling of CAD parts as solids.
     """
     cutoff = CUTOFF[model] * highest
 
@@ -291,15 +306,24 @@ def dynamic_bodies(
 
     if model == "solid":
         legs = sectioned_legs(mechanism, options)
-        bodies = mechanism.parts
-        return {name: filled(reduced(leg, leg_options)) for name, leg, leg_options in legs} | {
-            name: reduced_parts.reduced(body, highest, cutoff, by=options.reduction)
-            for name, body in bodies.items()
-        }
+        return {
+            name: filled(reduced(leg, leg_options)) for name, leg, leg_options in legs
+        } | reduced_parts_of(mechanism, highest, options, part_mesh)
     unreduced = bodies_of(mechanism, options, partial(leg_matrices, model))
     if sum(body_model.size for body_model in unreduced.values()) <= FEW:
         return unreduced
     return bodies_of(mechanism, options, reduced)
+
+
+def reduced_parts_of(
+    mechanism: Mechanism, highest: float, options: ModelOptions, part_mesh: PartMeshing
+) -> dict[str, BodyModel]:
+    """CAD parts as solids, reduced for frequencies up to `highest` (Hz). Exact in statics."""
+    cutoff = CUTOFF["solid"] * highest
+    return {
+        name: reduced_parts.reduced(body, highest, cutoff, *part_mesh, options.reduction)
+        for name, body in mechanism.parts.items()
+    }
 
 
 def bodies_of(

@@ -180,17 +180,19 @@ def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
 
 
 def _first_changes(first: PathModes, second: PathModes, fine: PathModes) -> Array:
-    return _frequency_changes(first, second, fine, MOST_MODES)
+    return mesh_frequency_changes(first, second, fine, MOST_MODES)
 
 
 def _all_changes(first: PathModes, second: PathModes, fine: PathModes) -> Array:
-    return _frequency_changes(first, second, fine, fine.frequencies.shape[1])
+    return mesh_frequency_changes(first, second, fine, fine.frequencies.shape[1])
 
 
-def _frequency_changes(coarse: PathModes, middle: PathModes, fine: PathModes, count: int) -> Array:
+def mesh_frequency_changes(
+    coarse: PathModes, middle: PathModes, fine: PathModes, count: int
+) -> Array:
     """Relative changes of `count` frequencies (P×count) between two meshes, each paired by shape.
 
-    Both meshes are first compared with the finest one, then the changes are subtracted. Shapes: P
+    Both meshes are first compared with the modes `fine`, then the changes are subtracted. Shapes: P
     poses.
     """
     first, second = (

@@ -57,11 +57,13 @@ class Model:
 class Responses:
     """Solutions of all models of one robot, stored by model and reading.
 
-    `perturb` builds the robot with the changed inputs and the changed digit of a reading.
+    `perturb` builds the robot with the changed inputs and the changed digit of a reading. If
+    `strict`, errors are raised instead of recorded, for studies of a single model.
     """
 
     robot: RobotOnPath
     perturb: Callable[[RobotOnPath, Reading], RobotOnPath] = perturbed_robot
+    strict: bool = False
     _statics: dict[tuple[Model, Reading], Statics | Unsolved] = field(
         default_factory=dict, repr=False
     )
@@ -164,8 +166,12 @@ class Responses:
                 required(model, nominal), required(stand_in, nominal), required(stand_in, reading)
             )
         except UNSOLVED as error:
+            if self.strict:
+                raise
             return Unsolved(str(error))
-        except Exception as error:  # noqa: BLE001  one model's failure is its own result
+        except Exception as error:
+            if self.strict:
+                raise
             return Unsolved(failure_reason(f"response of {model.name}", error), fault=True)
 
     @property

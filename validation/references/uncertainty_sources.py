@@ -12,6 +12,7 @@ much.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -51,6 +52,7 @@ from validation.responses.mode_partners import shares_by_shape
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.uncertainty.combiners import Combiner, combined
 
+H = TypeVar("H")
 # Element count for sensitivities to printed digits: an error of 1 % of a half-width is negligible.
 _FEW_ELEMENTS = ModelOptions(elements=8)
 # Smallest relative change of a displacement, by the load's effect on the stiffness, that counts as
@@ -76,7 +78,7 @@ class SourceRow:
 
 @dataclass(frozen=True)
 class Perturbations:
-    """Half-widths of displacements, from solutions of a model under perturbed readings.
+    """Half-widths from solutions of a model under perturbed readings.
 
     `readings` returns the perturbed readings for a reading. `combiner`: rule that combines the
     changes of displacements to one half-width.
@@ -87,16 +89,31 @@ class Perturbations:
     combiner: Combiner
 
     def __call__(self, responses: Responses, reading: Reading) -> SourceHalfWidths:
-        """Half-widths under a reading, relative to the model's unperturbed displacements."""
-        unperturbed = responses.required_statics(self.model, reading)
-        changes = [
-            factor
-            * _flattened_statics(responses.required_statics(self.model, perturbed) - unperturbed)
-            for factor, perturbed in self.readings(responses.robot, reading)
-        ]
+        """Half-widths of displacements, relative to the model's unperturbed ones."""
+        solve = responses.required_statics
+        size = partial(_sizes, solve(self.model, reading))
         return SourceHalfWidths(
-            combined(np.array(changes), partial(_sizes, unperturbed), self.combiner)
+            self.half_widths(responses.robot, reading, solve, _flattened_statics, size)
         )
+
+    def half_widths(
+        self,
+        robot: RobotOnPath,
+        reading: Reading,
+        solve: Callable[[Model, Reading], H],
+        numbers: Callable[[H], Array],
+        size: Callable[[Array], Array],
+    ) -> Array:
+        """Half-widths of the `numbers` of the model's statics or modes, which `solve` returns.
+
+        `size` returns the magnitudes of changes of these numbers, as for `combined`.
+        """
+        unperturbed = numbers(solve(self.model, reading))
+        changes = [
+            factor * (numbers(solve(self.model, perturbed)) - unperturbed)
+            for factor, perturbed in self.readings(robot, reading)
+        ]
+        return combined(np.array(changes), size, self.combiner)
 
 
 def budget(rows: Sequence[SourceRow], responses: Responses, reading: Reading) -> Budget:
@@ -138,7 +155,7 @@ def _sizes(unperturbed: Statics, changes: Array) -> Array:
     return np.where(np.isfinite(relative_sizes), relative_sizes, 0.0)
 
 
-def _rounded_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
+def rounded_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
     """Readings in each of which one printed digit of a 6×6 is off by half a unit.
 
     Empty if the robot file contains no 6×6.
@@ -167,7 +184,7 @@ def _linked(postures: tuple[Posture, ...]) -> Statics:
 
 # Each printed number is off by up to half a unit of its last digit, independently of the others.
 STATIC_DIGITS = Perturbations(
-    Model("links", statics=_links), _rounded_readings, Combiner.PROBABILITY
+    Model("links", statics=_links), rounded_readings, Combiner.PROBABILITY
 )
 # Displacements under a load on masses are linear in the positions of mass, so the convex hull of
 # the plausible distributions contains all others.

@@ -172,8 +172,8 @@ class Answer:
     damping. `strain`: shares of drives, joints and bodies in each mode's strain energy.
     `paired`: partners of the modes in another model, None unless requested. `uncertainty`:
     half-widths due to the mesh of prisms, None without such a mesh. `of_parts`: half-widths due
-    to CAD parts. `of_digits`: bounds due to the printed digits of the 6×6 in the robot file, to
-    first order. `rigid`: for a free body, the number of rigid-body motions, which are not among
+    to CAD parts. `of_digits`: half-widths due to the printed digits of the 6×6 in the robot
+    file. `rigid`: for a free body, the number of rigid-body motions, which are not among
     `frequencies`; its compliance is empty.
     """
 

@@ -32,11 +32,12 @@ from validation.solve.answer import (
 class HalfWidthRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     """JSON object of `HalfWidths`: half-widths (95 %) of compliance, frequencies and loads.
 
-    Those of a displacement are None if one of them is unknown.
+    Those of a displacement are None if one of them is unknown, that of a frequency if its mode has
+    no partner on another mesh.
     """
 
     compliance: Array
-    frequencies: Array
+    frequencies: Sequence[float | None]
     loads: Mapping[str, Array | None] = {}
 
 
@@ -210,7 +211,7 @@ def answer_record(answer: Answer) -> AnswerRecord:
 
 def _half_width_record(half_widths: HalfWidths) -> HalfWidthRecord:
     return HalfWidthRecord(
-        half_widths.compliance, half_widths.frequencies, _known_loads(half_widths)
+        half_widths.compliance, finite_items(half_widths.frequencies), _known_loads(half_widths)
     )
 
 
@@ -219,7 +220,7 @@ def _mesh_record(mesh: MeshUncertainty) -> MeshRecord | None:
         return None
     return MeshRecord(
         mesh.compliance,
-        mesh.frequencies,
+        finite_items(mesh.frequencies),
         _known_loads(mesh),
         divisions=mesh.divisions,
         extrapolated_from=mesh.meshes,

@@ -106,7 +106,7 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
     if answer.of_parts is not None:
         lines += _part_lines(answer, answer.of_parts)
     if (digits := answer.of_digits) is not None:
-        lines.append("  uncertainty due to rounding of the 6×6 in the robot file (upper bound):")
+        lines.append("  uncertainty due to rounding of the 6×6 in the robot file (95 %):")
         lines += _share_lines(answer, digits)
     return lines
 
@@ -271,8 +271,9 @@ def _share_lines(answer: Answer, half_widths: HalfWidths, digits: str = ".2g") -
         )
     if len(answer.frequencies):
         shares = 100.0 * half_widths.frequencies / answer.frequencies
-        lines.append("    frequencies " + ", ".join(f"{share:{digits}} %" for share in shares))
+        texts = (f"{share:{digits}} %" if np.isfinite(share) else "unknown" for share in shares)
+        lines.append("    frequencies " + ", ".join(texts))
     if shares_of_loads := half_widths.shares_of_loads(answer.loads):
-        texts = (f"{name} {100.0 * share:.2g} %" for name, share in shares_of_loads.items())
-        lines.append("    under loads " + ", ".join(texts))
+        named = (f"{name} {100.0 * share:.2g} %" for name, share in shares_of_loads.items())
+        lines.append("    under loads " + ", ".join(named))
     return lines

@@ -1,40 +1,42 @@
 """Computation of `solve`: one model of a robot in the requested poses, or of one of its bodies.
 
-Input: a `Question`. Output: a `Solution` with uncertainties. Rule: for solids, a second mesh gives
-the half-widths; with --accuracy, meshes are refined until these are small enough.
+Input: a `Question`. Output: a `Solution` with uncertainties. Rule: statics and modes come from
+`Responses`, as for verdicts. For solids, a second mesh gives the half-widths; with --accuracy,
+meshes are refined until these are small enough.
 """
 
 from collections.abc import Sequence
-from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from math import ceil
-from typing import TypeGuard
+from typing import Any
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.dense.modes import FewerModesError
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg, LineLeg, SectionedLeg
+from lumped.legs import ConstantLeg, LineLeg, SectionedLeg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
-from lumped.models.bodies import RIGID_MOTIONS, leg_of
-from validation.models.leg_models import free_leg_frequencies, leg_compliance, leg_frequencies
-from validation.models.loads.displacements import displacements
+from lumped.models.bodies import RIGID_MOTIONS
+from validation.context import Context
 from validation.models.loads.forces import load_forces
 from validation.models.loads.pressures import resultants
 from validation.models.loads.stability import bent_legs, gives_way_pressed, stabilities
 from validation.models.reduced_parts import free_body_part, with_finer_parts
-from validation.models.robot_models import (
-    PostureAnswer,
-    PostureModes,
-    answers,
-    mechanism_modes,
-    sectioned_legs,
-    static_bodies,
-)
-from validation.models.roundings import roundings_of
+from validation.models.robot_models import PostureModes, sectioned_legs
+from validation.references.responses import Responses
+from validation.references.robot_on_path import robot_at
+from validation.responses.mode_partners import Partners, partners
 from validation.solids.solid_legs import formal_order
-from validation.solve.answer import Answer, HalfWidths, PartUncertainty, Place, Solution
+from validation.solve.answer import (
+    Answer,
+    HalfWidths,
+    MeshUncertainty,
+    ModePair,
+    PairedModes,
+    PartUncertainty,
+    Place,
+    Solution,
+)
 from validation.solve.cost import (
     LONGEST,
     LONGEST_REFINEMENT,
@@ -45,13 +47,53 @@ from validation.solve.cost import (
     solid_cost,
 )
 from validation.solve.question import OF_ELEMENTS, Question
-from validation.solve.uncertainty import extrapolated, second_divisions, with_uncertainty
-from validation.uncertainty.combiners import Combiner, combined, relative_sizes
+from validation.solve.solved_model import SolvedModes, solved_model
+from validation.solve.uncertainty import (
+    SolvedQuestion,
+    extrapolated,
+    of_digits,
+    of_parts,
+    of_prisms,
+    with_model,
+)
 from validation.uncertainty.refinement import refined
 
-# Elements per leg for the effect of printed digits: for six modes it differs by a hundredth from
-# that with 20.
-_FEW_ELEMENTS = 6
+# Additional modes of the compared model, since a partner can have a higher number.
+_EXTRA_MODES = 6
+
+
+@dataclass(frozen=True, eq=False)
+class _Meshed:
+    """Solved question with the half-widths of its meshes in each pose.
+
+    `compliances` and `frequencies` of each pose are extrapolated if an order is observed.
+    """
+
+    solved: SolvedQuestion
+    compliances: Array
+    frequencies: Sequence[Array]
+    prisms: Sequence[MeshUncertainty] = ()
+    parts: Sequence[PartUncertainty] = ()
+
+    @property
+    def largest_half_width(self) -> float:
+        """Largest relative half-width, due to meshes, over all numbers and poses."""
+        statics, names = self.solved.statics, self.solved.loads
+        loads = [
+            dict(zip(names, displacements, strict=True))
+            for displacements in (statics.load_displacements if statics and names else ())
+        ]
+        shares = [
+            share
+            for half_widths in (self.prisms, self.parts)
+            for pose, of_pose in enumerate(half_widths)
+            for share in (
+                *np.abs(of_pose.compliance / np.diag(self.compliances[pose])),
+                *(of_pose.frequencies / self.frequencies[pose]),
+                *of_pose.shares_of_loads(loads[pose] if loads else {}).values(),
+            )
+        ]
+        return float(np.max(shares, initial=0.0))
 
 
 def checked(question: Question) -> Cost:
@@ -70,76 +112,68 @@ def solve(question: Question) -> Solution:
     Raises InputError like `checked`, and ComputationError if the drives do not support the tool.
     """
     checked(question)
-    if question.modes is not None:
-        return _solved(question)
-    for count in range(question.count, 0, -1):
-        with suppress(FewerModesError):
-            return _solved(replace(question, modes=count))
-    return _solved(replace(question, modes=0))
-
-
-def _solved(question: Question) -> Solution:
     if "ends" in question.given:
         question = _with_mechanism(question, _without_end_conditions(question.mechanism))
     accuracy = None
-    if question.accuracy is None:
-        _, solved = _answers_with_uncertainty(question, {})
+    if question.alone in question.mechanism.parts:
+        answers = [_free_part_answer(question, question.alone)]
     else:
-        meshes: dict[int, list[Answer]] = {}
-        (question, solved), accuracy = refined(
-            question,
-            lambda one: _answers_with_uncertainty(one, meshes),
-            _largest_half_width,
-            _finer,
-            question.accuracy,
-        )
+        context, divisions = Context(question.robot_file, "quick"), dict[int, None]()
+        if question.accuracy is None:
+            meshed = _meshed(question, context, divisions)
+        else:
+            meshed, accuracy = refined(
+                question,
+                lambda one: _meshed(one, context, divisions),
+                lambda solved: solved.largest_half_width,
+                _finer,
+                question.accuracy,
+            )
+        question, answers = meshed.solved.question, _answers(meshed)
     options = asdict(question.options)
     effective = {
         name: value for name, value in options.items() if name in question.effective_options
     }
-    if question.digits and question.model != "simplified":
-        solved = _with_digits(question, question.postures(), solved)
     tool = question.mechanism.tool
     moves = tuple(f"{move} ({UNITS_OF_MOVES[move]})" for move in tool.moves)
     return Solution(
-        question.mechanism.name, question.model, effective, tuple(solved), accuracy, moves
+        question.mechanism.name, question.model, effective, tuple(answers), accuracy, moves
     )
 
 
-def _answers_with_uncertainty(
-    question: Question, meshes: dict[int, list[Answer]]
-) -> tuple[Question, list[Answer]]:
-    """Answers; for solids with mesh uncertainty. `meshes` collects answers by divisions."""
+def _meshed(question: Question, context: Context, divisions: dict[int, None]) -> _Meshed:
+    """Solved question with half-widths of its meshes. Collects the `divisions` of solved meshes."""
     if question.mechanism.parts:
         # CAD parts have other meshes each time, so that no change is due to the divisions alone.
-        meshes = {}
-    postures = question.postures()
-    solved, options = _answers(question, postures), question.options
-    if question.model == "solid" and (legs := _shapes(question)):
-        divisions = second_divisions(options, legs)
-        other_mesh = meshes.get(divisions) or _on_other_mesh(question, postures, divisions)
-        meshes |= {options.divisions: solved} | ({divisions: other_mesh} if other_mesh else {})
-        solved = with_uncertainty(solved, other_mesh, legs, options, divisions)
-        solved = extrapolated(solved, meshes, legs, options)
-    return question, solved
+        divisions = {}
+    robot = robot_at(context, question.postures())
+    if not question.digits or question.model == "simplified":
+        robot = replace(robot, printed=())
+    legs = _shapes(question)
+    solved = with_model(question, Responses(robot, strict=True), legs)
+    prisms: Sequence[MeshUncertainty] = ()
+    if solved.second is not None:
+        affordable = _is_affordable(question, solved.second)
+        prisms = of_prisms(solved, affordable=affordable)
+        divisions[question.options.divisions] = None
+        if affordable:
+            divisions[solved.second] = None
+    compliances, frequencies, prisms = extrapolated(solved, sorted(divisions), prisms)
+    has_parts = question.model == "solid" and question.alone is None and question.mechanism.parts
+    parts = of_parts(solved) if has_parts else ()
+    trimmed = [values[~np.isnan(values)] for values in frequencies]
+    return _Meshed(solved, compliances, trimmed, prisms, parts)
 
 
-def _largest_half_width(solved: tuple[Question, list[Answer]]) -> float:
-    """Largest relative half-width, due to meshes, over all answers."""
-    shares = [
-        abs(share)
-        for answer in solved[1]
-        for half_widths in (answer.uncertainty, answer.of_parts)
-        if half_widths is not None
-        for share in (
-            *(
-                np.concatenate([half_widths.compliance, half_widths.frequencies])
-                / _compliance_and_frequencies(answer)
-            ),
-            *half_widths.shares_of_loads(answer.loads).values(),
-        )
-    ]
-    return float(np.max(shares, initial=0.0))
+def _is_affordable(question: Question, divisions: int) -> bool:
+    """True if a mesh with other `divisions` is coarser, or not too expensive."""
+    if divisions < question.options.divisions:
+        return True
+    try:
+        _cost(replace(question, given={**question.given, "divisions": divisions}))
+    except InputError:
+        return False
+    return True
 
 
 def _finer(question: Question, factor: float) -> Question:
@@ -178,98 +212,103 @@ def _affordable(questions: Sequence[Question]) -> Question:
     raise refused[0]
 
 
-def _on_other_mesh(
-    question: Question, postures: Sequence[Posture], divisions: int
-) -> list[Answer] | None:
-    """Answers on a mesh of other `divisions`. None if a finer mesh is too large."""
-    other = replace(question, given={**question.given, "divisions": divisions}, against=None)
-    if divisions > question.options.divisions:
-        try:
-            _cost(other)
-        except InputError:
-            return None
-    return _answers(other, postures, with_parts=False)
-
-
-def _answers(
-    question: Question, postures: Sequence[Posture], *, with_parts: bool = True
-) -> list[Answer]:
-    """Answers in all poses. If `with_parts`, solids include the uncertainty of CAD parts."""
-    if question.alone is not None:
-        return [_body_answer(question, question.alone)]
-    model, count, options = question.model, question.count, question.options
-    modes = mechanism_modes(model, postures, count, options) if count else []
-    solved = [
+def _answers(meshed: _Meshed) -> list[Answer]:
+    """Answers in all poses."""
+    solved = meshed.solved
+    question, statics, modes = solved.question, solved.statics, solved.modes
+    digits = of_digits(solved)
+    postures = modes.postures if isinstance(modes, SolvedModes) else ()
+    pairs = _pairs(solved) if question.against else ()
+    loads = _load_fields(solved)
+    return [
         Answer(
-            _place(question, answer.posture),
-            _defined_compliance(question, answer.compliance),
-            answer.modes.frequencies if isinstance(answer, PostureModes) else answer.frequencies,
-            answer.idle,
-            strain=answer.strain if isinstance(answer, PostureModes) else {},
-            responses=answer.responses if _is_damped(answer) else (),
-            damped=_damped(answer) if _is_damped(answer) else None,
+            _place(question, posture),
+            _defined_compliance(question, meshed.compliances[pose]),
+            meshed.frequencies[pose],
+            idle=None if statics is None else statics.idle[pose],
+            uncertainty=meshed.prisms[pose] if meshed.prisms else None,
+            of_parts=meshed.parts[pose] if meshed.parts else None,
+            of_digits=digits[pose] if digits else None,
+            paired=pairs[pose] if pairs else None,
+            rigid=RIGID_MOTIONS if question.free else None,
+            **(loads[pose] if loads else {}),
+            **(_modal_fields(postures[pose]) if postures else {}),
         )
-        for answer in modes or answers(model, postures, 0, options)
+        for pose, posture in enumerate(solved.responses.robot.postures)
     ]
-    if loads := question.mechanism.loads:
-        names = [load.name for load in loads]
-        displaced = displacements(model, postures, options)
-        bent = bent_legs(question.mechanism)
-        # Frequencies of other models have a stiffness inside the legs that is not that of beams.
-        stability_by_posture = stabilities(
-            model, postures, options, count if model == "beam" else 0
+
+
+def _modal_fields(modes: PostureModes) -> dict[str, Any]:
+    """Fields of an answer with strain energies and, if the robot is damped, responses."""
+    fields: dict[str, Any] = {"strain": modes.strain}
+    if len(modes.modes.frequencies) and modes.posture.mechanism.is_damped:
+        fields |= {"responses": modes.responses, "damped": _damped(modes)}
+    return fields
+
+
+def _load_fields(solved: SolvedQuestion) -> list[dict[str, Any]]:
+    """Fields of each answer with displacements, stability and reactions under the loads."""
+    question, statics, names = solved.question, solved.statics, solved.loads
+    if not names or statics is None:
+        return []
+    model, postures, options = question.model, solved.responses.robot.postures, question.options
+    bent, loads = bent_legs(question.mechanism), question.mechanism.loads
+    pressures = resultants(question.mechanism)
+    # Frequencies of other models have a stiffness inside the legs that is not that of beams.
+    stability = stabilities(model, postures, options, solved.count if model == "beam" else 0)
+    forces = load_forces(model, postures, options)
+    return [
+        {
+            "loads": dict(zip(names, displacements, strict=True)),
+            # Bent legs have no geometric stiffness.
+            "stability": {}
+            if bent
+            else {
+                load.name: None if result and gives_way_pressed(load, result) else result
+                for load, result in zip(loads, stability_of_pose, strict=True)
+            },
+            "pressures": pressures,
+            "reactions": {
+                name: {one.joint: one.wrench for one in found.reactions}
+                for name, found in zip(names, forces_of_pose, strict=True)
+                if found is not None
+            },
+        }
+        for displacements, stability_of_pose, forces_of_pose in zip(
+            statics.load_displacements, stability, forces, strict=True
         )
-        forces_by_posture = load_forces(model, postures, options)
-        pressures = resultants(question.mechanism)
-        solved = [
-            replace(
-                answer,
-                loads=dict(zip(names, displacement, strict=True)),
-                # Bent legs have no geometric stiffness.
-                stability={}
-                if bent
-                else {
-                    load.name: None if result and gives_way_pressed(load, result) else result
-                    for load, result in zip(loads, near, strict=True)
-                },
-                reactions={
-                    name: {one.joint: one.wrench for one in found.reactions}
-                    for name, found in zip(names, forces, strict=True)
-                    if found is not None
-                },
-                pressures=pressures,
-            )
-            for answer, displacement, near, forces in zip(
-                solved, displaced, stability_by_posture, forces_by_posture, strict=True
-            )
-        ]
-    if question.against:
-        # Imported here: packages that are slow to load, which no other answer needs.
-        from validation.solve.pairs import paired  # noqa: PLC0415
-
-        pairs = paired(modes, question.against, options)
-        solved = [
-            replace(answer, paired=pair_list)
-            for answer, pair_list in zip(solved, pairs, strict=True)
-        ]
-    if with_parts and model == "solid" and question.mechanism.parts:
-        solids = modes[0].system.models if modes else None
-        solids = solids or static_bodies(model, question.mechanism, options)
-        from validation.solve.part_uncertainty import of_parts  # noqa: PLC0415
-
-        parts = of_parts(postures, solids, count, options.reduction)
-        solved = [
-            replace(answer, of_parts=part_uncertainty)
-            for answer, part_uncertainty in zip(solved, parts, strict=True)
-        ]
-    return solved
+    ]
 
 
-def _is_damped(answer: PostureModes | PostureAnswer) -> TypeGuard[PostureModes]:
-    """True for modes of a robot with damping."""
-    if not isinstance(answer, PostureModes):
-        return False
-    return len(answer.modes.frequencies) > 0 and answer.posture.mechanism.is_damped
+def _pairs(solved: SolvedQuestion) -> list[PairedModes]:
+    """Pairs of all modes in each pose with those of another model, by energy-weighted MAC."""
+    question, modes = solved.question, solved.modes
+    against = question.against
+    if against is None or modes is None:
+        return []
+    other = solved_model(replace(question, model=against, modes=solved.count + _EXTRA_MODES))
+    other_modes = solved.responses.required_modes(other, solved.reading)
+    pairing = partners(modes, other_modes, solved.count)
+    return [
+        PairedModes(against, tuple(_pair(pairing, pose, mode) for mode in range(solved.count)))
+        for pose in range(len(modes.frequencies))
+    ]
+
+
+def _pair(pairing: Partners, pose: int, mode: int) -> ModePair:
+    """Partner of a mode in a pose, both given by index."""
+    partner_index = int(pairing.partner_indices[pose, mode])
+    low, high = float(pairing.lowest[pose, mode]), float(pairing.highest[pose, mode])
+    return ModePair(
+        mode=mode + 1,
+        partner=int(partner_index) + 1 if partner_index >= 0 else None,
+        frequency=float(pairing.frequency[pose, mode]) if partner_index >= 0 else None,
+        mac=float(pairing.mac[pose, mode]),
+        seen=float(pairing.energy_shares[pose, mode]),
+        local=bool(pairing.local[pose, mode]),
+        open=(low, high) if high > low else None,
+        undecided=bool(pairing.undecided[pose, mode]),
+    )
 
 
 def _damped(modes: PostureModes) -> tuple[Array, Array]:
@@ -278,21 +317,6 @@ def _damped(modes: PostureModes) -> tuple[Array, Array]:
     count = len(modes.modes.frequencies)
     oscillating = np.flatnonzero(np.isfinite(modes.damped.frequencies))[:count]
     return modes.damped.frequencies[oscillating], modes.damped.losses[oscillating]
-
-
-def _body_answer(question: Question, name: str) -> Answer:
-    model, count, options = question.model, question.count, question.options
-    if name in question.mechanism.parts:
-        return _free_part_answer(question, name)
-    leg = leg_of(question.mechanism.bodies[name])
-    if not isinstance(leg, GivenLeg) and leg.ends is not None:
-        options = replace(options, ends=leg.ends)
-    place = Place(body=name) if question.leg is None else Place(leg=question.leg)
-    if question.free:
-        frequencies = free_leg_frequencies(model, leg, count, options)
-        return Answer(place, np.zeros((0, 0)), frequencies, rigid=RIGID_MOTIONS)
-    frequencies = leg_frequencies(model, leg, count, options) if count else np.zeros(0)
-    return Answer(place, leg_compliance(model, leg, options), frequencies)
 
 
 def _free_part_answer(question: Question, name: str) -> Answer:
@@ -327,62 +351,11 @@ def _with_mechanism(question: Question, mechanism: Mechanism) -> Question:
     return replace(question, robot_file=replace(question.robot_file, mechanism=mechanism))
 
 
-def _with_digits(
-    question: Question, postures: Sequence[Posture], solved: Sequence[Answer]
-) -> list[Answer]:
-    """Answers with bounds due to the printed digits of the file's 6×6, if there are any.
-
-    Computed by the model itself with few elements, for solids by beams: the relative effect of a
-    6×6 is small and depends little on the model.
-    """
-    roundings = roundings_of(question.robot_file.printed_compliances, postures)
-    if not roundings:
-        return list(solved)
-    options = question.given
-    if question.model == "solid":
-        options = {name: options[name] for name in ("equivalent",) if name in options}
-        question = replace(question, model="beam")
-    if question.model in OF_ELEMENTS:
-        options = {**options, "elements": min(question.options.elements, _FEW_ELEMENTS)}
-    question = replace(question, given=options)
-
-    def values(postures: Sequence[Posture]) -> Array:
-        rows: Sequence[Answer | PostureAnswer]
-        if question.alone is not None:
-            rows = [_body_answer(_with_mechanism(question, postures[0].mechanism), question.alone)]
-        else:
-            rows = answers(question.model, postures, question.count, question.options)
-        sizes = np.array([_compliance_and_frequencies(answer) for answer in rows])
-        # Infinite numbers do not depend on digits.
-        return np.where(np.isfinite(sizes), sizes, 0.0)
-
-    nominal = values(postures)
-    changes = np.array(
-        [answer.factor * (values(answer.postures) - nominal) for answer in roundings]
-    )
-    share = combined(
-        changes,
-        lambda values_of_answer: relative_sizes(values_of_answer, nominal),
-        Combiner.LINEAR_SUM,
-    )
-    if not share.any():
-        return list(solved)
-    digits = [
-        np.nan_to_num(values_of_answer * np.abs(_compliance_and_frequencies(answer)))
-        for answer, values_of_answer in zip(solved, share, strict=True)
-    ]
-    return [
-        replace(answer, of_digits=HalfWidths(*np.split(half_widths, [len(answer.compliance)])))
-        for answer, half_widths in zip(solved, digits, strict=True)
-    ]
-
-
-def _compliance_and_frequencies(answer: Answer | PostureAnswer) -> Array:
-    """Diagonal of the compliance (6), followed by the frequencies."""
-    return np.concatenate([np.diag(answer.compliance), answer.frequencies])
-
-
 def _place(question: Question, posture: Posture) -> Place:
+    if question.leg is not None:
+        return Place(leg=question.leg)
+    if question.body is not None:
+        return Place(body=question.body)
     pose = tuple(posture.pose.tolist())
     return Place(x=pose[0]) if question.numbered else Place(pose=pose)
 

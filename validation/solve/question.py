@@ -54,7 +54,7 @@ class Question:
 
     Positions `x` (m), or `poses` ("0.25,0.6"), or one `leg` or `body` alone; the reference posture
     without these. `modes`: number of modes, None for six. `against`: model with whose modes they
-    are paired. `digits`: True to add bounds due to the printed digits of the file's 6×6.
+    are paired. `digits`: True to add half-widths due to the printed digits of the 6×6.
     `accuracy`: largest relative half-width due to meshes of solids. A body alone is clamped at its
     first point, or unsupported if `free`.
     """

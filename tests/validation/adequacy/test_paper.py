@@ -281,7 +281,7 @@ def test_half_width_falls_with_digits(printed):
 @pytest.mark.parametrize(
     ("model", "given", "count"), [("vjm", {}, 60), ("segments", {"elements": 4}, 8)]
 )
-def test_solve_bounds_rounding_of_6x6(printed, draws, model, given, count):
+def test_solve_digits_cover_95_percent_of_draws(printed, draws, model, given, count):
     def solved(robot, *, digits=False):
         return solve(Question(robot, model, given, digits=digits)).answers[0]
 
@@ -289,16 +289,18 @@ def test_solve_bounds_rounding_of_6x6(printed, draws, model, given, count):
         return np.concatenate([np.diag(answer.compliance), answer.frequencies])
 
     answer = solved(printed, digits=True)
-    most = np.concatenate([answer.of_digits.compliance, answer.of_digits.frequencies])
-    robots = map(solved, draws[:count])
-    largest = np.max([np.abs(sizes(one) - sizes(answer)) for one in robots], axis=0)
-    # No draw has all its roundings on one side; five numbers or so count in each.
-    assert (largest <= most).all()
-    assert (most <= 5.0 * largest).all()
+    stated = np.concatenate([answer.of_digits.compliance, answer.of_digits.frequencies])
+    changes = np.array([np.abs(sizes(solved(one)) - sizes(answer)) for one in draws[:count]])
+    # The mean share of all six scatters by 2 % in 60 draws, and by 4 % in 8.
+    assert np.mean(changes[:, :6] <= stated[:6]) == pytest.approx(0.95, abs=0.045)
+    # Frequencies have a bound, which no draw with all its roundings on one side reaches.
+    largest = changes[:, 6:].max(axis=0)
+    assert (largest <= stated[6:]).all()
+    assert (stated[6:] <= 5.0 * largest).all()
     digits = plain_data(answer_record(answer))["digits"]
-    assert digits["compliance"] == most[:6].tolist()
+    assert digits["compliance"] == stated[:6].tolist()
     text = as_text(Solution(printed.mechanism.name, model, {}, (answer,)))
-    assert "uncertainty due to rounding of the 6×6 in the robot file (upper bound):" in text
+    assert "uncertainty due to rounding of the 6×6 in the robot file (95 %):" in text
 
 
 @pytest.mark.parametrize("key", ["leg1.compliance[1,1]", "foot.compliance[6,6]"])

@@ -7,7 +7,7 @@ import pytest
 
 from lumped.robot_file import load_robot
 from validation.record_fields import plain_data
-from validation.solve import pairs
+from validation.solve import solved_model
 from validation.solve.answer_json import answer_record
 from validation.solve.answer_text import as_text
 from validation.solve.model_answers import solve
@@ -30,7 +30,7 @@ from validation.solve.question import Question
 )
 def test_missing_partner_has_reason(monkeypatch, seen, line):
     """The second of three beam modes has only a small part of its energy in the sampled points."""
-    sampled, of_models = pairs.vibration_of, []
+    sampled, of_models = solved_model.vibration_of, []
 
     def second_seen(*of):
         of_models.append(sampled(*of))
@@ -40,7 +40,7 @@ def test_missing_partner_has_reason(monkeypatch, seen, line):
         shares[:, 1] = seen
         return replace(of_models[0], energy_shares=shares)
 
-    monkeypatch.setattr(pairs, "vibration_of", second_seen)
+    monkeypatch.setattr(solved_model, "vibration_of", second_seen)
     solution = solve(Question(load_robot("five-bar"), "beam", {}, 3, against="beam"))
     (answer,) = solution.answers
     second = answer.paired.pairs[1]

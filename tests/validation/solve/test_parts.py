@@ -29,7 +29,7 @@ from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import holding, path_postures, robot_on_path
 from validation.responses.statics_and_modes import PathModes
 from validation.run.outcome import judge
-from validation.solve import part_uncertainty
+from validation.solve import solved_model
 from validation.solve.answer import Solution
 from validation.solve.answer_text import as_text
 from validation.solve.model_answers import solve
@@ -165,7 +165,7 @@ def test_pressure_has_half_width_of_part_meshes(crane):
     answer = answer_of(pressed, 0)
     moved, half_width = answer.loads["press"][2], answer.of_parts.loads["press"][2]
     arm = pressed.mechanism.parts["arm"]
-    cutoffs = part_uncertainty._LOWEST_CUTOFF, CUTOFF["solid"] * part_uncertainty._LOWEST_CUTOFF
+    cutoffs = solved_model._LOWEST, CUTOFF["solid"] * solved_model._LOWEST
     coarser = {"arm": reduced_parts.reduced(arm, *cutoffs, MIDDLE)}
     change = displacements_of(coarser, [reference_posture(pressed.mechanism)])[0, 0, 2] - moved
     assert 0.0 < abs(change) <= half_width <= 0.2 * abs(moved)

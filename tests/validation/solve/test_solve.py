@@ -27,7 +27,11 @@ from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from lumped.system.joint_motion import Portion
 from meshes.section.section_mesh import section_mesh
 from validation import cli
+from validation.context import Context
 from validation.models.options import ModelOptions
+from validation.references.responses import Model, Responses
+from validation.references.robot_on_path import Reading, robot_at
+from validation.responses.statics_and_modes import PathModes
 from validation.solve.answer import (
     Answer,
     HalfWidths,
@@ -41,7 +45,7 @@ from validation.solve.answer_text import as_text
 from validation.solve.cost import Cost, require_affordable, solid_cost
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
-from validation.solve.uncertainty import second_divisions
+from validation.solve.uncertainty import SolvedQuestion, of_prisms, second_divisions
 
 
 @pytest.fixture
@@ -182,6 +186,26 @@ def test_solid_robot_has_mesh_uncertainty():
     assert coarse.uncertainty.divisions == 2
     step = np.abs(np.diag(fine.compliance - coarse.compliance))
     np.testing.assert_allclose(coarse.uncertainty.compliance, (factors[0] + 3.0) * step, rtol=1e-6)
+
+
+def test_mesh_change_follows_mode_shape():
+    """Two modes change places between the meshes: by shape they move by 2 and 0.5 Hz."""
+    question = Question(load_robot("five-bar"), "solid", {"divisions": 2}, 2)
+    robot = robot_at(Context(question.robot_file, "quick"), question.postures())
+
+    def modes(_, reading):
+        shapes = np.eye(2) if reading.mesh else np.eye(2)[:, ::-1]
+        frequencies = [100.0, 101.0] if reading.mesh else [101.5, 102.0]
+        return PathModes(np.array([frequencies]), shapes[None], np.ones(2), np.ones((1, 2)))
+
+    legs = [ConstantLeg(1.0, Rectangle(0.1, 0.1), Material.isotropic(2.1e11, 0.3, 7850.0))]
+    model = Model("solid", modes=modes, modal_fields=("mesh",))
+    solved = SolvedQuestion(question, Responses(robot), model, Reading({}), legs, 1)
+    (half_widths,) = of_prisms(solved, affordable=True)
+    factor = half_widths.frequencies[0] / 2.0
+    assert half_widths.frequencies == pytest.approx([2.0 * factor, 0.5 * factor], rel=1e-9)
+    # Roache's factor for r = 2 and an order from 1.42 (ν = 0.3, rigid ends) to 4.
+    assert 3.0 / (2.0**4 - 1.0) < factor < 3.0 / (2.0**1.4 - 1.0)
 
 
 def test_values_with_order_are_extrapolated(command, tmp_path):
