@@ -1,15 +1,19 @@
 """Choice of the library that factorises large sparse systems.
 
-The choice is stored in environment variables, which the options `--solver` and `--ranks` set and
-which child processes inherit.
+The choice is stored in environment variables, which the options `--solver`, `--ranks` and `--hosts`
+set and which child processes inherit.
 """
 
 import os
+import socket
+from contextlib import suppress
 from enum import StrEnum
+from pathlib import Path
 
 from lumped.errors import InputError
 
 VARIABLE, RANKS_VARIABLE = "FLEXPROOF_SOLVER", "FLEXPROOF_RANKS"
+HOSTS_VARIABLE = "FLEXPROOF_HOSTS"
 # Variable for the path of a Python with petsc4py, and the path if the variable is not set.
 PYTHON_VARIABLE, SYSTEM_PYTHON = "FLEXPROOF_PETSC_PYTHON", "/usr/bin/python3"
 # Largest number of MPI ranks, or the number of cores if that is larger.
@@ -19,13 +23,20 @@ _LARGEST_RANKS = 4
 class Solver(StrEnum):
     """Library for sparse factorisation.
 
-    AUTO selects it by the size of the system and the machine.
+    AUTO selects it by the size of the system and the machine. PETSC and GAMG are both PETSc: GAMG
+    solves the statics of solids without a factor, PETSC only if the factor does not fit the memory.
     """
 
     AUTO = "auto"
     RSLAB = "rslab"
     CUDSS = "cudss"
     PETSC = "petsc"
+    GAMG = "gamg"
+
+    @property
+    def is_petsc(self) -> bool:
+        """True if PETSc computes."""
+        return self in {Solver.PETSC, Solver.GAMG}
 
 
 def requested_solver() -> Solver:
@@ -34,23 +45,86 @@ def requested_solver() -> Solver:
     try:
         return Solver(name)
     except ValueError:
-        raise InputError(f'{VARIABLE} = "{name}": must be auto, rslab, cudss or petsc') from None
+        raise InputError(
+            f'{VARIABLE} = "{name}": must be auto, rslab, cudss, petsc or gamg'
+        ) from None
 
 
 def requested_ranks() -> int:
-    """Number of MPI ranks for petsc: 1 unless requested. Raises InputError for a wrong number."""
-    return rank_count(os.environ.get(RANKS_VARIABLE, "").strip() or "1", RANKS_VARIABLE)
+    """Number of MPI ranks for petsc, one per host unless requested.
+
+    Raises InputError for a wrong number, or for hosts of which some would have no rank.
+    """
+    hosts = requested_hosts()
+    text = os.environ.get(RANKS_VARIABLE, "").strip() or str(max(1, len(hosts)))
+    return rank_count(text, RANKS_VARIABLE, len(hosts))
 
 
-def rank_count(text: str, source: str) -> int:
-    """Number of MPI ranks from a text. Raises InputError, with `source` in its message."""
-    largest = max(_LARGEST_RANKS, os.cpu_count() or 1)
+def rank_count(text: str, source: str, hosts: int = 0) -> int:
+    """Number of MPI ranks from a text, on a number of `hosts` or on this machine (0).
+
+    Raises InputError, with `source` in its message.
+    """
+    largest = max(1, hosts) * max(_LARGEST_RANKS, os.cpu_count() or 1)
     if not text.isdecimal() or not 1 <= int(text) <= largest:
         raise InputError(
             f'{source} = "{text}": must be a whole number from 1 to {largest} (the number of '
-            f"cores, at least {_LARGEST_RANKS})"
+            f"cores, at least {_LARGEST_RANKS}{', times that of hosts' if hosts else ''})"
+        )
+    if hosts and int(text) % hosts:
+        raise InputError(
+            f'{source} = "{text}": must be a multiple of the number of hosts, {hosts}, so that '
+            "each has equally many ranks"
         )
     return int(text)
+
+
+def requested_hosts() -> tuple[str, ...]:
+    """Names of the hosts for petsc. Empty if none are requested. Raises InputError."""
+    path = os.environ.get(HOSTS_VARIABLE, "").strip()
+    return read_hosts(Path(path)) if path else ()
+
+
+def read_hosts(path: Path) -> tuple[str, ...]:
+    """Names of the hosts in a hostfile of mpiexec: one per line, settings and comments ignored.
+
+    Raises InputError if the file cannot be read, a host is unknown or named twice, or if the first
+    one, which reads the arrays, is not this machine.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "is not a text file"
+        raise InputError(f"hosts {path}: {reason}; must be a hostfile of mpiexec") from error
+    entries = [(number, line.partition("#")[0].split()) for number, line in enumerate(lines, 1)]
+    hosts: list[str] = []
+    for number, words in entries:
+        if not words:
+            continue
+        host = words[0]
+        if host in hosts:
+            raise InputError(f'hosts {path}, line {number}: "{host}" is there twice')
+        try:
+            address = socket.getaddrinfo(host, None)[0]
+        except (OSError, UnicodeError) as error:
+            raise InputError(f'hosts {path}, line {number}: "{host}" is unknown') from error
+        if not hosts and not _is_this_machine(address[0], address[4][0]):
+            raise InputError(
+                f'hosts {path}, line {number}: "{host}" is not this machine; the first host must '
+                "be the one on which flexproof runs"
+            )
+        hosts.append(host)
+    if not hosts:
+        raise InputError(f"hosts {path}: has no host; must have one name per line")
+    return tuple(hosts)
+
+
+def _is_this_machine(family: socket.AddressFamily, address: str | int) -> bool:
+    """True if an address belongs to this machine: only then a socket can be bound to it."""
+    with suppress(OSError), socket.socket(family, socket.SOCK_STREAM) as bound:
+        bound.bind((address, 0))
+        return True
+    return False
 
 
 def petsc_python() -> str:
@@ -64,11 +138,19 @@ def requested_library() -> str:
     Results of different libraries differ by round-off, so that the text is part of cache keys.
     """
     request = requested_solver()
-    if request is not Solver.PETSC:
+    if not request.is_petsc:
         return request.value
     return f"{request.value} {requested_ranks()} {petsc_python()}"
 
 
 def request_variables() -> dict[str, str]:
-    """Environment variables with which another process requests the same library."""
+    """Environment variables with which a process on another machine requests the same library.
+
+    Raises InputError if hosts are requested.
+    """
+    if requested_hosts():
+        raise InputError(
+            "--hosts: cannot be combined with --cluster, whose workers start ranks on their own "
+            "machines"
+        )
     return {VARIABLE: requested_solver().value, RANKS_VARIABLE: str(requested_ranks())}

@@ -23,7 +23,7 @@ from fem.machine import TO_COMPUTE, TO_READ, require_room, usable_cores
 from fem.solvers.backends.request import request_solver
 from lumped.errors import EXHAUSTED, ComputationError, InputError, ProgramError, remarks_to
 from lumped.robots import FIRST_TYPE, RobotType
-from lumped.solver_request import RANKS_VARIABLE, VARIABLE
+from lumped.solver_request import HOSTS_VARIABLE, RANKS_VARIABLE, VARIABLE
 from lumped.text import shortened, visible
 from validation.comparisons.command import converge
 from validation.console import streams
@@ -33,6 +33,7 @@ from validation.console.streams import write_messages, write_results
 from validation.console.typed import (
     AsJson,
     Force,
+    HostFile,
     PathArgument,
     ProcessCount,
     RankCount,
@@ -83,6 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             remarks_to(lambda remark: streams.write_message(str(remark))),
             _own_variable(VARIABLE),
             _own_variable(RANKS_VARIABLE),
+            _own_variable(HOSTS_VARIABLE),
             _own_variable(streams.QUIET),
         ):
             return _run(list(sys.argv[1:] if arguments is None else arguments))
@@ -199,6 +201,7 @@ def run(
     vary: tuple[str, ...] = (),
     solver: SolverName = None,
     ranks: RankCount = None,
+    hosts: HostFile = None,
     quiet: bool = False,
 ) -> int:
     """Validate a robot's lumped models and write a report.
@@ -262,7 +265,7 @@ def run(
     from validation.validate import Request, validate  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
-    request_solver(solver, ranks)
+    request_solver(solver, ranks, hosts)
     if quiet:
         os.environ[streams.QUIET] = "1"
     if cluster is not None:
@@ -370,6 +373,7 @@ def solve(
     picture: PathArgument | None = None,
     solver: SolverName = None,
     ranks: RankCount = None,
+    hosts: HostFile = None,
     force: Force = False,
     json: AsJson = False,
 ) -> int:
@@ -453,7 +457,7 @@ def solve(
     from validation.solve.question import Question, split_ends  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
-    request_solver(solver, ranks)
+    request_solver(solver, ranks, hosts)
     if cluster is not None:
         require_extra("cluster", "--cluster")
     require_writable(csv, ".csv", force=force)

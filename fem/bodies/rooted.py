@@ -16,9 +16,11 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr
 
 from fem.couplings.coupled_solid import CoupledSolid
+from fem.solvers.backends.host_memory import require_memory
 from fem.solvers.backends.protocol import HOST, Space
 from fem.solvers.certificate import Pencil, count_below, pencil
 from fem.solvers.factor import Inertia, RenewableFactor
+from fem.solvers.inverse import inverse
 from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
 from fem.solvers.spaces import space_of
 from lumped.arrays import Array, IntArray, fix_signs
@@ -60,8 +62,9 @@ class RootedBody:
     """A solid coupled to its interfaces, clamped at the first one, with factorised stiffness.
 
     `name` is used in messages. `pencil` contains stiffness and mass, with springs on six unknowns,
-    and `factor` is the factor of the stiffness. Forces and displacements are in the memory of the
-    host, or of a graphics card on which the factor is stored.
+    and `factor` is the factor of the stiffness, or an iteration in place of it. Forces and
+    displacements are in the memory of the host, or of a graphics card on which the factor is
+    stored.
     """
 
     name: str
@@ -82,7 +85,17 @@ class RootedBody:
     @property
     def space(self) -> Space:
         """Memory (host or graphics card) in which forces are used without a copy."""
-        return self.pencil.symbolic.space
+        return self.factor.space
+
+    @property
+    def countable(self) -> bool:
+        """True if eigenvalues can be counted. False if no factor fits the memory."""
+        return self.factor.countable
+
+    def require_count(self) -> None:
+        """Raise ComputationError if no factor fits the memory, so that modes cannot be counted."""
+        if not self.countable:
+            require_memory(self.pencil.symbolic.peak_bytes, self.solid.size, self.name)
 
     def expanded(self, x: Any) -> Any:
         """Displacements P x: the same deformation as x, with the first interface clamped."""
@@ -178,7 +191,8 @@ class RootedBody:
 
         Shapes are displacements u of the nodes. A count of eigenvalues (`fem.solvers.certificate`)
         proves that none is missing. For the count the factor is released and recomputed later.
-        Raises errors as `fem.solvers.modes.lowest_modes` does.
+        Raises ComputationError if no factor for the count fits the memory, and errors as
+        `fem.solvers.modes.lowest_modes` does.
         """
 
         def counted(sigma: float) -> Inertia:
@@ -186,6 +200,7 @@ class RootedBody:
             return self.rooted_inertia(sigma)
 
         mass, space = self.solid.mass, self.space
+        self.require_count()
         modes = lowest_modes(self.flexibility, mass, count, counted, self.name, space)
         shapes = self.solid.transformation @ modes.shapes
         return replace(modes, shapes=fix_signs(shapes))
@@ -238,10 +253,16 @@ def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
     # matrix does not deteriorate.
     springs[supported] = solid.stiffness.diagonal()[supported]
     sprung = pencil(solid.stiffness, solid.mass, springs)
-    factor = RenewableFactor(sprung.symbolic, name)
     # The factor is computed at once, so that a part that cannot be clamped is refused here.
-    _ = factor.numeric
+    factor = inverse(sprung.symbolic, solid.motions, _places(solid), name)
     return RootedBody(name, solid, sprung, factor)
+
+
+def _places(solid: CoupledSolid) -> Array:
+    """Positions (n×3, m) of the unknowns: of interfaces, then of nodes."""
+    own = solid.size - 3 * len(solid.places)
+    shares = np.abs(solid.twists[:own]).reshape(own, solid.twists.shape[1] // 6, 6).sum(axis=2)
+    return np.vstack([solid.points[shares.argmax(axis=1)], np.repeat(solid.places, 3, axis=0)])
 
 
 def _statically_determinate(solid: CoupledSolid, name: str) -> IntArray:

@@ -63,8 +63,10 @@ def _without(held: Swinging, excluded: Modes) -> Swinging:
 def counted_modes(held: Swinging, cutoff: float) -> CountedModes:
     """All modes of a body below `cutoff` (Hz), with a count if the body supports it.
 
-    Raises ComputationError if the count differs from the number of modes that can be found.
+    Raises ComputationError if no factor for the count fits the memory, or if the count differs from
+    the number of modes that can be found.
     """
+    held.require_count()
     modes = interface_modes(held, cutoff)
     if held.inertia is None:
         return CountedModes(modes.frequencies, modes.shapes, cutoff, None)

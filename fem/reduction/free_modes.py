@@ -20,6 +20,7 @@ def free_modes(rooted: RootedBody, count: int) -> CertifiedModes:
     motions. Raises ComputationError if there are not six of these, and errors like
     `fem.solvers.modes.lowest_modes`.
     """
+    rooted.require_count()
     body = free_body(rooted)
 
     def counted(sigma: float) -> Inertia:

@@ -31,14 +31,16 @@ class Swinging:
     that computes displacements (n×k) under forces (n×k), symmetric and positive semidefinite.
     `mass` is n×n. `inertia` is a function that computes the inertia of K − σM for σ (rad²/s²), its
     numbers of negative, zero and positive eigenvalues, without rigid motions. None if eigenvalues
-    cannot be counted. `space` returns the memory (host or graphics card) in which forces are used
-    without a copy.
+    cannot be counted. `require_count` raises ComputationError if no factor for the count fits the
+    memory. `space` returns the memory (host or graphics card) in which forces are used without a
+    copy.
     """
 
     state: str
     flexibility: Callable[[Any], Any]
     mass: SparseMatrix
     inertia: Callable[[float], Inertia] | None = None
+    require_count: Callable[[], None] = lambda: None
     space: Callable[[], Space] = lambda: HOST
 
     @property
@@ -76,6 +78,7 @@ def held_body(rooted: RootedBody) -> Held:
         flexibility=rooted.held_flexibility,
         mass=rooted.solid.mass,
         inertia=rooted.held_inertia,
+        require_count=rooted.require_count,
         space=lambda: rooted.space,
         constraint_modes=rooted.constraint_modes,
         stiffness=rooted.stiffness,
@@ -109,6 +112,7 @@ def free_body(rooted: RootedBody) -> FreeBody:
         flexibility=flexibility,
         mass=mass,
         inertia=inertia,
+        require_count=rooted.require_count,
         space=lambda: rooted.space,
         rigid=rigid,
     )

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from fem.solvers.factor import Inertia, RenewableFactor, Symbolic, analyse, upper_triangle
+from fem.solvers.factor import Inertia, RenewableFactor, Symbolic, unordered, upper_triangle
 from lumped.arrays import Array, SparseMatrix
 
 # Eigenvalues of the small matrix below this are round-off: its blocks are of order 1, and their
@@ -23,7 +23,7 @@ _ZERO = 500.0 * np.finfo(np.float64).eps
 
 @dataclass(frozen=True, eq=False)
 class Pencil:
-    """The matrix K − σM for any σ, with one sparsity pattern that is ordered once.
+    """The matrix K − σM for any σ, with one sparsity pattern that is ordered once, if at all.
 
     `springs` (n) are stiffnesses on single unknowns, mostly zero, that support a body while it is
     factorised. `symbolic` is that of K with the springs. `mass` contains the entries of the
@@ -53,7 +53,7 @@ def pencil(K: SparseMatrix, M: SparseMatrix, springs: Array | None = None) -> Pe
     stiffness = csr_array(
         (combined.data.real.copy(), combined.indices, combined.indptr), shape=combined.shape
     )
-    return Pencil(analyse(stiffness), combined.data.imag.copy(), added)
+    return Pencil(unordered(stiffness), combined.data.imag.copy(), added)
 
 
 def count_below(

@@ -5,16 +5,17 @@ eigenvalues (Sylvester): all positive for a stiffness, and counted for K − σM
 fails, its computations are repeated on the processor.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from fem.machine import available_memory
 from fem.solvers.backends.choice import announce_fallback, order, order_on_host
-from fem.solvers.backends.protocol import HOST, DeviceError, Numeric, Space
+from fem.solvers.backends.protocol import HOST, DeviceError, Numeric, Ordering, Space
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError
 
@@ -54,7 +55,20 @@ class Analysis:
 
     def __init__(self, lower: SparseMatrix) -> None:
         self._lower = lower
-        self.ordering = order(lower)
+
+    @cached_property
+    def ordering(self) -> Ordering:
+        """The order, computed when it is first needed."""
+        return order(self._lower)
+
+    @cached_property
+    def peak_bytes(self) -> int:
+        """Predicted peak of the host's memory (bytes) during a factorisation."""
+        return self.ordering.peak_bytes
+
+    def give_up(self) -> None:
+        """Release the memory of the order."""
+        vars(self).pop("ordering", None)
 
     def factorise(self, values: Array, part: str) -> Numeric:
         """Factor of the matrix with these values.
@@ -113,7 +127,7 @@ class Symbolic:
     @property
     def peak_bytes(self) -> int:
         """Predicted peak of the host's memory (bytes) during a factorisation."""
-        return self.analysis.ordering.peak_bytes
+        return self.analysis.peak_bytes
 
     @property
     def space(self) -> Space:
@@ -127,8 +141,9 @@ class Symbolic:
         lost in round-off. Raises ComputationError, before it starts, if memory is insufficient.
         """
         factor = self.indefinite(part)
-        if factor.inertia.positive < self.size or self._held_by_rounding(factor):
+        if factor.inertia.positive < self.size:
             raise NotPositiveDefiniteError(part)
+        self.require_support(factor.solve, part)
         return factor
 
     def indefinite(self, part: str) -> Factor:
@@ -141,32 +156,48 @@ class Symbolic:
         triangle = csc_array((values, lower.indices, lower.indptr), shape=lower.shape)
         return replace(self, triangle=triangle)
 
-    def _held_by_rounding(self, factor: Factor) -> bool:
-        """True if the smallest pivot that an order of elimination can give is only round-off.
+    def require_support(self, solve: Callable[[Array], Array], part: str) -> None:
+        """Raise NotPositiveDefiniteError if the smallest possible pivot is only round-off.
 
         The pivot of unknown k is smallest if it is eliminated last: 1/(A⁻¹)ₖₖ. The most compliant
-        unknown is checked.
+        unknown is checked. `solve` is A⁻¹.
         """
         if not self.size:
-            return False
+            return
         diagonal = self.triangle.diagonal()
         loads = np.random.default_rng(_SEED).standard_normal(self.size) * np.sqrt(diagonal)
-        softest = int(np.argmax(np.abs(factor.solve(loads)) * np.sqrt(diagonal)))
+        softest = int(np.argmax(np.abs(solve(loads)) * np.sqrt(diagonal)))
         unit = np.zeros(self.size)
         unit[softest] = 1.0
-        compliance = float(factor.solve(unit)[softest])
-        return not 0.0 < compliance * diagonal[softest] < 1.0 / _SINGULAR
+        compliance = float(solve(unit)[softest])
+        if not 0.0 < compliance * diagonal[softest] < 1.0 / _SINGULAR:
+            raise NotPositiveDefiniteError(part)
 
 
 def analyse(matrix: SparseMatrix) -> Symbolic:
     """Order the unknowns of a symmetric matrix (csr n×n) and predict the memory of its factor.
 
-    The upper triangle of the matrix is sufficient.
+    The upper triangle of the matrix is sufficient. Raises InputError if a requested library cannot
+    be used, ComputationError if there is none.
     """
+    symbolic = unordered(matrix)
+    _ = symbolic.analysis.ordering
+    return symbolic
+
+
+def unordered(matrix: SparseMatrix) -> Symbolic:
+    """Result of `analyse` whose unknowns are ordered when a factor is first needed."""
     triangle = upper_triangle(matrix)
     # The same arrays read by columns are the lower triangle.
     lower = csc_array((triangle.data, triangle.indices, triangle.indptr), shape=triangle.shape)
     return Symbolic(matrix.shape[0], lower, Analysis(lower))
+
+
+class Inverse(Protocol):
+    """A⁻¹ of a symmetric matrix, by a factor or without one."""
+
+    def solve(self, right_hand_sides: Any) -> Any:
+        """A⁻¹ times one (n) or several (n×k) right-hand sides."""
 
 
 @dataclass(eq=False)
@@ -180,9 +211,19 @@ class RenewableFactor:
     part: str
 
     @cached_property
-    def numeric(self) -> Factor:
+    def numeric(self) -> Inverse:
         """The factor, computed if necessary."""
         return self.symbolic.factorise(self.part)
+
+    @property
+    def space(self) -> Space:
+        """Memory in which right-hand sides do not have to be copied."""
+        return self.symbolic.space
+
+    @property
+    def countable(self) -> bool:
+        """True if a factor of K − σM can count eigenvalues."""
+        return True
 
     def solve(self, right_hand_sides: Any) -> Any:
         """A⁻¹ times one (n) or several (n×k) right-hand sides, see `Factor.solve`."""

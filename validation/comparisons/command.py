@@ -14,6 +14,7 @@ from validation.console.streams import write_messages, write_results
 from validation.console.typed import (
     AsJson,
     Force,
+    HostFile,
     PathArgument,
     RankCount,
     RobotName,
@@ -42,6 +43,7 @@ def converge(
     picture: PathArgument | None = None,
     solver: SolverName = None,
     ranks: RankCount = None,
+    hosts: HostFile = None,
     force: Force = False,
 ) -> int:
     """Show how frequencies and deflections converge with element count or with the mesh.
@@ -73,7 +75,7 @@ def converge(
     from validation.comparisons.element_convergence import QUANTITIES  # noqa: PLC0415
     from validation.comparisons.requested import convergence  # noqa: PLC0415
 
-    request_solver(solver, ranks)
+    request_solver(solver, ranks, hosts)
     require_writable(csv, ".csv", force=force)
     kind = _picture_kind(picture)
     require_writable(picture, kind, force=force)

@@ -57,20 +57,33 @@ PathArgument: TypeAlias = Annotated[Path, Parameter(converter=_path)]
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
 SolverName: TypeAlias = Annotated[
-    Literal["auto", "rslab", "cudss", "petsc"] | None,
+    Literal["auto", "rslab", "cudss", "petsc", "gamg"] | None,
     Parameter(
         help=(
             "Library that factorises large systems: rslab; cudss, on a graphics card (needs "
             "the extra gpu); petsc, MUMPS in separate processes (needs Debian's "
-            "python3-petsc4py); or auto, which uses the card for large systems. Default: "
-            "FLEXPROOF_SOLVER, otherwise auto."
+            "python3-petsc4py), with multigrid for statics beyond the memory; gamg, like petsc "
+            "with multigrid for the statics of all solids; or auto, which uses the card for large "
+            "systems. Default: FLEXPROOF_SOLVER, otherwise auto."
         )
     ),
 ]
 RankCount: TypeAlias = Annotated[
     WholeNumber | None,
     Parameter(
-        help="Number of MPI processes for --solver petsc. Default: FLEXPROOF_RANKS, otherwise 1."
+        help=(
+            "Number of MPI processes for --solver petsc or gamg. Default: FLEXPROOF_RANKS, "
+            "otherwise one per host."
+        )
+    ),
+]
+HostFile: TypeAlias = Annotated[
+    Path | None,
+    Parameter(
+        help=(
+            "Hostfile of mpiexec with the machines for --solver petsc or gamg, this one first. "
+            "Default: FLEXPROOF_HOSTS, otherwise this machine alone."
+        )
     ),
 ]
 RobotName: TypeAlias = Annotated[str, Parameter(help="Name of a built-in robot, or a robot file.")]

@@ -13,6 +13,7 @@ from fem.solvers.backends.request import request_solver
 from lumped.errors import InputError
 from validation.console.typed import (
     Force,
+    HostFile,
     PathArgument,
     RankCount,
     RobotName,
@@ -41,6 +42,7 @@ def export(
     modes: WholeNumber = 20,
     solver: SolverName = None,
     ranks: RankCount = None,
+    hosts: HostFile = None,
     out: PathArgument | None = None,
     force: Force = False,
 ) -> int:
@@ -64,7 +66,7 @@ def export(
         File to write. Default: a file in this folder, named after robot and body, with the ending
         of its kind. The state space may be .npz or .mat.
     """
-    request_solver(solver, ranks)
+    request_solver(solver, ranks, hosts)
     write_export(robot, to, pose=pose, body=body, modes=modes, out=out, force=force)
     return 0
 

@@ -14,6 +14,7 @@ from validation.console.streams import write_results
 from validation.console.typed import (
     AsJson,
     Force,
+    HostFile,
     PathArgument,
     RankCount,
     RobotName,
@@ -47,6 +48,7 @@ def forces(
     vtu: PathArgument | None = None,
     solver: SolverName = None,
     ranks: RankCount = None,
+    hosts: HostFile = None,
     force: Force = False,
     json: AsJson = False,
 ) -> int:
@@ -94,7 +96,7 @@ def forces(
     from validation.solve.question import Question  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
-    request_solver(solver, ranks)
+    request_solver(solver, ranks, hosts)
     require_writable(csv, ".csv", force=force)
     require_writable(picture, ".png", force=force)
     require_writable(vtu, ".vtu", force=force)

@@ -133,9 +133,14 @@ def _compliances(identified: Identified) -> list[str]:
 
 
 def _frequencies(identified: Identified) -> list[str]:
+    counted = (
+        "not counted, because no factor fits the memory: some may be missing"
+        if identified.counted_below is None
+        else f"{identified.counted} counted below {identified.counted_below:.6g} Hz, none missing"
+    )
     heading = (
-        f"frequencies with {identified.interfaces[0].name} clamped (Hz); {identified.counted} "
-        f"counted below {identified.counted_below:.6g} Hz, none missing; columns as above"
+        f"frequencies with {identified.interfaces[0].name} clamped (Hz); {counted}; columns as "
+        "above"
     )
     rows = zip(
         identified.frequencies,

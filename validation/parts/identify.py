@@ -52,8 +52,8 @@ class MeshAnswer:
     """Results on one mesh with one coupling of the interfaces (SI, axes of the file).
 
     Fields with the names of fields of `Identified` have the same meaning. `shapes` contains the
-    displacements of all nodes. `unit_pressures` are those of `fem.bodies.pressures`. `counted` is
-    0 if the modes are not counted.
+    displacements of all nodes. `unit_pressures` are those of `fem.bodies.pressures`. `counted` and
+    `counted_below` are None if modes are not counted.
     """
 
     stiffness: Array
@@ -62,8 +62,8 @@ class MeshAnswer:
     frequencies: Array
     shapes: Array
     unit_pressures: Mapping[int, Array]
-    counted: int
-    counted_below: float
+    counted: int | None
+    counted_below: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,12 +78,13 @@ class Identified:
     `stiffness` and `mass` (6m×6m) are condensed to the interfaces. `compliance` (6(m−1) square, of
     the other interfaces) and `frequencies` (Hz) are those with the first interface clamped.
     `counted`: number of modes below `counted_below` (Hz), by Sylvester's law of inertia; it proves
-    that no mode is missing. `compliance_refinement` and `frequency_refinement`: half-widths due to
-    the mesh in the units of the values. NaN if the file of the part is a mesh, which cannot be
-    refined. `compliance_bracket` and `frequency_bracket` are the values with averaged interfaces
-    less those with rigid ones. `unknowns`: their number on the meshes from coarse to fine.
-    `elements`, `straightened`: numbers of all and of straightened elements of the finest mesh.
-    `by_curvature` is False if gmsh fails with element sizes from curvature.
+    that no mode is missing. Both are None without this proof: if no factor fits the memory.
+    `compliance_refinement` and `frequency_refinement`: half-widths due to the mesh in the units of
+    the values. NaN if the file of the part is a mesh, which cannot be refined. `compliance_bracket`
+    and `frequency_bracket` are the values with averaged interfaces less those with rigid ones.
+    `unknowns`: their number on the meshes from coarse to fine. `elements`, `straightened`: numbers
+    of all and of straightened elements of the finest mesh. `by_curvature` is False if gmsh fails
+    with element sizes from curvature.
 
     `places` (s×3, m): sample points over the part; `shares` (s, kg): their shares of its mass;
     `shapes` (3s×6m): their displacements for unit twists of the interfaces. `pressures` (F×6m):
@@ -114,8 +115,6 @@ class Identified:
     frequency_refinement: Array
     compliance_bracket: Array
     frequency_bracket: Array
-    counted: int
-    counted_below: float
     unknowns: tuple[int, ...]
     elements: int
     straightened: int
@@ -125,6 +124,8 @@ class Identified:
     shapes: Array
     pressed: Array
     pressures: Array
+    counted: int | None = None
+    counted_below: float | None = None
 
     @property
     def deviation(self) -> float | None:
@@ -356,8 +357,7 @@ def _identification(
         "compliance_refinement": refinement[0],
         "frequency_refinement": refinement[1],
         **_bracket(**bounds),
-        "counted": fine.counted,
-        "counted_below": fine.counted_below,
+        **_count(fine),
         "unknowns": (*(count for count, _ in coarser), finest.unknowns),
         "elements": len(finest.cells),
         "straightened": finest.straightened,
@@ -389,15 +389,22 @@ def _answer(
     # Before the modes, because counting them replaces the factorisation of the stiffness.
     matrices = body.stiffness, body.condensed_mass, body.compliance
     shapes = body.solid.transformation @ body.constraint_modes
-    frequencies, counted, below = np.zeros(0), 0, 0.0
-    if modes and certified:
-        certified_modes = body.modes(modes)
-        frequencies, counted = certified_modes.frequencies, certified_modes.count
-        below = float(np.sqrt(certified_modes.shift) / (2.0 * np.pi))
-    elif modes:
-        frequencies = body.uncounted_frequencies(modes)
     unit_pressures = wrenches_of_faces(part.mesh, shapes)
-    return MeshAnswer(*matrices, frequencies, shapes, unit_pressures, counted, below)
+    if not modes:
+        return MeshAnswer(*matrices, np.zeros(0), shapes, unit_pressures, 0, 0.0)
+    if not certified or not body.countable:
+        frequencies = body.uncounted_frequencies(modes)
+        return MeshAnswer(*matrices, frequencies, shapes, unit_pressures, None, None)
+    counted = body.modes(modes)
+    below = float(np.sqrt(counted.shift) / (2.0 * np.pi))
+    return MeshAnswer(*matrices, counted.frequencies, shapes, unit_pressures, counted.count, below)
+
+
+def _count(answer: MeshAnswer) -> dict[str, Any]:
+    """Number of modes and its limit. Empty if they were not counted."""
+    if answer.counted is None:
+        return {}
+    return {"counted": answer.counted, "counted_below": answer.counted_below}
 
 
 def _bracket(rigid: MeshAnswer, average: MeshAnswer) -> dict[str, Array]:

@@ -14,6 +14,7 @@ from validation.console.streams import write_messages, write_results
 from validation.console.typed import (
     AsJson,
     Force,
+    HostFile,
     LengthUnit,
     PathArgument,
     RankCount,
@@ -89,6 +90,7 @@ def identify(
     accuracy: float | None = None,
     solver: SolverName = None,
     ranks: RankCount = None,
+    hosts: HostFile = None,
     out: PathArgument | None = None,
     force: Force = False,
     json: AsJson = False,
@@ -133,7 +135,7 @@ def identify(
     from validation.parts.meshes import part_file  # noqa: PLC0415
     from validation.uncertainty.refinement import accuracy_faults, refined  # noqa: PLC0415
 
-    request_solver(solver, ranks)
+    request_solver(solver, ranks, hosts)
     require_writable(out, ".npz", force=force)
     faults = [] if accuracy is None else accuracy_faults(accuracy)
     faults += request.faults_of_numbers(unknowns, modes)

@@ -25,6 +25,11 @@ GAIN_FROM = 50_000
 # Smallest memory (bytes) per unknown on a card. Legs of tetrahedra need 9000 to 22 000, of which
 # the matrix takes 500.
 LEAST_BYTES = 1_000
+# Systems that GAMG solves, for each request of PETSc.
+_GAMG_USES = {
+    Solver.PETSC: "statics of solids beyond the memory",
+    Solver.GAMG: "statics of solids",
+}
 
 
 class SolverFallbackWarning(Remark):
@@ -34,10 +39,10 @@ class SolverFallbackWarning(Remark):
 def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:
     """Library for a matrix with `unknowns` unknowns. `card` is the graphics card, if there is one.
 
-    PETSc if requested. cuDSS if requested, or if it is faster and the matrix may fit. Otherwise
-    rslab.
+    PETSc if it or GAMG is requested. cuDSS if requested, or if it is faster and the matrix may fit.
+    Otherwise rslab.
     """
-    if request is Solver.PETSC:
+    if request.is_petsc:
         return Solver.PETSC
     if card is None or request is Solver.RSLAB:
         return Solver.RSLAB
@@ -107,8 +112,8 @@ def announce_fallback(error: DeviceError) -> None:
 def solver_name() -> str:
     """Names and versions of the libraries that may compute under the current request."""
     request = requested_solver()
-    if request is Solver.PETSC:
-        return petsc.title()
+    if request.is_petsc:
+        return petsc.title(_GAMG_USES[request])
     if request is Solver.RSLAB or cudss.device() is None:
         return _host_name()
     if request is Solver.CUDSS:

@@ -13,7 +13,7 @@ def require_memory(peak_bytes: int, unknowns: int, part: str) -> None:
     if available is not None and peak_bytes > available:
         raise ComputationError(
             f"factorising {unknowns} unknowns needs about {peak_bytes / 1e9:.1f} GB and "
-            f"{available / 1e9:.1f} GB are available: use fewer divisions, a shorter leg, or "
-            "condensation by doubling (statics)",
+            f"{available / 1e9:.1f} GB are available: use fewer divisions, a shorter leg, or, "
+            "for statics, condensation by doubling or --solver petsc (without a factor)",
             part=part,
         )

@@ -5,13 +5,17 @@ requested.
 """
 
 import os
+from pathlib import Path
 
 from lumped.errors import InputError
 from lumped.solver_request import (
+    HOSTS_VARIABLE,
     RANKS_VARIABLE,
     VARIABLE,
     Solver,
     rank_count,
+    read_hosts,
+    requested_hosts,
     requested_ranks,
     requested_solver,
 )
@@ -19,27 +23,31 @@ from lumped.solver_request import (
 REINSTALL = "install rslab again (pip install --force-reinstall rslab)"
 
 
-def request_solver(name: str | None, ranks: int | None = None) -> None:
+def request_solver(name: str | None, ranks: int | None = None, hosts: Path | None = None) -> None:
     """Request a library for this process and for those that it starts.
 
-    None keeps the request of the environment. `ranks` is the number of MPI ranks of petsc. Raises
-    InputError for an unknown name, for ranks of another library, and if the requested library
-    cannot be used.
+    None keeps the request of the environment. `ranks` is the number of MPI ranks of PETSc, `hosts`
+    a file with the names of their machines. Raises InputError for an unknown name, for ranks or
+    hosts of another library, and if the requested library cannot be used.
     """
     if name is not None:
         os.environ[VARIABLE] = name
     request = requested_solver()
+    for option, value in (("--ranks", ranks), ("--hosts", hosts)):
+        if value is not None and not request.is_petsc:
+            raise InputError(f"{option} {value}: needs --solver petsc or gamg")
+    if hosts is not None:
+        read_hosts(hosts)
+        os.environ[HOSTS_VARIABLE] = str(hosts.absolute())
     if ranks is not None:
-        if request is not Solver.PETSC:
-            raise InputError(f"--ranks {ranks}: needs --solver petsc")
-        os.environ[RANKS_VARIABLE] = str(rank_count(str(ranks), "--ranks"))
+        os.environ[RANKS_VARIABLE] = str(rank_count(str(ranks), "--ranks", len(requested_hosts())))
     requested_ranks()
     require_usable(request)
 
 
 def require_usable(request: Solver) -> None:
     """Raise InputError if the requested library, one of its packages or a card is missing."""
-    if request is Solver.PETSC:
+    if request.is_petsc:
         from fem.solvers.backends.petsc import client  # noqa: PLC0415
 
         client.server()
@@ -53,4 +61,4 @@ def require_usable(request: Solver) -> None:
     from fem.solvers.backends import cudss  # noqa: PLC0415
 
     if reason := cudss.device_fault():
-        raise InputError(f"solver cudss: {reason}; must be auto, rslab or petsc")
+        raise InputError(f"solver cudss: {reason}; must be auto, rslab, petsc or gamg")

@@ -133,7 +133,8 @@ def test_petsc_name_has_versions_and_ranks(ranks):
     name = solver_name()
     assert name.startswith("PETSc 3.")
     assert ", MUMPS 5." in name
-    assert name.endswith(f"(sparse LDLᵀ) on {ranks} rank{plural}")
+    gamg = "GAMG (statics of solids beyond the memory)"
+    assert name.endswith(f"(sparse LDLᵀ), {gamg} on {ranks} rank{plural}")
 
 
 def test_petsc_memory_is_checked_first(ranks, monkeypatch):

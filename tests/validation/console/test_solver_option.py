@@ -45,7 +45,8 @@ def test_unknown_solver_is_refused(command, monkeypatch):
         )
     monkeypatch.setenv(VARIABLE, "pardiso")
     message = command.refused(*SOLVE)
-    assert message == 'flexproof: FLEXPROOF_SOLVER = "pardiso": must be auto, rslab, cudss or petsc'
+    allowed = "must be auto, rslab, cudss, petsc or gamg"
+    assert message == f'flexproof: FLEXPROOF_SOLVER = "pardiso": {allowed}'
 
 
 def test_cudss_without_extra_is_refused(command, monkeypatch):
@@ -62,7 +63,7 @@ def test_wrong_ranks_are_refused(command, monkeypatch):
         said = command.refused(*words, "--solver", "petsc", "--ranks", "0")
         assert said.startswith('flexproof: --ranks = "0": must be a whole number from 1 to ')
         said = command.refused(*words, "--solver", "rslab", "--ranks", "2")
-        assert said == "flexproof: --ranks 2: needs --solver petsc"
+        assert said == "flexproof: --ranks 2: needs --solver petsc or gamg"
     assert "--ranks" in command.refused(*SOLVE, "--ranks", "two")
     monkeypatch.setenv(RANKS_VARIABLE, "two")
     assert 'FLEXPROOF_RANKS = "two": must be a whole number' in command.refused(*SOLVE)

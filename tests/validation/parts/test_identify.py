@@ -25,6 +25,7 @@ from support.robots.paper_legs import STEEL
 
 from fem.beams.beam import beam_leg
 from fem.bodies.part import grips_of, held_part, meshed_part
+from fem.bodies.rooted import RootedBody
 from lumped.equivalent_leg import equivalent_leg
 from lumped.legs import GivenLeg, tip_compliance
 from lumped.mechanism.kinematics.postures import posture
@@ -172,6 +173,18 @@ def test_condensed_shaft_has_rigid_motions(shaft):
     # Rigid ends are more constrained than averaged ones and therefore stiffer (Rayleigh).
     scale = 1.0 / np.sqrt(np.diag(shaft["compliance"]))
     assert np.linalg.eigvalsh(shaft["bracket"] * np.outer(scale, scale))[0] > -1e-9
+
+
+def test_uncounted_frequencies_carry_a_remark(command, folder, monkeypatch):
+    """No factor fits the memory: null in JSON and no proof in the text, also from the cache."""
+    monkeypatch.setattr(RootedBody, "countable", False)
+    words = arguments(folder / "shaft.msh", "--unit", "mm", "--modes", "2")
+    document = json.loads(command.told(*words, "--json"))
+    assert len(document["frequencies"]) == 2
+    assert document["modes_counted"] == {"count": None, "below": None}
+    text = command.told(*words)
+    assert "not counted, because no factor fits the memory: some may be missing" in text
+    assert "none missing" not in text
 
 
 def test_cached_text_has_all_numbers(command, folder, shaft, monkeypatch):

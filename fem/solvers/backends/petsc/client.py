@@ -1,4 +1,4 @@
-"""Factors by MUMPS through PETSc, in one separate process or in several MPI ranks.
+"""Factors by MUMPS through PETSc, in one separate process or in several MPI ranks, also of hosts.
 
 MUMPS factorises PᵀAP = L D Lᵀ with pivots of one or two rows, in an order by nested dissection of
 METIS (Amestoy, Duff, L'Excellent, Koster, SIAM J. Matrix Anal. Appl. 23 (2001) 15). It detects null
@@ -34,11 +34,18 @@ from fem.solvers.backends.host_memory import require_memory
 from fem.solvers.backends.protocol import HOST
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError, InputError
-from lumped.solver_request import PYTHON_VARIABLE, petsc_python, requested_ranks
+from lumped.solver_request import (
+    PYTHON_VARIABLE,
+    petsc_python,
+    requested_hosts,
+    requested_ranks,
+)
 from lumped.text import counted
 
 # The reference BLAS of Debian takes three times as long as OpenBLAS.
 PACKAGES = "python3-petsc4py, mpi-default-bin and libopenblas0-serial"
+# Additional package for several hosts, which must be installed on each of them.
+HOST_PACKAGES = ", and python3-mpi4py on each host"
 # Environment of the server: one thread for each rank. Open MPI 4 and 5 may start more ranks than
 # cores, also as root, and ranks that wait yield their core.
 _ENVIRONMENT: Mapping[str, str] = {
@@ -54,6 +61,8 @@ _ENVIRONMENT: Mapping[str, str] = {
     "PRTE_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
 }
+# Variables that mpiexec passes on to other hosts.
+_THREADS = "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"
 # Number of right-hand sides solved together.
 _COLUMNS_AT_ONCE = 64
 # Largest time (s) for a server to start. 1 to 5 s are usual.
@@ -67,16 +76,23 @@ class MissingPetscError(InputError):
 
 
 class Server:
-    """The program `server` on a number of MPI ranks, and its private folder."""
+    """The program `server` on a number of MPI ranks, and its private folder.
 
-    def __init__(self, interpreter: str, ranks: int, mpiexec: str) -> None:
+    `hosts` are the machines of the ranks, all with equally many. Empty for this machine alone.
+    """
+
+    def __init__(self, interpreter: str, ranks: int, mpiexec: str, hosts: tuple[str, ...]) -> None:
         self._lock, self._names = Lock(), count()
         self._discarded: deque[int] = deque()
-        self._what = f"PETSc on {counted(ranks, 'rank')}"
+        self.hosts = hosts
+        where = f" on {', '.join(hosts)}" if hosts else ""
+        self.ranks = f"{counted(ranks, 'rank')}{where}"
+        self._what = f"PETSc on {self.ranks}"
         self._folder = Path(tempfile.mkdtemp(prefix="flexproof-petsc-"))
         pipes: list[int] = []
         try:
-            for rank in range(ranks):
+            # Ranks on other machines receive commands from rank 0.
+            for rank in range(1 if len(hosts) > 1 else ranks):
                 pipe = self._folder / f"commands-{rank}"
                 os.mkfifo(pipe, 0o600)
                 # Opened for reading and writing, so that opening does not wait for the server.
@@ -97,9 +113,18 @@ class Server:
 
     def _started(self, interpreter: str, ranks: int, mpiexec: str) -> "subprocess.Popen[bytes]":
         """Process of the keeper, which starts the server."""
-        folder = Path(__file__).parent
-        command = [interpreter, "-I", str(folder / "server.py"), str(self._folder)]
-        if ranks > 1:
+        folder, hosts = Path(__file__).parent, self.hosts
+        server = [interpreter, "-I", str(folder / "server.py")]
+        command = [*server, str(self._folder), str(len(hosts))]
+        # Session files of Open MPI. The private folder exists on this machine alone.
+        sessions = "orte_local_tmpdir_base" if hosts else "orte_tmpdir_base"
+        if hosts:
+            file = self._folder / "hosts"
+            lines = [f"{host} slots={ranks // len(hosts)}\n" for host in hosts]
+            file.write_text("".join(lines), encoding="utf-8")
+            exported = [word for variable in _THREADS for word in ("-x", variable)]
+            command = ["--hostfile", str(file), *exported, *command]
+        if ranks > 1 or hosts:
             command = [mpiexec, "-n", str(ranks), *command]
         keeper = [sys.executable, "-I", str(folder / "keeper.py"), str(self._folder), *command]
         with (self._folder / "log").open("wb") as log:
@@ -108,7 +133,7 @@ class Server:
                 env={
                     **os.environ,
                     **_ENVIRONMENT,
-                    "OMPI_MCA_orte_tmpdir_base": str(self._folder),
+                    f"OMPI_MCA_{sessions}": str(self._folder),
                 },
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
@@ -128,15 +153,35 @@ class Server:
         return next(self._names)
 
     def analyse(self, name: int, lower: SparseMatrix) -> int:
-        """Order the unknowns of a lower triangle (csc n×n). Return the predicted memory (bytes)."""
+        """Order the unknowns of a lower triangle (csc n×n). Return the predicted memory (bytes).
+
+        It is that of all ranks together, or of one host if there are several.
+        """
         with self._command():
-            for kind, array in (
-                ("offsets", lower.indptr),
-                ("columns", lower.indices),
-                ("values", lower.data),
-            ):
-                self._store(f"{name}-{kind}", array)
-            return int(self._execute("analyse", name)["peak_bytes"])
+            self._store_triangle(name, lower)
+            answer = self._execute("analyse", name, size=int(lower.shape[0]))
+            if not self.hosts:
+                return int(answer["peak_bytes"])
+            ranks = int(self.about["ranks"]) // len(self.hosts)
+            return ranks * int(answer["largest_bytes"])
+
+    def precondition(self, name: int, lower: SparseMatrix, motions: Array, part: str) -> None:
+        """Prepare conjugate gradients for a lower triangle (csc n×n).
+
+        `motions` (n×6) are orthonormal rigid motions.
+        """
+        with self._command(part):
+            self._store_triangle(name, lower)
+            self._store(f"{name}-motions", motions)
+            self._execute("precondition", name, part, size=int(lower.shape[0]))
+
+    def _store_triangle(self, name: int, lower: SparseMatrix) -> None:
+        for kind, array in (
+            ("offsets", lower.indptr),
+            ("columns", lower.indices),
+            ("values", lower.data),
+        ):
+            self._store(f"{name}-{kind}", array)
 
     def factorise(self, name: int, values: Array, part: str) -> tuple[int, int]:
         """Numbers of negative and of zero eigenvalues of the matrix with these values."""
@@ -145,13 +190,14 @@ class Server:
             answer = self._execute("factorise", name, part)
             return int(answer["negative"]), int(answer["zero"])
 
-    def solve(self, name: int, right: Array) -> Array:
-        """Solutions (n×k) with the factor of the ordering `name`."""
-        with self._command():
+    def solve(self, name: int, right: Array, part: str = "") -> tuple[Array, dict[str, Any]]:
+        """Solutions (n×k) by the factor or the iteration `name`, and the answer of the server."""
+        with self._command(part):
             self._store("right", right)
             self._store("solution", np.zeros_like(right))
-            self._execute("solve", name)
-            return np.asarray(np.load(self._folder / "solution.npy"), dtype=np.float64)
+            answer = self._execute("solve", name, part)
+            solution = np.load(self._folder / "solution.npy")
+            return np.asarray(solution, dtype=np.float64), answer
 
     def discard(self, name: int) -> None:
         """Free the factor of an ordering, at the latest before the next command."""
@@ -192,16 +238,19 @@ class Server:
         """Write an array to a file in the folder of the server."""
         np.save(self._folder / f"{name}.npy", array)
 
-    def _execute(self, verb: str, name: int, part: str = "") -> dict[str, Any]:
-        """Answer to a command for an ordering. Raises ComputationError if the command fails."""
+    def _execute(self, verb: str, name: int, part: str = "", size: int = 0) -> dict[str, Any]:
+        """Answer to a command for a system of `size` unknowns, which need not be repeated.
+
+        Raises ComputationError if the command fails.
+        """
         self._discard_all()
-        answer = self._exchange(verb, name, part)
+        answer = self._exchange(verb, name, part, size)
         if "error" in answer:
             raise ComputationError(f"{self._what}: {answer['error']}", part)
         return answer
 
-    def _exchange(self, verb: str, name: int, part: str = "") -> dict[str, Any]:
-        line = f"{json.dumps({'verb': verb, 'name': name})}\n".encode()
+    def _exchange(self, verb: str, name: int, part: str = "", size: int = 0) -> dict[str, Any]:
+        line = f"{json.dumps({'verb': verb, 'name': name, 'size': size})}\n".encode()
         try:
             for pipe in self._pipes:
                 os.write(pipe, line)
@@ -261,18 +310,18 @@ def _mpiexec(interpreter: str) -> str:
     return str(neighbour) if neighbour.exists() else shutil.which("mpiexec") or ""
 
 
-def _started(interpreter: str, ranks: int) -> Server:
+def _started(interpreter: str, ranks: int, hosts: tuple[str, ...]) -> Server:
     """Server with petsc4py. Raises MissingPetscError."""
     mpiexec = _mpiexec(interpreter)
     if not hasattr(os, "mkfifo"):
         reason = "runs on Linux and macOS alone"
     elif not Path(interpreter).exists():
         reason = f"{interpreter} does not exist"
-    elif ranks > 1 and not mpiexec:
+    elif (ranks > 1 or hosts) and not mpiexec:
         reason = "several ranks need mpiexec, not found"
     else:
         try:
-            server = Server(interpreter, ranks, mpiexec)
+            server = Server(interpreter, ranks, mpiexec, hosts)
         except (ComputationError, OSError) as error:
             reason = str(error)
         else:
@@ -280,15 +329,16 @@ def _started(interpreter: str, ranks: int) -> Server:
                 return server
             server.end()
             reason = f"{interpreter}: {server.about['missing']}"
+    packages = f"{PACKAGES}{HOST_PACKAGES}" if len(hosts) > 1 else PACKAGES
     raise MissingPetscError(
-        f"solver petsc: {reason}; install the Debian packages {PACKAGES}, or set "
+        f"solver petsc: {reason}; install the Debian packages {packages}, or set "
         f"{PYTHON_VARIABLE} to a Python with petsc4py and MUMPS"
     )
 
 
 @cache
-def _kept(interpreter: str, ranks: int) -> Server:
-    return _started(interpreter, ranks)
+def _kept(interpreter: str, ranks: int, hosts: tuple[str, ...]) -> Server:
+    return _started(interpreter, ranks, hosts)
 
 
 def server() -> Server:
@@ -296,7 +346,7 @@ def server() -> Server:
 
     It is started when it is first needed, and again after it has died.
     """
-    request = petsc_python(), requested_ranks()
+    request = petsc_python(), requested_ranks(), requested_hosts()
     if not _kept(*request).alive:
         _kept.cache_clear()
     return _kept(*request)
@@ -311,11 +361,15 @@ def installed() -> bool:
     return True
 
 
-def title() -> str:
-    """Names and versions of the libraries, and number of ranks. Raises MissingPetscError."""
+def title(gamg: str = "") -> str:
+    """Names and versions of the libraries, ranks and hosts. Raises MissingPetscError.
+
+    `gamg` names the systems that GAMG solves. "" if there are none.
+    """
     about = server().about
     mumps = f"MUMPS {about['mumps']}".rstrip()
-    return f"PETSc {about['petsc']}, {mumps} (sparse LDLᵀ) on {counted(about['ranks'], 'rank')}"
+    iteration = f", GAMG ({gamg})" if gamg else ""
+    return f"PETSc {about['petsc']}, {mumps} (sparse LDLᵀ){iteration} on {server().ranks}"
 
 
 class PetscNumeric:
@@ -377,5 +431,5 @@ class PetscOrdering:
         solution = np.zeros(columns.shape)
         for start in range(0, columns.shape[1], _COLUMNS_AT_ONCE):
             some = slice(start, start + _COLUMNS_AT_ONCE)
-            solution[:, some] = self._server.solve(self._name, columns[:, some])
+            solution[:, some], _ = self._server.solve(self._name, columns[:, some])
         return solution

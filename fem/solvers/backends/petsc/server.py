@@ -1,9 +1,11 @@
 """Program that computes for the backend `petsc`, run by a Python that has petsc4py.
 
-It imports nothing of this project, only numpy and petsc4py of the Python that runs it. It is
-started as `server.py FOLDER`, once for each MPI rank. Each rank reads commands, one JSON object per
-line, from the pipe `commands-RANK` in the folder. Arrays are numpy files in the same folder. Rank 0
-writes the answers to standard output, one JSON object per line.
+It imports nothing of this project, only numpy and petsc4py of the Python that runs it, and mpi4py
+if there are several hosts. It is started as `server.py FOLDER HOSTS`, once for each MPI rank. On
+one host, each rank reads commands, one JSON object per line, from the pipe `commands-RANK` in the
+folder. Arrays are numpy files in the same folder. On several hosts, only rank 0 reads the pipe and
+the files, and the others receive from it. Rank 0 writes the answers to standard output, one JSON
+object per line.
 """
 
 import ctypes
@@ -11,9 +13,13 @@ import json
 import os
 import sys
 from pathlib import Path
-from typing import Any
+from time import sleep
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 # Folders of petsc4py in Debian. The usual path exists only with the development package.
 _DEBIAN = "usr/lib/petscdir/petsc*/*-real/lib/python3/dist-packages"
@@ -29,6 +35,20 @@ _MORE_ROOM = {-8, -9, -14, -17, -20}
 _SETTINGS = 64
 # Length of the version text that MUMPS writes.
 _VERSION = 30
+# Relative residual at which conjugate gradients stop, in the norm of the preconditioner, which is
+# equivalent to the energy norm. The energy has twice the digits, and products of the displacements
+# with other loads, such as the 6×6 of a part, have these digits.
+_RESIDUAL = 1e-11
+# Largest number of iterations. 20 to 60 are usual, nearly incompressible parts need some hundreds.
+_ITERATIONS = 1000
+# Number of times that conjugate gradients start again if the true residual is larger than theirs.
+_RESTARTS = 3
+# Number of unknowns of a node, which the preconditioner keeps together.
+_BLOCK = 3
+# Time (s) between two looks of a waiting rank for a command of rank 0 on another host.
+_PAUSE = 0.002
+# Largest number of bytes of a message. MPI counts them by 32 bits.
+_MESSAGE = 1 << 30
 
 
 class _MumpsError(Exception):
@@ -39,26 +59,132 @@ class _MumpsError(Exception):
         self.number = number
 
 
+class _Files:
+    """Arrays and commands that every rank reads by itself, in a folder of its own machine."""
+
+    def __init__(self, folder: Path, petsc: Any) -> None:
+        self._folder, self._petsc = folder, petsc
+        self._rank = petsc.COMM_WORLD.rank
+
+    def commands(self) -> "Iterator[dict[str, Any]]":
+        """Commands, until the pipe is closed."""
+        with (self._folder / f"commands-{self._rank}").open(encoding="ascii") as lines:
+            for line in lines:
+                yield json.loads(line)
+
+    def read(self, name: str, rows: slice) -> Any:
+        """Rows of an array, different ones on each rank."""
+        return np.array(self._array(name)[rows])
+
+    def write(self, name: str, rows: slice, array: Any) -> None:
+        """Write rows into an existing file, different ones on each rank."""
+        self._array(name, "r+")[rows] = array
+        self._petsc.COMM_WORLD.barrier()
+
+    def _array(self, name: str, mode: "Literal['r', 'r+']" = "r") -> Any:
+        return np.load(self._folder / f"{name}.npy", mmap_mode=mode)
+
+
+class _Messages(_Files):
+    """Arrays and commands that rank 0 reads and sends to ranks on other machines."""
+
+    def __init__(self, folder: Path, petsc: Any) -> None:
+        super().__init__(folder, petsc)
+        from mpi4py import MPI  # noqa: PLC0415
+
+        self._byte, self._communicator = MPI.BYTE, MPI.COMM_WORLD
+        self._others = range(1, self._communicator.size)
+
+    def commands(self) -> "Iterator[dict[str, Any]]":
+        """Commands, until the pipe of rank 0 is closed."""
+        if self._rank == 0:
+            for command in super().commands():
+                self._send_object(command)
+                yield command
+            self._send_object(None)
+            return
+        while True:
+            # A rank that waits in MPI would occupy its core.
+            while not self._communicator.Iprobe(source=0):
+                sleep(_PAUSE)
+            command = self._communicator.recv(source=0)
+            if command is None:
+                return
+            yield command
+
+    def read(self, name: str, rows: slice) -> Any:
+        """Rows of an array, different ones on each rank."""
+        wanted = self._communicator.gather((rows.start, rows.stop))
+        if self._rank:
+            return self._receive(0)
+        array = self._array(name)
+        for rank in self._others:
+            self._send(np.ascontiguousarray(array[slice(*wanted[rank])]), rank)
+        return np.array(array[rows])
+
+    def write(self, name: str, rows: slice, array: Any) -> None:
+        """Write rows into an existing file, different ones on each rank."""
+        written = self._communicator.gather((rows.start, rows.stop))
+        if self._rank:
+            self._send(np.ascontiguousarray(array), 0)
+            return
+        file = self._array(name, "r+")
+        file[rows] = array
+        for rank in self._others:
+            file[slice(*written[rank])] = self._receive(rank)
+
+    def _send_object(self, content: Any) -> None:
+        for rank in self._others:
+            self._communicator.send(content, dest=rank)
+
+    def _send(self, array: Any, rank: int) -> None:
+        self._communicator.send((array.shape, array.dtype.str), dest=rank)
+        for piece in _pieces(array):
+            self._communicator.Send([piece, self._byte], dest=rank)
+
+    def _receive(self, rank: int) -> Any:
+        shape, kind = self._communicator.recv(source=rank)
+        array = np.empty(shape, dtype=kind)
+        for piece in _pieces(array):
+            self._communicator.Recv([piece, self._byte], source=rank)
+        return array
+
+
+def _pieces(array: Any) -> "list[Any]":
+    """The bytes of a contiguous array in pieces that fit into a message."""
+    flat = array.reshape(-1).view(np.uint8)
+    return [flat[start : start + _MESSAGE] for start in range(0, len(flat), _MESSAGE)]
+
+
+class _Rows:
+    """Rows of a symmetric matrix that belong to this rank, in whole blocks of unknowns."""
+
+    def __init__(self, petsc: Any, files: _Files, name: int, size: int, block: int) -> None:
+        layout = petsc.Vec().create(petsc.COMM_WORLD)
+        layout.setSizes(size, block)
+        layout.setUp()
+        first, end = layout.getOwnershipRange()
+        layout.destroy()
+        offsets = files.read(f"{name}-offsets", slice(first, end + 1))
+        self.rows, self.size = slice(first, end), size
+        self.entries = slice(int(offsets[0]), int(offsets[-1]))
+        self.offsets = (offsets - offsets[0]).astype(petsc.IntType)
+        self.columns = files.read(f"{name}-columns", self.entries).astype(petsc.IntType)
+        shape = (end - first, size)
+        pattern = self.offsets, self.columns, files.read(f"{name}-values", self.entries)
+        self.matrix = petsc.Mat().createSBAIJ((shape, shape), 1, csr=pattern, comm=petsc.COMM_WORLD)
+
+
 class _Factor:
     """Matrix, symbolic and numeric factor of one pattern, distributed by rows over the ranks."""
 
-    def __init__(self, petsc: Any, library: ctypes.CDLL, folder: Path, name: int) -> None:
-        self._petsc, self._library, self._folder = petsc, library, folder
+    def __init__(
+        self, petsc: Any, library: ctypes.CDLL, files: _Files, name: int, size: int
+    ) -> None:
+        self._petsc, self._library, self._files = petsc, library, files
+        self._share = _Rows(petsc, files, name, size, 1)
+        self._rows, self._size, self._matrix = self._share.rows, size, self._share.matrix
         communicator = petsc.COMM_WORLD
-        offsets = np.load(folder / f"{name}-offsets.npy", mmap_mode="r")
-        columns = np.load(folder / f"{name}-columns.npy", mmap_mode="r")
-        values = np.load(folder / f"{name}-values.npy", mmap_mode="r")
-        size = len(offsets) - 1
-        layout = petsc.Vec().createMPI(size, comm=communicator)
-        first, end = layout.getOwnershipRange()
-        layout.destroy()
-        self._rows, self._size = slice(first, end), size
-        self._entries = slice(int(offsets[first]), int(offsets[end]))
-        self._offsets = (offsets[first : end + 1] - offsets[first]).astype(petsc.IntType)
-        self._columns = columns[self._entries].astype(petsc.IntType)
-        shape = (end - first, size)
-        pattern = self._offsets, self._columns, np.array(values[self._entries])
-        self._matrix = petsc.Mat().createSBAIJ((shape, shape), 1, csr=pattern, comm=communicator)
         # The preconditioner of PETSc creates the empty factor.
         self._owner = petsc.PC().create(communicator)
         self._owner.setOperators(self._matrix)
@@ -71,7 +197,9 @@ class _Factor:
         self._factor.setMumpsIcntl(_RELAXATION, _RELAXATIONS[0])
         self._settings = (ctypes.c_double * _SETTINGS)()
         self._call("MatFactorInfoInitialize", self._settings)
-        rows = petsc.IS().createStride(end - first, first=first, step=1, comm=communicator)
+        rows = petsc.IS().createStride(
+            self._rows.stop - self._rows.start, first=self._rows.start, step=1, comm=communicator
+        )
         self._call(
             "MatCholeskyFactorSymbolic",
             *(_handle(part) for part in (self._factor, self._matrix, rows)),
@@ -85,11 +213,15 @@ class _Factor:
         """Predicted memory (bytes) of the factorisation, for all ranks together."""
         return 1_000_000 * int(self._factor.getMumpsInfog(17))
 
+    @property
+    def largest_bytes(self) -> int:
+        """Predicted memory (bytes) of the rank that needs most."""
+        return 1_000_000 * int(self._factor.getMumpsInfog(16))
+
     def factorise(self, name: int) -> "tuple[int, int]":
         """Numbers of negative and of zero eigenvalues of the matrix with the values in a file."""
-        values = np.load(self._folder / f"{name}-values.npy", mmap_mode="r")
-        rank_values = np.array(values[self._entries])
-        self._matrix.setValuesCSR(self._offsets, self._columns, rank_values)
+        values = self._files.read(f"{name}-values", self._share.entries)
+        self._matrix.setValuesCSR(self._share.offsets, self._share.columns, values)
         self._matrix.assemble()
         for relaxation in _RELAXATIONS:
             self._factor.setMumpsIcntl(_RELAXATION, relaxation)
@@ -103,19 +235,15 @@ class _Factor:
         negative, zero, _ = self._factor.getInertia()
         return int(negative), int(zero)
 
-    def solve(self) -> None:
+    def solve(self) -> "dict[str, Any]":
         """Write the solutions for the right-hand sides (n×k) in their file."""
-        right = np.load(self._folder / "right.npy", mmap_mode="r")
-        solution = np.load(self._folder / "solution.npy", mmap_mode="r+")
-        right_side = self._dense(np.array(right[self._rows], order="F"))
-        unknown = self._dense(
-            np.zeros((self._rows.stop - self._rows.start, right.shape[1]), order="F")
-        )
+        right = np.asfortranarray(self._files.read("right", self._rows))
+        right_side, unknown = self._dense(right), self._dense(np.zeros_like(right))
         self._factor.matSolve(right_side, unknown)
-        solution[self._rows] = unknown.getDenseArray()
+        self._files.write("solution", self._rows, unknown.getDenseArray())
         right_side.destroy()
         unknown.destroy()
-        self._petsc.COMM_WORLD.barrier()
+        return {}
 
     def _dense(self, rows: Any) -> Any:
         """Dense matrix of PETSc with the `rows` of this rank."""
@@ -138,6 +266,92 @@ class _Factor:
         """Call a function of PETSc that petsc4py does not provide."""
         if code := getattr(self._library, name)(*arguments):
             raise RuntimeError(f"{name} of PETSc failed with code {code}")
+
+
+class _Iteration:
+    """Conjugate gradients, preconditioned by the multigrid GAMG, for one positive definite matrix.
+
+    The rigid motions (n×6, orthonormal) are the near null space from which GAMG makes its coarse
+    levels. The set-up serves all right-hand sides.
+    """
+
+    def __init__(self, petsc: Any, files: _Files, name: int, size: int) -> None:
+        self._petsc, self._files = petsc, files
+        communicator = petsc.COMM_WORLD
+        block = _BLOCK if size % _BLOCK == 0 else 1
+        share = _Rows(petsc, files, name, size, block)
+        self._rows = share.rows
+        # GAMG needs both triangles.
+        self._matrix = petsc.Mat()
+        share.matrix.convert("mpiaij" if communicator.size > 1 else "seqaij", self._matrix)
+        share.matrix.destroy()
+        self._matrix.setBlockSize(block)
+        self._matrix.setOption(petsc.Mat.Option.SPD, flag=True)
+        motions = files.read(f"{name}-motions", share.rows)
+        vectors = [self._vector(column, block) for column in motions.T]
+        rigid = petsc.NullSpace().create(vectors=vectors, comm=communicator)
+        self._matrix.setNearNullSpace(rigid)
+        self._solver = solver = petsc.KSP().create(communicator)
+        solver.setOperators(self._matrix)
+        solver.setType("cg")
+        solver.getPC().setType("gamg")
+        solver.setNormType(petsc.KSP.NormType.NATURAL)
+        solver.setTolerances(rtol=_RESIDUAL, atol=0.0, max_it=_ITERATIONS)
+        solver.setUp()
+        self._norm = self._matrix.norm(petsc.NormType.INFINITY)
+
+    def _vector(self, values: Any, block: int) -> Any:
+        vector = self._petsc.Vec().create(self._petsc.COMM_WORLD)
+        vector.setSizes((len(values), None), block)
+        vector.setUp()
+        vector.setArray(values)
+        return vector
+
+    def solve(self) -> "dict[str, Any]":
+        """Write the solutions for the right-hand sides (n×k). Return their largest errors.
+
+        `energy` is the true residual in the norm of the preconditioner, relative to the energy norm
+        of the solution. `backward` is the residual relative to the products of which it is the
+        difference, `balance` the relative difference of work and twice the energy, `reason` that of
+        PETSc for the end, negative if there is no convergence.
+        """
+        columns = self._files.read("right", self._rows)
+        solutions = np.zeros_like(columns)
+        checks = []
+        right, solution = self._matrix.createVecs()
+        residual, preconditioned = right.duplicate(), right.duplicate()
+        for column in range(columns.shape[1]):
+            right.setArray(columns[:, column])
+            solution.set(0.0)
+            iterations = 0
+            for restart in range(1 + _RESTARTS):
+                self._solver.setInitialGuessNonzero(restart > 0)
+                self._solver.solve(right, solution)
+                iterations += self._solver.getIterationNumber()
+                reason = self._solver.getConvergedReason()
+                self._matrix.mult(solution, residual)
+                twice_energy = solution.dot(residual)
+                residual.aypx(-1.0, right)
+                self._solver.getPC().apply(residual, preconditioned)
+                work = max(abs(twice_energy), sys.float_info.min)
+                energy = (abs(residual.dot(preconditioned)) / work) ** 0.5
+                if reason < 0 or energy <= 2.0 * _RESIDUAL:
+                    break
+            infinity = self._petsc.NormType.INFINITY
+            size = self._norm * solution.norm(infinity) + right.norm(infinity)
+            backward = residual.norm(infinity) / max(size, sys.float_info.min)
+            balance = abs(solution.dot(residual)) / work
+            checks.append((iterations, energy, backward, balance, reason))
+            solutions[:, column] = solution.getArray()
+        self._files.write("solution", self._rows, solutions)
+        for vector in (right, solution, residual, preconditioned):
+            vector.destroy()
+        return {"checks": checks}
+
+    def destroy(self) -> None:
+        """Free the memory of matrix and preconditioner."""
+        self._solver.destroy()
+        self._matrix.destroy()
 
 
 def _handle(part: Any) -> ctypes.c_void_p:
@@ -167,7 +381,7 @@ def _mumps_version(library: ctypes.CDLL) -> str:
     return version.raw.decode("ascii", "replace").strip(" \0")
 
 
-def serve(folder: Path) -> None:
+def serve(folder: Path, hosts: int) -> None:
     """Answer commands until the pipe from which they are read is closed."""
     answers = os.fdopen(os.dup(1), "w", encoding="ascii")
     # Messages that libraries print are written to the log.
@@ -179,6 +393,7 @@ def serve(folder: Path) -> None:
 
     try:
         petsc = _petsc()
+        files = (_Messages if hosts > 1 else _Files)(folder, petsc)
     except ImportError as error:
         answer({"missing": " ".join(str(error).split())})
         return
@@ -188,39 +403,39 @@ def serve(folder: Path) -> None:
     if rank == 0:
         ranks = petsc.COMM_WORLD.size
         answer({"petsc": version, "mumps": _mumps_version(library), "ranks": ranks})
-    factors: dict[int, _Factor] = {}
-    with (folder / f"commands-{rank}").open(encoding="ascii") as commands:
-        for line in commands:
-            command = json.loads(line)
-            content = _executed(command["verb"], command["name"], factors, petsc, library, folder)
-            if rank == 0:
-                answer(content)
+    systems: dict[int, Any] = {}
+    for command in files.commands():
+        content = _executed(command, systems, petsc, library, files)
+        if rank == 0:
+            answer(content)
 
 
 def _executed(
-    verb: str,
-    name: int,
-    factors: "dict[int, _Factor]",
+    command: "dict[str, Any]",
+    systems: "dict[int, Any]",
     petsc: Any,
     library: ctypes.CDLL,
-    folder: Path,
+    files: _Files,
 ) -> "dict[str, Any]":
     """Answer to a command. Errors of MUMPS are part of the answer, others end the process."""
+    verb, name = command["verb"], command["name"]
     try:
         if verb == "analyse":
-            factors[name] = _Factor(petsc, library, folder, name)
-            return {"peak_bytes": factors[name].peak_bytes}
+            systems[name] = factor = _Factor(petsc, library, files, name, command["size"])
+            return {"peak_bytes": factor.peak_bytes, "largest_bytes": factor.largest_bytes}
         if verb == "factorise":
-            negative, zero = factors[name].factorise(name)
+            negative, zero = systems[name].factorise(name)
             return {"negative": negative, "zero": zero}
-        if verb == "solve":
-            factors[name].solve()
-        elif name in factors:
-            factors.pop(name).destroy()
+        if verb == "precondition":
+            systems[name] = _Iteration(petsc, files, name, command["size"])
+        elif verb == "solve":
+            return dict(systems[name].solve())
+        elif name in systems:
+            systems.pop(name).destroy()
     except _MumpsError as error:
         return {"error": str(error)}
     return {}
 
 
 if __name__ == "__main__":
-    serve(Path(sys.argv[1]))
+    serve(Path(sys.argv[1]), int(sys.argv[2]))

@@ -1,0 +1,109 @@
+"""Solutions without a factor: conjugate gradients with the multigrid GAMG of PETSc.
+
+GAMG (smoothed aggregation; Vaněk, Mandel, Brezina, Computing 56 (1996) 179) makes its coarse levels
+from the rigid motions. The number of iterations hardly depends on that of unknowns, and the memory
+is a few times that of the matrix. There is no inertia: eigenvalues cannot be counted.
+"""
+
+from typing import Any, NamedTuple
+from weakref import finalize
+
+import numpy as np
+from scipy.sparse import coo_array, csc_array
+
+from fem.solvers.backends.petsc.client import server
+from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.errors import ComputationError
+
+# Largest accepted error in the norm of the preconditioner, relative to the energy norm. The server
+# stops at a tenth. The energy then has twice the digits, other products of solutions and loads
+# these.
+_ENERGY = 1e-10
+# Residual, relative to the products of which it is the difference, below which it is round-off.
+# Factors of the same matrices leave 1e-16 to 5e-16. Long slender legs end here.
+_BACKWARD = 1e-15
+# Reasons of PETSc for an end: a preconditioner or a matrix that is not positive definite.
+_INDEFINITE = {-8, -10}
+
+
+class IndefiniteError(Exception):
+    """Error: conjugate gradients met a direction without positive energy."""
+
+
+class Check(NamedTuple):
+    """Errors of the solution for one right-hand side.
+
+    `energy` is the true residual in the norm of the preconditioner, relative to the energy norm of
+    the solution, `backward` the residual relative to the products of which it is the difference,
+    `balance` the relative difference of work and twice the energy. `reason` is that of PETSc for
+    the end of `iterations`.
+    """
+
+    iterations: int
+    energy: float
+    backward: float
+    balance: float
+    reason: int
+
+    @property
+    def sufficient(self) -> bool:
+        """True if energy and work are right to ten digits, or to what double precision allows."""
+        return max(self.energy, self.balance) <= _ENERGY or self.backward <= _BACKWARD
+
+
+class GamgIteration:
+    """Conjugate gradients for one positive definite matrix, set up once for all right-hand sides.
+
+    `lower` is the lower triangle (csc n×n), `motions` (n×6) are its rigid motions, if it had no
+    supports, and `places` (n×3, m) the positions of the unknowns. Ranks get neighbouring unknowns:
+    these are sorted along the longest axis of the body, those of a node together. `part` is the
+    name in messages. Raises MissingPetscError and ComputationError.
+    """
+
+    def __init__(self, lower: SparseMatrix, motions: Array, places: Array, part: str) -> None:
+        self._server, self._part = server(), part
+        self._name = self._server.new_name()
+        axis = int(np.ptp(places, axis=0).argmax())
+        # The order is stable: unknowns at the same position stay together.
+        self._order: IntArray = np.argsort(places[:, axis], kind="stable")
+        finalize(self, self._server.discard, self._name).atexit = False
+        orthonormal, _ = np.linalg.qr(motions[self._order])
+        self._server.precondition(self._name, _permuted(lower, self._order), orthonormal, part)
+        self.checks: tuple[Check, ...] = ()
+
+    def solve(self, columns: Array) -> Array:
+        """Solutions (n×k) for the right-hand sides `columns` (n×k).
+
+        Raises IndefiniteError, and ComputationError if one of them does not converge.
+        """
+        ordered, answer = self._server.solve(self._name, columns[self._order], self._part)
+        self.checks = tuple(Check(*check) for check in answer["checks"])
+        for check in self.checks:
+            if check.reason in _INDEFINITE:
+                raise IndefiniteError
+            if not check.sufficient:
+                raise ComputationError(_why_not(check), self._part)
+        solution = np.empty_like(ordered)
+        solution[self._order] = ordered
+        return solution
+
+
+def _why_not(check: Check) -> str:
+    return (
+        f"conjugate gradients with GAMG end after {check.iterations} iterations with a relative "
+        f"error of {max(check.energy, check.balance):.1e} in energy norm, {_ENERGY:g} is allowed; "
+        "probably the material is nearly incompressible, or elements are very thin: use a coarser "
+        "mesh that a factor (--solver rslab or petsc) can solve"
+    )
+
+
+def _permuted(lower: SparseMatrix, order: IntArray) -> Any:
+    """Lower triangle (csc n×n) of the matrix with rows and columns in another order."""
+    size = lower.shape[0]
+    position = np.empty(size, dtype=lower.indices.dtype)
+    position[order] = np.arange(size, dtype=position.dtype)
+    rows, columns = position[lower.indices], np.repeat(position, np.diff(lower.indptr))
+    places = np.maximum(rows, columns), np.minimum(rows, columns)
+    permuted = csc_array(coo_array((lower.data, places), shape=lower.shape))
+    permuted.sort_indices()
+    return permuted

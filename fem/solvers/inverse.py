@@ -1,0 +1,86 @@
+"""Statics of a supported solid: by a factor, or without one if it does not fit the memory.
+
+Without a factor, PETSc takes conjugate gradients with the multigrid GAMG. Each solution is checked
+by its residual and its energy. There are no signs of eigenvalues: modes are counted only if a
+factor of K − σM, which is computed for this purpose alone, fits the memory.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from fem.machine import available_memory
+from fem.solvers.backends.petsc.iteration import GamgIteration, IndefiniteError
+from fem.solvers.backends.protocol import HOST, Space
+from fem.solvers.factor import Inverse, NotPositiveDefiniteError, RenewableFactor, Symbolic
+from lumped.arrays import Array
+from lumped.solver_request import Solver, requested_solver
+
+
+@dataclass(eq=False)
+class _GamgInverse:
+    """K⁻¹ by GAMG. Raises NotPositiveDefiniteError and ComputationError."""
+
+    iteration: GamgIteration
+    part: str
+
+    def solve(self, right_hand_sides: Any) -> Any:
+        """K⁻¹ times one (n) or several (n×k) right-hand sides, in the same shape."""
+        columns = right_hand_sides.reshape(len(right_hand_sides), -1)
+        try:
+            solution = self.iteration.solve(columns)
+        except IndefiniteError:
+            raise NotPositiveDefiniteError(self.part) from None
+        return solution.reshape(right_hand_sides.shape)
+
+
+@dataclass(eq=False)
+class RenewableIteration(RenewableFactor):
+    """Multigrid that is released if a factor needs its memory, and set up again when needed.
+
+    `motions` (n×6) are the rigid motions of the body, `places` (n×3, m) the positions of its
+    unknowns.
+    """
+
+    motions: Array
+    places: Array
+
+    @cached_property
+    def numeric(self) -> Inverse:
+        """The iteration, set up if necessary."""
+        triangle = self.symbolic.triangle
+        iteration = GamgIteration(triangle, self.motions, self.places, self.part)
+        return _GamgInverse(iteration, self.part)
+
+    @property
+    def space(self) -> Space:
+        """Memory of the host."""
+        return HOST
+
+    @cached_property
+    def countable(self) -> bool:
+        """True if a factor of K − σM fits the memory."""
+        return _fits(self.symbolic)
+
+
+def inverse(symbolic: Symbolic, motions: Array, places: Array, part: str) -> RenewableFactor:
+    """K⁻¹ of a supported solid (n unknowns): GAMG if requested, or if PETSc has too little memory.
+
+    Otherwise a factor. The arguments are those of `RenewableIteration`. The result is ready for
+    right-hand sides: raises NotPositiveDefiniteError and ComputationError.
+    """
+    request = requested_solver()
+    if request is Solver.GAMG or (request is Solver.PETSC and not _fits(symbolic)):
+        symbolic.analysis.give_up()
+        iteration = RenewableIteration(symbolic, part, motions, places)
+        symbolic.require_support(iteration.solve, part)
+        return iteration
+    factor = RenewableFactor(symbolic, part)
+    _ = factor.numeric
+    return factor
+
+
+def _fits(symbolic: Symbolic) -> bool:
+    """True if a factor fits the available memory."""
+    available = available_memory()
+    return available is None or symbolic.peak_bytes <= available
