@@ -40,10 +40,10 @@ class JsonKey(NamedTuple):
 
 
 class CountRecord(msgspec.Struct, frozen=True):
-    """Number of modes of a part below a frequency (Hz)."""
+    """Number of modes of a part below a frequency (Hz). Both are None if they were not counted."""
 
-    count: int
-    below: float
+    count: int | None
+    below: float | None
 
 
 COLUMN = Column()
