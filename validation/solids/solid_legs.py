@@ -14,14 +14,16 @@ from time import process_time
 
 import numpy as np
 import scipy
+from scipy.sparse import block_diag, diags_array
 
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling
+from fem.bodies.rooted import RootedBody
 from fem.bodies.solid import Ends, clamped_leg, section_twists, solid_leg, solid_mesh
 from fem.couplings.end_effects import restrained_compliance
 from fem.reduction.superelement import HeldLeg, held_solid_leg
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
-from lumped.arrays import Array
+from lumped.arrays import Array, SparseMatrix
 from lumped.errors import InputError, naming
 from lumped.legs import BeamProperties, ConstantLeg, LineLeg, SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
@@ -41,6 +43,8 @@ from meshes.section.section_blocks import Divisions, element_length, side_ratio
 from meshes.section.section_mesh import SectionMesh, section_mesh
 from validation.context import Preset
 from validation.responses.mode_pairing import (
+    Pairs,
+    SampledModes,
     centreline_samples,
     centreline_weights,
     pair_modes,
@@ -326,10 +330,10 @@ def solid_frequencies(
     """First `count` frequencies of the clamped leg on each mesh, paired with the beam's modes."""
     beam = beam_leg(leg.timoshenko, leg.length, ELEMENTS)
     stations, lengths = centreline_samples(leg.length, _STATIONS)
-    root = np.sqrt(centreline_weights(leg.timoshenko, lengths))[:, None]
+    root = diags_array(np.sqrt(centreline_weights(leg.timoshenko, lengths)))
     beam_modes = clamped_modes(beam, count)
     target = sampled_modes(
-        beam_modes.frequencies, root * (beam.centreline(stations) @ beam_modes.shapes)
+        beam_modes.frequencies, root @ (beam.centreline(stations) @ beam_modes.shapes)
     )
     frequencies, mac, unknowns, seconds = [], [], [], []
     for division_count in divisions:
@@ -337,22 +341,55 @@ def solid_frequencies(
         counts = section_counts(leg, division_count)
         mesh = hexahedra(leg.section, leg.length, counts, slices(leg, division_count))
         clamped = clamped_leg(solid_leg(leg, mesh), ends)
-        twists = section_twists(mesh, stations)
-        for mode_count in count + _SPARE_MODES * np.array([1, 2, 4, 8]):
-            modes = clamped.modes(int(mode_count))
-            shapes = root * (twists @ modes.shapes)
-            # Share of the unit modal mass. Local modes of walls have almost no motion of whole
-            # sections.
-            seen = np.square(shapes).sum(axis=0)
-            pairs = pair_modes(target, sampled_modes(modes.frequencies, shapes, seen))
-            if (pairs.partner >= 0).all():
-                break
-        frequencies.append(modes.frequencies[pairs.nearest])
+        found, pairs = _paired_modes(target, clamped, root @ section_twists(mesh, stations))
+        frequencies.append(found)
         mac.append(pairs.mac)
         unknowns.append(mesh.nodes.size)
         seconds.append(process_time() - start)
     refinement = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))
     return SolidModes(refinement, np.array(mac), tuple(unknowns), tuple(seconds))
+
+
+def line_frequencies(
+    leg: LineLeg, divisions: int, ends: Ends, beam: LegMatrices, count: int
+) -> Array:
+    """Frequencies (count, Hz) of a clamped leg along a line as a solid.
+
+    They are those of the modes with the shapes of the first `count` modes of `beam`, and NaN if
+    there is no such mode.
+    """
+    stations, lengths = centreline_samples(leg.line.length, _STATIONS)
+    sections = leg.sections("timoshenko")
+    masses = sections.at(sections.span_at(stations), stations).mass * lengths[:, None, None]
+    root = block_diag([*np.swapaxes(np.linalg.cholesky(masses), 1, 2)], format="csr")
+    beam_modes = clamped_modes(beam, count)
+    target = sampled_modes(
+        beam_modes.frequencies, root @ (beam.centreline(stations) @ beam_modes.shapes)
+    )
+    solid = solid_leg(leg, solid_mesh(leg, divisions))
+    twists = root @ section_twists(solid.mesh, stations)
+    found, pairs = _paired_modes(target, clamped_leg(solid, ends), twists)
+    return np.where(pairs.partner >= 0, found, np.nan)
+
+
+def _paired_modes(
+    target: SampledModes, clamped: RootedBody, twists: SparseMatrix
+) -> tuple[Array, Pairs]:
+    """Frequencies (m, Hz) of a solid leg with the shapes of the m modes `target`, and the pairs.
+
+    `twists` is the matrix from the solid's unknowns to the samples of a shape.
+    """
+    count = len(target.frequencies)
+    for mode_count in count + _SPARE_MODES * np.array([1, 2, 4, 8]):
+        modes = clamped.modes(int(mode_count))
+        shapes = twists @ modes.shapes
+        # Share of the unit modal mass. Local modes of walls have almost no motion of whole
+        # sections.
+        seen = np.square(shapes).sum(axis=0)
+        pairs = pair_modes(target, sampled_modes(modes.frequencies, shapes, seen))
+        if (pairs.partner >= 0).all():
+            break
+    return modes.frequencies[pairs.nearest], pairs
 
 
 def held_solid(

@@ -10,7 +10,7 @@ from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.errors import InputError
 from lumped.legs import LineLeg
 from lumped.mechanism.kinematics.postures import reference_posture
-from lumped.models.bodies import legs_of
+from lumped.models.bodies import clamped_modes, legs_of
 from lumped.robot_file import load_robot
 from lumped.robot_file.load import robot_of
 from validation import api
@@ -19,11 +19,13 @@ from validation.comparisons import line_leg_vs_solid
 from validation.comparisons.element_convergence import leg_convergence
 from validation.comparisons.line_leg_vs_solid import cases, neglected
 from validation.context import Context
-from validation.models.leg_models import leg_compliance
+from validation.models.leg_models import clamped_solid, leg_compliance
 from validation.models.loads.stability import bent_legs, stabilities
 from validation.models.options import ModelOptions
+from validation.references.reference_legs import computed_elements
 from validation.references.robot_on_path import prismatic_legs
 from validation.run.outcome import judge
+from validation.solids.solid_legs import line_frequencies
 
 ARM = Path(__file__).parents[3] / "examples" / "tapered-arm" / "robot.toml"
 ROBOT = load_robot(ARM)
@@ -132,3 +134,25 @@ def test_exudyn_refuses_tapered_legs():
     bodies = {"boom": {**tables["bodies"]["boom"], "sections": steps}}
     with pytest.raises(InputError, match="its section jumps at"):
         api.solve(robot_of({**tables, "bodies": bodies}), "solid", divisions=1)
+
+
+def test_wall_modes_are_no_partners_of_beam_modes():
+    """Thin walls of a tapered box vibrate below its third bending mode.
+
+    Paired in ascending order, mode 3 of the beam differed by more than half from a wall's mode.
+    """
+    walls = [
+        {"at": at, "shape": "hollow-rectangle", "width": w, "height": h, "thickness": 0.004}
+        for at, w, h in ((0.0, 0.1, 0.08), (1.0, 0.06, 0.05))
+    ]
+    body = {**boom().tables["bodies"]["boom"], "sections": walls}
+    points = {"A": [0.0, 0.0, 0.0], "B": [0.4, 0.0, 0.0]}
+    leg = legs_of(boom(bodies={"boom": body}, points=points).mechanism)["boom"]
+    beam = computed_elements(leg, None, 20)
+    expected = clamped_modes(beam, 4).frequencies
+    paired = line_frequencies(leg, 1, "free", beam, 4)
+    # Bending of the first two, by 0.2 %; the walls make the next two softer and stiffer.
+    assert paired[:2] == pytest.approx(expected[:2], rel=3e-3)
+    assert paired[2:] == pytest.approx(expected[2:], rel=0.15)
+    ascending = clamped_solid(leg, 1, "free").modes(4).frequencies
+    assert (ascending[2:] < 0.8 * expected[2:]).all()
