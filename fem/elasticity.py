@@ -57,7 +57,7 @@ class NodePairs:
 
     @property
     def diagonal(self) -> IntArray:
-        """Indices of the pairs (a, a)."""
+        """Indices of the pairs of a node with itself."""
         return np.flatnonzero(self.rows == self.columns)
 
 

@@ -75,7 +75,7 @@ def _feed(
     select_fields: Callable[[Any], Iterable[Field[Any]]],
     digests_by_id: MutableMapping[Any, bytes],
 ) -> None:
-    """Update a digest with `value`. `digests_by_id` stores the digests of records for reuse."""
+    """Add `value` to a digest. `digests_by_id` stores digests of records for reuse."""
     match value:
         case np.ndarray():
             update(f"array {value.dtype.str} {value.shape} ".encode())

@@ -41,7 +41,7 @@ class ElementKind:
 
     @property
     def dimension(self) -> int:
-        """2 for elements of sections, 3 for solids."""
+        """Dimension of the elements: 2 for sections, 3 for solids."""
         return int(self.nodes.shape[1])
 
     @property

@@ -50,7 +50,7 @@ class Crashed(ComputationError):  # noqa: N818  names the event, as messages do
 
 @dataclass(frozen=True)
 class _Raised:
-    """An error that was raised instead of returning a value."""
+    """Error that a call raised instead of returning a value."""
 
     error: Exception
 

@@ -84,7 +84,7 @@ class _Member:
 
     @property
     def inner(self) -> int:
-        """Number of unknowns inside the element."""
+        """Number of unknowns inside the element, without those of its nodes."""
         return int(self.element.interior_dofs)
 
     @property
@@ -181,7 +181,7 @@ def _shear_stiffnesses(p: BeamProperties) -> tuple[float, float, float]:
 
 
 def _coupling_stiffness(first: _Member, second: _Member, EI: float, GA: float) -> Array:
-    """∫ EI θ₁′θ₂′ + GA γ₁γ₂ dx (k₁×k₂) for the unknowns of two bending members."""
+    """∫ EI θ₁′θ₂′ + GA γ₁γ₂ dx (k₁×k₂) that couples the unknowns of bending in two planes."""
     weights, (first_fields, second_fields) = _integrated(first, second)
     (w1, theta1), (w2, theta2) = first_fields, second_fields
     gamma1, gamma2 = w1[1] - theta1[0], w2[1] - theta2[0]
@@ -191,14 +191,17 @@ def _coupling_stiffness(first: _Member, second: _Member, EI: float, GA: float) -
 def _coupling_mass(
     first: _Member, second: _Member, fields: tuple[int, int], inertia: float
 ) -> Array:
-    """∫ `inertia` u₁u₂ dx (k₁×k₂) for the fields with the indices `fields` of two members."""
+    """∫ `inertia` u₁u₂ dx (k₁×k₂) that couples one field of each of two deformations.
+
+    `fields` contains the indices of the two fields.
+    """
     weights, (first_fields, second_fields) = _integrated(first, second)
     first_field, other = first_fields[fields[0]][0], second_fields[fields[1]][0]
     return np.asarray(inertia * (first_field * weights) @ other.T)
 
 
 def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]]]]:
-    """Weights (in m) of an element's quadrature points, and the fields of each member there."""
+    """Weights (in m) of an element's quadrature points, and fields of each deformation there."""
     points, weights = get_quadrature(RefLine, _INTEGRATION_ORDER)
     fields = [_fields(member.element, member.mesh, points) for member in members]
     return weights * members[0].mesh.p[0, -1], fields
@@ -306,7 +309,7 @@ def _fields(element: Element, mesh: MeshLine, points: Array) -> list[tuple[Array
 
 
 def _places(members: dict[str, _Member], elements: int) -> tuple[dict[str, IntArray], int]:
-    """Indices (elements × k) of the unknowns of each member, and the number of all unknowns."""
+    """Indices (elements × k) of the unknowns of each deformation, and the number of all."""
     ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of the nodes from root to tip
     size = 6 * (elements + 1)
     places = {}

@@ -62,7 +62,7 @@ class _FaceDeformations:
 
     @property
     def mirror(self) -> Array:
-        """Signs s (k values) of the deformations when they are mirrored at a plane x = constant."""
+        """Signs s (k values) of the deformations under a mirroring at a plane x = constant."""
         return np.repeat([-1.0, 1.0], [self.axial, self.fields.shape[1] - self.axial])
 
 

@@ -79,7 +79,7 @@ class _Builder:
         self.count = self.packed
 
     def add(self, points: Array) -> int:
-        """Add nodes at `points` (k×3, in m). Return the number of the first."""
+        """Add nodes at `points` (k×3, in m). Return the number of the first one."""
         self.nodes.append(points)
         self.count += len(points)
         return int(self.count - len(points))

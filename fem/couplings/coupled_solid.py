@@ -41,7 +41,7 @@ class CoupledSolid:
 
     @property
     def size(self) -> int:
-        """Number n of unknowns."""
+        """Number n of unknowns of the solid."""
         return int(self.stiffness.shape[0])
 
 
@@ -169,7 +169,7 @@ class _Numbering:
     def reduced(self, matrix: SparseMatrix, held: float) -> SparseMatrix:
         """Matrix TᵀAT (csr n×n) of a symmetric matrix A.
 
-        `held` is put on the diagonal for dependent unknowns.
+        For dependent unknowns the diagonal entry is `held`.
         """
         if self.turned is not None:
             matrix = csr_array(self.turned.T @ matrix @ self.turned)

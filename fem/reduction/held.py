@@ -45,7 +45,7 @@ class Swinging:
 
     @property
     def size(self) -> int:
-        """Number n of unknowns."""
+        """Number n of unknowns of the body."""
         return int(self.mass.shape[0])
 
 

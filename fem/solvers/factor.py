@@ -38,7 +38,7 @@ class NotPositiveDefiniteError(ComputationError):
         )
 
     def __reduce__(self) -> tuple[type, tuple[str]]:
-        """Data to reconstruct the error in another process."""
+        """Data with which pickle reconstructs the error in another process."""
         return type(self), (self.part,)
 
 
@@ -131,7 +131,7 @@ class Symbolic:
 
     @property
     def space(self) -> Space:
-        """Memory in which right-hand sides do not have to be copied."""
+        """Memory (host or graphics card) in which right-hand sides are used without a copy."""
         return self.analysis.ordering.space
 
     def factorise(self, part: str = "stiffness matrix") -> Factor:
@@ -230,7 +230,7 @@ class RenewableFactor:
         return self.numeric.solve(right_hand_sides)
 
     def give_up(self) -> None:
-        """Release the memory of the factor."""
+        """Release the memory of the factor. It is computed again when it is needed."""
         vars(self).pop("numeric", None)
 
     def make_room(self) -> None:

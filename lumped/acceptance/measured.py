@@ -110,7 +110,7 @@ class Measured:
 def measured_value(table: Mapping[str, Any], place: str, responses: Sequence[str] = ()) -> Measured:
     """Measured value from a table [[measured]] whose keys have been checked.
 
-    `place` is the location of the table in messages. `responses` are the names of the numbers of
+    `place` is the location of the table in messages. `responses` are the names of the values of
     harmonic responses that the robot file defines. Raises InputError with one line per fault.
     """
     name = table["quantity"]

@@ -56,7 +56,7 @@ class QuantityKind(StrEnum):
 
 
 class _Texts(NamedTuple):
-    """Unit of a kind of quantity, and templates of its texts."""
+    """Unit of a kind of quantity, and templates of its label, meaning and loading."""
 
     unit: str
     name: str
@@ -265,8 +265,8 @@ def quantities(
 ) -> tuple[Quantity, ...]:
     """Quantities that are judged for a robot, in display order.
 
-    `loads` and `responses` are the names of the loads and of the numbers of harmonic responses.
-    `modes` is the number of natural frequencies.
+    `loads` and `responses` are the names of the loads and of the judged values of harmonic
+    responses. `modes` is the number of natural frequencies.
     """
     return (
         *UNIT_LOADS,
@@ -280,7 +280,7 @@ def quantities(
 def measured_quantity(name: str, responses: Sequence[str] = ()) -> Quantity | None:
     """Measurable quantity with the name `name`. None if there is no such quantity.
 
-    `responses` are the names of the numbers of harmonic responses that the robot file defines.
+    `responses` are the names of the values of harmonic responses that the robot file defines.
     """
     if entry := _LEG_ENTRY.fullmatch(name):
         column = 6 * (int(entry[2]) - 1) + int(entry[3]) - 1

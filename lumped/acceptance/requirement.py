@@ -40,7 +40,7 @@ class Requirement:
 
     All errors are relative, unless a unit is given. `deflection` applies to static quantities,
     `frequency` to the first `modes` natural frequencies and to the sequence of modes, `response` to
-    the numbers of harmonic responses named in `responses`. `limits` maps names of single quantities
+    the values of harmonic responses named in `responses`. `limits` maps names of single quantities
     to limits that replace these. `displacement` (m), if it is not None, replaces `deflection` for
     the loads named in `loads`.
 

@@ -43,7 +43,7 @@ class BodyModel:
 
     @property
     def size(self) -> int:
-        """Number n of unknowns."""
+        """Number n of unknowns of the body."""
         return int(self.stiffness.shape[0])
 
 

@@ -1,4 +1,4 @@
-"""The records of a robot, its tool and its postures, from which each model is built."""
+"""Records of a robot, its tool and its postures, from which each model is built."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -35,7 +35,7 @@ _BASE: _Node = (GROUND, "")
 
 @dataclass(frozen=True)
 class _Step:
-    """A joint, or a leg by name, that connects two nodes of a chain."""
+    """One link of a chain between two nodes: a joint, or a leg given by its name."""
 
     nodes: frozenset[_Node]
     across: Joint | str
@@ -137,7 +137,7 @@ def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) 
 def _carriers(
     mechanism: Mechanism, legs: Mapping[str, Array], chain_steps: Sequence[_Step]
 ) -> dict[_Node, _Node]:
-    """Node of the chains that supports each node: itself, or that to which it is attached."""
+    """For each node, the node of the chains that carries it: itself or a neighbour."""
     group = _groups(mechanism, legs)
     carrier = {node: node for step in chain_steps for node in step.nodes}
     remaining = [step for step in _steps(mechanism, legs, group) if step not in chain_steps]
@@ -152,7 +152,7 @@ def _carriers(
 def _paths(
     mechanism: Mechanism, legs: Mapping[str, Array]
 ) -> tuple[list[list[_Step]], list[_Step]]:
-    """Steps of each chain from the ground to the platform, and the steps from there to the tool.
+    """Joints and legs of each chain from ground to platform, and those from there to the tool.
 
     Raises NoChainError if a chain branches, ComputationError if the tool is part of the ground.
     """
@@ -187,9 +187,9 @@ def _paths(
 
 
 def _series(steps: list[_Step], end: _Node, base: _Node) -> list[_Step]:
-    """Steps from the tool back to the platform, at which the chains of the robot meet.
+    """Joints and legs from the tool back to the platform, at which the chains of the robot meet.
 
-    Empty if a single chain supports the tool.
+    Empty if a single chain carries the tool.
     """
     series: list[_Step] = []
     while end != base:
@@ -251,7 +251,10 @@ def _steps(
 
 
 def _without_dead_ends(steps: list[_Step], ends: set[_Node]) -> list[_Step]:
-    """Steps without those that lead to bodies attached at one node only, which transmit no load."""
+    """Joints and legs of `steps` that transmit load.
+
+    Those that lead to bodies attached at one node only transmit none.
+    """
     while True:
         nodes = [node for step in steps for node in step.nodes]
         hanging = {node for node in nodes if nodes.count(node) == 1} - ends

@@ -44,7 +44,7 @@ def read_measured(
 
     Its columns are quantity, pose, value, uncertainty, source and, if needed, load. In the column
     pose, spaces separate the coordinates along the `moves` of the tool. Lengths are in `unit`.
-    `responses` are the names of the numbers of harmonic responses. Raises InputError with one line
+    `responses` are the names of the values of harmonic responses. Raises InputError with one line
     per fault.
     """
     rows = table_rows(path, "a CSV file of measured values", _COLUMNS, MEASURED_VALUES.most)

@@ -117,7 +117,7 @@ class _Includer:
 
 
 def _include_fields(text: str) -> list[str] | None:
-    """Options of an *INCLUDE line. The last one is empty if the line continues.
+    """Options of an *INCLUDE line, the last of which is empty if the line continues.
 
     None for other lines.
     """

@@ -252,7 +252,7 @@ class LaminateBox(Laminate):
 
     @property
     def _middle(self) -> tuple[float, float]:
-        """Width and height (m) of the wall's middle line."""
+        """Width and height (m) of the middle line of the wall."""
         return self.width - self.thickness, self.height - self.thickness
 
     @property

@@ -141,9 +141,10 @@ class Tee(WalledProfile, OutlinedSection):
 
 @dataclass(frozen=True)
 class Polygon(OutlinedSection):
-    """A polygon with holes. `outline` and `holes` are points (y, z) in m, in either direction.
+    """A polygon with holes. `outline` and `holes` are their corners (y, z) in m, in order.
 
-    The coordinates may have any origin: the centroid lies on the leg axis.
+    The corners may be listed clockwise or counter-clockwise, and the coordinates may have any
+    origin: the centroid lies on the leg axis.
     """
 
     outline: Points

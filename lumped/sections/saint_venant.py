@@ -68,7 +68,7 @@ _CHUNK = 256
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """Part of a section within `loops`, its moduli `weight` times those of the reference."""
+    """Part of a section, bounded by `loops`, with moduli `weight` times those of the reference."""
 
     loops: Sequence[Loop]
     weight: float = 1.0
@@ -76,10 +76,11 @@ class Region:
 
 @dataclass(frozen=True, eq=False)
 class _Edges:
-    """Edges (e×2, numbers of `vertices`, V×2) of regions.
+    """Edges of regions with a jump of the weight.
 
-    `jumps` (e): weight to the left of each edge less that to its right; `smallest` (V): length of
-    the elements at each vertex.
+    `vertices` (V×2) are points, and `ends` (e×2) the indices of the vertices of each edge. `jumps`
+    (e) is the weight to the left of each edge minus that to its right. `smallest` (V) is the length
+    of the boundary elements at each vertex.
     """
 
     vertices: Array
@@ -273,7 +274,7 @@ def _weighted_integral(regions: Sequence[Region], of: _Integrand) -> Array:
 
 
 def _edges(regions: Sequence[Region]) -> _Edges:
-    """Edges of all regions, those between two of them once, split at the vertices of others."""
+    """Edges of all regions, split at vertices of other regions. Common edges occur once."""
     if len(regions) == 1:
         loops = regions[0].loops
         ends, begun = [], 0
@@ -296,9 +297,10 @@ def _edges(regions: Sequence[Region]) -> _Edges:
 
 @dataclass(frozen=True, eq=False)
 class Partition:
-    """Edges (e×2, numbers of `vertices`, V×2) of regions, shared ones once.
+    """Edges of several regions. An edge that two regions share occurs once.
 
-    `left` and `right` (e): number of the region on either side, −1 for none.
+    `vertices` (V×2) are points, and `ends` (e×2) the indices of the vertices of each edge. `left`
+    and `right` (e) are the indices of the regions on either side, −1 if there is none.
     """
 
     vertices: Array
@@ -318,7 +320,7 @@ class Partition:
 def partition_edges(regions: Sequence[Sequence[Loop]]) -> Partition:
     """Edges of regions that do not overlap, split at all vertices on them.
 
-    Vertices nearer to each other than `TOUCHING` of the section's size are one.
+    Vertices whose distance is below `TOUCHING` times the section's size count as one.
     """
     corners = np.vstack([loop for loops in regions for loop in loops])
     gap = TOUCHING * float(np.ptp(corners, axis=0).max())
@@ -350,10 +352,11 @@ def _vertices_between(places: Array, start: Array, end: Array, gap: float) -> li
 
 
 def _smallest_at_vertices(partition: Partition, kept: NDArray[np.bool_]) -> Array:
-    """Length of the elements at each vertex of several regions.
+    """Length of the boundary elements at each vertex of several regions.
 
-    Where edges of two regions meet, stresses have a term r^λ with λ above ½ in all but extreme
-    contrasts of moduli. Edges that go on straight, with at most a square branch, have none.
+    If edges of two regions meet at a vertex, displacements have a term r^λ, with λ above ½ except
+    for extreme ratios of the moduli. There is none if the edges continue straight, with at most a
+    perpendicular branch.
     """
     smallest = np.full(len(partition.vertices), np.inf)
     for number, vertex in enumerate(partition.vertices):
@@ -375,9 +378,10 @@ def _smallest_at_vertices(partition: Partition, kept: NDArray[np.bool_]) -> Arra
 
 
 def _sharpest_opening(openings: Array, filled: NDArray[np.bool_]) -> float:
-    """Inner angle (rad) of a corner with a term as strong as that between sectors of regions.
+    """Interior angle (rad) of a corner with as strong a stress singularity as adjacent sectors.
 
-    The sectors have these `openings` (rad) and may be `filled`.
+    `openings` (rad) are the angles of the sectors about a vertex. `filled` is True for sectors that
+    belong to a region.
     """
     if np.count_nonzero(filled) == 1:
         inner = float(openings[filled][0])
@@ -454,7 +458,7 @@ def _smallest_elements(loop: Loop) -> Array:
 
 
 def _graded(start: Array, way: Array, corners: Array, smallest: Array) -> list[float]:
-    """Start points of the elements of an edge, as ascending fractions of its length."""
+    """Start points of the boundary elements on an edge, as ascending fractions of its length."""
     length = float(np.linalg.norm(way))
     along = (corners - start) @ way / length**2
     across = np.linalg.norm(corners - start - along[:, None] * way, axis=1)
@@ -474,7 +478,8 @@ def _graded(start: Array, way: Array, corners: Array, smallest: Array) -> list[f
 def _potentials(rim: _Rim, fluxes: Array) -> Array:
     """Harmonic functions (N×m, mean zero) on the boundary for given normal derivatives ∂u/∂n.
 
-    Fluxes are quadratic along each element; the jump of w ∂u/∂n is the element's jump times them.
+    `fluxes` are quadratic along each element. The jump of w ∂u/∂n is the element's jump times the
+    flux.
     """
     fit = np.linalg.pinv(_shapes(_unit_gauss()[0]))
     fluxes = fluxes * rim.jumps[:, None, None]

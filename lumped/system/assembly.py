@@ -56,7 +56,7 @@ class System:
 
     @property
     def size(self) -> int:
-        """Number n of unknowns."""
+        """Number n of unknowns of the system."""
         return int(self.stiffness.shape[0])
 
     @property

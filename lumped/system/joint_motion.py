@@ -42,7 +42,7 @@ class UnevenError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class JointMotion:
-    """Possible relative twists δ = B w of the second side of a joint, with coefficients w.
+    """Possible relative twists δ = B w of the second side of a joint, with r coefficients w.
 
     `basis` is B (…×6×r, base axes, at the first interface) in one posture or in many. A unit of w
     moves the joint about as far as the mechanism is long. `springs` contains, for each elastic part
@@ -170,7 +170,7 @@ def _condensed(passive: Array, root: Array) -> tuple[Array, Array]:
 
 
 def same_rank(above: Array) -> int:
-    """Number of true values in each row of `above` (…×n). Raises UnevenError if the rows differ."""
+    """Number of true values per row of `above` (…×n). Raises UnevenError if the rows differ."""
     ranks = np.unique(np.sum(above, axis=-1))
     if len(ranks) != 1:
         raise UnevenError

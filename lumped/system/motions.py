@@ -84,7 +84,7 @@ class Motions:
     locks: Array
 
     def at(self, body: str, point: str, position: Array) -> Array:
-        """Matrix (…×6×n) from the unknowns to the twist of an interface's node at `position`.
+        """Matrix (…×6×n) from the unknowns to the twist, at `position`, of an interface's node.
 
         `position` (…×3, in m) and the twist are in base axes.
         """

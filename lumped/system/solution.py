@@ -305,7 +305,7 @@ def idle_motions(system: System) -> IdleMotions:
 
 
 def _relative(system: System, body: str) -> Array:
-    """Dimensionless twists of all interfaces of a body but the first, relative to the first.
+    """Twists of all interfaces of a body but the first, relative to the first, dimensionless.
 
     The result (6(m−1) × unknowns of the nodes) is zero for rigid motions of the body.
     """

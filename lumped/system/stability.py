@@ -104,7 +104,7 @@ def _factor(inverse: float) -> float | None:
 
 
 def _under_load(solution: Solved, geometric: Array) -> Solved | None:
-    """Factorised system with the geometric stiffness of the load. None if it has buckled."""
+    """Factorised system under a load with the given geometric stiffness. None if it has buckled."""
     system = solution.system
     stiffness = dense(system.stiffness) + geometric
     factor = factorised(stiffness[np.ix_(solution.retained, solution.retained)])

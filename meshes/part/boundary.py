@@ -83,7 +83,7 @@ class PartMesh(VolumeMesh):
 
 @memo(8)
 def _local_facets(element: SolidElement) -> IntArray:
-    """Local nodes (facets × nodes) of each facet of a cell, in the order of the facets' element."""
+    """Local nodes (facets × nodes) of each facet of a cell, in the node order of facet elements."""
     kind, flat = ELEMENTS[element], ELEMENTS[FACET[element]]
     corners = _TETRAHEDRON if element.startswith("tet") else _HEXAHEDRON
     linear: SectionElement = "tri3" if element.startswith("tet") else "quad4"

@@ -85,6 +85,7 @@ def first_failure(nearest: tuple[str, ...], mistake: Mistake | None = None) -> s
 
 
 def test_mistakes_quote_unique_lines():
+    """Each mistake of mistakes.toml quotes a line that occurs once, and tests that exist."""
     assert len({one.name for one in MISTAKES}) == len(MISTAKES) >= 70
     assert {one.file.split("/")[0] for one in MISTAKES} == set(PACKAGES)
     for one in MISTAKES:

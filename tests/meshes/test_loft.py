@@ -82,7 +82,7 @@ def test_arc_mesh_has_volume_and_plane_ends():
     assert mesh.length == 1.0
 
 
-def test_unmeshable_line_leg_is_refused():
+def test_unmeshable_tapered_leg_is_refused():
     square, small = Rectangle(0.06, 0.06), Rectangle(0.04, 0.04)
     constants = SectionProperties(1e-3, 1e-7, 1e-7, 1e-7)
     stepped = LineLeg(STRAIGHT, ((0.0, square), (0.4, square), (0.4, small), (1.0, small)), STEEL)

@@ -247,7 +247,7 @@ def test_parabolic_sides_give_circle_area():
     assert tube == pytest.approx([_parabolas(0.05, 24) - _parabolas(0.044, 24)], rel=1e-12)
 
 
-def test_walls_have_one_element_per_four():
+def test_wall_has_one_element_per_4_divisions():
     counts = []
     for divisions, across in ((1, 1), (4, 1), (8, 2), (16, 4)):
         mesh = section_mesh(HollowRectangle(0.1, 0.1, 0.005), divisions)

@@ -85,7 +85,7 @@ def test_cache_key_has_every_input_field(inputs):
     assert len(keys) > 5
 
 
-def test_unit_key_includes_source_code(monkeypatch):
+def test_cache_key_includes_source_code(monkeypatch):
     keys = set()
     for one in "ab":
         monkeypatch.setattr(CURVES, "program", lambda one=one: one)

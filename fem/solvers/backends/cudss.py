@@ -104,23 +104,23 @@ class DeviceSpace:
     """Memory of the graphics card, see `Space`."""
 
     def errors(self) -> AbstractContextManager[None]:
-        """Context in which each error of the graphics card is raised as DeviceError."""
+        """Context in which errors of the graphics card are raised as DeviceError."""
         return _device_errors()
 
     def put(self, array: Any) -> Any:
-        """Copy of a host array on the card."""
+        """Copy of a host array in the memory of the card."""
         import cupy  # noqa: PLC0415
 
         with _device_errors():
             return cupy.asarray(array, order="F")
 
     def get(self, array: Any) -> Array:
-        """Copy on the host of an array on the card."""
+        """Copy of an array of the card in the memory of the host."""
         with _device_errors():
             return np.asarray(array.get())
 
     def matrix(self, matrix: SparseMatrix) -> Any:
-        """Copy of a sparse matrix (csr) on the card."""
+        """Copy of a sparse matrix (csr) in the memory of the card."""
         from cupyx.scipy.sparse import csr_matrix  # noqa: PLC0415
 
         with _device_errors():

@@ -40,10 +40,10 @@ class Space(Protocol):
 
 
 class HostSpace:
-    """Memory of the host."""
+    """Memory of the host. Its methods return their arguments without copies."""
 
     def errors(self) -> AbstractContextManager[None]:
-        """Context without effect."""
+        """Context that raises no DeviceError: the host is no device."""
         return nullcontext()
 
     def put(self, array: Any) -> Any:

@@ -18,7 +18,10 @@ from lumped.screws import turn_matrix
 
 @dataclass(frozen=True)
 class Direction:
-    """Components (0 to 5) of a twist in joint axes. `free` if the joint moves along them."""
+    """One named direction of a joint: indices (0 to 5) of its components in a twist, joint axes.
+
+    `free` is True if the joint moves along it.
+    """
 
     components: tuple[int, ...]
     free: bool = False

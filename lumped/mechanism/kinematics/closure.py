@@ -30,7 +30,7 @@ _SMALL = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Positions of all n bodies: `origins` (n×3, in m, base axes), and rotations `turns` (n×3×3).
+    """Positions of all n bodies: `origins` (n×3, in m, base axes) and rotations `turns` (n×3×3).
 
     The rotations are counted from the reference posture.
     """
@@ -130,7 +130,7 @@ class Closure:
         return first, second, gap
 
     def residual(self, placement: Placement) -> Array:
-        """Residual (m) of each constraint of the joints."""
+        """Residual (m) of each constraint of the joints. Zero if all joints are closed."""
         turns = placement.turns
         gap = self._gaps(placement)[2][self._sliding]
         normal = np.einsum("tkl,tl->tk", turns[self._first[self._sliding]], self._normal)
@@ -177,7 +177,10 @@ class Closure:
         return movable_rows.reshape(len(rows), 6 * int(self._moving.sum()))
 
     def drives(self, placement: Placement) -> Array:
-        """Rates (drives × unknowns) of the driven joints. Rotations are multiplied by the size."""
+        """Rates (drives × unknowns) of the driven joints.
+
+        Rotations are multiplied by the size of the mechanism.
+        """
         first = self._gaps(placement)[0][self._driven]
         body1, body2 = self._first[self._driven], self._second[self._driven]
         along, about = (
@@ -198,7 +201,7 @@ class Closure:
         """Rates (3 × unknowns, base axes) of the second body relative to the first at one joint.
 
         They are translations of the interfaces if `slides` is True, otherwise rotations multiplied
-        by the size. `number` is the index of the joint.
+        by the size of the mechanism. `number` is the index of the joint.
         """
         joints = np.full(3, number)
         first, second, gap = (each[joints] for each in self._gaps(placement))
@@ -211,7 +214,7 @@ class Closure:
         return self._unknowns(self._rows(joints, *blocks))
 
     def tool_twists(self, placement: Placement) -> Array:
-        """Twist (6 × unknowns, base axes) of the loaded point.
+        """Matrix (6 × unknowns) from the unknowns to the twist of the loaded point, base axes.
 
         Rotations are multiplied by the size.
         """
@@ -229,7 +232,7 @@ class Closure:
         return values
 
     def pose_jacobian(self, placement: Placement) -> Array:
-        """Derivative of `pose` with respect to the unknowns.
+        """Derivative (coordinates × unknowns) of the tool's `pose` with respect to the unknowns.
 
         Rotations are multiplied by the size.
         """

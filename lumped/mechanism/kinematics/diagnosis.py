@@ -115,7 +115,7 @@ def _moves(result: Mobility) -> bool:
 
 
 def legs_in_line(mechanism: Mechanism) -> list[tuple[str, str, bool]]:
-    """Pairs of bodies that lie in one line at a joint about which they can turn.
+    """Pairs of bodies that lie in one line at a joint about which they can rotate.
 
     Only bodies with two points are considered. The third entry is True if they are stretched and
     False if they are folded.

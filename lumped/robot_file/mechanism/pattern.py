@@ -66,7 +66,7 @@ class _Pattern:
         return turned
 
     def misses(self, tables: Tables, point: str) -> bool:
-        """True if a point with known coordinates does not lie on the axis."""
+        """True if a point with known coordinates does not lie on the axis of the pattern."""
         position = tables["points"].get(point)
         if not isinstance(position, list):
             return False
@@ -189,7 +189,7 @@ def _copied(
         return [numbered(among, name) for name in value] if are_names else value
 
     def placed(stop: Any) -> Any:
-        """Point of a leg's line in the copy, by its name or its coordinates."""
+        """Point of a leg's centre line in the copy, by its name or its coordinates."""
         if isinstance(stop, dict):
             return {key: placed(point) for key, point in stop.items()}
         if isinstance(stop, str):

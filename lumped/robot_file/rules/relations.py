@@ -106,7 +106,7 @@ def _own_material_faults(leg: Entry) -> Iterator[str]:
 
 
 def _doubt(unit: UnitOfLength) -> str:
-    """Question whether a length that is too large was given in a smaller unit, for messages."""
+    """Text for messages that asks if a length that is too large is in a smaller unit."""
     return "is this in mm?" if unit == METRE else "is this in µm?"
 
 

@@ -39,7 +39,7 @@ class Rule(ABC):
 
     @property
     def many(self) -> str:
-        """Description of several such values, to complete "must be a list of …"."""
+        """Plural description of the values, to complete "must be a list of …"."""
         return "entries"
 
     @property
@@ -61,7 +61,7 @@ class Rule(ABC):
         return value
 
     def within(self, value: Any, key: str) -> Iterator[tuple[str, "Rule", Any]]:
-        """Yield key, rule and value of a value without faults, and of all values within it."""
+        """Yield key, rule and value for a value without faults, and for all values within it."""
         yield key, self, value
 
     def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:  # noqa: ARG002

@@ -1,6 +1,6 @@
 """Checks on the text of a STEP file (ISO 10303-21) before the CAD kernel reads it.
 
-The kernel ignores text that it cannot interpret, or does not return.
+The kernel ignores text that it cannot interpret, or never returns from it.
 """
 
 import re

@@ -137,7 +137,8 @@ def test_mode_count_needs_one_factor_at_a_time(bar, monkeypatch):
     np.testing.assert_array_equal(clamped.factor.solve(loads), before)
 
 
-def test_merged_modes_keep_their_residuals():
+def test_merged_modes_keep_residuals():
+    """Modes of two searches are sorted together with their residuals."""
     first, second = (
         Ritz(np.array(values), np.ones((2, len(values))), np.array(residuals), np.inf)
         for values, residuals in (([1.0, 3.0], [1e-9, 2e-9]), ([2.0], [5e-9]))
@@ -310,7 +311,8 @@ def test_default_elements_have_equal_sides():
 
 
 @pytest.mark.parametrize("nu", [-0.9999999, 0.4999999])
-def test_rounded_away_shear_is_refused(nu):
+def test_moduli_beyond_round_off_are_refused(nu):
+    """For ν near 0.5 or −1, resistance to changes of volume or shape is lost in round-off."""
     leg = ConstantLeg(0.8, Rectangle(0.1, 0.14), Material.isotropic(2.1e11, nu, 7850.0))
     message = r"material with ν = .*: changes of .* and .* differ"
     with pytest.raises(ComputationError, match=message):

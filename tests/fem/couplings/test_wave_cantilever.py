@@ -116,6 +116,7 @@ def test_cut_off_is_first_wall_frequency():
 
 
 def test_missing_beam_wave_is_refused():
+    """In a thin-walled arm no wave resembles a beam's second mode: its walls vibrate locally."""
     kind = waves_by_kind(SCARA_ARM.section, ALUMINIUM)["bending y"]
     beam = beam_frequency(kind, SCARA_ARM.length, 2)
     with pytest.raises(ComputationError, match="walls of the section vibrate locally"):

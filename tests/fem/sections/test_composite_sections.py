@@ -117,7 +117,7 @@ def test_composite_solid_equals_beam():
     assert abs(beam[3, 2]) > 1e-3 * np.sqrt(beam[3, 3] * beam[2, 2])
 
 
-def test_composite_needs_composite_formulas():
+def test_uniform_section_formula_refuses_composite():
     with pytest.raises(InputError, match="takes sections of one material"):
         section_constants(section_mesh(STEPPED, 4), 0.3)
 

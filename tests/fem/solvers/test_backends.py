@@ -152,7 +152,7 @@ class TestEveryLibrary:
         with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
             analyse(leg.stiffness).factorise()
 
-    def test_chain_on_rounding_is_refused(self):
+    def test_chain_held_by_round_off_is_refused(self):
         chain = 2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
         for roundings in (40.0, 4000.0):
             chain[0, 0] = chain[-1, -1] = 1.0

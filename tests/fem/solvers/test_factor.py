@@ -99,7 +99,7 @@ def test_unsupported_solid_is_refused(slices, length):
         analyse(without(solid.stiffness, root[[0, 1, 2, -3, -2]])).factorise()
 
 
-def test_spring_chain_on_rounding_is_refused():
+def test_springs_held_by_round_off_are_refused():
     """Springs in series on a support as stiff as 40 or 4000 roundings have positive pivots only."""
     chain = 2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
     for roundings in (40.0, 4000.0):

@@ -46,7 +46,7 @@ def test_small_systems_fall_back_to_scipy():
 
 @pytest.mark.usefixtures("damaged")
 @pytest.mark.filterwarnings("ignore::fem.solvers.backends.choice.SolverFallbackWarning")
-def test_superlu_pivot_exchange_is_refused():
+def test_superlu_off_diagonal_pivot_is_refused():
     """Pairs with zero diagonals have eigenvalues ±1, which diagonal pivots cannot count."""
     pairs = diags_array([np.tile([1.0, 0.0], 5)[:9]], offsets=[1], shape=(10, 10), format="csr")
     assert analyse(pairs).indefinite("pairs").inertia.zero >= 1

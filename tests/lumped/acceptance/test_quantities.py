@@ -60,7 +60,8 @@ def test_unknown_name_gives_none(name):
     assert measured_quantity(name, RESPONSES) is None
 
 
-def test_component_is_not_the_vector():
+def test_measured_component_is_no_vector():
+    """Models are judged by whole displacement vectors, and a gauge measures one component."""
     for whole in UNIT_LOADS[:6]:
         component = measured_quantity(whole.name)
         assert component != whole
@@ -95,6 +96,7 @@ def test_compliance_unit_is_metre_per_newton():
 
 
 def test_each_quantity_has_one_kind():
+    """Each is static, modal or harmonic."""
     tests = (SIZE_FAR_BELOW, *map(size_at_mode, range(1, 4)))
     for quantity in (*JUDGED, *measurable().values(), *tests):
         assert quantity.static + quantity.modal + quantity.harmonic == 1

@@ -283,6 +283,7 @@ def test_demonstrator_stroke():
 
 @pytest.mark.parametrize("x", [0.145, 0.3, 0.4975, 0.85])
 def test_leg_frames_reach_from_slide_to_b(x):
+    """In the biglide each leg's x axis points from its slide to the common point B."""
     for leg, slide, length in zip(STROKE.legs_at(x), (0.0, 0.92), (0.85, 0.775), strict=True):
         assert leg.position[0] == slide
         assert leg.position[1] <= 0.0  # both legs on the same side

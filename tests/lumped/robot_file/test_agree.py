@@ -60,7 +60,7 @@ def test_agreement_limits_are_read(robot_with, robot):
         ("element = 20", 'agree.element: unknown key; did you mean "elements"?'),
     ],
 )
-def test_wrong_agreement_is_refused(robot_with, agree, fault):
+def test_wrong_agreement_limit_is_refused(robot_with, agree, fault):
     with pytest.raises(InputError) as raised:
         robot_with(agree)
     (line,) = raised.value.faults
@@ -77,7 +77,8 @@ def test_wrong_agreement_is_refused(robot_with, agree, fault):
         ("rigid", "free", "rigid"),
     ],
 )
-def test_solid_ends_follow_table_then_leg(ends, leg_ends, expected):
+def test_table_agree_sets_ends_of_solids(ends, leg_ends, expected):
+    """The end condition in [agree] precedes that of the leg. The default is rigid."""
     assert AgreementLimits(ends=ends).ends_of(leg_ends) == expected
 
 

@@ -47,7 +47,7 @@ def test_line_length_of_corner_and_arc():
     assert bent.line.corners == pytest.approx((0.3,))
 
 
-def test_stations_by_length_fraction_or_point():
+def test_stations_are_fractions_or_points():
     leg = leg_of(
         points={"K": [0.4, 0.2, 0.0]},
         through=["K"],
@@ -82,7 +82,8 @@ def test_tapered_leg_in_mm_is_equal():
     assert given_compliance(legs[0]) == pytest.approx(given_compliance(legs[1]), rel=1e-12)
 
 
-def test_station_section_sizes_have_keys():
+def test_sizes_at_stations_have_keys():
+    """The key sections[2].width can be read, has a unit, and can be varied."""
     file = tables(sections=TAPER)
     key = "bodies.arm.sections[2].width"
     assert dict(numbers_of(file))[key] == 0.03
@@ -92,7 +93,7 @@ def test_station_section_sizes_have_keys():
     assert changed.stations[-1][1].width == 0.05
 
 
-def test_copied_line_leg_is_rotated():
+def test_copied_tapered_leg_is_rotated():
     three = {"about": "z", "count": 3}
     file = tables(points={"K": {"at": [0.3, 0.0, 0.1], "pattern": three}})
     for name in ("A", "B"):
@@ -178,7 +179,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("said", FAULTS)
-def test_wrong_line_leg_is_refused(said):
+def test_wrong_tapered_leg_is_refused(said):
     leg = {"material": STEEL, **FAULTS[said]}
     file = tables(**{key: value for key, value in leg.items() if value is not None})
     if leg["material"] is None:

@@ -103,7 +103,7 @@ def rows(**entries):
     return f"[{', '.join('[' + ', '.join(row) + ']' for row in texts)}]"
 
 
-def test_half_unit_of_printed_digits():
+def test_printed_digits_give_half_units():
     entries = {"c11": "1.67e-10", "c22": "5.870E-9", "c33": "0.0025", "c44": "2e-7"}
     mirrored = {"c12": "0.0", "c21": "-0.0", "c23": "-1.5e-9", "c32": "-1.50e-9"}
     given = f"compliance = {rows(**entries, **mirrored)}\n"
@@ -376,7 +376,7 @@ def test_schema_command_prints_schema(capsys):
 
 
 @pytest.mark.parametrize("axes", ["[0.0, 0.0, 1.0]", "[[0.0, 0.0, 1.0]]"])
-def test_axes_instead_of_axis_is_refused(axes):
+def test_key_axes_needs_universal_joint(axes):
     with pytest.raises(InputError, match=r"joints.pivot.axes .*one axis has axis = \[x, y, z\]"):
         described(PENDULUM.replace("axis = [0.0, 0.0, 1.0]", f"axes = {axes}"))
 

@@ -186,7 +186,7 @@ def null_space_system(posture, legs):
 @pytest.mark.parametrize(
     ("seed", "planar"), [*((n, False) for n in range(27)), *((n, True) for n in range(8))]
 )
-def test_null_space_solution_is_equal(seed, planar):
+def test_assembly_equals_null_space_solution(seed, planar):
     posture = random_posture(seed, planar=planar)
     legs = tip_compliances(posture.mechanism)
     system = assemble(posture, links(posture.mechanism, legs))

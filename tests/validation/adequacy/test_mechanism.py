@@ -61,7 +61,7 @@ drive = {{ stiffness = 5.0e4 }}
 
 
 @pytest.mark.usefixtures("coarse_legs")
-def test_mechanism_has_matrix_and_mass_note(tmp_path):
+def test_mechanism_has_verdicts_and_mass_note(tmp_path):
     short = robot_of(ARM, tmp_path)
     matrix = robot_adequacy(Context(short, "quick"))
     assert list(map(str, matrix.coordinates)) == ["x (m)"]

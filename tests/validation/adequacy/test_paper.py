@@ -125,7 +125,7 @@ def test_undecided_entry_names_deciding_data(paper_subject):
     assert y.reason == "specify the 6×6 in the robot file with more digits"
 
 
-def test_digits_change_peaks_twice_as_much(tmp_path):
+def test_digits_change_peaks_twice_as_much_as_f(tmp_path):
     asked = '[[responses]]\nname = "hit"\ndirection = [0.0, 0.0, 1.0]\nfrom = 20.0\nto = 200.0\n'
     text = f"{load_robot('ifw').text}\n[damping]\nratio = 0.02\n{asked}count = 20\n"
     file = robot_of(text, tmp_path)
@@ -259,7 +259,7 @@ def test_rounding_sensitivity_is_derivative(printed, monkeypatch):
         assert np.allclose(share, off, rtol=1e-3, atol=1e-3 * off.max())
 
 
-def test_half_width_falls_with_digits(printed):
+def test_rounding_half_width_falls_with_digits(printed):
     poses = printed.mechanism.poses[[4]]
 
     def printed_with(digits):
@@ -304,7 +304,9 @@ def test_solve_digits_cover_95_percent_of_draws(printed, draws, model, given, co
 
 
 @pytest.mark.parametrize("key", ["leg1.compliance[1,1]", "foot.compliance[6,6]"])
-def test_varied_entry_keeps_other_digits(key):
+def test_varied_entry_counts_as_exact(key):
+    """A varied entry of a 6×6 has no rounding uncertainty, the other 62 entries keep theirs."""
+
     def roundings(robot_file):
         postures = postures_of(robot_file.mechanism, robot_file.mechanism.poses[:1])
         return roundings_of(robot_file.printed_compliances, postures)
@@ -315,7 +317,7 @@ def test_varied_entry_keeps_other_digits(key):
     assert (len(roundings(ifw)), len(roundings(varied))) == (63, 62)
 
 
-def test_second_variation_keeps_the_first():
+def test_second_variation_keeps_first():
     ifw = load_robot("ifw")
     both = ifw.with_values({"platform.mass": 40.0}).with_values({"leg1.mass": 60.0}).mechanism
     assert (both.tool.mass, both.bodies["leg1"].shape.mass) == (40.0, 60.0)

@@ -80,13 +80,14 @@ NOTHING = (0.0, 0.0, 0.0)
         ((0.0, 0.0, 0.1), 0.05, ndtr(-1.0) - ndtr(-3.0)),
     ],
 )
-def test_one_uncertain_length_is_exact(start, limit, within):
+def test_probability_of_one_length_is_exact(start, limit, within):
     found = of_vectors(start, LONG).probabilities(limit)
     # Bisected to rounding; outside of the outermost of 4096 points there is nothing to be found.
     assert found == pytest.approx([within, 1.0 - within], abs=1e-9)
 
 
-def test_orthogonal_inputs_give_rayleigh():
+def test_orthogonal_inputs_are_rayleigh():
+    """Two orthogonal normal errors have a Rayleigh distributed size, 1 − exp(−r²/2σ²)."""
     error = of_vectors(NOTHING, LONG, (0.05, 0.0, 0.0))
     for limit in (0.01, 0.05, 0.1):
         within = 1.0 - np.exp(-0.5 * (limit / 0.05) ** 2)
@@ -271,7 +272,7 @@ def of_arm(arm):
     return robot_subject(Context(arm, "quick"))
 
 
-def test_drive_only_robot_is_exact(of_arm):
+def test_probability_of_one_drive_is_exact(of_arm):
     # Deflection by the drive L²/k, by the arm L³/3EI + 6L/5GA (ν = 0: G = E/2).
     length, width, height, modulus = 0.5, 0.06, 0.04, 2.1e11
     area, inertia = width * height, height * width**3 / 12.0

@@ -181,9 +181,10 @@ def test_round_off_gives_undecided_or_message(robot_file, cases, expected):
 
 
 @extreme(41)
-def test_free_joint_keeps_soft_leg_digits(robot_file):
+def test_hinge_on_stiff_leg_keeps_digits(robot_file):
     # Leg 1 bends on a hinge at the tip of a leg 10¹³ times as stiff about z: in sums of both legs'
     # rotations it was 2 % off.
+    """A leg bends on a hinge at the tip of a leg 10¹³ times as stiff, whose rotation is small."""
     (at,) = placed_at(robot_file.mechanism)
     beams = bodies_of(at.mechanism, ModelOptions(), partial(leg_matrices, "beam"))
     found = modes(solved(assemble(at, beams)), 1).frequencies

@@ -32,9 +32,9 @@ ROUNDING = 1e-9
 
 @pytest.mark.parametrize("nu", [0.2, 0.3, 0.45])
 def test_edge_singularity_has_williams_order(nu):
-    """The energy of stresses r^(λ − 1) within a radius r is r^(2λ); λ solves Williams' equation. M.
+    """Stresses r^(λ − 1) have the energy r^(2λ) within a radius r; λ solves Williams' equation.
 
-    L. Williams (1952), clamped and free sides at 90°; λ = 0.711 for ν = 0.3.
+    Source: Williams (1952), clamped and free sides at 90°, with λ = 0.711 for ν = 0.3.
     """
     exponents = np.linspace(0.5, 0.999, 200_001)
     misfit = np.sin(0.5 * np.pi * exponents) ** 2 - (4.0 * (1.0 - nu) ** 2 - exponents**2) / (
@@ -63,7 +63,7 @@ def test_rigid_faces_reduce_order_in_tension():
     assert observed == pytest.approx(edge_order(-0.9), abs=0.2)
 
 
-def test_soft_shear_has_order_of_free_ends(tmp_path):
+def test_low_shear_modulus_has_free_end_order(tmp_path):
     # A leg known by its 6×6, stiff 26 times as much along it as in shear: with rigid faces, whose
     # edges hold the warping of shear, 1.95 and 1.92 were found.
     robot_file = robot_of(list(random_robots(41, 7))[40], tmp_path)

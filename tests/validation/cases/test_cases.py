@@ -141,7 +141,7 @@ def test_shifted_reference_makes_case_disagree(of):
 
 
 @pytest.mark.parametrize("of", BEYOND_QUICK, ids=" ".join)
-def test_large_groups_are_skipped_by_quick(of):
+def test_quick_preset_skips_large_groups(of):
     found, reasons = measured(of)
     assert not found
     assert reasons
@@ -151,6 +151,7 @@ def test_large_groups_are_skipped_by_quick(of):
 @pytest.mark.soak
 @pytest.mark.parametrize("of", GROUPS, ids=" ".join)
 def test_shared_input_does_not_cancel(of):
+    """An error in an input that value and reference share must change their difference."""
     assert [line for case in GROUPS[of] for line in cancelled(case, CONTEXTS[of[0]])] == []
 
 

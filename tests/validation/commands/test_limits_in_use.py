@@ -164,7 +164,7 @@ def in_folder(pytester):
     return run
 
 
-def test_within_and_accept_of_the_fixture(in_folder, pytester):
+def test_fixture_has_within_and_accept(in_folder, pytester):
     pytester.makepyfile(PLUGIN)
     outcomes = in_folder("")
     assert outcomes.pop("test_more_modes") == "passed"
@@ -239,7 +239,7 @@ def test_program_error_fails_its_item(in_folder, monkeypatch):
     assert "ZeroDivisionError" in in_folder.said["beam.x"]
 
 
-def test_robot_file_has_item_per_verdict(in_folder, capsys):
+def test_robot_file_gives_item_per_verdict(in_folder, capsys):
     in_folder("", "--flexproof", "mine.toml", "--collect-only", "-q")
     # Eight models by six axes and any force, four frequencies and their order; comparisons of
     # formulations with each other, see test_checks.

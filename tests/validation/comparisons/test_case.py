@@ -226,7 +226,7 @@ COMMON = {
 }
 
 
-def test_cases_are_ordered_by_group():
+def test_case_fields_have_priorities():
     """Fields come from the case, its parameters, its family or the group, in this priority."""
     cases = CaseGroup(over={"leg": (1, 2)}, group="all", **COMMON)
 

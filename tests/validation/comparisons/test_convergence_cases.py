@@ -182,6 +182,7 @@ def test_leg_without_beam_theory_is_skipped(tmp_path, body):
 
 @pytest.mark.usefixtures("coarse_parts")
 def test_part_without_prisms_is_skipped(tmp_path):
+    """A part whose sections no prism has cannot be divided into segments."""
     write_overlapping_crane(tmp_path)
     robot = load_robot(tmp_path / "robot.toml")
     skips = list(outcomes_of(robot, "arm"))

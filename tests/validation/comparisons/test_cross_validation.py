@@ -106,7 +106,7 @@ def test_formulations_compare_without_solid(crossed):
         crossed.assert_agrees("beam", "segments", quantity="f1", within=0.0194, body="arm")
 
 
-def test_whole_robot_is_compared_without_body(crossed):
+def test_no_body_compares_whole_robot(crossed):
     with pytest.raises(AssertionError, match=r"f1 of the robot: -202 against -200 Hz, -1 %"):
         crossed.assert_agrees("beam", quantity="f1", within=0.009)
     crossed.assert_agrees("beam", quantity="f1", within=0.0101)
@@ -133,7 +133,7 @@ def test_unknown_names_are_refused(crossed, arguments, message):
         crossed.assert_agrees(**arguments)
 
 
-def test_convergence_is_asserted_by_leg(crossed):
+def test_convergence_of_a_leg_is_asserted(crossed):
     # Huang's cantilever: segments 0.0089 % off at 20 elements, the literal layout's 5 % left out.
     crossed.assert_converged("f1", body="arm", within=0.0001)
     with pytest.raises(AssertionError, match=r"reaches 0\.0089 %"):

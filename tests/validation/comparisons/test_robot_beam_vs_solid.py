@@ -90,6 +90,7 @@ def test_thin_walled_frequencies_agree():
 
 
 def test_branching_robot_skips_only_vjm():
+    """The virtual joint method needs legs that are serial chains."""
     with pytest.raises(Skip, match="serial chains"):
         BY_ID["robot.agrees[vjm-solid-x]"].measure(context_of("delta"))
     assert outcome_of("delta", "robot.agrees[links-solid-x]").verdict == "agree"

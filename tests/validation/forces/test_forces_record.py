@@ -31,7 +31,7 @@ def loaded(tmp_path):
     return path
 
 
-def test_cantilever_stress_equals_hand(loaded):
+def test_cantilever_stress_is_exact(loaded):
     """σ = 6PL/bh² at the corner; τ of T in the middle of the long side. σ_v is at least σ."""
     (pose,) = fp.forces(loaded, "links").poses
     stress = pose.loads["push"].stresses["bar"]

@@ -55,7 +55,8 @@ def test_verdict_uses_whole_interval():
             assert Comparison(value, 1.0, 0.0, 0.0, uncertainty).verdict(0.05) == verdict
 
 
-def test_measurements_are_own_references():
+def test_measured_values_are_references():
+    """Each measured value is the reference of the models' values for the same pose and load."""
     robot_file = load_robot("biglide")
     robot = robot_file.mechanism
     (x,), (first,) = robot.reference_pose, robot.poses[0]

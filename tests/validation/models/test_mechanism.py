@@ -34,7 +34,8 @@ def test_beams_and_segments_have_equal_statics():
         np.testing.assert_allclose(other, links, rtol=0, atol=1e-9 * np.abs(links[0]).max())
 
 
-def test_branching_error_reaches_parent():
+def test_branching_error_can_be_pickled():
+    """Errors raised in worker processes are pickled."""
     at = [reference_posture(load_robot("delta").mechanism)]
     with pytest.raises(NoChainError, match=r"branches at .*; take --model links") as raised:
         answers("vjm", at, 0)
@@ -45,7 +46,7 @@ def test_branching_error_reaches_parent():
 
 @pytest.mark.parametrize(("name", "model"), [("delta", "beam"), ("hexapod", "segments")])
 def test_threefold_robot_has_symmetric_results(name, model):
-    """Twelve digits of the files' points leave 1e-11."""
+    """Points of the files have twelve digits, so that symmetry holds to 1e-11."""
     (found,) = answers(model, [reference_posture(load_robot(name).mechanism)], 10)
     turned = THIRD @ found.compliance @ THIRD.T
     assert np.abs(turned - found.compliance).max() <= 1e-9 * np.abs(found.compliance).max()

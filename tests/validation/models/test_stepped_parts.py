@@ -282,7 +282,7 @@ def test_misplaced_part_has_warning(tmp_path, command, asked, old, new, message)
     assert "bodies.rocker" in said
 
 
-def test_check_opens_part_files(command):
+def test_check_command_opens_part_files(command):
     said = command.told("check", ROCKER / "robot.toml")
     assert "rocker: rocker.step, read in mm: 343 × 263 × 60 mm" in said
     for point, radius in (("A", 22), ("B", 16), ("C", 16)):

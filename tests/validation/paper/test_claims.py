@@ -93,14 +93,15 @@ def test_claim_counts_its_valid_curves(claims, start, standing, holding):
     assert claim.standing == standing
 
 
-def test_summary_of_claims_excludes_circular_ones(claims):
+def test_summary_excludes_circular_claims(claims):
+    """A claim is circular if it was used to correct the data."""
     assert summary(claims.values()) == (
         "Of 22 statements hold: 17 as printed and as corrected, 2 as printed alone, 1 as corrected "
         "alone, 2 for some of their curves alone; 1 circular and not counted."
     )
 
 
-def test_layout_and_eq_25_change_statements(claims):
+def test_layout_and_eq_25_change_claims(claims):
     (layout,) = claim_starting(claims, "With 20 elements").curves
     assert layout.printed == pytest.approx(1.05 * 181.8, rel=2e-3)
     assert layout.corrected == pytest.approx(181.8, rel=1e-3)
@@ -270,7 +271,7 @@ def test_caption_erratum_gives_stroke_ends():
     )
 
 
-def test_foot_misprint_is_seen_along_y():
+def test_foot_misprint_changes_y_stiffness():
     printed, used = (
         np.array(tables["foot"]["compliance"]) for tables in (as_printed(IFW), IFW.tables)
     )

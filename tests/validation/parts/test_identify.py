@@ -175,8 +175,8 @@ def test_condensed_shaft_has_rigid_motions(shaft):
     assert np.linalg.eigvalsh(shaft["bracket"] * np.outer(scale, scale))[0] > -1e-9
 
 
-def test_uncounted_frequencies_carry_a_remark(command, folder, monkeypatch):
-    """No factor fits the memory: null in JSON and no proof in the text, also from the cache."""
+def test_uncounted_frequencies_have_remark(command, folder, monkeypatch):
+    """Too little memory for a factor: null in JSON, and no proof in the text, also if cached."""
     monkeypatch.setattr(RootedBody, "countable", False)
     words = arguments(folder / "shaft.msh", "--unit", "mm", "--modes", "2")
     document = json.loads(command.told(*words, "--json"))
@@ -187,7 +187,7 @@ def test_uncounted_frequencies_carry_a_remark(command, folder, monkeypatch):
     assert "none missing" not in text
 
 
-def test_cached_text_has_all_numbers(command, folder, shaft, monkeypatch):
+def test_cached_identification_has_all_values(command, folder, shaft, monkeypatch):
     forget()
     monkeypatch.setattr(identifying, "_identification", lambda *_: pytest.fail("computed again"))
     text = command.told(*arguments(folder / "shaft.step", *SMALL))
@@ -212,7 +212,7 @@ def test_cached_text_has_all_numbers(command, folder, shaft, monkeypatch):
     assert in_file_axes == pytest.approx(shaft["compliance"], rel=1e-8, abs=1e-16)
 
 
-def test_given_mesh_has_no_half_width(command, folder):
+def test_imported_mesh_has_no_half_width(command, folder):
     text = command.told(*arguments(folder / "shaft.msh", "--unit", "mm", "--modes", "1"))
     assert "one mesh, from the file, of " in text
     assert re.search(r"^  1 +\d+\.\d\d  ± +–  ", text, re.MULTILINE)
@@ -262,7 +262,7 @@ WRONG = [
 @pytest.mark.parametrize(
     ("ends", "material", "options", "message"), WRONG, ids=lambda value: str(value)[-25:]
 )
-def test_wrong_request_is_refused_early(
+def test_wrong_request_is_refused_at_once(
     command, folder, monkeypatch, ends, material, options, message
 ):
     monkeypatch.setattr(identifying, "identify", lambda *_: pytest.fail("computed"))

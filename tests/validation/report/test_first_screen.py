@@ -182,8 +182,8 @@ def test_tiny_half_width_is_hidden():
 def test_reference_row_has_reference_values():
     """25 nm/N, a quarter too large, is 20 µm under 1000 N; 30 nrad/(N m) is 3 µrad.
 
-    Each value is the middle of the reference's interval: 100 Hz between 95 and 115 Hz is 105 ±
-    9.5 %.
+    Each value is the middle of the reference's interval: 100 Hz between 95 and 115 Hz is shown as
+    105 Hz with a half-width of 9.5 %.
     """
 
     def own(expected, low, high):

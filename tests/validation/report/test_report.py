@@ -157,6 +157,7 @@ def test_shared_study_is_shown_once():
 
 
 def test_only_equality_is_shown_in_percent():
+    """The explained share of a difference is shown only for a claim that two values are equal."""
     for more, share in (
         ({}, 0.005),
         ({"tolerance": Absolute(0.1)}, None),
@@ -236,7 +237,7 @@ def test_page_has_scenes_and_missing_pictures():
     assert "not a number" in shown
 
 
-def test_curve_data_match_their_names():
+def test_curve_data_have_names_of_curves():
     rows = list(csv.DictReader(io.StringIO(drawn().data)))
     named = {f"{name} (Hz)": values for name, values in CONVERGENCE.series.items()}
     assert {name: tuple(float(row[name]) for row in rows) for name in rows[0]} == {

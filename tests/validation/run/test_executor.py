@@ -66,7 +66,7 @@ def test_finished_calls_are_computed_once(tmp_path, monkeypatch):
         assert_array_equal(found[1].powers, [1.0, 3.0, 9.0, 27.0])
 
 
-def test_units_are_computed_without_a_cache(monkeypatch):
+def test_results_are_computed_without_cache(monkeypatch):
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     found = computed([Unit(float(base)) for base in range(200)], Powers, in_turn, "raising")
     assert [one.powers[1] for one in found] == list(range(200))
@@ -130,7 +130,8 @@ def test_crashed_call_ends_only_itself(tmp_path):
     assert "ZeroDivisionError" in (tmp_path / "log").read_text()
 
 
-def test_lost_unit_ends_sweep_with_reason():
+def test_lost_process_is_reported():
+    """The executor yields the error of the call, or that of the process that died."""
     with on_cores(1) as executor:
         with pytest.raises(ComputationError, match="code 9; what was finished is kept: start it"):
             list(executor([partial(os._exit, 9)]))

@@ -166,7 +166,7 @@ def test_three_mesh_half_width_is_exact(changes, half_width) -> None:
     assert found == pytest.approx([half_width], rel=1e-12)
 
 
-def test_richardson_interval_has_limit():
+def test_richardson_intervals_contain_limit():
     rng = np.random.default_rng(14)
     for ladder in ((1, 2, 3, 4), (2, 4, 8, 16)):
         limits, orders = rng.uniform(1.0, 3.0, 4), rng.uniform(1.0, 4.0, 4)

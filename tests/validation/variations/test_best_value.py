@@ -133,7 +133,7 @@ def test_tallest_bar_has_smallest_deflection(curves_by_objective):
     assert np.isnan(decision.correlation("simplified")[0])
 
 
-def test_cases_exist_for_relied_models(light_bar):
+def test_relied_models_have_decision_cases(light_bar):
     variations = variations_of(light_bar, ["tool.mass=2:4:3"])
     ids = {case.id for case in cases_over(light_bar, variations)}
     assert "decision.frequency.loss.beam[tool.mass]" in ids
@@ -237,8 +237,9 @@ def test_extreme_value_interval_is_two_sided():
     np.testing.assert_allclose(extremes, [[1.0, 1.0], [0.0, 0.1]])
 
 
-def test_choice_and_loss_equal_hand():
+def test_chosen_value_and_loss_are_exact():
     # The model chooses its 1.0. The reference has 2.0 there, and 1.6 at its best.
+    """The loss of a choice is the reference's value there over its best value, less one."""
     values, reference = np.array([1.0, 2.0, 4.0, 3.0]), np.array([2.0, 1.6, 3.0, 5.0])
     assert choice(values, reference, "deflection") == Choice(0, (0,), pytest.approx(0.25))
     # The largest frequency is best: 4.0, at which the reference has 3.0, with 5.0 at its best.

@@ -129,7 +129,7 @@ def test_cone_tip_is_not_an_inverted_face(tmp_path):
     assert sorted(face.kind for face in part.faces) == ["other", "plane"]
 
 
-def test_surface_mesh_retries_uncurved(box_step, monkeypatch):
+def test_surface_mesh_retries_without_curvature(box_step, monkeypatch):
     triangulate = read.triangulate
 
     def failing(path, model, sides, *more):
@@ -143,7 +143,7 @@ def test_surface_mesh_retries_uncurved(box_step, monkeypatch):
     assert {grading.sides for grading in refined_gradings(part, (), 2000)} == {0.0}
 
 
-def test_volume_mesh_retries_uncurved(box_step, monkeypatch):
+def test_volume_mesh_retries_without_curvature(box_step, monkeypatch):
     find_gradings = volume._find_gradings
 
     def failing(part, interfaces, unknowns, sides):

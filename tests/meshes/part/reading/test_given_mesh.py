@@ -57,7 +57,7 @@ def test_mesh_formats_give_one_part(files):
     assert len(first.faces) == 7
 
 
-def test_interface_by_physical_group(files):
+def test_physical_group_selects_interface(files):
     part = read_part(files / "plate.msh", "mm")
     by_name, by_radius = (
         find_interfaces(part, {"A": PartInterface(choice)})[0]
