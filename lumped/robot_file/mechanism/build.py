@@ -31,6 +31,7 @@ from lumped.mechanism.catalogue.ball_contact import (
     bearing_stiffness,
 )
 from lumped.mechanism.catalogue.ball_guide import BallGuide, guide_compliance
+from lumped.mechanism.catalogue.ball_nut import PRELOADED, WITH_PLAY, BallNut
 from lumped.mechanism.catalogue.directions import joint_axes, joint_matrix
 from lumped.mechanism.joint import BallScrew, Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
@@ -181,9 +182,8 @@ def _guide_compliance(table: Entry) -> Array:
 
 
 def _screw(table: Entry) -> BallScrew:
-    bearing, nut = (
-        0.0 if table[key] == "rigid" else 1.0 / table[key] for key in ("bearing", "nut")
-    )
+    stiffnesses = table["bearing"], _nut_stiffness(table["nut"])
+    bearing, nut = (0.0 if stiffness == "rigid" else 1.0 / stiffness for stiffness in stiffnesses)
     return BallScrew(
         axial=table["E"] * np.pi * table["diameter"] ** 2 / 4.0,
         length=table["length"],
@@ -192,6 +192,16 @@ def _screw(table: Entry) -> BallScrew:
         bearing=bearing,
         nut=nut,
     )
+
+
+def _nut_stiffness(nut: Any) -> Any:
+    """Axial stiffness (N/m) of the nut of a ball screw, or "rigid"."""
+    if not isinstance(nut, dict):
+        return nut
+    preload, share = nut["preload"], nut["share"]
+    default = WITH_PLAY if preload is None else PRELOADED
+    ball_nut = BallNut(nut["rigidity"], nut["load_rating"], default if share is None else share)
+    return ball_nut.stiffness(nut["load"] if preload is None else preload)
 
 
 def _compliances(stiffnesses: Entry) -> dict[str, float]:

@@ -415,10 +415,18 @@ _DRIVE_DASHPOT = Number("N s/m or N m s/rad", above=0.0, most=1e9, slip=1e-12)
 # 1 GPa to above steel; a screw of aluminium has 7e10.
 _SCREW_MODULUS = Number("Pa", least=1e9, most=2e12, low=_GPA, high=_DIAMOND)
 _SCREW_SPRING = Either(Number("N/m", above=0.0, most=1e15, slip=1e-12), OneOf(("rigid",)))
+_NUT_LOAD = Number("N", above=0.0, most=1e7, slip=1e-6)
+_NUT = TableRule(
+    needed("rigidity", Number("N/m", above=0.0, most=1e15, slip=1e-12), "K of the nut's table"),
+    needed("load_rating", _NUT_LOAD, "basic dynamic load rating Ca of the table"),
+    Key("preload", _NUT_LOAD, "axial preload of the nut"),
+    Key("load", _NUT_LOAD, "axial load of a nut with play, instead of `preload`"),
+    Key("share", _SHARE, "load of K in the table / Ca; default 0.1 with preload, 0.3 with play"),
+)
 _SCREW = TableRule(
     needed("diameter", _LENGTH, "diameter of the shaft that carries tension: root diameter"),
     needed("length", _LENGTH, "from the bearing that holds the shaft to the nut, as drawn"),
-    needed("nut", _SCREW_SPRING, "axial stiffness of the nut"),
+    needed("nut", Either(_SCREW_SPRING, _NUT), "axial stiffness of the nut, or its table"),
     needed("bearing", _SCREW_SPRING, "axial stiffness of the bearing, of each if there are two"),
     Key("span", _LENGTH, "distance of a second bearing that holds the shaft; default: none"),
     Key(

@@ -109,6 +109,25 @@ def test_screw_rotor_adds_mass():
     assert modes(solution, 1).frequencies[0] == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("load", "expected"),
+    [
+        # At the load of the table, 0.8 of its stiffness.
+        ("preload = 2.5e3", 0.8 * NUT),
+        ("preload = 1.25e3, share = 0.05", 0.8 * NUT),
+        ("load = 7.5e3", 0.8 * NUT),
+        # Of balls in grooves, Q = c δ^1.5: dQ/dδ at an eighth of the load is half as large.
+        ("preload = 312.5", 0.4 * NUT),
+        ("load = 60.0e3", 1.6 * NUT),
+    ],
+)
+def test_nut_stiffness_follows_its_table(load, expected):
+    table = f"{{ rigidity = {NUT}, load_rating = 2.5e4, {load} }}"
+    mechanism = of("", SLIDE.replace(f"nut = {NUT}", f"nut = {table}"))
+    own = compliance(solved(assemble(posture(mechanism, np.array([0.5])), {})))[0, 0]
+    assert own == pytest.approx(0.4 / EA + 1.0 / BEARING + 1.0 / expected, rel=1e-10)
+
+
 def test_nut_beyond_screw_bearing_is_refused():
     with pytest.raises(ComputationError, match="the nut is 50 mm beyond its bearing"):
         assemble(posture(of(), np.array([0.05])), {})
@@ -128,6 +147,19 @@ FAULTS = {
         "joints.axis.drive.screw: must be left out beside a stiffness, which it determines"
     ),
 }
+
+
+@pytest.mark.parametrize(
+    ("load", "reason"),
+    [("", "has no load"), (", preload = 1.0, load = 1.0", "has preload and load")],
+)
+def test_nut_without_one_load_is_refused(load, reason):
+    table = f"{{ rigidity = {NUT}, load_rating = 2.5e4{load} }}"
+    with pytest.raises(InputError) as error:
+        of("", SLIDE.replace(f"nut = {NUT}", f"nut = {table}"))
+    assert error.value.faults == (
+        f"joints.axis.drive.screw.nut: {reason}; must have one of preload, load (with play)",
+    )
 
 
 @pytest.mark.parametrize("more", FAULTS)

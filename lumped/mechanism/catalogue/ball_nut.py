@@ -1,0 +1,33 @@
+"""Axial stiffness of the nut of a ball screw from the numbers of a manufacturer's table.
+
+Catalogues give the calculated stiffness K of the balls under a stated share of the basic dynamic
+load rating Ca: as preload of a nut with preload (0.1 Ca, of some series 0.05 Ca), as load of a nut
+with play (0.3 Ca). By Hertz, the stiffness of balls varies with the cube root of the load, and
+catalogues take 0.8 of it for the deformation of the nut itself:
+
+    k = 0.8 K (F / (share Ca))^(1/3)
+
+(THK, General Catalog, Ball Screw, "Studying the Rigidity"; NSK, Precision Machine Components). K
+and Ca of a nut are those of its table.
+"""
+
+from dataclasses import dataclass
+
+# Share of the stiffness of the balls that is left with the deformation of the nut.
+_WITH_NUT = 0.8
+# Shares of the load rating at which tables give the stiffness of nuts with preload and with play.
+PRELOADED, WITH_PLAY = 0.1, 0.3
+
+
+@dataclass(frozen=True)
+class BallNut:
+    """Nut with the table's stiffness `rigidity` (N/m) under `share` of its `load_rating` (N)."""
+
+    rigidity: float
+    load_rating: float
+    share: float
+
+    def stiffness(self, load: float) -> float:
+        """Axial stiffness (N/m) under a preload, or under the load of a nut with play (N)."""
+        ratio = load / (self.share * self.load_rating)
+        return float(_WITH_NUT * self.rigidity * ratio ** (1.0 / 3.0))
