@@ -57,7 +57,7 @@ class LinePiece:
 
     @cached_property
     def length(self) -> float:
-        """Length along the piece (m)."""
+        """Length (m) of the piece along the centre line."""
         centre, _, angle = self._rotation
         radius = float(np.linalg.norm(np.array(self.start) - centre))
         return angle * radius if angle else float(np.linalg.norm(self._chord))
@@ -105,17 +105,17 @@ class CentreLine:
 
     @property
     def length(self) -> float:
-        """Length along the line (m)."""
+        """Length (m) of the centre line from root to tip."""
         return float(self.ends[-1])
 
     @property
     def is_straight(self) -> bool:
-        """True if the line is the x axis."""
+        """True if the centre line is the x axis of the leg."""
         return self.length <= self.chord * (1.0 + _STRAIGHT)
 
     @property
     def chord(self) -> float:
-        """Distance from root to tip (m)."""
+        """Straight distance (m) from root to tip."""
         first, last = np.array(self.pieces[0].start), np.array(self.pieces[-1].end)
         return float(np.linalg.norm(last - first))
 

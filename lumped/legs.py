@@ -346,7 +346,7 @@ class LineLeg:
 
     @property
     def length(self) -> float:
-        """Distance from root to tip (m)."""
+        """Straight distance (m) from root to tip of the leg."""
         return self.line.chord
 
     @cached_property
@@ -377,7 +377,7 @@ class LineLeg:
 
     @property
     def mass(self) -> float:
-        """Mass (kg)."""
+        """Mass (kg) of the leg, an integral over its sections."""
         along = self.sections("euler-bernoulli")
         origin = np.zeros((1, 3))
         return float(along.masses(along.ends[[0, -1]], origin)[0, 0, 0])

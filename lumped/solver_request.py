@@ -35,7 +35,7 @@ class Solver(StrEnum):
 
     @property
     def is_petsc(self) -> bool:
-        """True if PETSc computes."""
+        """True for the libraries that compute through PETSc."""
         return self in {Solver.PETSC, Solver.GAMG}
 
 

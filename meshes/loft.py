@@ -48,7 +48,7 @@ class LoftedMesh(SolidMesh):
 
     @property
     def length(self) -> float:
-        """Distance from root to tip (m)."""
+        """Straight distance (m) from root to tip of the leg."""
         return self.line.chord
 
 

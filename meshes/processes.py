@@ -158,7 +158,7 @@ class Process:
         return answer
 
     def end(self) -> None:
-        """Kill the process."""
+        """Kill the other process."""
         self._process.kill()
         self._process.wait()
         self.connection.close()

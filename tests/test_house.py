@@ -51,7 +51,8 @@ def test_every_tests_folder_is_collected(pytestconfig):
         assert not [room for room in rooms for one in patterns if fnmatch(room, one)], module
 
 
-def test_endless_test_reaches_time_limit(pytestconfig, tmp_path):
+def test_endless_test_is_stopped(pytestconfig, tmp_path):
+    """pytest-timeout stops a test after the limit of pyproject.toml."""
     assert float(pytestconfig.getini("timeout")) > 0.0
     endless = tmp_path / "test_endless.py"
     endless.write_text("def test_endless():\n    while True:\n        pass\n")

@@ -85,17 +85,17 @@ class CondensedPiece:
 
     @property
     def tip_twists(self) -> Array:
-        """Part of H for the tip (6×k)."""
+        """Part (6×k) of the matrix H for the deformations of the tip."""
         return np.asarray(-_TWIST_MIRROR[:, None] * self.twists * self.mirror)
 
     @property
     def tip_own(self) -> Array:
-        """Block S_tip,tip (k×k, in N/m)."""
+        """Stiffness block S_tip,tip (k×k, in N/m) of the tip's deformations."""
         return np.asarray(self.mirror[:, None] * self.own * self.mirror)
 
     @property
     def root_tip(self) -> Array:
-        """Block S_root,tip (k×k, in N/m)."""
+        """Stiffness block S_root,tip (k×k, in N/m) between the deformations of both faces."""
         return np.asarray(self.across * self.mirror)
 
 

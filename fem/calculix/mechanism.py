@@ -55,8 +55,8 @@ class _Freedoms:
 class MechanismDeck:
     """Deck of a mechanism, with the data to evaluate its results.
 
-    `tool` (6×n) is the matrix from the n watched freedoms to the twist of the loaded point. `idle`
-    is the number of idle motions.
+    `tool` (6×n) is the matrix from the n displacements that CalculiX prints to the twist of the
+    loaded point. `idle` is the number of idle motions.
     """
 
     deck: Deck

@@ -207,7 +207,7 @@ class _Numbering:
         return csr_array((data, columns, pointers), shape=(len(self.inner),) * 2)
 
     def transformation(self) -> SparseMatrix:
-        """Matrix T (csr 3N×n) with u = T x."""
+        """Matrix T (csr 3N×n) from the unknowns x to the nodal displacements u."""
         free = self.is_free[self.inner]
         columns = np.flatnonzero(free)
         shape = (3 * len(self.nodes), len(self.inner))

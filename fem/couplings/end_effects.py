@@ -63,13 +63,13 @@ class _Squares:
         self.solve_in_plane = _solver(self.left[p:, p:], rigid[p:])
 
     def solve(self, load: Array) -> Array:
-        """Solution z (n or n×k) of L z = `load`."""
+        """Solution z (n or n×k) of L z = `load`, for one or k loads."""
         axial = self.solve_axial(load[: self.axial])
         in_plane = self.solve_in_plane(load[self.axial :] - self.coupling.T @ axial)
         return np.concatenate([axial, in_plane])
 
     def solve_transposed(self, load: Array) -> Array:
-        """Solution y (n or n×k) of Lᵀy = `load`."""
+        """Solution y (n or n×k) of Lᵀy = `load`, for one or k loads."""
         in_plane = self.solve_in_plane(load[self.axial :])
         axial = self.solve_axial(load[: self.axial] - self.coupling @ in_plane)
         return np.concatenate([axial, in_plane])

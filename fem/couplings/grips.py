@@ -68,7 +68,7 @@ class Grip:
 
     @property
     def nodes(self) -> IntArray:
-        """Nodes of the faces, ascending."""
+        """Indices of the nodes of the faces, ascending."""
         return self.facets.nodes
 
     @property

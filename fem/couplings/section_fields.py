@@ -89,7 +89,7 @@ class SectionFields:
 
     @property
     def coupling(self) -> Array:
-        """Matrix G = E₁ − E₁ᵀ."""
+        """Matrix G = E₁ − E₁ᵀ that multiplies u′ in the equations of the prism."""
         return np.asarray(self.E1 - self.E1.T)
 
     def squares_problem(self, omega: float = 0.0) -> tuple[Array, Array]:

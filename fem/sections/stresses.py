@@ -112,7 +112,7 @@ def regular_nodes(mesh: SectionMesh, distance: float) -> Array:
 
 
 def _perimeter(mesh: SectionMesh) -> float:
-    """Length (m) of the boundary. The area divided by half of it is the thickness of thin walls."""
+    """Length (m) of the boundary. Twice the area divided by it is the thickness of thin walls."""
     return float(np.linalg.norm(np.diff(mesh.nodes[_rim(mesh)], axis=1), axis=2).sum())
 
 

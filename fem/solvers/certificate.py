@@ -35,7 +35,7 @@ class Pencil:
     springs: Array
 
     def shifted(self, sigma: float) -> Symbolic:
-        """Matrix K − σM with the springs."""
+        """Matrix K − σM with the supporting springs, for `sigma` = σ (rad²/s²)."""
         return self.symbolic.with_values(self.symbolic.triangle.data - sigma * self.mass)
 
 

@@ -212,7 +212,7 @@ class RenewableFactor:
 
     @cached_property
     def numeric(self) -> Inverse:
-        """The factor, computed if necessary."""
+        """The factor, which is computed if it has been released."""
         return self.symbolic.factorise(self.part)
 
     @property

@@ -36,7 +36,8 @@ _DEFECTIVE = 1e8
 class Terms:
     """The r terms (g + sh) / (1 + sκ + s²μ) of a receptance.
 
-    `inverses` are μ (s²), `rates` κ (s), `residues` g (r×k×k), `rate_residues` h (r×k×k).
+    `inverses` are μ (r, s²), `rates` κ (r, s), `residues` g (r×k×k) and `rate_residues` h (r×k×k)
+    for k outputs.
     """
 
     inverses: ComplexArray

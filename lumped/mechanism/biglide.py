@@ -42,7 +42,7 @@ class Stroke:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Smallest and largest x of B (m)."""
+        """Smallest and largest coordinate x (m) of point B."""
         return self.a - self.length2, self.length1
 
     @property

@@ -161,7 +161,7 @@ class Loading:
 
     @property
     def wrenches(self) -> list[AppliedWrench]:
-        """All wrenches on interfaces of bodies."""
+        """All wrenches of the load on interfaces of bodies."""
         return [*self.point_wrenches, *self.body_wrenches]
 
 

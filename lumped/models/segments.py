@@ -55,7 +55,7 @@ class SegmentChain:
 
     @property
     def tip(self) -> Array:
-        """Point (3, in m) of the tip."""
+        """Position (3, in m) of the tip of the chain."""
         return self.length * _ALONG
 
 

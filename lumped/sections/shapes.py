@@ -27,7 +27,7 @@ class Section(ABC):
     @property
     @abstractmethod
     def area(self) -> float:
-        """Area A (m²)."""
+        """Area A (m²) of the section."""
 
     @property
     @abstractmethod
@@ -58,7 +58,7 @@ class Section(ABC):
 
     @property
     def has_outline(self) -> bool:
-        """True if solids are made of the section."""
+        """True if the outline is known, so that the section can be meshed."""
         return True
 
     @property
@@ -215,12 +215,12 @@ class HollowRectangle(Boxed):
 
     @property
     def inner(self) -> Rectangle:
-        """The rectangular hole."""
+        """Rectangle of the hole inside the walls."""
         return Rectangle(self.width - 2.0 * self.thickness, self.height - 2.0 * self.thickness)
 
     @property
     def outer(self) -> Rectangle:
-        """The rectangle without its hole."""
+        """Outer rectangle of the walls, filled."""
         return Rectangle(self.width, self.height)
 
     @property

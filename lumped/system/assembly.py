@@ -152,7 +152,7 @@ class Assembly:
         return NodeMatrices(node_motions, stiffness, mass, ends, tool_twists)
 
     def at(self, posture: Posture) -> System:
-        """System of the mechanism in one posture."""
+        """Stiffness and mass of the mechanism in one posture."""
         (system,) = self.along([posture])
         return system
 

@@ -77,8 +77,8 @@ def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> L
 def linear_load(root: Array, tip: Array, length: float) -> LineLoad:
     """Load that varies linearly along a leg, from wrenches (6 each, in N and N m) on its ends.
 
-    The load has the resultant of both wrenches. Along and about the leg it also has their
-    distribution to both ends.
+    Force and moment of the load are the sum of both wrenches. Axial force and torque are also
+    distributed to the two ends as in the wrenches.
     """
     first, last = 2.0 * (2.0 * root - tip) / length, 2.0 * (2.0 * tip - root) / length
     total = root + tip

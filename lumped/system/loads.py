@@ -119,7 +119,7 @@ def loading(
 
 
 def _along_leg(posture: Posture, line: AppliedLine) -> LineLoad:
-    """Load along a leg in leg axes."""
+    """Load of the robot file along a leg, in leg axes."""
     rotation = posture.frames[line.leg].rotation
     return line.load.in_axes(rotation) if line.in_base else line.load
 

@@ -48,7 +48,7 @@ class Facets:
 
     @property
     def nodes(self) -> IntArray:
-        """Nodes of the facets, ascending."""
+        """Indices of the nodes of the facets, ascending."""
         return np.unique(self.cells)
 
     @property
@@ -57,7 +57,7 @@ class Facets:
         return self.cells[:, : len(ELEMENTS[self.element].corner_nodes)]
 
     def at(self, rows: IntArray) -> "Facets":
-        """Facets in the selected `rows`."""
+        """The facets with the indices `rows`."""
         return Facets(self.cells[rows], self.element)
 
 

@@ -228,7 +228,7 @@ def _rectilinear(section: OutlinedSection, divisions: int) -> Blocks:
 
 
 def _lines(coordinates: Array, section: OutlinedSection) -> Array:
-    """Different coordinates, ascending."""
+    """Distinct coordinates of the edges' lines, ascending."""
     ordered = np.sort(coordinates)
     steps = np.diff(ordered, prepend=-np.inf)
     return np.asarray(ordered[steps > _SAME_LINE * max(section.extent)])

@@ -246,7 +246,7 @@ def test_comparison_depends_on_both_sides():
 
 
 def test_reference_by_same_code_is_detected():
-    """By its name, through two modules, through one assembler, and by an annotated class."""
+    """Common code is detected by name, through two modules, in an assembler, and in annotations."""
     alike = {leg_matrices: beam_leg, robot_modes: beam_leg, swept: solved, rooted_body: RootedBody}
     assert all(shared((one,), (other,)) for one, other in alike.items())
 

@@ -24,7 +24,7 @@ class Space(Protocol):
         """Context in which each error of a device is raised as DeviceError."""
 
     def put(self, array: Any) -> Any:
-        """Copy of a host array in this memory."""
+        """Copy of an array of the host in this memory."""
 
     def get(self, array: Any) -> Array:
         """Copy on the host of an array in this memory."""

@@ -28,7 +28,7 @@ class Direction:
 
     @property
     def turns(self) -> bool:
-        """True for rotations."""
+        """True if the direction is a rotation about an axis."""
         return self.components[0] >= 3
 
 

@@ -50,7 +50,7 @@ class Rule(ABC):
     @property
     @abstractmethod
     def schema(self) -> dict[str, Any]:
-        """JSON schema of the rule."""
+        """JSON schema of the values that the rule allows."""
 
     def faults(self, value: object, key: str) -> list[str]:
         """Faults of a value, each line beginning with the key. Empty if the value is allowed."""
@@ -298,7 +298,7 @@ class Either(Rule):
 
     @property
     def written(self) -> tuple[type, ...]:  # type: ignore[override]
-        """Python types of either kind."""
+        """Python types of the values of either kind."""
         return self.first.written + self.second.written
 
     @property
@@ -391,12 +391,12 @@ class Key:
 
 
 def needed(name: str, kind: Rule, meaning: str) -> Key:
-    """A required key."""
+    """A key that a table must have."""
     return Key(name, kind, meaning, required=True)
 
 
 class TableRule(Rule):
-    """Rule for a table with given keys."""
+    """Rule for a table: its keys, and the rule for the value of each."""
 
     written = (dict,)
     allowed = "a table"

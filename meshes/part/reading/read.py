@@ -71,7 +71,7 @@ class PartFile:
         return f"{text}, gaps of up to {gap} bridged (volume to {100.0 * self.unknown_share:.1g} %)"
 
     def face(self, number: int) -> Face:
-        """Face with the given number."""
+        """Face of the part with the given number, as printed by `flexproof faces`."""
         return next(face for face in self.faces if face.number == number)
 
 

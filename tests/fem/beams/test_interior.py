@@ -69,7 +69,7 @@ def test_stiffer_beams_from_6x6_vibrate_faster():
 
 
 def test_flexible_tip_keeps_transverse_stiffness():
-    """A flexible tip increases c66 above L/EI; κGA is then taken from EA, and K22 is unchanged."""
+    """A flexible tip increases c66 above L/EI. κGA is then taken from EA, and K22 is unchanged."""
     leg = given(PRISM)
     turning = leg.compliance.copy()
     turning[5, 5] *= 6.0

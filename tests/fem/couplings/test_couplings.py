@@ -260,7 +260,7 @@ def test_thin_wall_effects_equal_solid(length):
 
 @pytest.mark.parametrize("length", [0.5, 4.0])
 def test_restrained_warping_equals_vlasov(length):
-    """θ/T = (L − 2d tanh(L/2d))/GJ, d² = EΓ/GJ, with warping held at both ends (Vlasov 1961)."""
+    """θ/T = (L − 2d tanh(L/2d))/GJ, d² = EΓ/GJ, without warping at both ends (Vlasov 1961)."""
     mesh, material = section_mesh(THIN, 2), replace(STEEL, nu=0.0)
     constants = section_constants(mesh, 0.0, material.G / material.E)
     rigidity = material.G * constants.torsion_constant

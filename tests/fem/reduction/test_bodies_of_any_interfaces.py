@@ -97,7 +97,7 @@ def test_box_has_exact_mass_properties(bar):
 
 @pytest.mark.parametrize("free", [False, True])
 def test_mode_count_equals_dense_count(bar, free):
-    """Bar with its interfaces held, and free bar without its rigid-body motions."""
+    """Bar with fixed interfaces, and free bar without its rigid-body motions."""
     body = free_body(bar.rooted) if free else bar.held
     frequencies = bar.free_frequencies if free else bar.held_frequencies
     # Bodies with fewer unknowns are solved by a dense method instead of being counted.

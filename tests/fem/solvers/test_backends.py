@@ -152,7 +152,7 @@ class TestEveryLibrary:
         with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
             analyse(leg.stiffness).factorise()
 
-    def test_chain_held_by_round_off_is_refused(self):
+    def test_chain_on_round_off_support_is_refused(self):
         chain = 2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
         for roundings in (40.0, 4000.0):
             chain[0, 0] = chain[-1, -1] = 1.0
@@ -174,7 +174,10 @@ class TestEveryLibrary:
         assert count_below(pencil(singular, csr_array((3, 3))), 0.0).zero >= 1
 
     def test_compliance_and_modes_equal_rslab(self, leg, monkeypatch):
-        """Compliance to 1e-10, frequencies to 1e-9, equal counts: clamped, held, free body."""
+        """Compliances agree to 1e-10, frequencies to 1e-9, and counts are equal.
+
+        Clamped body, body with fixed interfaces, and free body.
+        """
 
         def numbers():
             body = clamped_leg(leg)
@@ -229,7 +232,7 @@ def test_solver_follows_request_size_and_card(request_, unknowns, card, expected
     assert choose(Solver(request_), unknowns, card) is Solver(expected)
 
 
-def test_wrong_variable_is_refused(monkeypatch):
+def test_wrong_environment_variable_is_refused(monkeypatch):
     for text, expected in (("", "auto"), ("auto", "auto"), ("rslab", "rslab"), ("petsc", "petsc")):
         monkeypatch.setenv(VARIABLE, text)
         assert requested_solver() is Solver(expected)

@@ -121,7 +121,7 @@ def little_memory(gamg, monkeypatch):
 
 
 @pytest.mark.usefixtures("little_memory")
-def test_petsc_solves_without_factor_beyond_memory(monkeypatch):
+def test_petsc_solves_without_factor(monkeypatch):
     """Statics are right, but modes cannot be counted and are refused before the search."""
     leg = hexahedral_leg()
     body = clamped_leg(leg)

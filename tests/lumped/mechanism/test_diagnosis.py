@@ -80,7 +80,7 @@ def test_stretched_five_bar_leg_is_reported():
 
 
 def test_collinear_rods_are_reported():
-    """Both rods lie along x: with locked drives the tool is not held along y."""
+    """Both rods lie along x: with locked drives the tool is free to move along y."""
     (fault,) = faults(with_points(FIVE_BAR, {"B1": [-0.35, 0.55, 0.0], "B2": [0.35, 0.55, 0.0]}))
     assert "singular: rod1 and rod2 are stretched out in one line; with all drives held" in fault
 

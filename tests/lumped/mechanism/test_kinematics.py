@@ -312,7 +312,10 @@ def test_position_outside_stroke_is_refused(x):
 
 @pytest.mark.parametrize("alpha", [0.7, 1.0, 2.0])
 def test_robot_family_keeps_stroke(alpha):
-    """Paper, eqs (10), (11): L = α L0 and a = α (L10 + L20) − d; d, EA, EI, GJ, μ are unchanged."""
+    """Paper, eqs (10), (11): L = α L0 and a = α (L10 + L20) − d; d, EA, EI, GJ, μ are unchanged.
+
+    Leg lengths grow by α, and the distance a of the slides keeps the stroke d.
+    """
     a, *legs = family_member(0.92, LEG1, LEG2, alpha)
     assert a == pytest.approx(alpha * 1.625 - 0.705, rel=1e-14)
     for leg, original in zip(legs, (LEG1, LEG2), strict=True):

@@ -147,7 +147,7 @@ def test_free_platform_of_slender_leg_is_refused(side, angle):
 
 
 def test_tool_offset_changes_compliance():
-    """A rigid offset X gives C_P = X C_B Xᵀ; the planar deflection grows to 13.6 µm (notes §1).
+    """A rigid offset X gives C_P = X C_B Xᵀ; the planar deflection grows to 13.6 µm.
 
     The paper prints no sign of the offset; 13.6 µm results with the tool on the −z side.
     """

@@ -64,7 +64,7 @@ BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
 
 
 def test_wall_mesh_is_refined_twofold():
-    """With a smaller ratio a five-bar of boxes was less certain in `standard` than in `quick`."""
+    """The half-width of thin walls compares meshes whose element sizes have the ratio two."""
     meshes, bar = solid_meshes("fine"), replace(FLANGED, section=Rectangle(0.1, 0.1))
     assert meshes.ratio([FLANGED]) == 2.0
     assert meshes.ratio([FLANGED, bar]) == pytest.approx(4.0 / 3.0)
@@ -290,7 +290,8 @@ def test_beam_from_6x6_has_beam_constants():
         np.testing.assert_allclose(np.abs(dense(matrix)), due, rtol=0, atol=1e-9 * due.max())
 
 
-def test_unknown_mass_centre_adds_mass_wedges():
+def test_mass_wedges_need_unknown_mass_centre():
+    """If a leg's mass centre is unknown, its mass per length may also rise towards one end."""
     known = replace(GIVEN, mass_centre=0.4)
     assert plausible_masses([known, known]) == (MASSES[0], *MASSES[3:])
     assert plausible_masses([known, GIVEN]) == MASSES

@@ -74,7 +74,7 @@ def test_items_follow_limit_and_share_study(items, monkeypatch):
 
 
 def test_item_of_leg_agrees_with_solid(items):
-    """Torsion of leg 1 differs by 1.47 %, all but 0.01 % of it by held end faces."""
+    """Torsion of leg 1 differs by 1.47 %, all but 0.01 % of it by rigid end faces."""
     chosen = "leg1-vjm-solid-phi_x"
     assert items("", chosen) == {f"agrees[{chosen}]": ("passed", "None")}
 

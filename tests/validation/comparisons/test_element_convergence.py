@@ -193,7 +193,10 @@ def test_reduced_robot_equals_full_robot(whole_robot):
     ("layout", "quantity"), [("half", "f1"), ("half", "f4"), ("literal", "f4")]
 )
 def test_needed_counts_are_smallest(leg1, layout, quantity):
-    """One element fewer misses the target; the count itself and the listed finer ones meet it."""
+    """The needed number of elements and each finer one meet the target.
+
+    One element fewer does not.
+    """
     leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
     series, column = leg1.of("segments", layout), leg1.column(quantity)
     for target, needed in zip((0.01, 0.001, 0.0001), series.needed[:, column], strict=True):

@@ -29,7 +29,10 @@ def test_solid_limit_is_timoshenko_beam(study):
 
 
 def test_needed_divisions_are_smallest(study):
-    """Smallest divisions of the computed meshes within the target. 0 if the finest misses it."""
+    """The needed divisions are the smallest ones within the target.
+
+    0 if the finest mesh misses it.
+    """
     found = set()
     for series in study.series:
         sizes = np.abs(series.values / series.limits - 1.0)

@@ -23,7 +23,7 @@ THIRD = np.kron(
 
 
 def test_beams_and_segments_have_equal_statics():
-    """Spatial closed loops in postures other than the reference."""
+    """Mechanisms with spatial closed loops, in postures other than the reference posture."""
     mechanism = load_robot("delta").mechanism
     at = [posture(mechanism, pose) for pose in mechanism.poses[::4]]
     links, beam, segments = (

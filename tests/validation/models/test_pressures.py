@@ -113,7 +113,7 @@ def test_reactions_balance_pressures(block, model):
 
 
 def test_hydrostatic_stress_field_is_uniform(block):
-    """σ = −p 1 in the whole block, away from nothing."""
+    """σ = −p 1 in the whole block."""
     found = forces(Question(block, "solid", {}), ["all"], solids=True)
     field = found.poses[0].loads["all"].solids["block"]
     expected = np.tile([-1e7, -1e7, -1e7, 0.0, 0.0, 0.0], (len(field.stresses), 1))
@@ -187,7 +187,7 @@ at = "C"
 
 
 @pytest.mark.parametrize("pressure", FAULTS)
-def test_wrong_pressure_gives_one_fault(pressure):
+def test_wrong_pressure_is_refused(pressure):
     text = BLOCK.replace("B = [", "C = [0.2, 0.0, 0.0], B = [", 1) + OTHER_BODIES
     with pytest.raises(InputError) as error:
         described(f'{text}[[loads]]\nname = "press"\npressures = [{{ {pressure} }}]')

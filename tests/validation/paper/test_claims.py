@@ -229,7 +229,7 @@ def test_cosine_spacing_has_ends_and_centre():
 
 
 @pytest.mark.exhaustive
-def test_stroke_figure_has_printed_eq_25():
+def test_figure_has_release_of_eq_25_as_printed():
     figure = frequencies_over_the_stroke(Context(IFW, "quick"))
     centre = list(csv.DictReader(io.StringIO(figure.data)))[10]
     # Values of an independent computation: 184 Hz, and about 300 Hz as printed.

@@ -145,11 +145,11 @@ class Server:
 
     @property
     def alive(self) -> bool:
-        """True if the server can answer."""
+        """True if the server process runs and can answer."""
         return self.end.alive
 
     def new_name(self) -> int:
-        """Unique name for an ordering."""
+        """Unique name for an ordering on the server."""
         return next(self._names)
 
     def analyse(self, name: int, lower: SparseMatrix) -> int:

@@ -522,7 +522,7 @@ def test_damaged_step_file_is_refused(files, tmp_path, monkeypatch, name, old, n
 
 
 def test_small_cad_gap_is_bridged(tmp_path):
-    """One corner of the rocker is moved by 0.01 mm; nothing else in the file fixes its position."""
+    """One corner of the rocker is moved by 0.01 mm, so that a gap opens at this corner."""
     path = tmp_path / "gap.step"
     old = "(20.124611797499,40.249223594996,-30.)"
     path.write_text(ROCKER.read_text().replace(old, old.replace("20.1246", "20.1346")))
