@@ -57,7 +57,7 @@ FURTHER = ("EIyyyy", "EIzzzz", "EIyyzz", "rate_y", "rate_z")
 NODES: Array = np.asarray(0.5 * (1.0 + chebyshev.chebpts1(12)))
 # Gauss points per element. A taper 2 : 1 in one element has an error of 5.8^-24.
 GAUSS = 12
-# Share of the line's length: ends of spans closer than this are one.
+# Fraction of the line's length. Ends of spans closer than this count as one.
 TOGETHER = 1e-9
 
 

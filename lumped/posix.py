@@ -11,5 +11,5 @@ def _module(name: str) -> ModuleType | None:
         return None
 
 
-# None on Windows.
+# The module is None on Windows.
 fcntl, resource = map(_module, ("fcntl", "resource"))

@@ -24,7 +24,7 @@ OnFreedom: TypeAlias = tuple[Freedom, float]
 # CalculiX reads only the first twenty characters of a number, even if the exponent comes later.
 _NUMBER_WIDTH = 20
 _TERMS_PER_LINE = 4
-# CalculiX reads no more entries in one line.
+# Largest number of entries that CalculiX reads in one line.
 _ENTRIES_PER_LINE = 16
 
 

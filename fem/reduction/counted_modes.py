@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.linalg.lapack import dpstrf
 
-from fem.reduction.held import Swinging
+from fem.reduction.held import VibratingBody
 from fem.solvers.block_lanczos import NotConvergedError, block_lanczos, modes_below
 from fem.solvers.spaces import space_of
 from lumped.arrays import fix_signs
@@ -49,51 +49,51 @@ class CountedModes(Modes):
     counted: int | None
 
 
-def _without(held: Swinging, excluded: Modes) -> Swinging:
-    """The body `held` with a flexibility that does not contain the modes `excluded`."""
+def _without(body: VibratingBody, excluded: Modes) -> VibratingBody:
+    """The same body with a flexibility that does not contain the modes `excluded`."""
     shapes, squared = excluded.shapes, (2.0 * np.pi * excluded.frequencies[:, None]) ** 2
 
     def flexibility(forces: Any) -> Any:
         excluded_shapes, scale = map(space_of(forces).put, (shapes, squared))
-        return held.flexibility(forces) - excluded_shapes @ (excluded_shapes.T @ forces / scale)
+        return body.flexibility(forces) - excluded_shapes @ (excluded_shapes.T @ forces / scale)
 
-    return replace(held, flexibility=flexibility)
+    return replace(body, flexibility=flexibility)
 
 
-def counted_modes(held: Swinging, cutoff: float) -> CountedModes:
+def counted_modes(body: VibratingBody, cutoff: float) -> CountedModes:
     """All modes of a body below `cutoff` (Hz), with a count if the body supports it.
 
     Raises ComputationError if no factor for the count fits the memory, or if the count differs from
     the number of modes that can be found.
     """
-    held.require_count()
-    modes = interface_modes(held, cutoff)
-    if held.inertia is None:
+    body.require_count()
+    modes = interface_modes(body, cutoff)
+    if body.inertia is None:
         return CountedModes(modes.frequencies, modes.shapes, cutoff, None)
     for search in range(1, _SEARCHES + 1):
-        counting_frequency, counted = _counted(held, modes, cutoff)
+        counting_frequency, counted = _counted(body, modes, cutoff)
         missing = counted - int((modes.frequencies < counting_frequency).sum())
         if not missing:
             return CountedModes(modes.frequencies, modes.shapes, counting_frequency, counted)
         if missing < 0 or search == _SEARCHES:
             break
-        modes = _joined(modes, interface_modes(_without(held, modes), cutoff, search))
+        modes = _joined(modes, interface_modes(_without(body, modes), cutoff, search))
     raise ComputationError(
-        f"{held.state}: certificate of the modes failed: {counted} lie below "
+        f"{body.state}: certificate of the modes failed: {counted} lie below "
         f"{counting_frequency:.6g} Hz, {counted - missing} were found"
     )
 
 
-def _counted(held: Swinging, modes: Modes, cutoff: float) -> tuple[float, int]:
+def _counted(body: VibratingBody, modes: Modes, cutoff: float) -> tuple[float, int]:
     """Frequency (Hz) at or slightly below the cut-off, and the number of modes below it."""
     for share in _PLACES:
         frequency = share * cutoff
-        if held.inertia and (np.abs(modes.frequencies / frequency - 1.0) > _TOO_NEAR).all():
-            inertia = held.inertia((2.0 * np.pi * frequency) ** 2)
+        if body.inertia and (np.abs(modes.frequencies / frequency - 1.0) > _TOO_NEAR).all():
+            inertia = body.inertia((2.0 * np.pi * frequency) ** 2)
             if not inertia.zero:
                 return frequency, inertia.negative
     raise ComputationError(
-        f"{held.state}: zero pivots near {cutoff:.6g} Hz; the modes below it "
+        f"{body.state}: zero pivots near {cutoff:.6g} Hz; the modes below it "
         "cannot be counted, take another cut-off"
     )
 
@@ -104,56 +104,56 @@ def _joined(first: Modes, second: Modes) -> Modes:
     return Modes(frequencies[order], np.hstack([first.shapes, second.shapes])[:, order])
 
 
-def interface_modes(held: Swinging, cutoff: float, search: int = 0) -> Modes:
+def interface_modes(body: VibratingBody, cutoff: float, search: int = 0) -> Modes:
     """All modes below `cutoff` (Hz), without rigid motions. Shapes (n×m) have unit modal mass.
 
     `search` is the number of the search: each starts from different random vectors. Raises
     ComputationError if there are too many modes.
     """
-    modes = None if held.size <= _DENSE_SIZE else _modes_below(held, cutoff, _SEED + search)
+    modes = None if body.size <= _DENSE_SIZE else _modes_below(body, cutoff, _SEED + search)
     if modes is None:
-        modes = _all_modes(held, cutoff)
+        modes = _all_modes(body, cutoff)
     below = modes.frequencies < cutoff
     return Modes(frequencies=modes.frequencies[below], shapes=fix_signs(modes.shapes[:, below]))
 
 
-def _modes_below(held: Swinging, cutoff: float, seed: int) -> Modes | None:
+def _modes_below(body: VibratingBody, cutoff: float, seed: int) -> Modes | None:
     """All modes below `cutoff` (Hz), by Lanczos. None if they are a large part of all modes."""
     # Random vectors contain modes of every symmetry. Lanczos cannot find modes that its start
     # lacks.
-    start = np.random.default_rng(seed).standard_normal((held.size, _BLOCK))
-    limit = min(_LARGEST_SUBSPACE, held.size // 2)
+    start = np.random.default_rng(seed).standard_normal((body.size, _BLOCK))
+    limit = min(_LARGEST_SUBSPACE, body.size // 2)
     selection = modes_below((2.0 * np.pi * cutoff) ** 2)
     try:
         ritz = block_lanczos(
-            held.flexibility, held.mass, start, selection, limit, _CONVERGED, space=held.space()
+            body.flexibility, body.mass, start, selection, limit, _CONVERGED, space=body.space()
         )
     except NotConvergedError as error:
         if limit < _LARGEST_SUBSPACE:
             return None
         raise ComputationError(
-            f"{held.state}: its modes below the cut-off of {cutoff:g} Hz were not "
+            f"{body.state}: its modes below the cut-off of {cutoff:g} Hz were not "
             f"found in {limit} Lanczos vectors; a lower cut-off is needed"
         ) from error
     return Modes(np.sqrt(ritz.values) / (2.0 * np.pi), ritz.vectors)
 
 
-def _all_modes(held: Swinging, cutoff: float) -> Modes:
+def _all_modes(body: VibratingBody, cutoff: float) -> Modes:
     """Modes below the cut-off by dense matrices: A = S Sᵀ, Sᵀ M S w = w/λ and φ = √λ S w."""
-    flexibility = held.flexibility(np.eye(held.size))
-    rounding, diagonal = np.finfo(float).eps * held.size, np.diag(flexibility)
+    flexibility = body.flexibility(np.eye(body.size))
+    rounding, diagonal = np.finfo(float).eps * body.size, np.diag(flexibility)
     # The flexibility of fixed unknowns is round-off of either sign.
     moves = diagonal > rounding * diagonal.max(initial=0.0)
     scale = np.sqrt(np.where(moves, diagonal, 0.0))
     unit = np.divide(1.0, scale, out=np.zeros_like(scale), where=moves)
     symmetric = 0.5 * (flexibility + flexibility.T) * unit[:, None] * unit
     factor, order, rank, _ = dpstrf(symmetric, tol=rounding, lower=1)
-    root = np.empty((held.size, rank))
+    root = np.empty((body.size, rank))
     root[order - 1] = np.tril(factor)[:, :rank]
     root *= scale[:, None]
     lowest = (2.0 * np.pi * cutoff) ** -2.0
     inverse_squares, amplitudes = eigh(
-        root.T @ (held.mass @ root), subset_by_value=(lowest, np.inf)
+        root.T @ (body.mass @ root), subset_by_value=(lowest, np.inf)
     )
     with_mass = inverse_squares > rounding * inverse_squares.max(initial=0.0)
     inverse_squares, amplitudes = (

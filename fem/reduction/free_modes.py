@@ -24,7 +24,7 @@ def free_modes(rooted: RootedBody, count: int) -> CertifiedModes:
     body = free_body(rooted)
 
     def counted(sigma: float) -> Inertia:
-        # The factor of the stiffness leaves its memory to that of the count.
+        # The memory of the stiffness factor is released for the factor of the count.
         rooted.factor.give_up()
         signs = rooted.free_inertia(sigma)
         return signs._replace(negative=signs.negative - RIGID_MOTIONS)

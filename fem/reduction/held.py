@@ -24,7 +24,7 @@ _NO_RESIDUAL = 1e-11
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Swinging:
+class VibratingBody:
     """A body whose vibration modes are computed, either with fixed interfaces or unsupported.
 
     It has n unknowns u. `state` is its name and support in messages. `flexibility` is a function
@@ -50,7 +50,7 @@ class Swinging:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Held(Swinging):
+class Held(VibratingBody):
     """A body with the twists of its interfaces fixed, and its response to these twists.
 
     `constraint_modes` Ψ (n×6m) are the static displacements for unit twists of the m interfaces,
@@ -62,7 +62,7 @@ class Held(Swinging):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FreeBody(Swinging):
+class FreeBody(VibratingBody):
     """An unsupported body, whose modes are the elastic ones.
 
     `rigid` (n×6) are its rigid motions with unit modal mass.
@@ -118,7 +118,7 @@ def free_body(rooted: RootedBody) -> FreeBody:
     )
 
 
-def residual_modes(body: Swinging, forces: Array, modes: Modes) -> tuple[Modes, Array]:
+def residual_modes(body: VibratingBody, forces: Array, modes: Modes) -> tuple[Modes, Array]:
     """Ritz modes of the static response of the dropped modes to `forces` F (n×k), and W (k×k).
 
     `modes` are the kept modes.

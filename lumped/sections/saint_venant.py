@@ -58,9 +58,9 @@ _SMALLEST_WEAK, _SHARE = 0.3, 0.5
 _POINTS, _NEAR = 6, 3.0
 # A point closer to the line of an element than this fraction of its length lies on the line.
 _ON_LINE = 1e-12
-# Share of a section's size: vertices closer to each other are one.
+# Fraction of a section's size. Vertices closer to each other count as one.
 TOUCHING = 1e-6
-# Share of the largest weight: a smaller jump is between parts of one material.
+# Fraction of the largest weight. Parts whose weights differ by less have one material.
 _EQUAL_WEIGHTS = 1e-9
 # Number of rows of the matrix that are integrated at a time.
 _CHUNK = 256
@@ -289,7 +289,7 @@ def _edges(regions: Sequence[Region]) -> _Edges:
     partition = partition_edges([region.loops for region in regions])
     weights = np.append([region.weight for region in regions], 0.0)
     jumps = weights[partition.left] - weights[partition.right]
-    # Edges between parts of one material are none.
+    # Edges between parts of one material need no elements.
     has_jump = np.abs(jumps) > _EQUAL_WEIGHTS * weights.max()
     smallest = _smallest_at_vertices(partition, has_jump)
     return _Edges(partition.vertices, partition.ends[has_jump], jumps[has_jump], smallest)

@@ -18,7 +18,7 @@ from fem.bodies.rooted import RootedBody
 from fem.reduction.counted_modes import counted_modes, interface_modes
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.free_interface import free_interface
-from fem.reduction.held import Held, Swinging, free_body, held_body
+from fem.reduction.held import Held, VibratingBody, free_body, held_body
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError, InputError
 from meshes.part.boundary import Facets
@@ -131,7 +131,9 @@ def test_clamped_body_has_no_rounding_mode(rounding):
     squared = np.arange(1.0, 11.0) ** 2 * 1e6
     flexibility = np.diag(np.append(1.0 / squared, rounding))
     flexibility[0, 10] = flexibility[10, 0] = abs(rounding)
-    held = Swinging(state="held", flexibility=flexibility.__matmul__, mass=eye_array(11).tocsr())
+    held = VibratingBody(
+        state="held", flexibility=flexibility.__matmul__, mass=eye_array(11).tocsr()
+    )
     modes = interface_modes(held, 1e4)
     assert_allclose(modes.frequencies, np.sqrt(squared) / (2.0 * np.pi), rtol=1e-12)
 
