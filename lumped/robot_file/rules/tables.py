@@ -293,19 +293,24 @@ MATERIAL = TableRule(
     Key("loss", _LOSS, "loss factor", default=0.0),
 )
 
+
+def _selected_faces(on_axis: Key, on_plane: Key) -> tuple[Key, ...]:
+    """Keys that select faces of a part. `on_axis` and `on_plane`: point of cylinder and plane."""
+    near = Key("tolerance", _LENGTH, "largest distance of faces from it")
+    axis = Key("axis", _DIRECTION, "its direction; default: any")
+    radius = needed("radius", _LENGTH, "radius of the bore or boss")
+    normal = needed("normal", _DIRECTION, "outward normal")
+    return (
+        Key("faces", Several(Number(whole=True)), "numbers of faces, see `flexproof faces`"),
+        Key("name", _TEXT, "name of faces in the part's file"),
+        Key("cylinder", TableRule(radius, axis, on_axis, near), "all faces on a cylinder"),
+        Key("plane", TableRule(normal, on_plane, near), "all flat faces in a plane"),
+    )
+
+
 _ON_IT = Key("point", _POINT, "a point on it; default: that of the interface")
-_NEAR = Key("tolerance", _LENGTH, "largest distance of faces from it")
-_AXIS = Key("axis", _DIRECTION, "its direction; default: any")
-_CYLINDER = TableRule(needed("radius", _LENGTH, "radius of the bore or boss"), _AXIS, _ON_IT, _NEAR)
-_PLANE = TableRule(needed("normal", _DIRECTION, "outward normal"), _ON_IT, _NEAR)
-_SELECTED_FACES = (
-    Key("faces", Several(Number(whole=True)), "numbers of faces, see `flexproof faces`"),
-    Key("name", _TEXT, "name of faces in the part's file"),
-    Key("cylinder", _CYLINDER, "all faces on a cylinder"),
-    Key("plane", _PLANE, "all flat faces in a plane"),
-)
 INTERFACE = TableRule(
-    *_SELECTED_FACES,
+    *_selected_faces(_ON_IT, _ON_IT),
     Key("coupling", OneOf(get_args(Coupling)), "how the faces are held by the joint"),
     Key("point", _POINT, "reference point for `identify`; in a robot: the point of that name"),
 )
@@ -572,7 +577,10 @@ _PRESSURE = Number("Pa", least=-1e9, most=1e9)
 _ON_FACES = TableRule(
     needed("body", _BODY_NAME, "CAD part whose faces it acts on"),
     needed("pressure", _PRESSURE, "pressure, positive into the body"),
-    *_SELECTED_FACES,
+    *_selected_faces(
+        Key("point", _POINT, "a point on its axis, needed if several have this radius"),
+        needed("point", _POINT, "a point on it, axes of the part's file"),
+    ),
 )
 LOAD = TableRule(
     needed("name", _NAME, "name; judged as load:NAME"),

@@ -162,6 +162,9 @@ FAULTS = {
     'body = "block", pressure = 1.0, name = "lid", faces = [1]': (
         "has faces and name; must have one of faces, name, cylinder, plane"
     ),
+    'body = "block", pressure = 1.0, plane = { normal = [1.0, 0.0, 0.0] }': (
+        "plane.point: missing; must be 3 numbers in m"
+    ),
     'body = "block", pressure = 2.0e9, faces = [1]': (
         "pressure = 2000000000.0: must be at most 1e+09 Pa"
     ),
