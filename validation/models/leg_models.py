@@ -19,7 +19,6 @@ from fem.bodies.rooted import RootedBody
 from fem.reduction.craig_bampton import CraigBampton, craig_bampton
 from fem.reduction.free_modes import free_modes
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
-from fem.solvers.modes import CertifiedModes
 from lumped.arrays import Array, dense
 from lumped.equivalent_leg import equivalent_leg, sectioned_leg
 from lumped.errors import InputError
@@ -193,30 +192,27 @@ def leg_compliance(model: ModelName, leg: Leg, options: ModelOptions = DEFAULT_O
 
 
 def leg_frequencies(
-    model: ModelName, leg: Leg, count: int, options: ModelOptions = DEFAULT_OPTIONS
+    model: ModelName,
+    leg: Leg,
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+    *,
+    free: bool = False,
 ) -> Array:
-    """First natural frequencies (Hz, ascending) of one leg with its root clamped.
-
-    Raises InputError for `simplified` (rigid legs), `vjm` and `links` (static).
-    """
-    if model == "simplified" or model in STATIC:
-        raise InputError(
-            f"--modes: model {model} of one leg is static and has no frequencies; leave --modes out"
-        )
-    sectioned = sectioned_leg(leg, options.equivalent)
-    if model == "solid":
-        return _solid_modes(sectioned, count, options, free=False).frequencies
-    return clamped_modes(leg_matrices(model, sectioned, options), count).frequencies
+    """First natural frequencies (Hz, ascending) of one leg. Arguments and errors of `leg_modes`."""
+    return np.asarray(leg_modes(model, leg, count, options, free=free).frequencies[0])
 
 
-def free_leg_frequencies(
-    model: ModelName, leg: Leg, count: int, options: ModelOptions = DEFAULT_OPTIONS
-) -> Array:
-    """First elastic natural frequencies (Hz, ascending) of one leg with free ends.
+def leg_modes(
+    model: ModelName, leg: Leg, count: int, options: ModelOptions, *, free: bool
+) -> PathModes:
+    """First natural modes of one leg with its root clamped. Elastic modes of a free leg if `free`.
 
-    The six rigid-body motions are omitted. For solids, Sylvester's law of inertia proves that
-    neither a mode nor a rigid-body motion is missing. Raises InputError as `leg_frequencies` does,
-    and ComputationError if there are not six rigid-body motions.
+    The six rigid-body motions of a free leg are omitted. Solids are sampled by the twists of
+    sections, other models are not sampled. For free solids, Sylvester's law of inertia proves that
+    neither a mode nor a rigid-body motion is missing. Raises InputError for `simplified` (rigid
+    legs), `vjm` and `links` (static), and ComputationError if a free leg does not have six
+    rigid-body motions.
     """
     if model == "simplified" or model in STATIC:
         raise InputError(
@@ -224,33 +220,19 @@ def free_leg_frequencies(
         )
     sectioned = sectioned_leg(leg, options.equivalent)
     if model != "solid":
-        return free_frequencies(leg_matrices(model, sectioned, options), count)
-    return _solid_modes(sectioned, count, options, free=True).frequencies
-
-
-def sampled_solid_modes(
-    leg: SectionedLeg, count: int, options: ModelOptions, *, free: bool
-) -> PathModes:
-    """Modes of one solid leg in one pose, sampled by the twists of sections.
-
-    The root is clamped, or nothing is held if `free`.
-    """
-    modes = _solid_modes(leg, count, options, free=free)
-    mesh = solid.solid_mesh(leg, options.divisions)
+        matrices = leg_matrices(model, sectioned, options)
+        if free:
+            return PathModes.unsampled(free_frequencies(matrices, count)[None])
+        return PathModes.unsampled(clamped_modes(matrices, count).frequencies[None])
+    rooted = clamped_solid(sectioned, options.divisions, "free" if free else options.ends)
+    modes = free_modes(rooted, count) if free else rooted.modes(count)
+    mesh = solid.solid_mesh(sectioned, options.divisions)
     stations, lengths = centreline_samples(mesh.length, _STATIONS)
     samples = solid.section_twists(mesh, stations) @ modes.shapes
     # Modes on two meshes have nearly the same shapes. Any weights therefore pair them.
     arm = mesh.length / _STATIONS
     weights = np.outer(lengths, np.repeat([1.0, arm**2], 3)).ravel()
     return PathModes(modes.frequencies[None], samples[None], weights, np.ones((1, count)))
-
-
-def _solid_modes(
-    leg: SectionedLeg, count: int, options: ModelOptions, *, free: bool
-) -> CertifiedModes:
-    if free:
-        return free_modes(clamped_solid(leg, options.divisions, "free"), count)
-    return clamped_solid(leg, options.divisions, options.ends).modes(count)
 
 
 def constant_leg_of(context: Context, body: str) -> ConstantLeg:

@@ -57,8 +57,12 @@ Spring: TypeAlias = Callable[[RobotOnPath, Leg, Ends], Array]
 
 def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Statics:
     """Statics (compliances and load displacements) of a lumped or beam model in each posture."""
-    compliances = np.array([answer.compliance for answer in answers(model, postures, 0, options)])
-    return Statics(compliances, displacements(model, postures, options))
+    solved = answers(model, postures, 0, options)
+    return Statics(
+        np.array([answer.compliance for answer in solved]),
+        displacements(model, postures, options),
+        [answer.idle for answer in solved],
+    )
 
 
 def formulation(name: str, kind: ModelName, options: ModelOptions) -> Model:

@@ -31,11 +31,13 @@ class Statics:
 
     `compliances` (P×6×6, SI): twist by wrench at that point; zeros mean rigid. `load_displacements`
     (P×L×6, m and rad): twists under the L loads of the robot file, in its order. NaN in poses where
-    the tool cannot move as the load requires. Shapes: P poses.
+    the tool cannot move as the load requires. `idle` (P): number of mobilities that do not move the
+    tool, () if it is not needed. Shapes: P poses.
     """
 
     compliances: Array
     load_displacements: Array
+    idle: Sequence[int | None] = ()
 
     def __sub__(self, other: "Statics") -> "Statics":
         return Statics(
@@ -82,6 +84,12 @@ class PathModes:
     energy_shares: Array
     peaks: Array = field(default_factory=lambda: np.zeros((0, 0)))
     receptances: Sequence[ComplexArray] = ()
+
+    @classmethod
+    def unsampled(cls, frequencies: Array) -> "PathModes":
+        """Modes without shapes, which are not compared with other modes (P×m frequencies)."""
+        samples = np.zeros((len(frequencies), 0, frequencies.shape[1]))
+        return cls(frequencies, samples, np.zeros(0), np.ones_like(frequencies))
 
     def at(self, pose: int) -> SampledModes:
         """Modes that exist in a pose, given by its index."""

@@ -7,6 +7,7 @@ meshes are refined until these are small enough.
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from math import ceil
 from typing import Any
 
@@ -54,7 +55,6 @@ from validation.solve.uncertainty import (
     of_digits,
     of_parts,
     of_prisms,
-    with_model,
 )
 from validation.uncertainty.refinement import refined
 
@@ -118,14 +118,14 @@ def solve(question: Question) -> Solution:
     if question.alone in question.mechanism.parts:
         answers = [_free_part_answer(question, question.alone)]
     else:
-        context, divisions = Context(question.robot_file, "quick"), dict[int, None]()
+        solved = _solved(question)
         if question.accuracy is None:
-            meshed = _meshed(question, context, divisions)
+            meshed = _meshed(solved)
         else:
             meshed, accuracy = refined(
-                question,
-                lambda one: _meshed(one, context, divisions),
-                lambda solved: solved.largest_half_width,
+                solved,
+                _meshed,
+                lambda meshed: meshed.largest_half_width,
                 _finer,
                 question.accuracy,
             )
@@ -141,34 +141,24 @@ def solve(question: Question) -> Solution:
     )
 
 
-def _meshed(question: Question, context: Context, divisions: dict[int, None]) -> _Meshed:
-    """Solved question with half-widths of its meshes. Collects the `divisions` of solved meshes."""
-    if question.mechanism.parts:
-        # CAD parts have other meshes each time, so that no change is due to the divisions alone.
-        divisions = {}
-    robot = robot_at(context, question.postures())
+def _solved(question: Question) -> SolvedQuestion:
+    """Question whose model is solved when it is needed."""
+    robot = robot_at(Context(question.robot_file, "quick"), question.postures())
     if not question.digits or question.model == "simplified":
         robot = replace(robot, printed=())
-    legs = _shapes(question)
-    solved = with_model(question, Responses(robot, strict=True), legs)
-    prisms: Sequence[MeshUncertainty] = ()
-    if solved.second is not None:
-        affordable = _is_affordable(question, solved.second)
-        prisms = of_prisms(solved, affordable=affordable)
-        divisions[question.options.divisions] = None
-        if affordable:
-            divisions[solved.second] = None
-    compliances, frequencies, prisms = extrapolated(solved, sorted(divisions), prisms)
-    has_parts = question.model == "solid" and question.alone is None and question.mechanism.parts
-    parts = of_parts(solved) if has_parts else ()
-    trimmed = [values[~np.isnan(values)] for values in frequencies]
-    return _Meshed(solved, compliances, trimmed, prisms, parts)
+    return SolvedQuestion(question, Responses(robot, strict=True), _shapes(question))
+
+
+def _meshed(solved: SolvedQuestion) -> _Meshed:
+    """Solved question with half-widths of its meshes."""
+    prisms = of_prisms(solved, partial(_is_affordable, solved.question))
+    compliances, frequencies, half_widths = extrapolated(solved, prisms)
+    existing = [values[~np.isnan(values)] for values in frequencies]
+    return _Meshed(solved, compliances, existing, half_widths, of_parts(solved))
 
 
 def _is_affordable(question: Question, divisions: int) -> bool:
-    """True if a mesh with other `divisions` is coarser, or not too expensive."""
-    if divisions < question.options.divisions:
-        return True
+    """True if a mesh with other `divisions` is not too expensive."""
     try:
         _cost(replace(question, given={**question.given, "divisions": divisions}))
     except InputError:
@@ -176,17 +166,20 @@ def _is_affordable(question: Question, divisions: int) -> bool:
     return True
 
 
-def _finer(question: Question, factor: float) -> Question:
+def _finer(solved: SolvedQuestion, factor: float) -> SolvedQuestion:
     """Question with finer meshes, whose half-widths are smaller by `factor`.
 
     Divisions grow at most by a factor of two. Raises InputError if the cost is too high, or if a
     CAD part is given as a mesh, which cannot be refined.
     """
-    if question.alone is None:
+    question = solved.question
+    if question.alone is None and question.mechanism.parts:
+        # CAD parts have other meshes, so that solutions on other divisions are not kept.
         question = _with_mechanism(question, with_finer_parts(question.mechanism, factor))
-    divisions, legs = question.options.divisions, _shapes(question)
+        solved = _solved(question)
+    divisions, legs = question.options.divisions, solved.legs
     if not legs:
-        return question
+        return solved
     order = min(formal_order(leg, question.options.ends) for leg in legs)
     # The smallest sufficient number of divisions; if its cost is too high, the largest affordable
     # one.
@@ -196,7 +189,8 @@ def _finer(question: Question, factor: float) -> Question:
     options = [
         {**question.given, "divisions": count} for count in range(wanted_divisions, divisions, -1)
     ]
-    return _affordable([replace(question, given=count) for count in options])
+    finer = _affordable([replace(question, given=count) for count in options])
+    return replace(solved, question=finer)
 
 
 def _affordable(questions: Sequence[Question]) -> Question:

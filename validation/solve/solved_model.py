@@ -1,44 +1,36 @@
-"""The model of a request to `solve`, which `Responses` solves under readings and on other meshes.
+"""The model of a request to `solve`, which `Responses` solves under readings of the robot file.
 
 Input: a `Question`. Output: a `Model` of the robot in the requested poses, or of one of its bodies.
-Rule: `mesh` 1 of a reading is the requested mesh of prisms and 0 a second one. `part_mesh` and
-`ends` select mesh and coupling of CAD parts.
+Rule: of a reading, `part_mesh` and `ends` select mesh and coupling of CAD parts as solids.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeVar
 
 import numpy as np
 
-from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
-from lumped.equivalent_leg import sectioned_leg
 from lumped.legs import GivenLeg, Leg
-from lumped.mechanism.mechanism import Posture
 from lumped.models.bodies import leg_of
 from lumped.system.assembly import assembly
 from lumped.system.sweep import swept
-from validation.models.leg_models import (
-    free_leg_frequencies,
-    leg_compliance,
-    leg_frequencies,
-    sampled_solid_modes,
-)
-from validation.models.loads.displacements import displacements, displacements_of
+from validation.models.leg_models import leg_compliance, leg_modes
+from validation.models.loads.displacements import displacements_of
 from validation.models.options import ModelOptions
 from validation.models.robot_models import (
     FINE_PARTS,
     PartMeshing,
     PostureModes,
     answers,
+    highest_frequency,
     mechanism_modes,
     reduced_parts_of,
     static_bodies,
 )
 from validation.references.mode_samples import samples_of
+from validation.references.model_ladder import model_statics
 from validation.references.modes_on_path import vibration_of
 from validation.references.reference_parts import interface_coupling
 from validation.references.responses import Model
@@ -46,24 +38,11 @@ from validation.references.robot_on_path import Reading, RobotOnPath
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.solve.question import OF_ELEMENTS, Question
 
-T = TypeVar("T")
-# Fields of a reading that select meshes and couplings of solids.
-_SOLID_FIELDS = ("mesh", "part_mesh", "ends")
-# Frequency (Hz) for which CAD parts are reduced in statics, below all their modes.
+# Frequency (Hz) for which CAD parts are reduced if no modes are requested, below all their modes.
 _LOWEST = 1e-3
 # Elements per leg for the effect of printed digits: for six modes it differs by a hundredth from
 # that with 20.
 _FEW_ELEMENTS = 6
-
-
-@dataclass(frozen=True, eq=False)
-class SolvedStatics(Statics):
-    """Statics of a robot with the number of idle mobilities in each pose.
-
-    None for a body alone.
-    """
-
-    idle: Sequence[int | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,13 +52,13 @@ class SolvedModes(PathModes):
     postures: Sequence[PostureModes] = ()
 
 
-def solved_model(question: Question, other_divisions: int | None = None) -> Model:
-    """Model of a question. `other_divisions`: those of the second mesh of prisms."""
-    fields = _SOLID_FIELDS if question.model == "solid" else ()
+def solved_model(question: Question) -> Model:
+    """Model of a question. A free body has no statics, and a static model no modes."""
+    fields = ("part_mesh", "ends") if question.model == "solid" else ()
     return Model(
         question.model,
-        statics=None if question.free else partial(_statics, question, other_divisions),
-        modes=partial(_modes, question, other_divisions) if question.count else None,
+        statics=None if question.free else partial(_statics, question),
+        modes=partial(_modes, question) if question.count else None,
         static_fields=fields,
         modal_fields=fields,
     )
@@ -97,146 +76,77 @@ def digits_model(question: Question, count: int) -> Model:
         question = replace(question, model="beam")
     if question.model in OF_ELEMENTS:
         options = {**options, "elements": min(question.options.elements, _FEW_ELEMENTS)}
-    question = replace(question, given=options, modes=count or None, against=None)
+    question = replace(question, given=options, modes=count)
     if question.alone is not None:
-        return solved_model(replace(question, modes=count))
+        return solved_model(question)
 
-    def solve(robot: RobotOnPath) -> tuple[Array, Array]:
-        solved = robot.context.get(answers, question.model, robot.postures, count, question.options)
-        compliances = np.array([answer.compliance for answer in solved])
-        return compliances, np.array([answer.frequencies for answer in solved])
+    def frequencies(robot: RobotOnPath, _: Reading) -> PathModes:
+        solved = answers(question.model, robot.postures, count, question.options)
+        return PathModes.unsampled(np.array([answer.frequencies for answer in solved]))
 
-    def statics(robot: RobotOnPath, _: Reading) -> Statics:
-        return Statics(solve(robot)[0], np.zeros((len(robot.postures), 0, 6)))
-
-    def modes(robot: RobotOnPath, _: Reading) -> PathModes:
-        return _unsampled(solve(robot)[1])
-
-    return Model(f"{question.model}, few elements", statics=statics, modes=modes)
+    return replace(solved_model(question), modes=frequencies if count else None)
 
 
-def _unsampled(frequencies: Array) -> PathModes:
-    """Modes without shapes, for models whose modes are not compared (P×m frequencies in Hz)."""
-    samples = np.zeros((len(frequencies), 0, frequencies.shape[1]))
-    return PathModes(frequencies, samples, np.zeros(0), np.ones_like(frequencies))
+def _statics(question: Question, robot: RobotOnPath, reading: Reading) -> Statics:
+    options, mechanism = question.options, robot.mechanism
+    if question.alone is not None:
+        leg, options = _leg(question.alone, robot, options)
+        compliance = leg_compliance(question.model, leg, options)
+        return Statics(compliance[None], np.zeros((1, 0, 6)), [None])
+    part_mesh = _part_mesh(robot, reading)
+    if question.model != "solid" or not mechanism.parts or not (question.count or part_mesh):
+        return model_statics(robot.postures, question.model, options)
+    bodies = static_bodies("solid", mechanism, options)
+    highest = _LOWEST
+    if question.count:
+        highest = highest_frequency(robot.postures, question.count, options)
+    bodies |= reduced_parts_of(mechanism, highest, options, part_mesh or FINE_PARTS)
+    solved = swept(assembly(mechanism, bodies), robot.postures, 0)
+    return Statics(solved.compliances, displacements_of(bodies, robot.postures), solved.idle)
 
 
-def _fewest(question: Question, solve: Callable[[int], T]) -> T | None:
-    """Solution with the requested number of modes. Without a number, six or all if there are fewer.
+def _part_mesh(robot: RobotOnPath, reading: Reading) -> PartMeshing | None:
+    """Mesh level and coupling of CAD parts under a reading. None if they are those of answers."""
+    free = "free" in reading.ends.values()
+    part_mesh = PartMeshing(reading.part_mesh, interface_coupling("free" if free else "rigid"))
+    return part_mesh if robot.mechanism.parts and part_mesh != FINE_PARTS else None
 
-    None if no mode is requested or none has mass.
+
+def _modes(question: Question, robot: RobotOnPath, reading: Reading) -> PathModes | None:
+    """Modes with the requested count. Without one, six modes, or all if there are fewer.
+
+    None if nothing has mass.
     """
+    solve = partial(_first_modes, question, robot, reading)
     if question.modes is not None:
-        return solve(question.count) if question.count else None
+        return solve(question.modes)
     for count in range(question.count, 0, -1):
         with suppress(FewerModesError):
             return solve(count)
     return None
 
 
-def _options(question: Question, other_divisions: int | None, reading: Reading) -> ModelOptions:
-    """Model options on the mesh of prisms that a reading selects."""
-    if reading.mesh or other_divisions is None:
-        return question.options
-    return replace(question.options, divisions=other_divisions)
-
-
-def _part_mesh(robot: RobotOnPath, reading: Reading) -> PartMeshing:
-    """Mesh level and coupling of CAD parts under a reading."""
-    if not robot.mechanism.parts:
-        return FINE_PARTS
-    free = "free" in reading.ends.values()
-    return PartMeshing(reading.part_mesh, interface_coupling("free" if free else "rigid"))
-
-
-def _posture_modes(
-    question: Question, robot: RobotOnPath, options: ModelOptions, part_mesh: PartMeshing
-) -> list[PostureModes] | None:
-    """Modes in each posture, computed once for statics and modes. None if nothing has mass."""
-    return _fewest(
-        question,
-        lambda count: robot.context.get(
-            mechanism_modes, question.model, robot.postures, count, options, part_mesh
-        ),
-    )
-
-
-def _statics(
-    question: Question, other_divisions: int | None, robot: RobotOnPath, reading: Reading
-) -> SolvedStatics:
-    options, model = _options(question, other_divisions, reading), question.model
+def _first_modes(question: Question, robot: RobotOnPath, reading: Reading, count: int) -> PathModes:
+    """First `count` modes. They are sampled if they are compared with modes of other models."""
+    model, options = question.model, question.options
     if question.alone is not None:
         leg, options = _leg(question.alone, robot, options)
-        compliance = leg_compliance(model, leg, options)
-        return SolvedStatics(compliance[None], np.zeros((1, 0, 6)), [None])
-    part_mesh = _part_mesh(robot, reading)
-    modes = _posture_modes(question, robot, options, part_mesh) or []
-    if part_mesh != FINE_PARTS:
-        return _part_statics(robot.postures, modes, options, part_mesh)
-    solved = modes or answers(model, robot.postures, 0, options)
-    return SolvedStatics(
-        np.array([answer.compliance for answer in solved]),
-        displacements(model, robot.postures, options),
-        [answer.idle for answer in solved],
-    )
-
-
-def _part_statics(
-    postures: tuple[Posture, ...],
-    modes: Sequence[PostureModes],
-    options: ModelOptions,
-    part_mesh: PartMeshing,
-) -> SolvedStatics:
-    """Statics with CAD parts on another mesh or with another coupling."""
-    mechanism = postures[0].mechanism
-    if modes:
-        bodies = dict(modes[0].system.models)
+        return leg_modes(model, leg, count, options, free=question.free)
+    part_mesh = _part_mesh(robot, reading) or FINE_PARTS
+    postures = mechanism_modes(model, robot.postures, count, options, part_mesh)
+    if model == "solid" or question.against:
+        sampled = vibration_of(samples_of(robot.mechanism), postures, count)
     else:
-        parts = reduced_parts_of(mechanism, _LOWEST, options, part_mesh)
-        bodies = static_bodies("solid", mechanism, options) | parts
-    solved = swept(assembly(mechanism, bodies), postures, 0)
-    return SolvedStatics(solved.compliances, displacements_of(bodies, postures), solved.idle)
-
-
-def _modes(
-    question: Question, other_divisions: int | None, robot: RobotOnPath, reading: Reading
-) -> PathModes | None:
-    options = _options(question, other_divisions, reading)
-    if question.alone is not None:
-        return _fewest(question, partial(_body_modes, question, question.alone, robot, options))
-    modes = _posture_modes(question, robot, options, _part_mesh(robot, reading))
-    if not modes:
-        return None
-    count = max(len(posture.modes.frequencies) for posture in modes)
-    sampled = question.model == "solid" or question.against is not None
-    vibration = (
-        vibration_of(samples_of(robot.mechanism), modes, count)
-        if sampled
-        else _unsampled(np.array([padded(posture.modes.frequencies, count) for posture in modes]))
-    )
+        frequencies = [posture.modes.frequencies for posture in postures]
+        missing = [np.full(count - len(values), np.nan) for values in frequencies]
+        sampled = PathModes.unsampled(np.array([*map(np.append, frequencies, missing)]))
     return SolvedModes(
-        vibration.frequencies,
-        vibration.samples,
-        vibration.weights,
-        vibration.energy_shares,
-        postures=modes,
+        sampled.frequencies,
+        sampled.samples,
+        sampled.weights,
+        sampled.energy_shares,
+        postures=postures,
     )
-
-
-def padded(values: Array, count: int) -> Array:
-    """Numbers followed by NaN, `count` in all."""
-    return np.pad(values, (0, count - len(values)), constant_values=np.nan)
-
-
-def _body_modes(
-    question: Question, name: str, robot: RobotOnPath, options: ModelOptions, count: int
-) -> PathModes:
-    leg, options = _leg(name, robot, options)
-    if question.model == "solid":
-        solid = sectioned_leg(leg, options.equivalent)
-        return robot.context.get(sampled_solid_modes, solid, count, options, free=question.free)
-    frequencies = free_leg_frequencies if question.free else leg_frequencies
-    return _unsampled(frequencies(question.model, leg, count, options)[None])
 
 
 def _leg(name: str, robot: RobotOnPath, options: ModelOptions) -> tuple[Leg, ModelOptions]:

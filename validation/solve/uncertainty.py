@@ -7,7 +7,7 @@ paired by shape.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import cbrt, sqrt
 from typing import TypeVar
 
@@ -17,14 +17,13 @@ from fem.reduction.craig_bampton import frequency_bounds
 from lumped.arrays import Array
 from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
-from lumped.legs import Leg
+from lumped.legs import Leg, SectionedLeg
 from lumped.sections import Rectangle, Section
-from lumped.system.assembly import assembly
 from meshes.section.section_blocks import element_count
 from validation.models.options import ModelOptions
 from validation.models.reduced_parts import ReducedPart, has_specified_couplings
 from validation.parts.meshes import LEVELS
-from validation.references.mesh_uncertainty import MeshRow, mesh_frequency_changes
+from validation.references.mesh_uncertainty import mesh_frequency_changes
 from validation.references.reference_parts import UNKNOWN, part_policy
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Reading
@@ -34,10 +33,10 @@ from validation.responses.statics_and_modes import PathModes, Statics
 from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF, formal_order, section_of
 from validation.solve.answer import HalfWidths, MeshUncertainty, PartUncertainty
 from validation.solve.question import Question
-from validation.solve.solved_model import SolvedModes, SolvedStatics, digits_model, solved_model
+from validation.solve.solved_model import SolvedModes, digits_model, solved_model
 from validation.uncertainty.combiners import Combiner, relative_sizes
 from validation.uncertainty.grid_convergence import richardson_limits
-from validation.uncertainty.mesh_half_widths import MeshPolicy
+from validation.uncertainty.mesh_half_widths import MeshPolicy, half_widths_on
 
 H = TypeVar("H")
 # Smallest ratio of element sizes of both meshes. Walls with one element across keep one, so that
@@ -47,34 +46,50 @@ _RATIO = 1.2
 
 @dataclass(frozen=True, eq=False)
 class SolvedQuestion:
-    """A question with the `model` that answers it, solved under `reading`.
+    """A question with the solutions of its model on all meshes of prisms that were solved so far.
 
-    `legs`: prisms of the answer, equal ones once. `second`: divisions of the second mesh of prisms,
-    None without one.
+    `legs`: prisms of the answer, equal ones once. `models`: model of the question by divisions.
     """
 
     question: Question
     responses: Responses
-    model: Model
-    reading: Reading
-    legs: Sequence[Leg] = ()
-    second: int | None = None
+    legs: Sequence[SectionedLeg]
+    models: dict[int, Model] = field(default_factory=dict)
+
+    def model(self, divisions: int | None = None) -> Model:
+        """Model with these divisions of prisms. Those of the question if None."""
+        divisions = divisions or self.question.options.divisions
+        if divisions not in self.models:
+            given = {**self.question.given, "divisions": divisions}
+            self.models[divisions] = solved_model(replace(self.question, given=given))
+        return self.models[divisions]
 
     @property
-    def statics(self) -> SolvedStatics | None:
+    def reading(self) -> Reading:
+        """Reading of answers: CAD parts on their finest mesh, with rigid interfaces by default."""
+        return Reading(dict.fromkeys(self.question.mechanism.parts, "rigid"))
+
+    @property
+    def poses(self) -> int:
+        """Number of poses. 1 for a body alone."""
+        return len(self.responses.robot.postures)
+
+    @property
+    def statics(self) -> Statics | None:
         """Statics in all poses. None for a free body."""
-        statics = self.responses.statics(self.model, self.reading)
-        return statics if isinstance(statics, SolvedStatics) else None
+        return self.responses.known_statics(self.model(), self.reading)
 
     @property
     def modes(self) -> PathModes | None:
         """Modes in all poses. None if none are requested or nothing has mass."""
-        return self.responses.known_modes(self.model, self.reading)
+        return self.responses.known_modes(self.model(), self.reading)
 
     @property
     def count(self) -> int:
         """Number of solved modes."""
-        return 0 if self.modes is None else self.modes.frequencies.shape[1]
+        if self.modes is None:
+            return 0
+        return int((~np.isnan(self.modes.frequencies)).sum(axis=1).max())
 
     @property
     def loads(self) -> list[str]:
@@ -83,16 +98,6 @@ class SolvedQuestion:
             return []
         return [load.name for load in self.question.mechanism.loads]
 
-    def on_divisions(self, divisions: int) -> tuple[Statics, Array]:
-        """Statics on another mesh of prisms, and the frequencies (P×m) of modes of equal shape."""
-        given = {**self.question.given, "divisions": divisions}
-        model = solved_model(replace(self.question, given=given))
-        statics = self.responses.required_statics(model, self.reading)
-        if self.modes is None:
-            return statics, np.zeros((len(statics.compliances), 0))
-        modes = self.responses.required_modes(model, self.reading)
-        return statics, partners(self.modes, modes, self.count).frequency
-
     def split(self, compliance: Array, loads: Array, frequencies: Array) -> list[HalfWidths]:
         """Half-widths of each pose, from those of all poses (P×6, P×6L and P×m)."""
         displacements = loads.reshape(len(loads), -1, 6)
@@ -100,17 +105,6 @@ class SolvedQuestion:
             HalfWidths(*of_pose, loads=dict(zip(self.loads, by_load, strict=True)))
             for *of_pose, by_load in zip(compliance, frequencies, displacements, strict=True)
         ]
-
-
-def with_model(question: Question, responses: Responses, legs: Sequence[Leg]) -> SolvedQuestion:
-    """Question with its model. Solids have a second mesh."""
-    second = None
-    if question.model == "solid" and legs:
-        second = second_divisions(question.options, legs)
-    reading = Reading(dict.fromkeys(question.mechanism.parts, "rigid"))
-    return SolvedQuestion(
-        question, responses, solved_model(question, second), reading, legs, second
-    )
 
 
 def diagonals(statics: Statics) -> Array:
@@ -138,30 +132,39 @@ def _lengths(displacements: Array) -> Array:
     return np.repeat(sizes, 3, axis=1)
 
 
-def _half_widths(solved: SolvedQuestion, row: MeshRow) -> list[HalfWidths]:
-    """Half-widths of compliance, frequencies and displacements due to one kind of mesh."""
-    responses, reading = solved.responses, solved.reading
-    statics, modes = solved.statics, solved.modes
+def _half_widths(
+    solved: SolvedQuestion,
+    levels: Sequence[int],
+    policy: MeshPolicy | float,
+    at: Callable[[int], tuple[Model, Reading]],
+) -> list[HalfWidths]:
+    """Half-widths of compliance, frequencies and displacements due to one kind of mesh.
+
+    `at` returns model and reading for each of the mesh `levels`.
+    """
+    responses, statics, modes = solved.responses, solved.statics, solved.modes
 
     def of_statics(numbers: Callable[[Statics], Array], scale: Array) -> Array:
-        def change(first: Statics, second: Statics, _: Statics) -> Array:
-            return relative_sizes(numbers(first) - numbers(second), scale)
+        shares = half_widths_on(
+            levels,
+            policy,
+            lambda level: responses.required_statics(*at(level)),
+            lambda first, second, _: relative_sizes(numbers(first) - numbers(second), scale),
+        )
+        return _absolute(shares, scale)
 
-        solve = responses.required_statics
-        return _absolute(row.half_widths(responses, reading, solve, change), scale)
-
-    poses = len(responses.robot.postures)
-    compliance, loads, frequencies = np.zeros((3, poses, 0))
+    compliance, loads, frequencies = np.zeros((3, solved.poses, 0))
     if statics is not None:
         compliance = of_statics(diagonals, np.abs(diagonals(statics)))
         loads = of_statics(_displacements, _lengths(_displacements(statics)))
     if modes is not None:
-        own = modes
-
-        def change(first: PathModes, second: PathModes, _: PathModes) -> Array:
-            return mesh_frequency_changes(first, second, own, solved.count)
-
-        shares = row.half_widths(responses, reading, responses.required_modes, change)
+        own, count = modes, modes.frequencies.shape[1]
+        shares = half_widths_on(
+            levels,
+            policy,
+            lambda level: responses.required_modes(*at(level)),
+            lambda first, second, _: mesh_frequency_changes(first, second, own, count),
+        )
         frequencies = _absolute(shares, own.frequencies)
     return solved.split(compliance, loads, frequencies)
 
@@ -172,50 +175,63 @@ def _absolute(shares: Array, scale: Array) -> Array:
     return np.where(unknown & np.isfinite(scale), np.inf, shares * scale)
 
 
-def of_prisms(solved: SolvedQuestion, *, affordable: bool) -> list[MeshUncertainty]:
-    """Half-widths due to the mesh of prisms in each pose, from the change to the second mesh.
+def of_prisms(
+    solved: SolvedQuestion, affordable: Callable[[int], bool] = lambda _: True
+) -> list[MeshUncertainty]:
+    """Half-widths due to the mesh of prisms in each pose, from the change to a second mesh.
 
     The change times Roache's factor, with r³ the ratio of the element counts (Celik et al., J.
-    Fluids Eng. 130 (2008) 078001). Infinite if the second mesh is not `affordable`.
+    Fluids Eng. 130 (2008) 078001). Infinite if the second mesh is finer and its divisions are not
+    `affordable`. Empty without solid prisms.
     """
-    options, divisions = solved.question.options, solved.second
-    assert divisions is not None  # noqa: S101  asked for solids only
-    policy = mesh_policy(options, solved.legs, divisions) if affordable else UNKNOWN
-    levels = (0, 1) if divisions < options.divisions else (1, 0)
-    row = MeshRow("mesh", levels, lambda _: policy, lambda _: solved.model)
+    options, legs = solved.question.options, solved.legs
+    if solved.question.model != "solid" or not legs:
+        return []
+    second = second_divisions(options, legs)
+    coarser = second < options.divisions
+    policy: MeshPolicy | float = UNKNOWN
+    if coarser or affordable(second):
+        policy = mesh_policy(options, legs, second)
+    levels = (second, options.divisions) if coarser else (options.divisions, second)
+    widths = _half_widths(solved, levels, policy, lambda n: (solved.model(n), solved.reading))
     return [
-        MeshUncertainty(widths.compliance, widths.frequencies, divisions, loads=widths.loads)
-        for widths in _half_widths(solved, row)
+        MeshUncertainty(of_pose.compliance, of_pose.frequencies, second, loads=of_pose.loads)
+        for of_pose in widths
     ]
 
 
 def of_parts(solved: SolvedQuestion) -> list[PartUncertainty]:
-    """Half-widths due to CAD parts in each pose: meshes, couplings and reduction."""
-    responses, modes = solved.responses, solved.modes
-    robot, mechanism = responses.robot, solved.question.mechanism
-    row = MeshRow("part_mesh", LEVELS, lambda at: part_policy(at.mechanism), lambda _: solved.model)
-    postures = modes.postures if isinstance(modes, SolvedModes) else ()
-    bodies = postures[0].system.models if postures else {}
-    solids = {name: body for name, body in bodies.items() if isinstance(body, ReducedPart)}
-    bounds = np.zeros((len(robot.postures), 0))
-    if postures:
-        prepared = assembly(mechanism, bodies)
-        systems = [prepared.at(posture) for posture in robot.postures]
-        by_pose = [frequency_bounds(system, solids, solved.count) for system in systems]
+    """Half-widths due to CAD parts in each pose: meshes, couplings and reduction.
+
+    Empty without solid parts.
+    """
+    question, modes, model = solved.question, solved.modes, solved.model()
+    mechanism = question.mechanism
+    if question.model != "solid" or question.alone is not None or not mechanism.parts:
+        return []
+    bounds, solids = np.zeros((solved.poses, 0)), {}
+    if isinstance(modes, SolvedModes):
+        bodies = modes.postures[0].system.models
+        solids = {name: body for name, body in bodies.items() if isinstance(body, ReducedPart)}
+        by_pose = [frequency_bounds(at.system, solids, solved.count) for at in modes.postures]
         bounds = np.array([bound.upper - bound.lower for bound in by_pose])
+    widths = _half_widths(
+        solved,
+        LEVELS,
+        part_policy(mechanism),
+        lambda level: (model, solved.reading.on_mesh("part_mesh", level)),
+    )
     return [
         PartUncertainty(
-            widths.compliance,
-            widths.frequencies,
-            loads=widths.loads,
+            of_pose.compliance,
+            of_pose.frequencies,
+            loads=of_pose.loads,
             bracket=bracket,
             reduction=bound,
             counted={name: (part.counted, part.cutoff) for name, part in solids.items()},
-            by=solved.question.options.reduction,
+            by=question.options.reduction,
         )
-        for widths, bracket, bound in zip(
-            _half_widths(solved, row), _brackets(solved), bounds, strict=True
-        )
+        for of_pose, bracket, bound in zip(widths, _brackets(solved), bounds, strict=True)
     ]
 
 
@@ -224,16 +240,19 @@ def _brackets(solved: SolvedQuestion) -> list[HalfWidths]:
 
     Zero if the robot file specifies all couplings.
     """
-    parts, statics, modes = solved.question.mechanism.parts, solved.statics, solved.modes
-    reading = replace(solved.reading, ends=dict.fromkeys(parts, "free"))
-    if all(has_specified_couplings(body) for body in parts.values()):
-        reading = solved.reading
-    assert statics is not None  # noqa: S101  a robot has statics
-    change = solved.responses.required_statics(solved.model, reading) - statics
-    frequencies = np.zeros((len(statics.compliances), 0))
+    parts, responses, modes = solved.question.mechanism.parts, solved.responses, solved.modes
+    averaged = solved.reading
+    if not all(has_specified_couplings(body) for body in parts.values()):
+        averaged = replace(averaged, ends=dict.fromkeys(parts, "free"))
+    rigid, free = (
+        responses.required_statics(solved.model(), reading)
+        for reading in (solved.reading, averaged)
+    )
+    frequencies = np.zeros((solved.poses, 0))
     if modes is not None:
-        averaged = solved.responses.required_modes(solved.model, reading)
-        frequencies = partners(modes, averaged, solved.count).frequency - modes.frequencies
+        free_modes = responses.required_modes(solved.model(), averaged)
+        frequencies = partners(modes, free_modes, solved.count).frequency - modes.frequencies
+    change = free - rigid
     return solved.split(diagonals(change), _displacements(change), frequencies)
 
 
@@ -260,8 +279,7 @@ def of_digits(solved: SolvedQuestion) -> list[HalfWidths] | None:
             lambda changes: relative_sizes(changes, nominal),
         )
 
-    poses = len(responses.robot.postures)
-    compliance, frequencies = np.zeros((2, poses, 0))
+    compliance, frequencies = np.zeros((2, solved.poses, 0))
     if (statics := solved.statics) is not None:
         compliance = shares(responses.required_statics, diagonals, Combiner.PROBABILITY)
         compliance = compliance * np.abs(diagonals(statics))
@@ -316,49 +334,51 @@ def mesh_policy(options: ModelOptions, legs: Sequence[Leg], divisions: int) -> M
 
 
 def extrapolated(
-    solved: SolvedQuestion, divisions: Sequence[int], widths: Sequence[MeshUncertainty]
+    solved: SolvedQuestion, widths: Sequence[MeshUncertainty]
 ) -> tuple[Array, Array, Sequence[MeshUncertainty]]:
     """Compliances (P×6×6), frequencies (P×m) and half-widths, extrapolated if an order is observed.
 
-    `divisions` are those of all solved meshes, `widths` the half-widths from two of them. Each
-    number is treated on its own, if there are at least four meshes and all sections are rectangles:
-    walls keep one element across for several divisions, and would show only the order of their
-    slices along the leg.
+    `widths` are the half-widths from two meshes. Each number is treated on its own, if there are at
+    least four meshes and all sections are rectangles: walls keep one element across for several
+    divisions, and would show only the order of their slices along the leg. A mode without a partner
+    on one of the meshes is not extrapolated.
     """
     statics, modes, options = solved.statics, solved.modes, solved.question.options
-    poses = len(solved.responses.robot.postures)
-    compliances = np.zeros((poses, 0, 0)) if statics is None else statics.compliances.copy()
-    frequencies = np.zeros((poses, 0)) if modes is None else modes.frequencies.copy()
+    compliances = np.zeros((solved.poses, 0, 0)) if statics is None else statics.compliances.copy()
+    frequencies = np.zeros((solved.poses, 0)) if modes is None else modes.frequencies.copy()
     legs = [sectioned_leg(leg, options.equivalent) for leg in solved.legs]
+    divisions = sorted(solved.models)
     if (
         statics is None
         or len(divisions) < GRIDS_FOR_ORDER
         or not all(isinstance(section_of(leg), Rectangle) for leg in legs)
     ):
         return compliances, frequencies, widths
-    meshes = [solved.on_divisions(count) for count in divisions]
     elements = [sum(n * element_count(section_of(leg), n) for leg in legs) for n in divisions]
     sizes = np.cbrt(1.0 / np.array(elements))
     order = min(formal_order(leg, options.ends) for leg in legs)
     upper = np.triu_indices(6)
     diagonal, count = upper[0] == upper[1], len(upper[0])
+    values_by_mesh = []
+    for model in map(solved.model, divisions):
+        on_mesh = solved.responses.required_statics(model, solved.reading).compliances
+        numbers = [compliance[upper] for compliance in on_mesh], frequencies
+        if modes is not None:
+            other_modes = solved.responses.required_modes(model, solved.reading)
+            numbers = numbers[0], partners(modes, other_modes, solved.count).frequency
+        values_by_mesh.append(np.hstack(numbers))
     results = []
-    for pose, of_two in enumerate(widths):
-        values = np.array(
-            [
-                np.append(mesh_statics.compliances[pose][upper], mesh_frequencies[pose])
-                for mesh_statics, mesh_frequencies in meshes
-            ]
-        )
-        # A mode without a partner on one of the meshes is not extrapolated.
+    for pose, (values, of_two) in enumerate(
+        zip(np.stack(values_by_mesh, axis=1), widths, strict=True)
+    ):
         on_all = np.isfinite(values).all(axis=0)
         limits, half_widths = np.full((2, len(on_all)), np.nan)
         limits[on_all], half_widths[on_all] = richardson_limits(
             sizes, values[:, on_all], order, ROUND_OFF
         )
-        numbers = np.where(np.isnan(limits), values[-1], limits)
-        compliances[pose][upper] = compliances[pose].T[upper] = numbers[:count]
-        frequencies[pose] = numbers[count:]
+        numbers_at = np.where(np.isnan(limits), values[-1], limits)
+        compliances[pose][upper] = compliances[pose].T[upper] = numbers_at[:count]
+        frequencies[pose] = _known(numbers_at[count:], frequencies[pose])
         compliance, modal = np.split(half_widths, [count])
         results.append(
             replace(

@@ -30,7 +30,7 @@ from validation import cli
 from validation.context import Context
 from validation.models.options import ModelOptions
 from validation.references.responses import Model, Responses
-from validation.references.robot_on_path import Reading, robot_at
+from validation.references.robot_on_path import robot_at
 from validation.responses.statics_and_modes import PathModes
 from validation.solve.answer import (
     Answer,
@@ -193,15 +193,14 @@ def test_mesh_change_follows_mode_shape():
     question = Question(load_robot("five-bar"), "solid", {"divisions": 2}, 2)
     robot = robot_at(Context(question.robot_file, "quick"), question.postures())
 
-    def modes(_, reading):
-        shapes = np.eye(2) if reading.mesh else np.eye(2)[:, ::-1]
-        frequencies = [100.0, 101.0] if reading.mesh else [101.5, 102.0]
-        return PathModes(np.array([frequencies]), shapes[None], np.ones(2), np.ones((1, 2)))
+    def model(frequencies, shapes):
+        modes = PathModes(np.array([frequencies]), shapes[None], np.ones(2), np.ones((1, 2)))
+        return Model("solid", modes=lambda *_: modes)
 
     legs = [ConstantLeg(1.0, Rectangle(0.1, 0.1), Material.isotropic(2.1e11, 0.3, 7850.0))]
-    model = Model("solid", modes=modes, modal_fields=("mesh",))
-    solved = SolvedQuestion(question, Responses(robot), model, Reading({}), legs, 1)
-    (half_widths,) = of_prisms(solved, affordable=True)
+    coarse, fine = model([101.5, 102.0], np.eye(2)[:, ::-1]), model([100.0, 101.0], np.eye(2))
+    solved = SolvedQuestion(question, Responses(robot), legs, {1: coarse, 2: fine})
+    (half_widths,) = of_prisms(solved)
     factor = half_widths.frequencies[0] / 2.0
     assert half_widths.frequencies == pytest.approx([2.0 * factor, 0.5 * factor], rel=1e-9)
     # Roache's factor for r = 2 and an order from 1.42 (ν = 0.3, rigid ends) to 4.
