@@ -116,8 +116,6 @@ class Server:
         folder, hosts = Path(__file__).parent, self.hosts
         server = [interpreter, "-I", str(folder / "server.py")]
         command = [*server, str(self._folder), str(len(hosts))]
-        # Session files of Open MPI. The private folder exists on this machine alone.
-        sessions = "orte_local_tmpdir_base" if hosts else "orte_tmpdir_base"
         if hosts:
             file = self._folder / "hosts"
             lines = [f"{host} slots={ranks // len(hosts)}\n" for host in hosts]
@@ -127,14 +125,14 @@ class Server:
         if ranks > 1 or hosts:
             command = [mpiexec, "-n", str(ranks), *command]
         keeper = [sys.executable, "-I", str(folder / "keeper.py"), str(self._folder), *command]
+        environment = {**os.environ, **_ENVIRONMENT}
+        if not hosts:
+            # Session files of Open MPI. The private folder exists on this machine alone.
+            environment["OMPI_MCA_orte_tmpdir_base"] = str(self._folder)
         with (self._folder / "log").open("wb") as log:
             return subprocess.Popen(  # noqa: S603  this interpreter
                 keeper,
-                env={
-                    **os.environ,
-                    **_ENVIRONMENT,
-                    f"OMPI_MCA_{sessions}": str(self._folder),
-                },
+                env=environment,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=log,
@@ -329,9 +327,12 @@ def _started(interpreter: str, ranks: int, hosts: tuple[str, ...]) -> Server:
                 return server
             server.end()
             reason = f"{interpreter}: {server.about['missing']}"
-    packages = f"{PACKAGES}{HOST_PACKAGES}" if len(hosts) > 1 else PACKAGES
+    packages, check = PACKAGES, ""
+    if len(hosts) > 1:
+        packages = f"{PACKAGES}{HOST_PACKAGES}"
+        check = "check that mpiexec reaches each host without a password (ssh), "
     raise MissingPetscError(
-        f"solver petsc: {reason}; install the Debian packages {packages}, or set "
+        f"solver petsc: {reason}; {check}install the Debian packages {packages}, or set "
         f"{PYTHON_VARIABLE} to a Python with petsc4py and MUMPS"
     )
 
