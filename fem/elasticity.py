@@ -237,7 +237,7 @@ def _require_resolvable(material: Material) -> None:
         raise ComputationError(
             f"material with ν = {material.nu!r}: {stiffest} ({moduli[stiffest]:.3g} Pa) and "
             f"{softest} ({moduli[softest]:.3g} Pa) differ by more than {_MOST_UNEVEN:g}, beyond "
-            "which solid elements lose the softer in rounding"
+            "which the smaller one is lost in rounding of the stiffness of solid elements"
         )
 
 

@@ -44,7 +44,7 @@ def missing_message(name: str) -> str:
         return ""
     return (
         f"needs {missing}, not installed; ./flexproof extras {name} adds the extra (in an "
-        f"environment of your own, beside the sources: pip install '.[{name}]')"
+        f"environment of your own, in the folder of the sources: pip install '.[{name}]')"
     )
 
 

@@ -53,7 +53,7 @@ def require_room(needed: int) -> None:
     files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     if files != resource.RLIM_INFINITY and files < _OPEN_FILES:
         raise ComputationError(
-            f"the limit of open files (ulimit -n) is {files}, {_OPEN_FILES} are needed: raise it"
+            f"the limit of open files (ulimit -n) is {files}; raise it to at least {_OPEN_FILES}"
         )
     needed += _ADDRESSES_PER_CORE * usable_cores()
     address_space = _address_space()
@@ -61,7 +61,7 @@ def require_room(needed: int) -> None:
         raise ComputationError(
             f"the limit of the address space (ulimit -v) leaves {address_space / 1e9:.2g} GB and "
             f"the numerical libraries need {needed / 1e9:.2g} GB before they compute anything: "
-            "raise it"
+            "raise the limit"
         )
 
 

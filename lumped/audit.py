@@ -227,7 +227,7 @@ def _slender_axis(part: DescribedPart) -> Iterator[Finding]:
         "slender axis",
         printed=f"diagonal {', '.join(f'{moment:g}' for moment in diagonal)} kg m²",
         wrong=f"smallest moment of inertia about {'xyz'[axis]}, but x is the leg's direction; "
-        "likely given in the axes of the drawing",
+        "the inertia is probably given in the axes of the drawing",
         evidence=f"smallest principal moment {moments[0]:.3f} kg m² about {'xyz'[axis]}, "
         f"against {diagonal[0]:.3f} kg m² about x",
         severity="warning",
@@ -252,7 +252,7 @@ def _couplings(part: DescribedPart) -> Iterator[Finding]:
     evidence = f"arms c26/c66 = {c26 / c[5, 5]:.3g} m and −c35/c55 = {-c35 / c[4, 4]:.3g} m"
     if part.length is None:
         doubtful = significant26 and significant35 and c26 * c35 > 0.0
-        wrong = "c26 and c35 of one arm have opposite signs"
+        wrong = "c26 and c35 must have opposite signs, since both follow from the same lever arm"
     else:
         doubtful = (significant26 and c26 < 0.0) or (significant35 and c35 > 0.0)
         wrong = "a straight right-handed cantilever has c26 > 0 and c35 < 0"
@@ -291,8 +291,8 @@ def _tip_rotation(part: DescribedPart) -> Iterator[Finding]:
                 f"tip rotation c{about}{about}",
                 printed=f"c{along}{along} = {deflection:.3g} m/N, "
                 f"c{about}{about} = {rotation:.3g} rad/(N m)",
-                wrong="the tip turns far more than a beam with the same deflection; likely the "
-                "local give of the interface, which no constant-section leg has",
+                wrong="the tip turns far more than a beam with the same deflection; probably the "
+                "interface deforms locally, which a leg of constant section cannot represent",
                 evidence=f"{ratio:.3g} times a beam's 3 c{along}{along}/L²",
                 severity="note",
                 numbers={"ratio": ratio},

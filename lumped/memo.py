@@ -108,7 +108,7 @@ def _feed(
         case _ if callable(value) and hasattr(value, "__qualname__"):
             update(f"function {value.__module__}.{value.__qualname__};".encode())
         case _:
-            raise TypeError(f"{type(value).__name__} is no plain data: it has no fingerprint")
+            raise TypeError(f"{type(value).__name__} cannot be hashed; must be plain data")
 
 
 def _record(

@@ -69,7 +69,7 @@ def require_memory(unknowns: float, part: str) -> None:
     if available is not None and needed > available:
         raise ComputationError(
             f"{unknowns:.0f} unknowns need about {needed / 1e9:.1f} GB and "
-            f"{available / 1e9:.1f} GB are available: ask for fewer unknowns",
+            f"{available / 1e9:.1f} GB are available; choose fewer unknowns",
             part=part,
         )
 

@@ -195,7 +195,9 @@ def section_twists(mesh: SolidMesh, stations_x: Array) -> SparseMatrix:
     Raises InputError for positions outside the leg and for a mesh that is not extruded.
     """
     if mesh.slices is None:
-        raise InputError("section twists need an extruded mesh: tetrahedra have no planes of nodes")
+        raise InputError(
+            "twists of sections need an extruded mesh: tetrahedra have no planes of nodes"
+        )
     stations_at = np.asarray(stations_x, dtype=float)
     planes = (
         mesh.positions if isinstance(mesh, LoftedMesh) else mesh.nodes[:: len(mesh.root.nodes), 0]

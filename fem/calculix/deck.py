@@ -125,7 +125,7 @@ def _part(part: ElementSet, name: str, first: int) -> Iterator[str]:
     kind = ELEMENTS[part.element]
     if kind.abaqus is None:
         raise InputError(
-            f"{part.element} elements cannot be exported: CalculiX has none with "
+            f"{part.element} elements cannot be exported, because CalculiX has no element with "
             f"{kind.node_count} nodes; take tet10, tet4 or hex8"
         )
     yield f"*ELEMENT, TYPE={kind.abaqus}, ELSET={name}"

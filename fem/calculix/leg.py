@@ -121,7 +121,10 @@ def bar_solids(mechanism: Mechanism) -> dict[str, SolidLeg]:
     solids = {}
     for name, described in legs_of(mechanism).items():
         if isinstance(described, LineLeg):
-            raise InputError("tetrahedra fill straight legs of one section alone", part=name)
+            raise InputError(
+                "meshes of tetrahedra are available only for straight legs of constant section",
+                part=name,
+            )
         leg = equivalent_leg(described)
         if leg not in solid_of_leg:
             solid = solid_leg(leg, tetrahedra(leg.section, leg.length, 1))

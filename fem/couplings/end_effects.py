@@ -131,8 +131,8 @@ def _decays(fields: SectionFields) -> tuple[Array, Array]:
     rates = 1.0 / np.sqrt(inverses.astype(complex))
     if not np.all(rates.real > 0.0):
         raise ComputationError(
-            "end effects: decay rates along the leg are lost in rounding; moduli (E and G, say) or "
-            "walls and sides of the section differ by too much"
+            "end effects: decay rates along the leg are lost in rounding; moduli such as E and "
+            "G, or walls and sides of the section differ by too much"
         )
     shapes = (basis @ shapes).astype(complex)
     shapes[: fields.axial] /= rates
@@ -170,6 +170,6 @@ def _change(fields: SectionFields, length: float) -> Array:
     if not np.all(np.abs(change - forces.T @ displacements) <= _LOST * np.outer(sizes, sizes)):
         raise ComputationError(
             f"end effects: the end restraint of rigid faces in {fields.name} is lost in rounding; "
-            "moduli (E and G, say) or walls and sides of the section differ by too much"
+            "moduli such as E and G, or walls and sides of the section differ by too much"
         )
     return np.asarray(0.5 * (change + change.T))

@@ -91,7 +91,9 @@ class Grip:
     def bore_axis(self) -> Array:
         """Axis (unit vector) of the bore. Raises ValueError if there is no bore."""
         if self.axis is None:
-            raise ValueError("a pin needs the axis of its bore")
+            raise ValueError(
+                "a coupling by a pin is available only for a bore, whose axis it needs"
+            )
         return self.axis
 
     def local_axes(self, nodes: Array) -> Array:

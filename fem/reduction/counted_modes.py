@@ -94,7 +94,7 @@ def _counted(body: VibratingBody, modes: Modes, cutoff: float) -> tuple[float, i
                 return frequency, inertia.negative
     raise ComputationError(
         f"{body.state}: zero pivots near {cutoff:.6g} Hz; the modes below it "
-        "cannot be counted, take another cut-off"
+        "cannot be counted; choose another cut-off"
     )
 
 

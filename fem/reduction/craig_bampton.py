@@ -130,7 +130,7 @@ def chosen_cutoff(highest_frequency: float, cutoff: float | None) -> float:
     frequency = CUTOFF_FACTOR * highest_frequency if cutoff is None else cutoff
     if not frequency > highest_frequency:
         raise InputError(
-            f"cut-off = {frequency:g} Hz: must be above the highest frequency asked for, "
+            f"cut-off = {frequency:g} Hz: must be above the highest requested frequency, "
             f"{highest_frequency:g} Hz ({CUTOFF_FACTOR:g} times that is usual)"
         )
     return frequency
@@ -209,7 +209,7 @@ def frequency_bounds(system: System, legs: Mapping[str, Truncated], count: int) 
     if upper[-1] >= cutoff:
         raise InputError(
             f"{system.name}: frequency {count} of the reduced robot is {upper[-1]:g} Hz, and "
-            f"the legs' modes are cut off at {cutoff:g} Hz: raise the cut-off or ask for fewer"
+            f"the legs' modes are cut off at {cutoff:g} Hz: raise the cut-off or request fewer"
         )
     leg_unknowns = {name: system.body_unknowns(name, np.eye(system.size)) for name in legs}
     lower = np.empty(count)

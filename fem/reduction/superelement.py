@@ -203,6 +203,6 @@ def _refuse_grounded(
     rounding = rounding_of_flexibility(stiffness, modes * scale)
     if (forces > ELIMINATION * (rounding @ np.abs(motions / scale[:, None]))).any():
         raise ComputationError(
-            f"{leg.model} leg: a rigid motion of the leg meets resistance, so the leg is "
+            f"{leg.model} leg: a rigid-body motion of the leg needs a force, so the leg is "
             "supported somewhere other than at its ends"
         )

@@ -79,8 +79,8 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
         missing = inertia.negative - mode_count
         message = (
             f"certificate of the modes failed: {inertia.negative} lie below "
-            f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz, {mode_count} were found; the start vectors "
-            "have no share in a mode or the factor of the stiffness is inaccurate"
+            f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz, {mode_count} were found; the start vectors are "
+            "orthogonal to a mode, or the factorised stiffness matrix is inaccurate"
         )
         if missing > 0:
             raise MissedModesError(message, missing, part)
@@ -89,7 +89,7 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
         return sigma
     raise ComputationError(
         f"certificate of the modes failed: zero pivots near "
-        f"{np.sqrt(last) / (2.0 * np.pi):.6g} Hz; ask for another number of modes",
+        f"{np.sqrt(last) / (2.0 * np.pi):.6g} Hz; request another number of modes",
         part=part,
     )
 

@@ -141,7 +141,7 @@ def _value_faults(measured: Measured, place: str) -> list[str]:
     """
     faults = []
     if measured.of_leg and measured.pose:
-        faults.append(f"{place}.pose: must be left out, a leg alone has none")
+        faults.append(f"{place}.pose: must be left out, because a single leg has no pose")
     positive = _why_positive(measured.quantity)
     if positive and measured.value <= 0.0:
         faults.append(f"{place}.value = {measured.value}: must be above 0, {positive}")
@@ -186,7 +186,7 @@ def place_faults(robot: Mechanism, pose: Sequence[float], place: str) -> list[st
     moves = robot.tool.moves
     if len(pose) != len(moves):
         required = f"as many numbers as the tool's moves ({', '.join(moves) or 'none'}; m, rad)"
-        return [f"{place}.pose: must hold {required}"]
+        return [f"{place}.pose: must be {required}"]
     try:
         posture(robot, np.array(pose))
     except InputError as error:

@@ -57,4 +57,6 @@ class FewerModesError(ComputationError):
 
 def too_few(part: str, count: int) -> FewerModesError:
     """Error to raise if `count` modes of `part` were requested, but fewer modes move mass."""
-    return FewerModesError(f"{counted(count, 'mode')} asked for, but fewer have mass", part=part)
+    return FewerModesError(
+        f"{counted(count, 'mode')} requested, but fewer modes move mass", part=part
+    )

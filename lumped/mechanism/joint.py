@@ -151,7 +151,7 @@ class Joint:
             if not abs(length - 1.0) <= _UNIT
         ]
         if not faults and count > 1 and np.linalg.norm(np.cross(*self.axes)) < SMALLEST_SINE:
-            faults.append("axes are parallel: the joint would turn about one alone")
+            faults.append("axes are parallel: the joint would turn about one axis only")
         for name, matrix in (("compliance", self.compliance), ("damping", self.damping)):
             if matrix is not None and np.shape(matrix) != (6, 6):
                 faults.append(f"{name} must be 6×6")

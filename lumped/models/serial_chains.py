@@ -161,8 +161,8 @@ def _paths(
     end = groups[_node(mechanism.tool.body, mechanism.tool.point, legs)]
     if end == base:
         raise ComputationError(
-            f"{mechanism.name}, virtual joints: rigid bodies and joints without freedom alone hold "
-            "the tool to the ground, so its stiffness is infinite"
+            f"{mechanism.name}, virtual joints: only rigid bodies and fixed joints connect the "
+            "tool to the ground, so its stiffness is infinite"
         )
     steps = _without_dead_ends(_steps(mechanism, legs, groups), {base, end})
     series = _series(steps, end, base)

@@ -67,14 +67,14 @@ def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Pat
             yield from _pressure_faults(on_faces, f"{key}.pressures[{pressure_number}]", robot)
         if table["file"] is not None:
             if table["wrench"] is not None:
-                yield f"{key}.wrench: must be left out beside a file of wrenches"
+                yield f"{key}.wrench: must be left out, because a file of wrenches is given"
             faults = collect_faults(
                 lambda file: _wrenches_over(folder / file, robot), [table["file"]]
             )[1]
             yield from (f"{key}.file: {fault}" for fault in faults)
         for key_name in ("at", "body"):
             if table[key_name] is not None and table["wrench"] is None and table["file"] is None:
-                yield f"{key}.{key_name}: must be left out without a wrench, which acts there"
+                yield f"{key}.{key_name}: must be left out if no wrench acts there"
         yield from _point_faults(table, key, "at", robot)
         for key_name in ("acceleration", "speed"):
             for axis, value in zip(MOVES, table[key_name] or (), strict=False):
@@ -229,7 +229,7 @@ def response_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> Iter
     for number, table in enumerate(read, start=1):
         key = f"responses[{number}]"
         if table["name"] == TEST_RESPONSE:
-            yield f"{key}.name = {shown(table['name'])}: must be another; modal tests are called so"
+            yield f"{key}.name = {shown(table['name'])}: must differ; modal tests have this name"
         directions = {
             "direction": table["direction"],
             "of.direction": _motion_of(table)["direction"],
@@ -245,7 +245,7 @@ def response_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> Iter
         frequency = _frequency_of(table)
         name = "at" if table["frequency"] is None else "frequency"
         if isinstance(table["at"], float) and table["frequency"] is not None:
-            yield f"{key}.at = {table['at']!r}: must be a point beside {key}.frequency"
+            yield f"{key}.at = {table['at']!r}: must be a point, because {key}.frequency is given"
         if table["to"] <= table["from"]:
             yield f"{key}.to = {table['to']!r}: must be above {key}.from, {table['from']!r} Hz"
         elif frequency is not None and not table["from"] <= frequency <= table["to"]:

@@ -298,7 +298,9 @@ def idle_motions(system: System) -> IdleMotions:
     moving = int(np.sum(sizes > np.sqrt(_FREE)))
     if moving:
         motions = name_twists(tool_directions[:, :moving].T / unit, length)
-        raise ComputationError(f"{system.name}: the tool is free to {motions}: no drive holds it")
+        raise ComputationError(
+            f"{system.name}: the tool is free to {motions}: no drive prevents this"
+        )
     idle = free @ combinations[moving:].T
     order = qr(idle.T, mode="r", pivoting=True)[1]
     return IdleMotions(idle, np.sort(order[: idle.shape[1]]))

@@ -22,9 +22,9 @@ from meshes.part.reading.read import PartFile
 
 DEFAULT_COUPLING: Coupling = "rigid"
 WHY_RIGID = (
-    "rigid by default: the pin, bearing or bolted joint in it is taken as much stiffer than the "
-    "part; that is the bound from above, and the distance to the averaged interface, the bound "
-    "from below, is part of the uncertainty"
+    "rigid by default: the pin, bearing or bolted joint in it is assumed to be much stiffer than "
+    "the part. This is the upper bound of stiffness; an averaged interface is the lower bound, "
+    "and the difference is part of the uncertainty"
 )
 # Tolerances, relative to the radius, of radii and positions copied from drawings. A tolerance in
 # the robot file overrides them.

@@ -238,7 +238,9 @@ def symmetrised(nodes: Array, part: str) -> Array:
         images = nodes * mirror
         distance, partner = scipy.spatial.cKDTree(images).query(nodes)
         if distance.max() > tolerance:
-            raise ComputationError("the mesh is not symmetric about its section's axes", part=part)
+            raise ComputationError(
+                "the section mesh is not symmetric about the axes of the section", part=part
+            )
         nodes = (nodes + images[partner]) / 2.0
     return nodes
 
@@ -250,8 +252,8 @@ def require_section(section: Section, divisions: Divisions) -> None:
     """
     if not section.has_outline:
         raise InputError(
-            f"{section.shape}: solids are not made of this section; they need outlines of "
-            "isotropic materials, a polygon for instance"
+            f"{section.shape}: solids need a section with an outline and isotropic materials, such "
+            "as a polygon"
         )
     faults = section.faults() + _division_faults(section, divisions)
     if faults:
@@ -283,7 +285,7 @@ def require_leg(section: Section, length: float, divisions: Divisions) -> None:
 def _division_faults(section: Section, divisions: Divisions) -> list[str]:
     if isinstance(divisions, tuple):
         if not isinstance(section, Rectangle):
-            return [f"divisions = {divisions}: two numbers suit a solid rectangle alone"]
+            return [f"divisions = {divisions}: two numbers are allowed only for a solid rectangle"]
         if min(divisions) < 1:
             return [f"divisions = {divisions}: both must be at least 1"]
     elif divisions < 1:

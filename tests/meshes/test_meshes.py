@@ -284,7 +284,10 @@ def test_extrusion_is_numbered_slice_by_slice():
         (lambda: require_section(Rectangle(0.1, -0.2), 4), "height = -0.2: must be above 0 m"),
         (lambda: require_section(Circle(0.1), 0), "divisions = 0: must be at least 1"),
         (lambda: require_section(Rectangle(0.1, 0.2), (4, 0)), "both must be at least 1"),
-        (lambda: require_section(Circle(0.1), (4, 4)), "two numbers suit a solid rectangle alone"),
+        (
+            lambda: require_section(Circle(0.1), (4, 4)),
+            "two numbers are allowed only for a solid rectangle",
+        ),
         (lambda: require_leg(BOX, 0.0, 4), "must be above 0 m"),
         (lambda: require_leg(BOX, nan, 4), "must be above 0 m"),
         (lambda: require_leg(BOX, 0.25, 4), r"length = 0\.25: shorter .* 0\.26 m"),

@@ -135,8 +135,8 @@ def indeterminacy(result: Mobility, size: float, *, singular: bool = False) -> s
     if len(result.uncontrolled_twists):
         motions = name_twists(result.uncontrolled_twists, size)
         return (
-            f"with all drives held the tool is free to {motions}; "
-            "drives must hold every motion of the tool"
+            f"with all drives locked the tool is free to {motions}; "
+            "drives must prevent every motion of the tool"
         )
     if not result.moves or not (result.excess_mobility > 0 or (singular and result.at_limit)):
         return ""

@@ -90,7 +90,7 @@ def _misplaced_keys(body: Mapping[str, Any], key: str) -> list[str]:
     """Faults of `through` and `sections` together with a key that excludes them."""
     names = [name for name in ("through", "sections") if body[name] is not None]
     if body["compliance"] is not None:
-        reason = f"must be left out beside {key}.compliance, which is that of the whole leg"
+        reason = f"must be left out, because {key}.compliance is that of the whole leg"
         return [f"{key}.{name}: {reason}" for name in names]
     if isinstance(body["section"], CompositeTable | LaminateTable):
         reason = (

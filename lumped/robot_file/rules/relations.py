@@ -58,9 +58,9 @@ def leg_faults(leg: Entry) -> Iterator[str]:
         )
         yield f"{key}: {reason}; must have either compliance and mass, or section and material"
     elif leg["ends"] is not None and compliance is not None:
-        yield f"{key}.ends: must be left out beside {key}.compliance, whose ends are in its numbers"
+        yield f"{key}.ends: must be left out, because {key}.compliance includes the ends"
     elif leg["loss"] is not None and material is not None:
-        yield f"{key}.loss: must be left out beside {key}.material, which has it"
+        yield f"{key}.loss: must be left out, because {key}.material has a loss factor"
     if mass == 0.0:
         yield f"{key}.mass = 0.0: must be above 0 kg for a leg"
     elif compliance is not None:
@@ -93,8 +93,8 @@ def _own_material_faults(leg: Entry) -> Iterator[str]:
     key, section = leg["key"], leg["section"]
     reasons = {
         "compliance": "does not belong to a leg with a section",
-        "material": "must be left out beside a section whose parts or layers have materials",
-        "mass": "must be left out beside a section whose materials have densities",
+        "material": "must be left out, because parts or layers of the section have materials",
+        "mass": "must be left out, because the materials of the section have densities",
     }
     for name in _present_keys(leg, *reasons):
         yield f"{key}.{name}: {reasons[name]}"
@@ -265,7 +265,7 @@ def _direction_faults(joint: Entry) -> Iterator[str]:
     fixed_directions = [name for name, direction in directions.items() if not direction.free]
     if stiffness is not None:
         if joint["compliance"] is not None:
-            yield f"{key}.stiffness: must be left out beside {key}.compliance, which replaces it"
+            yield f"{key}.stiffness: must be left out, because {key}.compliance replaces it"
         yield from _strange_directions(stiffness, fixed_directions, f"{key}.stiffness", kind)
         for name in fixed_directions:
             if stiffness[name] is None:
@@ -294,7 +294,7 @@ def _guide_faults(joint: Entry, guide: Entry) -> Iterator[str]:
     if joint["type"] != "prismatic":
         yield f"{key}: does not belong to a {joint['type']} joint; must be a prismatic one"
     for name in _present_keys(joint, "compliance", "stiffness"):
-        yield f"{key}: must be left out beside {joint['key']}.{name}, which it determines"
+        yield f"{key}: must be left out if {joint['key']}.{name} is given, which it determines"
     if guide["spacing"] < guide["ball_diameter"]:
         yield f"{key}.spacing: must be at least the diameter of the balls"
     if joint["up"] is None:
@@ -307,12 +307,12 @@ def _bearing_faults(joint: Entry, bearing: Entry) -> Iterator[str]:
     if joint["type"] != "revolute":
         yield f"{key}: does not belong to a {joint['type']} joint; must be a revolute one"
     for name in _present_keys(joint, "compliance", "stiffness"):
-        yield f"{key}: must be left out beside {joint['key']}.{name}, which it determines"
+        yield f"{key}: must be left out if {joint['key']}.{name} is given, which it determines"
     inside = ("balls", "ball_diameter", "pitch_diameter")
     groove_keys = ("contact_angle", "inner_groove", "outer_groove")
     if bearing["size"] is not None:
         for name in _present_keys(bearing, *inside, *groove_keys):
-            yield f"{key}.{name}: must be left out beside {key}.size, which determines it"
+            yield f"{key}.{name}: must be left out, because {key}.size determines it"
     else:
         missing = [name for name in inside if bearing[name] is None]
         for name in missing:
@@ -402,7 +402,7 @@ def _drive_faults(drive: Entry, key: str, kind: JointKind) -> Iterator[str]:
 def _screw_faults(drive: Entry, screw: Entry, key: str, kind: str) -> Iterator[str]:
     """Faults of a ball screw."""
     if drive["stiffness"] is not None:
-        yield f"{key}: must be left out beside a stiffness, which it determines"
+        yield f"{key}: must be left out if a stiffness is given, which it determines"
     if kind != "prismatic":
         yield f"{key}: does not belong to a {kind} joint; must be a prismatic one"
     if screw["span"] is not None and screw["span"] <= screw["length"]:
@@ -424,7 +424,9 @@ def path_faults(path: Entry) -> Iterator[str]:
     """Faults of the table [path] for the `moves` of the tool."""
     moves, present_keys = path["moves"], _present_keys(path, "from", "to", "count", "counts")
     if path["poses"] is not None:
-        yield from (f"path.{name}: must not be given beside path.poses" for name in present_keys)
+        yield from (
+            f"path.{name}: must be left out, because path.poses is given" for name in present_keys
+        )
         if not path["poses"]:
             yield "path.poses = []: must hold at least one pose"
         lists = {f"poses[{i}]": pose for i, pose in enumerate(path["poses"], start=1)}

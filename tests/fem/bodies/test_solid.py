@@ -217,7 +217,7 @@ def test_more_modes_than_unknowns_are_refused(bar):
     # Rounding error of the iteration, up to 3.4e-13 with six kernels of OpenBLAS.
     np.testing.assert_allclose(result.frequencies, hertz(np.arange(1.0, 13.0)), rtol=1e-11)
     light = csr_array(np.diag((np.arange(12) < 4).astype(float)))
-    with pytest.raises(ComputationError, match="leg: 5 modes asked for, but fewer have mass"):
+    with pytest.raises(ComputationError, match="leg: 5 modes requested, but fewer modes move mass"):
         lowest_modes(solve, light, 5, lambda _: None, "leg")
     with pytest.raises(InputError, match="modes = 0"):
         bar[0].modes(0)

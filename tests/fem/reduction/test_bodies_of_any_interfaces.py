@@ -91,7 +91,7 @@ def test_box_has_exact_mass_properties(bar):
     assert properties.centre == pytest.approx([LENGTH / 2.0, 0.0, 0.0], abs=1e-14)
     box = mass / 12.0 * np.diag([2.0 * SIDE**2, LENGTH**2 + SIDE**2, LENGTH**2 + SIDE**2])
     assert properties.inertia == pytest.approx(box, rel=1e-11, abs=1e-16)
-    with pytest.raises(ComputationError, match="ask for fewer unknowns"):
+    with pytest.raises(ComputationError, match="choose fewer unknowns"):
         require_memory(1e9, "leg.step")
 
 
@@ -222,5 +222,5 @@ def test_cut_off_above_all_modes_is_refused(bar):
     if len(bar.rooted.solid.points) == 1:
         with pytest.raises(ComputationError, match=r"bar, free: modes up to .* contain all of the"):
             free_interface(bar.rooted, 1e8, 1e9)
-    with pytest.raises(InputError, match="must be above the highest frequency"):
+    with pytest.raises(InputError, match="must be above the highest requested frequency"):
         free_interface(bar.rooted, 1000.0, 900.0)

@@ -81,7 +81,7 @@ def test_supported_or_loose_leg_is_refused():
     leg = MODELS["beam"](LEG_1)
     grounded, loose = leg.stiffness.toarray(), leg.stiffness.toarray()
     grounded[13, 13] *= 1.0 + 1e-3
-    with pytest.raises(ComputationError, match=r"beam leg: a rigid motion .* supported"):
+    with pytest.raises(ComputationError, match=r"beam leg: a rigid-body motion .* supported"):
         held_leg(replace(leg, stiffness=csr_array(grounded)))
     loose[13], loose[:, 13] = 0.0, 0.0
     loose[13, 13] = -1.0

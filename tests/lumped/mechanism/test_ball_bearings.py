@@ -169,7 +169,7 @@ FAULTS = {
         "joints.a.bearing.preload: missing; must be a number above 0 N and at most 1e+07 N"
     ),
     'size = "6205", preload = 100.0, balls = 9': (
-        "joints.a.bearing.balls: must be left out beside joints.a.bearing.size, which determines it"
+        "joints.a.bearing.balls: must be left out, because joints.a.bearing.size determines it"
     ),
     "balls = 9, ball_diameter = 0.01, preload = 100.0": (
         "joints.a.bearing.pitch_diameter: missing; must be given, or joints.a.bearing.size"

@@ -82,7 +82,7 @@ def test_stretched_five_bar_leg_is_reported():
 def test_collinear_rods_are_reported():
     """Both rods lie along x: with locked drives the tool is free to move along y."""
     (fault,) = faults(with_points(FIVE_BAR, {"B1": [-0.35, 0.55, 0.0], "B2": [0.35, 0.55, 0.0]}))
-    assert "singular: rod1 and rod2 are stretched out in one line; with all drives held" in fault
+    assert "singular: rod1 and rod2 are stretched out in one line; with all drives locked" in fault
 
 
 def test_stretched_legs_are_reported():
@@ -91,4 +91,6 @@ def test_stretched_legs_are_reported():
     (fault,) = faults(with_points(load_robot("3-rrr").tables, middles))
     for i in (1, 2, 3):
         assert f"crank{i} and rod{i} are stretched out in one line" in fault
-    assert "the tool cannot move along x, y; with all drives held the tool is free to turn" in fault
+    assert (
+        "the tool cannot move along x, y; with all drives locked the tool is free to turn" in fault
+    )

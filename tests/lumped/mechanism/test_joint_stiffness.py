@@ -257,7 +257,7 @@ FAULTS = {
         "joints.a.up: does not belong to a revolute joint, which is equal all around its axis"
     ),
     'compliance = UNIT\nstiffness = { axial = 1.0, radial = "rigid", tilting = "rigid" }': (
-        "joints.a.stiffness: must be left out beside joints.a.compliance, which replaces it"
+        "joints.a.stiffness: must be left out, because joints.a.compliance replaces it"
     ),
     "loss = 0.1": (
         "joints.a.loss: must be left out without joints.a.compliance or joints.a.stiffness, to "

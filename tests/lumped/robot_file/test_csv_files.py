@@ -113,7 +113,7 @@ def test_csv_values_are_read(csv):
     [
         ("w,0.4975,1,1,s,", 'line 2.quantity = "w": must be one of'),
         ("leg3.c11,,1,1,s,", "line 2.quantity"),
-        ("x,,1,1,s,", "line 2.pose: must hold as many numbers as the tool"),
+        ("x,,1,1,s,", "line 2.pose: must be as many numbers as the tool"),
         ("leg1.c11,0.3,1,1,s,", "line 2.pose: must be left out"),
         ("x,5.0,1,1,s,", "line 2.pose: IFW demonstrator: x = 5"),
         ("x,0.3,0,1,s,", "line 2.value = 0.0: must be above 0, a deflection along its load"),
@@ -207,5 +207,5 @@ def test_missing_wrench_csv_is_refused(tmp_path):
     with pytest.raises(InputError) as raised:
         robot_of(beside, tmp_path)
     without, missing = raised.value.faults
-    assert "loads[1].wrench: must be left out beside a file" in without
+    assert "loads[1].wrench: must be left out, because a file" in without
     assert "none.csv: cannot be read" in missing

@@ -158,7 +158,7 @@ FAULTS = {
         "through": [{"arc": [0.4, 0.0, 0.0]}],
         "section": {"shape": "angle", "width": 0.03, "height": 0.03, "flange": 0.003, "web": 0.003},
     },
-    "arm.through: must be left out beside bodies.arm.compliance": {
+    "arm.through: must be left out, because bodies.arm.compliance": {
         "through": [[0.3, 0.0, 0.0]],
         "compliance": (1e-6 * np.eye(6)).tolist(),
         "mass": 1.0,

@@ -144,7 +144,7 @@ FAULTS = {
         'joints.axis.drive.screw.positive = "out": must be "longer" or "shorter"'
     ),
     " }\ndrive.stiffness = 1.0e6\ndrive.loss = 0.1 #": (
-        "joints.axis.drive.screw: must be left out beside a stiffness, which it determines"
+        "joints.axis.drive.screw: must be left out if a stiffness is given, which it determines"
     ),
 }
 

@@ -248,5 +248,7 @@ def test_too_few_modes_name_posture():
     postures = postures_of("five-bar")
     mechanism = postures[0].mechanism
     prepared = assembly(mechanism, static_bodies("links", mechanism))
-    with pytest.raises(ComputationError, match=r"at x = .* 4 modes asked for, but fewer have mass"):
+    with pytest.raises(
+        ComputationError, match=r"at x = .* 4 modes requested, but fewer modes move mass"
+    ):
         swept(prepared, postures, 4)

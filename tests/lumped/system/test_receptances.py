@@ -183,7 +183,7 @@ FAULTS = {
         'responses[1].of.point = "A": must be a point of second: M, P'
     ),
     "at = 5.0\nfrequency = 6.0": (
-        "responses[1].at = 5.0: must be a point beside responses[1].frequency"
+        "responses[1].at = 5.0: must be a point, because responses[1].frequency is given"
     ),
     "frequency = 600.0": (
         "responses[1].frequency = 600.0: must be between responses[1].from and responses[1].to"

@@ -109,7 +109,7 @@ SOUND = ConstantLeg(0.8, Rectangle(0.1, 0.06), STEEL, ends="rigid")
         ({"section": Tube(0.12, 5e-5)}, "leg2: the coarsest section mesh of its tube has"),
         (
             {"material": Material.isotropic(2.1e11, 0.4999999999999, 7850.0)},
-            "solid elements lose the softer in rounding",
+            "lost in rounding of the stiffness of solid elements",
         ),
     ],
     ids=["walls too thin", "incompressible"],

@@ -69,7 +69,7 @@ def test_constants_give_no_verdict(tmp_path):
         "arm (properties): runs compare solids of one isotropic material alone"
     )
     assert why_shapeless([leg, leg]) == reason
-    with pytest.raises(InputError, match="properties: solids are not made of this section"):
+    with pytest.raises(InputError, match="properties: solids need a section with an outline"):
         clamped_solid(leg, 2, "rigid")
     context = Context(robot_file, "quick")
     with pytest.raises(Skip, match="runs compare solids of one isotropic material alone"):

@@ -224,7 +224,7 @@ class Server:
         """
         with self._lock:
             if not self.alive:
-                raise ComputationError(f"{self._what} has ended before", part)
+                raise ComputationError(f"{self._what} has already ended", part)
             try:
                 yield
             except OSError as error:
