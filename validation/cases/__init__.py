@@ -1,7 +1,8 @@
 """Cases that check a robot against computations that share no code with the judged models.
 
 Input: the mechanism of a run. Output: cases on each leg alone (3-D solid against beam theory), on
-reductions of CAD parts, against CalculiX and EXUDYN, and against Ritz's method with polynomials.
+two reductions of CAD parts, and on the robot against CalculiX, EXUDYN and Ritz's method with
+polynomials.
 """
 
 from lumped.mechanism.mechanism import Mechanism

@@ -161,9 +161,9 @@ def computed_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
 
 
 def face_restraints(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
-    """Change (m×6×6, ≤ 0) of the beam's tip compliance due to rigid end faces.
+    """Change (m×6×6, negative semidefinite) of a beam's tip compliance due to rigid end faces.
 
-    Computed on each of m section meshes.
+    It is computed on each of m section meshes.
     """
     return np.array([face_restraint(leg, number) for number in divisions])
 
@@ -171,7 +171,7 @@ def face_restraints(leg: ConstantLeg, divisions: tuple[int, ...]) -> Array:
 def computed_frequencies(
     leg: ConstantLeg, divisions: tuple[int, ...], kinds: tuple[tuple[Kind, int], ...]
 ) -> Array:
-    """Frequencies (m×k, Hz) of the beam, with section constants of each of m meshes.
+    """Frequencies (m×k, Hz) of a leg as a beam, with section constants from each of m meshes.
 
     `kinds`: kind of deformation and order of each of k modes.
     """
@@ -327,7 +327,7 @@ def _mode(context: Context, body: str, index: int) -> Measurement:
 
 
 def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
-    """First natural frequencies of the Timoshenko cantilever, ascending."""
+    """First natural frequencies of a leg as a Timoshenko cantilever, ascending."""
     return cantilever_frequencies(leg.timoshenko, leg.length, MODES)
 
 
@@ -381,7 +381,7 @@ def why_no_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
 
 @memo(16)
 def _waves(leg: ConstantLeg, divisions: int) -> dict[str, PrismWaves]:
-    """Waves of 3-D elasticity in a leg's section, by kind of deformation."""
+    """Waves of 3-D elasticity along a leg, by kind of deformation."""
     waves = prism_waves(face_mesh(leg, divisions), leg.material)
     return {kind.fields.name: kind for kind in waves}
 

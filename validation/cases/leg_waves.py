@@ -82,9 +82,9 @@ def wave_changes(
 ) -> Array:
     """Relative change (p×count) of the first frequencies due to waves, in p postures.
 
-    Computed in the space of `basis_count` modes. `beams` have `elements` elements and the constants
-    of the same section meshes; `legs` are their reductions. NaN for a mode whose waves have no beam
-    counterpart, or which needs pieces shorter than elements.
+    It is computed in the space of `basis_count` modes. `beams` have `elements` elements and section
+    constants from the section meshes of `waves`; `legs` are their reductions. NaN for a mode whose
+    waves have no counterpart in beams, or which would need pieces shorter than the elements.
     """
     bodies = {name: filled(leg.matrices) for name, leg in legs.items()}
     prepared = assembly(postures[0].mechanism, bodies)
@@ -116,7 +116,7 @@ class _LegInPieces:
 
     @cached_property
     def saint_venant(self) -> tuple[PrismWaves, ...]:
-        """Beam of Saint-Venant states for each kind of wave."""
+        """Beam with the Saint-Venant states of the section, for each kind of wave."""
         return tuple(saint_venant_beam(kind) for kind in self.waves)
 
     @cached_property

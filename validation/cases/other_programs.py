@@ -84,14 +84,17 @@ def reduced_solids(posture: Posture) -> tuple[Array, Array]:
 
 
 def calculix_solids(posture: Posture) -> tuple[Array, Array]:
-    """Compliance and frequencies of the bars of `reduced_solids` by CalculiX, unreduced."""
+    """Compliance and frequencies as of `reduced_solids`, by CalculiX on the unreduced meshes."""
     calculix_program()
     bars = with_bars(posture)
     return compliance_and_frequencies(bars, bar_solids(bars.mechanism), SOLID_MODES)
 
 
 def _cube_count(leg_description: Leg) -> float:
-    """Number of cubes that fill a bar, with its smaller side as edge. Each has 7 to 15 nodes."""
+    """Number of cubes, with the smaller side of a bar as edge, that fill it.
+
+    Each has 7 to 15 nodes.
+    """
     leg = equivalent_leg(leg_description)
     width, height = leg.section.extent
     return width * height * leg.length / min(width, height) ** 3
@@ -107,16 +110,18 @@ def _reduced_and_calculix(context: Context) -> tuple[tuple[Array, Array], tuple[
             "of prismatic legs and rigid bodies"
         )
     if any(isinstance(leg, LineLeg) for leg in legs):
-        raise Skip("legs along a line are not written for CalculiX")
+        raise Skip("legs along a line are not available in the comparison with CalculiX")
     if not legs or not all(isinstance(leg, ConstantLeg) for leg in legs):
         raise Skip("legs specified by a 6×6 have no section that could be meshed")
     if not all(equivalent_leg(leg).section.is_uniform for leg in legs):
-        raise Skip("composites and laminates are not written for CalculiX as bars of one material")
+        raise Skip(
+            "legs of composites or laminates cannot be modelled in CalculiX as bars of one material"
+        )
     cubes = sum(map(_cube_count, legs_of(with_bars(posture).mechanism).values()))
     if cubes > _MOST_CUBES:
         raise Skip(
-            "thin strips as legs: tetrahedra as large as the strip is thick fill "
-            f"{cubes:.0f} cubes; CalculiX is used up to {_MOST_CUBES}"
+            "a leg is a thin strip: cubes of its thickness would number "
+            f"{cubes:.0f} in the mesh; the comparison allows at most {_MOST_CUBES}"
         )
     calculix = context.get(calculix_solids, posture)
     return context.get(reduced_solids, posture), calculix
@@ -141,7 +146,7 @@ def _static_solids(context: Context) -> Measurement:
 @_by_calculix.case(
     "mechanism.calculix.frequencies",
     f"Robot with legs as solid bars: first {SOLID_MODES} frequencies equal those of CalculiX",
-    quantity="first natural frequency; the table has the others; first pose of the path",
+    quantity="first natural frequency (all others in the table); first pose of the path",
     unit="Hz",
     tolerance=Relative(5e-6),
     tolerance_reason=(
@@ -165,8 +170,9 @@ def _compared_postures(mechanism: Mechanism) -> list[tuple[str, str]]:
 def beams_and_exudyn(posture: Posture) -> tuple[PostureAnswer, Array, Array]:
     """Beam results of this program, and EXUDYN's frequencies (Hz) with half-widths (Hz).
 
-    Idle motions, the first in EXUDYN with frequencies due to round-off, are removed. Raises
-    ExudynMissing, and InputError for a mechanism that cannot be written for EXUDYN.
+    Idle motions, which have the lowest frequencies in EXUDYN due to round-off, are removed. Raises
+    ExudynMissing if EXUDYN is not installed, and InputError for a mechanism that it cannot
+    represent.
     """
     (beams,) = answers("beam", [posture], BEAM_MODES)
     coarse, middle, fine = (
@@ -185,7 +191,7 @@ def beams_and_exudyn(posture: Posture) -> tuple[PostureAnswer, Array, Array]:
     "mechanism.exudyn[{place}]",
     f"Robot with legs as beams, {{said}}: first {BEAM_MODES} frequencies equal those of EXUDYN",
     over={"place, said": _compared_postures},
-    quantity="first natural frequency; the table has the others; {said}",
+    quantity="first natural frequency (all others in the table); {said}",
     unit="Hz",
     group="mechanism.exudyn",
     effort=1.0,
@@ -224,9 +230,8 @@ def _side_by_side(
 ) -> Measurement:
     """Comparison of `computed` frequencies (Hz) with those of another program.
 
-    The first frequency is the value, the others are further values. `half_widths` (Hz) are those of
-    the other program; `headings` those of the table: the other program's column, then the computed
-    one.
+    The first frequency is judged, all are in the table. `half_widths` (Hz): of the other program's
+    frequencies. `headings`: columns of the table for the other program and for this one.
     """
     labels = [f"mode {number}" for number in range(1, len(other_program) + 1)]
     columns = zip(headings, (other_program, computed), strict=True)
@@ -245,7 +250,7 @@ def _side_by_side(
 
 
 def farthest_entry(compliance: Array, reference: Array) -> tuple[float, float]:
-    """Entries of two compliances (6×6) that differ most, in units of √(c_ii c_jj).
+    """Entry of two compliances (6×6) that differs most: both values in units of √(c_ii c_jj).
 
     The unit is rounded to a power of two, so that scaling has no round-off. If entries differ only
     by round-off, which depends on the machine, the largest entry is returned.

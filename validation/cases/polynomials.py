@@ -2,9 +2,9 @@
 
 Input: the postures of a run and each lumped or beam model. Output: verdicts on the diagonal of the
 6×6 compliance in the pose of the largest difference, and on frequencies in the middle pose. Rule:
-the reference represents legs by polynomials (`validation.cases.ritz`). It uses the frames of the
-bodies and checks that they close every joint, and shares nothing else with the models: neither
-elimination of joints nor assembly of chains, elements or segments.
+the reference represents legs by polynomials (`validation.cases.ritz`). It uses the positions of the
+bodies and checks that they close every joint. It has no other code in common with the models:
+neither elimination of joints nor assembly of chains, elements or segments.
 """
 
 from collections.abc import Mapping
@@ -76,7 +76,10 @@ _DYNAMIC = {
 
 
 def _models(mechanism: Mechanism) -> Mapping[str, JudgedModel]:
-    """Judged models. CAD parts and legs along a line have no polynomials: only `simplified`."""
+    """Judged models.
+
+    If there are CAD parts or legs along a line, which have no polynomials: `simplified`.
+    """
     models = judged_models(mechanism)
     lines = any(isinstance(leg, LineLeg) for leg in legs_of(mechanism).values())
     return {"simplified": models["simplified"]} if mechanism.parts or lines else models
@@ -206,7 +209,7 @@ def farthest_posture(values: Array, reference: Array, mobile: NDArray[np.bool_])
     """Index of the posture (of p) with the largest relative error, among the `mobile` ones.
 
     If errors are only round-off, which depends on the machine, the posture with the largest
-    reference. A missing value counts as the largest error. Shapes: p poses.
+    reference is returned. A missing value counts as the largest error. Shapes: p poses.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         errors = np.round(np.abs(values / reference - 1.0), _DIFFERENCE_DIGITS)
@@ -217,13 +220,15 @@ def farthest_posture(values: Array, reference: Array, mobile: NDArray[np.bool_])
 def _half_width(value: float, *others: float) -> float:
     """Half-width of a value due to round-off.
 
-    It follows from `others`, the same value by polynomials of other degrees.
+    It is estimated from `others`, the same value by polynomials of other degrees.
     """
     return _ROUND_OFF_FACTOR * max(abs(value - other) for other in others)
 
 
 def _above_round_off(numbers: Array, size: float) -> NDArray[np.bool_]:
-    """True for compliances (p×6) above the round-off of the largest, with `size` (m) as length.
+    """True for compliances (p×6) above the round-off of the largest one.
+
+    Rotations are multiplied by `size` (m).
 
     Shapes: p poses.
     """

@@ -3,9 +3,9 @@
 Input: a closed posture of a mechanism. Output: the 6×6 compliance at the loaded point and natural
 frequencies, as an independent reference. Rule: legs are polynomials, with energies by quadrature.
 Unknowns are the coefficients of the legs, the twists of the rigid bodies and the free motions of
-the joints; joints are linear constraints between them, and no joint is eliminated on its own. Body
-positions are those of their frames, and the gaps of the joints are checked here again. CAD parts
-have no polynomials: they are rigid and massless.
+the joints; joints are linear constraints between them, and all constraints are eliminated at once.
+Body positions are those of their frames, and the gaps of the joints are checked here again. CAD
+parts have no polynomials: they are rigid and massless.
 """
 
 from collections.abc import Mapping
@@ -176,8 +176,8 @@ def free_basis(stiffness: Array, conditions: Array) -> Array:
     """Basis (n×k) of all vectors of n unknowns that satisfy homogeneous `conditions` (c×n).
 
     Each unknown is scaled by its diagonal entry of the `stiffness` (n×n), each condition to unit
-    size. Otherwise torsion of a thin wall would be lost in the round-off of its axial stiffness,
-    and a small lever arm would count as zero. Shapes: c conditions, k vectors.
+    length. Without scaling, torsion of a thin wall would be lost in the round-off of its axial
+    stiffness, and a small lever arm would count as zero. Shapes: c conditions, k vectors.
     """
     diagonal = np.diag(stiffness)
     # Rigid motions have no stiffness and are scaled by the softest unknown.
@@ -255,7 +255,9 @@ def _beam(shape: Leg, theory: Theory, degree: int) -> RitzLeg:
     elif isinstance(shape, ConstantLeg):
         leg = ConstantLeg(shape.length, shape.section, shape.material)
     else:
-        raise InputError("polynomials stand for straight legs of one section", part=shape.name)
+        raise InputError(
+            "Ritz's polynomials apply to straight legs of constant section only", part=shape.name
+        )
     return ritz_beam(leg.properties(theory), leg.length, degree)
 
 
@@ -346,7 +348,7 @@ class _Joint:
     """Relative twists that a joint allows, at its `position` (3, m).
 
     `motions` (6×k, base axes): k independent relative twists. `springs`, `inertias` (k each):
-    stiffness of each and the inertia that it moves.
+    stiffness against each motion, and inertia that moves with it.
     """
 
     first: Side
@@ -421,7 +423,7 @@ def _free_twists(posture: Posture, joint: Joint) -> Array:
 
 
 def _rotations(posture: Posture, joint: Joint) -> tuple[Array, Array]:
-    """Rotation (3×3) of each of both bodies since the reference posture."""
+    """Rotation (3×3 each) of the two bodies of a joint since the reference posture."""
     first, second = (
         posture.frames[side.body].rotation @ posture.mechanism.reference[side.body].rotation.T
         for side in (joint.first, joint.second)
