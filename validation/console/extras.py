@@ -67,7 +67,7 @@ def _store_names(names: Iterable[str]) -> None:
 
 @contextmanager
 def _setup_lock() -> Iterator[None]:
-    """Hold the lock of set-ups of this clone, which the launcher uses, too."""
+    """Context that holds the lock of this clone's environment, which the launcher also uses."""
     if fcntl is None:
         raise InputError(
             "extras: needs the launcher ./flexproof on Linux; elsewhere run pip install '.[NAME]'"

@@ -1,4 +1,4 @@
-"""Marks in result files, by which earlier results are distinguished from files of the user.
+"""Marks in result files, which distinguish earlier results from files of the user.
 
 Input: content of a result file. Output: content with a mark, and a test for it. Rule: the mark is a
 comment with a digest of the rest of the file, so a file of the user, or an edited result, has no

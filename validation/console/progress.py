@@ -56,7 +56,7 @@ def progress_shown(
 ) -> Iterator[None]:
     """Context that shows `display` on a terminal, or writes lines to any other stream.
 
-    `line` makes a line of text from a text with the remaining time. `seconds` as in `stage`.
+    `line` returns a line of text, given a text on the remaining time. `seconds` as in `stage`.
     """
     if is_quiet():
         yield
@@ -104,7 +104,7 @@ def _animation(task: str, display: "RenderableType | None") -> AbstractContextMa
 
 @lru_cache(maxsize=1)
 def slowness() -> float:
-    """Present computing time in one thread over that on the reference machine."""
+    """Ratio of the present computing time in one thread to that on the reference machine."""
     numbers = np.random.default_rng(0).random(300_000)
     start = perf_counter()
     sum(map(sqrt, range(300_000)))

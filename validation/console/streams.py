@@ -1,8 +1,8 @@
 """Writing to stdout and stderr, which may be closed, full, ASCII only, or broken pipes.
 
 Input: results and messages. Output: results on stdout, messages on stderr. Rule: if results cannot
-be written, the command fails; a message that cannot be written is lost; a reader that ends early
-has no effect.
+be written, the command fails; a message that cannot be written is lost; if the reader of a pipe
+ends early, nothing happens.
 """
 
 import codecs
@@ -42,7 +42,7 @@ class ResultsLostError(ComputationError):
 def prepare() -> None:
     """Open closed standard streams, and set encodings in which missing characters are replaced.
 
-    Otherwise the next opened file would get the number of a closed stream, and output of libraries
+    If a stream stayed closed, the next opened file would get its number, and output of libraries
     would be written to that file.
     """
     # With a width of 0 columns the wrapping of help texts would not end.
@@ -129,8 +129,8 @@ def _discard(stream: TextIO) -> None:
 def _ascii_by_locale() -> str | None:
     """Encoding "ascii" if LC_ALL is C or POSIX, otherwise None.
 
-    Python by itself would replace ASCII with UTF-8. PYTHONIOENCODING and PYTHONUTF8 take precedence
-    over LC_ALL.
+    Without this, Python would replace ASCII with UTF-8. PYTHONIOENCODING and PYTHONUTF8 take
+    precedence over LC_ALL.
     """
     python_settings = {"PYTHONIOENCODING", "PYTHONUTF8"} & os.environ.keys()
     ascii_locale = os.environ.get("LC_ALL") in {"C", "POSIX"}

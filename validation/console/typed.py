@@ -101,7 +101,7 @@ def require_writable(path: Path | None, kind: str, *, force: bool = False) -> No
 
     Missing folders are allowed, because `write` creates them. Earlier results are replaced under
     any name. With `force`, other files are replaced if they have the suffix `kind`, such as ".csv".
-    None stands for no file.
+    If `path` is None, there is no file.
     """
     if path is None:
         return
