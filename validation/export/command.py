@@ -124,7 +124,7 @@ def write_export(
 
 
 def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:
-    """Estimated time (s) for the solids. Zero for legs known by their 6×6."""
+    """Estimated computing time (s) of the solids. Legs known by their 6×6 need none."""
     from lumped.legs import GivenLeg  # noqa: PLC0415
     from lumped.models.bodies import legs_of  # noqa: PLC0415
     from validation.models.options import DEFAULT_OPTIONS  # noqa: PLC0415
@@ -139,7 +139,7 @@ def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:
 def _content(
     robot_file: "RobotFile", to: str, pose: str | None, body: str | None, count: int, ending: str
 ) -> bytes:
-    """Bytes of the exported file, computed in a process of its own."""
+    """Bytes of the exported file, computed in a separate process."""
     from lumped.mechanism.kinematics.postures import posture, reference_posture  # noqa: PLC0415
     from validation.export import formats, reduced  # noqa: PLC0415
     from validation.kinematics.poses import parsed_pose  # noqa: PLC0415

@@ -1,8 +1,8 @@
 """Reduced matrices of a body, or of a robot in one pose, with bounds on frequency errors.
 
 Input: a mechanism and the number of frequencies. Output: K and M in K q + M q̈ = Σ Pᵀ f, with ports
-P. Each port P (k×n) gives the motion of a point, or along a drive, due to q, and Pᵀ the forces on q
-due to a wrench, or a drive force, f. Rule: prisms and CAD parts are solids, reduced as in
+P. Each port P (k×n) maps q to the motion of a point or of a drive, and Pᵀ maps a wrench or a drive
+force f to forces on q. Rule: prisms and CAD parts are solids, reduced as in
 `fem.reduction.craig_bampton`. A leg known by its 6×6 has this compliance, and its mass along the
 leg.
 """
@@ -49,8 +49,8 @@ class Reduced:
 
     `ports`: rows by name, 6×n for twists and 1×n for displacements of drives. `points` (3, m):
     points of the twists. `about`: text on the axes and on the end conditions of the `frequencies`
-    (m, Hz, ascending), which are at most `bounds` (m, Hz) too high. `counted`: for each body, the
-    number of modes with all interfaces fixed and the frequency (Hz) below which all of them are
+    (m, Hz, ascending). These are too high by at most `bounds` (m, Hz). `counted`: for each body,
+    the number of modes with all interfaces fixed and the frequency (Hz) below which all of them are
     kept.
     """
 
@@ -120,8 +120,7 @@ def reduced_body(mechanism: Mechanism, name: str, highest: float) -> Reduced:
 def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
     """Reduced robot about one pose, accurate for its first `count` frequencies.
 
-    There are fewer frequencies if fewer modes move mass. Raises InputError and ComputationError as
-    `reduced_body` does.
+    There are fewer frequencies if fewer modes move mass. Raises the exceptions of `reduced_body`.
     """
     mechanism = posture.mechanism
 
@@ -183,7 +182,7 @@ def _solids(
 ) -> Iterator[tuple[str, _Solid]]:
     """Prisms and CAD parts as solids, accurate up to `highest` (Hz), by name.
 
-    Or `only` one of them.
+    If `only` is not None, only the body with this name.
     """
     cutoff, legs = CUTOFF["solid"] * highest, legs_of(mechanism)
     for name, leg, options in sectioned_legs(mechanism, DEFAULT_OPTIONS):
