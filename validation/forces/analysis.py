@@ -50,11 +50,10 @@ def forces(
     on_path: bool = False,
     solids: bool = False,
 ) -> Forces:
-    """Forces in the poses of a question, or in those of the path, under all loads or those named.
+    """Forces in the poses of a question or of the path, under the named loads. All loads if none.
 
     With `solids`, stress fields of all bodies are included. Raises InputError for a wrong question,
-    a robot without loads or an unknown load, and ComputationError if the drives do not hold the
-    tool.
+    a robot without loads or an unknown load, and ComputationError if the tool is free to move.
     """
     if on_path and (question.x or question.poses):
         raise InputError("--path: takes all poses of [path]; leave out --pose or --path")
@@ -145,7 +144,7 @@ def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> Forc
     )
     stresses = {}
     without = {
-        name: "its line is bent, and section forces are those of straight legs"
+        name: "its centre line is bent; section forces are computed for straight legs only"
         for name, leg in legs_of(mechanism).items()
         if is_bent(leg)
     }
@@ -155,7 +154,7 @@ def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> Forc
         stress = None
         if not reason and isinstance(shape, ConstantLeg):
             stress = member_stress(shape, member)
-            reason = "" if stress else "statics does not determine its forces"
+            reason = "" if stress else "its forces are statically indeterminate"
         if stress is None:
             without[member.leg] = reason
         else:
@@ -173,8 +172,8 @@ def _mesh_half_widths(
 ) -> list[list[Array]]:
     """Half-widths of forces due to meshes, for each posture (outer list) and load (inner list).
 
-    Arrays (n×6; N, N m) with a row for each joint, then for each leg. Infinite for a part given as
-    a mesh, which cannot be refined.
+    Arrays (n×6; N, N m) with a row for each joint, then for each leg. Infinite if the file of a
+    part is a mesh, which cannot be refined.
     """
     mechanism = postures[0].mechanism
     zeros = [[np.zeros((_count(result), 6)) for result in row] for row in rows]

@@ -162,7 +162,7 @@ def _panel(
 
 
 def _largest_curves(panel: Panel, scale: float = 0.0) -> Panel:
-    """Copy of a panel with only its largest curves, in their order.
+    """Copy of a panel with at most `_MOST_CURVES` curves, those with the largest values.
 
     A curve is omitted as round-off if it is negligible compared with the largest curve or with
     `scale`.

@@ -83,8 +83,8 @@ def forces(
     csv
         Also write all numbers into this CSV file.
     picture
-        Also draw the first load into this PNG file: forces along the legs in one pose, over the
-        poses for several.
+        Also draw the forces under the first load into this PNG file: along the legs in a single
+        pose, or over several poses.
     vtu
         solid: also write displacements and stresses of all legs and CAD parts under one load in one
         pose into this VTU file, for ParaView.

@@ -68,7 +68,7 @@ class Forces:
         -------
         ResultTable
             Forces (N) and moments (N m) in joint axes, the force of the drive (N or N m), and the
-            half-width of the forces. Numbers that statics does not determine are missing.
+            half-width of the forces. Statically indeterminate numbers are missing.
 
         Examples
         --------
@@ -135,7 +135,7 @@ class Forces:
         Returns
         -------
         matplotlib.figure.Figure
-            Of the first load if there are several. `plot_load` draws the others.
+            Forces under the first load. `plot_load` draws those under another.
 
         Examples
         --------
@@ -144,7 +144,7 @@ class Forces:
         return self.plot_load(self.first_load)
 
     def plot_load(self, load: str) -> "Figure":
-        """Figure as `plot` of one load by name.
+        """Figure as by `plot`, for the load with this name.
 
         Parameters
         ----------
@@ -195,7 +195,7 @@ class Forces:
         Returns
         -------
         str
-            Numbers in SI units. A force that statics does not determine is null.
+            Numbers in SI units. A statically indeterminate force is null.
 
         Examples
         --------

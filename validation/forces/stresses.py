@@ -1,9 +1,9 @@
 """Von Mises stresses in the sections of legs, by beam theory on a mesh of each section.
 
 Input: a leg and its section forces along its length. Output: `MemberStress`, the largest stress and
-where it acts. Rule: normal and shear stresses of Saint-Venant's theory; the half-width of the
-uncertainty of a stress is the change from a coarse to a fine section mesh, scaled by the order of
-convergence, plus the effect of the half-widths of the forces.
+its position. Rule: stresses are normal and shear stresses of Saint-Venant's theory; the half-width
+of the uncertainty of a stress is the change from a coarse to a fine section mesh, scaled by the
+order of convergence, plus the effect of the half-widths of the forces.
 """
 
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ _WITHOUT_MESH = "its section has no mesh of one material"
 
 @dataclass(frozen=True, eq=False)
 class MemberStress:
-    """Largest von Mises stress of a leg (Pa) with its `half_width` (Pa), and where it acts.
+    """Largest von Mises stress of a leg (Pa) with its `half_width` (Pa) and its position.
 
     It acts at the distance `station` (m) from the root in the point (y, z) of the section (m, from
     its centroid). There, `normal` is the normal stress σxx and `shear` the shear stress (Pa).
@@ -57,7 +57,10 @@ def reason_without_stress(shape: Shape) -> str:
 
 
 def member_stress(leg: ConstantLeg, member: MemberForces) -> MemberStress | None:
-    """Largest von Mises stress of a leg. None if statics does not determine its section forces."""
+    """Largest von Mises stress of a leg.
+
+    None if its section forces are statically indeterminate.
+    """
     if not np.isfinite(member.forces).all():
         return None
     coarse, fine = (

@@ -20,7 +20,9 @@ from validation.forces.results import (
 )
 
 _INDENT = "    "
-_NONE = "  none: the mechanism cannot move that way here, or the load has no wrench for this pose"
+_NONE = (
+    "  none: the mechanism cannot move as the load requires, or no wrench is given for this pose"
+)
 
 
 def as_text(forces: Forces) -> str:
@@ -80,7 +82,7 @@ def _lines(result: ForcesUnderLoad) -> list[str]:
     lines.append(f"  half-width of the forces: joints {half_width:.2g} N, legs {along:.2g} N")
     if any(np.isnan(reaction.wrench).any() for reaction in result.reactions):
         lines.append(
-            "  –: not determined by statics; loops of rigid bodies carry any self-balanced forces"
+            "  –: statically indeterminate; loops of rigid bodies carry any self-balanced forces"
         )
     return lines
 

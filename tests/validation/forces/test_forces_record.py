@@ -132,9 +132,9 @@ def test_undetermined_force_is_a_dash(tmp_path, command):
     load = found["results"][0]["loads"]["push"]
     assert load["reactions"]["motor1"][0] is None
     assert load["drives"]["motor1"] is not None
-    assert load["without_stress"]["rod1"] == "statics does not determine its forces"
+    assert load["without_stress"]["rod1"] == "its forces are statically indeterminate"
     told = command.told("forces", str(robot), "--model", "simplified", "--load", "push")
-    assert "–: not determined by statics" in told
+    assert "–: statically indeterminate" in told
 
 
 def test_forces_command_writes_all_outputs(loaded, command, tmp_path):
