@@ -40,8 +40,8 @@ _LINE_POINTS = 41
 def scene(mechanism: Mechanism, postures: Sequence[Posture], *, named: bool = True) -> Scene:
     """Scene with the middle posture as surfaces and the others as lines.
 
-    If not `named`, names of bodies and joints and the pose are omitted, for small pictures beside a
-    text that gives the posture.
+    If not `named`, names of bodies and joints and the pose are omitted, for small pictures next to
+    a text with the posture.
     """
     full_posture = postures[len(postures) // 2]
     second_colour = _second_colour_legs(mechanism)

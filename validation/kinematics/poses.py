@@ -24,7 +24,7 @@ _TIMED_POSES, _SILENT_SECONDS = 10, 2.0
 def parsed_pose(mechanism: Mechanism, text: str) -> Array:
     """Pose (SI) from numbers separated by commas, in the unit of length of the robot file.
 
-    Raises InputError for any other text.
+    Raises InputError if the text is anything else.
     """
     moves = mechanism.tool.moves
     try:

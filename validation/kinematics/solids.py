@@ -69,7 +69,7 @@ _DRUM_OVER_LEG = 1.12
 class Solid:
     """Surface of a body or symbol of a joint, in base axes.
 
-    It moves rigidly with the interface `carrier`. None for a leg or CAD part, which deforms.
+    It moves rigidly with the interface `carrier`, which is None for a leg or CAD part that deforms.
     """
 
     name: str
@@ -125,7 +125,10 @@ def line_surface(leg: LineLeg, *, scale: float = 1.0, rims: bool = False) -> Sur
 
 
 def outlines(section: Section) -> tuple[Array, Array | None]:
-    """Outline (n×2; y, z in m) of a section, and outline of its bore. None without a bore."""
+    """Outline (n×2; y, z in m) of a section, and outline of its bore.
+
+    The second is None if there is no bore.
+    """
     if isinstance(section, Circle | Tube):
         bore = circle(section.inner_diameter / 2.0) if isinstance(section, Tube) else None
         return circle(section.diameter / 2.0), bore
