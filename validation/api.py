@@ -771,11 +771,15 @@ def identify_free(
             "modes = 0: a part without supports has no results but frequencies; must be 1 or more"
         )
     if body is not None and (material or unit):
-        faults.append("body: its material and unit stand in the robot file")
+        faults.append(
+            "body: not with material or unit, which are in the robot file; leave them out"
+        )
     if body is None and not isinstance(part, str | Path):
         faults.append("body: missing; must name a part of the robot")
     if body is None and not material:
-        faults.append("material: missing; must be given, {'E': 2.1e11, 'nu': 0.3, 'rho': 7850.0}")
+        faults.append(
+            "material: missing; add it, for example {'E': 2.1e11, 'nu': 0.3, 'rho': 7850.0}"
+        )
     with _arguments_named():
         if faults:
             raise InputError(faults)

@@ -16,11 +16,11 @@ Standing: TypeAlias = Literal[
 ]
 # In display order.
 STANDINGS: Mapping[Standing, str] = {
-    "both": "as printed and as corrected",
-    "as printed alone": "as printed alone",
-    "as corrected alone": "as corrected alone",
-    "in part": "for some of their curves alone",
-    "neither": "in neither reading",
+    "both": "true as printed and as corrected",
+    "as printed alone": "true only as printed",
+    "as corrected alone": "true only as corrected",
+    "in part": "true only for some of their curves",
+    "neither": "true in neither form",
 }
 
 
@@ -109,7 +109,7 @@ def summary(claims: Iterable[Claim]) -> str:
     ]
     circular = standings.count("circular")
     remainder = f"; {circular} circular and not counted" if circular else ""
-    return f"Of {counted_statements} statements hold: {', '.join(counts)}{remainder}."
+    return f"{counted_statements} statements: {', '.join(counts)}{remainder}."
 
 
 def claim_records(claims: Iterable[Claim]) -> list[dict[str, Any]]:

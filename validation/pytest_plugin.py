@@ -45,7 +45,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         choices=("quick", "standard", "fine"),
         help="mesh refinement of the references: quick, standard or fine",
     )
-    group.addoption("--flexproof-strict", action="store_true", help="undecided verdicts fail, too")
+    group.addoption(
+        "--flexproof-strict", action="store_true", help="undecided verdicts fail as well"
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:

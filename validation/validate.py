@@ -92,7 +92,9 @@ class Request:
                 f"--inputs = {self.inputs:g}: must be from {SMALLEST_SHARE:g} to 0.5 (5 % is 0.05)"
             )
         if self.inputs is not None and robot_file.uncertain_inputs:
-            faults.append("--inputs: the robot file specifies the uncertainty of its numbers")
+            faults.append(
+                "--inputs: the robot file has [[input_uncertainty]] already; leave --inputs out"
+            )
         if faults:
             raise InputError(faults)
         requirement = with_options(

@@ -79,8 +79,8 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
         missing = inertia.negative - mode_count
         message = (
             f"certificate of the modes failed: {inertia.negative} lie below "
-            f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz, {mode_count} were found; the start vectors are "
-            "orthogonal to a mode, or the factorised stiffness matrix is inaccurate"
+            f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz, {mode_count} were found; the start "
+            "vectors are orthogonal to a mode, or the factorised stiffness matrix is inaccurate"
         )
         if missing > 0:
             raise MissedModesError(message, missing, part)

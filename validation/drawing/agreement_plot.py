@@ -22,7 +22,7 @@ _GREY, _BAND = "#999999", "#009E73"
 class Difference:
     """Difference of a formulation from the solid in one quantity, in % of the solid's value.
 
-    `whole` before and `unexplained` after the allowances.
+    `whole`: before named causes are subtracted; `unexplained`: after that.
     """
 
     quantity: str

@@ -32,9 +32,10 @@ _SMALLEST_GAP = 0.07
 class Series:
     """One curve: `y` over `x` (n each, NaN is a gap), with its `label` in the legend.
 
-    Colour and marker are those of the model `of`, or of the model named `label`. `bars` (n, or 2×n
-    for down and up): error bars. `best`: index of the point with a star. `interval` (2×n, lowest
-    and highest): shaded band. With a `quantity`, the table has a column "label: quantity (unit)".
+    Colour and marker are those of the model `of`, or if that is "" of the model `label`. `bars` (n,
+    or 2×n for down and up): error bars. `best`: index of the point with a star. `interval` (2×n,
+    lowest and highest): shaded band. With a `quantity`, the table has a column "label: quantity
+    (unit)".
     """
 
     label: str
@@ -95,9 +96,9 @@ class Panel:
     of several modes, share their look and one entry in the legend. If `staggered`, markers of
     different curves are shifted along x. `bars` are vertical at 1, 2, …, or horizontal in rows from
     the top (`lying`), with `names`; curves in lying panels have one value for each row. `matrix`:
-    values from 0 to 1, shaded. `levels`: grey lines. `band`: shaded stripe, with `band_label` in
-    the legend. `column_prefix`: beginning of the column headings in the table. `x_label` replaces
-    the chart's.
+    values from 0 to 1, shaded. `levels`: values of horizontal grey lines. `band`: shaded stripe
+    between two values, with `band_label` in the legend. `column_prefix`: beginning of the column
+    headings in the table. `x_label` replaces that of the chart.
     """
 
     series: Sequence[Series] = ()
@@ -266,7 +267,7 @@ def few_ticks(axes: "Axes", *, count: int = 4, whole: bool = False) -> None:
 
 
 def side_by_side(axes: "Axes") -> None:
-    """Remove the ticks of the x axis, for items side by side."""
+    """Remove the ticks of the x axis, on which items stand side by side."""
     axes.set_xticks([])
 
 

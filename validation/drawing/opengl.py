@@ -16,8 +16,8 @@ from meshes.processes import in_own_process
 SWITCH = "FLEXPROOF_OPENGL"
 WINDOW = "VTK_DEFAULT_OPENGL_WINDOW"
 MESSAGE = (
-    "no usable OpenGL, 3-D pictures are left out; on Debian and Ubuntu the packages libegl1 and "
-    "libgl1 bring it"
+    "no usable OpenGL, so 3-D pictures are left out; on Debian and Ubuntu install libegl1 and "
+    "libgl1"
 )
 _TIME_LIMIT = 60.0  # s: importing VTK from a cold disk takes up to ten
 
@@ -25,7 +25,7 @@ _TIME_LIMIT = 60.0  # s: importing VTK from a cold disk takes up to ten
 def can_draw() -> bool:
     """True if this machine can draw 3-D pictures. Sets VTK to draw off-screen.
 
-    To be called before pyvista is imported.
+    It must be called before pyvista is imported.
     """
     window = usable_window()
     if window is None:
@@ -51,7 +51,7 @@ def _first_usable() -> str | None:
 
 
 def _windows() -> tuple[str, ...]:
-    """Window classes to try. First EGL, which needs no display and, unlike X, logs nothing."""
+    """VTK window classes to try. EGL is first: it needs no display and, unlike X, logs nothing."""
     user_choice = os.environ.get(WINDOW)
     if user_choice:
         return (user_choice,)

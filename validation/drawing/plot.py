@@ -62,7 +62,10 @@ def chart_png(chart: Chart, dots: int) -> bytes:
 
 
 def drawn_chart(chart: Chart) -> Canvas:
-    """Matplotlib figure of a chart. To be called, and saved, inside `plot_style`."""
+    """Matplotlib figure of a chart.
+
+    It must be created and saved inside the context `plot_style`.
+    """
     rows = -(-len(chart.panels) // chart.columns)
     parts = 2 if any(panel.below for panel in chart.panels) else 1
     height = max([chart.high, *(_height(panel) for panel in chart.panels if panel.lying)])
@@ -147,7 +150,10 @@ def _draw_panel(
 def _draw_series(
     axes: Axes, panel: Panel, curve: Series, look: Look, rank: tuple[int, int], rows: Array
 ) -> None:
-    """Draw a curve of `rank` (index, count). The first is the widest, so that equal curves show."""
+    """Draw a curve of `rank` (index, count).
+
+    The first is the widest, so equal curves are visible.
+    """
     points = (curve.y, rows) if panel.lying else (curve.x, curve.y)
     style: dict[str, Any] = {"color": look.colour, "marker": look.marker}
     staggered = panel.staggered and look.line != "none"
@@ -172,7 +178,7 @@ def _draw_series(
 
 
 def _draw_bars(axes: Axes, panel: Panel, positions: Array, fills: Mapping[str, str]) -> None:
-    """Draw stacked bars. If there are few vertical ones, they have names and numbers."""
+    """Draw stacked bars. Vertical bars have names and numbers if there are few of them."""
     if not panel.bars:
         return
     count = len(positions)

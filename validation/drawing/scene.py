@@ -85,8 +85,8 @@ class Scene:
     """Contents of one panel, with `camera`: directions to the viewer (3) and upwards (3).
 
     `limits`: values at both ends of the colour map; `bar`: label of its colour bar. `turned`:
-    bodies and lines that only the turnable scene contains. `inside` (n×3, m): further points that
-    must lie within the picture.
+    bodies and lines that only the scene in the browser contains. `inside` (n×3, m): further points
+    that must lie within the picture.
     """
 
     bodies: Sequence[DrawnBody]

@@ -184,7 +184,7 @@ def plot_style() -> Iterator[None]:
 
 
 def marker_positions(points: int, rank: int, ranks: int) -> tuple[int, int]:
-    """Index of the first point with a marker, and spacing of markers, for one of `ranks` lines.
+    """Index of the first point with a marker, and spacing of markers, for line `rank` of `ranks`.
 
     Each line of `points` points has about four markers. If there are enough points, no point has
     markers of two lines.

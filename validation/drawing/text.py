@@ -54,7 +54,7 @@ def power_of_ten(exponent: int) -> str:
 def engineering(value: float) -> tuple[float, str]:
     """Number and SI prefix, from "n" to "", such that the number lies between 1 and 1000.
 
-    Values outside the range of the prefixes give smaller or larger numbers.
+    For values outside the range of the prefixes the number is smaller or larger.
     """
     for prefix, factor in (("", 1.0), ("m", 1e3), ("µ", 1e6)):
         if abs(value) * factor >= 1.0:
@@ -94,13 +94,13 @@ class ErrorText(Protocol):
 def error_parts(
     entry: EntryRecord[Any, Any], *, named: bool = True, written: ErrorText = error_text
 ) -> tuple[str, str]:
-    """Texts of an entry's error and of its half-width. ("", "") without an error.
+    """Texts of an entry's error and of its half-width. ("", "") if there is no error.
 
-    There are five forms. If readings differ by more than their half-width: the lowest and the
-    highest error, with the names of the readings if `named`. Otherwise, if the interval contains
-    zero: the bound of the error, "below 4.4 %". If the interval is wider than the half-width: the
-    ends of the interval. If an end is infinite: the error and "without bound". In all other cases:
-    the error and the half-width. `written` formats the numbers.
+    There are five forms. If interpretations of the robot file differ by more than their half-width:
+    the lowest and the highest error, with the names of the interpretations if `named`. Otherwise,
+    if the interval contains zero: the bound of the error, "below 4.4 %". If the interval is wider
+    than the half-width: the ends of the interval. If an end is infinite: the error and "without
+    bound". In all other cases: the error and the half-width. `written` formats the numbers.
     """
     error, half_width = entry.error, entry.uncertainty or 0.0
     if error is None:
@@ -124,7 +124,10 @@ def error_parts(
 
 
 def error_with_spread(entry: EntryRecord[Any, Any], written: ErrorText = error_text) -> str:
-    """Error and half-width in one text, "+1.2 % ± 0.3 %" or "below 4.4 %", readings with names."""
+    """Error and half-width in one text: "+1.2 % ± 0.3 %", "below 4.4 %".
+
+    If interpretations differ, with their names.
+    """
     return " ".join(filter(None, error_parts(entry, written=written)))
 
 
@@ -135,9 +138,9 @@ def bound(entry: EntryRecord[Any, Any]) -> float:
 
 
 def _readings_text(entry: EntryRecord[Any, Any], written: ErrorText, *, named: bool) -> str:
-    """Errors under the lowest and the highest reading.
+    """Errors under the interpretations with the lowest and with the highest error.
 
-    "" if there is one reading, or if the two texts are equal.
+    "" if there is one interpretation, or if the two texts are equal.
     """
     ranked = sorted(entry.readings.items(), key=lambda reading: reading[1])
     if len(ranked) < 2:
@@ -158,7 +161,7 @@ def _range(low: float, high: float, written: ErrorText, *, signed: bool) -> str:
 
 
 def share_text(share: float) -> str:
-    """Difference over tolerance as a text."""
+    """Text with the ratio of difference to tolerance."""
     if share < 0.0:
         return "inside the bound"
     if share > 1.0:

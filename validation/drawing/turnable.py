@@ -23,7 +23,7 @@ _SIZE = (400, 300)
 
 
 def turnable(scene: Scene) -> InteractiveScene:
-    """Encoded scene, with the bodies and lines that only the turnable scene contains.
+    """Encoded scene for the browser, including the bodies and lines `Scene.turned`.
 
     The first view is that of the scene's camera. The data are a JSON header and the numbers to
     which it refers, compressed.
@@ -67,7 +67,7 @@ def page(scene: Scene, title: str) -> str:
 
 
 class _Numbers:
-    """Concatenated arrays, each identified by its first byte and its length."""
+    """Concatenated arrays, each identified by the position of its first byte and its length."""
 
     def __init__(self) -> None:
         self.content = bytearray()

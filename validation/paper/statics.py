@@ -59,7 +59,7 @@ def _foot_stiffness(context: Context, variant: ModelOptions) -> Measurement:
         exact=True,
         notes=(
             "This number decided the correction of k66 and therefore proves nothing. The joint "
-            "beside the foot transmits no moment about z: with k66 twice as large the largest "
+            "next to the foot transmits no moment about z: with k66 twice as large the largest "
             f"planar deflection changes by {100.0 * change:.1g} %. Only eq. (25) as printed "
             "depends on k66.",
         ),

@@ -40,7 +40,7 @@ def as_text(part: FreePart, accuracy: Accuracy | None = None) -> str:
     counts = ", ".join(map(str, part.unknowns))
     meshes = f"meshes of {counts} unknowns; {part.elements} tetrahedra in the finest"
     if len(part.unknowns) == 1:
-        meshes = f"one mesh, as given, of {counts} unknowns"
+        meshes = f"one mesh, from the file, of {counts} unknowns"
     centre = ", ".join(f"{x + 0.0:.6g}" for x in part.centre.round(9))
     lines = [
         *(f"{part.part.path}: {part.part.size}", "", meshes),

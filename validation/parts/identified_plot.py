@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from lumped.arrays import Array
 from validation.drawing.style import BLUE, ORANGE, WIDTH, plot_style
 
-MESHES, BRACKET = "half-width of the meshes", "averaged less rigid interfaces"
+MESHES, BRACKET = "half-width of the meshes", "averaged minus rigid interfaces"
 # Width of a bar. Groups of bars have distance 1.
 _BAR = 0.36
 

@@ -58,12 +58,10 @@ def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding], reach
     remaining = [finding for finding in findings if finding.used in _UNCORRECTED]
     removed = [finding for finding in findings if finding.used not in _UNCORRECTED]
     wrong = sum(finding.severity == "error" for finding in remaining)
-    doubts = f"sound in form, {counted(len(remaining), 'doubt')}"
-    state = doubts if remaining else "sound"
+    doubts = f"valid, {counted(len(remaining), 'doubt')}"
+    state = doubts if remaining else "valid"
     if wrong:
-        state = (
-            f"usable, but {counted(wrong, 'of its data is', 'of its data are')} wrong, see below"
-        )
+        state = f"readable, but {counted(wrong, 'value is', 'values are')} wrong, see below"
     count = len(robot.poses)
     poses = f"all {count} poses" if count > 1 else "the one pose"
     if reachable < count:
@@ -77,7 +75,7 @@ def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding], reach
             *_finding_lines(remaining),
         ]
     if removed:
-        heading = "misprints and errors of the source, none of them in what is used"
+        heading = "misprints and errors of the printed source, corrected in the data that are used"
         lines += ["", f"{heading} ({len(removed)}):", *_finding_lines(removed)]
     return "\n".join(lines)
 

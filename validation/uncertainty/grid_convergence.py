@@ -280,7 +280,7 @@ def _refusal(behaviour: Behaviour, orders: Array) -> str:
     if abs(last - before) > SETTLED * last:
         return (
             "no uncertainty can be stated: outside the asymptotic range, the observed order "
-            f"still moves from {before:.2f} to {last:.2f}"
+            f"still changes from {before:.2f} to {last:.2f}"
         )
     return ""
 

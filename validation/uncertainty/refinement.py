@@ -34,7 +34,7 @@ class Accuracy:
     @property
     def text(self) -> str:
         """Line of the report with the requested and the reached accuracy."""
-        summary = f"accuracy ±{100.0 * self.reached:.2g} %, asked for ±{100.0 * self.asked:.2g} %"
+        summary = f"accuracy ±{100.0 * self.reached:.2g} %, requested ±{100.0 * self.asked:.2g} %"
         return f"{summary}; {self.missed}" if self.missed else summary
 
 

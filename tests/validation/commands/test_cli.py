@@ -67,8 +67,8 @@ def test_cases_are_listed_as_text_and_json(with_catalogue, command):
 
 
 def test_audit_of_robot_is_printed(command):
-    used, errata = command.told("check", "ifw").split("misprints and errors of the source")
-    assert used.startswith("ifw: sound in form, 4 doubts; IFW demonstrator")
+    used, errata = command.told("check", "ifw").split("misprints and errors of the printed source")
+    assert used.startswith("ifw: valid, 4 doubts; IFW demonstrator")
     # The signs of the couplings are used as printed, the foot's rotation is not.
     assert "leg1.compliance (warning, couplings)" in used
     assert "foot.compliance" not in used

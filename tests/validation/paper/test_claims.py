@@ -96,8 +96,8 @@ def test_claim_counts_its_valid_curves(claims, start, standing, holding):
 def test_summary_excludes_circular_claims(claims):
     """A claim is circular if it was used to correct the data."""
     assert summary(claims.values()) == (
-        "Of 22 statements hold: 17 as printed and as corrected, 2 as printed alone, 1 as corrected "
-        "alone, 2 for some of their curves alone; 1 circular and not counted."
+        "22 statements: 17 true as printed and as corrected, 2 true only as printed, 1 true only "
+        "as corrected, 2 true only for some of their curves; 1 circular and not counted."
     )
 
 

@@ -67,7 +67,7 @@ def test_one_mode_robot_has_one_frequency(tmp_path, model):
     (answer,) = solve(asked).answers
     frequency = np.sqrt(4.0e4 / 0.86) / (2.0 * np.pi)
     assert answer.frequencies == pytest.approx([frequency], rel=1e-9)
-    with pytest.raises(ComputationError, match="3 modes asked for, but fewer have mass"):
+    with pytest.raises(ComputationError, match="3 modes requested, but fewer modes move mass"):
         solve(replace(asked, model="beam", modes=3))
 
 

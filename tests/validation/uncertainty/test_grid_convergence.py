@@ -207,7 +207,7 @@ def test_refinement_stops_if_accurate(asked: float) -> None:
 def test_unreached_accuracy_is_reported() -> None:
     found, told = refined_to(1e-6)
     assert (found, told.reached) == (64, left(64))
-    assert told.text.startswith("accuracy ±0.0024 %, asked for ±0.0001 %; --divisions 128: takes m")
+    assert told.text.startswith("accuracy ±0.0024 %, requested ±0.0001 %; --divisions 128: takes m")
 
 
 def test_refinement_ignores_machine_speed(monkeypatch) -> None:

@@ -48,8 +48,8 @@ _END_CONDITIONS = (
     "to warp (legs) or averaged interfaces (CAD parts)."
 )
 _ONE_SHAPE = (
-    "Natural frequencies of each model, in ascending order at each abscissa. Differences are "
-    "between modes of the same shape, even if their numbers differ."
+    "Natural frequencies of each model, in ascending order at each value of the abscissa. "
+    "Differences are those between modes of the same shape, even if their numbers differ."
 )
 _OF_THE_POINT = (
     "Displacement of the loaded point along the force, or rotation about the moment, by each model"
@@ -224,8 +224,8 @@ def _choices_sentence(varied: VariedCurves, variation: Variation) -> str:
     return (
         f"By the {MEANING[decision.objective]}, the reference ({varied.compared.against}) "
         f"is best at {values[best]:.6g} ({decision.reference[best]:.4g} "
-        f"{UNITS[decision.objective]}). Best values of the models, with the loss by the "
-        f"reference's own figure: {', '.join(choices)}."
+        f"{UNITS[decision.objective]}). Best values of the models, with the loss computed "
+        f"by the reference: {', '.join(choices)}."
     )
 
 
