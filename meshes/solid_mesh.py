@@ -49,7 +49,7 @@ class SolidMesh(VolumeMesh):
 
     @property
     def regions(self) -> IntArray | None:
-        """Number of the part (M) of each cell in a leg of several materials. None in others."""
+        """Index (M) of the part to which each cell belongs. None in a leg of one material."""
         regions = self.root.mesh.regions
         return None if regions is None or self.slices is None else np.tile(regions, self.slices)
 

@@ -21,9 +21,9 @@ _DEGREE = 5
 
 
 def pressure_forces(nodes: Array, facets: Facets) -> Array:
-    """Nodal forces (n×3, N) of unit pressure on `facets` with n nodes, ascending.
+    """Nodal forces (n×3, in N) of unit pressure on `facets` with n nodes, ascending.
 
-    `nodes` (N×3, m) are those of the whole mesh.
+    `nodes` (N×3, in m) are those of the whole mesh.
     """
     points, weights = quadrature(facets.element, _DEGREE)
     shapes, slopes = values(facets.element, points), gradients(facets.element, points)
@@ -58,10 +58,10 @@ def wrenches_of_faces(mesh: PartMesh, shapes: Array) -> dict[int, Array]:
 
 
 def as_columns(wrenches: Mapping[int, Array]) -> tuple[Array, Array]:
-    """Face numbers (F) and wrenches (F×6m) as arrays."""
+    """Face numbers (F) and wrenches (F×6m) as two arrays, from wrenches by face number."""
     return np.array(list(wrenches)), np.array(list(wrenches.values()))
 
 
 def from_columns(numbers: Array, wrenches: Sequence[Array] | Array) -> dict[int, Array]:
-    """Wrenches by face number from the arrays of `as_columns`."""
+    """Wrenches by face number, from the two arrays that `as_columns` returns."""
     return dict(zip(numbers.tolist(), wrenches, strict=True))

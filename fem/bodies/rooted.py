@@ -79,7 +79,7 @@ class RootedBody:
 
     @property
     def loads(self) -> Array:
-        """Unit wrenches B (n×6(m−1)) at the other interfaces."""
+        """Unit wrenches B (n×6(m−1)) at all interfaces but the first."""
         return self.solid.twists[:, 6:]
 
     @property
@@ -124,12 +124,12 @@ class RootedBody:
 
     @cached_property
     def response(self) -> Array:
-        """Displacements U (n×6(m−1)) under unit wrenches at the other interfaces."""
+        """Displacements U (n×6(m−1)) under unit wrenches at all interfaces but the first."""
         return np.asarray(self.flexibility(self.loads))
 
     @cached_property
     def compliance(self) -> Array:
-        """Compliance C (6(m−1) × 6(m−1), SI, body axes) of the other interfaces, the first clamped.
+        """Compliance C (6(m−1) × 6(m−1), SI, body axes) of all interfaces but the clamped first.
 
         Raises ComputationError if round-off dominates.
         """

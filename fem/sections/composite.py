@@ -40,7 +40,7 @@ class WrenchStates:
 
 
 def wrench_states(mesh: SectionMesh, materials: Sequence[Material]) -> WrenchStates:
-    """States of a section `mesh` whose `regions` have these materials."""
+    """States of unit wrenches on a section `mesh` whose regions have the given `materials`."""
     quad = section_quadrature(mesh)
     E0, E1, E2 = _matrices(quad, materials)
     coupling = E1 - E1.T

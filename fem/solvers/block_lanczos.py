@@ -106,7 +106,7 @@ def _orthonormal(block: Any, basis: Any, M: Any, space: Space) -> tuple[Any, Any
 
 
 def first_modes(count: int) -> Wanted:
-    """Requirement of the first `count` modes, and of the rest of the cluster of the last one."""
+    """Requirement that the first `count` modes converge, with the whole cluster of the last one."""
 
     def wanted(values: Array, _residuals: Array) -> int | None:
         if len(values) <= count:
@@ -118,7 +118,7 @@ def first_modes(count: int) -> Wanted:
 
 
 def modes_below(squared: float) -> Wanted:
-    """Requirement of all modes with ω² below `squared`.
+    """Requirement that all modes with ω² below `squared` converge.
 
     The search ends with one mode above `squared` (rad²/s²), which shows that all are found.
     """

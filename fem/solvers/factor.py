@@ -71,7 +71,7 @@ class Analysis:
         vars(self).pop("ordering", None)
 
     def factorise(self, values: Array, part: str) -> Numeric:
-        """Factor of the matrix with these values.
+        """Factor of the matrix whose triangle has the entries `values`.
 
         Raises ComputationError if memory is insufficient.
         """

@@ -1,8 +1,8 @@
 """Statics of a supported solid: by a factor, or without one if it does not fit the memory.
 
-Without a factor, PETSc takes conjugate gradients with the multigrid GAMG. Each solution is checked
-by its residual and its energy. There are no signs of eigenvalues: modes are counted only if a
-factor of K − σM, which is computed for this purpose alone, fits the memory.
+Without a factor, PETSc computes by conjugate gradients with the multigrid GAMG. Each solution is
+checked by its residual and its energy. They do not give the signs of eigenvalues: modes are counted
+only if a factor of K − σM, which is computed for this purpose alone, fits the memory.
 """
 
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ class RenewableIteration(RenewableFactor):
 
     @cached_property
     def numeric(self) -> Inverse:
-        """The iteration, set up if necessary."""
+        """The iterative solver, which is set up when it is first needed."""
         triangle = self.symbolic.triangle
         iteration = GamgIteration(triangle, self.motions, self.places, self.part)
         return _GamgInverse(iteration, self.part)
@@ -60,7 +60,7 @@ class RenewableIteration(RenewableFactor):
 
     @property
     def space(self) -> Space:
-        """Memory of the host."""
+        """Memory of the host, in which right-hand sides are used."""
         return HOST
 
     @cached_property

@@ -131,7 +131,7 @@ class RobotFile:
             raise InputError(f"{location}: {fault}" for fault in error.faults) from error
 
     def with_values(self, values: Mapping[str, Any]) -> "RobotFile":
-        """Robot file in which other numbers or matrices replace those at the given keys.
+        """Robot file in which `values` replace the numbers or matrices at their keys.
 
         Raises InputError if such a robot is impossible, LookupError if a key does not exist.
         """
@@ -164,7 +164,7 @@ class RobotFile:
 
 
 def _changed(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Tables in which other values replace those at the given keys.
+    """Copy of the tables in which `changes` replace the values at their keys.
 
     Raises LookupError if a key does not exist.
     """

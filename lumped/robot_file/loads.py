@@ -295,7 +295,10 @@ def _wrenches_over(path: Path, robot: Mechanism) -> Array:
 def _store_wrench(
     wrenches: dict[int, Array], robot: Mechanism, pose_columns: Mapping[str, Number], row: TableRow
 ) -> None:
-    """Store the wrench of a CSV row under its pose. Raises InputError if another one is stored."""
+    """Store the wrench of a CSV row under its pose.
+
+    Raises InputError if a different wrench of this pose is stored already.
+    """
     rules = {**pose_columns, **dict.fromkeys(_COMPONENTS, FORCE)}
     values = {name: number_or_text(row.cells[name]) for name in rules}
     if faults := [

@@ -99,11 +99,13 @@ class Section(ABC):
 
     @property
     def mass_centre(self) -> tuple[float, float]:
-        """Centre of mass (y, z, m) from the centroid; zero in a section of one material."""
+        """Centre of mass (y, z in m) relative to the centroid. Zero if there is one material."""
         return 0.0, 0.0
 
     def faults(self, unit: str = "m") -> list[str]:
-        """Reasons why such a shape is impossible, one line each. Empty if the shape is valid.
+        """Reasons why a shape with these dimensions is impossible, one line each.
+
+        Empty if the shape is valid.
 
         `unit` is the unit of the dimensions, for messages.
         """

@@ -250,7 +250,7 @@ def _joint_motion(structure: Structure, frames: Frames, number: int) -> JointMot
 
 
 def drive_stiffnesses(joint: Joint, frames: Frames) -> Array | None:
-    """Stiffness of a drive, one number or one for each of P postures. None if there is none."""
+    """Stiffness of a drive: one number, or one for each of P postures. None if it is rigid."""
     drive = joint.drive
     if drive is None or drive.stiffness is None:
         return None

@@ -40,8 +40,8 @@ class SectionMesh:
     """Mesh of a section in the y–z plane of the leg. Cells are counter-clockwise seen from +x.
 
     `nodes` (N×2) are y and z in m. `cells` (M×k) are node numbers in the order of
-    `meshes.elements`. `regions` (M) is the number of the part of each cell in a section of several
-    materials, None in others.
+    `meshes.elements`. `regions` (M) are the indices of the parts to which the cells of a section of
+    several materials belong. None in other sections.
     """
 
     nodes: Array

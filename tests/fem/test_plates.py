@@ -1,7 +1,7 @@
-"""Solid elements on plates and membranes that no robot has: NAFEMS, Rayleigh–Lamb, Navier.
+"""Solid elements in plates and membranes: NAFEMS benchmarks, Rayleigh–Lamb waves, Navier.
 
-Robots have no symmetry planes and no supports along edges, so that unknowns of meshes are held
-here. Stiffness and mass are those of parts and legs; the eigenvalues are scipy's.
+Robots have no symmetry planes and no supports along edges: unknowns of the meshes are fixed here.
+Stiffness and mass are those of parts and legs. Eigenvalues are computed by scipy.
 """
 
 import numpy as np

@@ -223,7 +223,9 @@ class CudssOrdering:
         self.device_bytes, self.peak_bytes = int(estimates[1]), int(estimates[3])
 
     def factorise(self, values: Array, part: str) -> CudssNumeric:
-        """Factor of the matrix with these values. `part` is not used. Raises DeviceError.
+        """Factor of the matrix whose triangle has the entries `values`.
+
+        `part` is not used. Raises DeviceError.
 
         A factor that is not accurate is reported with one entry of D without a sign.
         """
@@ -235,7 +237,7 @@ class CudssOrdering:
         return CudssNumeric(self, values, negative, zero)
 
     def load(self, values: Array) -> None:
-        """Factorise the matrix with these values, unless their factor is on the card already."""
+        """Factorise the matrix with these `values`, unless its factor is on the card already."""
         import cupy  # noqa: PLC0415
         from nvmath.bindings import cudss  # noqa: PLC0415
 

@@ -66,7 +66,7 @@ class RslabOrdering:
         self.peak_bytes = int(plan["peak_bytes"])
 
     def factorise(self, values: Array, part: str) -> RslabNumeric:
-        """Factor of the matrix with these values.
+        """Factor of the matrix whose triangle has the entries `values`.
 
         Raises ComputationError if memory is insufficient.
         """

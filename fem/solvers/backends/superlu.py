@@ -55,7 +55,7 @@ class SuperluOrdering:
         self.peak_bytes = _BYTES_PER_UNKNOWN * int(lower.shape[0])
 
     def factorise(self, values: Array, part: str) -> SuperluNumeric:
-        """Factor of the matrix with these values.
+        """Factor of the matrix whose triangle has the entries `values`.
 
         Raises ComputationError if memory is insufficient.
         """

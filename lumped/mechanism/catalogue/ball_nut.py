@@ -1,14 +1,14 @@
 """Axial stiffness of the nut of a ball screw from the numbers of a manufacturer's table.
 
-Catalogues give the calculated stiffness K of the balls under a stated share of the basic dynamic
-load rating Ca: as preload of a nut with preload (0.1 Ca, of some series 0.05 Ca), as load of a nut
-with play (0.3 Ca). By Hertz, the stiffness of balls varies with the cube root of the load, and
-catalogues take 0.8 of it for the deformation of the nut itself:
+Catalogues give the calculated stiffness K of the balls for a stated fraction of the basic dynamic
+load rating Ca. This is the preload of a preloaded nut (0.1 Ca, in some series 0.05 Ca), or the load
+of a nut with play (0.3 Ca). By Hertz, the stiffness of balls varies with the cube root of the load,
+and catalogues take 0.8 of it for the deformation of the nut itself:
 
     k = 0.8 K (F / (share Ca))^(1/3)
 
 (THK, General Catalog, Ball Screw, "Studying the Rigidity"; NSK, Precision Machine Components). K
-and Ca of a nut are those of its table.
+and Ca are the values for the nut in its table.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ PRELOADED, WITH_PLAY = 0.1, 0.3
 
 @dataclass(frozen=True)
 class BallNut:
-    """Nut with the table's stiffness `rigidity` (N/m) under `share` of its `load_rating` (N)."""
+    """Nut with the catalogue stiffness `rigidity` (N/m) at `share` of its `load_rating` (N)."""
 
     rigidity: float
     load_rating: float

@@ -23,7 +23,7 @@ _KIND_OF_KEY = {"from": "leg", "to": "leg", "points": "rigid body", "step": "par
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """Entries of a robot file without faults, by name. `names` contains those of all entries.
+    """Entries of a robot file without faults, by name. `names` has those of faulty ones, too.
 
     An entry contains its keys, the location `key` for messages, and derived values:
 

@@ -39,7 +39,7 @@ _NO_SHARE = 1e-9
 
 
 def description_faults(tables: Mapping[str, Any], description: Draft) -> list[str]:
-    """Faults of keys, of relations between keys, and of names. If there are none: of the topology.
+    """Faults of keys, of relations between keys, and of names, otherwise of the topology.
 
     `description` is the draft of the tables.
     """
@@ -152,9 +152,9 @@ def _idle_points(description: Draft, loaded: Collection[str | None]) -> Iterator
 
 
 def motion_faults(mechanism: Mechanism) -> list[str]:
-    """Faults of the mobility in the reference posture.
+    """Faults of the mobility in the reference posture, otherwise of the path.
 
-    If there are none: of the poses of the path.
+    The poses of the path are checked only if there are no faults in the reference posture.
     """
     result = mobility(reference_posture(mechanism))
     if faults := list(_mobility_faults(mechanism, result)):

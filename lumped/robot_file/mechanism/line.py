@@ -87,7 +87,7 @@ def leg_line(
 
 
 def _misplaced_keys(body: Mapping[str, Any], key: str) -> list[str]:
-    """Faults of `through` and `sections` together with a key that excludes them."""
+    """Faults of `through` and `sections` if another key of the leg excludes them."""
     names = [name for name in ("through", "sections") if body[name] is not None]
     if body["compliance"] is not None:
         reason = f"must be left out, because {key}.compliance is that of the whole leg"
@@ -173,7 +173,7 @@ def _pieces(stops: Sequence[_Stop], positions: Sequence[Point]) -> tuple[LinePie
 
 
 def _named_positions(stops: Sequence[_Stop], line: CentreLine) -> dict[str, float]:
-    """Positions (m along the line) of its named points, except those inside an arc."""
+    """Positions (m along the line) of the line's named points, except those inside an arc."""
     ends = [stop for stop in stops if not stop.on_arc]
     return {
         stop.name: float(position)

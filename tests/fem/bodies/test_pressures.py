@@ -54,7 +54,7 @@ def test_pressure_on_plane_face_is_area_times_normal(file):
 
 
 def test_pressure_in_bore_has_no_resultant(file):
-    """The wall of a bore through parallel faces: each strip is balanced by the opposite one."""
+    """Pressure in a bore between parallel faces: opposite strips of the wall are in balance."""
     bore = selected_faces(file, ByCylinder(RADIUS))
     wrenches = np.array([resultants(file.mesh)[face.number] for face in bore])
     # Chords of second order replace the circle, whose midpoints lie on it to 1e-9.

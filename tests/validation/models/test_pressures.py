@@ -82,7 +82,7 @@ def test_pressed_block_moves_as_by_elasticity(block, model):
 
 
 def test_equivalent_beam_carries_wrenches_of_part(block):
-    """pA at the tip; p b L on a cantilever moves its tip by qL⁴/8EI + qL²/2κGA, to end effects."""
+    """pA acts at the tip. p b L on a cantilever moves its tip by qL⁴/8EI + qL²/2κGA."""
     at = reference_posture(block.mechanism)
     (end, top, _) = displacements("beam", [at], ModelOptions(parts="condensed"))[0]
     assert end[0] == pytest.approx(-4.0e6 * LENGTH / E, rel=1e-9)
@@ -123,7 +123,7 @@ def test_hydrostatic_stress_field_is_uniform(block):
 
 
 def test_no_pressure_buckles_the_part_it_presses(block):
-    """Dead wrenches for a pressure on all sides would buckle it, which none does."""
+    """Wrenches of constant direction for a pressure on all sides would buckle the part."""
     at = reference_posture(block.mechanism)
     (row,) = stabilities("links", [at])
     every, load = row[-1], block.mechanism.loads[-1]

@@ -182,7 +182,7 @@ class Server:
             self._store(f"{name}-{kind}", array)
 
     def factorise(self, name: int, values: Array, part: str) -> tuple[int, int]:
-        """Numbers of negative and of zero eigenvalues of the matrix with these values."""
+        """Factorise a matrix. Return its numbers of negative and of zero eigenvalues."""
         with self._command(part):
             self._store(f"{name}-values", values)
             answer = self._execute("factorise", name, part)
@@ -406,7 +406,9 @@ class PetscOrdering:
         self.peak_bytes = self._server.analyse(self._name, lower)
 
     def factorise(self, values: Array, part: str) -> PetscNumeric:
-        """Factor of the matrix with these values. Raises ComputationError if it fails.
+        """Factor of the matrix whose triangle has the entries `values`.
+
+        Raises ComputationError if it fails.
 
         A factor that is not accurate is reported with one entry of D without a sign.
         """
@@ -420,7 +422,7 @@ class PetscOrdering:
         return PetscNumeric(self, values, negative, zero)
 
     def load(self, values: Array, part: str) -> None:
-        """Factorise the matrix with these values, unless their factor is on the server already."""
+        """Factorise the matrix with these `values`, unless its factor is on the server already."""
         if self._loaded is values:
             return
         self._loaded = None

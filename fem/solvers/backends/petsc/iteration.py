@@ -1,8 +1,9 @@
 """Solutions without a factor: conjugate gradients with the multigrid GAMG of PETSc.
 
 GAMG (smoothed aggregation; Vaněk, Mandel, Brezina, Computing 56 (1996) 179) makes its coarse levels
-from the rigid motions. The number of iterations hardly depends on that of unknowns, and the memory
-is a few times that of the matrix. There is no inertia: eigenvalues cannot be counted.
+from the rigid motions. The number of iterations hardly depends on the number of unknowns, and the
+memory is a few times that of the matrix. Without a factor, the signs of eigenvalues are not known,
+and eigenvalues cannot be counted.
 """
 
 from typing import Any, NamedTuple
@@ -31,12 +32,12 @@ class IndefiniteError(Exception):
 
 
 class Check(NamedTuple):
-    """Errors of the solution for one right-hand side.
+    """Accuracy of the solution for one right-hand side.
 
-    `energy` is the true residual in the norm of the preconditioner, relative to the energy norm of
-    the solution, `backward` the residual relative to the products of which it is the difference,
-    `balance` the relative difference of work and twice the energy. `reason` is that of PETSc for
-    the end of `iterations`.
+    `energy` is the residual in the norm of the preconditioner, relative to the energy norm of the
+    solution. `backward` is the residual relative to the terms K x and f whose difference it is.
+    `balance` is the relative difference of the work and twice the energy. `reason` is PETSc's code
+    for the end of the `iterations`.
     """
 
     iterations: int
@@ -47,7 +48,7 @@ class Check(NamedTuple):
 
     @property
     def sufficient(self) -> bool:
-        """True if energy and work are right to ten digits, or to what double precision allows."""
+        """True if energy and work have ten correct digits, or all that double precision allows."""
         return max(self.energy, self.balance) <= _ENERGY or self.backward <= _BACKWARD
 
 
@@ -55,9 +56,9 @@ class GamgIteration:
     """Conjugate gradients for one positive definite matrix, set up once for all right-hand sides.
 
     `lower` is the lower triangle (csc n×n), `motions` (n×6) are its rigid motions, if it had no
-    supports, and `places` (n×3, m) the positions of the unknowns. Ranks get neighbouring unknowns:
-    these are sorted along the longest axis of the body, those of a node together. `part` is the
-    name in messages. Raises MissingPetscError and ComputationError.
+    supports, and `places` (n×3, m) the positions of the unknowns. Each rank has neighbouring
+    unknowns: they are sorted along the longest axis of the body, and those of a node stay together.
+    `part` is the name in messages. Raises MissingPetscError and ComputationError.
     """
 
     def __init__(self, lower: SparseMatrix, motions: Array, places: Array, part: str) -> None:
@@ -74,7 +75,7 @@ class GamgIteration:
     def solve(self, columns: Array) -> Array:
         """Solutions (n×k) for the right-hand sides `columns` (n×k).
 
-        Raises IndefiniteError, and ComputationError if one of them does not converge.
+        Raises IndefiniteError, and ComputationError if a solution does not converge.
         """
         ordered, answer = self._server.solve(self._name, columns[self._order], self._part)
         self.checks = tuple(Check(*check) for check in answer["checks"])
