@@ -59,13 +59,13 @@ class CardArray(np.ndarray):
         refuse_host(inputs)
         if out is not None:
             options["out"] = tuple(one.view(np.ndarray) for one in out)
-        found = getattr(ufunc, method)(*map(on_host, inputs), **options)
-        return out[0] if out is not None else np.asarray(found).view(CardArray)
+        result = getattr(ufunc, method)(*map(on_host, inputs), **options)
+        return out[0] if out is not None else np.asarray(result).view(CardArray)
 
     def __array_function__(self, function, _types, inputs, options):
         refuse_host(inputs)
-        found = function(*map(on_host, inputs), **options)
-        return np.asarray(found).view(CardArray)
+        result = function(*map(on_host, inputs), **options)
+        return np.asarray(result).view(CardArray)
 
 
 def refuse_host(inputs):

@@ -43,8 +43,8 @@ def expensive(length):
 
 
 def shares(context):
-    at = context.robot_file.mechanism.reference["slide2"].position
-    value, moment = context.get(expensive, float(at[0]))
+    position = context.robot_file.mechanism.reference["slide2"].position
+    value, moment = context.get(expensive, float(position[0]))
     return Measurement(value, 1.84, exact=True, notes=(f"{os.getpid()} {moment}",))
 
 
@@ -131,7 +131,7 @@ def real(robot_file):
     from validation import paper  # noqa: PLC0415  the other catalogues do not need it
 
     steady = tuple(case(f"toy.steady[{k}]", slowly) for k in range(12))
-    of_paper = (replace(one, subject="robot") for one in paper.cases()[::2])
+    of_paper = (replace(case_of_paper, subject="robot") for case_of_paper in paper.cases()[::2])
     return (*steady[:6], *of_paper, *steady[6:], *sound(robot_file))
 
 

@@ -41,9 +41,12 @@ def reference(title, halves, budgets=None, insides=(), **more):
     names = list(halves)
     readings = [Reading({}, interior=one) for one in insides] or [reading(name) for name in names]
     each = budgets if isinstance(budgets, list) else [budgets or {}] * len(names)
-    known = dict(zip(readings, halves.values(), strict=True))
-    static = all(isinstance(half, Statics) for half in known.values())
-    solve = [(lambda _, at: known[at]) if own else None for own in (static, not static)]
+    half_by_reading = dict(zip(readings, halves.values(), strict=True))
+    static = all(isinstance(half, Statics) for half in half_by_reading.values())
+    solve = [
+        (lambda _, at: half_by_reading[at]) if is_defined else None
+        for is_defined in (static, not static)
+    ]
     fields = "ends", "interior"
     return Reference(
         title,

@@ -114,10 +114,10 @@ def content(path):
 
 def numbers(path):
     """Cases and studies of a run, without times and notes, which contain process numbers."""
-    found = json.loads((path / "results.json").read_text())
-    for entry in found["cases"]:
+    record = json.loads((path / "results.json").read_text())
+    for entry in record["cases"]:
         del entry["seconds"], entry["notes"]
-    return found["cases"], found["studies"]
+    return record["cases"], record["studies"]
 
 
 def run_in_this_process(_catalogue, context, tasks, *, keep, progress, **_):

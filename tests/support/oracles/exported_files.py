@@ -12,9 +12,9 @@ def assert_read_back(folder):
     """Assert that README.txt names every file, that each is readable, and that matrices agree."""
     text = (folder / "README.txt").read_text(encoding="utf-8")
     margin = [line for line in text.splitlines() if re.match(r"\S+\.\w+(,|$)", line)]
-    there = {path.name for path in folder.iterdir()} - {"README.txt"}
-    assert {name for line in margin for name in re.findall(r"[^,\s]+", line)} == there
-    for path in (folder / name for name in there):
+    names = {path.name for path in folder.iterdir()} - {"README.txt"}
+    assert {name for line in margin for name in re.findall(r"[^,\s]+", line)} == names
+    for path in (folder / name for name in names):
         match path.suffix:
             case ".vtu":
                 assert len(meshio.read(path).points) == read_vtk(path).n_points > 0

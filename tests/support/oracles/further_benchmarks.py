@@ -81,15 +81,15 @@ def deep_beam() -> list[KnownNumber]:
     beam = beam_leg(own.DEEP.timoshenko, own.DEEP.length, 32)
     free = np.delete(np.arange(beam.size), [0, 1, 2, 3, 7, 8])
     stiffness, mass = (dense(matrix)[np.ix_(free, free)] for matrix in (beam.stiffness, beam.mass))
-    found = solve_modes(stiffness, mass, FV5_CLUSTERS[-1].last, "NAFEMS FV5").frequencies
-    return [cluster.known_number(found) for cluster in FV5_CLUSTERS]
+    frequencies = solve_modes(stiffness, mass, FV5_CLUSTERS[-1].last, "NAFEMS FV5").frequencies
+    return [cluster.known_number(frequencies) for cluster in FV5_CLUSTERS]
 
 
 def slender_cantilever() -> list[KnownNumber]:
     """NAFEMS test 71: cantilever in Euler–Bernoulli bending in one plane."""
     beam = beam_leg(SLENDER.properties("euler-bernoulli"), SLENDER.length, 32)
-    found = kind_frequencies(beam, "bending z", len(TEST_71_CLUSTERS))
-    return [cluster.known_number(found) for cluster in TEST_71_CLUSTERS]
+    frequencies = kind_frequencies(beam, "bending z", len(TEST_71_CLUSTERS))
+    return [cluster.known_number(frequencies) for cluster in TEST_71_CLUSTERS]
 
 
 def pinned_cross() -> list[KnownNumber]:
@@ -115,5 +115,5 @@ def pinned_cross() -> list[KnownNumber]:
     tool = Tool("crossing", "O")
     cross = Mechanism("FV2", bodies, joints, tool, reference, np.zeros((1, 0)))
     options = ModelOptions(theory="euler-bernoulli")
-    (found,) = answers("beam", [reference_posture(cross)], FV2_CLUSTERS[-1].last, options)
-    return [cluster.known_number(found.frequencies) for cluster in FV2_CLUSTERS]
+    (frequencies,) = answers("beam", [reference_posture(cross)], FV2_CLUSTERS[-1].last, options)
+    return [cluster.known_number(frequencies.frequencies) for cluster in FV2_CLUSTERS]

@@ -17,10 +17,10 @@ def perturbed(outcome: Outcome, factor: float) -> Verdict:
         return outcome.verdict
     below = relation is Relation.AT_MOST or measurement.unexplained >= 0.0
     down = relation is not Relation.AT_LEAST and below
-    by = (-factor if down else factor) * outcome.tolerance
-    moved = replace(measurement, reference=measurement.reference + by)
+    shift = (-factor if down else factor) * outcome.tolerance
+    shifted = replace(measurement, reference=measurement.reference + shift)
     return verdict(
-        moved.unexplained, relation, outcome.tolerance, measurement.numerical_uncertainty
+        shifted.unexplained, relation, outcome.tolerance, measurement.numerical_uncertainty
     )
 
 
@@ -29,11 +29,11 @@ def assert_agrees_and_can_disagree(outcome: Outcome) -> None:
 
     The shift of the reference is three tolerances.
     """
-    said = outcome.case.id, outcome.measurement, outcome.message
-    assert outcome.verdict == "agree", said
+    details = outcome.case.id, outcome.measurement, outcome.message
+    assert outcome.verdict == "agree", details
     assert outcome.measurement is not None
     assert outcome.share is not None
     # Where one side alone is claimed, from where the claim on its first number would just hold.
     excess = outcome.case.relation.excess(outcome.measurement.unexplained) / outcome.tolerance
-    assert perturbed(outcome, max(0.0, -excess) + 3.0) == "disagree", said
-    assert outcome.measurement.exact or isfinite(outcome.measurement.numerical_uncertainty), said
+    assert perturbed(outcome, max(0.0, -excess) + 3.0) == "disagree", details
+    assert outcome.measurement.exact or isfinite(outcome.measurement.numerical_uncertainty), details

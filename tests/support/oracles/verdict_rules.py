@@ -51,8 +51,8 @@ class Plain(NamedTuple):
         if self.missing:
             return "inadequate"
         if self.alone:
-            said = {one.verdict(limit) for one in self.alone}
-            return said.pop() if len(said) == 1 else "undecided"
+            verdicts = {result.verdict(limit) for result in self.alone}
+            return verdicts.pop() if len(verdicts) == 1 else "undecided"
         if self.high <= limit and self.low >= -limit:
             return "adequate"
         return "inadequate" if self.low > limit or self.high < -limit else "undecided"
@@ -61,8 +61,8 @@ class Plain(NamedTuple):
 @cache
 def worst(*of):
     """Worst direction of force, cached because each step and each limit need it."""
-    off, due = (np.frombuffer(one).reshape(1, 3, 3) for one in of)
-    return worst_force(off, due).force[0]
+    difference, due = (np.frombuffer(matrix).reshape(1, 3, 3) for matrix in of)
+    return worst_force(difference, due).force[0]
 
 
 def deflection(own, due, quantity):
@@ -74,35 +74,35 @@ def deflection(own, due, quantity):
         floor = np.linalg.norm(due[:3, :3], ord=2) / 20.0
     else:
         load[AXES.index(quantity)] = 1.0
-    moved, meant = own[part] @ load, due[part] @ load
-    of = max(np.linalg.norm(meant), floor)
-    error = np.linalg.norm(moved - meant) / of
-    value, expected = load[part] @ moved, load[part] @ meant
+    displacement, meant = own[part] @ load, due[part] @ load
+    size = max(np.linalg.norm(meant), floor)
+    error = np.linalg.norm(displacement - meant) / size
+    value, expected = load[part] @ displacement, load[part] @ meant
     return {
         "error": error,
-        "off": (moved - meant) / of,
-        "length": of,
+        "off": (displacement - meant) / size,
+        "length": size,
         "load": load,
         "part": part,
         "value": value,
         "along": (value - expected) / max(expected, floor),
-        "grown": 1.0 + error if floor else np.linalg.norm(moved) / of,
+        "grown": 1.0 + error if floor else np.linalg.norm(displacement) / size,
     }
 
 
 def nearest(own, pair, found):
     """Smallest error of a model under one load, against all references between two readings."""
     part, load = found["part"], found["load"]
-    moved = own[part] @ load
+    displacement = own[part] @ load
     first, second = (due[part] @ load for due in pair)
-    way = second - first
-    share = min(max(float((moved - first) @ way / (way @ way)), 0.0), 1.0)
-    lengths = [np.linalg.norm(one) for one in (first, second)]
+    change = second - first
+    share = min(max(float((displacement - first) @ change / (change @ change)), 0.0), 1.0)
+    lengths = [np.linalg.norm(expected) for expected in (first, second)]
     if np.count_nonzero(load) > 1:
         floors = [np.linalg.norm(due[:3, :3], ord=2) / 20.0 for due in pair]
         lengths = [max(both) for both in zip(lengths, floors, strict=True)]
-    off = np.linalg.norm(moved - first - share * way)
-    return float(off / (lengths[0] + share * (lengths[1] - lengths[0])))
+    distance = np.linalg.norm(displacement - first - share * change)
+    return float(distance / (lengths[0] + share * (lengths[1] - lengths[0])))
 
 
 def partner(truth, model, mode, pose):
@@ -117,21 +117,21 @@ def partner(truth, model, mode, pose):
 
 
 def frequency(truth, model, mode, pose):
-    found = partner(truth, model, mode, pose)
-    own = nan if found is None else float(model.frequencies[pose, found])
+    partner_mode = partner(truth, model, mode, pose)
+    value = nan if partner_mode is None else float(model.frequencies[pose, partner_mode])
     due = float(truth.frequencies[pose, mode])
-    return {"error": own / due - 1.0, "value": own, "mode": mode, "grown": own / due}
+    return {"error": value / due - 1.0, "value": value, "mode": mode, "grown": value / due}
 
 
 def order(truth, model, modes, pose):
     """Error of the mode order: that of the mode whose number in the model is most misleading."""
     worst = {"error": 0.0, "mode": None, "grown": 1.0, "value": None}
     for mode in range(modes):
-        own = float(model.frequencies[pose, mode])
-        ratio = own / float(truth.frequencies[pose, mode])
+        value = float(model.frequencies[pose, mode])
+        ratio = value / float(truth.frequencies[pose, mode])
         further = worst["mode"] is None or abs(ratio - 1.0) > abs(worst["error"])
         if partner(truth, model, mode, pose) != mode and further:
-            worst = {"error": ratio - 1.0, "mode": mode, "grown": ratio, "value": own}
+            worst = {"error": ratio - 1.0, "mode": mode, "grown": ratio, "value": value}
     return worst
 
 
@@ -150,7 +150,10 @@ class Rule:
 
     def halves(self, model):
         """Statics or modes of a model by interpretation."""
-        return [self.solve(model, one.reading) for one in self.reference.interpretations]
+        return [
+            self.solve(model, interpretation.reading)
+            for interpretation in self.reference.interpretations
+        ]
 
     def numbers(self, half, place, pose):
         truth = self.truths[place]
@@ -161,7 +164,7 @@ class Rule:
         return frequency(truth, half, int(self.quantity[1:]) - 1, pose)
 
     def each(self, responses, pose):
-        return [self.numbers(one, place, pose) for place, one in enumerate(responses)]
+        return [self.numbers(half, number, pose) for number, half in enumerate(responses)]
 
     def spread(self, found, place, pose, *kinds):
         """Half-width of this error due to the uncertainty budget of the interpretation `place`."""
@@ -175,22 +178,22 @@ class Rule:
 
     def at(self, responses, pose):
         alone, errors, halves = [], [], []
-        for place, found in enumerate(self.each(responses, pose)):
-            spread, error = self.spread(found, place, pose), found["error"]
+        for number, result in enumerate(self.each(responses, pose)):
+            spread, error = self.spread(result, number, pose), result["error"]
             if isfinite(error):
                 alone.append(Plain(error - spread, error + spread))
                 errors.append(error)
                 halves.append(spread)
         if len(alone) < len(responses):
             return Plain(nan, nan, missing=True)
-        told = {"errors": tuple(errors), "halves": tuple(halves)}
+        fields = {"errors": tuple(errors), "halves": tuple(halves)}
         if self.quantity == "order":
             worst = alone[max(range(len(alone)), key=lambda k: abs(errors[k]))]
-            return Plain(worst.low, worst.high, alone=tuple(alone), **told)
-        low, high = min(one.low for one in alone), max(one.high for one in alone)
+            return Plain(worst.low, worst.high, alone=tuple(alone), **fields)
+        low, high = min(plain.low for plain in alone), max(plain.high for plain in alone)
         if self.static and len(alone) > 1:
             low = min(low, self.between(responses, pose) - max(halves))
-        return Plain(max(low, 0.0) if self.static else low, high, **told)
+        return Plain(max(low, 0.0) if self.static else low, high, **fields)
 
     def between(self, responses, pose):
         """Smallest error against all references between two interpretations.
@@ -198,12 +201,13 @@ class Rule:
         For the quantity any_force, the worst force of each interpretation is tried, and the largest
         result is used.
         """
-        references = [one.compliances[pose] for one in self.truths]
+        references = [truth.compliances[pose] for truth in self.truths]
         return max(
             min(
-                nearest(half.compliances[pose], pair, found) for pair in combinations(references, 2)
+                nearest(half.compliances[pose], pair, result)
+                for pair in combinations(references, 2)
             )
-            for half, found in zip(responses, self.each(responses, pose), strict=True)
+            for half, result in zip(responses, self.each(responses, pose), strict=True)
         )
 
     def along(self, responses):
@@ -214,73 +218,79 @@ class Rule:
         path = self.along(self.model)
         verdicts = [one.verdict(limit) for one in path]
         worst = min(verdicts, key=("inadequate", "undecided", "adequate").index)
-        alike = [p for p, said in enumerate(verdicts) if said == worst]
-        known = [p for p in alike if not path[p].missing] or alike
-        pose = max(known, key=lambda p: path[p].bound)
-        told = {"verdict": worst, "pose": tuple(self.poses[pose])}
+        worst_poses = [p for p, said in enumerate(verdicts) if said == worst]
+        candidates = [p for p in worst_poses if not path[p].missing] or worst_poses
+        pose = max(candidates, key=lambda p: path[p].bound)
+        fields = {"verdict": worst, "pose": tuple(self.poses[pose])}
         if path[pose].missing:
-            return told
-        alone, at = self.each(self.model, pose), path[pose]
-        k = at.place
+            return fields
+        alone, plain = self.each(self.model, pose), path[pose]
+        k = plain.place
         # The same alternative at every pose, of the order the worst.
         places = [one.place if self.quantity == "order" else k for one in path if one.errors]
         kinds = SOURCES
         if self.quantity == "order" and not any(any(one.halves) for one in path):
             kinds = ("meshes",)
-        left = {kind: self.spread(alone[k], k, pose, kind) for kind in kinds}
+        half_widths = {kind: self.spread(alone[k], k, pose, kind) for kind in kinds}
         if self.quantity != "order" and self.reference.open:
-            left[self.reference.open] = 0.5 * (max(at.errors) - min(at.errors))
-        told |= {"error": at.errors[k], "uncertainty": at.halves[k], "uncertainties": left}
-        told |= {"low": at.low, "high": at.high, "readings": self.readings(at)}
-        told |= self.series(path, iter(places))
+            half_widths[self.reference.open] = 0.5 * (max(plain.errors) - min(plain.errors))
+        fields |= {
+            "error": plain.errors[k],
+            "uncertainty": plain.halves[k],
+            "uncertainties": half_widths,
+        }
+        fields |= {"low": plain.low, "high": plain.high, "readings": self.readings(plain)}
+        fields |= self.series(path, iter(places))
         if self.static and self.quantity != "any_force":
-            told["along"] = alone[k]["along"]
+            fields["along"] = alone[k]["along"]
         if self.static:
-            told["value"] = alone[k]["value"]
+            fields["value"] = alone[k]["value"]
         if self.quantity not in ("any_force", "order"):
-            told["values"] = [self.numbers(self.model[0], 0, p)["value"] for p in range(len(path))]
+            fields["values"] = [
+                self.numbers(self.model[0], 0, p)["value"] for p in range(len(path))
+            ]
         advice = self.remedy(limit, pose) if worst == "inadequate" else ("", None)
         causes = {} if worst == "adequate" else self.causes(pose)
-        return told | {"causes": causes, "remedy": advice[0], "error_with_remedy": advice[1]}
+        return fields | {"causes": causes, "remedy": advice[0], "error_with_remedy": advice[1]}
 
     def readings(self, at):
         """Errors by interpretation. Empty if there is one, and for the order of modes."""
-        names = [one.name for one in self.reference.interpretations]
+        names = [interpretation.name for interpretation in self.reference.interpretations]
         several = len(names) > 1 and self.quantity != "order"
         return dict(zip(names, at.errors, strict=True)) if several else {}
 
     def series(self, path, places):
         """Errors and bounds over the poses. None at poses without an error."""
         rows = []
-        for one in path:
-            place = None if one.missing else next(places)
-            known = not one.missing
-            rows.append((one.errors[place], one.low, one.high) if known else [None] * 3)
+        for error in path:
+            number = None if error.missing else next(places)
+            exists = not error.missing
+            rows.append((error.errors[number], error.low, error.high) if exists else [None] * 3)
         names = ("errors", "lows", "highs")
         return dict(zip(names, zip(*rows, strict=True), strict=True))
 
     def causes(self, pose):
         """Shares of the causes in the largest error, and the remainder without a cause."""
         k = self.at(self.model, pose).place
-        of = self.each(self.model, pose)[k]
-        total = of["error"]
+        result = self.each(self.model, pose)[k]
+        total = result["error"]
         amounts, before = {}, self.model
         for step, after in self.steps:
             if self.static:
                 change = (before[k] - after[k]).compliances[pose]
-                along = (change[of["part"]] @ of["load"]) @ of["off"]
-                taken = along / of["length"] / of["error"]
+                along = (change[result["part"]] @ result["load"]) @ result["off"]
+                change_of_error = along / result["length"] / result["error"]
             else:
-                taken = self.numbers(before[k], k, pose)["error"]
-                taken -= self.numbers(after[k], k, pose)["error"]
+                change_of_error = self.numbers(before[k], k, pose)["error"]
+                change_of_error -= self.numbers(after[k], k, pose)["error"]
                 if any(isnan(one["error"]) for one in self.each(after, pose)):
-                    taken = nan
-            if isnan(taken):
+                    change_of_error = nan
+            if isnan(change_of_error):
                 break
-            amounts[step.cause] = amounts.get(step.cause, 0.0) + taken
+            amounts[step.cause] = amounts.get(step.cause, 0.0) + change_of_error
             before = after
         amounts["rest"] = total - sum(amounts.values())
-        return {name: one / total for name, one in amounts.items()}
+        return {name: amount / total for name, amount in amounts.items()}
 
     def remedy(self, limit, pose):
         """First step that suffices, otherwise the model of the reference, otherwise the best step.
@@ -306,6 +316,6 @@ class Rule:
         enough = [one for one in tried if one[0] <= limit]
         if self.reference.remedy and not enough and all(one[3] for one in tried):
             return self.reference.remedy.text, 0.0
-        size, error, said, _ = (enough or [min(tried, default=(inf, 0.0, "", True))])[0]
+        size, error, text, _ = (enough or [min(tried, default=(inf, 0.0, "", True))])[0]
         better = size < (inf if start.missing else abs(start.error))
-        return (said, error) if better else ("", None)
+        return (text, error) if better else ("", None)

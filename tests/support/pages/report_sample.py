@@ -42,7 +42,7 @@ def quantity_of(name, *, measured=False):
     """Quantity with the name `name`, of verdicts or of measured values."""
     if measured:
         return measured_quantity(name)
-    return next(one for one in quantities(LOADS) if one.name == name)
+    return next(quantity for quantity in quantities(LOADS) if quantity.name == name)
 
 
 def entry(model, name, *curve, **fields):
@@ -51,11 +51,11 @@ def entry(model, name, *curve, **fields):
     The error of a displacement is equal to that of its component along the load, which has a sign.
     """
     quantity = quantity_of(name, measured=fields.get("measured", False))
-    own = {"error": None, "uncertainty": None, "verdict": "undecided", "pose": POSES[0]}
+    judged = {"error": None, "uncertainty": None, "verdict": "undecided", "pose": POSES[0]}
     if curve:
         errors = curve if len(curve) > 1 else curve * len(POSES)
         worst = max(errors, key=abs)
-        own = {
+        judged = {
             "error": worst,
             "uncertainty": 0.001,
             "uncertainties": {"meshes": 0.001},
@@ -67,17 +67,17 @@ def entry(model, name, *curve, **fields):
             "computed_by": (f"validation.models.robot_compliance({model!r})",),
         }
         if quantity.whole:
-            own |= {"error": abs(worst), "errors": tuple(map(abs, errors))}
-            own |= {"along": worst, "alongs": errors}
-        half = fields.get("uncertainty", own["uncertainty"])
-        least = 0.0 if "along" in own else -np.inf
-        own |= {"low": max(own["error"] - half, least), "high": own["error"] + half}
-        own["lows"] = tuple(max(one - half, least) for one in own["errors"])
-        own["highs"] = tuple(one + half for one in own["errors"])
+            judged |= {"error": abs(worst), "errors": tuple(map(abs, errors))}
+            judged |= {"along": worst, "alongs": errors}
+        half = fields.get("uncertainty", judged["uncertainty"])
+        least = 0.0 if "along" in judged else -np.inf
+        judged |= {"low": max(judged["error"] - half, least), "high": judged["error"] + half}
+        judged["lows"] = tuple(max(error - half, least) for error in judged["errors"])
+        judged["highs"] = tuple(error + half for error in judged["errors"])
     elif "verdict" not in fields:
-        own["reason"] = "say how the mass is distributed"
-    own |= {"limit": 0.05, "reference": "robot assembled from the legs' own 6×6"}
-    return Entry(model=model, quantity=quantity, **own | fields)
+        judged["reason"] = "say how the mass is distributed"
+    judged |= {"limit": 0.05, "reference": "robot assembled from the legs' own 6×6"}
+    return Entry(model=model, quantity=quantity, **judged | fields)
 
 
 def sample_matrix(**fields):
@@ -85,22 +85,22 @@ def sample_matrix(**fields):
     simple = {"causes": (drives,), "remedy": "use vjm", "error_with_remedy": 0.002}
     couplings = Cause("equivalent leg: couplings of the 6×6 left out", 0.9, "virtual joints")
     remedy = "take the 6×6 with its couplings"
-    off = {"causes": (couplings,), "remedy": remedy, "error_with_remedy": 0.001}
+    couplings_omitted = {"causes": (couplings,), "remedy": remedy, "error_with_remedy": 0.001}
     entries = [
         entry("simplified", "x", -0.85, -0.88, -1.0, **simple),
         entry("simplified", "y", -0.86, -0.87, -0.857, **simple),
         entry("simplified", "z", -1.0, reason="it knows no such motion"),
         *(entry("vjm", q, 0.0, 0.001, 0.0) for q in "xyz"),
         *(
-            entry(model, q, -size, -size + 0.01, -size + 0.02, **off)
+            entry(model, q, -size, -size + 0.01, -size + 0.02, **couplings_omitted)
             for model in ("vjm-equivalent", "segments", "beam")
             for q, size in zip("xyz", (0.17, 0.15, 0.16), strict=True)
         ),
         *(entry(model, q) for model in ("simplified", "segments", "beam") for q in ("f1", "f2")),
     ]
-    shown = fields.get("entries", entries)
-    models = dict.fromkeys(one.model for one in shown)
-    known = {one.quantity.name: one.quantity for one in shown}
+    shown_entries = fields.get("entries", entries)
+    models = dict.fromkeys(item.model for item in shown_entries)
+    quantity_by_name = {item.quantity.name: item.quantity for item in shown_entries}
     names = fields.pop("quantities", ("x", "y", "z", "phi_x", "f1", "f2", "order"))
     silent = {"vjm": "static", "vjm-equivalent": "static"}
     return Matrix(
@@ -109,7 +109,7 @@ def sample_matrix(**fields):
             "coordinates": (Coordinate("x", "m"),),
             "poses": POSES,
             "models": tuple(ModelNote(m, f"title of {m}", silent.get(m, "")) for m in models),
-            "quantities": tuple(known.get(name) or quantity_of(name) for name in names),
+            "quantities": tuple(quantity_by_name.get(name) or quantity_of(name) for name in names),
             "entries": tuple(entries),
             "notes": ("f1 between 113 and 131 Hz",),
         }
@@ -173,8 +173,8 @@ def measured(identifier, value, reference, *spreads, exact=True, **own):
     """Outcome with the given fields of its case and its measurement."""
     names = ("allowances", "studies", "table")
     of_measurement = {name: own.pop(name) for name in names if name in own}
-    found = Measurement(value, reference, *spreads, exact=exact, **of_measurement)
-    return judge(case(identifier, **own), found, 0.1)
+    measurement = Measurement(value, reference, *spreads, exact=exact, **of_measurement)
+    return judge(case(identifier, **own), measurement, 0.1)
 
 
 def redeclared(outcome, **own):
@@ -237,10 +237,10 @@ def sample_report(
     """
     outcomes = sample_outcomes() if outcomes is None else outcomes
     figures = (drawn(), FIG_5) if figures is None else figures
-    made = {figure.id: figure for figure in figures} | {ADEQUACY: matrix, MEASURED: measured}
+    contents = {figure.id: figure for figure in figures} | {ADEQUACY: matrix, MEASURED: measured}
     lost = dict.fromkeys(missing, "no OpenGL") | (unjudged or {})
     results = list(outcomes)
-    results += [Result(name, "made", 0.1, found=one) for name, one in made.items() if one]
+    results += [Result(name, "made", 0.1, found=value) for name, value in contents.items() if value]
     results += [Result(name, "failed", 0.1, why) for name, why in lost.items()]
     done = {result.id: result for result in results}
     planned = [*(figure.id for figure in figures), *missing, *map(str, range(unfinished))]

@@ -162,6 +162,9 @@ def stated(part: RandomPart, folder: Path) -> tuple[Array, Array]:
     The uncertainties are those of `identify`, which uses only the file.
     """
     file = read_part(step_of(part, folder / "part.step"))
-    found = identify(file, find_interfaces(file, part.ends), part.material, part.unknowns, modes=0)
+    identified = identify(
+        file, find_interfaces(file, part.ends), part.material, part.unknowns, modes=0
+    )
     true = np.diag(true_compliance(part))
-    return np.diag(found.compliance_refinement) / true, np.diag(found.compliance) / true - 1.0
+    half_widths = np.diag(identified.compliance_refinement) / true
+    return half_widths, np.diag(identified.compliance) / true - 1.0

@@ -76,11 +76,11 @@ def subject(seed):
     for number, name in enumerate(names):
         own = truth
         if number:
-            off = rng.uniform(0.99, 1.01, frequencies.shape)
-            own = near(rng, truth[0], 0.01), PathModes(frequencies * off, basis, WEIGHTS, seen)
+            factors = rng.uniform(0.99, 1.01, frequencies.shape)
+            own = near(rng, truth[0], 0.01), PathModes(frequencies * factors, basis, WEIGHTS, seen)
         unsure = 0.02 * rng.random((POSES, 7)), 0.01 * rng.random(frequencies.shape)
         budget = {
-            source: SourceHalfWidths(*(share * one for one in unsure))
+            source: SourceHalfWidths(*(share * widths for widths in unsure))
             for source, share in ((Source.MESHES, 0.7), (Source.DIGITS, 0.3))
         }
         truths.append(own)
@@ -114,18 +114,18 @@ def subject(seed):
         static_steps[name] = ladder(size)
         modal_steps[name] = () if silent else ladder(size)
         models.append(model(name, *answer(size, still=bool(silent)), undefined_reason=silent))
-    what = "ends" if len(names) > 1 else ""
-    decides = "say how ends are held" if what else ""
+    open_data = "ends" if len(names) > 1 else ""
+    decides = "say how ends are held" if open_data else ""
     remedy = Remedy("use the solid", model="solid") if seed % 2 else None
-    known = by_reading("solid", truths), interpretations, what, decides
+    reference = by_reading("solid", truths), interpretations, open_data, decides
     return Subject(
         robot="random",
         coordinates=(Coordinate("x", "m"), Coordinate("phi_z", "rad")),
         poses=rng.uniform(-1.0, 1.0, size=(POSES, 2)),
         responses=Responses(None),
         models=models,
-        statics=Reference("solids", *known),
-        dynamics=Reference("solid modes", *known, remedy=remedy),
+        statics=Reference("solids", *reference),
+        dynamics=Reference("solid modes", *reference, remedy=remedy),
         static_steps=static_steps,
         modal_steps=modal_steps,
     )

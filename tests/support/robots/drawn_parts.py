@@ -57,6 +57,6 @@ def read_here(path, unit=None):
 def plane_ends(length, coupling=None):
     """Interfaces A and B on the plane ends of a part from x = 0 to x = `length` (m)."""
     return {
-        name: PartInterface(ByPlane((way, 0.0, 0.0), (x, 0.0, 0.0)), coupling)
-        for name, way, x in (("A", -1.0, 0.0), ("B", 1.0, length))
+        name: PartInterface(ByPlane((normal, 0.0, 0.0), (x, 0.0, 0.0)), coupling)
+        for name, normal, x in (("A", -1.0, 0.0), ("B", 1.0, length))
     }

@@ -30,12 +30,12 @@ class InvalidFile(NamedTuple):
     def tables(self) -> dict[str, Any]:
         """Tables of the file with all changes."""
         if self.robot == "schema 1":
-            found = tomllib.loads(SOUND) | {"corrections": [dict(CORRECTION)]}
+            changed = tomllib.loads(SOUND) | {"corrections": [dict(CORRECTION)]}
         else:
-            found = tomllib.loads(_text_of(self.robot))
+            changed = tomllib.loads(_text_of(self.robot))
         for line in self.edits:
-            _edit(found, line)
-        return found
+            _edit(changed, line)
+        return changed
 
 
 def invalid_files() -> Iterator[InvalidFile]:
@@ -56,9 +56,9 @@ def _text_of(robot: str) -> str:
 def _edit(tables: Any, line: str) -> None:
     """Apply the TOML line `key = value` to the tables. A line `key =` removes the key."""
     key, _, value = line.partition(" =")
-    found = PLACE.fullmatch(key)
-    assert found, line
-    names, *indices = found.groups()
+    match = PLACE.fullmatch(key)
+    assert match, line
+    names, *indices = match.groups()
     *path, last = [*names.split("."), *(int(index) - 1 for index in indices if index)]
     for step in path:
         tables = tables[step]

@@ -32,6 +32,6 @@ def kind_frequencies(leg: LegMatrices, kind: str, count: int) -> Array:
     two kinds with equal frequencies are not mixed.
     """
     stiffness = dense(leg.parts[kind])
-    own = np.flatnonzero(np.diag(stiffness) > 0.0)
-    pick = np.ix_(own[own >= 6], own[own >= 6])
+    unknowns = np.flatnonzero(np.diag(stiffness) > 0.0)
+    pick = np.ix_(unknowns[unknowns >= 6], unknowns[unknowns >= 6])
     return solve_modes(stiffness[pick], dense(leg.mass)[pick], count, kind).frequencies
