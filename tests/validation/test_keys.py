@@ -312,6 +312,7 @@ def test_robot_digest_covers_file_and_parts(tmp_path):
 
 
 def test_plugin_computes_robots_once(tmp_path, monkeypatch):
+    """The pytest plugin judges each robot once per preset, and again if a part file changes."""
     judged = []
 
     def judge(robot, *, preset, accept):

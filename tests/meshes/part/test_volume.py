@@ -68,6 +68,8 @@ def test_unmeshable_part_is_reported(bar, monkeypatch, error, kind):
 
 
 def test_size_search_skips_bad_facets(tmp_path):
+    """Coarse facets of a thin conical tube intersect, so that the search starts finer."""
+
     def tube(occ):
         """Draw a conical tube of 600 mm whose wall of 12 mm is crossed by coarse facets."""
         outer, inner = (occ.addCone(0, 0, 0, 600, 0, 0, r, 0.7 * r) for r in (61.4, 49.3))

@@ -71,6 +71,7 @@ def test_wall_mesh_is_refined_twofold():
 
 
 def test_equal_legs_share_a_reduction():
+    """One reduction is computed for each different leg and end condition."""
     robot, made = load_robot("five-bar").mechanism, []
 
     def build(leg, ends, _highest):

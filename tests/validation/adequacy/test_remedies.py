@@ -236,6 +236,7 @@ def options_taken(said, *words):
 
 @pytest.mark.parametrize("remedy", sorted(REMEDIES, key=str), ids=lambda remedy: remedy.text)
 def test_remedy_is_valid_input_of_solve(remedy):
+    """Each remedy names models and options that `flexproof solve` accepts."""
     options, used = (
         set(re.findall(r"--(\w+)", remedy.text)),
         re.findall(r"\buse (\w+)", remedy.text),

@@ -165,6 +165,7 @@ def in_folder(pytester):
 
 
 def test_fixture_has_within_and_accept(in_folder, pytester):
+    """Limits can be arguments of the fixture's methods `within` and `accept`."""
     pytester.makepyfile(PLUGIN)
     outcomes = in_folder("")
     assert outcomes.pop("test_more_modes") == "passed"
@@ -326,6 +327,7 @@ def run(monkeypatch, tmp_path):
     ],
 )
 def test_options_determine_exit_code(besides, options, code, run, capsys):
+    """Options --rely, --strict and --accept with verdicts on both sides of a limit."""
     assert run(*options.split(), tasks=[ADEQUACY, *besides]) == code
     refused = "relied on but not adequate" in capsys.readouterr().out
     assert refused == (code == 1 and "--rely" in options)

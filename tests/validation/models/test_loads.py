@@ -333,6 +333,7 @@ def with_rotor(kind, give, *, by_key):
 @pytest.mark.parametrize("kind", ROTORS)
 @pytest.mark.parametrize("give", [{}, GIVE], ids=["stiff", "giving"])
 def test_rotor_key_equals_rotor_body(kind, give):
+    """The key `rotor` of a drive has the effect of a rotor that is modelled as a body."""
     found = []
     for by_key in (True, False):
         arm = with_rotor(kind, give, by_key=by_key)

@@ -68,6 +68,7 @@ def test_smallest_count_is_an_upper_bound():
 
 
 def test_error_is_empty_without_element_count():
+    """A study without the wanted number of elements has no error at it."""
     (first, _) = rows(study((5, 2, 3), (0, 0, 0), x=(10, 30, 40)))
     assert (first.error, first.worst) == ("", "")
 

@@ -135,6 +135,7 @@ def test_recommended_models_cover_all(seed):
 
 
 def test_inadequate_models_are_folded():
+    """Rows of models without an adequate entry, and of a second beam theory, are folded."""
     theories = [entry(name, "x", 0.01) for name in ("beam", "beam-euler-bernoulli")]
     lacking = [entry(name, "z", -1.0) for name in ("simplified", "links")]
     useful = [entry("simplified", "x", 0.5), entry("links", "x", 0.01)]

@@ -141,6 +141,7 @@ def test_solid_values_have_unit_and_prefix(outcomes):
 
 
 def test_empty_quantity_has_no_column():
+    """A quantity that no model was compared in has no column."""
     outcomes = [one for one in DRAWN[0] if one.case.label != "f2" or not one.measurement]
     for table in agreement_tables(outcomes):
         assert "f2" not in table.quantities
@@ -149,6 +150,7 @@ def test_empty_quantity_has_no_column():
 
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_cause_rows_have_every_amount(outcomes):
+    """Explained amounts in the rows of causes equal those of the comparisons."""
     for table in agreement_tables(outcomes):
         assert {cause for cause, _ in table.causes} <= set(CAUSES)
         printed = {
@@ -174,6 +176,7 @@ def test_cause_rows_have_every_amount(outcomes):
 
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_explanations_name_quantities(outcomes):
+    """Reasons for missing comparisons begin with the quantities that they concern."""
     for table in agreement_tables(outcomes):
         own = [one for one in outcomes if one.case.body == table.subject]
         reasons = {}

@@ -123,6 +123,7 @@ def test_printed_numbers_are_read_back():
 
 @pytest.mark.parametrize("matrix", MATRICES)
 def test_cells_and_sheets_match_entries(matrix):
+    """Cells of the matrix and their detail sheets have the numbers of the entries."""
     shown = table_of(matrix)
     cells = [
         (row.note.model, heading, cell)
@@ -348,6 +349,7 @@ def test_matrix_record_round_trip_keeps_keys():
 
 
 def test_api_line_matches_record():
+    """One line of text per entry, and its record in results.json, have equal numbers."""
     for own, matrix in zip(SUBJECTS, MATRICES, strict=True):
         records = stored_entries(matrix)
         found = api.Adequacy(matrix, Requirement(), own)
@@ -375,7 +377,7 @@ def test_api_line_matches_record():
                 assert f"remedy: {entry.remedy}" in line
 
 
-def test_numbers_and_tolerances_have_style():
+def test_numbers_and_tolerances_are_formatted():
     written = {1.06e-6: "1.06\u00a0×\u00a010⁻⁶", -123456.0: "−123460", 0.0: "0", None: "–"}
     written |= {"centre": "centre", float("inf"): "∞"}
     assert {value: text.number(value) for value in written} == written

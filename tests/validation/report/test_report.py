@@ -251,6 +251,7 @@ def test_curve_data_have_names_of_curves():
 
 
 def test_studies_of_a_family_share_axes():
+    """Studies of one family, such as bending and torsion, are curves of one chart."""
     members = [
         replace(CONVERGENCE, id=name, family="cross", family_title="cross", variant=name)
         for name in ("bending", "torsion")

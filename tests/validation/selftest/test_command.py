@@ -121,6 +121,7 @@ def test_guide_has_all_benchmarks():
 
 
 def test_fv5_solid_rotates_at_its_ends():
+    """In NAFEMS FV5 the ends are simply supported: end sections rotate, but do not move."""
     beam = benchmarks.extruded(benchmarks.DEEP, 2, 6)
     shapes = benchmarks.simply_supported(beam).modes(2).shapes
     twists = section_twists(beam.mesh, np.array([0.0, 5.0, 10.0])) @ shapes
@@ -135,6 +136,7 @@ def test_fv5_solid_rotates_at_its_ends():
 
 
 def test_fv5_explained_part_is_beam_theory():
+    """NAFEMS FV5 gives frequencies of beam theory, from which a solid differs."""
     kinds = ("bending", "torsion", "tension", "bending", "torsion", "bending")
     # Half waves of each mode along the beam.
     halves = (1.0, 0.5, 0.5, 2.0, 1.5, 3.0)

@@ -283,6 +283,7 @@ def test_run_compares_both_part_reductions(crane):
 
 
 def test_part_of_three_interfaces_has_no_pieces():
+    """Only a part between two interfaces can be divided into prismatic pieces."""
     rocker = load_robot(str(Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"))
     said = why_unable(path_postures(Context(rocker, "quick")), JUDGED["segments-stepped"])
     assert said.startswith("no part has exactly two interfaces")

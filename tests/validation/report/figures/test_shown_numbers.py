@@ -64,6 +64,7 @@ def test_response_band_is_at_middle_pose(robot, monkeypatch):
 
 
 def test_response_band_includes_all_readings(robot, monkeypatch):
+    """The band covers the reference under each reading of the file, with its half-width."""
     known = {"rigid": vibration(1.0), "free": vibration(3.0)}
     truth = reference("s", known, [meshes(receptances=[np.full((3, 2), 0.4)])] * 2)
     monkeypatch.setattr(responses, "robot_on_path", lambda _: robot)
