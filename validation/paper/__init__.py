@@ -2,7 +2,7 @@
 
 The paper: S. Briot, A. Pashkevich, D. Chablat, "On the optimal design of parallel robots taking
 into account their deformations and natural frequencies". Input: the robot file of the paper's
-robot, the IFW demonstrator, to which all of this applies alone. Output: verdicts on statements,
+robot, the IFW demonstrator. All of this applies to that robot only. Output: verdicts on statements,
 charts, findings.
 """
 

@@ -124,7 +124,7 @@ def all_deflections(context: Context) -> Chart:
     effort=3.0,
 )
 def deflections_of_the_family(context: Context) -> Chart:
-    """Chart of deflections over α: a column for each point of the stroke, a row for each load."""
+    """Chart of deflections over leg length α, one column for each point of the stroke."""
     by_point = _over_the_family(context, (SIMPLIFIED, *EQUIVALENT_LEGS), _deflections)
     panels = []
     for name, (axis, direction) in _LOADS.items():
@@ -156,7 +156,10 @@ def deflections_of_the_family(context: Context) -> Chart:
     effort=3.0,
 )
 def frequencies_over_the_stroke(context: Context) -> Chart:
-    """Chart of two frequencies by models with elastic legs, and of the first by all models."""
+    """Chart of frequencies over the stroke.
+
+    Two frequencies by models with elastic legs, and the first by all models.
+    """
     models = (SIMPLIFIED, SEGMENTS, SEGMENTS_AS_PRINTED, BEAM)
     x, frequency = _over_the_stroke(context, models, _frequencies)
     simplified = frequency[SIMPLIFIED][:, 0]
@@ -194,7 +197,10 @@ def frequencies_over_the_stroke(context: Context) -> Chart:
     effort=4.0,
 )
 def frequencies_of_the_family(context: Context) -> Chart:
-    """Chart over α, at three points of the stroke, of two frequencies and the simplified first."""
+    """Chart of frequencies over leg length α at three points of the stroke.
+
+    Models with elastic legs have two frequencies, the simplified model has the first.
+    """
     by_point = _over_the_family(context, (SIMPLIFIED, SEGMENTS, BEAM), _frequencies)
     alphas = np.array(ALPHAS)
     series_by_point, difference = {}, 0.0
@@ -303,8 +309,8 @@ def _panel(
 def _mode_numbers(x: Array, by_model: Mapping[PlottedModel, Array]) -> Iterator[Note]:
     """Notes with the mode number at the right end of each curve.
 
-    Curves of eq. (25) as printed have a note of their own if they lie 7 % of the figure's height
-    away from those of the other models, so that two notes do not overlap.
+    Curves of eq. (25) as printed have notes of their own if they are at least 7 % of the figure's
+    height away from those of the other models, so that no two notes overlap.
     """
     heights = by_model[BEAM][-1]
     least_distance = 0.07 * max(float(values.max()) for values in by_model.values())
@@ -330,7 +336,7 @@ def stroke_chart(x: Array, panels: Sequence[Panel], *, high: float = 2.0) -> Cha
 
 
 def family_chart(panels: Sequence[Panel], high: float = 2.5) -> Chart:
-    """Chart with panels over α: a column for each point of the stroke, titles in the first row."""
+    """Chart with panels over leg length α: a column, with title, for each point of the stroke."""
     columns = len(FIGURE_POINTS)
     lower_rows = [replace(panel, title="") for panel in panels[columns:]]
     all_panels = [*lettered(panels[:columns]), *lower_rows]

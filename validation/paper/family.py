@@ -1,8 +1,8 @@
 """Cases on the paper's statements about robots with longer legs and the same stroke.
 
 Input: the paper's robot with legs α times as long (α from 1 to 2). Output: a verdict on each
-statement: whether a deflection or frequency rises or falls with α, and which α is best by each
-model. Rule for trends: Spearman's rank correlation with α is +1 or −1.
+statement: trend of a deflection or frequency with α, and best α by each model. Rule for trends:
+Spearman's rank correlation with α is +1 or −1.
 """
 
 from typing import Literal, TypeAlias
@@ -240,9 +240,9 @@ def _shorter_is_best(
     variant: ModelOptions,
     objective: Literal["deflection", "frequency"] = "deflection",
 ) -> Measurement:
-    """Best α by the refined model, against one step less than the best by the simplified model.
+    """Best α by the refined model, compared with that by the simplified model less one step of α.
 
-    The best has the highest first frequency, or the smallest of the largest deflections.
+    The best robot has the highest first frequency, or the smallest largest deflection.
     """
     if objective == "frequency":
         best = np.argmax(_segment_frequencies(context, "centre", variant))

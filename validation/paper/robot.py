@@ -41,7 +41,7 @@ _PAPER_NAMES = {"leg1": "leg 1", "leg2": "leg 2", "foot1": "foot 1", "foot2": "f
 
 @dataclass(frozen=True)
 class RobotOnStroke:
-    """One robot with several positions `x` (n, m) of point B on the stroke."""
+    """A robot, and n positions `x` (m) of its point B on the stroke."""
 
     mechanism: Mechanism
     x: Array
@@ -73,7 +73,7 @@ class Deflections:
 
 @dataclass(frozen=True)
 class ModeShares:
-    """Lowest k modes in one posture: `frequencies` (Hz) and shares of energy (k values each).
+    """Lowest k modes in a posture: `frequencies` (Hz) and shares of energy, k values each.
 
     `kinetic`: share of kinetic energy along "x", "y" and "z", rotation of sections included.
     `strain`: share of strain energy of each part, by the paper's names.

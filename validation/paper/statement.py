@@ -150,7 +150,7 @@ def _measure(
 ) -> Measurement:
     """Measurement of the case for one of its curves.
 
-    A computation without variants ignores `variant`.
+    `variant` has no effect on a computation without variants.
     """
     compute: Callable[..., Measurement] = case.compute
     options = {"variant": variant} if "variant" in signature(compute).parameters else {}
@@ -163,10 +163,11 @@ def _holds(case: Case, measurement: Measurement) -> bool:
 
 
 def sampled(number: Callable[[int], float], reference: float) -> Measurement:
-    """Measurement of a number read from a curve at `POSTURES` points of the stroke.
+    """Measurement of a number that is taken from a curve at `POSTURES` points of the stroke.
 
-    `number` computes it for a count of postures. Two smaller counts have other postures between the
-    ends and miss a peak by other amounts. The range of the three numbers is the uncertainty.
+    `number` computes it for a number of postures. It is also computed for two smaller numbers of
+    postures, which miss a peak of the curve by other amounts. The range of the three results is the
+    uncertainty.
     """
     numbers = [number(postures) for postures in (POSTURES, POSTURES - 10, POSTURES - 20)]
     return Measurement(numbers[0], reference, value_uncertainty=float(np.ptp(numbers)))
