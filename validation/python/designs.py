@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 class Designs:
     """Robots that differ in one number, by all models and by the reference.
 
-    `variation` names the number and its n values, `unit` is that of the number ("" if it has
-    none). `decisions` have the largest deflection (µm, under 1000 N) and the smallest first
-    frequency (Hz) over the path, each for n designs.
+    `variation`: the varied number and its n values; `unit`: its unit, "" if it has none.
+    `decisions`: largest deflection (µm, under 1000 N) and smallest first frequency (Hz) over the
+    path, for each of n designs.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class Designs:
         Raises
         ------
         InputError
-            For a model that does not solve every design.
+            For a model that does not have a solution for every design.
 
         Examples
         --------
@@ -101,7 +101,7 @@ class Designs:
         Raises
         ------
         InputError
-            For a model that does not solve every design.
+            For a model that does not have a solution for every design.
 
         Examples
         --------

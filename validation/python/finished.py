@@ -77,7 +77,7 @@ class Run:
         return ResultTable(headings, tuple(map(_row, self.outcomes)))
 
     def plot(self) -> "Figure":
-        """Plot of each comparison's unexplained difference over its tolerance, by verdict.
+        """Plot of the ratio of unexplained difference to tolerance of each comparison, by verdict.
 
         Beyond the line at 1 a comparison disagrees.
 
