@@ -90,7 +90,7 @@ class BenchmarkOutcome:
 
 
 def outcome(benchmark: Benchmark) -> BenchmarkOutcome:
-    """Outcome of a benchmark. An exception gives an outcome as well."""
+    """Outcome of a benchmark. If an exception is raised, it is the `message` of the outcome."""
     try:
         numbers = tuple(benchmark.compare())
     except (CalculixMissing, ExudynMissing) as missing:
@@ -104,7 +104,7 @@ def outcome(benchmark: Benchmark) -> BenchmarkOutcome:
 
 @dataclass(frozen=True)
 class Cluster:
-    """Modes from number `first` to `last` (from 1) with one common frequency, `target` (Hz)."""
+    """Modes from number `first` to `last` (from 1) with a common frequency, `target` (Hz)."""
 
     first: int
     last: int
@@ -250,13 +250,13 @@ def straight_cantilever() -> list[KnownNumber]:
 
 
 def extruded(leg: ConstantLeg, divisions: int, slices: int) -> solid.SolidLeg:
-    """Beam as a solid with `divisions` elements across its smaller side and `slices` along it."""
+    """Leg as a solid with `divisions` elements across its smaller side and `slices` along it."""
     section = section_mesh(leg.section, divisions)
     return solid.solid_leg(leg, extrude(section, stations(leg.length, slices)))
 
 
 def deep_beam() -> list[KnownNumber]:
-    """Nine modes of FV5 as a solid, and the number of modes by Sturm's count."""
+    """Nine modes of NAFEMS FV5 as a solid, and the number of its modes by Sturm's count."""
     beam = extruded(DEEP, _DEEP_DIVISIONS, _DEEP_SLICES * _DEEP_DIVISIONS)
     count = FV5_MODES[-1][0].last
     modes = simply_supported(beam).modes(count)
