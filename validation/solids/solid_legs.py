@@ -116,10 +116,10 @@ class Refinement:
     def uncertainty(self, *index: int) -> float:
         """Numerical uncertainty of one value on the finest mesh, in its unit.
 
-        Fewer than four meshes show no order: Roache's estimate for two meshes is used, with the
-        order of the edges for the change due to rigid edges and that of free ends for the rest.
-        With four meshes and an order lowered by a corner, the term of the corner and the smooth
-        term are fitted with their known orders.
+        Fewer than four meshes show no order. Then Roache's estimate for two meshes is used: for the
+        change due to rigid faces with the order of their edges, for the remainder with the order of
+        free ends. With four meshes and a section whose corners lower the order, the term of the
+        corners and the smooth term are fitted with their known orders.
         """
         values = self._curve(index)
         if len(values) < GRIDS_FOR_ORDER:
@@ -142,7 +142,7 @@ class Refinement:
 
 @dataclass(frozen=True)
 class SolidModes:
-    """Frequencies (m×k, Hz) on m meshes, in the order of the beam's first k modes, and their MAC.
+    """Frequencies (m×k, Hz) on m meshes, in the order of the first k modes of the beam.
 
     `mac` (m×k): MAC with the beam's modes. `unknowns` (m) of the meshes. `seconds` (m): CPU time
     for mesh, factorisation and modes.
@@ -180,7 +180,7 @@ def corner_order(section: Section) -> float:
 
 
 def edge_order(nu: float) -> float:
-    """Order 2 Re λ of energies, with stresses r^(λ − 1) at a free side on a rigid face at 90°.
+    """Order 2 Re λ of energies, for stresses r^(λ − 1) where a free side meets a rigid face at 90°.
 
     λ is a root of sin²(λπ/2) = (4 (1 − ν)² − λ²)/(3 − 4ν), plane strain (M. L. Williams, J. Appl.
     Mech. 19 (1952) 526): 0.71 for ν = 0.3, 1.04 ± 0.58i for ν = −0.9, where the face restrains
@@ -257,10 +257,10 @@ def slices(leg: ConstantLeg, divisions: int) -> int:
 
 
 def static_slices(leg: ConstantLeg, divisions: int) -> int:
-    """Number of slices along the leg for the doubling method, whose cost is their logarithm.
+    """Number of slices along the leg for the doubling method, whose cost grows with its logarithm.
 
-    Slices are so thin that stresses at a rigid face decay over many of them: only the error of the
-    section mesh remains.
+    Slices are so thin that stresses at a rigid face decay over many slices. Only the error of the
+    section mesh then remains.
     """
     return _THINNER * slices(leg, divisions)
 
@@ -288,7 +288,7 @@ def computed_properties(leg: ConstantLeg, divisions: int) -> BeamProperties:
 
 @memo(32)
 def face_restraint(leg: ConstantLeg, divisions: int) -> Array:
-    """Change (6×6, ≤ 0) of the beam's tip compliance due to rigid end faces."""
+    """Change (6×6, negative semidefinite) of a beam's tip compliance due to rigid end faces."""
     return restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length)
 
 
@@ -441,10 +441,10 @@ def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
 def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, int]]:
     """Divisions across the section and slices along it, of a coarse and a fine mesh.
 
-    These are the two finest whose section meshes have at most `most` unknowns. If only one mesh of
-    thin walls is that small, both use it and the coarser one is half as fine along the leg: the
-    error of the section mesh is the same in the section constants. Raises InputError if not even
-    one is small enough.
+    These are the two finest whose section meshes have at most `most` unknowns. If only one section
+    mesh of thin walls is that small, both solids have it, and the coarser solid has half as many
+    slices along the leg. The error of the section mesh is then in the section constants of the beam
+    as well. Raises InputError if not even one is small enough.
     """
     meshes = static_divisions(leg, most)
     if meshes:

@@ -1,8 +1,8 @@
 """Number of unknowns of solid legs, and the limit of each preset.
 
-Input: legs and divisions across their sections. Output: unknowns, counted from the blocks of the
-section meshes, and the reason if a preset refuses them. A preset sets the element size; the number
-of unknowns depends on the slenderness of the legs.
+Input: legs and divisions across their sections. Output: number of unknowns, from the blocks of the
+section meshes, and the reason if a preset does not allow them. A preset sets the element size; the
+number of unknowns depends on the slenderness of the legs.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,7 +45,7 @@ def solid_unknowns(leg: SectionedLeg, divisions: int) -> float:
 
 
 def why_shapeless(legs: Sequence[Leg]) -> str:
-    """Reason why some of `legs` cannot be meshed at all; empty if each can be."""
+    """Reason why some of `legs` cannot be meshed at all. "" if all can be meshed."""
     # Equal legs have one name, that of the first.
     names = dict.fromkeys(
         f"{leg.name or 'a leg'} ({leg.section.shape})"
@@ -62,7 +62,7 @@ def why_shapeless(legs: Sequence[Leg]) -> str:
 
 
 def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> str:
-    """Reason why a run refuses some of `legs` with these `divisions`. "" if it accepts all."""
+    """Reason why a run with this preset does not solve `legs` with `divisions`. "" if it does."""
     if shapeless := why_shapeless(legs):
         return shapeless
     limit = LARGEST[preset]
