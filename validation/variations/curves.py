@@ -1,8 +1,8 @@
 """Curves of all models over the values of one number of the robot file.
 
 Input: a robot file and a `Variation`. Output: `VariedCurves` of deflections and of frequencies.
-Rule: each value is a robot of its own and a separate unit of work. Finished units are stored in the
-cache and not computed again.
+Rule: each value makes another robot, whose computation is a separate unit of work. Results of units
+are stored in the cache and not computed again.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -42,10 +42,10 @@ _MICROMETRES = 1e9
 class VariedModels:
     """Results of all models for one robot of a variation, as plain arrays for the cache.
 
-    There are c curves with `names`. From index `first_reference` on, they belong to the reference
-    under each reading that the robot file allows; those before are models. `values` (c×k, SI) and
-    `differences` (c×k, relative to the first reference) belong to `pose` in the middle of the path.
-    `extremes` (c): largest deflection (µm) or smallest first frequency (Hz) over the path;
+    There are c curves with `names`: first those of the models; from index `first_reference` on
+    those of the reference under each interpretation of the robot file. `values` (c×k, SI) and
+    `differences` (c×k, relative to the first reference) are those in `pose`, the middle of the
+    path. `extremes` (c): largest deflection (µm) or smallest first frequency (Hz) over the path;
     `uncertainties` (c): their relative half-widths, zero for models. Shapes: k quantities.
     """
 
@@ -98,7 +98,7 @@ class VariedRobot:
         )
 
     def _over_path(self, robot: RobotOnPath) -> tuple[Compared, tuple[Array, Array]]:
-        """Results of the models in all poses, and their extremes (c) with uncertainties (c).
+        """Results of the models in all poses, and the extremes of the c curves with uncertainties.
 
         Shapes: c curves.
         """
@@ -135,7 +135,7 @@ def checked_variations(
 def varied_robots(
     robot_file: RobotFile, variation: Variation, preset: Preset
 ) -> tuple[VariedRobot, ...]:
-    """Units of work for all values: first those for deflections, then those for frequencies."""
+    """Units of work for all values of a number: first for deflections, then for frequencies."""
     robots = varied(robot_file, (variation,))
     return tuple(
         VariedRobot(robot, preset, assignments((variation,), values), objective)
@@ -155,11 +155,11 @@ def _extremes(
     uncertainties: Mapping[str, Array],
     extreme: Callable[[Array], float],
 ) -> tuple[Array, Array]:
-    """Largest or smallest of the values (p×k) of each of c curves (c), and its uncertainty (c).
+    """Largest or smallest value (c) of each of c curves (p×k values), and its uncertainty (c).
 
-    `extreme` is np.min or np.max. The uncertainty is the largest relative change if all values of
-    the curve change by their relative `uncertainties` in one direction. Shapes: p poses, k
-    quantities.
+    `extreme` is np.min or np.max. The uncertainty is the largest relative change of the extreme if
+    all values of the curve increase, or decrease, by their relative `uncertainties`. Shapes: p
+    poses, k quantities.
     """
     extremes = np.array([extreme(values) for values in curves.values()])
     half_widths = np.zeros(len(curves))
@@ -250,7 +250,7 @@ def variation_study(
 
 
 def _stacked(robots: Sequence[VariedModels]) -> Compared:
-    """Curves over the robots, of the quantities that all robots have. NaN for missing values."""
+    """Curves over the varied robots, for the quantities that all robots have. NaN if missing."""
     common = min(robot.values.shape[1] for robot in robots)
 
     def stacked(column: str) -> dict[str, Array]:
@@ -271,7 +271,10 @@ def _stacked(robots: Sequence[VariedModels]) -> Compared:
 
 
 def decision_of(objective: Objective, robots: Sequence[VariedModels]) -> Decision:
-    """Decision between the robots by all models that each robot has, and by all readings."""
+    """Decision between the robots by all models that solve each robot, and by the reference.
+
+    The reference is that under each interpretation of the robot file.
+    """
     common_models = [
         str(name)
         for name in robots[0].names[: robots[0].first_reference]

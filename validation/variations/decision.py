@@ -44,8 +44,8 @@ class Choice:
 class Decision:
     """Values (n) of an objective for n designs, by each of the `models` and by the reference.
 
-    `references`: values under each reading that the robot file allows, by name; the first decides.
-    `uncertainties`: their relative half-widths (n).
+    `references`: values of the reference under each interpretation of the robot file, by name; the
+    first one evaluates the choices. `uncertainties`: their relative half-widths (n).
     """
 
     objective: Objective
@@ -55,7 +55,7 @@ class Decision:
 
     @property
     def reference(self) -> Array:
-        """Values (n) of the reference under its first reading.
+        """Values (n) of the reference under its first interpretation.
 
         Shapes: n designs.
         """
@@ -73,8 +73,8 @@ class Decision:
     def loss_uncertainty(self, design: int) -> float:
         """Half-width of the loss of a design.
 
-        The reference changes by its half-width: for the design in one direction, for all others in
-        the opposite one. Other readings are covered as well.
+        The values of the reference are changed by their half-widths: that of the design in one
+        direction, all others in the opposite one. Other interpretations are covered as well.
         """
         signs = np.full(len(self.reference), -1.0)
         signs[design] = 1.0
@@ -83,8 +83,9 @@ class Decision:
     def correlation(self, model: str) -> tuple[float, float]:
         """Spearman's ρ between the rankings by a model and by the reference, and its half-width.
 
-        The reference changes by its half-width in proportion to the rank of each design, towards
-        the model's ranking and away from it. Other readings are covered as well.
+        For the half-width, the values of the reference are changed by at most their half-widths, in
+        proportion to the rank of each design, towards the ranking by the model and away from it.
+        Other interpretations are covered as well.
         """
         model_values = self.models[model]
         ranks = _ranks(model_values)
@@ -94,7 +95,9 @@ class Decision:
         return correlation, half_width
 
     def _half_width(self, number: Callable[[Array], float], directions: Array) -> float:
-        """Largest change of a number if the reference changes along `directions` (n, −1 to 1).
+        """Largest change of a `number` if the values of the reference change by their half-widths.
+
+        `directions` (n, from −1 to 1) are factors on the half-widths.
 
         Shapes: n designs.
         """
@@ -107,7 +110,7 @@ class Decision:
 
 
 def choice(values: Array, reference: Array, objective: Objective) -> Choice:
-    """Design that a model chooses by its `values` (n), and its loss by those of the `reference`.
+    """Design that a model chooses by its `values` (n), and its loss by the `reference` (n).
 
     Shapes: n designs.
     """
