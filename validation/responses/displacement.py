@@ -46,12 +46,12 @@ class RelativeDisplacement(NamedTuple):
     """Difference of two displacements in P poses, relative to the reference's displacement.
 
     `size`: length of the difference vector (P). `along`: its component along the load, signed (P).
-    `wrench` (P×6): unit wrench that causes the displacements; for any force, the worst one; zero
-    for loads of the robot file. `direction` (P×3): direction of the wrench, or of the reference's
-    displacement for loads of the file. `length` (P): length of the reference's displacement in m/N
-    or rad/(N m), in m for loads of the file. It is 0 if the reference is rigid, and `size` is then
-    0 or infinite. If the tool cannot move as a load of the file requires, `size` is NaN and
-    `length` 0.
+    `wrench` (P×6): unit wrench that causes the displacements; for the quantity "any force" the
+    force with the largest error; zero for loads of the robot file. `direction` (P×3): direction of
+    the wrench, or of the reference's displacement for loads of the file. `length` (P): length of
+    the reference's displacement in m/N or rad/(N m), in m for loads of the file. It is 0 if the
+    reference is rigid, and `size` is then 0 or infinite. If the tool cannot move as a load of the
+    file requires, `size` is NaN and `length` 0.
     """
 
     size: Array
@@ -162,7 +162,7 @@ def nearest_between(deviations: Array, length: Array) -> Array:
 
 
 def worst_force(difference: Array, reference: Array) -> Worst:
-    """Largest |D f| / max(|C f|, s/20) over all directions f of force, s the largest |C f|.
+    """Largest |D f| / max(|C f|, s/20) over all directions f of force; s is the largest |C f|.
 
     `difference` D and `reference` C (p×3×3) are blocks of compliance, translation by force. If C is
     zero, the direction is that of the largest |D f|, and the error is infinite or, if D is zero
@@ -209,7 +209,9 @@ def worst_force(difference: Array, reference: Array) -> Worst:
 
 
 def _worst_direction(matrix: Array, root: Array, excess: Array) -> Array:
-    """Worst direction (3): in the space of the largest eigenvalue, with both denominators equal.
+    """Direction (3) of the largest error, in the space of the largest eigenvalue.
+
+    Both quadratic forms of the denominator are equal for it.
 
     `matrix` (3×3): DᵀD in coordinates scaled by `root` (3). `excess` (3): diagonal of the first
     quadratic form of the denominator minus that of the second.

@@ -1,13 +1,13 @@
 """Pairs of modes of two models with the same shape.
 
-Input: frequencies and sampled shapes of two models in one pose. Output: for each mode of the first
-model its partner in the second, or none. Rule: modes are assigned so that the sum of their
-energy-weighted MAC is largest, and two modes are partners if it is at least 0.5.
+Input: frequencies and sampled shapes of two models in one pose. Output: the partner of each mode of
+the first model among those of the second, if it has one. Rule: modes are assigned so that the sum
+of their energy-weighted MAC is largest, and two modes are partners if it is at least 0.5.
 
-The energy-weighted MAC is (aᵀWb)² / (aᵀWa · bᵀWb), with the masses W at the sample points
-(Allemang & Brown, IMAC 1982), times the smaller over the larger of the two modes' sampled shares of
-kinetic energy. The samples contain all energy of a beam mode. For a beam mode and another mode,
-the energy-weighted MAC is therefore the squared overlap (aᵀMb)² in the mass matrix M of the whole
+The energy-weighted MAC is (aᵀWb)² / (aᵀWa · bᵀWb), with the masses W at the sample points (Allemang
+& Brown, IMAC 1982), times the smaller over the larger of the two modes' sampled shares of kinetic
+energy. The samples contain all energy of a beam mode. For a beam mode and another mode, the
+energy-weighted MAC is therefore the squared overlap (aᵀMb)² in the mass matrix M of the whole
 robot. A local mode of a section, of whose energy the samples contain 5 %, has an energy-weighted
 MAC of at most 0.05 with any beam mode.
 
@@ -70,13 +70,13 @@ class Pairs:
     other model has fewer modes. `partner` (m): index of the partner, −1 if the shape of `nearest`
     differs. Modes of equal frequency have partners in ascending order. `mac` (m): squared cosine
     between the mode and the space of its partner. Without a partner, the largest energy-weighted
-    MAC with any mode. `exchange` (m×m): sum of the MAC of two pairs after exchanging their
-    partners, relative to before. Zero for modes of equal frequency and for modes with well
-    separated frequencies. `mixed` (m×m): true for two pairs of different frequencies whose partners
-    cannot be told apart by shape. `undecided` (m): true for modes without a partner because m of
-    them share the shapes of fewer than m modes of the other model. `ordered` (m): partners
-    rearranged in the most ascending order that mixed modes, and modes closer than their
-    uncertainty, allow.
+    MAC with any mode. `exchange` (m×m): sum of the MAC of two pairs if their partners are
+    exchanged, over that without exchange; zero for modes of equal and of well separated
+    frequencies. `mixed` (m×m): true for two pairs of different frequencies whose shapes do not show
+    which partner belongs to which mode. `undecided` (m): true for modes without a partner because m
+    of them share the shapes of fewer than m modes of the other model. `ordered` (m): partners
+    rearranged, as far as mixed modes and modes closer than their uncertainty allow, to ascending
+    order.
     """
 
     nearest: IntArray
@@ -230,7 +230,7 @@ class _Blocks:
         return mac
 
     def exchange(self, means: Array, mac: Array) -> Array:
-        """Sum of the MAC (m×m) of two pairs after exchanging partners, relative to before.
+        """Sum of the MAC (m×m) of two pairs with exchanged partners, over that without exchange.
 
         Zero for modes of equal frequency. Shapes: m modes of the first model.
         """
@@ -263,7 +263,7 @@ class _Blocks:
         return group_mac, undecided
 
     def _spaces(self, modes: IntArray) -> tuple[IntArray, IntArray]:
-        """Indices of all modes with the frequencies of `modes`, and of all with their partners'."""
+        """Indices of all modes with the frequencies of `modes`, and of those of their partners."""
         partner_spaces = self.second_groups[self.partner[modes]]
         return (
             np.flatnonzero(np.isin(self.first_groups, self.first_groups[modes])),

@@ -1,9 +1,9 @@
 """Partner of each mode of the reference among the modes of a model, in each pose.
 
 Input: `PathModes` of the reference and of a model. Output: `Partners`, with the partner's frequency
-and the range of frequencies that ambiguous shapes leave possible; and amounts, such as mesh errors,
-carried over from pair to pair. Rule: modes are partners if they have the same shape
-(`mode_pairing`).
+and the range of frequencies that ambiguous shapes allow; and numbers of pairs of modes, such as
+changes between meshes, for each mode of the reference. Rule: modes are partners if they have the
+same shape (`mode_pairing`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -34,14 +34,14 @@ class Partners:
     """A model's partners of the first K modes of the reference, in p poses (all arrays p×K).
 
     `frequency` (Hz) of the partner, NaN without one; `partner_indices`, counted from 0, −1 without
-    one. `lowest`, `highest` (Hz): range of frequencies among which mixed shapes leave the partner
-    open; both equal `frequency` if shapes do not mix. `undecided`: true if shapes do not show
-    whether the model has the mode. `mac`: squared cosine between the shape and the space of its
-    partner; without a partner, the largest energy-weighted MAC with any mode. `energy_shares`:
-    share of the reference's kinetic energy in cross-sections and bodies that move as wholes.
-    `ordered`: partners' indices in the most ascending order that shapes and uncertainties allow.
-    `loose`: true for modes whose place in that order is open. `by_number`: k-th frequency (Hz) of
-    the model regardless of shape, NaN if it has fewer.
+    one. `lowest`, `highest` (Hz): range of frequencies that the partner can have if shapes mix;
+    both equal `frequency` if they do not. `undecided`: true if shapes do not show whether the model
+    has the mode. `mac`: squared cosine between the shape and the space of its partner; without a
+    partner, the largest energy-weighted MAC with any mode. `energy_shares`: share of the
+    reference's kinetic energy in cross-sections and bodies that move rigidly. `ordered`: partners'
+    indices, ascending as far as shapes and uncertainties allow. `loose`: true for modes whose place
+    in that order is not determined. `by_number`: k-th frequency (Hz) of the model regardless of
+    shape, NaN if it has fewer.
     """
 
     frequency: Array
@@ -95,7 +95,7 @@ def partners(
 
 
 def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, count: int) -> Array:
-    """Amount (p×count) of each of the reference's first modes together with its partner.
+    """Amount (p×count) of the pair that each of the reference's first modes forms with its partner.
 
     `amounts` (p×m×n, ≥ 0): a number, such as a change of frequency, for each pair of modes of both
     models. A mode whose partner is certain has the amount of that pair; a mode without a partner
@@ -127,7 +127,7 @@ def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, cou
 
 
 def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count: int) -> Array:
-    """Share (p×count) of the partner in `other` of each of the reference's first modes.
+    """Share (p×count) that belongs to the partner in `other` of each first mode of the reference.
 
     `shares` (p×n, ≥ 0): a number for each mode of `other`. NaN without a partner. Shapes: p poses,
     n modes of `other`.
@@ -137,7 +137,7 @@ def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count
 
 
 def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
-    """Range (p×m each, Hz) of the frequency of each mode over several readings of the robot file.
+    """Range (p×m each, Hz) of each mode's frequency over several `readings` of the robot file.
 
     One pair (lowest, highest) for the modes of each reading. Frequencies of different readings
     belong together if their modes have the same shape. Shapes: p poses, m modes of the reading.
