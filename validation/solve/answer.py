@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
     """Subject of an answer: the robot in a pose, or one of its bodies alone.
 
-    One field is given, the others are None.
+    One field has a value, the others are None.
     """
 
     # Position (m) of a robot of schema 1.
@@ -60,7 +60,7 @@ class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
 
     @property
     def free_title(self) -> str:
-        """Text with the name of a free body."""
+        """Text with the name of a body without supports."""
         return f"{self.body or f'leg {self.leg}'}, nothing held"
 
     @property
@@ -86,14 +86,17 @@ class HalfWidths:
 
     @property
     def known(self) -> bool:
-        """True if the half-widths of the compliance are known, or of a free body's frequencies."""
+        """True if the half-widths of the compliance are known.
+
+        For a free body, which has no compliance, those of the frequencies.
+        """
         decisive = self.compliance if self.compliance.size else self.frequencies
         return bool(np.isfinite(decisive).all())
 
     def shares_of_loads(self, loads: Mapping[str, Array]) -> dict[str, float]:
-        """Half-widths of displacements under `loads` over their lengths, by name.
+        """Half-widths of displacements under `loads`, relative to their lengths, by name.
 
-        Zero lengths are omitted.
+        Displacements of zero length are omitted.
         """
         lengths = {name: float(np.linalg.norm(loads[name][:3])) for name in self.loads}
         return {
@@ -120,10 +123,11 @@ class MeshUncertainty(HalfWidths):
 class PartUncertainty(HalfWidths):
     """Half-widths of 95 % intervals due to CAD parts, from three meshes of each part.
 
-    Infinite for a part given as a mesh. `bracket`: change from rigid to averaged interfaces, zero
-    if the robot file specifies the end conditions. `reduction`: bound on the increase of
-    frequencies (Hz) due to omitted modes. `counted`: for each part, the number of modes below a
-    frequency (Hz) with interfaces `by` (fixed or free), all of which are in the reduction basis.
+    They are infinite if the file of a part is a mesh. `bracket`: change from rigid to averaged
+    interfaces, zero if the robot file specifies the end conditions. `reduction`: bound on the
+    increase of frequencies (Hz) due to omitted modes. `counted`: for each part, the number of modes
+    below a frequency (Hz) with interfaces `by` (fixed or free), all of which are in the reduction
+    basis.
     """
 
     bracket: HalfWidths
@@ -163,18 +167,17 @@ class PairedModes(msgspec.Struct, frozen=True):
 class Answer:
     """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) in one posture or of one leg.
 
-    `idle`: number of mobilities that do not move the tool. `loads`: displacements of the tool
-    (6, m and rad, base axes) under each load of the file, NaN without a solution. `stability`:
-    buckling under these loads, None without a solution. `reactions`: wrenches of joints (6, N
-    and N m, joint axes) by load and joint, NaN if statics does not determine them. `pressures`:
-    resultants of the pressures on faces of CAD parts, by load. `responses`: receptances of the
-    tool. `damped`: frequencies (Hz) and loss factors of the complex modes, None without
-    damping. `strain`: shares of drives, joints and bodies in each mode's strain energy.
-    `paired`: partners of the modes in another model, None unless requested. `uncertainty`:
-    half-widths due to the mesh of prisms, None without such a mesh. `of_parts`: half-widths due
-    to CAD parts. `of_digits`: half-widths due to the printed digits of the 6×6 in the robot
-    file. `rigid`: for a free body, the number of rigid-body motions, which are not among
-    `frequencies`; its compliance is empty.
+    `idle`: number of mobilities that do not move the tool. `loads`: displacements of the tool (6, m
+    and rad, base axes) under each load of the file, NaN without a solution. `stability`: buckling
+    under these loads, None if there is no solution. `reactions`: wrenches of joints (6, N and N m,
+    joint axes) by load and joint, NaN if statically indeterminate. `pressures`: resultants of the
+    pressures on faces of CAD parts, by load. `responses`: receptances of the tool. `damped`:
+    frequencies (Hz) and loss factors of the complex modes, None if nothing damps the robot.
+    `strain`: shares of drives, joints and bodies in each mode's strain energy. `paired`: partners
+    of the modes in another model, None unless requested. `uncertainty`: half-widths due to the mesh
+    of prisms, None if there is no such mesh. `of_parts`: half-widths due to CAD parts. `of_digits`:
+    half-widths due to the printed digits of the 6×6 in the robot file. `rigid`: for a free body,
+    the number of rigid-body motions, which are not among `frequencies`; its compliance is empty.
     """
 
     place: Place
@@ -251,8 +254,8 @@ class Solution:
         Returns
         -------
         matplotlib.figure.Figure
-            Bars for a single pose. Curves for several, over the coordinate that differs between
-            them, or over the number of the pose if more than one differs.
+            Bars for a single pose. For several poses, curves over the only coordinate that differs
+            between them, or over the number of the pose.
 
         Examples
         --------
@@ -383,7 +386,7 @@ class Solution:
         return f"Solution({self.robot}, {self.model}: {where})"
 
     def _repr_html_(self) -> str:
-        """Deflections under their own load of 1000 N, and frequencies, as a notebook shows them."""
+        """HTML table for a notebook: deflections along a force of 1000 N, and frequencies."""
         rows = [
             [
                 answer.place.title,

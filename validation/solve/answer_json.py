@@ -32,8 +32,8 @@ from validation.solve.answer import (
 class HalfWidthRecord(msgspec.Struct, frozen=True, omit_defaults=True):
     """JSON object of `HalfWidths`: half-widths (95 %) of compliance, frequencies and loads.
 
-    Those of a displacement are None if one of them is unknown, that of a frequency if its mode has
-    no partner on another mesh.
+    The half-widths of a displacement are None if one of its components has none; that of a
+    frequency is None if its mode has no partner on another mesh.
     """
 
     compliance: Array
@@ -89,8 +89,8 @@ class PressureRecord(msgspec.Struct, frozen=True):
 class LoadRecord(msgspec.Struct, frozen=True):
     """JSON object of a load: displacement of the tool, reactions, buckling and lost stiffness.
 
-    The displacement is None without a solution. `reactions` (6, N and N m, joint axes) by joint;
-    None for a number that statics does not determine. `pressures` on faces of CAD parts. A buckled
+    The displacement is None if there is no solution. `reactions` (6, N and N m, joint axes) by
+    joint; None for a statically indeterminate number. `pressures` on faces of CAD parts. A buckled
     mechanism has no stiffness: numbers that depend on it are None.
     """
 
@@ -135,8 +135,8 @@ class DampedRecord(msgspec.Struct, frozen=True):
 class AnswerRecord(Place, frozen=True, omit_defaults=True, kw_only=True):
     """JSON object of an `Answer` in "results", with the keys of its pose or body.
 
-    An infinite frequency is None. `uncertainty` is None if the mesh that would show it is too
-    large.
+    An infinite frequency is None. `uncertainty` is None if the second mesh, from which it follows,
+    is too large.
     """
 
     compliance: Array | UnsetType = UNSET

@@ -126,7 +126,7 @@ def _pressure_lines(answer: Answer) -> list[str]:
 
 
 def _displacement_text(displacement: Array) -> str:
-    """Text with the components of a displacement, its whole length and its rotations."""
+    """Text with the components and the length of a displacement, and its rotations."""
     if not np.isfinite(displacement).all():
         return "none: the robot is rigid in this direction, or the load has no wrench at this pose"
     names = ("x", "y", "z", "φx", "φy", "φz")
@@ -189,7 +189,7 @@ def _stability_text(stability: Stability | None) -> str:
 
 
 def _mode_lines(answer: Answer) -> list[str]:
-    """Lines on the bodies with most of each mode's strain energy, and partners in another model."""
+    """Lines on each mode: bodies with most of its strain energy, and partner in another model."""
     lines = []
     if answer.strain:
         names, shares = list(answer.strain), np.array(list(answer.strain.values()))

@@ -75,7 +75,7 @@ def dense_cost(unknowns: int, postures: int) -> Cost:
 
 
 def require_affordable(cost: Cost, subject: str, longest: float = LONGEST) -> None:
-    """Raise InputError, with the estimate, above the available memory or `longest` (s)."""
+    """Raise InputError, with the estimate, if it exceeds the available memory or `longest` (s)."""
     available = available_memory() or inf
     if cost.memory > available:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Best of several varied robots for a purpose: least or greatest of one quantity, with conditions.
+"""Best of several varied robots: smallest or largest value of one quantity, under conditions.
 
 Input: texts such as "mass" and "f1>=60", and the answers of one model for each robot. Output: the
 quantities of each robot, the robots that meet all conditions, and the best of these. Rule: of the
@@ -82,7 +82,7 @@ def _worst(values: Sequence[float], kind: DesignKind) -> float:
 
 @dataclass(frozen=True)
 class Condition:
-    """Bound (SI) on a quantity from above or from below. `text` is the condition as typed."""
+    """Upper or lower bound (SI) on a quantity. `text`: the condition as typed by the user."""
 
     text: str
     quantity: DesignQuantity
@@ -126,7 +126,7 @@ class DesignChoice:
     def best(self) -> int | None:
         """Index of the best robot that meets all conditions, the first one if several are equal.
 
-        None if there is no such robot, or without an objective.
+        None if there is no such robot or no objective.
         """
         if self.purpose.objective is None or not self.meets.any():
             return None
@@ -170,7 +170,7 @@ def purpose_of(
     where: Sequence[str],
     modes: int,
 ) -> Purpose | None:
-    """Purpose typed with --minimise or --maximise and --where; None without any of these.
+    """Purpose from the options --minimise or --maximise and --where. None if none is used.
 
     `modes` is the number of frequencies that are computed. Raises InputError with a line for each
     fault.

@@ -64,7 +64,7 @@ _EXTRA_MODES = 6
 
 @dataclass(frozen=True, eq=False)
 class _Meshed:
-    """Solved question with the half-widths of its meshes in each pose.
+    """Solved question with half-widths due to its meshes in each pose.
 
     `compliances` and `frequencies` of each pose are extrapolated if an order is observed.
     """
@@ -97,7 +97,7 @@ class _Meshed:
 
 
 def checked(question: Question) -> Cost:
-    """Estimated cost of the answer to a question.
+    """Estimated cost of the answer to a question, after checks of the question.
 
     Raises InputError with all faults of the question, or if the cost is too high.
     """
@@ -107,9 +107,9 @@ def checked(question: Question) -> Cost:
 
 
 def solve(question: Question) -> Solution:
-    """Solution of the requested model. Without `modes`, six modes, or all if there are fewer.
+    """Solution of the requested model. If `modes` is None, six modes, or all if there are fewer.
 
-    Raises InputError like `checked`, and ComputationError if the drives do not support the tool.
+    Raises the exceptions of `checked`, and ComputationError if the tool is free to move.
     """
     checked(question)
     if "ends" in question.given:
@@ -169,8 +169,8 @@ def _is_affordable(question: Question, divisions: int) -> bool:
 def _finer(solved: SolvedQuestion, factor: float) -> SolvedQuestion:
     """Question with finer meshes, whose half-widths are smaller by `factor`.
 
-    Divisions grow at most by a factor of two. Raises InputError if the cost is too high, or if a
-    CAD part is given as a mesh, which cannot be refined.
+    Divisions grow at most by a factor of two. Raises InputError if the cost is too high, or if the
+    file of a CAD part is a mesh, which cannot be refined.
     """
     question = solved.question
     if question.alone is None and question.mechanism.parts:
@@ -341,7 +341,7 @@ def _shapes(question: Question) -> list[SectionedLeg]:
 
 
 def _with_mechanism(question: Question, mechanism: Mechanism) -> Question:
-    """Question about another robot."""
+    """Copy of a question with another robot."""
     return replace(question, robot_file=replace(question.robot_file, mechanism=mechanism))
 
 

@@ -38,7 +38,7 @@ _OF_GIVEN_LEGS = ("legs", "equivalent")
 
 
 def split_ends(model: ModelName, options: dict[str, Any]) -> tuple[dict[str, Any], bool]:
-    """Options of a model without `ends` "free-free", and True if they contained it.
+    """Options of a model, without `ends` if that is "free-free"; and True if it was.
 
     A free solid has end faces that are free to warp.
     """
@@ -52,9 +52,9 @@ def split_ends(model: ModelName, options: dict[str, Any]) -> tuple[dict[str, Any
 class Question:
     """A `model` of a robot, the options `given` by the user, and the poses or body to be solved.
 
-    Positions `x` (m), or `poses` ("0.25,0.6"), or one `leg` or `body` alone; the reference posture
-    without these. `modes`: number of modes, None for six. `against`: model with whose modes they
-    are paired. `digits`: True to add half-widths due to the printed digits of the 6×6.
+    Positions `x` (m), or `poses` ("0.25,0.6"), or one `leg` or `body` alone; if none of these is
+    set, the reference posture. `modes`: number of modes, None for six. `against`: model with whose
+    modes they are paired. `digits`: True to add half-widths due to the printed digits of the 6×6.
     `accuracy`: largest relative half-width due to meshes of solids. A body alone is clamped at its
     first point, or unsupported if `free`.
     """
@@ -151,7 +151,7 @@ class Question:
         return faults
 
     def _option_faults(self) -> list[str]:
-        """Faults of options that the model lacks, that change nothing, or with a wrong value.
+        """Faults of options: unknown to the model, without effect, or with a wrong value.
 
         An option that would change nothing is refused, because the user expects that it does.
         """

@@ -1,7 +1,8 @@
 """The model of a request to `solve`, which `Responses` solves under readings of the robot file.
 
 Input: a `Question`. Output: a `Model` of the robot in the requested poses, or of one of its bodies.
-Rule: of a reading, `part_mesh` and `ends` select mesh and coupling of CAD parts as solids.
+Rule: the fields `part_mesh` and `ends` of a reading select mesh and coupling of CAD parts as
+solids.
 """
 
 from collections.abc import Sequence
@@ -67,8 +68,8 @@ def solved_model(question: Question) -> Model:
 def digits_model(question: Question, count: int) -> Model:
     """Model for the effect of printed digits on compliance and `count` frequencies.
 
-    The model itself with few elements, beams instead of solids: the relative effect of a 6×6 is
-    small and depends little on the model.
+    It is the model of the question with few elements and with beams instead of solids, because the
+    relative effect of digits is small and depends little on the model.
     """
     options = question.given
     if question.model == "solid":
@@ -113,9 +114,9 @@ def _part_mesh(robot: RobotOnPath, reading: Reading) -> PartMeshing | None:
 
 
 def _modes(question: Question, robot: RobotOnPath, reading: Reading) -> PathModes | None:
-    """Modes with the requested count. Without one, six modes, or all if there are fewer.
+    """Requested number of modes. If none is requested, six modes, or all if there are fewer.
 
-    None if nothing has mass.
+    The result is None if nothing has mass.
     """
     solve = partial(_first_modes, question, robot, reading)
     if question.modes is not None:

@@ -48,7 +48,7 @@ _RATIO = 1.2
 class SolvedQuestion:
     """A question with the solutions of its model on all meshes of prisms that were solved so far.
 
-    `legs`: prisms of the answer, equal ones once. `models`: model of the question by divisions.
+    `legs`: distinct prisms of the answer. `models`: model of the question by divisions.
     """
 
     question: Question
@@ -180,9 +180,9 @@ def of_prisms(
 ) -> list[MeshUncertainty]:
     """Half-widths due to the mesh of prisms in each pose, from the change to a second mesh.
 
-    The change times Roache's factor, with r³ the ratio of the element counts (Celik et al., J.
-    Fluids Eng. 130 (2008) 078001). Infinite if the second mesh is finer and its divisions are not
-    `affordable`. Empty without solid prisms.
+    They are the change times Roache's factor, with the ratio r³ of the element counts (Celik et
+    al., J. Fluids Eng. 130 (2008) 078001). Infinite if the second mesh is finer and its divisions
+    are not `affordable`. Empty if there are no solid prisms.
     """
     options, legs = solved.question.options, solved.legs
     if solved.question.model != "solid" or not legs:
@@ -203,7 +203,7 @@ def of_prisms(
 def of_parts(solved: SolvedQuestion) -> list[PartUncertainty]:
     """Half-widths due to CAD parts in each pose: meshes, couplings and reduction.
 
-    Empty without solid parts.
+    Empty if there are no solid parts.
     """
     question, modes, model = solved.question, solved.modes, solved.model()
     mechanism = question.mechanism
@@ -236,7 +236,7 @@ def of_parts(solved: SolvedQuestion) -> list[PartUncertainty]:
 
 
 def _brackets(solved: SolvedQuestion) -> list[HalfWidths]:
-    """Changes from rigid to averaged interfaces in each pose.
+    """Changes of compliance and frequencies from rigid to averaged interfaces in each pose.
 
     Zero if the robot file specifies all couplings.
     """
@@ -297,10 +297,10 @@ def _finite_frequencies(modes: PathModes) -> Array:
 
 
 def second_divisions(options: ModelOptions, legs: Sequence[Leg]) -> int:
-    """Divisions of a second mesh: half of the first, one, or the fewest more that change enough.
+    """Divisions of a second mesh: half of the first, one, or the fewest larger ones that differ.
 
     Round and thin-walled sections need so many elements that fewer divisions often give the same
-    mesh, whose answer would be called exact.
+    mesh, whose uncertainty would then appear to be zero.
     """
     present = options.divisions
     candidates = (present // 2, 1, *range(present + 1, 8 * present + 1))

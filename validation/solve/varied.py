@@ -59,7 +59,7 @@ _MAP_NUMBERS, _FEWEST_FOR_MAP = 2, 3
 class VariedAnswers:
     """Answers for all combinations of the values of `variations`, in order.
 
-    `choice`: the best of them for a purpose. None without a purpose.
+    `choice`: the best robot for a purpose. None if there is no purpose.
     """
 
     variations: tuple[Variation, ...]
@@ -109,8 +109,8 @@ def write_varied(
 ) -> bool:
     """Print the answers for all varied robots as text or JSON, and write the requested files.
 
-    The result is False if there are conditions (`where`) that no robot meets. Raises InputError and
-    ComputationError as `solve_varied` does.
+    The result is False if there are conditions (`where`) that no robot meets. Raises the exceptions
+    of `solve_varied`.
     """
     if question.against:
         raise InputError(
@@ -242,7 +242,7 @@ def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:
 
 
 def quantities(answers: Sequence[Answer]) -> dict[str, list[float | str]]:
-    """Columns of deflections under their own loads and of frequencies, a number per answer."""
+    """Columns of deflections along unit loads and of frequencies, one number for each answer."""
     table: dict[str, list[float | str]] = {}
     for k, name in enumerate(AXES[: len(answers[0].compliance)]):
         unit = "µrad at 100 N m" if name in ROTATIONS else "µm at 1000 N"
@@ -391,7 +391,7 @@ def _curves(answers: VariedAnswers, *, several: bool) -> list["Panel"]:
 
 
 def _curve(variations: Sequence[Variation], values: Sequence[float], answer: Answer | None) -> str:
-    """Label of a curve: values of the other numbers, and the pose."""
+    """Label of a curve: values of all varied numbers but the first, and the pose."""
     texts = [assignments(variations, values)] if variations else []
     if answer is not None:
         name = "x" if answer.place.pose is None else "pose"
