@@ -119,7 +119,7 @@ def key_of(*inputs: object) -> str:
 
 
 def find(key: str) -> Arrays | None:
-    """Arrays stored under a key. None without a valid file."""
+    """Arrays stored under a key. None if there is no valid file."""
     remembered = _arrays_in_memory(key)
     if not remembered and (path := _path(key)) is not None:
         remembered |= _unsealed(key, read_regular(path) or b"")
@@ -210,7 +210,7 @@ def _key_lock(key: str) -> Iterator[None]:
 
 
 def _make_room(folder: Path) -> None:
-    """Remove the entries unused for longest above the limit, and files of dead processes."""
+    """Remove the least recently used entries above the size limit, and files of dead processes."""
     files = sorted(
         (entry.stat().st_mtime, entry.stat().st_size, Path(entry.path))
         for entry in os.scandir(folder)

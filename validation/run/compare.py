@@ -45,7 +45,7 @@ class VerdictChange:
 
 @dataclass(frozen=True)
 class Drifted:
-    """Change of a value or reference (`what`) of a case. Up to `allowed` it is not drift."""
+    """Change of a value or reference (`what`) of a case. It is drift if it exceeds `allowed`."""
 
     id: str
     what: str
@@ -228,7 +228,7 @@ def _entry_cells(entry: StoredEntry | None) -> list[str]:
 
 
 def _percent(error: float, *, signed: bool = True) -> str:
-    """Error in per cent with two decimals, in which variants of a robot differ."""
+    """Error in per cent with two decimals, so that variants of a robot can be distinguished."""
     return f"{100.0 * error:{'+' if signed else ''}.2f} %"
 
 
@@ -376,7 +376,7 @@ def _value_changes(before: StoredEntry | None, after: StoredEntry | None) -> Ite
 
 
 def _quantity_name(entry: StoredEntry) -> str:
-    """Name of the quantity, marked if its reference is measured."""
+    """Name of a quantity, with a remark if its reference is measured."""
     return f"{entry.quantity} (measured)" if entry.measured else entry.quantity
 
 

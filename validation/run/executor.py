@@ -84,9 +84,9 @@ class Interpreter:
         self.process.ask(call)
 
     def receive(self) -> Answer:
-        """Answer to the earliest request. Raises Crashed, or OutOfMemoryCrash if the log tells it.
+        """Answer to the earliest request. Raises Crashed or OutOfMemoryCrash.
 
-        The log has a message of OpenBLAS if that library ended the process for lack of memory.
+        The second is raised if the log contains OpenBLAS's message on lack of memory.
         """
         try:
             return self.process.receive()
@@ -220,7 +220,7 @@ class Cores(ProcessExecutor):
                 worker.process.end()
 
     def _worker(self, todo: deque[tuple[Any, Call]]) -> _Worker:
-        """Process that computes the first of the calls `todo`."""
+        """Worker whose process computes the first of the calls `todo`."""
         if self.idle:
             worker = self.idle.pop()
             worker.todo = todo
@@ -241,7 +241,7 @@ class Cores(ProcessExecutor):
 
 
 def began_badly(error: Exception, log: Path) -> ComputationError:
-    """Error of a process that ended before it computed a call."""
+    """Error to raise for a process that ended before it computed a call."""
     return ComputationError(
         f"a worker process ended before it began to compute: {error} ({log} may say more)"
     )

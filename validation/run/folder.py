@@ -137,7 +137,10 @@ class RunFolder:
         return self.path / LOG
 
     def begin(self, former: Path) -> None:
-        """Prepare the folder, with the finished tasks of the run in `former`."""
+        """Prepare the folder.
+
+        It takes over the finished tasks of the run in the folder `former`.
+        """
         shutil.rmtree(self.path / UNFINISHED, ignore_errors=True)
         (self.path / UNFINISHED).mkdir(exist_ok=True)
         digests, content = files_of(former), read_regular(former / RECORDS) or b""
@@ -320,7 +323,7 @@ def _folder_to_resume(path: Path, target: Path, partial: Path, mark: Mark) -> Pa
 
 
 def _require_space(path: Path, target: Path) -> None:
-    """Raise InputError without disk space for a second run as large as the earlier one."""
+    """Raise InputError if there is no disk space for a second run as large as the earlier one."""
     needed = sum((target / name).stat().st_size for name in files_of(target))
     free_bytes = shutil.disk_usage(target).free
     if free_bytes < needed:
@@ -411,7 +414,7 @@ def _remove_earlier_run(target: Path) -> list[str]:
 
 
 def _merge(source: Path, target: Path, remarks: list[str]) -> None:
-    """Move the content of a folder, except a run's mark, into another. Renamed if names collide."""
+    """Move the content of a folder, except a run's mark, into another. Equal names are changed."""
     for entry in sorted(source.iterdir()):
         destination = target / entry.name
         if entry == target / EARLIER / MARK and mark_in(source):

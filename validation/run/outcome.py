@@ -28,7 +28,7 @@ Completion: TypeAlias = Literal["made", "failed", "skipped"]
 
 
 class Result(msgspec.Struct, Generic[V, F], frozen=True):
-    """Result of a task: returned by a worker, stored in results.jsonl, used by the page.
+    """Result of a task: returned by a worker, stored in results.jsonl, displayed by the page.
 
     `verdict` is that of a comparison, otherwise "made", "failed" or "skipped". `found` is a
     measurement, figure or matrix. None if there is none, with the reason in `message`.
@@ -71,14 +71,14 @@ class Outcome(Result[Verdict, Measurement], frozen=True, kw_only=True):
 
     @property
     def tolerance(self) -> float:
-        """Tolerance in the unit of the case. NaN without a measurement."""
+        """Tolerance in the unit of the case. NaN if there is no measurement."""
         if self.found is None or self.case.tolerance is None:
             return nan
         return self.case.tolerance.at(self.found.reference)
 
     @property
     def share(self) -> float:
-        """Largest violation of the relation over the tolerance, of all poses.
+        """Largest violation of the claimed relation, divided by the tolerance, over all poses.
 
         Above 1, the comparison disagrees.
         """
@@ -98,9 +98,9 @@ def verdict(
 ) -> Literal["agree", "disagree", "undecided"]:
     """Verdict "agree" if the unexplained difference keeps the relation within `tolerance`.
 
-    All in one unit. NaN never agrees. With a numerical `uncertainty` above the tolerance, the
-    verdict is "undecided", unless the difference exceeds the tolerance by more than the
-    uncertainty.
+    All arguments have one unit. NaN never agrees. With a numerical `uncertainty` above the
+    tolerance, the verdict is "undecided", unless the difference exceeds the tolerance by more than
+    the uncertainty.
     """
     if not isfinite(unexplained):
         return "disagree"

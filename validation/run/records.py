@@ -103,7 +103,7 @@ def _case_object(outcome: Outcome) -> dict[str, Any]:
 def _outcome_data(case_object: Mapping[str, Any]) -> dict[str, Any]:
     """Plain data of an `Outcome` from an object of "cases", the inverse of `_case_object`.
 
-    The tolerance is known as an amount. A null is an unknown number, or one that is not finite.
+    The tolerance is absolute. A null is an unknown number, or one that is not finite.
     """
     known = {key: _nan_for_null(value) for key, value in case_object.items() if value is not None}
     tolerance = known.get("tolerance")

@@ -38,8 +38,7 @@ class Standing:
 
     `comparisons`: count by verdict. `figures`, `assessments`: counts of failed ones. `faults`:
     models, and other computations within an assessment, that ended with an error of the program.
-    `refused`: models relied on that are not adequate. If `strict`, undecided models are refused
-    too.
+    `refused`: models relied on that are not adequate. If `strict`, undecided models are among them.
     """
 
     comparisons: Mapping[Verdict, int]
@@ -54,7 +53,8 @@ class Standing:
     def exit_code(self) -> int:
         """0 for success, 1 if a case disagrees or a model relied on is inadequate, 3 for a failure.
 
-        A failure is anything that failed or was not computed. If strict, undecided gives 1 too.
+        A failure is anything that failed or was not computed. If `strict`, the code is 1 also for
+        undecided verdicts.
         """
         if self.failures:
             return 3
@@ -125,7 +125,7 @@ def standing_of(
 class Results:
     """Results of finished tasks, by id in `done`.
 
-    `baseline`: earlier run against which drift is counted, None if the user names none. `path`:
+    `baseline`: earlier run from which drift is computed, None if the user names none. `path`:
     folder of the report, which lies next to the final one until the run is finished. `remarks`:
     faults in the folder. `rely`: models that must be adequate. `strict`: True if undecided counts
     as inadequate.
@@ -170,7 +170,7 @@ class Results:
 
     @property
     def missing_figures(self) -> list[tuple[PlannedFigure, str]]:
-        """Planned figures that could not be drawn, or not as a picture, with the reason."""
+        """Planned figures without a picture, with the reason."""
         planned = [task for task in self.tasks if isinstance(task, PlannedFigure)]
         messages = [(task, self.done[task.id].message) for task in planned if task.id in self.done]
         return [(task, message) for task, message in messages if message]
@@ -197,7 +197,7 @@ class Results:
 
     @property
     def measured(self) -> Matrix | None:
-        """Models compared with measured values. None without measured values."""
+        """Models compared with measured values. None if there are no measured values."""
         return self._matrix(MEASURED)
 
     def _matrix(self, name: str) -> Matrix | None:
@@ -236,7 +236,7 @@ class Results:
     def refused(self) -> tuple[str, ...]:
         """Models relied on that are not adequate in some matrix.
 
-        All of them if `strict` is set and the requested assessment gave no matrix.
+        If `strict` is set and the requested assessment has no matrix, all models relied on.
         """
         if not self.matrices:
             return tuple(self.rely) if self.strict and {ADEQUACY, MEASURED} & set(self.done) else ()

@@ -124,14 +124,14 @@ def _failed(task: Task, error: Exception) -> Record:
 def _without_numbers(
     task: Task, task_verdict: Literal["failed", "skipped"], seconds: float, message: str
 ) -> AnyResult:
-    """Result of a task without content, with the reason."""
+    """Result of a task that has no content, with the reason in its message."""
     if isinstance(task, Case):
         return outcome_of(task, task_verdict, seconds, message)
     return Result(task.id, task_verdict, seconds, message)
 
 
 def _groups(tasks: Sequence[Task]) -> list[list[str]]:
-    """Ids in groups for one process each: assessments of the models first, then by falling effort.
+    """Ids in groups, one process each: assessments of models first, then by decreasing effort.
 
     Short groups at the end balance the load of the processes.
     """
@@ -149,7 +149,8 @@ def _groups(tasks: Sequence[Task]) -> list[list[str]]:
 def _interruptible() -> Iterator[Callable[[], bool]]:
     """Context in which SIGINT, SIGTERM and SIGHUP set a flag, so that no file is half-written.
 
-    Yields a function that returns the flag. SIGHUP stays ignored if it is, as under nohup.
+    Yields a function that returns the flag. SIGHUP remains ignored if it was ignored before, as
+    under nohup.
     """
     received: list[int] = []
 

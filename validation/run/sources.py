@@ -38,7 +38,7 @@ def _program(places: tuple[str, ...], solver: str) -> str:
 
 @memo(8)
 def source_digest(places: tuple[str, ...] = PACKAGES) -> str:
-    """Digest of the sources in these folders and files, whose paths start at the packages."""
+    """Digest of the sources in these folders and files, by paths relative to the packages."""
     # Paths as text, since those of pathlib take twice as long as reading the files.
     root = str(Path(__file__).resolve().parents[2])
     digest = sha256()
