@@ -22,7 +22,7 @@ class EdgedSection(Section):
     @property
     @abstractmethod
     def flexure(self) -> tuple[RimSolution, float]:
-        """Torsion and flexure of the section scaled to size 1, and the size (m)."""
+        """Torsion and flexure of the section scaled to unit size, and its true size (m)."""
 
     @property
     def is_doubly_symmetric(self) -> bool:

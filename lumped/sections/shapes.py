@@ -263,7 +263,7 @@ class HollowRectangle(Boxed):
 def _box_shear(flange: float, web: float, nu: float) -> float:
     """Cowper's κ of a thin-walled box of uniform wall for shear along the webs.
 
-    In Cowper's notation n = m = flange/web.
+    It is Cowper's formula for n = m = flange/web in his notation.
     """
     n = m = flange / web
     return _thin_walled_shear(m, nu, 10.0 * n**2 * ((3.0 + nu) * m + 3.0 * m**2))

@@ -228,7 +228,7 @@ def _rectilinear(section: OutlinedSection, divisions: int) -> Blocks:
 
 
 def _lines(coordinates: Array, section: OutlinedSection) -> Array:
-    """Distinct coordinates of the edges' lines, ascending."""
+    """Distinct coordinates of the lines on which edges lie, ascending."""
     ordered = np.sort(coordinates)
     steps = np.diff(ordered, prepend=-np.inf)
     return np.asarray(ordered[steps > _SAME_LINE * max(section.extent)])
@@ -237,11 +237,11 @@ def _lines(coordinates: Array, section: OutlinedSection) -> Array:
 def _strip_counts(
     widths: Array, across: Array, filled: Array, side: float, divisions: int
 ) -> list[int]:
-    """Number of elements across each strip of a section. The strips have the given `widths`.
+    """Number of elements across each of the parallel strips of a section, with given `widths`.
 
-    Strips `across` divide them into blocks, which lie in the section if `filled` is True. The width
-    of a strip is the thickness of a wall, or a length along the thinnest wall that crosses the
-    strip.
+    Perpendicular strips with the widths `across` divide them into blocks. `filled` is True for
+    blocks inside the section. The width of a strip is the thickness of a wall, or a length along
+    the thinnest wall that crosses the strip.
     """
     counts = []
     for width, blocks in zip(widths.tolist(), filled, strict=True):

@@ -48,7 +48,7 @@ def test_rectangle_polygon_equals_series(thickness):
     assert outlined.shear_coupling(0.3) == 0.0
 
 
-def test_triangle_torsion_constant():
+def test_triangle_torsion_equals_formula():
     """Equilateral triangle: J = √3 a⁴/80 (Timoshenko & Goodier, Theory of Elasticity, §109)."""
     a = 0.1
     triangle = Polygon(((0.0, 0.0), (a, 0.0), (a / 2.0, a * sqrt(3.0) / 2.0)))

@@ -320,7 +320,7 @@ def test_torsional_buckling_equals_wagner():
     assert factor(leg, (9,), PUSH) == pytest.approx(p.GJ * p.mu / p.rho_J, rel=1e-9)
 
 
-def test_blade_and_shaft_buckling_loads():
+def test_blade_and_shaft_buckle_as_published():
     """Blade under a tip force, P L²/√(EI GJ) = 4.0126, and an end moment, M L/√(EI GJ) = π.
 
     The moment acts between fork supports (Prandtl, Michell). A round shaft with clamped ends

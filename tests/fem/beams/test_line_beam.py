@@ -59,7 +59,7 @@ def test_tapered_beam_statics_are_exact(line, theory):
 
 @pytest.mark.parametrize("theory", THEORIES)
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
-def test_tapered_beam_convergence_order(line, theory):
+def test_tapered_beam_has_order_four(line, theory):
     leg = tapered(line)
     limit = frequencies(leg, theory, 80)
     coarse, fine = (frequencies(leg, theory, n) / limit - 1.0 for n in (10, 20))
@@ -70,7 +70,7 @@ def test_tapered_beam_convergence_order(line, theory):
 
 
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
-def test_tapered_segments_convergence_order(line):
+def test_tapered_segments_have_order_two(line):
     sections = tapered(line).sections("timoshenko")
     limit = clamped_modes(line_beam(sections, 80), 3).frequencies
     errors = [

@@ -74,7 +74,7 @@ def bar(request, tmp_path_factory):
     return Bar(part, rooted, held_body(rooted))
 
 
-def test_interface_couples_its_faces():
+def test_interface_couples_all_its_faces():
     faces = {number: Facets(np.array([[number, 8, 9]]), "tri3") for number in (1, 2, 3, 4)}
     interfaces = [
         Interface(name, numbers, np.eye(3)[index], "rigid", "", None, None, 1.0)

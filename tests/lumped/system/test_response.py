@@ -139,7 +139,7 @@ def test_undamped_peak_is_infinite():
     assert size == pytest.approx(1.0 / (K - MASS * (100.0 * np.pi) ** 2), rel=1e-9)
 
 
-def test_unequal_losses_of_two_masses():
+def test_two_masses_with_unequal_losses_are_exact():
     """Against a 2×2 inverse and its eigenvalues; modal losses also from shares of strain energy.
 
     The energy estimate is of first order: its error falls with the square of the loss factors.

@@ -118,7 +118,7 @@ def test_other_mechanism_has_no_biglide_cases():
 
 
 @pytest.mark.parametrize("pose", [0, 8])
-def test_samples_have_kinetic_energy(pose):
+def test_sampled_points_have_kinetic_energy(pose):
     """The platform is rotated and its centre of mass is off its origin.
 
     The kinetic energy is that of the assembled mass matrix.

@@ -197,7 +197,10 @@ def test_wrong_solid_disagrees_despite_distortion(monkeypatch):
     [(Tube(0.06, 0.003), 0.4, 0.3), (Tube(0.03, 0.002), 0.4, 0.45), (Tube(0.03, 0.002), 0.1, 0.1)],
 )
 def test_tube_with_independent_g_agrees(section, length, nu):
-    """Another integration rule in curved cells gave 3e-6 to 9e-6; the tolerance is 3e-6."""
+    """Beam and solid agree within 3e-6.
+
+    With another integration rule in curved cells, they differed by 3e-6 to 9e-6.
+    """
     carbon = replace(Material.isotropic(1.2e11, nu, 1600.0), G=5.0e9)
     leg = ConstantLeg(length, section, carbon)
     solid = doubled_tips(leg, 8, static_slices(leg, 8))["free"]

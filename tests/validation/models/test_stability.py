@@ -375,7 +375,7 @@ def test_column_buckles_by_own_weight(up):
     assert hangs.factor is None
 
 
-def test_buckling_differs_as_statics_do():
+def test_models_with_equal_statics_buckle_alike():
     robot = load_robot("ifw").mechanism
     weight = Load("weight", robot.tool.body, robot.tool.point, gravity=np.array([0, 0, -9.81]))
     stop = replace(weight, gravity=np.zeros(3), acceleration=np.array([1.0, 0, 0]))
