@@ -153,12 +153,17 @@ def reduced_superelement(
     return craig_bampton(_held_leg(model, leg, options), highest, cutoff)
 
 
-# Factorised matrices of two solid legs fit into the memory of small machines.
-@memo(2)
 def _held_leg(model: ModelName, leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> HeldLeg:
     if model == "solid" and not isinstance(leg, SteppedLeg):
-        return held_solid(leg, options.divisions, options.ends)
+        return _held_solid(leg, options.divisions, options.ends)
     return held_leg(leg_matrices(model, leg, options))
+
+
+# Factorised matrices of two solid legs fit into the memory of small machines. The key contains only
+# the options that affect solids, so that statics and modes share a factor.
+@memo(2)
+def _held_solid(leg: SectionedLeg, divisions: int, ends: Ends) -> HeldLeg:
+    return held_solid(leg, divisions, ends)
 
 
 @memo(4)

@@ -28,6 +28,7 @@ from lumped.system.joint_motion import Portion
 from meshes.section.section_mesh import section_mesh
 from validation import cli
 from validation.context import Context
+from validation.models import leg_models
 from validation.models.options import ModelOptions
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import robot_at
@@ -205,6 +206,16 @@ def test_mesh_change_follows_mode_shape():
     assert half_widths.frequencies == pytest.approx([2.0 * factor, 0.5 * factor], rel=1e-9)
     # Roache's factor for r = 2 and an order from 1.42 (ν = 0.3, rigid ends) to 4.
     assert 3.0 / (2.0**4 - 1.0) < factor < 3.0 / (2.0**1.4 - 1.0)
+
+
+def test_statics_and_modes_share_one_factor(monkeypatch):
+    leg = ConstantLeg(0.2137, Rectangle(0.03, 0.02), Material.isotropic(2.1e11, 0.3, 7850.0))
+    held, calls = leg_models.held_solid, []
+    monkeypatch.setattr(leg_models, "held_solid", lambda *of: calls.append(of) or held(*of))
+    options = ModelOptions(divisions=1)
+    leg_models.condensed_leg("solid", leg, replace(options, parts="condensed"))
+    leg_models.reduced_leg("solid", leg, options, 1000.0, 2500.0)
+    assert len(calls) == 1
 
 
 def test_values_with_order_are_extrapolated(command, tmp_path):
