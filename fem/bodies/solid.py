@@ -183,7 +183,9 @@ def centreline_of(mesh: SolidMesh, coupled: CoupledSolid) -> Callable[[Array], S
 
     Its argument is k positions (m from the root), its result 6k×n for n unknowns.
     """
-    return lambda stations_x: csr_array(section_twists(mesh, stations_x) @ coupled.transformation)
+    # The function must not refer to the other matrices of the coupled solid, which are larger.
+    transformation = coupled.transformation
+    return lambda stations_x: csr_array(section_twists(mesh, stations_x) @ transformation)
 
 
 def section_twists(mesh: SolidMesh, stations_x: Array) -> SparseMatrix:

@@ -140,9 +140,11 @@ def static_superelement(held: HeldLeg) -> Superelement:
 
 def reduced(held: HeldLeg, recovery: Array, stiffness: Array, mass: Array) -> Superelement:
     """Superelement with u = `recovery` q (n×r) and given `stiffness` and `mass` (r×r)."""
+    # The superelement must not refer to `held`, whose factor is many times as large.
+    unreduced_centreline = held.centreline
 
     def centreline(stations: Array) -> SparseMatrix:
-        return csr_array(held.centreline(stations) @ recovery)
+        return csr_array(unreduced_centreline(stations) @ recovery)
 
     parts = {
         kind: csr_array(_symmetric(recovery.T @ (part @ recovery)))
