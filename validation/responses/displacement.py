@@ -176,6 +176,33 @@ def worst_force(difference: Array, reference: Array) -> Worst:
     a, b = yields**2, np.where(rigid[:, None], 1.0, floor**2) * np.ones(3)
     a = np.where(rigid[:, None], 1.0, a)
     forms = np.swapaxes(difference @ axes, 1, 2) @ (difference @ axes)
+    # Largest |D f| / |C f|. It is the result if |C f| of its force f is at least s/20.
+    regular = rigid | (yields[:, 2] > np.finfo(float).eps * yields[:, 0])
+    scale = 1.0 / np.sqrt(np.where(regular[:, None], a, 1.0))
+    values, vectors = np.linalg.eigh(forms * scale[:, :, None] * scale[:, None])
+    force = scale * vectors[:, :, 2]
+    is_result = regular & (values[:, 1] < (1.0 - _REPEATED) * values[:, 2])
+    is_result &= np.sum((a - b) * force**2, axis=1) >= 0.0
+    other = np.flatnonzero(~is_result)
+    if len(other):
+        force[other] = _worst_between(forms[other], a[other], b[other])
+    force = np.einsum("pij,pj->pi", axes, force)
+    force /= np.linalg.norm(force, axis=1, keepdims=True)
+    leading = np.take_along_axis(force, np.abs(force).argmax(axis=1)[:, None], axis=1)
+    force = np.where(leading < 0.0, -force, force)
+    size = np.linalg.norm(np.einsum("pij,pj->pi", difference, force), axis=1)
+    length = np.linalg.norm(np.einsum("pij,pj->pi", reference, force), axis=1)
+    length = np.maximum(length, floor[:, 0])
+    infinite = np.where(size > 0.0, np.inf, 0.0)
+    error = np.divide(size, length, out=infinite, where=~rigid)
+    return Worst(np.asarray(error), np.asarray(force))
+
+
+def _worst_between(forms: Array, a: Array, b: Array) -> Array:
+    """Force (p×3) for which fᵀ`forms`f is largest relative to max(Σ a f², Σ b f²).
+
+    `forms` is p×3×3, `a` and `b` are p×3.
+    """
 
     def scaled(weight: Array) -> tuple[Array, Array]:
         root = np.sqrt(weight[..., None] * a + (1.0 - weight[..., None]) * b)
@@ -190,22 +217,12 @@ def worst_force(difference: Array, reference: Array) -> Worst:
         in_lower = largest[0] <= largest[1]
         low, high = np.where(in_lower, low, first), np.where(in_lower, second, high)
     matrices, root = scaled(0.5 * (low + high))
-    force = np.array(
+    return np.array(
         [
             _worst_direction(*forms_of_pose)
             for forms_of_pose in zip(matrices, root, a - b, strict=True)
         ]
     )
-    force = np.einsum("pij,pj->pi", axes, force)
-    force /= np.linalg.norm(force, axis=1, keepdims=True)
-    leading = np.take_along_axis(force, np.abs(force).argmax(axis=1)[:, None], axis=1)
-    force = np.where(leading < 0.0, -force, force)
-    size = np.linalg.norm(np.einsum("pij,pj->pi", difference, force), axis=1)
-    length = np.linalg.norm(np.einsum("pij,pj->pi", reference, force), axis=1)
-    length = np.maximum(length, floor[:, 0])
-    infinite = np.where(size > 0.0, np.inf, 0.0)
-    error = np.divide(size, length, out=infinite, where=~rigid)
-    return Worst(np.asarray(error), np.asarray(force))
 
 
 def _worst_direction(matrix: Array, root: Array, excess: Array) -> Array:

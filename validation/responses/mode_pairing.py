@@ -194,15 +194,16 @@ def equal_frequency_groups(
     width = (
         np.zeros(len(frequencies)) if frequency_uncertainties is None else frequency_uncertainties
     )
-    width = np.maximum(width, _REPEATED)
-    spaces = np.zeros(len(frequencies), dtype=int)
+    # Lists, since numbers of arrays are slow to read one by one.
+    widths, values = np.maximum(width, _REPEATED).tolist(), frequencies.tolist()
+    spaces = [0] * len(values)
     group, lowest, narrowest = -1, -np.inf, 0.0
-    for mode in np.argsort(frequencies, kind="stable"):
-        narrowest = min(narrowest, width[mode])
-        if not frequencies[mode] <= lowest * (1.0 + narrowest):
-            group, lowest, narrowest = group + 1, frequencies[mode], width[mode]
+    for mode in np.argsort(frequencies, kind="stable").tolist():
+        narrowest = min(narrowest, widths[mode])
+        if not values[mode] <= lowest * (1.0 + narrowest):
+            group, lowest, narrowest = group + 1, values[mode], widths[mode]
         spaces[mode] = group
-    return spaces
+    return np.array(spaces, dtype=int)
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,9 +223,11 @@ class _Blocks:
 
         Among modes of equal frequency, the first have the smallest angles.
         """
-        mac = np.zeros(len(self.partner))
+        mac = np.square(self.overlaps[np.arange(len(self.partner)), self.partner])
         pairs = np.column_stack([self.first_groups, self.second_groups[self.partner]])
-        for pair in np.unique(pairs, axis=0):
+        # The cosine of two single modes is their overlap.
+        single = _sizes(self.first_groups) * _sizes(self.second_groups)[self.partner] == 1
+        for pair in set(map(tuple, pairs[~single].tolist())):
             inside = np.flatnonzero((pairs == pair).all(axis=1))
             mac[inside] = self._cosines(inside)[: len(inside)]
         return mac
@@ -322,8 +325,15 @@ def _means(overlaps: Array, first_groups: IntArray, second_groups: IntArray) -> 
 
 def _components(linked: BoolArray) -> IntArray:
     """Index (m) of the connected group of linked modes to which each mode belongs."""
+    if np.count_nonzero(linked) == np.count_nonzero(np.diagonal(linked)):
+        return np.arange(len(linked))
     numbers: IntArray = scipy.sparse.csgraph.connected_components(linked, directed=False)[1]
     return numbers
+
+
+def _sizes(groups: IntArray) -> IntArray:
+    """Number of modes in the group of each mode."""
+    return np.asarray(np.equal.outer(groups, groups).sum(axis=1))
 
 
 def _ascending(partner: IntArray, linked: BoolArray) -> IntArray:
