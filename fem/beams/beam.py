@@ -30,9 +30,9 @@ the centre of mass (y_m, z_m) are u + z_m φy − y_m φz, v_s − (z_m − z_s)
 along the whole element. The nodes have the twists of the centroid.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import (
@@ -55,6 +55,7 @@ from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import InputError
 from lumped.legs import BeamProperties, Ends, Material
 from lumped.mechanism.body_model import LegMatrices
+from lumped.memo import memo
 
 # Degree of the quadrature: exact for the product of two cubics, the highest degree in the mass.
 _INTEGRATION_ORDER = 6
@@ -93,6 +94,14 @@ class _Member:
         return np.array([*self.signs, *self.signs, *self.inner * (1.0,)])
 
 
+class _Entries(NamedTuple):
+    """Entries of a sparse matrix. Those at the same place are added."""
+
+    values: Array
+    rows: IntArray
+    columns: IntArray
+
+
 def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMatrices:
     """Free leg of `length` (m) consisting of `elements` beam elements of equal length.
 
@@ -123,19 +132,22 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
     }
     places, size = _places(members, elements)
 
-    def assembled(matrix: Array, row: str, column: str) -> SparseMatrix:
+    def entries(matrix: Array, row: str, column: str) -> _Entries:
         signs = np.outer(members[row].unknown_signs, members[column].unknown_signs)
         values = np.repeat((signs * matrix)[None], elements, axis=0)
         rows, columns = np.broadcast_arrays(places[row][:, :, None], places[column][:, None, :])
-        entries = (values.ravel(), (rows.ravel(), columns.ravel()))
-        return csr_matrix(coo_matrix(entries, shape=(size, size)))
+        return _Entries(values.ravel(), rows.ravel(), columns.ravel())
 
     def coupled(matrix: Array, row: str, column: str) -> SparseMatrix:
-        block = assembled(matrix, row, column)
+        block = _assembled([entries(matrix, row, column)], (size, size))
         return csr_matrix(block + block.T)
 
-    parts = {name: assembled(member.stiffness, name, name) for name, member in members.items()}
-    mass = sum(assembled(member.mass, name, name) for name, member in members.items())
+    parts = {
+        name: _assembled([entries(member.stiffness, name, name)], (size, size))
+        for name, member in members.items()
+    }
+    masses = [entries(member.mass, name, name) for name, member in members.items()]
+    mass = _assembled(masses, (size, size))
     y, z = members["bending z"], members["bending y"]
     if p.couples_bending:
         both = coupled(_coupling_stiffness(y, z, p.EIyz, GAyz), "bending z", "bending y")
@@ -156,20 +168,35 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
         mass += coupled(about_z, "bending z", "tension") + coupled(about_y, "bending y", "tension")
 
     def centreline(stations: Array) -> SparseMatrix:
-        return sum(
-            _twists(member, places[name], length, size, stations)
-            for name, member in members.items()
-        )
+        twists = [
+            _twists(member, places[name], length, stations) for name, member in members.items()
+        ]
+        return _assembled(twists, (6 * np.size(stations), size))
 
     leg = LegMatrices(
         model="beam",
         length=length,
         stiffness=sum(parts.values()),
-        mass=csr_matrix(mass),
+        mass=mass,
         centreline=centreline,
         parts=parts,
     )
     return _on_centroids(leg, elements + 1, p.to_shear_centre) if p.couples_torsion else leg
+
+
+def _assembled(parts: Sequence[_Entries], shape: tuple[int, int]) -> SparseMatrix:
+    """Sum of matrices given by their entries, converted once. Zeros are not stored."""
+    values, rows, columns = (np.concatenate(of_parts) for of_parts in zip(*parts, strict=True))
+    matrix = csr_matrix(coo_matrix((values, (rows, columns)), shape=shape))
+    matrix.eliminate_zeros()
+    return matrix
+
+
+@memo(1)
+def _quadrature() -> tuple[Array, Array]:
+    """Points (1×p) and weights (p) of the reference element. They must not be changed."""
+    points, weights = get_quadrature(RefLine, _INTEGRATION_ORDER)
+    return points, weights
 
 
 def _shear_stiffnesses(p: BeamProperties) -> tuple[float, float, float]:
@@ -202,7 +229,7 @@ def _coupling_mass(
 
 def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]]]]:
     """Weights (in m) of an element's quadrature points, and fields of each deformation there."""
-    points, weights = get_quadrature(RefLine, _INTEGRATION_ORDER)
+    points, weights = _quadrature()
     fields = [_fields(member.element, member.mesh, points) for member in members]
     return weights * members[0].mesh.p[0, -1], fields
 
@@ -285,7 +312,7 @@ def _member(
     components: tuple[int, ...],
     signs: tuple[float, ...],
 ) -> _Member:
-    points, weights = get_quadrature(RefLine, _INTEGRATION_ORDER)
+    points, weights = _quadrature()
     fields = _fields(element, mesh, points)
     of_columns = [_field(value[None], gradient[None]) for value, gradient in fields]
     of_rows = [_field(value[:, None], gradient[:, None]) for value, gradient in fields]
@@ -321,13 +348,10 @@ def _places(members: dict[str, _Member], elements: int) -> tuple[dict[str, IntAr
     return places, size
 
 
-def _twists(
-    member: _Member, places: IntArray, length: float, size: int, stations: Array
-) -> SparseMatrix:
-    """Contribution (6k × `size`) of one deformation to the twists of sections at k `stations`.
+def _twists(member: _Member, places: IntArray, length: float, stations: Array) -> _Entries:
+    """Entries (6k × unknowns) of a member's contribution to the twists of sections at k `stations`.
 
-    The columns are those of all `size` unknowns of the leg. `stations` are distances (m) from the
-    root.
+    `stations` are distances (m) from the root.
     """
     stations = np.atleast_1d(np.asarray(stations, dtype=float))
     slack = ROUNDING * length
@@ -342,8 +366,7 @@ def _twists(
         rows.append(np.broadcast_to(6 * np.arange(len(stations)) + component, field.shape))
         columns.append(places[cells].T)
         values.append(sign * member.unknown_signs[:, None] * field)
-    entries = (np.ravel(values), (np.ravel(rows), np.ravel(columns)))
-    return csr_matrix(coo_matrix(entries, shape=(6 * len(stations), size)))
+    return _Entries(np.ravel(values), np.ravel(rows), np.ravel(columns))
 
 
 def warping_beam_leg(
