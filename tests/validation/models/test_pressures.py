@@ -144,6 +144,17 @@ def test_check_and_solve_list_resultants(block):
     assert "buckling" not in loads["top"]
 
 
+def test_points_of_pressures_have_the_file_unit():
+    plane = "plane = { normal = [1, 0, 0], point = [120.0, 0.0, 0.0] }"
+    bore = "cylinder = { radius = 12.0, point = [60.0, 0.0, 0.0] }"
+    text = BLOCK.replace("schema = 2", 'schema = 2\nunits = "mm"').replace(f"[{LENGTH},", "[120.0,")
+    mechanism = described(text + load_text("both", (3.0e5, plane), (2.0e5, bore)))
+    in_plane, in_bore = mechanism.loads[0].pressures
+    assert in_plane.faces.point == pytest.approx((LENGTH, 0.0, 0.0))
+    assert (in_bore.faces.radius, *in_bore.faces.point) == pytest.approx((0.012, 0.06, 0.0, 0.0))
+    assert (in_plane.pressure, in_bore.pressure) == (3.0e5, 2.0e5)
+
+
 FAULTS = {
     'body = "blocks", pressure = 1.0, faces = [1]': (
         'body = "blocks": must be a CAD part (step or mesh); did you mean "block"?'
