@@ -49,11 +49,10 @@ from skfem.element import DiscreteField
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefLine
 
-from fem.sections.nonuniform_torsion import WarpingRod, line_products, warping_rod
-from fem.sections.section_constants import SectionConstants, beam_properties
+from fem.sections.nonuniform_torsion import WarpingRod, line_products
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import InputError
-from lumped.legs import BeamProperties, Ends, Material
+from lumped.legs import BeamProperties, Ends
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 
@@ -370,7 +369,7 @@ def _twists(member: _Member, places: IntArray, length: float, stations: Array) -
 
 
 def warping_beam_leg(
-    constants: SectionConstants, material: Material, length: float, elements: int, ends: Ends
+    properties: BeamProperties, rod: WarpingRod, length: float, elements: int, ends: Ends
 ) -> LegMatrices:
     """Free Timoshenko leg of `length` (m) with warping, consisting of `elements` beam elements.
 
@@ -378,8 +377,7 @@ def warping_beam_leg(
     inside the elements. If `ends` is "rigid", χ is zero at both end faces. Round sections have no
     χ.
     """
-    leg = beam_leg(beam_properties(constants, material), length, elements)
-    rod = warping_rod(constants, material)
+    leg = beam_leg(properties, length, elements)
     if rod.shear <= _NO_WARPING * rod.twist:
         return leg
     return with_warping(leg, rod, elements, ends)

@@ -35,9 +35,10 @@ import numpy as np
 from scipy.linalg import LinAlgError, cholesky, qr, solve_triangular
 from scipy.sparse import diags_array
 
-from fem.bodies.solid import Ends
+from fem.bodies.solid import Ends, solid_leg
 from fem.couplings.grips import rigid_motions, saint_venant_loads
-from fem.elasticity import stiffness
+from fem.sections.composite import wrench_states
+from fem.sections.moduli import leg_moduli
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import ConstantLeg
@@ -193,7 +194,10 @@ def doubled(piece: CondensedPiece) -> CondensedPiece:
 
 def _face_deformations(mesh: SolidMesh, leg: ConstantLeg) -> _FaceDeformations:
     points = mesh.nodes[mesh.root.nodes]
-    loads = saint_venant_loads(mesh.root, points, np.zeros(3), leg.material)
+    if moduli := leg_moduli(leg, mesh.root.mesh):
+        loads = wrench_states(mesh.root.mesh, moduli).tractions
+    else:
+        loads = saint_venant_loads(mesh.root, points, np.zeros(3), leg.material)
     along = np.arange(0, len(loads), 3)
     within = np.setdiff1d(np.arange(len(loads)), along)
     # Fx, My and Mz have axial tractions. Fy, Fz and Mx have tractions within the face.
@@ -221,7 +225,7 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> Conden
     plane and the twist is that of Fx, My, Mz. With −, they move along the leg. Each is averaged
     over both ends, because round-off in K would otherwise resist rigid motions.
     """
-    K = stiffness(mesh, leg.material)
+    K = solid_leg(leg, mesh).stiffness
     m = len(face.fields)
     root, tip = slice(0, m), slice(K.shape[0] - m, None)
     between = np.arange(m, K.shape[0] - m)

@@ -16,15 +16,15 @@ from fem.elasticity import (
     on_three_components,
     stiffness_and_mass,
 )
-from fem.sections.composite import composite_tractions
+from fem.sections.composite import wrench_states
+from fem.sections.moduli import leg_moduli, part_materials
 from fem.sections.saint_venant import section_quadrature
 from lumped.arrays import Array, SparseMatrix
 from lumped.centre_line import CentreLine
 from lumped.errors import InputError, naming
-from lumped.legs import ConstantLeg, LineLeg, Material, SectionedLeg
+from lumped.legs import LineLeg, SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import turn
-from lumped.sections import Composite
 from meshes.elements import ELEMENTS
 from meshes.loft import LoftedMesh, loft, slices_along
 from meshes.part.boundary import Facets
@@ -76,7 +76,7 @@ def solid_leg(leg: SectionedLeg, mesh: SolidMesh) -> SolidLeg:
     """Stiffness and mass of a leg on a mesh. Raises ComputationError for folded elements."""
     with naming(leg.name):
         if mesh.regions is not None:
-            materials = materials_of(leg)
+            materials = part_materials(leg)
             K, scalar_mass = composite_stiffness_and_mass(mesh, mesh.regions, materials)
         else:
             K, scalar_mass = stiffness_and_mass(mesh, leg.material)
@@ -103,9 +103,9 @@ def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:
 def _end_tractions(solid: SolidLeg, face: EndFace, point: Array) -> Array:
     """Nodal loads (3n×6, leg axes) of unit wrenches at a point of an end face."""
     leg, points = solid.leg, solid.mesh.nodes[face.nodes]
-    if face.mesh.regions is not None:
+    if moduli := leg_moduli(leg, face.mesh):
         # The axis of the leg goes through the centroid of the stiffness of every section.
-        return composite_tractions(face.mesh, materials_of(leg))
+        return wrench_states(face.mesh, moduli).tractions
     if face.axes is None:
         return saint_venant_loads(face, points, point, leg.material)
     local = saint_venant_loads(face, (points - point) @ face.axes, np.zeros(3), leg.material)
@@ -136,13 +136,6 @@ def _along_fibres(tractions: Array, section: SectionMesh, rates: Array) -> Array
     loads[:, 5] += rates[0] * tractions[:, 1]
     loads[:, 4] -= rates[1] * tractions[:, 2]
     return loads
-
-
-def materials_of(leg: SectionedLeg) -> tuple[Material, ...]:
-    """Materials of the parts of a composite leg. () for other legs."""
-    if not isinstance(leg, ConstantLeg) or not isinstance(leg.section, Composite):
-        return ()
-    return tuple(Material.isotropic(part.E, part.nu, part.rho) for part in leg.section.parts)
 
 
 def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> RootedBody:

@@ -22,6 +22,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eig
 
 from fem.couplings.section_fields import SectionFields, saint_venant_states, section_fields
+from fem.sections.moduli import Moduli
 from lumped.arrays import Array
 from lumped.errors import ComputationError
 from lumped.legs import Material
@@ -33,7 +34,7 @@ from meshes.section.section_mesh import SectionMesh
 _LOST = 1e-4
 
 
-def restrained_compliance(mesh: SectionMesh, material: Material, length: float) -> Array:
+def restrained_compliance(mesh: SectionMesh, material: Material | Moduli, length: float) -> Array:
     """Change (6×6, SI, leg axes, at the tip) of a prism's tip compliance by rigid end faces.
 
     It is the tip compliance with plane, rigid faces at root and tip minus that with Saint-Venant's

@@ -20,14 +20,18 @@ import scipy
 from scipy.sparse import csr_array
 
 from fem.couplings.grips import rigid_motions
+from fem.sections.moduli import Moduli
 from fem.sections.saint_venant import section_quadrature
-from fem.sections.waveguide import assembled, elasticity, mass_matrix, strains
+from fem.sections.waveguide import assembled, cell_matrices, elasticity, mass_matrix
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.legs import Material
 from meshes.section.section_mesh import SectionMesh, require_one_material
 
 # Largest distance between a node and the mirror image of another, relative to the section's size.
 _SAME_PLACE = 1e-6
+# Largest difference of an entry of a matrix from its mirror image, relative to the largest entry.
+# Nodes have their mirror images to 1e-9 of the size, thin cells to 1e-6 of theirs.
+_SAME_VALUE = 1e-5
 
 
 @dataclass(frozen=True)
@@ -117,35 +121,37 @@ class SectionState:
     forces: Array
 
 
-def section_fields(mesh: SectionMesh, material: Material) -> list[SectionFields]:
-    """Fields of a section for each symmetry of its mesh.
+def section_fields(mesh: SectionMesh, material: Material | Moduli) -> list[SectionFields]:
+    """Fields of a section for each symmetry of its mesh and of its moduli.
 
     With two axes of symmetry these are "tension", "torsion", "bending y" and "bending z". With less
-    symmetry the kinds of deformation that are coupled form one entry.
+    symmetry the kinds of deformation that are coupled form one entry. Rigid motions are about the
+    centroid, in a section of several materials about the origin of its mesh. Planes normal to the
+    prism must be planes of symmetry of its materials.
     """
-    require_one_material(mesh)
     quad = section_quadrature(mesh)
-    in_section = strains(quad, 0.0)
-    along = strains(quad, 1.0) - in_section
-    # The sign is reversed because axial strain is −k a in `strains` (standing wave), but u_x′ here.
-    along[:, :, 0] *= -1.0
-    D = elasticity(material)
-    E0, E1, E2 = (
-        assembled(
-            quad,
-            np.einsum("mqsi,st,mqtj,mq->mij", left, D, right, quad.weights, optimize=True),
-        )
-        for left, right in ((along, along), (along, in_section), (in_section, in_section))
-    )
-    mass = mass_matrix(quad, material.rho)
-    centred = mesh.nodes - quad.centroid
+    if isinstance(material, Moduli):
+        E0, E1, E2 = (assembled(quad, local) for local in cell_matrices(quad, material.on(quad)))
+        mass = mass_matrix(quad, material.densities)
+        centred = mesh.nodes
+    else:
+        require_one_material(mesh)
+        D = elasticity(material)
+        E0, E1, E2 = (assembled(quad, local) for local in cell_matrices(quad, D))
+        mass = mass_matrix(quad, material.rho)
+        centred = mesh.nodes - quad.centroid
     points = np.column_stack([np.zeros(len(centred)), centred])
     motions = rigid_motions(points, np.zeros(3))
     mirrors = [
         None if (images := _mirror(centred, signs)) is None else (axis, images)
         for axis, signs in enumerate(((-1.0, 1.0), (1.0, -1.0)))
     ]
-    present = [mirror for mirror in mirrors if mirror is not None]
+    present = [
+        mirror
+        for mirror in mirrors
+        if mirror is not None
+        and (isinstance(material, Material) or _is_mirrored((E0, E2, mass), *mirror))
+    ]
     fields_by_symmetry = []
     for kinds in _coupled_kinds([axis for axis, _ in present]):
         basis, axial = _symmetric(len(centred), present, kinds[0].parity)
@@ -190,6 +196,20 @@ def _mirror(nodes: Array, signs: tuple[float, float]) -> IntArray | None:
     if distance.max() > _SAME_PLACE * size:
         return None
     return np.asarray(partner)
+
+
+def _is_mirrored(matrices: Sequence[Array], axis: int, images: IntArray) -> bool:
+    """True if matrices (3N×3N) do not change as y (`axis` 0) or z (1) is reversed.
+
+    The nodes of a mesh may be symmetric although its materials are not.
+    """
+    signs = np.tile(np.where(np.arange(3) == axis + 1, -1.0, 1.0), len(images))
+    places = (3 * images[:, None] + np.arange(3)).ravel()
+    return all(
+        np.abs(signs[:, None] * matrix[np.ix_(places, places)] * signs - matrix).max()
+        <= _SAME_VALUE * np.abs(matrix).max()
+        for matrix in matrices
+    )
 
 
 def _orbits(count: int, mirrors: Sequence[tuple[IntArray, int]], component: int) -> Array:

@@ -9,22 +9,27 @@ power downwards, E₂a_k = E₀a_{k+2} + Ga_{k+1} (V. Giavotto et al., Computers
 the states. Their strain energies per length are the 6×6 compliance of the beam.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import block_array, coo_array, csc_array
 from scipy.sparse.linalg import splu
 
+from fem.sections.moduli import Moduli
+from fem.sections.nonuniform_torsion import WarpingRod
 from fem.sections.saint_venant import SectionQuadrature, section_quadrature
-from fem.sections.waveguide import elasticity, strains
+from fem.sections.waveguide import cell_matrices
 from lumped.arrays import Array, SparseMatrix
-from lumped.legs import Material
+from lumped.legs import BeamProperties
 from meshes.section.section_mesh import SectionMesh
 
 # Degree of the polynomial of each rigid motion that strains no section by itself: tension from a
 # displacement along x, bending and flexure from one along y and along z, torsion from a rotation.
 _DEGREES = ((0, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 1))
+_TORSION = 5
+# Couplings below this fraction of their scale are round-off. Mirror images in meshes are exact to
+# 1e-10.
+_SYMMETRIC = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,17 +37,19 @@ class WrenchStates:
     """States of unit wrenches (x y z φx φy φz) on a section about the origin of its mesh.
 
     `tractions` (3N×6): nodal forces. `compliance` (6×6, in 1/N, 1/(N m), 1/(N m²)): strains per
-    length of a beam, conjugate to the wrenches.
+    length of a beam, conjugate to the wrenches. `warping` (N, m²): displacements u_x in torsion of
+    unit rate about the origin.
     """
 
     tractions: Array
     compliance: Array
+    warping: Array
 
 
-def wrench_states(mesh: SectionMesh, materials: Sequence[Material]) -> WrenchStates:
-    """States of unit wrenches on a section `mesh` whose regions have the given `materials`."""
+def wrench_states(mesh: SectionMesh, moduli: Moduli) -> WrenchStates:
+    """States of unit wrenches on a section `mesh` with the given moduli."""
     quad = section_quadrature(mesh)
-    E0, E1, E2 = _matrices(quad, materials)
+    E0, E1, E2 = _matrices(quad, moduli)
     coupling = E1 - E1.T
     y, z = mesh.nodes.T
     motions = np.zeros((len(y), 3, 6))
@@ -67,32 +74,107 @@ def wrench_states(mesh: SectionMesh, materials: Sequence[Material]) -> WrenchSta
     to_wrenches = np.linalg.inv(rigid.T @ forces)
     energies = slope.T @ forces + warping.T @ (E1.T @ slope + E2 @ warping)
     compliance = to_wrenches.T @ energies @ to_wrenches
-    return WrenchStates(forces @ to_wrenches, 0.5 * (compliance + compliance.T))
+    return WrenchStates(
+        forces @ to_wrenches, 0.5 * (compliance + compliance.T), warping[::3, _TORSION]
+    )
 
 
-def composite_tractions(mesh: SectionMesh, materials: Sequence[Material]) -> Array:
-    """Nodal forces (3N×6) of unit wrenches on a section of several materials."""
-    return wrench_states(mesh, materials).tractions
+def composite_properties(mesh: SectionMesh, moduli: Moduli) -> BeamProperties:
+    """Timoshenko beam of a section of several materials, along the origin of its mesh.
+
+    EA and EI contain the mutual restraint of parts of different Poisson's ratios. The coupling of
+    tension and bending by this restraint, of second order in the difference, is left out.
+    """
+    compliance = wrench_states(mesh, moduli).compliance
+    GJ = 1.0 / compliance[3, 3]
+    # A unit force along y through the origin has the moment z_s about the shear centre, one along
+    # z has −y_s.
+    centre = np.array([-compliance[3, 2], compliance[3, 1]]) * GJ
+    size = np.sqrt(compliance[0, 0] / np.trace(compliance[4:, 4:]))
+    centre[np.abs(centre) <= _SYMMETRIC * size] = 0.0
+    moments = np.array([centre[1], -centre[0]])
+    shear = compliance[1:3, 1:3] - np.outer(moments, moments) / GJ
+    coupling = float(shear[0, 1])
+    if abs(coupling) <= _SYMMETRIC * np.trace(shear):
+        coupling = 0.0
+    # Curvatures φz′ and −φy′ due to Mz and −My.
+    signs = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    bending = np.linalg.inv((signs * compliance[4:, 4:])[::-1, ::-1])
+    product = float(bending[0, 1])
+    if abs(product) <= _SYMMETRIC * np.trace(bending):
+        product = 0.0
+    mass, (first_y, first_z), inertia = _inertia(mesh, moduli)
+    offset = np.array([first_y, first_z]) / mass
+    offset[np.abs(offset) <= _SYMMETRIC * size] = 0.0
+    inertia_yz = float(inertia[0, 1])
+    if abs(inertia_yz) <= _SYMMETRIC * np.trace(inertia):
+        inertia_yz = 0.0
+    return BeamProperties(
+        EA=1.0 / float(compliance[0, 0]),
+        EIy=float(bending[1, 1]),
+        EIz=float(bending[0, 0]),
+        GJ=float(GJ),
+        GAy=1.0 / float(shear[0, 0]),
+        GAz=1.0 / float(shear[1, 1]),
+        mu=mass,
+        rho_J=float(np.trace(inertia)),
+        rho_Iy=float(inertia[1, 1]),
+        rho_Iz=float(inertia[0, 0]),
+        EIyz=product,
+        rho_Iyz=inertia_yz,
+        shear_yz=coupling,
+        centre_y=float(centre[0]),
+        centre_z=float(centre[1]),
+        mass_y=float(offset[0]),
+        mass_z=float(offset[1]),
+    )
+
+
+def composite_rod(mesh: SectionMesh, moduli: Moduli) -> WarpingRod:
+    """Torsion with warping of a section of several materials, about its shear centre.
+
+    Normal stresses of warping have the modulus of tension with free contraction.
+    """
+    states = wrench_states(mesh, moduli)
+    GJ = 1.0 / states.compliance[3, 3]
+    offset_y, offset_z = -states.compliance[3, 2] * GJ, states.compliance[3, 1] * GJ
+    quad = section_quadrature(mesh)
+    y, z = quad.points + quad.centroid[:, None, None]
+    matrices = moduli.on(quad)
+    turning = np.stack([-(z - offset_z), y - offset_y], axis=-1)
+    shear = matrices[..., [5, 4], :][..., [5, 4]]
+    twist = quad.integral(np.einsum("mqi,mqij,mqj->mq", turning, shear, turning))
+    tension: Array = np.asarray(1.0 / np.linalg.inv(matrices)[..., 0, 0], dtype=float)
+    warping = quad.value(states.warping) - y * offset_z + z * offset_y
+    warping -= quad.integral(tension * warping) / quad.integral(tension)
+    densities = moduli.densities[:, None] * np.ones_like(y)
+    return WarpingRod(
+        twist=float(twist),
+        shear=float(twist - GJ),
+        bimoment=float(quad.integral(tension * warping**2)),
+        rotary=float(quad.integral(densities * (turning**2).sum(axis=-1))),
+        warping=float(quad.integral(densities * warping**2)),
+    )
+
+
+def _inertia(mesh: SectionMesh, moduli: Moduli) -> tuple[float, Array, Array]:
+    """Mass per length (kg/m), its first moments (2) and ∫ ρ s sᵀ dA (2×2) about the origin."""
+    quad = section_quadrature(mesh)
+    points = quad.points + quad.centroid[:, None, None]
+    densities = moduli.densities[:, None] * np.ones_like(points[0])
+    second = [[quad.integral(densities * a * b) for b in points] for a in points]
+    return (
+        float(quad.integral(densities)),
+        quad.integral(densities * points),
+        np.array(second, dtype=float),
+    )
 
 
 def _matrices(
-    quad: SectionQuadrature, materials: Sequence[Material]
+    quad: SectionQuadrature, moduli: Moduli
 ) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:
     """E₀, E₁, E₂ (csc 3N×3N): ∫ ε·σ = u′E₀u′ + 2u′E₁u + uE₂u."""
-    in_section = strains(quad, 0.0)
-    along = strains(quad, 1.0) - in_section
-    # The standing wave's axial strain is −k a: here it is u_x′.
-    along[:, :, 0] *= -1.0
-    regions = quad.mesh.regions
-    D = np.array([elasticity(material) for material in materials])
-    moduli = D[np.zeros(len(quad.mesh.cells), dtype=int) if regions is None else regions]
-    E0, E1, E2 = (
-        _assembled(
-            quad,
-            np.einsum("mqsi,mst,mqtj,mq->mij", left, moduli, right, quad.weights, optimize=True),
-        )
-        for left, right in ((along, along), (along, in_section), (in_section, in_section))
-    )
+    E0, E1, E2 = (_assembled(quad, local) for local in cell_matrices(quad, moduli.on(quad)))
     return E0, E1, E2
 
 

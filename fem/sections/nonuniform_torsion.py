@@ -56,15 +56,12 @@ def warping_rod(constants: SectionConstants, material: Material) -> WarpingRod:
     )
 
 
-def held_torsion_compliance(
-    constants: SectionConstants, material: Material, length: float
-) -> float:
+def held_torsion_compliance(rod: WarpingRod, length: float) -> float:
     """Rotation of the tip per torque (rad/(N m)) if warping is prevented at both ends (χ = 0).
 
     From T = G I_p θ' − G(I_p − J) χ and EΓ χ″ = G(I_p − J)(χ − θ'): (L − (1 − J/I_p) (2/k)
     tanh(kL/2)) / GJ with k² = G J (1 − J/I_p) / EΓ.
     """
-    rod = warping_rod(constants, material)
     stiffness = rod.twist - rod.shear
     share = rod.shear / rod.twist
     if share * rod.bimoment <= 0.0:

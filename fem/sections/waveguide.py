@@ -63,6 +63,23 @@ def strains(quad: SectionQuadrature, k: float) -> Array:
     return amplitudes.reshape(cells, points, 6, 3 * count)
 
 
+def cell_matrices(quad: SectionQuadrature, moduli: Array) -> tuple[Array, Array, Array]:
+    """Matrices E₀, E₁, E₂ (M×3n×3n) of each cell, ∫ ε·σ = u′E₀u′ + 2u′E₁u + uE₂u.
+
+    `moduli`: one elasticity matrix (6×6), or one at each quadrature point (M×Q×6×6).
+    """
+    in_section = strains(quad, 0.0)
+    along = strains(quad, 1.0) - in_section
+    # The sign is reversed because axial strain is −k a in `strains` (standing wave), but u_x′ here.
+    along[:, :, 0] *= -1.0
+    product = "mqsi,st,mqtj,mq->mij" if moduli.ndim == 2 else "mqsi,mqst,mqtj,mq->mij"
+    e0, e1, e2 = (
+        np.einsum(product, left, moduli, right, quad.weights, optimize=True)
+        for left, right in ((along, along), (along, in_section), (in_section, in_section))
+    )
+    return e0, e1, e2
+
+
 def elasticity(material: Material) -> Array:
     """Elasticity matrix (6×6, in Pa) of a material with cubic symmetry."""
     E, nu = material.E, material.nu
@@ -73,9 +90,13 @@ def elasticity(material: Material) -> Array:
     return matrix
 
 
-def mass_matrix(quad: SectionQuadrature, rho: float) -> Array:
-    """Mass matrix per length (3N×3N, kg/m) for displacements that are constant along the leg."""
-    scalar = np.einsum("iq,jq,mq->mij", quad.shapes, quad.shapes, rho * quad.weights)
+def mass_matrix(quad: SectionQuadrature, rho: float | Array) -> Array:
+    """Mass matrix per length (3N×3N, kg/m) for displacements that are constant along the leg.
+
+    `rho`: density (kg/m³), of all cells or of each (M).
+    """
+    weights = np.reshape(rho, (-1, 1)) * quad.weights
+    scalar = np.einsum("iq,jq,mq->mij", quad.shapes, quad.shapes, weights)
     cells, count, _ = scalar.shape
     blocks = np.einsum("mij,ab->miajb", scalar, np.eye(3))
     return assembled(quad, blocks.reshape(cells, 3 * count, 3 * count))

@@ -26,6 +26,7 @@ from lumped.sections.saint_venant import (
     Loop,
     Region,
     RimSolution,
+    area_moments,
     is_inside,
     partition_edges,
     rim_solution,
@@ -145,6 +146,12 @@ class Composite(EdgedSection):
     @property
     def product_moment(self) -> float:
         return product_of(_stiffness_moments(self)[1])
+
+    @property
+    def part_moments(self) -> tuple[Array, ...]:
+        """Matrices Σ (2×2, m⁴) of the parts about the centroid of the stiffness."""
+        centred = [area_moments(loops) for loops in self.centred_loops]
+        return tuple(moments + area * np.outer(at, at) for area, at, moments in centred)
 
     @property
     def inertia_moments(self) -> tuple[float, float, float]:

@@ -6,30 +6,31 @@
   elements nearly square, or fewer in a narrow strip (`side_ratio`); or two numbers, along y and z;
 - circle: this number, but at least three, across a diameter (a core with curved sides, and a ring
   of four blocks around it);
-- walls (hollow rectangle, tube, I, channel, angle, tee, and polygons all of whose edges are
-  parallel to y or z): one element across the thickness per four divisions, and more in a thick wall
-  (`_across`); along the wall, elements of the length smaller side / divisions, but not longer than
-  `WALL_ASPECT` times their thickness.
+- walls (hollow rectangle, tube, I, channel, angle, tee, and polygons and composites all of whose
+  edges are parallel to y or z): one element across the thickness per four divisions, and more in
+  a thick wall (`_across`); along the wall, elements of the length smaller side / divisions, but
+  not longer than `WALL_ASPECT` times their thickness.
 
-So divisions of 4, 8, 16, … are uniform refinements of each other for every shape. Polygons with
-other edges have no blocks (`meshes.section.section_mesh`).
+So divisions of 4, 8, 16, … are uniform refinements of each other for every shape. Polygons and
+composites with other edges have no blocks (`meshes.section.section_mesh`).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import ceil, log2, pi, prod, radians, sqrt, tan
 from typing import TypeAlias
 
 import numpy as np
 
-from lumped.arrays import Array
+from lumped.arrays import Array, IntArray
 from lumped.errors import InputError
 from lumped.sections import (
     Circle,
     Composite,
     HollowRectangle,
     ISection,
+    Loop,
     OutlinedSection,
     Rectangle,
     Section,
@@ -62,13 +63,15 @@ class Blocks:
     `points` (P×2) are coordinates y and z in m. `corners` contains four point numbers for each
     block, counter-clockwise. An edge is a pair of point numbers, in one direction only. `counts` is
     the number of elements along each edge, `arc_centres` (y and z, m) the centre of each edge that
-    is a circular arc.
+    is a circular arc. `regions` is the number of the part of each block in a section of several
+    materials, () in others.
     """
 
     points: Array
     corners: tuple[tuple[int, int, int, int], ...]
     counts: dict[Edge, int]
     arc_centres: dict[Edge, tuple[float, float]]
+    regions: tuple[int, ...] = ()
 
 
 def section_blocks(section: Section, divisions: Divisions) -> Blocks:
@@ -84,15 +87,17 @@ def section_blocks(section: Section, divisions: Divisions) -> Blocks:
             return _tube(tube, count)
         case ISection() as i_section, int() as count:
             return _i_section(i_section, count)
-        case OutlinedSection() as outlined, int() as count if has_blocks(outlined):
+        case (OutlinedSection() | Composite()) as outlined, int() as count if has_blocks(outlined):
             return _rectilinear(outlined, count)
     raise InputError(f"{section.shape}: divisions = {divisions} do not fit this section")
 
 
-def has_blocks(section: OutlinedSection) -> bool:
-    """True if all edges of an outline and of its holes are parallel to y or to z."""
+def has_blocks(section: OutlinedSection | Composite) -> bool:
+    """True if all edges of an outline, of its holes or of parts are parallel to y or to z."""
     gap = _SAME_LINE * max(section.extent)
-    ways = [np.abs(np.roll(loop, -1, axis=0) - loop) for loop in section.loops]
+    parts = section.parts if isinstance(section, Composite) else [section]
+    loops = (loop for part in parts for loop in part.loops)
+    ways = [np.abs(np.roll(loop, -1, axis=0) - loop) for loop in loops]
     return bool((np.vstack(ways).min(axis=1) <= gap).all())
 
 
@@ -127,8 +132,7 @@ def element_count(section: Section, divisions: Divisions) -> int:
 
     For a polygon without blocks this is an estimate: the number of squares that fill its area.
     """
-    polygon = isinstance(section, OutlinedSection) and not has_blocks(section)
-    if polygon or isinstance(section, Composite):
+    if isinstance(section, OutlinedSection | Composite) and not has_blocks(section):
         size = min(section.extent) / (_COARSEST * 2 ** refinements(divisions))
         return int(np.ceil(section.area / size**2))
     blocks = section_blocks(section, divisions)
@@ -210,24 +214,34 @@ def _i_section(section: ISection, divisions: int) -> Blocks:
     )
 
 
-def _rectilinear(section: OutlinedSection, divisions: int) -> Blocks:
-    """Blocks within a section, bounded by the lines through all of its edges."""
-    loops = section.centred_loops
-    lines = [_lines(np.concatenate([loop[:, axis] for loop in loops]), section) for axis in (0, 1)]
-    ys, zs = lines
-    middles_y, middles_z = (0.5 * (line[:-1] + line[1:]) for line in lines)
-    filled = np.array([[is_inside(loops, np.array([y, z])) for y in middles_y] for z in middles_z])
+def _rectilinear(section: OutlinedSection | Composite, divisions: int) -> Blocks:
+    """Blocks within a section or its parts, bounded by the lines through all edges."""
+    parts = section.centred_loops if isinstance(section, Composite) else (section.centred_loops,)
+    corners = np.vstack([loop for loops in parts for loop in loops])
+    ys, zs = (_lines(corners[:, axis], section) for axis in (0, 1))
+    middles_y, middles_z = (0.5 * (line[:-1] + line[1:]) for line in (ys, zs))
+    owners = np.array(
+        [[_part_at(parts, np.array([y, z])) for y in middles_y] for z in middles_z], dtype=int
+    )
     side = min(section.extent)
-    return _grid(
+    blocks = _grid(
         ys.tolist(),
         zs.tolist(),
-        _strip_counts(np.diff(ys), np.diff(zs), filled.T, side, divisions),
-        _strip_counts(np.diff(zs), np.diff(ys), filled, side, divisions),
-        filled.tolist(),
+        _strip_counts(np.diff(ys), np.diff(zs), owners.T, side, divisions),
+        _strip_counts(np.diff(zs), np.diff(ys), owners, side, divisions),
+        (owners >= 0).tolist(),
     )
+    if isinstance(section, Composite):
+        return replace(blocks, regions=tuple(owners[owners >= 0].tolist()))
+    return blocks
 
 
-def _lines(coordinates: Array, section: OutlinedSection) -> Array:
+def _part_at(parts: Sequence[Sequence[Loop]], point: Array) -> int:
+    """Number of the part that contains a point, −1 if none does."""
+    return next((number for number, loops in enumerate(parts) if is_inside(loops, point)), -1)
+
+
+def _lines(coordinates: Array, section: Section) -> Array:
     """Distinct coordinates of the lines on which edges lie, ascending."""
     ordered = np.sort(coordinates)
     steps = np.diff(ordered, prepend=-np.inf)
@@ -235,18 +249,18 @@ def _lines(coordinates: Array, section: OutlinedSection) -> Array:
 
 
 def _strip_counts(
-    widths: Array, across: Array, filled: Array, side: float, divisions: int
+    widths: Array, across: Array, owners: IntArray, side: float, divisions: int
 ) -> list[int]:
     """Number of elements across each of the parallel strips of a section, with given `widths`.
 
-    Perpendicular strips with the widths `across` divide them into blocks. `filled` is True for
-    blocks inside the section. The width of a strip is the thickness of a wall, or a length along
-    the thinnest wall that crosses the strip.
+    Perpendicular strips with the widths `across` divide them into blocks. `owners` contains the
+    number of the part of each block, −1 outside the section. The width of a strip is the thickness
+    of a wall, or a length along the thinnest wall that crosses the strip.
     """
     counts = []
-    for width, blocks in zip(widths.tolist(), filled, strict=True):
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], blocks, [False]]).astype(int)))
-        runs = [float(across[a:b].sum()) for a, b in edges.reshape(-1, 2)]
+    for width, blocks in zip(widths.tolist(), owners, strict=True):
+        edges = np.flatnonzero(np.diff(np.concatenate([[-1], blocks, [-1]])))
+        runs = [float(across[a:b].sum()) for a, b in pairwise(edges) if blocks[a] >= 0]
         thinnest = min(runs)
         # The strip is a wall if it is thinner than all runs of blocks along it.
         if width <= thinnest:

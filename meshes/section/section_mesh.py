@@ -60,63 +60,67 @@ def section_mesh(section: Section, divisions: Divisions) -> SectionMesh:
     """
     require_section(section, divisions)
     part = f"section mesh ({section.shape})"
-    if isinstance(section, Composite):
-        return _composite_mesh(section, refinements(divisions), part)
-    free = isinstance(section, OutlinedSection) and not has_blocks(section)
+    free = isinstance(section, OutlinedSection | Composite) and not has_blocks(section)
     with gmsh_model(part) as gmsh:
-        if isinstance(section, OutlinedSection) and free:
-            _fill(gmsh, section, refinements(divisions))
+        if free and isinstance(section, Composite):
+            surfaces = _fill_parts(gmsh, section, refinements(divisions))
+            owners = list(range(len(surfaces)))
+        elif free and isinstance(section, OutlinedSection):
+            surfaces = [_fill(gmsh, section, refinements(divisions))]
+            owners = []
         else:
-            _add_blocks(gmsh, section_blocks(section, divisions))
+            blocks = section_blocks(section, divisions)
+            surfaces, owners = _add_blocks(gmsh, blocks), list(blocks.regions)
             gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(2)
-        tagged = connectivity(gmsh, "quad9")
+        if owners:
+            by_surface = [connectivity(gmsh, "quad9", surface) for surface in surfaces]
+            tagged = np.vstack(by_surface)
+            regions = np.repeat(owners, [len(cells) for cells in by_surface])
+        else:
+            tagged, regions = connectivity(gmsh, "quad9"), None
         tags, places = numbered(gmsh, tagged)
     nodes = places[:, 1:]
     if section.is_doubly_symmetric:
         nodes = symmetrised(nodes, part)
     cells = counter_clockwise(nodes, np.searchsorted(tags, tagged), "quad9")
-    return SectionMesh(nodes, cells, "quad9")
+    return SectionMesh(nodes, cells, "quad9", regions)
 
 
-def _composite_mesh(section: Composite, refinements: int, part: str) -> SectionMesh:
-    """Mesh of a section of several materials, each part filled as a polygon (see `_fill`)."""
+def _fill_parts(gmsh: ModuleType, section: Composite, refinements: int) -> list[int]:
+    """Mesh the parts of a section as polygons (see `_fill`). Return their surfaces."""
     loops_by_part = section.centred_loops
     partition = partition_edges(loops_by_part)
-    with gmsh_model(part) as gmsh:
-        geo = gmsh.model.geo
-        sizes = _vertex_sizes(partition, 0.25 * min(section.extent))
-        points = [
-            geo.addPoint(0.0, *vertex, 2.0 * size)
-            for vertex, size in zip(partition.vertices.tolist(), sizes.tolist(), strict=True)
+    geo = gmsh.model.geo
+    sizes = _vertex_sizes(partition, 0.25 * min(section.extent))
+    points = [
+        geo.addPoint(0.0, *vertex, 2.0 * size)
+        for vertex, size in zip(partition.vertices.tolist(), sizes.tolist(), strict=True)
+    ]
+    lines: dict[tuple[int, int], int] = {}
+    for start, end in partition.ends.tolist():
+        lines[start, end] = geo.addLine(points[start], points[end])
+        lines[end, start] = -lines[start, end]
+    surfaces = []
+    for loops in loops_by_part:
+        rings = [partition.vertices_along(loop) for loop in loops]
+        curves = [
+            geo.addCurveLoop([lines[pair] for pair in zip(ring, [*ring[1:], ring[0]], strict=True)])
+            for ring in rings
         ]
-        lines: dict[tuple[int, int], int] = {}
-        for start, end in partition.ends.tolist():
-            lines[start, end] = geo.addLine(points[start], points[end])
-            lines[end, start] = -lines[start, end]
-        surfaces = []
-        for loops in loops_by_part:
-            rings = [partition.vertices_along(loop) for loop in loops]
-            curves = [
-                geo.addCurveLoop(
-                    [lines[pair] for pair in zip(ring, [*ring[1:], ring[0]], strict=True)]
-                )
-                for ring in rings
-            ]
-            surfaces.append(geo.addPlaneSurface(curves))
-        geo.synchronize()
-        for option, value in _QUADRILATERALS.items():
-            gmsh.option.setNumber(option, value)
-        gmsh.model.mesh.generate(2)
-        for _ in range(refinements):
-            gmsh.model.mesh.refine()
-        gmsh.model.mesh.setOrder(2)
-        tagged = [connectivity(gmsh, "quad9", surface) for surface in surfaces]
-        tags, places = numbered(gmsh, np.vstack(tagged))
-    nodes = places[:, 1:]
-    cells = counter_clockwise(nodes, np.searchsorted(tags, np.vstack(tagged)), "quad9")
-    regions = np.repeat(np.arange(len(tagged)), [len(cells) for cells in tagged])
-    return SectionMesh(nodes, cells, "quad9", regions)
+        surfaces.append(int(geo.addPlaneSurface(curves)))
+    _generate_quadrilaterals(gmsh, refinements)
+    return surfaces
+
+
+def _generate_quadrilaterals(gmsh: ModuleType, refinements: int) -> None:
+    """Fill all surfaces with quadrilaterals, each divided into four `refinements` times."""
+    gmsh.model.geo.synchronize()
+    for option, value in _QUADRILATERALS.items():
+        gmsh.option.setNumber(option, value)
+    gmsh.model.mesh.generate(2)
+    for _ in range(refinements):
+        gmsh.model.mesh.refine()
 
 
 def _vertex_sizes(partition: Partition, largest: float) -> Array:
@@ -130,8 +134,11 @@ def _vertex_sizes(partition: Partition, largest: float) -> Array:
     return sizes
 
 
-def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> None:
-    """Add the blocks to the gmsh model as surfaces with structured quadrilaterals, in x = 0."""
+def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> list[int]:
+    """Add the blocks to the gmsh model in x = 0, as surfaces with structured quadrilaterals.
+
+    Return the surfaces.
+    """
     geo = gmsh.model.geo
     points = [geo.addPoint(0.0, y, z) for y, z in blocks.points]
     curves: dict[tuple[int, int], int] = {}
@@ -143,20 +150,23 @@ def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> None:
             curve = geo.addLine(points[start], points[end])
         geo.mesh.setTransfiniteCurve(curve, count + 1)
         curves[start, end], curves[end, start] = curve, -curve
+    surfaces = []
     for corners in blocks.corners:
         sides = zip(corners, (*corners[1:], corners[0]), strict=True)
         loop = geo.addCurveLoop([curves[side] for side in sides])
         surface = geo.addPlaneSurface([loop])
         geo.mesh.setTransfiniteSurface(surface, cornerTags=[points[i] for i in corners])
         geo.mesh.setRecombine(2, surface)
+        surfaces.append(int(surface))
     geo.synchronize()
+    return surfaces
 
 
-def _fill(gmsh: ModuleType, section: OutlinedSection, refinements: int) -> None:
+def _fill(gmsh: ModuleType, section: OutlinedSection, refinements: int) -> int:
     """Mesh a polygon with quadrilaterals, each divided into four `refinements` times.
 
     gmsh first fills it with triangles and pairs of triangles of twice the size, which are divided
-    into quadrilaterals.
+    into quadrilaterals. Return its surface.
     """
     geo = gmsh.model.geo
     curves = []
@@ -168,13 +178,9 @@ def _fill(gmsh: ModuleType, section: OutlinedSection, refinements: int) -> None:
         ends = [*points[1:], points[0]]
         lines = [geo.addLine(start, end) for start, end in zip(points, ends, strict=True)]
         curves.append(geo.addCurveLoop(lines))
-    geo.addPlaneSurface(curves)
-    geo.synchronize()
-    for option, value in _QUADRILATERALS.items():
-        gmsh.option.setNumber(option, value)
-    gmsh.model.mesh.generate(2)
-    for _ in range(refinements):
-        gmsh.model.mesh.refine()
+    surface = int(geo.addPlaneSurface(curves))
+    _generate_quadrilaterals(gmsh, refinements)
+    return surface
 
 
 def _corner_sizes(section: OutlinedSection) -> list[Array]:

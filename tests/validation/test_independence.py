@@ -24,6 +24,7 @@ from fem.couplings.wave_cantilever import prism_frequency, wave_frequency
 from fem.reduction.craig_bampton import craig_bampton, reduction
 from fem.reduction.free_interface import free_interface
 from fem.sections import nonuniform_torsion
+from fem.sections.composite import composite_properties
 from fem.sections.section_constants import beam_properties, section_constants
 from fem.sections.waveguide import torsion_wave
 from lumped.legs import tip_compliance
@@ -73,8 +74,11 @@ BASICS = {
     "fem.solvers.factor:Inertia": "counted eigenvalues",
     "fem.sections.saint_venant": "tractions on free ends, of which a solid's strains are its own",
     "fem.sections.section_constants:poisson_shear_ratio": "νG/E for those tractions",
-    "fem.sections.waveguide:elasticity": "those tractions of composites, which no comparison has",
-    "fem.sections.waveguide:strains": "those tractions of composites, which no comparison has",
+    "fem.sections.composite": "those tractions in sections of several materials",
+    "fem.sections.moduli": "materials of a section's parts, as data",
+    "fem.sections.waveguide:elasticity": "those tractions in sections of several materials",
+    "fem.sections.waveguide:cell_matrices": "those tractions in sections of several materials",
+    "fem.sections.waveguide:strains": "those tractions in sections of several materials",
 }
 # Comparisons that are of two ways through one room, and hence of no more than what sets them apart.
 WITHIN = {
@@ -95,7 +99,7 @@ MODEL_CODE = {
     "beam": (beam_leg,),
 }
 DOUBLED = (doubling.condensed_leg, doubling.tip_compliance)
-CANTILEVER = (section_constants, beam_properties, tip_compliance)
+CANTILEVER = (section_constants, beam_properties, composite_properties, tip_compliance)
 SEGMENTS = (*MODEL_CODE["segments"], *ASSEMBLER)
 # By id without its parameters: what is put to the test, and what says what that must be. Sentences
 # of the paper that name a number have one side alone, and are not here.

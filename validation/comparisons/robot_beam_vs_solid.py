@@ -21,7 +21,6 @@ import numpy as np
 from fem.beams.beam import beam_leg
 from fem.reduction.craig_bampton import CraigBampton, craig_bampton
 from fem.reduction.superelement import held_leg
-from fem.sections.section_constants import section_constants
 from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
 from lumped.arrays import Array, IntArray
 from lumped.legs import ConstantLeg, LineLeg, tip_compliance
@@ -48,7 +47,7 @@ from validation.comparisons.leg_beam_vs_solid import (
     limited,
     rigid_end_share,
 )
-from validation.comparisons.section_formulas import Band, formula_band, leg_formula_band
+from validation.comparisons.section_formulas import leg_formula_band, mesh_formula_band
 from validation.context import Context, Preset
 from validation.models.leg_models import filled
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
@@ -383,7 +382,11 @@ def robot_modes(
 
     def by_formula(side: int) -> Array:
         beams = {
-            leg: beam_leg(_section_band(leg, faces[_FINE][name])[side], leg.length, ELEMENTS)
+            leg: beam_leg(
+                mesh_formula_band(leg, section_mesh(leg.section, faces[_FINE][name]))[side],
+                leg.length,
+                ELEMENTS,
+            )
             for name, leg in legs.items()
         }
         return partner(_beam_vibration(posture, beams, count)[0])[0]
@@ -399,15 +402,6 @@ def robot_modes(
         soft=by_formula(0),
         stiff=by_formula(1),
     )
-
-
-def _section_band(leg: ConstantLeg, divisions: int) -> Band:
-    """Softest and stiffest beam by correct textbook formulas, on the section mesh of the solid."""
-    material = leg.material
-    constants = section_constants(
-        section_mesh(leg.section, divisions), material.nu, material.G / material.E
-    )
-    return formula_band(leg, constants)
 
 
 def _beam_vibration(

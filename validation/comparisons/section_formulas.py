@@ -23,19 +23,33 @@ I       Torsion constant: J = Σ b t³/3 omits 2αD⁴ where web and flanges joi
         strain energy of shear is there. The ν in Cowper's κ belongs to a mean displacement: κ is up
         to 12 (1 + ν)/(12 + 11ν) times the coefficient by strain energy.
 
+composite
+        Parts of different Poisson's ratios restrain each other's contraction, which the formulas
+        leave out. They are lower bounds of EA and EI. With a contraction of one ratio ν̄ over the
+        section, the strain energy gives the upper bounds Σ (E A + 4 k A (ν − ν̄)²), with the plane
+        strain bulk modulus k = E/2(1 + ν)(1 − 2ν) and ν̄ = Σ k A ν/Σ k A, and with second moments
+        of area for A. Shear is computed with one mean ν for all parts, so that their moduli G = E/2
+        (1 + ν) are in error by (1 + ν) over 1 plus the mean, and κ is that of one ν between the
+        smallest and the largest: the flexibility in shear is within both (minimum of complementary
+        energy).
+
 Cowper's coefficient follows from a mean displacement. The beam with computed section constants has
 the coefficient by strain energy (`fem.sections.section_constants`). Both are known from finite
 elements. Their difference is one of definition, not an inaccuracy.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple, TypeAlias
+
+import numpy as np
 
 from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.legs import BeamProperties, ConstantLeg
 from lumped.memo import memo
-from lumped.sections import HollowRectangle, ISection, OutlinedSection
-from validation.solids.solid_legs import leg_constants
+from lumped.sections import Composite, HollowRectangle, ISection, OutlinedSection
+from meshes.section.section_mesh import SectionMesh
+from validation.solids.solid_legs import face_mesh, mesh_constants, mesh_properties
 
 # Softest and stiffest beam.
 Band: TypeAlias = tuple[BeamProperties, BeamProperties]
@@ -54,7 +68,62 @@ _EXACT = Limits(1.0, 1.0)
 @memo(16)
 def leg_formula_band(leg: ConstantLeg, divisions: int) -> Band:
     """Softest and stiffest beam that correct formulas allow, on the mesh of the solid's faces."""
-    return formula_band(leg, leg_constants(leg, divisions))
+    return mesh_formula_band(leg, face_mesh(leg, divisions))
+
+
+def mesh_formula_band(leg: ConstantLeg, mesh: SectionMesh) -> Band:
+    """Softest and stiffest beam that correct formulas allow, on this mesh of the leg's section."""
+    if isinstance(leg.section, Composite):
+        return composite_band(leg.section, mesh_properties(leg, mesh))
+    return formula_band(leg, mesh_constants(leg, mesh))
+
+
+def composite_band(section: Composite, exact: BeamProperties) -> Band:
+    """Softest and stiffest beam by formulas for sections of several materials.
+
+    `exact` has section constants by finite elements.
+    """
+    parts = section.parts
+    ratios = [part.nu for part in parts]
+    if min(ratios) == max(ratios):
+        return exact, exact
+    *_, mean_ratio, _ = section.mean_material
+    of_shear = [(1.0 + mean_ratio) / (1.0 + ratio) for ratio in ratios]
+    kappas = np.array([section.shear_coefficients(ratio) for ratio in (mean_ratio, *ratios)])
+    spread = kappas / kappas[0]
+    shares = {
+        "EA": [part.section.area for part in parts],
+        "EIy": [moments[1, 1] for moments in section.part_moments],
+        "EIz": [moments[0, 0] for moments in section.part_moments],
+    }
+    softer = {
+        name: getattr(exact, name) / _held_share(section, share) for name, share in shares.items()
+    }
+    return (
+        replace(
+            exact,
+            **softer,
+            GAy=exact.GAy / max(of_shear) / spread[:, 0].max(),
+            GAz=exact.GAz / max(of_shear) / spread[:, 1].max(),
+        ),
+        replace(
+            exact,
+            GAy=exact.GAy / min(of_shear) / spread[:, 0].min(),
+            GAz=exact.GAz / min(of_shear) / spread[:, 1].min(),
+        ),
+    )
+
+
+def _held_share(section: Composite, shares: Sequence[float]) -> float:
+    """Largest ratio of a stiffness with restrained contraction to the sum over the parts.
+
+    `shares` are areas or second moments of area of the parts.
+    """
+    E, nu = (np.array([getattr(part, name) for part in section.parts]) for name in ("E", "nu"))
+    areas = np.array(shares)
+    bulk = areas * E / (2.0 * (1.0 + nu) * (1.0 - 2.0 * nu))
+    mean = (bulk @ nu) / bulk.sum()
+    return float(1.0 + 4.0 * (bulk @ (nu - mean) ** 2) / (areas @ E))
 
 
 def formula_band(leg: ConstantLeg, constants: SectionConstants) -> Band:

@@ -14,7 +14,6 @@ import numpy as np
 from fem.beams.beam import beam_leg, warping_beam_leg
 from fem.beams.line_beam import line_beam
 from fem.sections.nonuniform_torsion import held_torsion_compliance
-from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError, naming
@@ -41,8 +40,8 @@ from validation.solids.solid_legs import (
     WALL_DIVISIONS,
     TwoMeshes,
     computed_properties,
+    computed_rod,
     has_meshes,
-    leg_constants,
     mesh_pair,
     section_of,
     static_divisions,
@@ -185,8 +184,7 @@ def computed_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIO
         return leg.compliance
     if isinstance(leg, LineLeg):
         return context.get(computed_sections, leg, divisions).tip_compliance
-    constants = context.get(computed_constants, leg, divisions)
-    return tip_compliance(beam_properties(constants, leg.material), leg.length)
+    return tip_compliance(context.get(computed_properties, leg, divisions), leg.length)
 
 
 def warping_spring(context: Context, leg: Leg, ends: Ends) -> Array:
@@ -197,11 +195,11 @@ def warping_spring(context: Context, leg: Leg, ends: Ends) -> Array:
     """
     spring = computed_spring(context, leg)
     if isinstance(leg, ConstantLeg) and ends == "rigid":
-        constants = context.get(computed_constants, leg)
-        beam = beam_properties(constants, leg.material)
+        beam = context.get(computed_properties, leg, SECTION_DIVISIONS)
         # Motion of the tip's centroid as the tip turns about its shear centre.
         motion = np.array([0.0, beam.centre_z, -beam.centre_y, 1.0, 0.0, 0.0])
-        twist = held_torsion_compliance(constants, leg.material, leg.length)
+        rod = context.get(computed_rod, leg, SECTION_DIVISIONS)
+        twist = held_torsion_compliance(rod, leg.length)
         spring = spring + (twist - leg.length / beam.GJ) * np.outer(motion, motion)
     return spring
 
@@ -229,19 +227,11 @@ def computed_elements(
     if isinstance(leg, LineLeg):
         return line_beam(computed_sections(leg, divisions), elements)
     constant = equivalent_leg(leg)
-    constants, material = computed_constants(constant, divisions), constant.material
+    properties = computed_properties(constant, divisions)
     if ends is None:
-        return beam_leg(beam_properties(constants, material), constant.length, elements)
-    return warping_beam_leg(constants, material, constant.length, elements, ends)
-
-
-def computed_constants(leg: ConstantLeg, divisions: int = SECTION_DIVISIONS) -> SectionConstants:
-    """Section constants of a leg from finite elements of its section.
-
-    They contain no thin-wall assumptions.
-    """
-    with naming(leg.name):
-        return leg_constants(leg, divisions)
+        return beam_leg(properties, constant.length, elements)
+    rod = computed_rod(constant, divisions)
+    return warping_beam_leg(properties, rod, constant.length, elements, ends)
 
 
 @memo(16)

@@ -22,6 +22,9 @@ from fem.bodies.rooted import RootedBody
 from fem.bodies.solid import Ends, clamped_leg, section_twists, solid_leg, solid_mesh
 from fem.couplings.end_effects import restrained_compliance
 from fem.reduction.superelement import HeldLeg, held_solid_leg
+from fem.sections.composite import composite_properties, composite_rod
+from fem.sections.moduli import leg_moduli, part_materials
+from fem.sections.nonuniform_torsion import WarpingRod, warping_rod
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import InputError, naming
@@ -161,8 +164,11 @@ def section_of(leg: SectionedLeg) -> Section:
 
 def formal_order(leg: SectionedLeg, ends: Ends) -> float:
     """Lowest order with which a leg's compliances and frequencies converge."""
-    edges = edge_order(leg.material.nu) if ends == "rigid" else FORMAL_ORDER
-    return min(edges, corner_order(section_of(leg)))
+    corners = corner_order(section_of(leg))
+    if ends == "free":
+        return corners
+    materials = part_materials(leg) or (leg.material,)
+    return min(corners, *(edge_order(material.nu) for material in materials))
 
 
 def corner_order(section: Section) -> float:
@@ -276,27 +282,50 @@ def doubled_unknowns(leg: ConstantLeg, divisions: int) -> int:
 
 
 def leg_constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
-    """Constants of a leg's section by finite elements, without thin-wall assumptions."""
+    """Constants of a leg's section of one material by finite elements, without thin walls."""
+    return mesh_constants(leg, face_mesh(leg, divisions))
+
+
+def mesh_constants(leg: ConstantLeg, mesh: SectionMesh) -> SectionConstants:
+    """Constants of a leg's section of one material on this mesh of it."""
     material = leg.material
-    return section_constants(face_mesh(leg, divisions), material.nu, material.G / material.E)
+    return section_constants(mesh, material.nu, material.G / material.E)
 
 
+@memo(64)
 def computed_properties(leg: ConstantLeg, divisions: int) -> BeamProperties:
-    """Timoshenko beam with the section constants of `leg_constants`."""
-    return beam_properties(leg_constants(leg, divisions), leg.material)
+    """Timoshenko beam with section constants by finite elements, without thin walls."""
+    with naming(leg.name):
+        return mesh_properties(leg, face_mesh(leg, divisions))
+
+
+def mesh_properties(leg: ConstantLeg, mesh: SectionMesh) -> BeamProperties:
+    """Timoshenko beam with section constants computed on this mesh of the leg's section."""
+    if moduli := leg_moduli(leg, mesh):
+        return composite_properties(mesh, moduli)
+    return beam_properties(mesh_constants(leg, mesh), leg.material)
+
+
+@memo(64)
+def computed_rod(leg: ConstantLeg, divisions: int) -> WarpingRod:
+    """Torsion with warping of a leg, with section constants by finite elements."""
+    mesh = face_mesh(leg, divisions)
+    if moduli := leg_moduli(leg, mesh):
+        return composite_rod(mesh, moduli)
+    return warping_rod(mesh_constants(leg, mesh), leg.material)
 
 
 @memo(32)
 def face_restraint(leg: ConstantLeg, divisions: int) -> Array:
     """Change (6×6, negative semidefinite) of a beam's tip compliance due to rigid end faces."""
-    return restrained_compliance(face_mesh(leg, divisions), leg.material, leg.length)
+    mesh = face_mesh(leg, divisions)
+    return restrained_compliance(mesh, leg_moduli(leg, mesh) or leg.material, leg.length)
 
 
 def decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
     """√(EΓ/GJ) (m): decay length of non-uniform torsion from an end (Vlasov)."""
-    constants, material = leg_constants(leg, divisions), leg.material
-    warping_stiffness = material.E * constants.warping_constant
-    return float(np.sqrt(warping_stiffness / (material.G * constants.torsion_constant)))
+    rod = computed_rod(leg, divisions)
+    return float(np.sqrt(rod.bimoment / (rod.twist - rod.shear)))
 
 
 def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends, Refinement]:
@@ -406,10 +435,8 @@ def held_solid(
 
 def computed_beam(leg: ConstantLeg, divisions: int) -> LegMatrices:
     """Timoshenko beam elements with section constants computed on the solid's section mesh."""
-    material = leg.material
-    mesh = section_mesh(leg.section, divisions)
-    constants = section_constants(mesh, material.nu, material.G / material.E)
-    return beam_leg(beam_properties(constants, material), leg.length, ELEMENTS)
+    properties = mesh_properties(leg, section_mesh(leg.section, divisions))
+    return beam_leg(properties, leg.length, ELEMENTS)
 
 
 @dataclass(frozen=True)

@@ -50,14 +50,14 @@ def why_shapeless(legs: Sequence[Leg]) -> str:
     names = dict.fromkeys(
         f"{leg.name or 'a leg'} ({leg.section.shape})"
         for leg in legs
-        if isinstance(leg, ConstantLeg) and not (leg.section.has_outline and leg.section.is_uniform)
+        if isinstance(leg, ConstantLeg) and not leg.section.has_outline
     )
     if not names:
         lofts = (why_no_loft(leg) for leg in legs if isinstance(leg, LineLeg))
         return next(filter(None, lofts), "")
     return (
-        f"{', '.join(names)}: runs compare solids of one isotropic material alone, so that there "
-        "is none to compare with"
+        f"{', '.join(names)}: runs compare solids of outlines of isotropic materials alone, so "
+        "that there is none to compare with"
     )
 
 

@@ -24,7 +24,11 @@ from fem.beams.prestressed import prestressed_leg
 from fem.calculix.deck import deck_text
 from fem.calculix.leg import leg_deck
 from fem.calculix.run import PROGRAMS, calculix_program
-from fem.sections.nonuniform_torsion import cantilever_frequencies, held_torsion_compliance
+from fem.sections.nonuniform_torsion import (
+    cantilever_frequencies,
+    held_torsion_compliance,
+    warping_rod,
+)
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import dense
 from lumped.errors import InputError
@@ -193,8 +197,13 @@ def flanged() -> SectionConstants:
     return section_constants(section_mesh(section, 4), STEEL.nu)
 
 
+def warped(constants, elements, ends):
+    properties, rod = beam_properties(constants, STEEL), warping_rod(constants, STEEL)
+    return warping_beam_leg(properties, rod, LENGTH, elements, ends)
+
+
 def test_free_warping_is_saint_venant_torsion(flanged):
-    leg = warping_beam_leg(flanged, STEEL, LENGTH, 20, "free")
+    leg = warped(flanged, 20, "free")
     expected = tip_compliance(beam_properties(flanged, STEEL), LENGTH)
     assert tip_compliance_of(leg) == pytest.approx(expected, rel=1e-8, abs=1e-16)
     modes = clamped_modes(leg, 12)
@@ -206,16 +215,14 @@ def test_free_warping_is_saint_venant_torsion(flanged):
 
 def test_fixed_warping_torsion_equals_vlasov(flanged):
     expected = tip_compliance(beam_properties(flanged, STEEL), LENGTH)
-    expected[3, 3] = held_torsion_compliance(flanged, STEEL, LENGTH)
-    coarse, fine = (
-        tip_compliance_of(warping_beam_leg(flanged, STEEL, LENGTH, n, "rigid")) for n in (20, 40)
-    )
+    expected[3, 3] = held_torsion_compliance(warping_rod(flanged, STEEL), LENGTH)
+    coarse, fine = (tip_compliance_of(warped(flanged, n, "rigid")) for n in (20, 40))
     # Discretisation error of fourth order: warping decays from the ends over four elements.
     assert coarse == pytest.approx(expected, rel=1e-4, abs=1e-16)
     assert abs(fine[3, 3] - expected[3, 3]) < abs(coarse[3, 3] - expected[3, 3]) / 12.0
     # Round sections do not warp: their elements have no warping unknowns.
     constants = section_constants(section_mesh(Circle(diameter=0.1), 8), STEEL.nu)
-    round_leg = warping_beam_leg(constants, STEEL, LENGTH, 4, "rigid")
+    round_leg = warped(constants, 4, "rigid")
     assert round_leg.size == beam_leg(beam_properties(constants, STEEL), LENGTH, 4).size
 
 

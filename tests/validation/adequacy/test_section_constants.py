@@ -66,35 +66,15 @@ def test_constants_give_no_verdict(tmp_path):
     (leg,) = legs_of(robot_file.mechanism).values()
     reason = why_shapeless([leg])
     assert reason.startswith(
-        "arm (properties): runs compare solids of one isotropic material alone"
+        "arm (properties): runs compare solids of outlines of isotropic materials alone"
     )
     assert why_shapeless([leg, leg]) == reason
     with pytest.raises(InputError, match="properties: solids need a section with an outline"):
         clamped_solid(leg, 2, "rigid")
     context = Context(robot_file, "quick")
-    with pytest.raises(Skip, match="runs compare solids of one isotropic material alone"):
+    with pytest.raises(Skip, match="runs compare solids of outlines of isotropic materials alone"):
         compliances(context, "arm", "free")
     matrix = robot_adequacy(context)
-    of_beams = [entry for entry in matrix.entries if entry.model in {"vjm", "beam", "segments"}]
-    assert of_beams
-    assert all(entry.verdict == "undecided" and entry.error is None for entry in of_beams)
-
-
-def test_composite_leg_has_no_verdict_yet(tmp_path):
-    """A run has no reference for composite sections yet: undecided, with that reason."""
-    parts = (
-        '{ shape = "composite", parts = ['
-        '{ section = { shape = "rectangle", width = 0.05, height = 0.02 }, '
-        "material = { E = 2.1e11, nu = 0.3, rho = 7850.0 } }, "
-        '{ section = { shape = "rectangle", width = 0.05, height = 0.02 }, at = [0.0, 0.02], '
-        "material = { E = 7e10, nu = 0.3, rho = 2700.0 } }] }"
-    )
-    text = ARM.format(section=parts, length=0.6, units="")
-    text = "\n".join(line for line in text.splitlines() if not line.startswith("material ="))
-    robot_file = robot_of(text, tmp_path)
-    reason = why_shapeless(list(legs_of(robot_file.mechanism).values()))
-    assert reason.startswith("arm (composite): runs compare solids of one isotropic material alone")
-    matrix = robot_adequacy(Context(robot_file, "quick"))
     of_beams = [entry for entry in matrix.entries if entry.model in {"vjm", "beam", "segments"}]
     assert of_beams
     assert all(entry.verdict == "undecided" and entry.error is None for entry in of_beams)

@@ -16,13 +16,14 @@ from lumped.legs import ConstantLeg, Material, tip_compliance
 from lumped.mechanism.biglide import biglide
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
-from lumped.sections import HollowRectangle, Rectangle, Tube
+from lumped.sections import Composite, CompositePart, HollowRectangle, Rectangle, Tube
 from lumped.system.assembly import assemble
 from lumped.system.solution import modes, solved
 from validation.case import Skip
 from validation.cases import leg_theory
 from validation.cases.leg_waves import wave_changes, waves_of
 from validation.comparisons import mesh_cases
+from validation.comparisons.section_formulas import leg_formula_band
 from validation.context import Context
 from validation.run.outcome import judge
 from validation.solids.solid_legs import (
@@ -118,6 +119,48 @@ def test_rigid_face_residual_is_mesh_error():
     for entry in ((0, 0), (1, 1)):
         found = leg_theory._entry(context, "leg1", entry, "rigid", 1.0)
         assert 0.0 < -found.unexplained < found.numerical_uncertainty
+
+
+# A sandwich of aluminium and a core with another Poisson's ratio.
+SANDWICH = Composite(
+    (
+        CompositePart(Rectangle(0.04, 0.01), 7e10, 0.45, 2700.0, at=(0.0, -0.015)),
+        CompositePart(Rectangle(0.04, 0.02), 3e10, 0.1, 300.0),
+        CompositePart(Rectangle(0.04, 0.01), 7e10, 0.45, 2700.0, at=(0.0, 0.015)),
+    )
+)
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(1.0, "agree"), (1.001, "disagree")])
+def test_composite_solid_has_verdict_beside_its_beam(factor, verdict, monkeypatch):
+    """A run had no verdict for composites; it has one, and 0.1 % more EA is noticed."""
+    leg = ConstantLeg(0.2, SANDWICH, Material(*SANDWICH.mean_material))
+
+    def stiffer(leg, divisions):
+        right = computed_properties(leg, divisions)
+        return replace(right, EA=factor * right.EA)
+
+    monkeypatch.setattr(leg_theory, "static_divisions", two_coarse_meshes)
+    monkeypatch.setattr(leg_theory, "computed_properties", stiffer)
+    context = Context(file_of(variant_of_ifw(leg1=leg)), "quick")
+    cases = {case.id: case for case in leg_theory.cases(legs=("leg1",))}
+    case = cases["leg1.compliance.solid-free[c11]"]
+    assert judge(case, case.measure(context), 0.0).verdict == verdict
+
+
+def test_composite_formulas_are_bounds():
+    """EA and EI by the sum over the parts are lower bounds; one contraction gives upper ones.
+
+    Their Poisson's ratios differ by 0.35, which stiffens tension by 2 %.
+    """
+    leg = ConstantLeg(0.2, SANDWICH, Material(*SANDWICH.mean_material))
+    computed, by_formula = computed_properties(leg, 2), leg.timoshenko
+    softer, stiffer = leg_formula_band(leg, 2)
+    for name in ("EA", "EIy", "EIz", "GAy", "GAz"):
+        assert getattr(softer, name) <= getattr(by_formula, name) <= getattr(stiffer, name), name
+    for name in ("EA", "EIy", "EIz"):
+        ratio = getattr(computed, name) / getattr(by_formula, name)
+        assert 1.001 < ratio < getattr(computed, name) / getattr(softer, name), name
 
 
 def test_mode_above_cut_off_is_skipped():
