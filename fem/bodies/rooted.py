@@ -259,9 +259,9 @@ def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
 
 
 def _places(solid: CoupledSolid) -> Array:
-    """Positions (n×3, m) of the unknowns: of interfaces, then of nodes."""
-    own = solid.size - 3 * len(solid.places)
-    shares = np.abs(solid.twists[:own]).reshape(own, solid.twists.shape[1] // 6, 6).sum(axis=2)
+    """Positions (n×3, in m) of the unknowns: first those of interfaces, then those of nodes."""
+    count = solid.size - 3 * len(solid.places)
+    shares = np.abs(solid.twists[:count]).reshape(count, solid.twists.shape[1] // 6, 6).sum(axis=2)
     return np.vstack([solid.points[shares.argmax(axis=1)], np.repeat(solid.places, 3, axis=0)])
 
 

@@ -125,11 +125,11 @@ def _along_fibres(tractions: Array, section: SectionMesh, rates: Array) -> Array
     """
     quad = section_quadrature(section)
     y, z = quad.points
-    one = np.ones_like(y)
+    unit = np.ones_like(y)
     # Second moments without those of the mesh's polygon would leave a resultant.
-    area, inertia_z, inertia_y = (quad.integral(values) for values in (one, y * y, z * z))
+    area, inertia_z, inertia_y = (quad.integral(values) for values in (unit, y * y, z * z))
     inclined = tractions.reshape(-1, 3, 6).copy()
-    for column, tension in ((0, one / area), (4, z / inertia_y), (5, -y / inertia_z)):
+    for column, tension in ((0, unit / area), (4, z / inertia_y), (5, -y / inertia_z)):
         inclined[:, 1, column] += quad.load(rates[0] * y * tension)
         inclined[:, 2, column] += quad.load(rates[1] * z * tension)
     loads = inclined.reshape(-1, 6)

@@ -50,7 +50,7 @@ class CountedModes(Modes):
 
 
 def _without(body: VibratingBody, excluded: Modes) -> VibratingBody:
-    """The same body with a flexibility that does not contain the modes `excluded`."""
+    """Copy of a body whose flexibility does not contain the modes `excluded`."""
     shapes, squared = excluded.shapes, (2.0 * np.pi * excluded.frequencies[:, None]) ** 2
 
     def flexibility(forces: Any) -> Any:

@@ -32,7 +32,7 @@ class LineLoad:
         return self.first + share * (self.last - self.first)
 
     def in_axes(self, rotation: Array) -> "LineLoad":
-        """The same load in other axes, whose columns in the present axes are `rotation` (3×3)."""
+        """Load in other axes, whose columns in the present axes are `rotation` (3×3)."""
         first, last = (
             (wrench.reshape(2, 3) @ rotation).ravel() for wrench in (self.first, self.last)
         )

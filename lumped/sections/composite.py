@@ -247,9 +247,9 @@ def part_faults(regions: Sequence[Sequence[Loop]]) -> list[str]:
     partition = partition_edges(regions)
     joined, waiting = {0}, set(range(1, len(regions)))
     neighbours = [{int(a), int(b)} for a, b in zip(partition.left, partition.right, strict=True)]
-    while reached := {n for pair in neighbours if pair & joined for n in pair} & waiting:
-        joined |= reached
-        waiting -= reached
+    while adjacent := {n for pair in neighbours if pair & joined for n in pair} & waiting:
+        joined |= adjacent
+        waiting -= adjacent
     return [
         f"{names[number]}: has no common edge with the other parts; must touch one of them"
         for number in sorted(waiting)
@@ -263,12 +263,12 @@ def _overlap(first: Sequence[Loop], second: Sequence[Loop], size: float) -> bool
     if _crossing(starts, ends, TOUCHING * size):
         return True
     ways = ends - starts
-    left = np.column_stack([-ways[:, 1], ways[:, 0]])
-    left *= _BESIDE * size / np.linalg.norm(left, axis=1)[:, None]
+    normals = np.column_stack([-ways[:, 1], ways[:, 0]])
+    normals *= _BESIDE * size / np.linalg.norm(normals, axis=1)[:, None]
     middles = 0.5 * (starts + ends)
     for number, other in ((0, second), (1, first)):
         for side, sign in ((partition.left, 1.0), (partition.right, -1.0)):
-            inside = middles[side == number] + sign * left[side == number]
+            inside = middles[side == number] + sign * normals[side == number]
             if any(is_inside(other, point) for point in inside):
                 return True
     return False
@@ -285,5 +285,5 @@ def _crossing(starts: Array, ends: Array, gap: float) -> bool:
         return np.asarray(cross / np.linalg.norm(ways, axis=1)[:, None])
 
     of_starts, of_ends = sides(starts), sides(ends)
-    apart = (np.minimum(np.abs(of_starts), np.abs(of_ends)) > gap) & (of_starts * of_ends < 0.0)
-    return bool((apart & apart.T).any())
+    crosses = (np.minimum(np.abs(of_starts), np.abs(of_ends)) > gap) & (of_starts * of_ends < 0.0)
+    return bool((crosses & crosses.T).any())

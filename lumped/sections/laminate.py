@@ -53,7 +53,9 @@ class Layer:
         """Q̄ (3×3, in Pa): stresses (σx, σs, τxs) from strains (εx, εs, γxs)."""
         share = 1.0 - self.nu12**2 * self.E2 / self.E1
         q11, q22 = self.E1 / share, self.E2 / share
-        own = np.array([[q11, self.nu12 * q22, 0.0], [self.nu12 * q22, q22, 0.0], [0, 0, self.G12]])
+        along_fibres = np.array(
+            [[q11, self.nu12 * q22, 0.0], [self.nu12 * q22, q22, 0.0], [0, 0, self.G12]]
+        )
         c, s = cos(radians(self.angle)), sin(radians(self.angle))
         # Strains along and across the fibres from those along the axis and along the wall.
         strains = np.array(
@@ -63,7 +65,7 @@ class Layer:
                 [-2.0 * c * s, 2.0 * c * s, c * c - s * s],
             ]
         )
-        return np.asarray(strains.T @ own @ strains)
+        return np.asarray(strains.T @ along_fibres @ strains)
 
     def faults(self) -> list[str]:
         """Faults of the constants."""
@@ -163,8 +165,8 @@ class Laminate(Section):
 
     def shear_coefficients(self, nu: float) -> tuple[float, float]:  # noqa: ARG002
         along_y, along_z = self.shear_stiffnesses
-        whole = self.mean_material[1] * self.area
-        return along_y / whole, along_z / whole
+        shear_stiffness = self.mean_material[1] * self.area
+        return along_y / shear_stiffness, along_z / shear_stiffness
 
     @property
     def wall(self) -> Array:

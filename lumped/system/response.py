@@ -96,11 +96,11 @@ class DampedModes:
         return np.asarray(of_parts + self.rates.real * natural + 2.0 * self.ratio)
 
     def along(self, direction: Array) -> "DampedModes":
-        """The same modes for displacement and force along `direction` (unit vector, base axes)."""
+        """Modes for displacement and force along `direction` (a unit vector, base axes)."""
         return self.between(slice(3), direction, slice(3), direction)
 
     def between(self, moved: slice, direction: Array, loaded: slice, force: Array) -> "DampedModes":
-        """The same modes for displacement along `direction` and force along `force` (unit vectors).
+        """Modes for displacement along `direction` and force along `force` (unit vectors).
 
         `moved` and `loaded` are the rows of the translations of the two points among the outputs.
         """

@@ -120,7 +120,7 @@ def series_of_two_layers(G, widths, height):
 
 
 @pytest.mark.parametrize("ratio", [1.0, 0.3, 0.01])
-def test_two_layer_torsion_equals_series(ratio):
+def test_layered_torsion_equals_series(ratio):
     """The series has converged to 1e-6 after 60 terms (k⁻⁵)."""
     G, widths, height = (8.0e10, ratio * 8.0e10), (0.03, 0.02), 0.05
     parts = [

@@ -32,7 +32,7 @@ def transformed(points, move):
 
 
 @pytest.mark.parametrize("thickness", [1.0, 0.3, 0.05, 0.01])
-def test_rectangle_polygon_equals_series(thickness):
+def test_rectangle_torsion_is_series(thickness):
     """J by Timoshenko's series; κ by energy is exactly 5/6 for ν = 0."""
     outlined, exact = Polygon(box(1.0, thickness)), Rectangle(1.0, thickness)
     assert outlined.torsion_constant == pytest.approx(
@@ -48,7 +48,7 @@ def test_rectangle_polygon_equals_series(thickness):
     assert outlined.shear_coupling(0.3) == 0.0
 
 
-def test_triangle_torsion_equals_formula():
+def test_triangle_torsion_is_exact():
     """Equilateral triangle: J = √3 a⁴/80 (Timoshenko & Goodier, Theory of Elasticity, §109)."""
     a = 0.1
     triangle = Polygon(((0.0, 0.0), (a, 0.0), (a / 2.0, a * sqrt(3.0) / 2.0)))
@@ -132,7 +132,7 @@ def test_zed_product_moment_is_exact():
     assert zed.shear_centre == (0.0, 0.0)
 
 
-def test_tee_shear_centre_lies_in_flange():
+def test_tee_shear_centre_is_in_flange():
     tee = Tee(width=1.0, height=1.0, flange=0.02, web=0.02)
     weights = np.array([1.0 * 0.02, 0.98 * 0.02])
     centroid = weights @ [0.99, 0.49] / weights.sum()
@@ -246,7 +246,7 @@ def test_wrong_constants_are_refused(changed, fault):
     assert message.startswith(fault), message
 
 
-def test_zed_product_moment_equals_peery():
+def test_product_moment_equals_peery():
     """D. J. Peery, Aircraft Structures (1950), §6.2: web 2 × 12 in, flanges 4 × 2 in.
 
     Moments of inertia 693.3 and 173.3 in⁴, product of inertia 240 in⁴ in size.

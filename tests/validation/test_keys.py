@@ -239,7 +239,7 @@ def asked_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterato
     yield from (partial(stepped_parts.stepped, leg, pieces) for pieces in (10, 11))
 
 
-def test_cached_results_have_unique_keys(tmp_path, monkeypatch):
+def test_results_have_unique_keys(tmp_path, monkeypatch):
     def noted(entry):
         keys.append(entry.key)
         raise InterruptedError

@@ -408,8 +408,8 @@ def _screw_faults(drive: Entry, screw: Entry, key: str, kind: str) -> Iterator[s
     if screw["span"] is not None and screw["span"] <= screw["length"]:
         yield f"{key}.span: must be above the length to the nut"
     nut = screw["nut"]
-    if isinstance(nut, dict) and len(given := _present_keys(nut, "preload", "load")) != 1:
-        reason = "has preload and load" if given else "has no load"
+    if isinstance(nut, dict) and len(load_keys := _present_keys(nut, "preload", "load")) != 1:
+        reason = "has preload and load" if load_keys else "has no load"
         yield f"{key}.nut: {reason}; must have one of preload, load (with play)"
 
 

@@ -18,7 +18,7 @@ class CompositeTable:
     parts: tuple[Mapping[str, Any], ...]
 
     def resolved(self, materials: Mapping[str, Any]) -> "CompositeTable":
-        """The same parts, with tables in place of the names of their materials."""
+        """Copy of the parts with tables in place of the names of their materials."""
 
         def with_table(part: Mapping[str, Any]) -> Mapping[str, Any]:
             material = part["material"]
@@ -77,7 +77,7 @@ class LaminateTable:
     sizes: Mapping[str, float]
 
     def resolved(self, materials: Mapping[str, Any]) -> "LaminateTable":  # noqa: ARG002
-        """The same wall. It contains no names of materials."""
+        """Wall without changes, because it contains no names of materials."""
         return self
 
     def faults(self, unit: str = "m") -> list[str]:

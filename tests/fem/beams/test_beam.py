@@ -278,7 +278,7 @@ def critical(p: BeamProperties, ends: str) -> float:
 
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
 @pytest.mark.parametrize("ends", ENDS)
-def test_column_buckles_at_engesser_load(ends, theory):
+def test_column_buckles_at_engesser(ends, theory):
     p, (free, times) = COLUMN.properties(theory), ENDS[ends]
     expected = critical(p, ends)
     if theory == "euler-bernoulli":

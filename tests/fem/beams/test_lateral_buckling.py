@@ -306,7 +306,7 @@ def test_reversed_leg_has_same_buckling():
     assert factor(turned, range(6, 12), along_y) == pytest.approx(load, rel=1e-9)
 
 
-def test_lateral_buckling_has_order_four():
+def test_lateral_buckling_order_is_four():
     """Compared with 32 elements, whose error is 1 % of that of ten."""
     p, counts = ConstantLeg(0.2, Rectangle(0.02, 0.06), STEEL).timoshenko, [4, 6, 8, 10]
     at_tip = np.array([0, 0, -1.0, 0, 0.2, 0, 0, 0, 1.0, 0, 0, 0])

@@ -70,7 +70,7 @@ def test_tapered_beam_has_order_four(line, theory):
 
 
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
-def test_tapered_segments_have_order_two(line):
+def test_tapered_segment_order_is_two(line):
     sections = tapered(line).sections("timoshenko")
     limit = clamped_modes(line_beam(sections, 80), 3).frequencies
     errors = [

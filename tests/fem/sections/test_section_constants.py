@@ -100,7 +100,7 @@ def test_cubic_material_shear_is_exact():
     assert other[1] != pytest.approx(isotropic[1], rel=1e-3)
 
 
-def test_half_ring_constants_equal_roark():
+def test_half_ring_equals_roark():
     """Shear centre at 4R/π, Γ = 2tR⁵/3 (π³/8 − 12/π) (Roark, table of warping constants).
 
     The section is half of a thin ring about the origin, open towards −y.

@@ -67,7 +67,7 @@ def test_gamg_compliance_equals_factor(gamg, monkeypatch, nu, length, tolerance)
     assert relative_difference(compliance, clamped_leg(leg).compliance) <= tolerance
 
 
-def test_gamg_sets_up_once_for_all_loads(gamg, monkeypatch):
+def test_gamg_is_set_up_once(gamg, monkeypatch):
     """Also for a single right-hand side, whose solution is that of the block."""
     assert gamg
     verbs, exchange = [], type(server())._exchange

@@ -214,7 +214,7 @@ def test_delta_kinematics_equal_closed_form():
             assert angle == pytest.approx(droops - droop, abs=1e-10)
 
 
-def test_joint_angle_exceeds_half_a_turn(five_bar):
+def test_joint_angle_exceeds_half_turn(five_bar):
     """Crank and rod alone, both driven: the elbow rotates by 230°, the rod by 150°."""
     joints = {joint.name: joint for joint in five_bar.joints}
     motor, elbow = joints["motor1"], replace(joints["elbow1"], drive=joints["motor1"].drive)

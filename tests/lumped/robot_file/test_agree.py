@@ -93,7 +93,7 @@ def test_agreement_limit_is_not_uncertain(robot_with):
 
 
 @pytest.mark.parametrize("kind", ["biglide", "five-bar"])
-def test_new_file_lists_agreement_limits(tmp_path, kind):
+def test_new_file_has_agreement_limits(tmp_path, kind):
     write_template(tmp_path / "new.toml", kind)
     lines = (tmp_path / "new.toml").read_text(encoding="utf-8").replace("\n#     ", " ").split("\n")
     for key, value in DEFAULTS.items():

@@ -77,7 +77,7 @@ def test_all_loss_factors_are_read(tmp_path):
     assert robot_of(text, tmp_path).mechanism.bodies["crank1"].loss == 0.01
 
 
-def test_mass_and_shear_modulus_are_read(tmp_path):
+def test_mass_and_modulus_are_read(tmp_path):
     text = SOUND.replace(", rho = 7850.0", "").replace("length = 0.85", "length = 0.85\nmass = 60")
     leg = legs_of(robot_of(text, tmp_path).mechanism)["leg1"]
     # E over 2(1 + ν)

@@ -299,7 +299,7 @@ def test_mass_wedges_need_unknown_mass_centre():
 
 
 @pytest.mark.parametrize("mixed", [False, True])
-def test_massless_legs_bound_frequencies(*, mixed):
+def test_massless_legs_give_bounds(*, mixed):
     """Any mass distribution gives lower frequencies.
 
     Rigid ends make a solid stiffer than its 6×6.

@@ -75,7 +75,7 @@ def test_mode_order_follows_families(seed):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_frequency_error_needs_a_partner(seed):
+def test_frequency_error_needs_partner(seed):
     """Models without some modes of chains of close modes: each error belongs to one mode alone."""
     rng = np.random.default_rng([44, seed])
     shapes = np.linalg.qr(rng.normal(size=(SAMPLES, 9)))[0]

@@ -141,7 +141,7 @@ def test_shifted_reference_makes_case_disagree(of):
 
 
 @pytest.mark.parametrize("of", BEYOND_QUICK, ids=" ".join)
-def test_quick_preset_skips_large_groups(of):
+def test_quick_run_skips_large_groups(of):
     found, reasons = measured(of)
     assert not found
     assert reasons

@@ -55,7 +55,7 @@ def computed(monkeypatch):
         ("f2", "frequency", BELOW * F2[1], "undecided"),
     ],
 )
-def test_api_accepts_each_form_of_limits(quantity, general, limit, verdict):
+def test_api_accepts_all_limit_forms(quantity, general, limit, verdict):
     by_default = api.adequacy("ifw")
     said = [by_default.entry("beam", quantity, within=limit)]
     for accept in ({quantity: limit}, {general: limit}):

@@ -133,7 +133,7 @@ def test_wrong_theory_limit_disagrees():
     assert verdict_with(study, "leg1.converged[segments-20]") == "disagree"
 
 
-def test_too_narrow_half_widths_disagree():
+def test_narrow_half_widths_disagree():
     """Values that seem to converge to another limit, 0.1 % from the exact one."""
 
     def change(series):
@@ -282,7 +282,7 @@ def theory_of(label):
     return "euler-bernoulli" if label in {one.label for one in EULER_BERNOULLI} else "timoshenko"
 
 
-def test_run_writes_convergence_verdicts(tmp_path, capsys):
+def test_run_has_convergence_verdicts(tmp_path, capsys):
     code = main(
         [
             "run",

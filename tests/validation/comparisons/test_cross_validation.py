@@ -85,7 +85,7 @@ def crossed(studies):
 
 
 @pytest.mark.parametrize("within", [0.00151, None])
-def test_explained_leg_difference_agrees(crossed, within):
+def test_explained_difference_agrees(crossed, within):
     # 1 % less 0.9 % and the half-width of 0.05 %; the case's own tolerance is 1 %.
     crossed.assert_agrees("beam", quantity="f1", within=within, body="arm")
 

@@ -160,7 +160,7 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-def test_wrong_section_formula_disagrees(steel_arm, monkeypatch, mistake):
+def test_wrong_formula_disagrees(steel_arm, monkeypatch, mistake):
     """The allowance of a formula is the known error of that formula, and no more."""
     name, factor, motion = MISTAKES[mistake]
     shape, context = steel_arm

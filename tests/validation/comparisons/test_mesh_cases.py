@@ -101,7 +101,7 @@ def test_random_solids_have_formal_order(seed):
             assert (half_width_shares(refinement) <= 1.0).all()
 
 
-def test_too_narrow_half_width_disagrees():
+def test_narrow_half_width_disagrees():
     """Errors of order 1 with the half-width of order 4, which is too narrow.
 
     The half-width is 3/(2⁴ − 1) of a step between two meshes. The next step is half as large as the

@@ -32,7 +32,7 @@ gravity = [0.0, 0.0, -9.81]
 
 @pytest.mark.parametrize("material", [STEEL, CUBIC], ids=["isotropic", "cubic"])
 @pytest.mark.parametrize("element", ["hex27", "tet10"])
-def test_linear_displacement_obeys_hooke(element, material):
+def test_linear_field_obeys_hooke(element, material):
     """σxx = E εxx and σyy = σzz = 0 under ε = (1, −ν, −ν)ε; τ = Gγ under simple shear."""
     box = Rectangle(0.1, 0.2)
     mesh = hexahedra(box, 0.4, 1, 2) if element == "hex27" else tetrahedra(box, 0.4, 1)

@@ -72,7 +72,7 @@ def bipod(tmp_path_factory):
     return maps(Context(robot_of(BIPOD, tmp_path_factory.mktemp("bipod")), "quick"))
 
 
-def test_maps_of_bipod_match_closed_form(bipod):
+def test_bipod_maps_match_closed_form(bipod):
     studies = studies_by_id(bipod)
     x, y = studies["map.stiffness"]["x"]
     stiffness = np.array([[lowest_stiffness(a, b) for b in y] for a in x])
@@ -162,7 +162,7 @@ def five_bar(tmp_path_factory):
         return context, maps(context)
 
 
-def test_grid_values_match_command_solve(five_bar, command):
+def test_grid_values_match_solve(five_bar, command):
     context, figure = five_bar
     stiffness, frequency = (studies_by_id(figure)[name] for name in ("map.stiffness", "map.f1"))
     pose = f"--pose={frequency['x'][0][2]!r},{frequency['x'][1][1]!r}"

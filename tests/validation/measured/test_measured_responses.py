@@ -126,7 +126,7 @@ def test_response_below_modes_is_largest(held):
     assert entry.error == pytest.approx(0.0, abs=1e-3)
 
 
-def test_too_stiff_model_has_known_error(held):
+def test_stiff_model_has_known_error(held):
     entries = entries_of(held(functions(), robot_text(stiffer=1.2)))
     for n in (1, 2, 3):
         assert entries[f"hammer.f{n}"].error == pytest.approx(1 / 1.2 - 1, abs=1e-3)

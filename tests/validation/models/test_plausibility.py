@@ -114,7 +114,7 @@ moves = ["x"]
 
 
 @pytest.mark.parametrize("robot", ["ifw", *get_args(RobotType), *EXAMPLES], ids=str)
-def test_ordinary_robots_have_no_warning(robot):
+def test_ordinary_robot_has_no_warning(robot):
     assert robot_findings(load_robot(str(robot)).mechanism) == ()
 
 

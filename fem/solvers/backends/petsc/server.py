@@ -114,12 +114,12 @@ class _Messages(_Files):
 
     def read(self, name: str, rows: slice) -> Any:
         """Rows of an array, different ones on each rank."""
-        wanted = self._communicator.gather((rows.start, rows.stop))
+        ranges = self._communicator.gather((rows.start, rows.stop))
         if self._rank:
             return self._receive(0)
         array = self._array(name)
         for rank in self._others:
-            self._send(np.ascontiguousarray(array[slice(*wanted[rank])]), rank)
+            self._send(np.ascontiguousarray(array[slice(*ranges[rank])]), rank)
         return np.array(array[rows])
 
     def write(self, name: str, rows: slice, array: Any) -> None:

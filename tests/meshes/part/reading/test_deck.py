@@ -210,7 +210,7 @@ def test_deck_error_has_line(tmp_path, text, fault):
         ),
     ],
 )
-def test_include_error_has_file_and_line(tmp_path, others, fault):
+def test_include_error_has_its_line(tmp_path, others, fault):
     written(tmp_path, others)
     with pytest.raises(InputError) as error:
         read(tmp_path, "\n*INCLUDE, INPUT=a.inp\n" + PLAIN)

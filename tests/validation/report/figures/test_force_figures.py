@@ -29,7 +29,7 @@ def robot():
     return fp.load(tomllib.loads(text + LOADS))
 
 
-def test_report_has_figure_for_each_load(robot):
+def test_each_load_has_a_figure(robot):
     planned = [task.id for task in catalogue(robot)]
     assert [name for name in planned if name.startswith("mechanism.forces.")] == [
         "mechanism.forces.cutting",
