@@ -156,8 +156,24 @@ def deflections(
     model: ModelName, robots: Sequence[RobotOnStroke], options: ModelOptions = DEFAULT_OPTIONS
 ) -> Deflections:
     """Deflections (µm, 1000 N) of all robots in all their postures."""
+    return _deflections(model, compliances(model, robots, options))
+
+
+def deflections_and_frequencies(
+    model: ModelName, robots: Sequence[RobotOnStroke], options: ModelOptions = DEFAULT_OPTIONS
+) -> tuple[Deflections, Array]:
+    """Deflections (µm, 1000 N) and first frequencies (m, Hz) by one solution of each robot.
+
+    Shapes: m robots or postures.
+    """
+    solutions = list(chain(*(answers(model, robot.postures, 1, options) for robot in robots)))
+    compliance = np.array([solution.compliance for solution in solutions])
+    lowest = np.array([solution.frequencies[0] for solution in solutions])
+    return _deflections(model, compliance), lowest
+
+
+def _deflections(model: ModelName, compliance: Array) -> Deflections:
     scale = LOAD * _MICRO
-    compliance = compliances(model, robots, options)
     planar = np.linalg.norm(compliance[:, :2, :2], axis=1) * scale
     along_z = compliance[:, 2, 2] * (np.nan if model == "simplified" else scale)
     return Deflections(planar[:, 0], planar[:, 1], along_z)
