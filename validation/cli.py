@@ -432,7 +432,7 @@ def solve(
         With --vary: quantity whose smallest value decides which robot is best: mass (kg), f1 f2 …
         (Hz), deflection.x … deflection.phi_z (m at 1000 N, rad at 100 N m), load:NAME (m).
     maximise
-        With --vary: the same for the largest value.
+        With --vary: quantity whose largest value decides which robot is best, as in --minimise.
     where
         With --vary: condition that robots must meet, for example f1>=60 or
         deflection.x<=20e-6, in the units of --minimise; the worst pose counts. May be

@@ -120,8 +120,8 @@ def _motion(
     smaller, larger = sorted(leg.section.extent)
     if entry == _TORSION and isinstance(leg.section, Rectangle) and larger > WALL_ASPECT * smaller:
         raise Skip(
-            "thin strip: the section mesh is too coarse at the short sides, which "
-            "contribute 0.6 times thickness over width of the torsion constant"
+            "thin strip: the section mesh is too coarse at the short sides, whose share of the "
+            "torsion constant is 0.6 times thickness over width"
         )
     solid, sections = _solid_statics(context, body, ends)
     computed = context.get(computed_compliances, leg, sections)

@@ -150,7 +150,8 @@ def _measure(
 ) -> Measurement:
     """Measurement of the case for one of its curves.
 
-    `variant` has no effect on a computation without variants.
+    `variant`: options as printed or as corrected. It has no effect if the function of the case has
+    no such parameter.
     """
     compute: Callable[..., Measurement] = case.compute
     options = {"variant": variant} if "variant" in signature(compute).parameters else {}

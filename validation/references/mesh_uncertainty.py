@@ -97,10 +97,10 @@ def _static_leg_policy(robot: RobotOnPath) -> MeshPolicy | float:
 
 
 def _shared_section_policy(robot: RobotOnPath) -> MeshPolicy | float:
-    """Policy for section meshes in statics.
+    """Mesh policy for section meshes in statics.
 
-    0 if no leg has the same section mesh in both its solids. If both solids of a leg share a
-    section mesh, their difference does not contain its error.
+    0 if the solids of each leg have two section meshes. If both solids of a leg share a section
+    mesh, their difference does not contain the error of that mesh, so that a policy is needed.
     """
     shared = any(shares_section(robot.context, leg) for leg in robot.legs.values())
     return slowest(SECTION_RATIO) if shared else 0.0

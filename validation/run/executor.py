@@ -66,9 +66,10 @@ class Interpreter:
     def start(
         cls, log: Path, begin: Work | None, environment: Mapping[str, str] | None = None
     ) -> "Interpreter":
-        """Process that computes `begin` first, if there is one, as argument of all its calls.
+        """Start a process.
 
-        The answer to `begin` is received like that of a call.
+        If `begin` is not None, it is computed first and its value passed to all calls. The answer
+        to `begin` is received like that of a call.
         """
         process = Process(log, {**(environment or {}), **_SINGLE_THREADED})
         interpreter = cls(process, log, _size(log))

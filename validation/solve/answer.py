@@ -61,7 +61,7 @@ class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
     @property
     def free_title(self) -> str:
         """Text with the name of a body without supports."""
-        return f"{self.body or f'leg {self.leg}'}, nothing held"
+        return f"{self.body or f'leg {self.leg}'}, without supports"
 
     @property
     def axes(self) -> str:

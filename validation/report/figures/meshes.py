@@ -117,7 +117,7 @@ def _error(study: Study, index: int) -> float | None:
 def _sizes(study: Study) -> Array:
     """Magnitudes of the errors in per cent, NaN below round-off.
 
-    If the study has no formal order, its values.
+    The values themselves if the study has no formal order.
     """
     if not study.formal_order:
         return np.array(_values(study))
