@@ -440,7 +440,8 @@ def solve(
     jobs
         With --vary: number of processes; 1 if left out.
     cluster
-        With --vary: address of a Dask scheduler (tcp://host:port) that computes the robots.
+        Address of a Dask scheduler (tcp://host:port) whose workers compute the answer, or the
+        robots of --vary.
     csv
         With --vary: also write the table into this file.
     picture
@@ -490,7 +491,7 @@ def solve(
         accuracy=accuracy,
         free=free,
     )
-    belongs_to_vary = (csv, jobs, picture, cluster, minimise, maximise, *where)
+    belongs_to_vary = (csv, jobs, picture, minimise, maximise, *where)
     if vary or any(option is not None for option in belongs_to_vary):
         from validation.solve.varied import write_varied  # noqa: PLC0415
 
@@ -511,8 +512,14 @@ def solve(
     # Parts are not counted.
     size = f", {cost.size}" if cost.unknowns else ""
     with stage(f"{model} model{size}", cost.seconds):
-        long = cost.seconds > _PATIENCE
-        solution = in_own_process(solved, question) if long else solved(question)
+        if cluster is not None:
+            from validation.solve.varied import solve_on_cluster  # noqa: PLC0415
+
+            solution = solve_on_cluster(question, cluster)
+        elif cost.seconds > _PATIENCE:
+            solution = in_own_process(solved, question)
+        else:
+            solution = solved(question)
     write_results(as_json(solution) if json else as_text(solution))
     return 0
 

@@ -286,7 +286,7 @@ def _provisions(request: Request, context: Context) -> Provisions:
 
         for variation in request.variations:
             entries |= stored_robots(context.robot_file, variation, request.preset)
-    return provisions(context, entries)
+    return provisions(context.robot_file, entries)
 
 
 def _refuse_large_exports(request: Request) -> None:

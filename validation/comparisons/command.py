@@ -5,8 +5,9 @@ of convergence as text on stdout, and the requested files.
 """
 
 import re
+from functools import partial
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from fem.solvers.backends.request import request_solver
 from lumped.errors import InputError
@@ -23,6 +24,14 @@ from validation.console.typed import (
     require_writable,
     write,
 )
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from lumped.mechanism.mechanism import Mechanism
+    from lumped.robot_file import RobotFile
+    from validation.comparisons.convergence_study import ConvergenceStudy
+    from validation.run.provisions import Provisions
 
 # Dots per inch of a PNG picture.
 _DOTS = 150
@@ -44,6 +53,7 @@ def converge(
     solver: SolverName = None,
     ranks: RankCount = None,
     hosts: HostFile = None,
+    cluster: str | None = None,
     force: Force = False,
 ) -> int:
     """Show how frequencies and deflections converge with element count or with the mesh.
@@ -70,10 +80,15 @@ def converge(
         Also write values and errors into this CSV file.
     picture
         Also draw the errors of f1 to f4 into this file (.png or .svg).
+    cluster
+        Address of a Dask scheduler (tcp://host:port) whose workers compute the counts or meshes.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.comparisons.element_convergence import QUANTITIES  # noqa: PLC0415
     from validation.comparisons.requested import convergence  # noqa: PLC0415
+    from validation.run.cluster import requested_executor  # noqa: PLC0415
+    from validation.run.executor import in_order  # noqa: PLC0415
+    from validation.run.provisions import provisions  # noqa: PLC0415
 
     request_solver(solver, ranks, hosts)
     require_writable(csv, ".csv", force=force)
@@ -85,8 +100,8 @@ def converge(
     if quantity not in QUANTITIES:
         raise InputError(f"--quantity {quantity}: must be one of {', '.join(QUANTITIES)}")
     robot_file = load_robot(robot)
-    study = convergence(
-        robot_file.mechanism,
+    study_of = partial(
+        convergence,
         model=model,
         body=body,
         elements=_counts("--elements", elements),
@@ -94,6 +109,13 @@ def converge(
         theory=theory,
         limits=robot_file.agreement,
     )
+    with requested_executor(cluster) as executor:
+        if cluster is not None and robot_file.mechanism.parts:
+            # Parts are sectioned where the study is computed.
+            sent = partial(_study_of_parts, study_of, provisions(robot_file), robot_file)
+            (study,) = in_order(executor, [sent])
+        else:
+            study = study_of(robot_file.mechanism, executor=executor)
     missed = study.missed(quantity, within)
     write_results(study.json() if json else study.text(quantity))
     if csv is not None:
@@ -101,6 +123,15 @@ def converge(
     if picture is not None:
         write(picture, study.picture(kind, _DOTS), kind)
     return write_messages(missed, 1) if missed else 0
+
+
+def _study_of_parts(
+    study_of: "Callable[[Mechanism], ConvergenceStudy]",
+    sent: "Provisions",
+    robot_file: "RobotFile",
+) -> "ConvergenceStudy":
+    """Study of a robot whose parts have no files on this machine."""
+    return study_of(sent.unpack(robot_file).mechanism)
 
 
 def _counts(option: str, typed: str | None) -> tuple[int, ...] | None:

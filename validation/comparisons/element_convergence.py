@@ -34,6 +34,7 @@ from validation.comparisons.discretisations import FORMULATIONS, Discretisation
 from validation.models.leg_models import leg_matrices, reduced_leg
 from validation.models.options import BEAM_ORDER, ModelOptions
 from validation.models.robot_models import bodies_of, highest_frequency
+from validation.run.executor import Executor, in_order, in_turn
 from validation.uncertainty.grid_convergence import richardson
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
@@ -61,6 +62,7 @@ def leg_convergence(
     leg: SectionedLeg | SteppedLeg,
     discretisations: Sequence[Discretisation] = FORMULATIONS,
     counts: Sequence[int] = COUNTS,
+    executor: Executor = in_turn,
 ) -> ConvergenceStudy:
     """Convergence study of one leg with its root clamped. Raises as `_checked_counts` does.
 
@@ -72,13 +74,14 @@ def leg_convergence(
         reference = "exact cantilever of the same theory (Huang 1961)"
     else:
         limits, reference = partial(_beam_limit, evaluate), _EXTRAPOLATED
-    return _study(robot, name, {}, evaluate, limits, reference, discretisations, counts)
+    return _study(robot, name, {}, evaluate, limits, reference, discretisations, counts, executor)
 
 
 def robot_convergence(
     posture: Posture,
     discretisations: Sequence[Discretisation] = FORMULATIONS,
     counts: Sequence[int] = COUNTS,
+    executor: Executor = in_turn,
 ) -> ConvergenceStudy:
     """Convergence study of a robot in one posture, with equal element counts in all legs.
 
@@ -92,7 +95,15 @@ def robot_convergence(
     limits = partial(_beam_limit, evaluate)
     pose = dict(zip(mechanism.tool.moves, posture.pose.tolist(), strict=True))
     return _study(
-        mechanism.name, "", pose, evaluate, limits, _EXTRAPOLATED, discretisations, counts
+        mechanism.name,
+        "",
+        pose,
+        evaluate,
+        limits,
+        _EXTRAPOLATED,
+        discretisations,
+        counts,
+        executor,
     )
 
 
@@ -108,7 +119,20 @@ def _study(
     reference: str,
     discretisations: Sequence[Discretisation],
     counts: Sequence[int],
+    executor: Executor,
 ) -> ConvergenceStudy:
+    """Study whose values at all counts are computed by the executor."""
+    counts_by_row = [_checked_counts(discretisation, counts) for discretisation in discretisations]
+    values = iter(
+        in_order(
+            executor,
+            [
+                partial(evaluate, discretisation.with_count(count))
+                for discretisation, row in zip(discretisations, counts_by_row, strict=True)
+                for count in row
+            ],
+        )
+    )
     return ConvergenceStudy(
         robot=robot,
         subject=subject,
@@ -121,9 +145,9 @@ def _study(
                 discretisation,
                 evaluate,
                 *limits(discretisation.theory),
-                _checked_counts(discretisation, counts),
+                {count: next(values) for count in row},
             )
-            for discretisation in discretisations
+            for discretisation, row in zip(discretisations, counts_by_row, strict=True)
         ),
     )
 
@@ -149,9 +173,10 @@ def _series(
     evaluate: Evaluate,
     limits: Array,
     limit_half_widths: Array,
-    counts: tuple[int, ...],
+    values_by_count: dict[int, Array],
 ) -> ConvergenceSeries:
-    values_by_count = {count: evaluate(discretisation.with_count(count)) for count in counts}
+    """Series of the values by ascending count. Counts between them are evaluated if needed."""
+    counts = tuple(values_by_count)
 
     def errors(count: int) -> Array:
         if count not in values_by_count:

@@ -8,6 +8,7 @@ half-width.
 """
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import Discretisation
 from validation.comparisons.element_convergence import DEFLECTIONS, MODES, QUANTITIES, UNITS
 from validation.models.leg_models import clamped_solid
+from validation.run.executor import Executor, in_order, in_turn
 from validation.solids.solid_legs import ROUND_OFF, formal_order
 from validation.uncertainty.grid_convergence import analyse, richardson
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
@@ -35,6 +37,7 @@ def leg_mesh_convergence(
     leg: SectionedLeg,
     discretisations: Sequence[Discretisation] = SOLIDS,
     divisions: Sequence[int] = DIVISIONS,
+    executor: Executor = in_turn,
 ) -> ConvergenceStudy:
     """Convergence study of one leg as a solid with its root clamped.
 
@@ -46,6 +49,15 @@ def leg_mesh_convergence(
             f"divisions = {','.join(map(str, divisions))}: must be two or more different "
             "whole numbers, each at least 1"
         )
+    values = in_order(
+        executor,
+        [
+            partial(_values, leg, discretisation.with_count(count))
+            for discretisation in discretisations
+            for count in counts
+        ],
+    )
+    values_by_row = np.reshape(values, (len(discretisations), len(counts), -1))
     return ConvergenceStudy(
         robot=robot,
         subject=name,
@@ -53,15 +65,18 @@ def leg_mesh_convergence(
         quantities=QUANTITIES,
         units=UNITS,
         reference="limit extrapolated from the finest meshes",
-        series=tuple(_series(leg, discretisation, counts) for discretisation in discretisations),
+        series=tuple(
+            _series(leg, discretisation, counts, row)
+            for discretisation, row in zip(discretisations, values_by_row, strict=True)
+        ),
         refined="divisions",
     )
 
 
 def _series(
-    leg: SectionedLeg, discretisation: Discretisation, counts: tuple[int, ...]
+    leg: SectionedLeg, discretisation: Discretisation, counts: tuple[int, ...], values: Array
 ) -> ConvergenceSeries:
-    values = np.array([_values(leg, discretisation.with_count(count)) for count in counts])
+    """Series of the values (m×q). Shapes: m meshes, q quantities."""
     order = formal_order(leg, discretisation.ends)
     limits, half_widths, orders = _limits(counts, values, order)
     errors = np.abs(values / limits - 1.0)

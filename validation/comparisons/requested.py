@@ -21,6 +21,7 @@ from validation.comparisons.element_convergence import COUNTS, leg_convergence, 
 from validation.comparisons.mesh_convergence import DIVISIONS, leg_mesh_convergence
 from validation.models.reduced_parts import is_leg
 from validation.models.stepped_parts import PIECES, stepped
+from validation.run.executor import Executor, in_turn
 
 
 def convergence(
@@ -32,11 +33,13 @@ def convergence(
     divisions: Sequence[int] | None = None,
     theory: Theory | None = None,
     limits: AgreementLimits = DEFAULT_LIMITS,
+    executor: Executor = in_turn,
 ) -> ConvergenceStudy:
     """Convergence study of the robot in the middle of its path, or of the leg `body`.
 
     `model` None: segments in both layouts, and beam elements. `theory` None: Timoshenko's.
-    `elements` None: the usual counts and that of `limits`. Raises InputError with all faults of the
+    `elements` None: the usual counts and that of `limits`. `executor` computes the counts or
+    meshes. Raises InputError with all faults of the
     arguments.
     """
     if faults := _faults(mechanism, model, body, elements, divisions, theory):
@@ -44,7 +47,11 @@ def convergence(
     if model == "solid" or divisions is not None:
         leg = legs_of(mechanism)[str(body)]
         study = leg_mesh_convergence(
-            mechanism.name, str(body), sectioned_leg(leg), divisions=divisions or DIVISIONS
+            mechanism.name,
+            str(body),
+            sectioned_leg(leg),
+            divisions=divisions or DIVISIONS,
+            executor=executor,
         )
         return replace(study, agreement=limits)
     formulations = EULER_BERNOULLI if theory == "euler-bernoulli" else FORMULATIONS
@@ -67,10 +74,10 @@ def convergence(
                 "stepped CAD part"
             )
     if body is None:
-        study = robot_convergence(middle_posture(mechanism), discretisations, counts)
+        study = robot_convergence(middle_posture(mechanism), discretisations, counts, executor)
     else:
         leg_alone = _leg(mechanism, body)
-        study = leg_convergence(mechanism.name, body, leg_alone, discretisations, counts)
+        study = leg_convergence(mechanism.name, body, leg_alone, discretisations, counts, executor)
     return replace(study, agreement=limits)
 
 

@@ -29,6 +29,7 @@ from fem.solvers.backends.choice import solver_name
 from lumped.errors import ComputationError, InputError
 from lumped.solver_request import request_variables
 from meshes.processes import Answer, Crashed
+from validation.console.streams import write_message
 from validation.run.cluster_worker import (
     Conditions,
     DifferentProgram,
@@ -40,7 +41,15 @@ from validation.run.cluster_worker import (
     program,
     requested_program,
 )
-from validation.run.executor import Answers, Call, Groups, ProcessExecutor, Work
+from validation.run.executor import (
+    Answers,
+    Call,
+    Executor,
+    Groups,
+    ProcessExecutor,
+    Work,
+    in_turn,
+)
 
 # Timeout (s) for the scheduler's answer, and time (s) without workers before a notice.
 _ANSWER_TIMEOUT = 10.0
@@ -54,6 +63,16 @@ _ADDRESS = re.compile(r"(?:tcp|tls)://(?P<host>\[[0-9a-fA-F:.]+\]|[\w.-]+):(?P<p
 _LOST_WITH_WORKERS = (
     "lost with several workers, one after the other, probably because of lack of memory"
 )
+
+
+@contextmanager
+def requested_executor(address: str | None) -> Iterator[Executor]:
+    """Context with an executor on the cluster at `address`, or in this process if it is None."""
+    if address is None:
+        yield in_turn
+        return
+    with on_cluster(address, write_message) as cluster:
+        yield cluster
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias, TypeVar
 
 from fem.machine import ONE_BLAS_THREAD
 from lumped.errors import ComputationError, InputError
@@ -34,10 +34,17 @@ Answers: TypeAlias = Generator[tuple[Any, Any], None, None]
 Finished: TypeAlias = Generator[tuple[int, Any], None, None]
 # Function that computes calls in any order.
 Executor: TypeAlias = Callable[[Sequence[Work]], Finished]
+T = TypeVar("T")
 # One thread per process, including the sparse solver, since there are as many processes as cores.
 _SINGLE_THREADED = {"OMP_NUM_THREADS": "1", **ONE_BLAS_THREAD}
 # Interval (s) between checks of `stopped`.
 _HEARTBEAT = 0.1
+
+
+def in_order(executor: Executor, calls: Sequence[Callable[[], T]]) -> list[T]:
+    """Results of the calls in the order of the calls."""
+    results = dict(executor(calls))
+    return [results[number] for number in range(len(calls))]
 
 
 def in_turn(calls: Sequence[Work]) -> Finished:

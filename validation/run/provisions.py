@@ -1,6 +1,6 @@
 """Files and cache entries that the processes of a run need on other machines.
 
-Input: the context of a run, and arrays from the cache of this machine. Output: `Provisions`, which
+Input: a robot, and arrays from the cache of this machine. Output: `Provisions`, which
 travel to each worker of a cluster once. Rule: files count by their content. Where a worker has
 another file at the path, or none, it writes a copy.
 """
@@ -13,8 +13,8 @@ from pathlib import Path
 
 from lumped.errors import InputError
 from lumped.mechanism.body import Body, Part
+from lumped.robot_file import RobotFile
 from lumped.robot_file.included import part_content
-from validation.context import Context
 from validation.run.cache import Arrays, find, keep
 
 
@@ -25,17 +25,15 @@ class Provisions:
     files: Mapping[Path, bytes]
     entries: Mapping[str, Arrays]
 
-    def unpack(self, context: Context) -> Context:
+    def unpack(self, robot_file: RobotFile) -> RobotFile:
         """Store the entries on this machine. The robot's parts get files that exist here."""
         for key, arrays in self.entries.items():
             if find(key) is None:
                 keep(key, arrays)
-        robot_file = context.robot_file
         bodies = {name: self._local(body) for name, body in robot_file.mechanism.bodies.items()}
         if bodies == robot_file.mechanism.bodies:
-            return context
-        mechanism = replace(robot_file.mechanism, bodies=bodies)
-        return replace(context, robot_file=replace(robot_file, mechanism=mechanism))
+            return robot_file
+        return replace(robot_file, mechanism=replace(robot_file.mechanism, bodies=bodies))
 
     def _local(self, body: Body) -> Body:
         """The body, with a copy of its file if this machine has another one or none."""
@@ -50,8 +48,8 @@ class Provisions:
         return replace(body, shape=replace(body.shape, file=copy))
 
 
-def provisions(context: Context, entries: Mapping[str, Arrays]) -> Provisions:
-    """Provisions of a run: these entries, and the files of all parts."""
-    shapes = [body.shape for body in context.robot_file.mechanism.bodies.values()]
+def provisions(robot_file: RobotFile, entries: Mapping[str, Arrays] | None = None) -> Provisions:
+    """Provisions of a robot: the files of all parts, and these entries."""
+    shapes = [body.shape for body in robot_file.mechanism.bodies.values()]
     files = {shape.file for shape in shapes if isinstance(shape, Part)}
-    return Provisions({file: part_content(file) for file in files}, entries)
+    return Provisions({file: part_content(file) for file in files}, entries or {})

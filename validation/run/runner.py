@@ -179,7 +179,7 @@ class _Assigned:
 
 def _begin(catalogue: Catalogue, context: Context, sent: Provisions | None) -> _Assigned:
     if sent is not None:
-        context = sent.unpack(context)
+        context = replace(context, robot_file=sent.unpack(context.robot_file))
     return _Assigned({task.id: task for task in catalogue(context.robot_file)}, context)
 
 

@@ -4,6 +4,7 @@ Input: the path of a CAD part, or its name in a robot file, and the options of t
 text on stdout and the requested files.
 """
 
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -91,6 +92,7 @@ def identify(
     solver: SolverName = None,
     ranks: RankCount = None,
     hosts: HostFile = None,
+    cluster: str | None = None,
     out: PathArgument | None = None,
     force: Force = False,
     json: AsJson = False,
@@ -120,6 +122,8 @@ def identify(
     accuracy
         Refine the meshes until the relative half-width of every value is at most this
         number, for example 0.002, within the limits of memory and of 800 000 unknowns.
+    cluster
+        Address of a Dask scheduler (tcp://host:port), one worker of which meshes and solves.
     out
         An .npz file to write all matrices to.
     """
@@ -128,11 +132,13 @@ def identify(
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from meshes.part.interfaces import find_interfaces  # noqa: PLC0415
     from validation.console.progress import stage  # noqa: PLC0415
-    from validation.models.reduced_parts import identified  # noqa: PLC0415
+    from validation.models.reduced_parts import found_in, shape_of  # noqa: PLC0415
     from validation.parts import identified_text, request  # noqa: PLC0415
     from validation.parts import identify as identifying  # noqa: PLC0415
     from validation.parts.identify import Identified  # noqa: PLC0415
     from validation.parts.meshes import part_file  # noqa: PLC0415
+    from validation.parts.sent import value_by_worker  # noqa: PLC0415
+    from validation.run.cluster import requested_executor  # noqa: PLC0415
     from validation.uncertainty.refinement import accuracy_faults, refined  # noqa: PLC0415
 
     request_solver(solver, ranks, hosts)
@@ -159,25 +165,39 @@ def identify(
     size = identifying.DEFAULT_UNKNOWNS if unknowns is None else unknowns
     count = identifying.DEFAULT_MODES if modes is None else modes
     if free:
-        return _identify_free(part, material, unit, body, size, count, accuracy, out, json=json)
+        return _identify_free(
+            part, material, unit, body, size, count, accuracy, cluster, out, json=json
+        )
     if body is None:
         definitions, points = request.interfaces_of(interface)
         properties = request.material_of(material or "")
         file = part_file(Path(part), unit)
         interfaces = find_interfaces(file, definitions, points)
-
-        def at(size: int) -> Identified:
-            return identifying.identify(file, interfaces, properties, size, count)
     else:
         shape = request.part_of(load_robot(part), body)
+        (file, interfaces), properties = found_in(shape), shape_of(shape).material
+
+    with (
+        stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * size),
+        requested_executor(cluster) as executor,
+    ):
 
         def at(size: int) -> Identified:
-            return identified(shape, size, count)
+            entry_of = partial(
+                identifying.identified_entry,
+                interfaces=interfaces,
+                material=properties,
+                unknowns=size,
+                modes=count,
+            )
+            return value_by_worker(executor, file, entry_of) if cluster else entry_of(file).value()
 
-    refine = identifying.more_unknowns
-    with stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * size):
         identified_part, accuracy_text = refined(
-            size, at, identifying.largest_half_width, refine, accuracy or np.inf
+            size,
+            at,
+            identifying.largest_half_width,
+            identifying.more_unknowns,
+            accuracy or np.inf,
         )
     text = identified_text.as_json if json else identified_text.as_text
     write_results(text(identified_part, accuracy_text if accuracy else None))
@@ -193,6 +213,7 @@ def _identify_free(
     unknowns: int,
     modes: int,
     accuracy: float | None,
+    cluster: str | None,
     out: Path | None,
     *,
     json: bool,
@@ -202,24 +223,31 @@ def _identify_free(
 
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.console.progress import stage  # noqa: PLC0415
-    from validation.models.reduced_parts import free_body_part  # noqa: PLC0415
+    from validation.models.reduced_parts import found_in, shape_of  # noqa: PLC0415
     from validation.parts import free_modes, free_text, request  # noqa: PLC0415
     from validation.parts.identify import more_unknowns  # noqa: PLC0415
     from validation.parts.meshes import part_file  # noqa: PLC0415
+    from validation.parts.sent import value_by_worker  # noqa: PLC0415
+    from validation.run.cluster import requested_executor  # noqa: PLC0415
     from validation.uncertainty.refinement import refined  # noqa: PLC0415
 
     if body is None:
         file, properties = part_file(Path(part), unit), request.material_of(material or "")
-
-        def at(size: int) -> free_modes.FreePart:
-            return free_modes.free_entry(file, properties, size, modes).value()
     else:
         shape = request.part_of(load_robot(part), body)
+        (file, _), properties = found_in(shape), shape_of(shape).material
+
+    with (
+        stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * unknowns),
+        requested_executor(cluster) as executor,
+    ):
 
         def at(size: int) -> free_modes.FreePart:
-            return free_body_part(shape, size, modes)
+            entry_of = partial(
+                free_modes.free_entry, material=properties, unknowns=size, modes=modes
+            )
+            return value_by_worker(executor, file, entry_of) if cluster else entry_of(file).value()
 
-    with stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * unknowns):
         solution, reached = refined(
             unknowns, at, free_modes.largest_half_width, more_unknowns, accuracy or np.inf
         )

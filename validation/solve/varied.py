@@ -7,6 +7,7 @@ deflections and frequencies for each robot.
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain, zip_longest
 from math import prod
 from pathlib import Path
@@ -26,7 +27,8 @@ from validation.console.typed import write
 from validation.drawing.style import OTHERS, csv_of
 from validation.record_fields import plain_data
 from validation.run.cluster import on_cluster
-from validation.run.executor import Executor, in_turn, on_cores
+from validation.run.executor import Executor, in_order, in_turn, on_cores
+from validation.run.provisions import Provisions, provisions
 from validation.solve.answer import Answer, Solution
 from validation.solve.answer_json import answer_record, finite_json
 from validation.solve.design_choice import (
@@ -88,10 +90,26 @@ class _Unit:
 
     values_text: str
     question: Question
+    sent: Provisions | None = None
 
     def __call__(self) -> Solution:
         with naming(f"--vary {self.values_text}"):
-            return solve(self.question)
+            return solve_sent(self.question, self.sent)
+
+
+def solve_sent(question: Question, sent: Provisions | None) -> Solution:
+    """Solution of a question, on a machine that can lack the files of its parts."""
+    if sent is not None:
+        question = replace(question, robot_file=sent.unpack(question.robot_file))
+    return solve(question)
+
+
+def solve_on_cluster(question: Question, cluster: str) -> Solution:
+    """Solution of a question by one worker of a cluster."""
+    sent = provisions(question.robot_file)
+    with on_cluster(cluster, write_message) as executor:
+        (solution,) = in_order(executor, [partial(solve_sent, question, sent)])
+    return solution
 
 
 def write_varied(
@@ -121,8 +139,8 @@ def write_varied(
         raise InputError("--ends free-free: not with --vary; leave one of them out")
     if not vary:
         raise InputError(
-            "--jobs, --cluster, --csv, --picture, --minimise, --maximise and --where are only for "
-            "--vary; leave them out"
+            "--jobs, --csv, --picture, --minimise, --maximise and --where are only for --vary; "
+            "leave them out"
         )
     variations = variations_of(question.robot_file, vary)
     purpose = None
@@ -168,15 +186,15 @@ def solve_varied(
         question_of_robot = replace(question, robot_file=robot, digits=False)
         with naming(f"--vary {text}"):
             seconds += checked(question_of_robot).seconds
-        units.append(_Unit(text, question_of_robot))
+        sent = None if cluster is None else provisions(robot)
+        units.append(_Unit(text, question_of_robot, sent))
     with ExitStack() as stack, stage(counted(len(units), "robot"), seconds / jobs):
         executor: Executor = in_turn
         if cluster is not None:
             executor = stack.enter_context(on_cluster(cluster, write_message))
         elif jobs > 1:
             executor = stack.enter_context(on_cores(jobs))
-        solved = dict(executor(units))
-    solutions = tuple(solved[number] for number in range(len(units)))
+        solutions = tuple(in_order(executor, units))
     choice = None
     if purpose:
         mechanisms = [robot.mechanism for _, robot in robots]

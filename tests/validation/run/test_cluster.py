@@ -8,7 +8,8 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -27,14 +28,17 @@ from lumped.robot_file import load_robot
 from meshes.part.reading import read
 from validation.context import Context
 from validation.models import reduced_parts
+from validation.parts.sent import value_by_worker
 from validation.references.part_preparation import prepare_parts
 from validation.references.reference_parts import highest_of_parts, solid_parts
 from validation.references.robot_on_path import computed_count, holding, path_postures
 from validation.run import cluster as on_dask
 from validation.run import progress, runner
+from validation.run.cache import CacheEntry
 from validation.run.cluster import on_cluster
 from validation.run.folder import open_folder
 from validation.run.outcome import plain
+from validation.solve import varied
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -107,34 +111,79 @@ def executed(dask):
     return sum(worker.state.executed_count for worker in dask.workers.values())
 
 
-def test_cluster_results_equal_local_results(command, monkeypatch, dask):
-    monkeypatch.setenv("FLEXPROOF_CACHE", "off")
-    asked = ["solve", "five-bar", "--model", "beam", "--modes", "2", "--vary", "tool.mass=1:2:2"]
+@pytest.fixture(scope="module")
+def workers(dask):
+    with on_cluster(dask.scheduler_address, silent) as workers:
+        yield workers
+
+
+@pytest.mark.parametrize(
+    ("line", "calls"),
+    [
+        ("solve five-bar --model beam --modes 2 --vary tool.mass=1:2:2", 2),
+        ("solve five-bar --model vjm", 1),
+        ("converge five-bar --body rod1 --model beam --elements 5,10", 2),
+    ],
+)
+def test_command_on_cluster_equals_local_one(
+    line, calls, command, monkeypatch, tmp_path, dask, workers
+):
+    for module in (on_dask, varied):
+        monkeypatch.setattr(module, "on_cluster", lambda *_: nullcontext(workers))
+    monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "there"))
     before = executed(dask)
-    there = command.json(*asked, "--cluster", dask.scheduler_address)
-    # Two robots, and the conditions of the run, which come to the worker once.
-    assert executed(dask) - before == 3
+    there = command.json(*line.split(), "--cluster", dask.scheduler_address)
+    # The conditions of the run come to the worker once.
+    assert executed(dask) - before - calls in (0, 1)
+    monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "here"))
     forget()
-    assert there == command.json(*asked)
+    assert there == command.json(*line.split())
 
 
-def test_run_on_cluster_equals_local_run(tmp_path, dask):
+@dataclass(frozen=True)
+class PartOnDisk:
+    """A part that is known by the content of its file."""
+
+    path: Path
+
+
+def length_entry(part):
+    def compute():
+        return {"length": len(part.path.read_bytes())}
+
+    return CacheEntry("length", compute, lambda arrays: int(arrays["length"]))
+
+
+def test_part_is_computed_without_its_file(tmp_path, monkeypatch):
+    """Another machine gets the content of the file, and its result is stored here."""
+    monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "cache"))
+    part = PartOnDisk(tmp_path / "arm.step")
+    part.path.write_bytes(b"solid")
+
+    def on_another_machine(calls):
+        part.path.unlink()
+        yield from enumerate([call() for call in calls])
+
+    assert value_by_worker(on_another_machine, part, length_entry) == 5
+    assert value_by_worker(lambda _: pytest.fail("sent again"), part, length_entry) == 5
+
+
+def test_run_on_cluster_equals_local_run(tmp_path, workers):
     """Values, errors with their messages, a crash, and the log."""
     robot = load_robot("ifw")
     context, left_out = Context(robot, "quick"), {"toy.starved"}
     tasks = [task for task in toys.troubled(robot) if task.id not in left_out]
     records, log = {}, tmp_path / "log"
-    with on_cluster(dask.scheduler_address, silent) as workers:
-        runner.run(
-            toys.troubled,
-            context,
-            tasks,
-            jobs=1,
-            log=log,
-            cluster=workers,
-            keep=lambda record: records.update({record["id"]: record}),
-            progress=progress.RunProgress(tasks),
-        )
+    runner.run(
+        toys.troubled,
+        context,
+        tasks,
+        jobs=1,
+        log=log,
+        cluster=workers,
+        keep=lambda record: records.update({record["id"]: record}),
+        progress=progress.RunProgress(tasks),
+    )
     notes = [records[name]["found"].pop("notes") for name in ("toy.first[x=1]", "toy.second[x=2]")]
     # A group shares what is expensive.
     assert notes[0] == notes[1] != []
@@ -151,13 +200,12 @@ def test_run_on_cluster_equals_local_run(tmp_path, dask):
         assert line in log.read_text()
 
 
-def test_stopped_run_ends_calls_on_workers(tmp_path, dask):
+def test_stopped_run_ends_calls_on_workers(tmp_path, workers):
     """A call that nobody awaits is ended, with its process."""
     child = tmp_path / "child"
-    with on_cluster(dask.scheduler_address, silent) as workers:
-        answers = workers.answers([[("sleeps", partial(sleep_long, child))]], stopped=child.exists)
-        assert list(answers) == []
-        wait_for(lambda: not Path("/proc", child.read_text()).exists())
+    answers = workers.answers([[("sleeps", partial(sleep_long, child))]], stopped=child.exists)
+    assert list(answers) == []
+    wait_for(lambda: not Path("/proc", child.read_text()).exists())
 
 
 def sleep_long(file):

@@ -101,7 +101,6 @@ REFUSED = [
     ("delta segments --release printed", "--release: has no effect on model segments"),
     ("five-bar beam --modes 0 --against solid", "--against: "),
     ("five-bar beam --csv table.csv", "are only for --vary"),
-    ("five-bar beam --cluster tcp://a:1", "are only for --vary"),
 ]
 
 

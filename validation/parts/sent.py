@@ -1,0 +1,49 @@
+"""Results for a CAD part that a worker of a cluster computes, with the content of its file.
+
+Input: a part as it was read here, and a function that gives its cache entry. Output: the value of
+the entry. Rule: the cache of this machine is asked first. What a worker computes is stored here.
+"""
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+from lumped.robot_file.included import part_content
+from meshes.part.reading.read import PartFile
+from validation.run.cache import Arrays, CacheEntry, keep
+from validation.run.executor import Executor, in_order
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class _SentPart:
+    """Computation of a cache entry for a part on a machine without its file."""
+
+    file: PartFile
+    content: bytes
+    entry_of: Callable[[PartFile], CacheEntry[Any]]
+
+    def __call__(self) -> dict[str, Arrays]:
+        """Arrays of the entry and of those that it needs, by key."""
+        with tempfile.TemporaryDirectory(prefix="flexproof-part-") as folder:
+            copy = Path(folder) / self.file.path.name
+            copy.write_bytes(self.content)
+            entry = self.entry_of(replace(self.file, path=copy))
+            entry.value()
+            return entry.stored_arrays
+
+
+def value_by_worker(
+    executor: Executor, file: PartFile, entry_of: Callable[[PartFile], CacheEntry[T]]
+) -> T:
+    """Value of the cache entry of a part, computed by a worker unless it is stored here."""
+    entry = entry_of(file)
+    if not entry.is_stored:
+        work = _SentPart(file, part_content(file.path), entry_of)
+        (entries,) = in_order(executor, [work])
+        for key, arrays in entries.items():
+            keep(key, arrays)
+    return entry.value()
