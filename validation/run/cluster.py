@@ -14,15 +14,15 @@ import pickle
 import re
 import socket
 import warnings
-from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections import Counter, deque
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from time import monotonic, sleep
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeAlias
 
 from fem.extras import require_extra
 from fem.solvers.backends.choice import solver_name
@@ -60,6 +60,8 @@ _HEARTBEAT = 0.5
 _LONGEST_GREETING = 1 << 20
 _GONE = "--cluster {}: the scheduler is gone; what was finished is kept"
 _ADDRESS = re.compile(r"(?:tcp|tls)://(?P<host>\[[0-9a-fA-F:.]+\]|[\w.-]+):(?P<port>\d{1,5})")
+# Number of times that a call is sent again after the connection was lost, as Dask does for workers.
+_MOST_LOSSES = 3
 _LOST_WITH_WORKERS = (
     "lost with several workers, one after the other, probably because of lack of memory"
 )
@@ -278,6 +280,10 @@ class Cluster(ProcessExecutor):
             file.write(log)
 
 
+# Calls of a group, answer to the first, address of its worker, and its log.
+_Arrived: TypeAlias = tuple[deque[tuple[Any, Call]], Any, str | None, bytes]
+
+
 class _SentCalls:
     """Calls that are computed on the cluster, each the first of its group."""
 
@@ -285,16 +291,24 @@ class _SentCalls:
         self, distributed: ModuleType, watch: "_SchedulerWatch", conditions: Conditions
     ) -> None:
         self.distributed, self.watch = distributed, watch
-        # Dask sends the value of a task to each worker once, and computes it again if it is lost.
-        with warnings.catch_warnings():
-            # A large task is intended here.
-            warnings.simplefilter("ignore", UserWarning)
-            self._conditions = watch.client.submit(
-                _itself, conditions, key=f"flexproof-{conditions.key}"
-            )
+        self.conditions = conditions
+        self._shared = self._shared_conditions()
+        # Number of times that the first call of a group was lost with the connection, by its name.
+        self._losses: Counter[Hashable] = Counter()
         # Calls of the group and future by key.
         self.todo: dict[str, tuple[deque[tuple[Any, Call]], Any]] = {}
         self._finished: SimpleQueue[tuple[str, Any]] = SimpleQueue()
+
+    def _shared_conditions(self) -> Any:
+        """Future of the conditions.
+
+        Dask sends the value of a task to each worker once, and computes it again if it is lost.
+        """
+        with warnings.catch_warnings():
+            # A large task is intended here.
+            warnings.simplefilter("ignore", UserWarning)
+            key = f"flexproof-{self.conditions.key}"
+            return self.watch.client.submit(_itself, self.conditions, key=key)
 
     def send(self, calls: deque[tuple[Any, Call]], worker: str | None = None) -> None:
         """Submit the first of the calls, if possible to this worker and before other groups."""
@@ -302,7 +316,7 @@ class _SentCalls:
             compute,
             calls[0][1],
             str(id(calls)),
-            self._conditions,
+            self._shared,
             pure=False,
             workers=worker and [worker],
             allow_other_workers=worker is not None,
@@ -323,8 +337,8 @@ class _SentCalls:
             reply = error
         self._finished.put((future.key, reply))
 
-    def next_reply(self) -> tuple[deque[tuple[Any, Call]], Any, str | None, bytes] | None:
-        """Calls of a group, answer to the first, worker and log. None after half a second.
+    def next_reply(self) -> _Arrived | None:
+        """What arrived next. None after half a second, or if a call was sent again.
 
         Raises ComputationError for a worker with another program, or one that cannot begin.
         """
@@ -337,10 +351,30 @@ class _SentCalls:
             return calls, Crashed(_LOST_WITH_WORKERS), None, b""
         if isinstance(reply, Reply):
             return calls, self._result(reply), reply.worker, reply.log
-        if not isinstance(reply, Exception) or _is_lost(self.distributed, reply):
+        if _is_lost(self.distributed, reply):
+            return self._send_again(calls)
+        if not isinstance(reply, Exception):
             raise reply
         # Dask could not even read the call on a worker, or its reply here.
         raise self._failure(f"a worker failed with {type(reply).__name__}: {reply}") from reply
+
+    def _send_again(self, calls: deque[tuple[Any, Call]]) -> _Arrived | None:
+        """Send a call that was lost with the connection. None, or its reply after three losses.
+
+        Raises ComputationError if the scheduler does not return.
+        """
+        name = calls[0][0]
+        self._losses[name] += 1
+        if self._losses[name] > _MOST_LOSSES:
+            return calls, Crashed(_LOST_WITH_WORKERS), None, b""
+        self.watch.has_workers()
+        while self.watch.client.status != "running":
+            sleep(_HEARTBEAT)
+            self.watch.has_workers()
+        # Its future was lost as well.
+        self._shared = self._shared_conditions()
+        self.send(calls)
+        return None
 
     def _result(self, reply: Reply) -> Any:
         """Value or error of a call, whose remarks are repeated here."""
@@ -371,8 +405,8 @@ def _itself(conditions: Conditions) -> Conditions:
     return conditions
 
 
-def _is_lost(distributed: ModuleType, error: Exception) -> bool:
-    """True if the error means that the scheduler is lost."""
+def _is_lost(distributed: ModuleType, error: object) -> bool:
+    """True for an error of a call that was lost with the connection to the scheduler."""
     return isinstance(
         error, distributed.client.FutureCancelledError | distributed.comm.CommClosedError
     )
