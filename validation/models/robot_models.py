@@ -393,7 +393,10 @@ def _require_dynamic_model(model: ModelName) -> None:
 
 
 def released(postures: Sequence[Posture], options: ModelOptions) -> Sequence[Posture]:
-    """Postures with joints as printed in the paper, if `options.release` is "printed"."""
+    """Postures whose joints are released by eq. (25) as printed in the paper.
+
+    This is done if `options.release` is "printed". Otherwise, the postures are returned unchanged.
+    """
     if options.release != "printed":
         return postures
     printed = as_printed(postures[0].mechanism)

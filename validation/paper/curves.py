@@ -144,7 +144,8 @@ def deflections_of_the_family(context: Context) -> Chart:
         _FAMILY_CAPTION,
         "At the centre of the stroke, by beam elements, the planar deflection under a force along "
         f"x changes from {planar[0]:.1f} µm at α = 1 to {planar[-1]:.1f} µm at α = 2, and the "
-        f"deflection along z from {along_z[0]:.0f} to {along_z[-1]:.0f} µm. The simplified model "
+        f"deflection along z from {along_z[0]:.0f} to {along_z[-1]:.0f} µm. The simplified model, "
+        "with rigid legs on elastic drives, "
         "has no deflection along z. A design that is optimal by this model therefore has legs "
         "that are too long.",
     )
@@ -232,9 +233,10 @@ def frequencies_of_the_family(context: Context) -> Chart:
         "At the centre of the stroke, by beam elements, the first frequency changes from "
         f"{first[0]:.0f} Hz at α = 1 to {first[-1]:.0f} Hz at α = 2, the second from "
         f"{second[0]:.0f} to {second[-1]:.0f} Hz. At all points segments and beam elements agree "
-        f"to {percent(difference, signed=False)}. The simplified first frequency changes from "
-        f"{simplified[0]:.0f} to {simplified[-1]:.0f} Hz. The two models therefore lead to "
-        "opposite changes of the design.",
+        f"to {percent(difference, signed=False)}. With rigid legs and the platform's mass on "
+        f"the drives (simplified model), the first frequency changes from {simplified[0]:.0f} to "
+        f"{simplified[-1]:.0f} Hz. The simplified model and models with elastic legs therefore "
+        "lead to opposite changes of the design.",
     )
 
 

@@ -77,9 +77,9 @@ class MeshRow:
     ) -> Array:
         """Half-widths of a quantity of the reference due to this kind of mesh.
 
-        `solve` returns the statics or modes of a model under a reading. `change` returns the
-        relative change of the quantity between two of them; its third argument is the solution on
-        the finest mesh.
+        `solve` returns the statics or modes of a model under one reading of the robot file.
+        `change` returns the relative change of the quantity between two of them; its third argument
+        is the solution on the finest mesh.
         """
         return half_widths_on(
             self.levels,

@@ -95,8 +95,8 @@ def _reference_title(robot: RobotOnPath) -> str:
     """Title of the modal reference in reports."""
     if robot.given:
         return (
-            "robot with the specified 6×6 of its legs and plausible mass and stiffness "
-            "distributions"
+            "robot whose legs have the specified 6×6 matrices and assumed distributions of mass "
+            "and stiffness"
         )
     if robot.mechanism.parts:
         solid = " and solid legs" if robot.legs else ""
@@ -184,7 +184,7 @@ def _on_twice_as_many(robot: RobotOnPath, reading: Reading) -> PathModes | None:
 
 
 def _on_middle_mesh(robot: RobotOnPath, _: Reading) -> PathModes:
-    """Modes of solids on the second finest mesh of CAD parts, under the robot's first reading."""
+    """Modes of solids on the second finest mesh of CAD parts, with the stiffest end conditions."""
     return modes_of_solids(robot, replace(robot.first_reading, part_mesh=MIDDLE))
 
 

@@ -90,7 +90,7 @@ def _formulation_statics(
 def formulation_modes(
     kind: ModelName, options: ModelOptions, robot: RobotOnPath, reading: Reading
 ) -> PathModes | None:
-    """Modes of a formulation. Its element count is that of the options times that of the reading.
+    """Modes of a formulation, with the element count of the options times `reading.elements`.
 
     None if nothing has mass.
     """
@@ -98,7 +98,10 @@ def formulation_modes(
 
 
 def with_elements(options: ModelOptions, reading: Reading) -> ModelOptions:
-    """Options with their element count multiplied by the factor of the reading."""
+    """Options with their element count multiplied by `reading.elements`.
+
+    A reading is one meaning of the robot file, with one choice of meshes and element counts.
+    """
     return replace(options, elements=reading.elements * options.elements)
 
 
@@ -115,8 +118,8 @@ def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
 def computed_statics(robot: RobotOnPath, reading: Reading) -> Statics:
     """Statics with beams whose section constants are computed by finite elements of the section.
 
-    The constants are computed on the fine section mesh. If the reading has the coarse section mesh,
-    legs whose two solids share a section mesh have constants computed on that mesh.
+    The constants are computed on the fine section mesh. If `reading` selects the coarse section
+    mesh, legs whose two solids share a section mesh have constants computed on that mesh.
     """
 
     def divisions(leg: Leg) -> int:

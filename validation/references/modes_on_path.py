@@ -103,10 +103,10 @@ def solid_meshes(preset: Preset) -> SolidMeshes:
 def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
     """Modes of the reference: solid prismatic legs, CAD parts, and legs known by their 6×6.
 
-    Legs known by their 6×6 have the mass distribution and interior stiffness of the reading. Thin
-    walls have the same section mesh for one and for two divisions; the excess stiffness of that
-    mesh against distortion does not appear if only the length of the elements is halved. Therefore
-    the fine mesh has at least four divisions.
+    Legs known by their 6×6 have the mass distribution and interior stiffness that `reading`
+    assumes. Thin walls have the same section mesh for one and for two divisions; the excess
+    stiffness of that mesh against distortion does not appear if only the length of the elements is
+    halved. Therefore the fine mesh has at least four divisions.
     """
     meshes = solid_meshes(robot.context.meshes)
     mesh = meshes.fine._replace(least=COARSEST_WALLS) if reading.mesh else meshes.coarse
@@ -219,7 +219,7 @@ def solid_vibration(
 ) -> PathModes:
     """Modes in each posture with prismatic legs as solids on `mesh`, reduced to their ends.
 
-    The reading selects the distributions in legs known by their 6×6, and the mesh of CAD parts.
+    `reading` selects the distributions in legs known by their 6×6, and the mesh of CAD parts.
     """
 
     def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:

@@ -55,7 +55,7 @@ class Model:
 
 @dataclass(frozen=True, eq=False)
 class Responses:
-    """Solutions of all models of one robot, stored by model and reading.
+    """Solutions of all models of one robot, stored by model and reading of the robot file.
 
     `perturb` builds the robot with the changed inputs and the changed digit of a reading. If
     `strict`, errors are raised instead of recorded, for studies of a single model.
@@ -73,7 +73,7 @@ class Responses:
     _robots: dict[Reading, RobotOnPath] = field(default_factory=dict, repr=False)
 
     def perturbed(self, reading: Reading) -> RobotOnPath:
-        """Robot with the changed inputs and digit of a reading.
+        """Robot with the changed inputs and the changed digit of `reading`.
 
         Raises InputError if the changes make an invalid robot.
         """
@@ -85,7 +85,7 @@ class Responses:
         return self._robots[key]
 
     def statics(self, model: Model, reading: Reading) -> Statics | Unsolved | None:
-        """Statics of a model under a reading, or the reason why they are unsolved.
+        """Statics of a model under one `reading` of the robot file, or why they are unsolved.
 
         None if the model does not define statics.
         """
@@ -97,7 +97,7 @@ class Responses:
         return self._statics[key]
 
     def modes(self, model: Model, reading: Reading) -> PathModes | Unsolved | None:
-        """Modes of a model under a reading, or the reason why they are unsolved.
+        """Modes of a model under one `reading` of the robot file, or why they are unsolved.
 
         None if the model does not define modes or nothing has mass.
         """
@@ -151,7 +151,7 @@ class Responses:
         model: Model,
         reading: Reading,
     ) -> H | Unsolved:
-        """Statics or modes of a model under a reading, or the reason why they cannot be computed.
+        """Statics or modes of a model under `reading`, or the reason why they are unsolved.
 
         If inputs are perturbed and the model has a stand-in, `transfer` applies the stand-in's
         changes to the unperturbed solution. Any exception is recorded as the failure of this

@@ -88,7 +88,7 @@ class Reading:
         return Inside(self.masses, self.interior)
 
     def on_mesh(self, kind: MeshKind, level: int) -> "Reading":
-        """Copy of the reading with another mesh level of one kind of mesh."""
+        """Copy with another mesh `level` of one `kind` of mesh."""
         mesh: dict[str, Any] = {kind: level}
         return replace(self, **mesh)
 
@@ -103,7 +103,7 @@ class Reading:
         return replace(self, factors=(), rounding=None)
 
     def restricted(self, names: Collection[str]) -> "Reading":
-        """Copy of the reading with default values in all fields except `names`."""
+        """Copy with default values in all fields except `names`."""
         return replace(NOMINAL, **{name: getattr(self, name) for name in names})
 
 

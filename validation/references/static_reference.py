@@ -82,7 +82,7 @@ def _reference_title(robot: RobotOnPath) -> str:
     if not robot.legs:
         return "robot assembled from rigid bodies"
     if not robot.prisms:
-        return "robot assembled from the specified 6×6 of its legs"
+        return "robot assembled from legs with the specified 6×6 matrices"
     legs_text = f" and {names} by their specified 6×6" if names else ""
     return f"robot assembled from solid legs{legs_text}"
 

@@ -80,8 +80,8 @@ class SourceRow:
 class Perturbations:
     """Half-widths from solutions of a model under perturbed readings.
 
-    `readings` returns the perturbed readings for a reading. `combiner`: rule that combines the
-    changes of displacements to one half-width.
+    A reading is one meaning of the robot file. `readings` returns the perturbed readings for one.
+    `combiner`: rule that combines the changes of displacements to one half-width.
     """
 
     model: Model
@@ -117,7 +117,7 @@ class Perturbations:
 
 
 def budget(rows: Sequence[SourceRow], responses: Responses, reading: Reading) -> Budget:
-    """Half-widths of a reference under a reading, by source of uncertainty."""
+    """Half-widths of a reference under `reading`, one meaning of the robot file, by source."""
     robot = responses.robot
     return {row.source: row.half_widths(responses, reading) for row in rows if row.applies(robot)}
 

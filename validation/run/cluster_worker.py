@@ -90,7 +90,7 @@ class _Pool:
     count: int = 0
 
     def take(self, key: str, group: str) -> Interpreter | None:
-        """Idle process with these conditions, that of the group if possible.
+        """Idle process whose conditions have this `key`, that of the `group` if possible.
 
         None if there is none. Processes with other conditions are ended.
         """
@@ -107,12 +107,15 @@ class _Pool:
             return folder / f"flexproof-{self.count}.log"
 
     def give_back(self, key: str, group: str, interpreter: Interpreter) -> None:
-        """Keep a process for the next call with the same conditions."""
+        """Keep the process `interpreter` for the next call with the same `key`.
+
+        Calls of the same `group` have priority.
+        """
         with self.lock:
             self.idle.setdefault(key, []).append((group, interpreter))
 
     def end(self, keys: Collection[str]) -> None:
-        """End the idle processes with these conditions."""
+        """End the idle processes whose conditions have these `keys`."""
         with self.lock:
             ended = [interpreter for key in keys for _, interpreter in self.idle.pop(key, [])]
         for interpreter in ended:

@@ -54,7 +54,7 @@ def run_record(
     matrices: Sequence[Matrix],
     figures: Sequence[Figure] = (),
 ) -> RunRecord:
-    """Record of a run: its comparisons, matrices, statements and studies."""
+    """Record of a run from its header, outcomes of comparisons, matrices and figures."""
     return RunRecord(
         run=header,
         cases=tuple(outcomes),

@@ -107,7 +107,7 @@ def _statics(question: Question, robot: RobotOnPath, reading: Reading) -> Static
 
 
 def _part_mesh(robot: RobotOnPath, reading: Reading) -> PartMeshing | None:
-    """Mesh level and coupling of CAD parts under a reading. None if they are those of answers."""
+    """Mesh level and coupling of CAD parts in `reading`. None if both are the default."""
     free = "free" in reading.ends.values()
     part_mesh = PartMeshing(reading.part_mesh, interface_coupling("free" if free else "rigid"))
     return part_mesh if robot.mechanism.parts and part_mesh != FINE_PARTS else None
