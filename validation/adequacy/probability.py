@@ -512,7 +512,7 @@ def _normal_shares(verdicts: Callable[[Array], NDArray[np.bool_]]) -> Array:
 
 @memo(8)
 def _draws(inputs: int) -> Array:
-    """Normally distributed samples (n×inputs), from a Sobol' sequence."""
+    """Samples (n×inputs) with a standard normal distribution, n points of a Sobol' sequence."""
     points = scipy.stats.qmc.Sobol(inputs, seed=0).random_base2(_POWER)
     # The first point of an unscrambled sequence is a corner; the scrambled one has none.
     return np.asarray(scipy.special.ndtri(points), dtype=float)

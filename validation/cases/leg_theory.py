@@ -182,7 +182,7 @@ def computed_frequencies(
 def frequencies_by_kind(
     beams: Iterable[BeamProperties], length: float, kinds: tuple[tuple[Kind, int], ...]
 ) -> Array:
-    """Frequencies (Hz, m×k) of m cantilevers by the kind and order of their modes."""
+    """Frequencies (m×k, Hz) of m cantilevers, for the kind and order of each of k modes."""
     return np.array([[frequency_of_kind(beam, length, *kind) for kind in kinds] for beam in beams])
 
 

@@ -131,7 +131,7 @@ def _with_loads(robot_file: RobotFile, names: Sequence[str]) -> RobotFile:
 def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> ForcesUnderLoad:
     """Forces under one load, with half-widths due to meshes added and stresses computed.
 
-    `widths` (n×6): half-widths (N, N m), first of the joints, then of the legs.
+    `widths`: half-widths (N, N m), a row of six for each joint, then for each leg.
     """
     count = len(result.reactions)
     reactions = tuple(
@@ -172,8 +172,8 @@ def _mesh_half_widths(
 ) -> list[list[Array]]:
     """Half-widths of forces due to meshes, for each posture (outer list) and load (inner list).
 
-    Arrays (n×6; N, N m) with a row for each joint, then for each leg. Infinite if the file of a
-    part is a mesh, which cannot be refined.
+    Each array (N, N m) has a row of six for each joint, then for each leg. Infinite if the file of
+    a part is a mesh, which cannot be refined.
     """
     mechanism = postures[0].mechanism
     zeros = [[np.zeros((_count(result), 6)) for result in row] for row in rows]
@@ -215,7 +215,7 @@ def _count(result: LoadForces | None) -> int:
 
 
 def _changes(result: LoadForces, other: LoadForces) -> Array:
-    """Magnitudes (n×6) of the changes of forces between two solutions.
+    """Magnitudes (N, N m) of the changes of forces between two solutions, six in each row.
 
     First the wrench of each joint, then the largest change along each leg.
     """

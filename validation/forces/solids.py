@@ -199,7 +199,7 @@ def _field(
 
 
 def _solved(solid: _Solid, ends: BodyEnds, motion: Motion) -> tuple[Array, Array]:
-    """Displacements (N×3) and stresses (N×6) in body axes."""
+    """Displacements (N×3, m) and stresses (N×6, Pa) at N nodes, in body axes."""
     coupled, nodes = solid.rooted.solid, solid.mesh.nodes
     accelerations_of_nodes = np.array([motion.acceleration_at(arm) for arm in nodes])
     inertia = -(solid.mass @ accelerations_of_nodes.ravel())

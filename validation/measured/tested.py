@@ -368,6 +368,6 @@ def _stable_poles(poles: list[ComplexArray], band: Array) -> tuple[list[int], li
 
 
 def _real_shapes(shapes: ComplexArray) -> Array:
-    """Real parts of shapes (k×m), each rotated to the phase in which its real part is largest."""
+    """Real parts of m mode shapes (k×m), each in the phase in which its real part is largest."""
     turned = np.exp(-0.5j * np.angle(np.sum(np.square(shapes), axis=0)))
     return np.asarray((shapes * turned).real)

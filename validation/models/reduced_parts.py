@@ -57,9 +57,10 @@ class ReducedPart(BodyModel):
     """CAD part reduced by Craig and Bampton, accurate for frequencies up to `highest` (Hz).
 
     `counted`: number of modes with fixed interfaces below `cutoff` (Hz), by Sylvester's law of
-    inertia; all are kept. `truncated` W (6m×6m): bound of the error due to higher modes
-    (`fem.reduction.craig_bampton`). In a reduction by MacNeal and Rubin, cut-off and count are
-    those of the elastic modes of the free part, and the bound is `free`, which is None otherwise.
+    inertia; all are kept. `truncated` W (6m×6m, m interfaces): bound of the error due to higher
+    modes (`fem.reduction.craig_bampton`). In a reduction by MacNeal and Rubin, cut-off and count
+    are those of the elastic modes of the free part, and the bound is `free`, which is None
+    otherwise.
     """
 
     highest: float = field(kw_only=True)

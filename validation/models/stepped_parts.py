@@ -200,7 +200,7 @@ def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
 
 
 def _through_centroids(positions: Array, facets: Facets, line: Array) -> Array:
-    """Polygon (n+1×3) whose pieces have the centroids of the sections at their middles."""
+    """Polygon of n pieces (n+1×3, m) that pass through the sections' centroids at their middles."""
     centroids = []
     for start, end in pairwise(line):
         axes, middle = _across(end - start), 0.5 * (start + end)

@@ -21,8 +21,8 @@ def identified_plot(
 ) -> Figure:
     """Plot of relative uncertainties (%): compliances to the left, frequencies to the right.
 
-    `compliances` (c×2) and `frequencies` (k×2): half-width due to the meshes, and change from rigid
-    to averaged interfaces. NaN if unknown.
+    `compliances` and `frequencies` have two numbers in each row: half-width due to the meshes, and
+    change from rigid to averaged interfaces. NaN if unknown.
     """
     quantities = [
         (title, names, values)

@@ -57,7 +57,7 @@ class Samples:
         return matrix_by_body
 
     def at(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
-        """Sampled displacements (k×m) of m mode shapes (n×m), in the n unknowns of a system.
+        """Displacements (k×m) at k samples of m mode shapes (n×m), in the n unknowns of a system.
 
         `of_models`: result of `Samples.of_models`. A body without a matrix there moves rigidly.
         """
@@ -83,9 +83,9 @@ class Samples:
     def energy_shares(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
         """Share (m) of each mode's kinetic energy that the sampled displacements represent.
 
-        `shapes` (n×m) are mass-normalised. Samples of a prismatic leg represent motions of rigid
-        cross-sections, as in a beam; they do not contain the energy of a deformation of the
-        sections. All energy of other bodies counts as sampled.
+        `shapes` (n×m, in the n unknowns of the system) are mass-normalised. Samples of a prismatic
+        leg represent motions of rigid cross-sections, as in a beam; they do not contain the energy
+        of a deformation of the sections. All energy of other bodies counts as sampled.
         """
         inside = np.zeros(shapes.shape[1])
         for name in self.prisms.keys() & of_models.keys():

@@ -276,7 +276,7 @@ def _given_legs(mechanism: Mechanism) -> dict[str, GivenLeg]:
 
 
 def _energies(matrix: Array | SparseMatrix, shapes: Array) -> Array:
-    """Quadratic form φᵀAφ of each shape φ, a column of `shapes` (n×m)."""
+    """Quadratic form φᵀAφ (m), with A = `matrix`, of each of m shapes φ (columns of `shapes`)."""
     return np.asarray(np.sum(shapes * (matrix @ shapes), axis=0))
 
 

@@ -148,7 +148,7 @@ class DesignChoice:
 
     @cached_property
     def _excess(self) -> Array:
-        """Relative excess over each condition (c×n)."""
+        """Relative excess of n robots over each of c conditions (c×n)."""
         rows = [one.excess(self.values[one.quantity]) for one in self.purpose.conditions]
         return np.array(rows).reshape(len(rows), -1)
 

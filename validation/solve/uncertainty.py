@@ -99,7 +99,10 @@ class SolvedQuestion:
         return [load.name for load in self.question.mechanism.loads]
 
     def split(self, compliance: Array, loads: Array, frequencies: Array) -> list[HalfWidths]:
-        """Half-widths of each pose, from those of all poses (P×6, P×6L and P×m)."""
+        """Half-widths of each pose, from those of all poses (P×6, P×6L and P×m).
+
+        Shapes: P poses, L loads, m modes.
+        """
         displacements = loads.reshape(len(loads), -1, 6)
         return [
             HalfWidths(*of_pose, loads=dict(zip(self.loads, by_load, strict=True)))
@@ -292,7 +295,10 @@ def of_digits(solved: SolvedQuestion) -> list[HalfWidths] | None:
 
 
 def _finite_frequencies(modes: PathModes) -> Array:
-    """Frequencies (P×m, Hz). Infinite and missing ones, which do not depend on digits, are zero."""
+    """Frequencies (P×m, Hz) with zero for infinite and missing ones, which have no digits.
+
+    Shapes: P poses, m modes.
+    """
     return np.where(np.isfinite(modes.frequencies), modes.frequencies, 0.0)
 
 

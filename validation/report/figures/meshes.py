@@ -128,7 +128,10 @@ def _sizes(study: Study) -> Array:
 
 
 def _bar(study: Study, sizes: Array) -> Array | None:
-    """Half-width of the finest value in per cent (2×n, down and up). None if it is unknown."""
+    """Error bars (2×n, down and up, per cent) of n values: the half-width of the finest one.
+
+    None if it is unknown.
+    """
     width = study.uncertainties.get(study.variant)
     if width is None:
         return None
