@@ -103,9 +103,9 @@ def compared_compliances(
 
 
 def _grouped_by_ends(reference: Reference) -> dict[str, list[Interpretation]]:
-    """Groups of interpretations that differ only inside the legs.
+    """Groups of interpretations that differ only in mass or stiffness inside the legs.
 
-    The key is the name of the first.
+    The key is the name of the first interpretation of a group.
     """
     groups: dict[Reading, list[Interpretation]] = {}
     for interpretation in reference.interpretations:

@@ -207,8 +207,8 @@ class ErrorOfInputs:
     def _largest_components(self, pose: int) -> tuple[Array, Array, Array]:
         """Components (k) of the largest error in a pose; those with each of m inputs changed (m×k).
 
-        The error is the largest over all interpretations and forces with the inputs of the robot
-        file.
+        The k components are those of `nominal`. The error is the largest over all interpretations
+        and forces with the inputs of the robot file.
         """
         sizes = np.linalg.norm(self._vectors(self.nominal[:, pose]), axis=-1)
         interpretation, force = np.unravel_index(np.argmax(sizes), sizes.shape)

@@ -34,7 +34,7 @@ _EQUAL = 1e-9
 
 
 class DesignKind(Enum):
-    """Kind of a quantity of a robot."""
+    """Kind of a quantity by which robots are chosen: mass, frequency, deflection or load."""
 
     MASS = "mass"
     DEFLECTION = "deflection under a unit load"

@@ -175,13 +175,13 @@ class Unit(Protocol[Result_co]):
     """Unit of work: plain data that can be sent to other processes and machines."""
 
     def compute(self) -> Result_co:
-        """Compute the result."""
+        """Compute the result of the unit."""
 
 
 def computed(
     units: Sequence[Unit[T]], kind: Callable[..., T], executor: Executor, task: str
 ) -> list[T]:
-    """Results of the units in their order, each of class `kind`, a dataclass of arrays.
+    """Results of the units in their order, as records of class `kind` (a dataclass of arrays).
 
     Each result is stored in the cache before the next is processed, so that an interrupted
     computation continues after the last one. Equal units are computed once. `task` is the text of
