@@ -309,6 +309,50 @@ def composite_stiffness_and_mass(
     )
 
 
+def anisotropic_stiffness_and_mass(
+    mesh: VolumeMesh, moduli: Callable[[Array, IntArray], Array], densities: Array
+) -> tuple[SparseMatrix, SparseMatrix]:
+    """`stiffness_and_mass` of a solid of any linear elastic material.
+
+    `moduli`: function from points (e×Q×3, m) of elements with these numbers (e) to elasticity
+    matrices (e×Q×6×6, Pa) for strains (εxx, εyy, εzz, γyz, γxz, γxy). `densities` (E) of the
+    elements. Raises ComputationError if a matrix is not positive definite.
+    """
+    pairs = node_pairs(mesh.cells, len(mesh.nodes))
+    cubature = _cubature(mesh.element, _STIFFNESS_DEGREE[mesh.element])
+    k, _, points = cubature.gradients.shape
+    reference = cubature.gradients.transpose(2, 0, 1)
+    count, per_element = len(mesh.cells), k * (k + 1) // 2
+    products = np.empty((count * per_element, 3, 3))
+
+    def integrate(chunk: slice) -> None:
+        jacobian, determinant = _jacobians(mesh, chunk, cubature.gradients)
+        gradient = reference @ _inverse(jacobian, determinant)
+        places = np.einsum("kq,eki->eqi", cubature.shapes, mesh.nodes[mesh.cells[chunk]])
+        weighted = moduli(places, np.arange(chunk.start, chunk.stop))
+        weighted = weighted * (cubature.weights * determinant)[..., None, None]
+        try:
+            factor = np.linalg.cholesky(weighted)
+        except np.linalg.LinAlgError as error:
+            raise ComputationError(
+                "no material has these moduli: their elasticity matrix is not positive definite"
+            ) from error
+        strains = np.zeros((*gradient.shape[:2], 6, k, 3))
+        for row, component in ((0, 0), (1, 1), (2, 2)):
+            strains[:, :, row, :, component] = gradient[..., component]
+        for row, (i, j) in ((3, (1, 2)), (4, (0, 2)), (5, (0, 1))):
+            strains[:, :, row, :, i], strains[:, :, row, :, j] = gradient[..., j], gradient[..., i]
+        root = np.swapaxes(factor, -1, -2) @ strains.reshape(*gradient.shape[:2], 6, 3 * k)
+        root = root.reshape(-1, 6 * points, 3 * k)
+        product = (root.transpose(0, 2, 1) @ root).reshape(-1, k, 3, k, 3).transpose(0, 1, 3, 2, 4)
+        rows = slice(chunk.start * per_element, chunk.stop * per_element)
+        products[rows] = product[pairs.upper[chunk]]
+
+    _for_each_chunk(integrate, count, 2 * (3 * k) ** 2 + 2 * 6 * points * 3 * k)
+    K = symmetric_matrix(pairs, _summed(pairs, products))
+    return K, _scalar_mass(mesh, 1.0, pairs, densities)
+
+
 def on_three_components(scalar: SparseMatrix) -> SparseMatrix:
     """Matrix scalar ⊗ I₃ (csr 3N×3N): a scalar matrix (csr N×N) applied to each of x, y, z."""
     return csr_array(kron(scalar, eye_array(3), format="csr"))

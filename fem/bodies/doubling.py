@@ -43,6 +43,7 @@ from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import ConstantLeg
 from lumped.screws import shift
+from lumped.sections import Laminate
 from meshes.prism import extrude
 from meshes.section.section_mesh import SectionMesh, require_leg
 from meshes.solid_mesh import SolidMesh
@@ -109,6 +110,10 @@ def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> Conden
     """
     with naming(leg.name):
         require_leg(leg.section, leg.length, 1)
+        if isinstance(leg.section, Laminate):
+            raise InputError(
+                "halves of a wall of inclined fibres are not mirror images; no doubling"
+            )
         if slices < 1:
             raise InputError(f"slices = {slices}: must be at least 1")
         mesh = extrude(section, np.array([0.0, leg.length / slices]))

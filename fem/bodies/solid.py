@@ -12,14 +12,15 @@ from fem.bodies.rooted import RootedBody, rooted_body
 from fem.couplings.coupled_solid import CoupledSolid, coupled_solid
 from fem.couplings.grips import Grip, rigid_motions, saint_venant_loads
 from fem.elasticity import (
+    anisotropic_stiffness_and_mass,
     composite_stiffness_and_mass,
     on_three_components,
     stiffness_and_mass,
 )
 from fem.sections.composite import wrench_states
-from fem.sections.moduli import leg_moduli, part_materials
+from fem.sections.moduli import Moduli, leg_moduli, part_materials
 from fem.sections.saint_venant import section_quadrature
-from lumped.arrays import Array, SparseMatrix
+from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.centre_line import CentreLine
 from lumped.errors import InputError, naming
 from lumped.legs import LineLeg, SectionedLeg
@@ -75,12 +76,24 @@ def solid_mesh(
 def solid_leg(leg: SectionedLeg, mesh: SolidMesh) -> SolidLeg:
     """Stiffness and mass of a leg on a mesh. Raises ComputationError for folded elements."""
     with naming(leg.name):
-        if mesh.regions is not None:
-            materials = part_materials(leg)
+        if mesh.regions is not None and (materials := part_materials(leg)):
             K, scalar_mass = composite_stiffness_and_mass(mesh, mesh.regions, materials)
+        elif moduli := leg_moduli(leg, mesh.root.mesh):
+            K, scalar_mass = _anisotropic(mesh, moduli)
         else:
             K, scalar_mass = stiffness_and_mass(mesh, leg.material)
     return SolidLeg(leg, mesh, K, on_three_components(scalar_mass))
+
+
+def _anisotropic(mesh: SolidMesh, moduli: Moduli) -> tuple[SparseMatrix, SparseMatrix]:
+    """Stiffness and mass of an extruded mesh whose slices have the moduli of its section."""
+    cells = len(moduli.densities)
+
+    def at(points: Array, numbers: IntArray) -> Array:
+        return moduli.at(numbers % cells, points[..., 1:])
+
+    densities = np.tile(moduli.densities, len(mesh.cells) // cells)
+    return anisotropic_stiffness_and_mass(mesh, at, densities)
 
 
 def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from math import isclose
 from typing import TypeAlias
 
+import numpy as np
+
 from lumped.arrays import Array, IntArray
 from lumped.errors import InputError
 from lumped.legs import Material
@@ -33,13 +35,16 @@ class ElementSet:
     """Elements of one type and one material.
 
     `cells` (M×k) are node numbers in the order of `meshes.elements`. The columns of `axes` (3×3)
-    are the axes of the material in the axes of the deck. None if both are the same.
+    are the axes of the material in the axes of the deck. None if both are the same. `elasticity`
+    (6×6, Pa; xx yy zz yz xz xy) of an orthotropic material in these axes. None if it is that of
+    `material`, which always gives the density.
     """
 
     cells: IntArray
     element: SolidElement
     material: Material
     axes: Array | None = None
+    elasticity: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -133,7 +138,10 @@ def _part(part: ElementSet, name: str, first: int) -> Iterator[str]:
         entries = [str(number), *map(str, nodes)]
         yield from _continued(entries)
     yield f"*MATERIAL, NAME={name}"
-    yield from _elastic(part.material)
+    if part.elasticity is None:
+        yield from _elastic(part.material)
+    else:
+        yield from _orthotropic(part.elasticity)
     yield from ("*DENSITY", _number(part.material.rho))
     section = f"*SOLID SECTION, ELSET={name}, MATERIAL={name}"
     if part.axes is None:
@@ -159,9 +167,18 @@ def _elastic(material: Material) -> Iterator[str]:
         return
     C11 = E * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
     C12 = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    elasticity = np.diag([C11, C11, C11, G, G, G])
+    elasticity[[0, 0, 1, 1, 2, 2], [1, 2, 0, 2, 0, 1]] = C12
+    yield from _orthotropic(elasticity)
+
+
+def _orthotropic(elasticity: Array) -> Iterator[str]:
+    """Lines of an orthotropic elasticity matrix: 1111, 1122, 2222, 1133, …, 1212, 1313, 2323."""
+    places = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2), (5, 5), (4, 4), (3, 3))
+    *first, last = (_number(float(elasticity[place])) for place in places)
     yield "*ELASTIC, TYPE=ORTHO"
-    yield ", ".join(_number(c) for c in (C11, C12, C11, C12, C12, C11, G, G))
-    yield _number(G)
+    yield ", ".join(first)
+    yield last
 
 
 def _equation(equation: Equation) -> Iterator[str]:

@@ -13,7 +13,7 @@ from fem.sections.saint_venant import SectionQuadrature
 from fem.sections.waveguide import elasticity
 from lumped.arrays import Array, IntArray
 from lumped.legs import ConstantLeg, Material, SectionedLeg
-from lumped.sections import Composite
+from lumped.sections import Composite, Laminate, LaminateBox, Layer
 from meshes.section.section_mesh import SectionMesh
 
 
@@ -50,8 +50,92 @@ def part_moduli(mesh: SectionMesh, materials: Sequence[Material]) -> Moduli:
     return Moduli(at, densities)
 
 
+# Pairs of axes of the six strains. The last three are shear angles, twice the tensor's components.
+_PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+# Distance from the diagonal at a corner of a box, as a share of its size: both walls count.
+_ON_DIAGONAL = 1e-9
+
+
+def layer_elasticity(layer: Layer) -> Array:
+    """Elasticity matrix (6×6, Pa) of a layer in the axes of its fibres (1, 2 in the wall, 3).
+
+    The layer is isotropic across its fibres: E3 = E2, G13 = G12, ν13 = ν12. Its ratio ν23 is taken
+    as ν12 (1 − ν21)/(1 − ν12), which is ν12 in an isotropic layer. It only affects stresses across
+    the wall.
+    """
+    E1, E2, nu12 = layer.E1, layer.E2, layer.nu12
+    nu23 = nu12 * (1.0 - nu12 * E2 / E1) / (1.0 - nu12)
+    flexibility = np.diag(
+        [1.0 / E1, 1.0 / E2, 1.0 / E2, 2.0 * (1.0 + nu23) / E2, 1.0 / layer.G12, 1.0 / layer.G12]
+    )
+    flexibility[0, 1] = flexibility[1, 0] = flexibility[0, 2] = flexibility[2, 0] = -nu12 / E1
+    flexibility[1, 2] = flexibility[2, 1] = -nu23 / E2
+    return np.asarray(np.linalg.inv(flexibility))
+
+
+def turned(matrices: Array, axes: Array) -> Array:
+    """Elasticity matrices (…×6×6) of materials whose own axes are the columns of `axes` (…×3×3)."""
+    own_from_leg = np.empty((*axes.shape[:-2], 6, 6))
+    for row, (a, b) in enumerate(_PAIRS):
+        twice = 2.0 if a != b else 1.0
+        for column, (i, j) in enumerate(_PAIRS):
+            both = axes[..., i, a] * axes[..., j, b] + axes[..., j, a] * axes[..., i, b]
+            own_from_leg[..., row, column] = 0.5 * twice * both
+    return np.asarray(np.swapaxes(own_from_leg, -1, -2) @ matrices @ own_from_leg)
+
+
+def in_wall(layer: Layer) -> Array:
+    """Elasticity matrix (6×6, Pa) of a layer in the axes (x, s, n) of its wall.
+
+    x is the leg's axis, s the circumference, n the normal of the wall.
+    """
+    c, s = np.cos(np.radians(layer.angle)), np.sin(np.radians(layer.angle))
+    return turned(layer_elasticity(layer), np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
+
+
+def laminate_moduli(mesh: SectionMesh, laminate: Laminate) -> Moduli:
+    """Moduli of a wall of layers. The `regions` of the mesh are numbers of layers."""
+    regions = mesh.regions
+    if regions is None:
+        raise ValueError("the mesh of a laminate has its layers as regions")
+    walls = np.array([in_wall(layer) for layer in laminate.layers])[regions]
+    densities = np.array([layer.rho for layer in laminate.layers])[regions]
+
+    def at(chosen: IntArray, points: Array) -> Array:
+        of_walls = walls[chosen, None]
+        if isinstance(laminate, LaminateBox):
+            return _box_moduli(of_walls, points, laminate.extent)
+        return turned(of_walls, _wall_axes(points))
+
+    return Moduli(at, densities)
+
+
+def _box_moduli(walls: Array, points: Array, extent: tuple[float, float]) -> Array:
+    """Moduli of the nearest wall of a box, the mean of both on the diagonals at its corners."""
+    inside = 0.5 * np.array(extent) - np.abs(points)
+    beyond = inside[..., 0] - inside[..., 1]
+    beyond[np.abs(beyond) <= _ON_DIAGONAL * max(extent)] = 0.0
+    normals = np.zeros((2, *points.shape))
+    normals[0, ..., 0], normals[1, ..., 1] = np.moveaxis(np.where(points < 0.0, -1.0, 1.0), -1, 0)
+    side, top = (turned(walls, _wall_axes(normal)) for normal in normals)
+    share = 0.5 * (1.0 - np.sign(beyond))[..., None, None]
+    return np.asarray(share * side + (1.0 - share) * top)
+
+
+def _wall_axes(normals: Array) -> Array:
+    """Axes (…×3×3, columns x, s, n) of walls with these normals (…×2, y and z) in any length."""
+    n_y, n_z = np.moveaxis(normals / np.linalg.norm(normals, axis=-1, keepdims=True), -1, 0)
+    axes = np.zeros((*n_y.shape, 3, 3))
+    axes[..., 0, 0] = 1.0
+    axes[..., 1, 1], axes[..., 2, 1] = -n_z, n_y
+    axes[..., 1, 2], axes[..., 2, 2] = n_y, n_z
+    return axes
+
+
 def leg_moduli(leg: SectionedLeg, mesh: SectionMesh) -> Moduli | None:
     """Moduli on the section mesh of a leg of several materials. None for other legs."""
+    if isinstance(leg, ConstantLeg) and isinstance(leg.section, Laminate):
+        return laminate_moduli(mesh, leg.section)
     if materials := part_materials(leg):
         return part_moduli(mesh, materials)
     return None

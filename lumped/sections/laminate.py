@@ -88,10 +88,6 @@ class Laminate(Section):
     layers: tuple[Layer, ...]
 
     @property
-    def has_outline(self) -> bool:
-        return False
-
-    @property
     def is_uniform(self) -> bool:
         return False
 

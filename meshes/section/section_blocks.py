@@ -30,6 +30,9 @@ from lumped.sections import (
     Composite,
     HollowRectangle,
     ISection,
+    Laminate,
+    LaminateBox,
+    LaminateTube,
     Loop,
     OutlinedSection,
     Rectangle,
@@ -79,11 +82,11 @@ def section_blocks(section: Section, divisions: Divisions) -> Blocks:
     match section, divisions:
         case Rectangle() as rectangle, _:
             return _rectangle(rectangle, divisions)
-        case HollowRectangle() as hollow, int() as count:
+        case (HollowRectangle() | LaminateBox()) as hollow, int() as count:
             return _hollow_rectangle(hollow, count)
         case Circle() as circle, int() as count:
             return _circle(circle, count)
-        case Tube() as tube, int() as count:
+        case (Tube() | LaminateTube()) as tube, int() as count:
             return _tube(tube, count)
         case ISection() as i_section, int() as count:
             return _i_section(i_section, count)
@@ -185,7 +188,9 @@ def _rectangle(section: Rectangle, divisions: Divisions) -> Blocks:
     )
 
 
-def _hollow_rectangle(section: HollowRectangle, divisions: int) -> Blocks:
+def _hollow_rectangle(section: HollowRectangle | LaminateBox, divisions: int) -> Blocks:
+    if isinstance(section, LaminateBox):
+        return _box_of_layers(section, divisions)
     inner, thickness, side = section.inner, section.thickness, min(section.extent)
     across = _across(thickness, side, divisions)
     along_y, along_z = (_along(clear, thickness, side, divisions) for clear in inner.extent)
@@ -323,19 +328,77 @@ def _circle(section: Circle, divisions: int) -> Blocks:
     return Blocks(points, tuple(corners), counts, centres)
 
 
-def _tube(section: Tube, divisions: int) -> Blocks:
+def _tube(section: Tube | LaminateTube, divisions: int) -> Blocks:
+    if isinstance(section, LaminateTube):
+        return _tube_of_layers(section, divisions)
     across = _across(section.thickness, section.diameter, divisions)
-    arc = pi / 4.0 * (section.diameter - section.thickness)
-    # At least two elements per quarter, because a parabola is a poor approximation of an arc of
-    # 90°.
-    quarter = max(2, _along(arc, section.thickness, section.diameter, divisions))
+    diameters = [section.diameter, section.inner_diameter]
+    return _rings(diameters, _quarter(section.diameter, section.thickness, divisions), across)
+
+
+def _quarter(diameter: float, thickness: float, divisions: int) -> int:
+    """Number of elements along a quarter of a tube.
+
+    At least two, because a parabola is a poor approximation of an arc of 90°.
+    """
+    return max(2, _along(pi / 4.0 * (diameter - thickness), thickness, diameter, divisions))
+
+
+def _rings(diameters: Sequence[float], quarter: int, across: int) -> Blocks:
+    """Rings between concentric circles with these diameters (m, descending), four blocks each."""
     axes = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
-    points = np.vstack([axes * section.diameter / 2.0, axes * section.inner_diameter / 2.0])
+    points = np.vstack([axes * diameter / 2.0 for diameter in diameters])
     counts: dict[Edge, int] = {}
     centres: dict[Edge, tuple[float, float]] = {}
     corners = []
-    for a, b in pairwise([0, 1, 2, 3, 0]):
-        counts |= {(a, b): quarter, (a + 4, b + 4): quarter, (a, a + 4): across}
-        centres |= {(a, b): (0.0, 0.0), (a + 4, b + 4): (0.0, 0.0)}
-        corners.append((a, b, b + 4, a + 4))
+    for first in range(0, 4 * (len(diameters) - 1), 4):
+        for a, b in pairwise([first, first + 1, first + 2, first + 3, first]):
+            counts |= {(a, b): quarter, (a + 4, b + 4): quarter, (a, a + 4): across}
+            centres |= {(a, b): (0.0, 0.0), (a + 4, b + 4): (0.0, 0.0)}
+            corners.append((a, b, b + 4, a + 4))
     return Blocks(points, tuple(corners), counts, centres)
+
+
+def _tube_of_layers(section: LaminateTube, divisions: int) -> Blocks:
+    """Blocks of each run of equal layers of a tube, with one element across it."""
+    numbers, depths = _layer_runs(section)
+    quarter = _quarter(section.diameter, section.thickness, divisions)
+    blocks = _rings((section.diameter - 2.0 * depths).tolist(), quarter, 1)
+    return replace(blocks, regions=tuple(np.repeat(numbers, 4).tolist()))
+
+
+def _box_of_layers(section: LaminateBox, divisions: int) -> Blocks:
+    """Blocks of each run of equal layers of a box, with one element across it.
+
+    Layers turn at sharp corners.
+    """
+    numbers, depths = _layer_runs(section)
+    side, thickness, count = min(section.extent), section.thickness, len(numbers)
+    lines, counts = [], []
+    for size in section.extent:
+        half = 0.5 * size - depths
+        lines.append([*(-half).tolist(), *half[::-1].tolist()])
+        along = _along(size - 2.0 * thickness, thickness, side, divisions)
+        counts.append([*[1] * count, along, *[1] * count])
+    # Number of the ring, from the outside, of each strip; the hollow has the number of rings.
+    rings = np.array([*range(count), count, *reversed(range(count))])
+    owners = np.minimum(rings[:, None], rings)
+    blocks = _grid(lines[0], lines[1], counts[0], counts[1], (owners < count).tolist())
+    return replace(blocks, regions=tuple(np.array(numbers)[owners[owners < count]].tolist()))
+
+
+def _layer_runs(section: Laminate) -> tuple[list[int], Array]:
+    """Runs of equal layers, the outermost first.
+
+    Number of a layer of each run (r), and depths (r + 1, m) of their sides below the outer face.
+    """
+    numbers: list[int] = []
+    thicknesses: list[float] = []
+    for number, layer in reversed(list(enumerate(section.layers))):
+        last = section.layers[numbers[-1]] if numbers else None
+        if last is not None and replace(layer, thickness=last.thickness) == last:
+            thicknesses[-1] += layer.thickness
+        else:
+            numbers.append(number)
+            thicknesses.append(layer.thickness)
+    return numbers, np.concatenate([[0.0], np.cumsum(thicknesses)])

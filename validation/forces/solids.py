@@ -121,6 +121,10 @@ def solid_stresses(
 
 
 def _leg(leg: ConstantLeg, options: ModelOptions, divisions: int) -> _Solid:
+    if not leg.section.is_uniform:
+        raise InputError(
+            f"--vtu: {leg.name} has no stress field, its section has several materials"
+        )
     mesh = solid_mesh(leg, divisions)
     solid = solid_leg(leg, mesh)
     planes = len(mesh.nodes) // len(mesh.root.nodes)

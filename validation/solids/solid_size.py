@@ -11,6 +11,7 @@ from math import ceil
 from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Leg, LineLeg, SectionedLeg
+from lumped.sections import Laminate
 from lumped.text import counted
 from meshes.loft import mesh_section, why_no_loft
 from meshes.section.section_blocks import element_length, section_blocks, sides_of
@@ -50,7 +51,8 @@ def why_shapeless(legs: Sequence[Leg]) -> str:
     names = dict.fromkeys(
         f"{leg.name or 'a leg'} ({leg.section.shape})"
         for leg in legs
-        if isinstance(leg, ConstantLeg) and not leg.section.has_outline
+        if isinstance(leg, ConstantLeg)
+        and (isinstance(leg.section, Laminate) or not leg.section.has_outline)
     )
     if not names:
         lofts = (why_no_loft(leg) for leg in legs if isinstance(leg, LineLeg))

@@ -9,12 +9,15 @@ from support.robots.plane_frames import CANTILEVER, RHO, B, H, L
 
 import flexproof as fp
 from fem.bodies.stresses import away_from, nodal_stresses, von_mises
-from lumped.legs import Material
-from lumped.sections import Rectangle
+from lumped.errors import InputError
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import Composite, CompositePart, Rectangle
 from meshes.prism import hexahedra, tetrahedra
 from validation.forces.analysis import forces
 from validation.forces.fields import vtu_of
+from validation.forces.solids import _leg as leg_solid
 from validation.forces.text import as_text
+from validation.models.options import DEFAULT_OPTIONS
 from validation.solve.question import Question
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -153,3 +156,15 @@ def test_cad_part_bends_as_its_sections(tmp_path):
     assert clamp.wrench[3] == pytest.approx(500.0 * 0.4, rel=1e-6)
     # The drive holds the arm at the axis.
     assert clamp.drive == pytest.approx(clamp.wrench[3], rel=1e-9)
+
+
+def test_composite_leg_has_no_stress_field():
+    """Stresses of one mean material in two of them would be wrong; they were written until now."""
+    lower, upper = (
+        CompositePart(Rectangle(0.05, 0.02), E, 0.3, 7850.0, at=(0.0, z))
+        for E, z in ((2.1e11, 0.0), (7.0e10, 0.02))
+    )
+    section = Composite((lower, upper))
+    leg = ConstantLeg(0.2, section, Material(*section.mean_material), name="arm")
+    with pytest.raises(InputError, match="--vtu: arm has no stress field"):
+        leg_solid(leg, DEFAULT_OPTIONS, 1)
