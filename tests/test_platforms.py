@@ -74,7 +74,7 @@ def test_run_folder_is_refused_without_locks(monkeypatch, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_missing_gmsh_gives_one_line(monkeypatch):
+def test_missing_gmsh_gives_one_error_line(monkeypatch):
     """It has no wheels for Linux on ARM."""
     monkeypatch.setitem(sys.modules, "gmsh", None)
     with (

@@ -87,17 +87,17 @@ class CondensedPiece:
 
     @property
     def tip_twists(self) -> Array:
-        """Part (6×k) of the matrix H for the deformations of the tip."""
+        """Relative twist (6×k) of the ends for unit deformations of the tip, without a wrench."""
         return np.asarray(-_TWIST_MIRROR[:, None] * self.twists * self.mirror)
 
     @property
     def tip_own(self) -> Array:
-        """Stiffness block S_tip,tip (k×k, in N/m) of the tip's deformations."""
+        """Stiffness (k×k, in N/m) of the tip's deformations, with the root's deformations fixed."""
         return np.asarray(self.mirror[:, None] * self.own * self.mirror)
 
     @property
     def root_tip(self) -> Array:
-        """Stiffness block S_root,tip (k×k, in N/m) between the deformations of both faces."""
+        """Coupling stiffness (k×k, in N/m) between the deformations of root and tip."""
         return np.asarray(self.across * self.mirror)
 
 
@@ -285,7 +285,7 @@ def _by_deformations(matrix: Array | SparseMatrix, face: _FaceDeformations) -> A
 
 
 def _deformation_stiffness(piece: CondensedPiece) -> Array:
-    """Stiffness S (2k×2k, in N/m) of the deformations of root and tip, without a wrench."""
+    """Stiffness S (2k×2k, in N/m) of the faces' deformations under loads without a resultant."""
     across = piece.root_tip
     return np.block([[piece.own, across], [across.T, piece.tip_own]])
 

@@ -43,11 +43,11 @@ class _Rooting:
     wrenches: Any
 
     def expanded(self, x: Any) -> Any:
-        """Displacements P x with the first interface clamped."""
+        """Displacements from `x`, of which the rigid motion of the first interface is removed."""
         return x - self.motions @ (self.wrenches.T @ x[self.rows])
 
     def equilibrated(self, forces: Any) -> Any:
-        """Forces Pᵀf, in equilibrium with the reaction of the first interface."""
+        """The forces together with the reaction of the first interface, which balances them."""
         balanced = forces.copy()
         balanced[self.rows] -= self.wrenches @ (self.motions.T @ forces)
         return balanced
@@ -74,12 +74,12 @@ class RootedBody:
 
     @property
     def root(self) -> Array:
-        """Unit wrenches B₀ (n×6) at the first interface."""
+        """Unknowns' forces (n×6) for unit wrenches at the first interface."""
         return self.solid.twists[:, :6]
 
     @property
     def loads(self) -> Array:
-        """Unit wrenches B (n×6(m−1)) at all interfaces but the first."""
+        """Unknowns' forces (n×6(m−1)) for unit wrenches at all m interfaces but the first."""
         return self.solid.twists[:, 6:]
 
     @property
@@ -102,7 +102,7 @@ class RootedBody:
         return self._rooting(x).expanded(x)
 
     def equilibrated(self, forces: Any) -> Any:
-        """Forces Pᵀf: the forces f together with the reaction of the first interface."""
+        """The forces together with the reaction of the first interface, which balances them."""
         return self._rooting(forces).equilibrated(forces)
 
     def _rooting(self, array: Any) -> _Rooting:
@@ -124,7 +124,7 @@ class RootedBody:
 
     @cached_property
     def response(self) -> Array:
-        """Displacements U (n×6(m−1)) under unit wrenches at all interfaces but the first."""
+        """Displacements (n×6(m−1)) under unit wrenches at all m interfaces but the first."""
         return np.asarray(self.flexibility(self.loads))
 
     @cached_property
@@ -159,7 +159,7 @@ class RootedBody:
 
     @cached_property
     def constraint_modes(self) -> Array:
-        """Displacements Ψ (n×6m) for unit twists of all interfaces."""
+        """Static displacements (n×6m) for unit twists of the m interfaces."""
         if not len(self.compliance):
             return self.solid.motions
         tips = cho_solve(cho_factor(self.compliance), self.response.T).T

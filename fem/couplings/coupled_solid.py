@@ -226,7 +226,7 @@ class _Numbering:
         return np.vstack([*interface_motions, inner])
 
     def twist(self, index: int, motions: Array) -> Array:
-        """Unit wrenches Bᵢ (n×6) of interface `index`, whose twist is Bᵢᵀx."""
+        """Unit wrenches (n×6) of interface `index`. Their transpose maps unknowns to its twist."""
         grip = self.grips[index]
         rows = np.zeros((6, self.own + len(self.inner)))
         own_columns = slice(int(self.first[index]), int(self.first[index + 1]))

@@ -478,8 +478,8 @@ def _graded(start: Array, way: Array, corners: Array, smallest: Array) -> list[f
 def _potentials(rim: _Rim, fluxes: Array) -> Array:
     """Harmonic functions (N×m, mean zero) on the boundary for given normal derivatives ∂u/∂n.
 
-    `fluxes` are quadratic along each element. The jump of w ∂u/∂n is the element's jump times the
-    flux.
+    `fluxes` are ∂u/∂n, quadratic along each element. The modular weight w of the regions jumps from
+    one side of an element to the other; the jump of w ∂u/∂n is the jump of w times the flux.
     """
     fit = np.linalg.pinv(_shapes(_unit_gauss()[0]))
     fluxes = fluxes * rim.jumps[:, None, None]

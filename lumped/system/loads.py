@@ -149,7 +149,11 @@ def _on_interfaces(posture: Posture, name: str, wrenches: Array) -> list[Applied
 
 
 def _line_load(leg: Leg, at_ends: Array, motion: Motion) -> LineLoad:
-    """Inertia load along a leg. Unless the leg is a prism, it is linear with wrenches `at_ends`."""
+    """Inertia load along a leg that moves as `motion`.
+
+    It is exact for a prism. For other legs it varies linearly, and its resultant is that of the
+    wrenches `at_ends` (2×6).
+    """
     if not isinstance(leg, ConstantLeg):
         return linear_load(at_ends[0], at_ends[1], leg.length)
     try:

@@ -196,5 +196,5 @@ def test_composite_torsion_needs_only_g():
         ),
     ],
 )
-def test_wrong_composite_is_refused(parts, fault):
+def test_invalid_composite_is_refused(parts, fault):
     assert composite(*parts).faults() == [fault]

@@ -147,5 +147,5 @@ def test_laminate_box_shear_equals_energy():
         ),
     ],
 )
-def test_wrong_laminate_is_refused(section, fault):
+def test_invalid_laminate_is_refused(section, fault):
     assert section.faults() == [fault]

@@ -239,7 +239,7 @@ def test_constants_and_shape_give_same_beam():
         ({"Ay": 2e-3}, "Ay = 0.002: must be above 0 and at most A, 0.001 m²"),
     ],
 )
-def test_wrong_constants_are_refused(changed, fault):
+def test_invalid_constants_are_refused(changed, fault):
     sound = SectionProperties(1e-3, 2e-7, 3e-7, 1e-8, Ay=8e-4, Az=7e-4)
     assert sound.faults() == []
     (message,) = replace(sound, **changed).faults()

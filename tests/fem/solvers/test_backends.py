@@ -232,7 +232,7 @@ def test_solver_follows_request_size_and_card(request_, unknowns, card, expected
     assert choose(Solver(request_), unknowns, card) is Solver(expected)
 
 
-def test_wrong_environment_variable_is_refused(monkeypatch):
+def test_invalid_environment_variable_is_refused(monkeypatch):
     for text, expected in (("", "auto"), ("auto", "auto"), ("rslab", "rslab"), ("petsc", "petsc")):
         monkeypatch.setenv(VARIABLE, text)
         assert requested_solver() is Solver(expected)

@@ -148,7 +148,7 @@ def test_petsc_memory_is_checked_first(ranks, monkeypatch):
 
 
 @pytest.mark.parametrize("text", ["0", "-1", "two", "1.5", "100000"])
-def test_wrong_rank_count_is_refused(monkeypatch, text):
+def test_invalid_rank_count_is_refused(monkeypatch, text):
     monkeypatch.setenv(RANKS_VARIABLE, text)
     message = f'FLEXPROOF_RANKS = "{text}": must be a whole number from 1 to'
     with pytest.raises(InputError, match=message):

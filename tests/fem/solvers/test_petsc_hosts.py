@@ -43,7 +43,7 @@ def hosts(tmp_path):
         ("192.0.2.1 slots=4\n", 'hosts, line 1: "192.0.2.1" is not this machine; the first'),
     ],
 )
-def test_wrong_host_file_is_refused(hosts, text, fault):
+def test_invalid_host_file_is_refused(hosts, text, fault):
     with pytest.raises(InputError) as refused:
         read_hosts(hosts(text))
     assert len(refused.value.faults) == 1

@@ -187,7 +187,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("bearing", FAULTS)
-def test_wrong_bearing_is_refused(bearing):
+def test_invalid_bearing_is_refused(bearing):
     with pytest.raises(InputError) as error:
         described(ARM.replace("BEARING", bearing))
     assert error.value.faults == (FAULTS[bearing],)

@@ -94,7 +94,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("text", FAULTS, ids=["up", "spacing"])
-def test_wrong_guide_is_refused(text):
+def test_invalid_guide_is_refused(text):
     with pytest.raises(InputError) as error:
         described(text)
     assert error.value.faults == (FAULTS[text],)

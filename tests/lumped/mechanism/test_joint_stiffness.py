@@ -267,7 +267,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("lines", FAULTS)
-def test_wrong_stiffness_is_refused(lines):
+def test_invalid_stiffness_is_refused(lines):
     unit = str((1e-9 * np.eye(6)).tolist())
     with pytest.raises(InputError) as error:
         joined(*REVOLUTE[:2], *lines.replace("UNIT", unit).split("\n"))
@@ -286,7 +286,7 @@ SLIDE_FAULTS = {
 
 
 @pytest.mark.parametrize("up", SLIDE_FAULTS)
-def test_wrong_slide_normal_is_refused(up):
+def test_invalid_slide_normal_is_refused(up):
     with pytest.raises(InputError) as error:
         joined(*SLIDE[:2], up, *SLIDE[3:])
     assert error.value.faults == (SLIDE_FAULTS[up],)

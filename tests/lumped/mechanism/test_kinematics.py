@@ -101,7 +101,7 @@ def test_joint_allows_its_free_twists(kind, place, turn, values):
         ([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]], "axis 2 has length 2: must be a unit vector"),
     ],
 )
-def test_wrong_cardan_axes_are_refused(axes, message):
+def test_invalid_cardan_axes_are_refused(axes, message):
     with pytest.raises(InputError, match=message):
         Joint("j", "universal", Side("a", "P"), Side("b", "P"), np.array(axes))
 

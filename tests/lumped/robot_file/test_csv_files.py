@@ -86,7 +86,7 @@ def test_accept_option_overrides_file():
 @pytest.mark.parametrize(
     "option", ["deflction=0.1", "x", "x=", "x=five", "x=5", "x=0", "x=nan", "modes=0", "modes=2.5"]
 )
-def test_wrong_accept_option_is_refused(option):
+def test_invalid_accept_option_is_refused(option):
     with pytest.raises(InputError) as refused:
         with_options(Requirement(), (option, "y=1e9"), ("vjmm",))
     assert len(refused.value.faults) == 3

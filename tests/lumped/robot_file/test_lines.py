@@ -179,7 +179,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("said", FAULTS)
-def test_wrong_tapered_leg_is_refused(said):
+def test_invalid_tapered_leg_is_refused(said):
     leg = {"material": STEEL, **FAULTS[said]}
     file = tables(**{key: value for key, value in leg.items() if value is not None})
     if leg["material"] is None:

@@ -163,7 +163,7 @@ def test_nut_without_one_load_is_refused(load, reason):
 
 
 @pytest.mark.parametrize("more", FAULTS)
-def test_wrong_screw_is_refused(more):
+def test_invalid_screw_is_refused(more):
     with pytest.raises(InputError) as error:
         of(more)
     assert error.value.faults == (FAULTS[more],)

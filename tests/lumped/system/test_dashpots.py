@@ -217,7 +217,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("line", FAULTS)
-def test_wrong_joint_damping_is_refused(line):
+def test_invalid_joint_damping_is_refused(line):
     with pytest.raises(InputError) as error:
         described(CARRIAGE.replace("DRIVE", "").replace("SLIDE", line) + "[damping]\nratio = 0.1\n")
     assert error.value.faults == (FAULTS[line],)

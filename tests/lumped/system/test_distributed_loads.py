@@ -188,7 +188,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("line", FAULTS)
-def test_wrong_line_load_is_refused(line):
+def test_invalid_line_load_is_refused(line):
     with pytest.raises(InputError) as error:
         described(f"{ARM}lines = [{{ {line} }}]")
     assert error.value.faults == (FAULTS[line],)

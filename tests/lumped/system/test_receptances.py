@@ -192,7 +192,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("lines", FAULTS)
-def test_wrong_point_is_refused(lines):
+def test_invalid_point_is_refused(lines):
     with pytest.raises(InputError) as error:
         described(BAR + asked("a", [1.0, 0.0, 0.0], lines))
     assert error.value.faults == (FAULTS[lines],)

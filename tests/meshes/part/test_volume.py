@@ -158,13 +158,13 @@ def mesh_of(folder, build):
     return volume_mesh(read_part(written(folder / "part.step", build)), (), Grading(0.03))
 
 
-def test_convex_part_keeps_its_mesh(tmp_path):
+def test_convex_part_is_not_cut_at_edges(tmp_path):
     mesh = mesh_of(tmp_path, rounded_corner)
     assert cut_at_inner_edges(mesh) is mesh
 
 
 @pytest.mark.parametrize("shape", [box_tube, with_boss])
-def test_cut_at_reentrant_edge_keeps_shape(tmp_path, shape):
+def test_cut_at_reentrant_edge_keeps_part_shape(tmp_path, shape):
     mesh = mesh_of(tmp_path, shape)
     x, y, z = mesh.nodes[inner_edges(mesh)].T
     assert len(x) >= 12

@@ -336,8 +336,8 @@ def test_wide_interval_is_shown_by_bounds():
 
 
 @pytest.mark.parametrize("ends", [{"low": -np.inf}, {"low": -np.inf, "high": np.inf}])
-def test_infinite_interval_is_unbounded(ends):
-    """No mode of the model has the shape of one that may have this number."""
+def test_error_is_unbounded_if_no_mode_matches(ends):
+    """No mode of the model matches any reference mode that could have this number."""
     known = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
     told = structs.replace(known, **ends)
     assert plain(error_with_spread(told)) == "−10 % without bound"

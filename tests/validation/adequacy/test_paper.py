@@ -281,7 +281,7 @@ def test_rounding_half_width_falls_with_digits(printed):
 @pytest.mark.parametrize(
     ("model", "given", "count"), [("vjm", {}, 60), ("segments", {"elements": 4}, 8)]
 )
-def test_solve_digits_cover_95_percent_of_draws(printed, draws, model, given, count):
+def test_rounding_bound_of_solve_covers_draws(printed, draws, model, given, count):
     def solved(robot, *, digits=False):
         return solve(Question(robot, model, given, digits=digits)).answers[0]
 

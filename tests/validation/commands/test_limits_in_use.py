@@ -263,7 +263,7 @@ def test_item_location_is_robot_file(in_folder, pytester):
 
 
 @pytest.mark.parametrize("workers", [(), ("-n", "2")], ids=["alone", "workers"])
-def test_broken_robot_file_gives_one_line(workers, in_folder, pytester):
+def test_broken_robot_file_gives_one_error_line(workers, in_folder, pytester):
     in_folder("x = -1.0")
     done = pytester.runpytest_subprocess(*PLUGIN_OPTIONS, "--flexproof", "mine.toml", *workers)
     assert done.ret == pytest.ExitCode.USAGE_ERROR

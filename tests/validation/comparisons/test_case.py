@@ -273,7 +273,7 @@ def test_case_fields_have_priorities():
         ({"effrot": 1.0}, TypeError),
     ],
 )
-def test_wrong_declaration_is_an_error(declaration, fault):
+def test_invalid_declaration_is_an_error(declaration, fault):
     cases = CaseGroup(over={"length": (1, 2)}, **COMMON)
     fields = {"title": "One", "compute": exact, **declaration}
     compute = fields.pop("compute")

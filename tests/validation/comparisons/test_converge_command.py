@@ -181,7 +181,7 @@ def test_euler_bernoulli_has_own_reference(capsys):
         (("ifw", "--picture", "a.gif"), "must end in .png or .svg"),
     ],
 )
-def test_wrong_input_gives_one_line(capsys, tmp_path, monkeypatch, arguments, fault):
+def test_invalid_input_gives_one_error_line(capsys, tmp_path, monkeypatch, arguments, fault):
     monkeypatch.chdir(tmp_path)
     code, out, err = run(capsys, *arguments)
     assert code == 2

@@ -163,7 +163,7 @@ def test_failed_write_prints_results(tmp_path, capsys, command):
         "solve five-bar --model simplified --vary tool.mass=1:2:2 --csv t.csv",
     ],
 )
-def test_deleted_folder_gives_one_line(words, tmp_path):
+def test_deleted_folder_gives_one_error_line(words, tmp_path):
     folder = tmp_path / "gone"
     done = shell(f"mkdir '{folder}'; cd '{folder}'; rmdir '{folder}'; flexproof {words}")
     message = "flexproof: the current folder no longer exists; change to another one (cd)\n"

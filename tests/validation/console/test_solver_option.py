@@ -58,7 +58,7 @@ def test_cudss_without_extra_is_refused(command, monkeypatch):
     assert command.refused(*SOLVE) == message
 
 
-def test_wrong_ranks_are_refused(command, monkeypatch):
+def test_invalid_ranks_are_refused(command, monkeypatch):
     for words in (SOLVE, ("run",), ("converge",), ("selftest",)):
         said = command.refused(*words, "--solver", "petsc", "--ranks", "0")
         assert said.startswith('flexproof: --ranks = "0": must be a whole number from 1 to ')

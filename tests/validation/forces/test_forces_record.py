@@ -157,7 +157,7 @@ def test_forces_command_writes_all_outputs(loaded, command, tmp_path):
         (["--divisions", "2"], "--divisions: has no effect on model beam here"),
     ],
 )
-def test_wrong_request_is_refused(loaded, command, arguments, said):
+def test_invalid_request_is_refused(loaded, command, arguments, said):
     assert said in command.refused("forces", str(loaded), *arguments)
 
 

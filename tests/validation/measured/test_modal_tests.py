@@ -234,7 +234,7 @@ def held(folder, sets, robot=ROBOT + ALONG):
     return robot_file, measured_matrix(Context(robot_file, "quick"))
 
 
-def test_noisy_test_gives_all_verdicts(tmp_path):
+def test_noisy_test_has_verdict_on_each_mode(tmp_path):
     robot_file, matrix = held(tmp_path, accelerations(noise=0.01))
     told = [f"f{n}" for n in range(1, 7)]
     more = [f"response:hammer.{one}" for one in (*told, "low")]
@@ -367,7 +367,7 @@ def test_file_with_modes_and_functions_has_both(tmp_path):
         (lambda content: content.replace(b"      1000 ", b"      1001 "), "function 1 must be"),
     ],
 )
-def test_damaged_file_gives_one_line(tmp_path, monkeypatch, damaged, said):
+def test_damaged_file_gives_one_error_line(tmp_path, monkeypatch, damaged, said):
     if said == "cannot be read":
         monkeypatch.undo()
     path = written(tmp_path / "h.uff", accelerations()[:2])

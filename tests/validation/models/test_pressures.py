@@ -122,8 +122,8 @@ def test_hydrostatic_stress_field_is_uniform(block):
     assert np.abs(stretch).max() <= 1e-9 * 1e7 * LENGTH / E
 
 
-def test_no_pressure_buckles_the_part_it_presses(block):
-    """Wrenches of constant direction for a pressure on all sides would buckle the part."""
+def test_uniform_pressure_does_not_buckle_bar(block):
+    """The pressure follows the surface. Loads of fixed direction would predict buckling."""
     at = reference_posture(block.mechanism)
     (row,) = stabilities("links", [at])
     every, load = row[-1], block.mechanism.loads[-1]
@@ -201,7 +201,7 @@ at = "C"
 
 
 @pytest.mark.parametrize("pressure", FAULTS)
-def test_wrong_pressure_is_refused(pressure):
+def test_invalid_pressure_is_refused(pressure):
     text = BLOCK.replace("B = [", "C = [0.2, 0.0, 0.0], B = [", 1) + OTHER_BODIES
     with pytest.raises(InputError) as error:
         described(f'{text}[[loads]]\nname = "press"\npressures = [{{ {pressure} }}]')

@@ -137,7 +137,7 @@ def test_cached_part_equals_file(tmp_path, monkeypatch):
     ],
     ids=lambda command: command[0],
 )
-def test_crashing_cad_file_gives_one_line(tmp_path, capfd, coarse_parts, command):
+def test_crashing_cad_file_gives_one_error_line(tmp_path, capfd, coarse_parts, command):
     coarse_parts.undo()
     part, robot = tmp_path / "rocker.step", tmp_path / "robot.toml"
     part.write_text(ROCKER.read_text().replace("MANIFOLD_SOLID_BREP", "SHELL_BASED_SURFACE_MODEL"))

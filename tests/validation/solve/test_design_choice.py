@@ -145,7 +145,7 @@ def test_mass_counts_bodies_and_tool(tmp_path):
         (None, ("f1>=nan",), r"--where f1>=nan: nan must be a finite number \(Hz\)"),
     ],
 )
-def test_wrong_objective_is_refused(minimise, where, message):
+def test_invalid_objective_is_refused(minimise, where, message):
     with pytest.raises(InputError, match=message):
         purpose_of(load_robot("ifw"), minimise, None, where, 2)
 

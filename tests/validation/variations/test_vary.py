@@ -85,7 +85,7 @@ def test_variations_give_all_combinations(tmp_path, command):
         ("*=1:1:1", "schema"),
     ],
 )
-def test_wrong_variation_gives_one_line(typed, message, command):
+def test_invalid_variation_gives_one_error_line(typed, message, command):
     line = command.refused("solve", "five-bar", "--model", "beam", "--vary", typed)
     assert line.startswith("flexproof: --vary ")
     assert message in line

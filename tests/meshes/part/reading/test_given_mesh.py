@@ -210,7 +210,7 @@ def test_oversized_vtu_header_is_refused(tmp_path, encoding, order, bits):
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
 @pytest.mark.parametrize(("compressor", "library"), [("ZLib", zlib), ("LZMA", lzma)])
-def test_wrong_vtu_header_is_refused(tmp_path, encoding, compressor, library):
+def test_invalid_vtu_header_is_refused(tmp_path, encoding, compressor, library):
     """The header of each block states 100 bytes; the block has 1000."""
     block = library.compress(bytes(1000))
     head = np.array([1000, 100, 100, *[len(block)] * 1000], "<u4").tobytes()
