@@ -204,7 +204,7 @@ def _summed(pairs: NodePairs, blocks: Array) -> Array:
 
 
 def _node_blocks(products: Array, material: Material) -> Array:
-    """Stiffness blocks K_ab (n×3×3) from D_ab, for cubic symmetry along the axes of the leg.
+    """Stiffness blocks (n×3×3) of pairs of nodes, for a material with cubic symmetry.
 
     K_ii = C11 D_ii + C44 (D_jj + D_kk), K_ij = C12 D_ij + C44 D_ji, with C11 = E(1−ν)/(1+ν)(1−2ν),
     C12 = C11 ν/(1−ν), C44 = G.

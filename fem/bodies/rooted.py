@@ -98,7 +98,7 @@ class RootedBody:
             require_memory(self.pencil.symbolic.peak_bytes, self.solid.size, self.name)
 
     def expanded(self, x: Any) -> Any:
-        """Displacements P x: the same deformation as x, with the first interface clamped."""
+        """Displacements with the deformation of `x`, and with the first interface clamped."""
         return self._rooting(x).expanded(x)
 
     def equilibrated(self, forces: Any) -> Any:

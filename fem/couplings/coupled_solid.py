@@ -167,7 +167,7 @@ class _Numbering:
         return csc_array((np.concatenate(entries), places), shape=shape)
 
     def reduced(self, matrix: SparseMatrix, held: float) -> SparseMatrix:
-        """Matrix TᵀAT (csr n×n) of a symmetric matrix A.
+        """Symmetric `matrix` (csr 3N×3N) of the nodes, transformed to the n unknowns of the solid.
 
         For dependent unknowns the diagonal entry is `held`.
         """

@@ -140,7 +140,7 @@ class SaintVenant:
 
 
 def saint_venant(mesh: SectionMesh, poisson_shear_ratio: float) -> SaintVenant:
-    """Torsion and flexure of a section. `poisson_shear_ratio` is νG/E.
+    """Torsion and flexure of a section, for the ratio νG/E = `poisson_shear_ratio`.
 
     Raises ComputationError if the section is not connected.
     """
