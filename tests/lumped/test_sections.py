@@ -60,7 +60,7 @@ def test_triangle_torsion_is_exact():
     assert right.torsion_constant == pytest.approx(0.0261 * a**4, rel=2e-3)
 
 
-def test_many_corner_polygon_equals_tube():
+def test_polygon_of_circles_equals_tube():
     """Bending and torsion of a tube whose two circles are polygons of the same areas."""
     count, outer, inner = 48, 0.05, 0.04
     # The corners lie outside the circle, so that the polygon has the area of the circle.

@@ -78,7 +78,7 @@ def test_gmsh_failure_names_part():
     assert not gmsh.isInitialized()
 
 
-def test_inner_gmsh_model_restores_outer():
+def test_inner_model_restores_outer_one():
     with gmsh_model("outer") as session:
         session.model.geo.addPoint(0.0, 0.0, 0.0, tag=5)
         session.model.geo.synchronize()

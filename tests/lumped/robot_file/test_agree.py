@@ -60,7 +60,7 @@ def test_agreement_limits_are_read(robot_with, robot):
         ("element = 20", 'agree.element: unknown key; did you mean "elements"?'),
     ],
 )
-def test_invalid_agreement_limit_is_refused(robot_with, agree, fault):
+def test_invalid_agreement_is_refused(robot_with, agree, fault):
     with pytest.raises(InputError) as raised:
         robot_with(agree)
     (line,) = raised.value.faults

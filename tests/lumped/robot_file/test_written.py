@@ -38,7 +38,7 @@ def test_dictionary_gives_same_robot(name):
     assert np.array_equal(again.mechanism.poses, robot.mechanism.poses)
 
 
-def test_unsupported_values_are_reported():
+def test_unsupported_value_is_reported():
     with pytest.raises(InputError) as error:
         robot_of({"a": None, "b": {"c": [1.0, Decimal(1)]}})
     assert [fault.partition(" = ")[0] for fault in error.value.faults] == [

@@ -137,7 +137,7 @@ def test_damping_ratio_adds_to_dashpot():
     np.testing.assert_allclose(response.receptance, 1.0 / expected, rtol=5e-3)
 
 
-def test_vanishing_dashpot_has_no_effect():
+def test_tiny_dashpot_has_no_effect():
     """A dashpot of 1e-12 N s/m changes the receptance by less than 1e-9 of it."""
     vanishing = solution_of(TWO.replace("damping = { axial = SECOND }", ""), FIRST=1e-12, LOSS=0.06)
     plain = solution_of(

@@ -36,7 +36,7 @@ def test_island_in_hole_is_separate_section():
     np.testing.assert_allclose(areas_and_holes, [(3.0, 1), (7.0, 1)], rtol=1e-12)
 
 
-def test_two_holes_belong_to_one_section():
+def test_two_holes_are_in_one_section():
     """Outline 4 × 4 m with two holes of 1 × 1 m at y = ±1 m."""
     (piece,) = section_of((4.0, (0.0, 0.0)), (1.0, (1.0, 0.0)), (1.0, (-1.0, 0.0)))
     assert len(piece.holes) == 2

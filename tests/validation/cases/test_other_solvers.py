@@ -47,7 +47,7 @@ def first_pose(name):
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 @pytest.mark.parametrize("prism", [ConstantLeg(0.85, Rectangle(0.1, 0.16), STEEL), FOIL])
-def test_ritz_leg_is_textbook_cantilever(prism, theory):
+def test_ritz_leg_equals_textbook(prism, theory):
     beam = prism.properties(theory)
     found = ritz.ritz_beam(beam, prism.length, ritz.STATIC_DEGREE)
     free = ritz.free_basis(found.stiffness, found.root)

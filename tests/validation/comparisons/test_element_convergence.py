@@ -173,7 +173,7 @@ def test_sign_change_of_error_has_no_order(whole_robot):
     assert series.largest_errors[at, column] == pytest.approx(4.96e-4, rel=0.01)
 
 
-def test_reduced_robot_equals_full_robot(whole_robot):
+def test_reduced_robot_equals_full_one(whole_robot):
     """Reference: all elements of both legs assembled without reduction."""
     mechanism = BIGLIDE.mechanism
     posture = middle_posture(mechanism)

@@ -54,7 +54,7 @@ def test_half_width_contains_doubled_mesh():
     assert (np.abs(fine.values[-1] / coarse.values[-1] - 1.0) <= coarse.half_widths[-1]).all()
 
 
-def test_observed_orders_are_near_formal(study):
+def test_orders_are_near_formal_ones(study):
     """Quadratic elements without restrained contraction (ν = 0): energies have order four."""
     for series in study.series:
         assert series.formal_order == pytest.approx(4.0)

@@ -113,7 +113,7 @@ def test_deck_has_one_point_per_unknown(body):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_npz_has_any_name_without_pickle(name, reduced):
+def test_npz_needs_no_pickle_for_names(name, reduced):
     named = replace(reduced, name=name)
     arrays = np.load(io.BytesIO(as_npz(named)), allow_pickle=False)
     assert str(arrays["about"]).startswith(f"{name}: ")
@@ -176,7 +176,7 @@ class Elements(HTMLParser):
 
 
 @pytest.mark.usefixtures("blank_charts")
-def test_names_add_no_elements_to_report(monkeypatch):
+def test_names_add_no_page_elements(monkeypatch):
     def page(text):
         def with_text(record, *names):
             copy = msgspec.structs.replace if isinstance(record, msgspec.Struct) else replace

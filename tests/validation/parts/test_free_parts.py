@@ -73,7 +73,7 @@ def test_free_part_command_prints_modes(bar, capsys):
     assert len(document["frequencies"]) == 1
 
 
-def test_invalid_free_part_request_is_refused(bar, capsys):
+def test_invalid_free_request_is_refused(bar, capsys):
     options = ["--interface", "A = { faces = [1] }", "--modes", "0"]
     assert cli.main(["identify", str(bar), "--free", *options]) == 2
     errors = capsys.readouterr().err

@@ -145,7 +145,7 @@ def test_shaft_compliance_matches_integrals(folder, shaft):
     np.testing.assert_allclose(stored, shaft["compliance"], rtol=1e-15)
 
 
-def test_shaft_mass_matches_sum_of_discs(shaft):
+def test_shaft_mass_is_sum_of_discs(shaft):
     masses = [STEEL.rho * np.pi * radius**2 * length for _, radius, length in sections()]
     centres = np.array([disc_centre for disc_centre, _, _ in sections()])
     centre = masses @ centres / sum(masses)

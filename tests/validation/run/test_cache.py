@@ -26,7 +26,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path / "cache"
 
 
-def test_invalid_cache_files_are_ignored(folder):
+def test_invalid_entries_are_ignored(folder):
     keep("a", ARRAYS)
     forget()
     assert_array_equal(find("a")["powers"], ARRAYS["powers"])

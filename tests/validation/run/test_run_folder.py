@@ -191,7 +191,7 @@ ODD_FILES = [Path.symlink_to, linked_hard, lambda place, _: os.mkfifo(place), fo
 
 @pytest.mark.parametrize("shift", range(4))
 @pytest.mark.parametrize("whole", [True, False])
-def test_links_in_run_folder_are_ignored(tmp_path, whole, shift):
+def test_links_in_folder_are_ignored(tmp_path, whole, shift):
     """Each file of a run but one is replaced by a link, a pipe or a folder of the user.
 
     The remaining file, run.json or results.jsonl, still identifies the folder as that of a run.
@@ -216,7 +216,7 @@ def test_links_in_run_folder_are_ignored(tmp_path, whole, shift):
 
 
 @pytest.mark.parametrize("whole", [True, False])
-def test_linked_subfolder_is_not_written(tmp_path, whole):
+def test_linked_folder_is_not_written(tmp_path, whole):
     path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
     finished(path, whole=whole)
     figures = (path if whole else partial(path)) / "figures"
@@ -340,7 +340,7 @@ def test_export_is_complete_or_absent(tmp_path):
     assert not (path / "export").exists()
 
 
-def test_incomplete_write_keeps_old_file(tmp_path, monkeypatch):
+def test_failed_write_keeps_old_file(tmp_path, monkeypatch):
     path = tmp_path / "run"
     finished(path, whole=False)
     with open_folder(path, HEADER, "resumed") as folder, monkeypatch.context() as patch:

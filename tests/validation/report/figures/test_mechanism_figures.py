@@ -66,7 +66,7 @@ def drawn_alike(fine, coarse, mode):
 @pytest.mark.parametrize(
     "name", ["ifw", "delta", pytest.param("hexapod", marks=pytest.mark.exhaustive)]
 )
-def test_drawn_tool_moves_and_keeps_mass(name):
+def test_drawn_tool_keeps_its_mass(name):
     """The nearest drawn point of the tool's body is moved to the tool by the body's rotation."""
     found = modes_of(name)
     system = found.system

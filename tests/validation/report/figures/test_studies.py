@@ -27,7 +27,7 @@ def test_slope_line_has_formal_order(x):
     assert line.label == "slope 2"
 
 
-def test_convergence_chart_is_in_percent():
+def test_convergence_is_in_percent():
     """f = 200 (1 − 1/n²): at five divisions 4 % below its limit. ± 0.5 Hz of 200 Hz is 0.25 %."""
     x = (5.0, 10.0, 20.0)
     values = tuple(200.0 * (1.0 - 1.0 / n**2) for n in x)

@@ -20,7 +20,7 @@ SECTIONS = [
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
-def test_end_face_triangles_fill_section(section):
+def test_end_triangles_fill_section(section):
     loops = section.centred_loops
     a, b, c = (np.vstack(loops)[end_triangles(loops)[:, k]] for k in range(3))
     (uy, uz), (vy, vz) = (b - a).T, (c - a).T
