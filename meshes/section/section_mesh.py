@@ -254,7 +254,7 @@ def symmetrised(nodes: Array, part: str) -> Array:
 def require_section(section: Section, divisions: Divisions) -> None:
     """Raise InputError with all faults of the shape of a section and of its divisions.
 
-    Sections given by constants and laminates have no mesh.
+    Sections given by constants have no mesh.
     """
     if not section.has_outline:
         raise InputError(
