@@ -379,7 +379,7 @@ class _SentCalls:
     def _result(self, reply: Reply) -> Any:
         """Value or error of a call, whose remarks are repeated here."""
         if isinstance(reply.answer, DifferentProgram):
-            reason = _difference_text(reply.worker, str(reply.answer))
+            reason = _difference_text(f"{reply.name} ({reply.worker})", str(reply.answer))
             raise self._failure(reason) from reply.answer
         if isinstance(reply.answer, Unable):
             raise self._failure(f"worker {reply.worker}: {reply.answer}") from reply.answer

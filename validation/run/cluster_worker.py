@@ -44,11 +44,12 @@ class Unable(ComputationError):  # noqa: N818  names the event, as messages do
 class Reply(NamedTuple):
     """Answer to a call, or the reason why there is none.
 
-    `worker` is the address of the Dask worker, `log` the output of its process.
+    `worker` and `name` are address and name of the Dask worker, `log` the output of its process.
     """
 
     answer: Answer | ComputationError
     worker: str
+    name: str
     log: bytes
 
 
@@ -160,10 +161,10 @@ def compute(call: Call, group: str, conditions: Conditions) -> Reply:
         interpreter.process.end()
         log = _taken_log(interpreter.log)
         interpreter.log.unlink(missing_ok=True)
-        return Reply(error, worker.address, log)
+        return Reply(error, worker.address, str(worker.name), log)
     log = _taken_log(interpreter.log)
     pool.give_back(conditions.key, group, interpreter)
-    return Reply(answer, worker.address, log)
+    return Reply(answer, worker.address, str(worker.name), log)
 
 
 def _environment(conditions: Conditions, folder: Path) -> dict[str, str]:
