@@ -278,7 +278,11 @@ def tetrahedral_modes(leg: ConstantLeg) -> dict[Ends, SolidModes]:
 def _solid_modes(rows: Sequence[tuple[float, int, float]], order: float) -> SolidModes:
     frequencies, unknowns, seconds = zip(*rows, strict=True)
     values = np.array(frequencies)[:, None]
-    refinement = Refinement(TETRAHEDRA, values, order)
+    # Unstructured meshes are not similar: twice the divisions are not half the element size, which
+    # is the cube root of the volume over the number of elements (Celik et al., J. Fluids Eng. 130
+    # (2008) 078001).
+    sizes = tuple(count ** (-1.0 / 3.0) for count in unknowns)
+    refinement = Refinement(TETRAHEDRA, values, order, sizes=sizes)
     return SolidModes(refinement, np.full(values.shape, np.nan), unknowns, seconds)
 
 

@@ -97,8 +97,10 @@ ELEMENTS = 20
 
 @dataclass(frozen=True)
 class Refinement:
-    """Values (m×…) on m similar meshes with `divisions` across the section, coarse to fine.
+    """Values (m×…) on m meshes with `divisions` across the section, coarse to fine.
 
+    `sizes` are relative sizes of the elements if the meshes are not similar. () for similar meshes,
+    where they are the inverse divisions.
     `free`: values with end faces free to warp and contract, on the same meshes. They contain all
     errors except that of singular stresses at the edges of rigid faces. None if the ends are free.
     """
@@ -107,14 +109,14 @@ class Refinement:
     values: Array
     formal_order: float = FORMAL_ORDER
     free: "Refinement | None" = None
+    sizes: tuple[float, ...] = ()
 
     def at(self, *index: int) -> Convergence:
         """Convergence of one value, given by its index.
 
         Raises ValueError for fewer than four meshes.
         """
-        sizes = 1.0 / np.array(self.divisions, dtype=float)
-        return analyse(sizes, self._curve(index), self.formal_order, ROUND_OFF)
+        return analyse(self._sizes, self._curve(index), self.formal_order, ROUND_OFF)
 
     def uncertainty(self, *index: int) -> float:
         """Numerical uncertainty of one value on the finest mesh, in its unit.
@@ -131,13 +133,18 @@ class Refinement:
                     self.divisions, self.values - self.free.values, self.formal_order
                 )
                 return self.free.uncertainty(*index) + edges.uncertainty(*index)
-            ratio = self.divisions[-1] / self.divisions[-2]
+            ratio = float(self._sizes[-2] / self._sizes[-1])
             policy = MeshPolicy.of_order(ratio, self.formal_order)
             return float(mesh_half_widths([np.abs(values[-1] - values[-2])], policy))
         if self.formal_order < FORMAL_ORDER:
-            sizes = 1.0 / np.array(self.divisions, dtype=float)
-            return uncertainty_of_known_orders(sizes, values, (self.formal_order, FORMAL_ORDER))
+            return uncertainty_of_known_orders(
+                self._sizes, values, (self.formal_order, FORMAL_ORDER)
+            )
         return uncertainty_of(self.at(*index))
+
+    @property
+    def _sizes(self) -> Array:
+        return np.array(self.sizes) if self.sizes else 1.0 / np.array(self.divisions, dtype=float)
 
     def _curve(self, index: tuple[int, ...]) -> Array:
         return np.array([value[index] for value in self.values])
