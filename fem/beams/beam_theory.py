@@ -278,8 +278,9 @@ def _piece_stiffness(beam: _Plane, l: float, omega: float) -> Array:
 class _Coupled:
     """State equations of bending in both planes with torsion, dimensionless.
 
-    The n displacements are v_s and w_s of the shear centre, φx, θ of the deflections along y and
-    along z, and u if the centre of mass lies beside the centroid. Forces are conjugate to these.
+    The n displacements are v_s and w_s of the shear centre, the twist φx, the rotations θ of the
+    section in bending along y and along z, and u if the centre of mass is offset from the centroid.
+    Forces are conjugate to these.
     `flexibility` and `mass` are n×n. `unit_squared` is the unit of ω².
     """
 

@@ -67,7 +67,8 @@ def wave_frequency(kind: PrismWaves, length: float, order: int, near: float) -> 
             root = scipy.optimize.brentq(eigenvalue, *bracket, rtol=_ACCURACY)
             return float(root) / (2.0 * np.pi)
     raise ComputationError(
-        f"waves: frequency {order} of {kind.fields.name} is not near {near:.4g} Hz"
+        f"waves in a prism: the search for frequency {order} of {kind.fields.name} started at "
+        f"{near:.4g} Hz and found none; the leg is too short for its section"
     )
 
 

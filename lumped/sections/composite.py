@@ -206,7 +206,7 @@ def _mass_moments(section: Composite) -> tuple[Array, Array]:
 
 @memo(64)
 def _torsion_constant(section: Composite) -> float:
-    """J (m⁴) of the mean shear modulus."""
+    """Torsion constant J (m⁴) that gives GJ when multiplied by the mean shear modulus."""
     one_ratio = len({part.nu for part in section.parts}) == 1
     solution, size = _solution(section, "E" if one_ratio else "G")
     return solution.torsion_constant * size**4

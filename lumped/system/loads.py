@@ -128,7 +128,9 @@ def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> lis
     """Wrenches (2×6, leg axes) on the ends of leg `name` that represent a load along it."""
     body = posture.mechanism.bodies[name]
     if not isinstance(body.shape, ConstantLeg | GivenLeg):
-        raise InputError(f"bodies.{name}: loads act along legs of constant section, or with a 6×6")
+        raise InputError(
+            f"bodies.{name}: a load along a leg needs a leg of constant section or with a 6×6"
+        )
     leg = equivalent_leg(body.shape)
     try:
         properties = leg.properties(theory)

@@ -304,7 +304,7 @@ def _require_filled(mesh: PartMesh, part: PartFile) -> None:
     if not abs(filled - volume) <= allowed:
         raise InputError(
             f"{part.path}: its faces enclose {1e6 * volume:.6g} cm³, tetrahedra between them fill "
-            f"{1e6 * filled:.6g} cm³, and the mesh explains a difference of "
+            f"{1e6 * filled:.6g} cm³, and the mesh accounts for a difference of "
             f"{1e6 * allowed:.2g} cm³: a face points the wrong way or has a wrong boundary; "
             "export the part again from the CAD system"
         )

@@ -409,7 +409,7 @@ def _distorted(leg: ConstantLeg, divisions: int, mode: CantileverFrequency) -> f
     if estimate < lowest and (prism := prism_frequency(waves, leg.length, estimate)) < lowest:
         return prism / beam - 1.0
     raise ComputationError(
-        f"by waves of 3-D elasticity its frequency is above {lowest:.4g} Hz, where the "
+        f"by the theory of waves in a 3-D prism, the mode lies above {lowest:.4g} Hz, where the "
         "section of the leg distorts"
     )
 

@@ -101,7 +101,10 @@ def _cube_count(leg_description: Leg) -> float:
 
 
 def _reduced_and_calculix(context: Context) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Results of this program and of CalculiX, which runs first because it may not be installed."""
+    """Deflections and frequencies by this program, then those by CalculiX.
+
+    CalculiX runs first, so that nothing is computed in vain if it is not installed.
+    """
     posture = path_postures(context)[0]
     legs = known_legs(posture.mechanism).values()
     if parts := posture.mechanism.parts:

@@ -121,7 +121,9 @@ def _with_loads(robot_file: RobotFile, names: Sequence[str]) -> RobotFile:
     mechanism = robot_file.mechanism
     known = [load.name for load in mechanism.loads]
     if not known:
-        raise InputError(f"{mechanism.name}: the robot file has no [[loads]]; forces need some")
+        raise InputError(
+            f"{mechanism.name}: the robot file has no [[loads]]; the command needs at least one"
+        )
     if unknown := [name for name in names if name not in known]:
         raise InputError(f"--load {name}: must be one of {', '.join(known)}" for name in unknown)
     chosen = [load for load in mechanism.loads if not names or load.name in names]

@@ -321,10 +321,11 @@ def _receptance_sizes(excitation: int, modes: PathModes) -> Array:
 def _response_digit_half_widths(
     robot: RobotOnPath, fine: PathModes, digits: Array
 ) -> tuple[Array, list[Array]]:
-    """Relative half-widths of peaks (P×q) and receptances (P×n for each excitation) due to digits.
+    """Relative half-widths of peaks (P×q) and receptances (P×n for each excitation).
 
-    `digits` are the relative half-widths (P×K) of the frequencies due to printed digits. Shapes: P
-    poses, K judged frequencies, q judged numbers of responses, n excitation frequencies.
+    They are due to the rounding of printed 6×6 matrices, and follow from its relative effect on
+    frequencies, `digits` (P×K). Shapes: P poses, K judged frequencies, q judged quantities of
+    responses, n excitation frequencies.
     """
     peak_half_widths: list[Array] = []
     receptances = []

@@ -71,7 +71,10 @@ class VariedRobot:
     objective: Objective
 
     def postures(self) -> tuple[Posture, ...]:
-        """Postures of the path. Raises InputError, with the value, if a pose is out of reach."""
+        """Postures of the path.
+
+        Raises InputError, which names the value of the varied number, if a pose is out of reach.
+        """
         with naming(f"--vary {self.value}"):
             return path_postures(self._context())
 
@@ -135,7 +138,7 @@ def checked_variations(
 def varied_robots(
     robot_file: RobotFile, variation: Variation, preset: Preset
 ) -> tuple[VariedRobot, ...]:
-    """Units of work for all values of a number: first for deflections, then for frequencies."""
+    """Units of work for all values of the varied number: first deflections, then frequencies."""
     robots = varied(robot_file, (variation,))
     return tuple(
         VariedRobot(robot, preset, assignments((variation,), values), objective)

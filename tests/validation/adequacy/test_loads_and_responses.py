@@ -179,7 +179,7 @@ def test_displacements_are_in_micrometres(arm, subject):
         assert float(value) == pytest.approx(length, rel=0.02), name
 
 
-def test_peak_columns_have_reference_values(arm, subject):
+def test_table_shows_peaks_of_reference(arm, subject):
     matrix = verdict_matrix(subject, arm.requirement)
     told = dict(zip(table_of(matrix).headings, table_of(matrix).robot, strict=True))
     peak, frequency, _ = (matrix.entry("beam", name).expected for name in OF_HIT)

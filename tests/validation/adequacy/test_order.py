@@ -76,7 +76,10 @@ def test_mode_order_follows_families(seed):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_frequency_error_needs_partner(seed):
-    """Models without some modes of chains of close modes: each error belongs to one mode alone."""
+    """A model lacks three of nine modes of close frequencies.
+
+    Reference modes without a partner have no error, and no mode of the model is a partner twice.
+    """
     rng = np.random.default_rng([44, seed])
     shapes = np.linalg.qr(rng.normal(size=(SAMPLES, 9)))[0]
     frequencies = 100.0 * np.cumprod(rng.uniform(1.0, 1.09, 9))

@@ -62,7 +62,8 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_mark_keeps_file_content(kind):
+def test_marked_output_file_keeps_content(kind):
+    """The mark tells the files of the program from those of the user."""
     content, read = KINDS[kind]
     assert with_mark(content, kind) != content
     assert read(with_mark(content, kind)) == read(content)

@@ -266,7 +266,10 @@ def test_measured_modes_are_paired_by_shape(tmp_path, scatter):
 
 
 def test_similar_modes_are_undecided(tmp_path):
-    """At the tip all modes in one plane have one shape: f2 and f4 too, far from 47 Hz."""
+    """Measured at the tip alone, all modes in one plane look alike.
+
+    Among them are f2 and f4, which are far from the measured 47 Hz.
+    """
     sets = [shape(1, 1.8 * FREQUENCIES[0], SHAPES[:, 0])]
     robot_file, matrix = held(tmp_path, sets, ROBOT)
     entry = matrix.entry("beam", robot_file.measured[0].quantity.name)

@@ -59,7 +59,9 @@ def pressed_faces(mechanism: Mechanism) -> list[PressedFaces]:
 def unit_pressures(
     mechanism: Mechanism, parts: Mapping[str, BodyModel] | None = None
 ) -> dict[tuple[str, Selection], Array]:
-    """Wrenches (6m, body axes) of 1 Pa on the m interfaces, by body and selection of faces.
+    """Wrenches (6 for each of m interfaces, body axes) that carry a pressure of 1 Pa on faces.
+
+    The keys are the body and the selection of its faces.
 
     `parts` are models of the CAD parts; if None they are condensed. {} without pressures.
     """
