@@ -1,4 +1,4 @@
-"""Random and extreme robots from files: models agree, or refuse them with a reason."""
+"""Random and extreme robot files: the models agree, or the robot is refused with a reason."""
 
 from functools import partial
 from itertools import combinations
@@ -39,7 +39,7 @@ SAME = 3e-4
 
 @pytest.fixture
 def robot_file(request, tmp_path):
-    """The robot of that number."""
+    """Robot file with the number that the test has as its parameter."""
     return robot_of(ROBOTS[request.param], tmp_path)
 
 
@@ -48,7 +48,10 @@ def extreme(*numbers):
 
 
 def compliance(robot_file, model, **options):
-    """The 6×6 or 2×2 of `solve`, physically possible; None where it is refused with a reason."""
+    """Compliance (6×6, planar robots 2×2) that `solve` returns. None if the robot is refused.
+
+    It must be positive definite, and the frequencies must be positive and ascending.
+    """
     try:
         (answer,) = api.solve(robot_file, model, **options).answers
     except (InputError, ComputationError):
@@ -64,7 +67,7 @@ def compliance(robot_file, model, **options):
 
 
 def formulations(robot_file):
-    """Compliances of one theory in three formulations, those that answer."""
+    """Compliances by name of formulation, without those that refuse the robot; all must be equal."""
     found = {
         "vjm": compliance(robot_file, "vjm", legs="equivalent"),
         "segments": compliance(robot_file, "segments", elements=4),
@@ -85,7 +88,7 @@ def formulations(robot_file):
         if n not in UNRESOLVED
     ),
 )
-def test_random_robots_have_equal_models(robot_file, command):
+def test_formulations_of_random_robots_are_equal(robot_file, command):
     assert ": sound" in command.told("check", robot_file.source).splitlines()[0]
     assert compliance(robot_file, "simplified") is not None
     answered = formulations(robot_file)
@@ -103,10 +106,10 @@ def test_ill_conditioning_is_refused(robot_file):
 
 
 def planar_exactly(at):
-    """Planar compliances (m/N) under loads along x and y: two bars on pins, C by hand.
+    """Displacements (m/N) of the tool under loads along x and y: two bars on pins, by hand.
 
     K = k₁ n₁n₁ᵀ + k₂ n₂n₂ᵀ has the inverse (m₂m₂ᵀ/k₁ + m₁m₁ᵀ/k₂) / (n₁ × n₂)², mᵢ ⟂ nᵢ: sums of
-    positive terms, in which nothing is lost. Legs do not bend under loads at B.
+    positive terms, without cancellation. Legs do not bend under loads at B.
     """
     legs = [equivalent_leg(leg) for leg in legs_of(at.mechanism).values()]
     give = [leg.length / leg.timoshenko.EA for leg in legs]
@@ -137,7 +140,7 @@ def test_round_off_bound_covers_error(robot_file, model):
 
 
 def judged_cases(robot_file, of):
-    """Cases of a quick run that `of` asks for, with their outcomes or what refuses them."""
+    """Yield (case, outcome or ComputationError) for the quick cases that `of(case)` selects."""
     context = Context(robot_file, "quick")
     for case in catalogue(robot_file):
         if isinstance(case, Case) and "quick" in case.presets and of(case):
@@ -184,7 +187,7 @@ def test_round_off_gives_undecided_or_message(robot_file, cases, expected):
 def test_hinge_on_stiff_leg_keeps_digits(robot_file):
     # Leg 1 bends on a hinge at the tip of a leg 10¹³ times as stiff about z: in sums of both legs'
     # rotations it was 2 % off.
-    """A leg bends on a hinge at the tip of a leg 10¹³ times as stiff, whose rotation is small."""
+    """Leg 1 bends on a hinge at the tip of a leg that is 10¹³ times as stiff about z."""
     (at,) = placed_at(robot_file.mechanism)
     beams = bodies_of(at.mechanism, ModelOptions(), partial(leg_matrices, "beam"))
     found = modes(solved(assemble(at, beams)), 1).frequencies

@@ -102,7 +102,7 @@ def test_thick_box_torsion_shows_corner_order():
 
 
 class Stated(NamedTuple):
-    """A number's `uncertainty` and its true `error`, both relative, and what number it is."""
+    """Stated `uncertainty` and true `error` of one value of a `quantity`, both relative."""
 
     quantity: str
     uncertainty: float
@@ -110,9 +110,9 @@ class Stated(NamedTuple):
 
 
 def random_leg(rng, walls=0.0):
-    """A rectangle, or with probability `walls` each of the other four shapes.
+    """Random leg: each of four other shapes with probability `walls`, otherwise a rectangle.
 
-    ν is 0 or 0.1 to 0.4, the length three to twelve sides.
+    ν is 0 or between 0.1 and 0.4. The length is three to twelve times the larger side.
     """
     size, ratio = rng.uniform(0.06, 0.2), rng.uniform(0.6, 1.0)
     width, height = rng.permutation([size, ratio * size]).tolist()
@@ -130,7 +130,10 @@ def random_leg(rng, walls=0.0):
 
 
 def stated(name, leg, divisions, values, count):
-    """What `count` meshes state, as in a run, of what the finest finds (by ends, meshes × n)."""
+    """Half-widths from the `count` coarsest meshes, and true errors relative to the finest mesh.
+
+    `values` has an array (meshes × n) for each end condition.
+    """
     of_free = divisions[:count], values["free"][:count], formal_order(leg, "free")
     of_rigid = divisions[:count], values["rigid"][:count], formal_order(leg, "rigid")
     free = Refinement(*of_free)
@@ -142,7 +145,7 @@ def stated(name, leg, divisions, values, count):
 
 
 def of_statics(leg):
-    """The six diagonal compliances, from all meshes but the finest and from the coarsest two."""
+    """Half-widths of the six diagonal compliances from all meshes but the finest, and from two."""
     rectangle = isinstance(leg.section, Rectangle)
     divisions = (1, 2, 3, 4, 6) if rectangle else (4, 8, 12)
     found = solid_compliances(leg, divisions)
@@ -153,14 +156,20 @@ def of_statics(leg):
 
 
 def of_frequencies(leg):
-    """The first three of a clamped rectangle from two meshes, and on one twice as fine."""
+    """Half-widths of the first three frequencies of a clamped leg from two meshes.
+
+    The reference is a mesh twice as fine.
+    """
     divisions = (1, 2, 4)
     values = {ends: solid_frequencies(leg, divisions, ends, 3).frequencies.values for ends in BOTH}
     yield from stated("frequency", leg, divisions, values, 2)
 
 
 def random_numbers(seed):
-    """Of a rectangular leg, every eighth time of frequencies."""
+    """Half-widths and errors of a random rectangular leg.
+
+    Every eighth seed adds frequencies, every fortieth a leg of another shape.
+    """
     rng = np.random.default_rng([1, seed])
     leg = random_leg(rng)
     yield from of_statics(leg)
@@ -171,9 +180,9 @@ def random_numbers(seed):
 
 
 def coverage(numbers):
-    """Share of the numbers whose interval holds the finest solution; its width over the error.
+    """Share of intervals that contain the finest solution, and median of half-width over error.
 
-    The width is the median of uncertainty over error, of the numbers that differ at all.
+    Values whose error is mere rounding are left out.
     """
     real = [one for one in numbers if one.error > ROUNDING]
     held = np.mean([one.error <= one.uncertainty for one in real])
@@ -184,7 +193,7 @@ def coverage(numbers):
     "legs", [1, pytest.param(200, marks=pytest.mark.soak)], ids=["one", "calibration"]
 )
 def test_half_widths_contain_finest_solution(legs):
-    """Shares of half-widths that contain it, and mean ratios to the error, are printed with -s."""
+    """With -s, pytest prints the share of such half-widths and their median ratio to the error."""
     found = defaultdict(list)
     first = of_statics(random_leg(np.random.default_rng(5)))
     for one in first if legs == 1 else chain.from_iterable(map(random_numbers, range(legs))):

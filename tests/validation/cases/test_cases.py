@@ -1,10 +1,10 @@
-"""All comparisons of two robots: verdicts, that each of them can fail, and for any mistake.
+"""All comparisons of two robots: verdicts, and mistakes that each comparison must detect.
 
-Every number that a comparison shows can turn its verdict: nothing cancels what it explains. What a
-case takes from the memo of its context are its ingredients. Each array in them is made wrong by
-itself; where the value or the reference that is shown then moves, the difference that is judged
-must move as well. An allowance made of the two numbers that it explains would take the mistake off
-again. One test for each group of cases, which share what they are computed from.
+Every number that a comparison shows can change its verdict. The ingredients of a case are the
+results that it reads from the memo of its context. The tests falsify one array of an ingredient at a
+time. If the displayed value or reference then changes, the judged difference must change as well.
+An allowance computed from the value and the reference that it explains would cancel the mistake.
+Cases with common ingredients form a group, and each group has one test.
 """
 
 import re
@@ -31,7 +31,7 @@ from validation.studies_and_figures import PlannedFigure
 
 
 class Noted(dict):
-    """A memo that notes what is asked for."""
+    """A memo that records in `asked` the keys that are read."""
 
     def __init__(self):
         super().__init__()
@@ -93,7 +93,7 @@ DATA = (
 
 
 def test_one_mode_robot_has_reasoned_skips(tmp_path):
-    """Neither a robot with fewer modes than are compared nor one without compliance fails a run."""
+    """Comparisons of modes or compliances that a robot does not have are skipped, not failed."""
     bob = robot_of(f"{PENDULUM}[path]\nposes = [[0.0], [0.3]]\n", tmp_path)
     context = Context(bob, "quick")
     cases = [one for one in catalogue(context.robot_file) if isinstance(one, Case)]
@@ -118,7 +118,7 @@ def test_cases_have_ids_sources_and_figures(name, shown):
 
 
 def measured(of):
-    """Cases of a group with what they measure, and the reasons of those that are skipped."""
+    """List of (case, measurement) of the group `of`, and the reasons of its skipped cases."""
     found, reasons = [], []
     for case in GROUPS[of]:
         try:
@@ -167,13 +167,13 @@ def test_allowance_from_own_value_is_detected():
 
 
 def larger(value):
-    """A number or an array, wrong as a whole."""
+    """Yield a place ("") and the value times 1 + WRONG, for a float or an array of floats."""
     if isinstance(value, float | np.floating | np.ndarray) and np.asarray(value).dtype.kind == "f":
         yield "", value * (1.0 + WRONG)
 
 
 def cancelled(case, context):
-    """Ingredients that move what the case shows and not what it judges."""
+    """Ingredients whose mistake changes the displayed numbers of a case but not its judgement."""
     memo, found = context._memo, []
     memo.asked.clear()
     try:

@@ -1,4 +1,4 @@
-"""Comparisons of a solid leg with beams: differences and their orders, and local modes."""
+"""A solid leg compared with beams: orders of the differences in the length, and local modes."""
 
 from dataclasses import replace
 
@@ -63,7 +63,10 @@ SHARES = {
 
 
 def doubled(leg: ConstantLeg, divisions: int):
-    """Diagonals of the tip compliances (5×6), length doubled: rigid, free ends, slender beam."""
+    """Diagonals (5×6) of the tip compliances at five lengths, each twice the one before.
+
+    Three arrays: solid with rigid ends, solid with free ends, Euler–Bernoulli beam.
+    """
     pieces = [doubling.condensed_leg(leg, face_mesh(leg, divisions), static_slices(leg, divisions))]
     for _ in LENGTHS[1:]:
         pieces.append(doubling.doubled(pieces[-1]))
@@ -83,7 +86,7 @@ def rotary_inertia(leg, length):
 
 
 def differences(leg: ConstantLeg, divisions: int):
-    """Relative differences of two models at all lengths, by their cause."""
+    """Relative differences (five lengths) between two models of a leg, by name of their cause."""
     lengths = leg.length * LENGTHS
     rigid, free, slender = doubled(replace(leg, material=replace(leg.material, nu=0.0)), divisions)
     isotropic = Material.isotropic(leg.material.E, 0.3, leg.material.rho)
@@ -133,7 +136,7 @@ SANDWICH = Composite(
 
 @pytest.mark.parametrize(("factor", "verdict"), [(1.0, "agree"), (1.001, "disagree")])
 def test_composite_solid_has_verdict_beside_its_beam(factor, verdict, monkeypatch):
-    """A run had no verdict for composites; it has one, and 0.1 % more EA is noticed."""
+    """A solid composite leg agrees with its beam. With 0.1 % more EA they disagree."""
     leg = ConstantLeg(0.2, SANDWICH, Material(*SANDWICH.mean_material))
 
     def stiffer(leg, divisions):
@@ -149,9 +152,9 @@ def test_composite_solid_has_verdict_beside_its_beam(factor, verdict, monkeypatc
 
 
 def test_composite_formulas_are_bounds():
-    """EA and EI by the sum over the parts are lower bounds; one contraction gives upper ones.
+    """Sums of EA and EI over the parts are lower bounds; with a common contraction, upper bounds.
 
-    Their Poisson's ratios differ by 0.35, which stiffens tension by 2 %.
+    Poisson's ratios of the parts differ by 0.35, which stiffens tension by 2 %.
     """
     leg = ConstantLeg(0.2, SANDWICH, Material(*SANDWICH.mean_material))
     computed, by_formula = computed_properties(leg, 2), leg.timoshenko
@@ -184,13 +187,13 @@ def measured_mode(leg, mode, preset="quick"):
 
 
 def four_elements(*_):
-    """Divisions of the coarsest mesh of walls alone."""
+    """Number of divisions of the coarsest mesh of a thin-walled section, as the only mesh."""
     return (4,)
 
 
 @pytest.mark.parametrize(("mode", "expected"), [(1, -0.0285), (2, -0.0132)])
 def test_short_box_agrees_with_distortion(mode, expected, monkeypatch):
-    """Frequencies of solids of this arm are 2.9 and 1.3 % below those of Timoshenko's beam."""
+    """Its section distorts: the solid is 2.9 and 1.3 % below Timoshenko's beam in frequency."""
     monkeypatch.setattr(leg_theory, "modal_divisions", four_elements)
     monkeypatch.setattr("validation.solids.solid_legs.Refinement.uncertainty", lambda *_: 0.0)
     found = measured_mode(SCARA_ARM, mode)
@@ -202,7 +205,7 @@ def test_short_box_agrees_with_distortion(mode, expected, monkeypatch):
 
 
 def two_coarse_meshes(*_):
-    """Divisions of rectangles that take a second."""
+    """Numbers of divisions of two coarse meshes of a rectangle, which take a second."""
     return (1, 2)
 
 
@@ -242,7 +245,7 @@ def test_wrong_solid_disagrees_despite_distortion(monkeypatch):
 def test_tube_with_independent_g_agrees(section, length, nu):
     """Beam and solid agree within 3e-6.
 
-    With another integration rule in curved cells, they differed by 3e-6 to 9e-6.
+    Differences of 3e-6 to 9e-6 reveal unequal integration rules in curved cells.
     """
     carbon = replace(Material.isotropic(1.2e11, nu, 1600.0), G=5.0e9)
     leg = ConstantLeg(length, section, carbon)
@@ -280,7 +283,7 @@ def test_wrong_density_disagrees_despite_waves():
 
 @pytest.mark.exhaustive
 def test_wave_correction_exists_for_fixed_ends():
-    """A leg without mass at its ends bends between fixed ends.
+    """The correction by 3-D waves exists for a leg that bends between fixed ends.
 
     With ν = −0.9 its κ by strain energy is 0.007; waves are much stiffer in shear.
     """

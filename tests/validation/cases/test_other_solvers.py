@@ -1,4 +1,4 @@
-"""Ritz's method, EXUDYN and CalculiX, against closed forms and in comparisons with the models."""
+"""Ritz's method, EXUDYN and CalculiX, compared with closed forms and with the models."""
 
 import shutil
 from dataclasses import replace
@@ -64,7 +64,7 @@ def test_ritz_hexapod_has_stiffness_of_bars():
 
 @pytest.mark.parametrize("softer", [1e-12, 1e6])
 def test_ritz_frequencies_scale_with_stiffness(softer):
-    """With idle rods: all frequencies scale with the root of the stiffness."""
+    """All stiffnesses times `softer`: frequencies times its root, although rods can spin freely."""
     at = first_pose("delta")
 
     def scaled(thing, *names):
@@ -103,7 +103,7 @@ def test_simplified_model_of_parts_equals_ritz():
 
 
 def test_simplified_structure_is_rigid():
-    """An arm on a fixed joint, without drives: a structure."""
+    """An arm on a fixed joint has no drives. Its simplified model has no compliance and no modes."""
     motor = "axis = [0.0, 0.0, 1.0]\ndrive = { stiffness = 5.0e4 }\n"
     text = ONE_ARM.replace(motor, "").replace('"revolute"', '"fixed"').replace('["x"]', "[]")
     compliance, frequencies = ritz.simplified_response(reference_posture(described(text)), 2)
@@ -155,7 +155,7 @@ table = { type = "planar", between = ["ground", "arm"], at = "C", axis = [0.0, 1
 
 @pytest.fixture
 def propped(tmp_path):
-    """A frame on a plane: planar and fixed joints, a section of two stiffnesses, one posture."""
+    """Frame on a plane: planar and fixed joints, unequal bending stiffnesses, a single posture."""
     return robot_of(_PROPPED, tmp_path).mechanism
 
 
@@ -168,7 +168,7 @@ def test_frame_on_plane_joint_equals_exudyn(propped):
 
 
 class _WithLoad(multibody._ExudynModel):
-    """Remembers the node of the load at the tool: the last that is made."""
+    """EXUDYN model that stores the last node, at which the tool's load acts, as `last`."""
 
     def _node(self, position, rotation):
         self.last = super()._node(position, rotation)
@@ -177,9 +177,9 @@ class _WithLoad(multibody._ExudynModel):
 
 @needs_exudyn
 def test_frame_response_equals_exudyn(propped):
-    """All damped modes of EXUDYN's own matrices on the null space of its constraints.
+    """Reference: superposition of all damped modes of EXUDYN's matrices, constraints eliminated.
 
-    Its elements have second order; frequencies 0.1 % off shift the peaks by as much.
+    EXUDYN's elements converge with second order: frequencies and peaks are 0.1 % off.
     """
     ratio, options = 0.02, ModelOptions(elements=32)
     at = reference_posture(replace(propped, damping=ratio))

@@ -26,7 +26,7 @@ def test_ten_practice_robots_are_valid():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_links_and_beams_have_equal_statics(name):
-    """Both are exact under forces at the ends of legs, prismatic or tapered, on any joints."""
+    """Both models are exact for prismatic and tapered legs that are loaded at their ends only."""
     links, beam = (
         api.solve(ROBOTS / f"{name}.toml", model).answers[0].compliance
         for model in ("links", "beam")
@@ -84,8 +84,8 @@ def test_strips_have_no_wave_correction(monkeypatch, width, reason, tmp_path):
 def test_leaf_stage_deflects_as_guided_leaves(model):
     """Along x: L³/24EI = 205.7 µm/N, with both leaf ends kept parallel (Euler–Bernoulli).
 
-    Shear adds L/2κGA (κ by Cowper). The tilt of the stage, whose leaves at a distance d are pulled
-    and pushed, adds L³/2EAd².
+    Shear adds L/2κGA (κ by Cowper). The stage tilts, because its leaves, at a distance d, are
+    pulled and pushed: this adds L³/2EAd².
     """
     length, apart, width, height, nu = 0.06, 0.05, 0.0005, 0.02, 0.3
     area, kappa = width * height, 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
