@@ -196,7 +196,7 @@ def test_memo_key_has_all_arguments():
         assert key_of(LEG) != key_of(changed)
     with pytest.raises(ValueError, match="only module-level functions"):
         memo_key(lambda: None, (), {})
-    with pytest.raises(TypeError, match="no plain data"):
+    with pytest.raises(TypeError, match="must be plain data"):
         fingerprint(object())
 
 

@@ -65,7 +65,7 @@ def test_new_keeps_existing_robot_file(robot, tmp_path, command):
     content = path.read_text(encoding="utf-8")
     assert "#" in content
     report = command.told("check", path)
-    assert re.search("(?s)sound.*all 9 poses of its path within reach", report)
+    assert re.search("(?s)valid.*all 9 poses of its path within reach", report)
     assert "exists already" in command.refused("new", path)
     assert path.read_text(encoding="utf-8") == content
 
