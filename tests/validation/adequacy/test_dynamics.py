@@ -88,7 +88,7 @@ def test_equal_legs_share_a_reduction():
 
 
 def at_the_centre(requirement=None, **changes):
-    """A robot like the paper's in one pose, quick, its legs' digits not looked at."""
+    """Context (preset quick) of a variant of the paper's robot in one pose, its digits exact."""
     robot = variant_of_ifw(**changes)
     robot = replace(robot, poses=robot.poses[4:5])
     return Context(file_of(robot, text="", requirement=requirement), "quick")
@@ -100,7 +100,7 @@ OF_FLANGED |= {"leg1": FLANGED, "leg2": FLANGED}
 
 @pytest.fixture(scope="module")
 def flanged():
-    """100 × 100 × 8/6 mm, 0.9 m, elastic feet, end faces bolted flat."""
+    """Verdicts on a robot of I-sections 100 × 100 mm, flanges 8 mm, web 6 mm, length 0.9 m."""
     return robot_adequacy(at_the_centre(**OF_FLANGED))
 
 
@@ -143,7 +143,7 @@ def test_i_section_beam_torsion_is_inadequate():
 
 
 def alone(leg):
-    """The torsion of the leg by beams, at preset quick."""
+    """Entry of model `beam` for the torsion of the leg, at preset quick."""
     subject = leg_subject(Context(load_robot("ifw"), "quick"), "leg1", leg)
     return verdict_matrix(subject, Requirement()).entry("beam", "phi_x")
 
@@ -302,7 +302,7 @@ def test_mass_wedges_need_unknown_mass_centre():
 def test_massless_legs_give_bounds(*, mixed):
     """Any mass distribution gives lower frequencies.
 
-    Rigid ends make a solid stiffer than its 6×6.
+    Rigid end faces make the solid of a prism stiffer than the 6×6 of beam theory.
     """
     prism = ConstantLeg(LEG2.length, Rectangle(0.1, 0.1), STEEL, ends="rigid")
     legs = {"leg2": prism} if mixed else {}

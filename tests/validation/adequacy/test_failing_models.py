@@ -29,12 +29,12 @@ def verdicts_of(arm):
 
 
 def raising(*_):
-    """Stands for a function of which the cache needs a fixed name."""
+    """Raise ZeroDivisionError. Defined in the module because the cache needs a fixed name."""
     return 1 / 0
 
 
 def failing(function, place, model, options):
-    """The function, but dividing by zero for one model."""
+    """Wrap `function`: it raises if its arguments from index `place` on are model and options."""
 
     def computed(*given):
         if given[place : place + 2] == (model, options):
@@ -81,7 +81,7 @@ def test_missing_stability_keeps_verdicts(arm, monkeypatch):
     assert matrix.faults == ("stability under loads",)
 
 
-def test_inapplicable_model_is_not_an_error(arm, monkeypatch):
+def test_refused_model_is_undecided_without_fault(arm, monkeypatch):
     def refusing(*_):
         raise ComputationError("the arm is too thin")
 
@@ -92,7 +92,7 @@ def test_inapplicable_model_is_not_an_error(arm, monkeypatch):
     assert matrix.faults == ()
 
 
-def test_rigid_drive_robot_has_verdicts(tmp_path):
+def test_simplified_rigid_drive_robot_is_inadequate(tmp_path):
     """With rigid drives the simplified model has no compliance and is inadequate."""
     text = ARM.replace("stiffness = 5.0e4", 'stiffness = "rigid"') + "[path]\nposes = [[0.0]]\n"
     matrix, found = verdicts_of(robot_of(text, tmp_path))

@@ -89,7 +89,7 @@ class Twins:
     solids: dict[str, ConstantLeg]
 
     def robot(self, limit):
-        """The robot in its posture, its digits not looked at."""
+        """The robot in its posture at preset quick, without uncertainty due to printed digits."""
         requirement = Requirement(modes=MODES, frequency=limit)
         file = file_of(self.mechanism, text="", requirement=requirement)
         return robot_at(Context(file, "quick"), placed_at(self.mechanism, self.x))
@@ -108,13 +108,13 @@ class Twins:
 
 @cache
 def held(leg):
-    """Solid of the mesh of preset quick."""
+    """Solid of the leg with rigid end faces, on the mesh of preset quick."""
     across = divisions_across(leg, 3, 2)
     return held_solid(leg, across, "rigid", divisions_across(leg, 3, COARSEST_WALLS))
 
 
 def judgements(twins, truth, limit=0.05):
-    """Matrix of the models, and by model and number interval and true error of each frequency."""
+    """Verdict matrix, and (low, high, true error) of each frequency by (model, mode number)."""
     robot = twins.robot(limit)
     requirement = robot.context.robot_file.requirement
     responses = Responses(robot)
@@ -145,7 +145,7 @@ def flanged():
 
 
 def test_i_section_6x6_f1_is_undecided(flanged):
-    """Beams are 30.1 ± 0.4 % too low. An interval of −10.8 ± 10.8 % made them adequate for 25 %."""
+    """The error of beams is −30.1 ± 0.4 %. An interval of −10.8 ± 10.8 % would meet 25 %."""
     matrix, found = flanged
     low, high, true = found["beam", 1]
     assert true == pytest.approx(-0.301, abs=0.004)
@@ -161,7 +161,7 @@ def test_i_section_intervals_contain_errors(flanged):
     assert all(low <= true <= high for low, high, true in known)
 
 
-def test_torsion_of_6x6_leg_needs_its_section(flanged):
+def test_torsion_of_6x6_leg_is_undecided(flanged):
     """A 6×6 does not define the torsional stiffness inside a leg, so that f5 is undecided."""
     entry = flanged[0].entry("beam-euler-bernoulli", "f5")
     assert entry.verdict == "undecided"
@@ -171,7 +171,7 @@ def test_torsion_of_6x6_leg_needs_its_section(flanged):
 
 
 def random_twins(seed):
-    """A biglide of two random legs, four to twenty times as long as high; its masses known."""
+    """A biglide of two random legs, four to twenty times as long as high, of known masses."""
     rng = np.random.default_rng(seed)
     legs = {name: random_leg(rng) for name in ("leg1", "leg2")}
     lengths = [leg.length for leg in legs.values()]
@@ -207,7 +207,7 @@ def tip(leg):
 
 
 def inertia(leg) -> Array:
-    """About the centre of a prism (kg m²)."""
+    """Inertia (3×3, kg m²) of a prism about its centre."""
     section = leg.section
     about_y, about_z = (
         leg.mass * one / section.area for one in (section.second_moment_y, section.second_moment_z)
@@ -217,7 +217,7 @@ def inertia(leg) -> Array:
 
 
 def knowing(twins, *keys):
-    """Twins whose legs have only these keys of their mass distribution."""
+    """Twins without those of the legs' keys `mass_centre` and `inertia` that `keys` omits."""
     bodies = dict(twins.mechanism.bodies)
     unknown = dict.fromkeys({"mass_centre", "inertia"} - set(keys))
     for name, leg in legs_of(twins.mechanism).items():
@@ -230,9 +230,9 @@ GIVEN = {"mass": (), "centre": ("mass_centre",), "inertia": ("mass_centre", "ine
 
 @pytest.mark.soak
 def test_random_6x6_intervals_contain_truth():
-    """The share is at least 93 % by kind of data and by mode, for intervals of 95 %.
+    """At least 93 % of the 95 % intervals contain the true error, for each kind of data and mode.
 
-    It was 89 % for f5 and f6 without modes that cross between two readings of the robot file.
+    It was 89 % for f5 and f6 if modes that cross between two readings of the file were ignored.
     """
     inside = {(given, number): [] for given in GIVEN for number in range(1, MODES + 1)}
     for seed in range(100, 114):

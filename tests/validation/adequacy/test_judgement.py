@@ -27,7 +27,7 @@ MIXED = (A + B) / np.sqrt(2.0), (A - B) / np.sqrt(2.0)
 
 
 def vibration(frequencies, *shapes, seen=1.0):
-    """One pose."""
+    """Modes at one pose; `seen` is their share of kinetic energy in the sampled points."""
     shares = np.broadcast_to(seen, (1, len(frequencies)))
     samples = np.column_stack(shapes)[None]
     return PathModes(np.array([frequencies]), samples, np.ones(len(shapes[0])), shares)
@@ -37,7 +37,7 @@ TRUTH = vibration([100.0, 150.0, 200.0, 300.0], *AXES)
 
 
 def subject_of(truth, modes, *others, unsure=0.0, **more):
-    """A model against a reference of one or more interpretations."""
+    """Subject of one model with `modes`; the reference has `truth` and `others` as readings."""
     if others:
         more |= {"open": "how the ends are held", "decides": "say how the ends are held"}
     known = {f"ends {k}": one for k, one in enumerate((truth, *others))}
@@ -50,7 +50,7 @@ def subject_of(truth, modes, *others, unsure=0.0, **more):
 
 
 def entry(modes, quantity, *others, unsure=0.0):
-    """Entry of a model against the truth above and other interpretations, limits 5 %."""
+    """Entry of a model with `modes`; reference: TRUTH and, as other readings, `others`."""
     subject = subject_of(TRUTH, modes, *others, unsure=unsure)
     return verdict_matrix(subject, Requirement(modes=3)).entry("model", quantity)
 
@@ -82,7 +82,7 @@ def test_missing_mode_is_inadequate():
 
 
 def test_close_modes_are_paired_by_shape():
-    """Frequencies are 2 % apart: shapes decide, not the order of the frequencies."""
+    """Frequencies are 2 % apart. Modes are paired by shape, not by the order of frequencies."""
     close, swapped = (vibration([100.0, 102.0, 200.0], *pair, C) for pair in ((A, B), (B, A)))
     found = partners(close, swapped, 3)
     assert found.frequency[0] == pytest.approx([102.0, 100.0, 200.0])
@@ -114,7 +114,7 @@ def test_mixed_modes_are_one_subspace(unsure, open_to):
     ("limit", "verdict"), [(0.05, "undecided"), (0.13, "adequate"), (0.01, "inadequate")]
 )
 def test_mixed_mode_error_covers_both_partners(limit, verdict):
-    """100 and 104 Hz mixed with 104 and 112 Hz: errors of the first are 4 to 12 %."""
+    """Modes at 100 and 104 Hz mix with those at 104 and 112 Hz: the error of f1 is 4 to 12 %."""
     truth, model = (
         vibration([*pair, 200.0, 300.0], *shapes, C, D)
         for pair, shapes in (((100.0, 104.0), (A, B)), ((104.0, 112.0), MIXED))
@@ -125,7 +125,7 @@ def test_mixed_mode_error_covers_both_partners(limit, verdict):
 
 
 def test_half_local_mode_is_undecided():
-    """Two reference modes each consist half of one model shape and half of a local mode."""
+    """Each of two reference modes has half its energy in a model's shape and half locally."""
     truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, -B, D, seen=[1.0, 0.5, 0.5, 1.0])
     subject = subject_of(truth, vibration([100.0, 149.0, 250.0, 300.0], A, B, C, D))
     matrix = verdict_matrix(subject, Requirement(modes=3))
@@ -136,7 +136,7 @@ def test_half_local_mode_is_undecided():
 
 
 def test_local_mode_has_no_partner():
-    """5 % of its kinetic energy is in the sampled points, with the shape of a model's mode."""
+    """A local mode has 5 % of its energy in the sampled points, shaped there as a model's mode."""
     truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, B, D, seen=[1.0, 0.05, 1.0, 1.0])
     subject = subject_of(truth, vibration([100.0, 153.0, 250.0, 300.0], A, B, C, D))
     matrix = verdict_matrix(subject, Requirement(modes=3))
@@ -188,8 +188,8 @@ def test_close_mode_order_is_undecided():
         (vibration([100.0, 104.0], A, C), [0.0, np.nan, 0.0]),
     ],
 )
-def test_frequency_changes_follow_shapes(coarse, changes):
-    """The first three modes of a robot with three close frequencies and a distant one."""
+def test_frequency_errors_are_between_equal_shapes(coarse, changes):
+    """Four modes, three of them close: frequencies are compared between modes of equal shape."""
     fine = vibration([100.0, 102.0, 104.0, 200.0], *AXES)
     found = frequency_changes(fine, coarse, 3)[0]
     assert found == pytest.approx(changes, nan_ok=True)
@@ -219,7 +219,8 @@ def test_entry_has_largest_error_of_readings():
 def test_interval_covers_crossing_modes(interior):
     """As the inside of a leg stiffens, mode A rises from 100 to 130 Hz and mode B from 110 to 115.
 
-    In between either may be f1 (up to 115 Hz) or f2 (from 110 Hz). Other readings are not combined.
+    In between either may be f1 (up to 115 Hz) or f2 (from 110 Hz). Only the stiffness inside a
+    leg varies between two readings; other readings are not combined.
     """
     soft = vibration([100.0, 110.0, 200.0, 300.0], A, B, C, D)
     stiff = vibration([115.0, 130.0, 200.0, 300.0], B, A, C, D)
@@ -241,7 +242,7 @@ def test_interval_covers_crossing_modes(interior):
 
 
 def static_entry(*factors, unsure=0.0, limit=0.05):
-    """Deflection along x by a model, against readings of the reference stiffer by factors."""
+    """Entry of deflection x; each reading of the reference is `factors` times as stiff."""
     toy = toy_subject(3)
     truth = toy.responses.statics(toy.models[0], reading(""))
     names = ("rigid pins", "averaged ones")
@@ -301,7 +302,7 @@ def test_first_of_equal_values_is_largest(sizes, number):
 
 @pytest.mark.parametrize("rounding", [-1e-12, 0.0, 1e-12])
 def test_tied_readings_give_first_one(rounding):
-    """Equal errors up to rounding: 6 % above one reading of the robot file, 6 % below another."""
+    """The errors differ only by rounding: 6 % above one reading of the file, 6 % below another."""
     told = static_entry(1.06, 0.94 + rounding)
     assert told.error == pytest.approx(0.06, rel=1e-9)
     assert told.along == pytest.approx(0.06, rel=1e-9)
@@ -309,7 +310,7 @@ def test_tied_readings_give_first_one(rounding):
 
 @pytest.mark.parametrize(("limit", "verdict"), [(0.05, "undecided"), (0.07, "adequate")])
 def test_interval_between_readings_contains_zero(limit, verdict):
-    """6 % more than one reading and 6 % less than the other: the truth may lie between."""
+    """The model is 6 % above one reading and 6 % below the other: it may be exact."""
     told = static_entry(0.94, 1.06, limit=limit)
     assert told.readings == pytest.approx({"rigid pins": 0.06, "averaged ones": 0.06})
     assert (told.low, told.high, told.verdict) == (0.0, pytest.approx(0.06), verdict)
@@ -381,8 +382,8 @@ def test_limit_in_metres_holds_in_each_pose():
 def test_remedy_meets_limit_per_pose(given, once, twice, expected):
     """A limit of 20 µm is 20 % of 0.1 mm in the first pose, and 2 % of 1 mm in the second.
 
-    All poses were formerly compared with the limit of the deciding one: one remedy was proposed for
-    the first model, which remained inadequate, and two for the second.
+    All poses were formerly compared with the limit of the deciding pose: the remedy for the
+    first model left it inadequate, and the second model got two remedies.
     """
     compliances = np.array([1e-8 * np.eye(6)] * 2)
     truth, *moved = (
@@ -419,7 +420,7 @@ SEEDS = range(3)
 
 @cache
 def entries(seed):
-    """Entries of the matrices of a random subject, each with the plain rule for it."""
+    """Pairs: entry of a random subject, and independent `Rule` for its model and quantity."""
     found, pairs = subject(seed), []
     models = {one.name: one for one in found.models}
     for limit in LIMITS:
@@ -429,7 +430,7 @@ def entries(seed):
 
 
 def same(found, expected):
-    """Whether words are the same, numbers up to rounding, and None where there is none."""
+    """True if texts are equal and numbers equal up to rounding; None equals only None."""
     if isinstance(expected, str):
         return found == expected
     if isinstance(expected, dict):
@@ -453,7 +454,7 @@ def test_entry_has_pose_causes_and_remedy(seed):
 
 
 def explained(entry, shares):
-    """Causes are the plain ones of half a percent and more, the largest first."""
+    """Assert that the entry's causes are `shares` of at least half a percent, largest first."""
     named = {name.replace("rest", REST): s for name, s in shares.items() if abs(s) >= 0.005}
     assert {one.cause: one.share for one in entry.causes} == pytest.approx(named)
     sizes = [abs(one.share) for one in entry.causes]
@@ -464,7 +465,7 @@ def explained(entry, shares):
 
 
 def test_random_matrices_have_every_verdict():
-    """Also missing and exchanged modes, and remedies with and without effect."""
+    """They also contain missing and exchanged modes, and remedies with and without effect."""
     seen = [entry for seed in SEEDS for entry, _ in entries(seed)]
     assert {entry.verdict for entry in seen} == {"adequate", "inadequate", "undecided"}
     assert any(entry.error is None for entry in seen)

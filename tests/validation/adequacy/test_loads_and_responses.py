@@ -59,7 +59,7 @@ def subject(arm):
 
 
 def test_load_and_peak_errors_match_solve(arm, subject):
-    """Values of `solve` differ from the reference only by their mesh."""
+    """The solids of `solve` differ from the reference only by their mesh."""
     names = [one.name for one in arm.requirement.quantities]
     assert [name for name in names if ":" in name] == [*OF_LOADS, *OF_HIT]
     matrix = verdict_matrix(subject, arm.requirement)
@@ -293,7 +293,7 @@ relative = 0.1
 def test_peak_includes_damping_uncertainty(tmp_path, arm):
     """The peak is proportional to 1/2ζ.
 
-    10 % of ζ give a standard uncertainty of (1/0.9 − 1/1.1)/2.
+    A standard uncertainty of 10 % in ζ gives one of (1/0.9 − 1/1.1)/2 in the peak.
     """
     robot = robot_of(arm.text + MEASURED, tmp_path)
     matrix = measured_matrix(Context(robot, "quick"))

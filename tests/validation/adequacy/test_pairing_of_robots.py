@@ -51,7 +51,7 @@ modes = 9
 
 
 def equal_legs():
-    """A 3-PRS, 0.76 m high, on circles of 0.297 and 0.142 m radius."""
+    """Verdicts on a 3-PRS robot 0.76 m high, its joints on circles of 0.297 and 0.142 m radius."""
     points, legs = ["P = [0.0, 0.0, 0.760770915244]"], []
     for k in (1, 2, 3):
         angle = 2.0 * np.pi * (k - 1) / 3.0
@@ -115,9 +115,9 @@ def test_leg_torsion_changes_mode_order(tmp_path, model):
 
 @pytest.mark.exhaustive
 def test_stubby_leg_modes_have_no_partner(tmp_path):
-    """Sections deform in these modes.
+    """Sections deform in f3, f4 and f6.
 
-    Rigid motions of sections have 36, 12 and 0.2 % of the energy.
+    Rigid motions of sections have 36, 12 and 0.2 % of the kinetic energy.
     """
     matrix = matrix_of(STUBBY, tmp_path)
     for model in MODELS:

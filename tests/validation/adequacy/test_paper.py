@@ -139,7 +139,7 @@ def test_digits_change_peaks_twice_as_much_as_f(tmp_path):
 
 
 def coupled(leg):
-    """As slender a hollow steel leg, of which a force along x also moves the tip along z."""
+    """Hollow leg of equal length and mass whose tip also moves along z under a force along x."""
     steel = Material.isotropic(2.1e11, 0.3, 7850.0)
     hollow = ConstantLeg(leg.length, HollowRectangle(0.06, 0.08, 0.006), steel)
     tip = tip_compliance(hollow.properties("euler-bernoulli"), leg.length)
@@ -178,7 +178,7 @@ NUMBER = re.compile(r"-?[\d.]+e-\d+")
 
 
 def drawn(text, rng):
-    """The text with every entry of its 6×6 anywhere within half a unit of its last digit."""
+    """Text with each entry of its 6×6 drawn at random within half a unit of the last digit."""
 
     def within(block):
         off = np.triu(rng.uniform(-0.5, 0.5, (6, 6)))
@@ -199,14 +199,14 @@ def virtual_joints(robot, poses):
 
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory):
-    """The paper's robot without its corrections, which have to stand in the file as they are."""
+    """The paper's robot with its 6×6 as printed, without the corrections of misprints."""
     text = load_robot("ifw").text.split("\n[[corrections]]\n")[0]
     return robot_of(text, tmp_path_factory.mktemp("printed"))
 
 
 @pytest.fixture(scope="module")
 def draws(printed, tmp_path_factory):
-    """Robots that are printed like it."""
+    """Sixty robots whose 6×6 round to the entries printed for `printed`."""
     rng, folder = np.random.default_rng(24), tmp_path_factory.mktemp("draws")
     return [robot_of(drawn(printed.text, rng), folder) for _ in range(60)]
 

@@ -31,7 +31,7 @@ DRIVE, MODULUS = "joints.motor.drive.stiffness", "bodies.arm.material.E"
 
 
 def linear(*slopes, misfit=0.0):
-    """An error of 4 % that is linear in some inputs, known to 2 % each; a slope per pose."""
+    """An error of 4 % that is linear in inputs of 2 % uncertainty; `slopes` (per pose) of each."""
     ways = [np.atleast_1d(one) for one in slopes]
     own = signed(np.full(len(ways[0]), ERROR))
     found = [
@@ -42,12 +42,12 @@ def linear(*slopes, misfit=0.0):
 
 
 def signed(errors):
-    """Errors of frequencies at some poses, without half-width, by one alternative."""
+    """Array of the errors of a frequency over the poses, with half-width 0, for one reading."""
     return np.stack([errors, np.zeros_like(errors)], axis=-1)[None, :, None, :]
 
 
 def of_vectors(start, *ways):
-    """The error of a displacement that is off by `start` and changes by `ways`, relative to 1."""
+    """Error `start` of a unit displacement; each input changes it by a vector of `ways`."""
     due = np.array([0.0, 0.0, 1.0])
 
     def at(off):
@@ -114,7 +114,7 @@ def test_three_inputs_match_monte_carlo():
 
 @pytest.mark.parametrize("quantity", ["x", "phi_z", "any_force"])
 def test_zero_error_has_slope_probability(quantity):
-    """Beams are exact for the file's values, and 5 % off for each standard uncertainty of them."""
+    """Beams are exact for the file's inputs and 5 % off if one changes by its uncertainty."""
     toy = toy_subject(1)
     truth = toy.responses.statics(toy.statics.model, reading(""))
 
@@ -207,7 +207,7 @@ def test_linear_error_is_normally_distributed(error, within, beyond):
     assert [found.within, found.beyond] == pytest.approx([within, beyond], abs=2e-3)
 
 
-def test_half_widths_match_variance_shares():
+def test_input_shares_equal_variance_shares():
     found = probability(linear(0.006, 0.008), "adequate", LIMIT, 0)
     assert found.half_width == pytest.approx(1.96 * 0.01, rel=0.01)
     assert found.value_half_width == pytest.approx(1.96 * 0.01, rel=1e-4)
@@ -257,7 +257,7 @@ def test_needed_uncertainty_gives_95_percent():
 
 @pytest.fixture(scope="module")
 def arm(tmp_path_factory):
-    """One arm on a drive, whose stiffness is known to 10 %, its modulus to 5 %."""
+    """Robot file of an arm on a drive: uncertainty 10 % in drive stiffness, 5 % in modulus."""
     return robot_of(
         ONE_ARM.replace("height = 0.04 }", 'height = 0.04 }\nends = "free"')
         + f'[[input_uncertainty]]\nkey = "{DRIVE}"\nrelative = 0.1\n'
@@ -300,7 +300,7 @@ def test_probability_of_one_drive_is_exact(of_arm):
 OPEN_INPUTS = "undecided because of uncertain inputs; "
 
 
-def test_lost_mode_lowers_probability(of_arm):
+def test_unsolved_input_change_lowers_probability(of_arm):
     first_below, *_ = of_arm.inputs.alone(-1)
     first_draw, *draws = of_arm.inputs.together
     for lost, within, reason in (

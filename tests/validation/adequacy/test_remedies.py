@@ -50,7 +50,7 @@ pytestmark = pytest.mark.usefixtures("coarse_legs")
 
 @pytest.fixture(scope="module")
 def arm(tmp_path_factory):
-    """One arm in one pose, its ends said: one reference in place of two."""
+    """Robot file of one arm in one pose. Its end condition is specified: one reference, not two."""
     held = ONE_ARM.replace("height = 0.04 }", 'height = 0.04 }\nends = "rigid"')
     short = held.replace("nu = 0.0", "nu = 0.3").replace("P = [0.0, 0.5", "P = [0.0, 0.2")
     # So little is accepted that what held ends take from beams has to be explained.
@@ -64,7 +64,7 @@ def sound(arm):
 
 
 def refusing(monkeypatch, module, function, refused=lambda _: True):
-    """`function` of the module refuses where `refused` says so of its first argument."""
+    """Make `function` of the module raise ComputationError if `refused(first argument)`."""
     own = getattr(module, function)
 
     def refuse(*args, **kwargs):
@@ -137,7 +137,7 @@ def test_open_joints_raise_error(monkeypatch, tmp_path):
 
 @pytest.mark.exhaustive
 def test_single_section_mesh_is_uncertain():
-    """Both solids share the coarsest mesh, and its torsion is half a percent uncertain."""
+    """Both solids have the coarsest section mesh, whose torsion is uncertain by 0.5 %."""
     section = HollowRectangle(width=0.06, height=0.06, thickness=0.006)
     leg = ConstantLeg(0.9, section, STEEL, ends="free")
     subject = leg_subject(Context(load_robot("ifw"), "quick"), "leg1", leg)
@@ -157,7 +157,7 @@ def by(arm, preset, accuracy=None, limit=0.05, **limits):
 
 
 def widest(matrix):
-    """The entry of which meshes leave most open."""
+    """Entry with the largest half-width due to meshes."""
     return max(matrix.entries, key=lambda one: one.uncertainties.get("meshes", 0.0))
 
 
@@ -226,7 +226,7 @@ FINER = larger_preset("quick", lambda preset: preset == "fine")
 
 
 def options_taken(said, *words):
-    """The options that are said, of a command that takes them as they are typed."""
+    """Options (name: value) in the text `said`; the command `words` must accept them as typed."""
     options = dict(re.findall(r"--(\w+) (\S+)", said))
     typed = [word for name, value in options.items() for word in (f"--{name}", value)]
     _, bound, _ = cli.app.parse_args([*words, *typed], exit_on_error=False, print_error=False)

@@ -99,8 +99,8 @@ def test_measured_values_are_references():
     assert "leg1.c33" in sentence(more)
 
 
-def test_measured_leg_entries_have_chart():
-    """Entries of a leg have no pose, even if the poses of the robot have a coordinate."""
+def test_measured_leg_compliances_are_plotted():
+    """Compliance entries of a leg belong to no pose, even if the robot has several poses."""
     biglide = load_robot("biglide")
     ones = tuple(
         Measured(measured_quantity(f"leg1.{name}"), 1e-6, 1e-8, "stand") for name in ("c22", "c33")
@@ -174,7 +174,7 @@ def test_program_error_affects_one_value(monkeypatch, capsys):
 
 @pytest.mark.parametrize("lacking", ["inputs", "elements"])
 def test_value_lost_by_input_is_undecided(monkeypatch, tmp_path, lacking):
-    """A missing value must not count as zero, which would give no uncertainty or one of 67 %."""
+    """A missing value counted as zero would give a half-width of zero or of 67 %."""
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     predictions = Predictions.of(Context(robot_file, "quick"))
     (f1,) = (one for one in robot_file.measured if one.quantity.name == "f1")
@@ -196,7 +196,7 @@ def test_value_lost_by_input_is_undecided(monkeypatch, tmp_path, lacking):
 
 
 def test_mode_above_measured_range_is_kept(tmp_path):
-    """The arm is so stiff along itself that its axial mode is far above those a hammer excites."""
+    """The axial mode of the arm is far above the modes that a hammer excites."""
     robot_file = robot_of(ONE_ARM + "[path]\nposes = [[0.0]]\n", tmp_path)
     places, along = np.array([[0.5, 0.0, 0.0], [0.25, 0.0, 0.0]]), np.eye(3)[[1, 1]]
     frequencies = np.linspace(5.0, 200.0, 50)

@@ -1,7 +1,7 @@
 """Measured frequency responses against models, for a mass on three springs.
 
-In closed form: along a spring k the mass moves by 1/(k − mω² + 2iζω√km) by force, 1/k at rest and
-1/2ζk at its mode. It is struck along (1, 1, 1): a share √⅓ of the force is along each spring.
+In closed form the mass moves along a spring k by 1/(k − mω² + 2iζω√km) per force, by 1/k at ω = 0
+and by 1/2ζk at resonance. It is struck along (1, 1, 1): √⅓ of the force is along each spring.
 """
 
 import numpy as np
@@ -48,7 +48,7 @@ averages = 8
 
 
 def exact(frequencies, struck=(1, 1, 1), ratio=RATIO):
-    """Displacement along each spring by force along that (n×3, m/N), and along the force."""
+    """Receptances (n×4, m/N): displacement along the three springs and along the force `struck`."""
     speeds, along = 2.0 * np.pi * np.asarray(frequencies)[:, None], struck / np.linalg.norm(struck)
     moved = along / (SPRINGS - MASS * speeds**2 + 2j * ratio * speeds * np.sqrt(SPRINGS * MASS))
     return np.column_stack([moved, moved @ along])
@@ -59,7 +59,7 @@ KINDS = {0: 8, 1: 11, 2: 12}
 
 
 def functions(derivatives=2, factor=1.0, noise=0.0, struck=(1, 1, 1), ratio=RATIO, **more):
-    """Data sets 58 of the mass along x, y, z and where it is struck."""
+    """Data sets 58: responses of the mass along x, y, z and along the impact."""
     moved = exact(STEPS, struck, ratio)
     random = np.random.default_rng(11).standard_normal((2, *moved.shape))
     moved = factor * (2j * np.pi * STEPS[:, None]) ** derivatives * moved
@@ -75,7 +75,7 @@ def functions(derivatives=2, factor=1.0, noise=0.0, struck=(1, 1, 1), ratio=RATI
 
 @pytest.fixture
 def held(tmp_path, monkeypatch):
-    """The robot of a text with a file of the data sets."""
+    """Function that writes data sets to a file and returns the robot file `text` that names it."""
     monkeypatch.setattr(tested, "within_limits", lambda _, read, *given: read(*given))
 
     def hold(sets, text=""):

@@ -60,7 +60,7 @@ PLACES = [(n, axis) for n in range(1, 6) for axis in (1, 2 if n == 5 else 3)]
 
 
 def function(node, axis, data, **more):
-    """A frequency response by a force at node 5 along its x axis; axes are 1 to 3."""
+    """Data set 58: response of `node` along `axis` (1 to 3) to a force at node 5 along x."""
     pairs = {"rsp_node": node, "rsp_dir": axis, "ref_node": 5, "ref_dir": 1}
     kinds = {"ordinate_spec_data_type": 12, "orddenom_spec_data_type": 13}
     form = {"type": 58, "func_type": 4, "binary": 0, "x": STEPS, "abscissa_spacing": 1}
@@ -68,7 +68,7 @@ def function(node, axis, data, **more):
 
 
 def accelerations(noise=0.0, frequencies=FREQUENCIES):
-    """All of the cantilever's, in m/s² by N."""
+    """All frequency responses of the cantilever, as accelerations (m/s² per N)."""
     random, speeds, poles = np.random.default_rng(7), 2j * np.pi * STEPS, 2 * np.pi * frequencies
     swing = speeds[:, None] ** 2 + 2 * DAMPING * poles * speeds[:, None] + poles**2
     mass = 7850.0 * 0.020 * 0.012 * LENGTH
@@ -89,13 +89,13 @@ def units(length, force):
 
 
 def likeness(one, other):
-    """MAC (m) of shapes (k×m)."""
+    """MAC (m values) of each of the m columns of two sets of shapes (k×m)."""
     return np.sum(one * other, 0) ** 2 / np.sum(one**2, 0) / np.sum(other**2, 0)
 
 
 @pytest.fixture(autouse=True)
 def here(monkeypatch):
-    """Files are read in this process, unless a test has this undone."""
+    """Read files in this process, not in a process with limits."""
     monkeypatch.setattr(tested, "within_limits", lambda _, read, *given: read(*given))
 
 
@@ -118,9 +118,9 @@ def test_identified_poles_match_two_masses(tmp_path, monkeypatch, binary):
 
 @pytest.mark.parametrize("first", [1, 51, 77])
 def test_rounded_start_keeps_poles(tmp_path, first):
-    """The first frequency has six digits.
+    """The first frequency is written with six digits.
 
-    Divided by the step it is 51.00006, which gave 52 lines.
+    Divided by the frequency step it is 51.00006, which was formerly rounded up to 52 lines.
     """
     own, step = 2.0 * np.pi * np.array([40.0, 110.0]), 0.390625
     speeds = 2j * np.pi * step * np.arange(first, first + 500)[:, None]
@@ -218,7 +218,7 @@ def test_text_and_binary_modes_are_equal(tmp_path, changed):
 
 
 def shape(number, frequency, values):
-    """Data set 55 of a mode that moves the places by so much."""
+    """Data set 55 of mode `number`, whose shape has `values` at PLACES."""
     moved = np.zeros((5, 3), dtype=np.asarray(values).dtype)
     for (node, axis), value in zip(PLACES, values, strict=True):
         moved[node - 1, axis - 1] = value
@@ -296,7 +296,7 @@ def test_nearest_similar_mode_is_partner(tmp_path):
 def test_mixed_repeated_modes_are_paired(tmp_path):
     """A square section bends equally about any axis.
 
-    Neither mode of the pair equals one along 45°.
+    Neither mode of the computed pair equals the measured one, which is along 45°.
     """
     square = ROBOT.replace("height = 0.012", "height = 0.020") + ALONG
     # Of both first modes, each of half the square; the frequency along the side of 0.020 m.
@@ -309,12 +309,12 @@ def test_mixed_repeated_modes_are_paired(tmp_path):
 
 
 def at_one_point(frequency):
-    """A mode of which the motion of node 1 along x alone was measured."""
+    """Data set 55 of a mode measured only at node 1 along x."""
     return shape(1, frequency, np.eye(len(PLACES))[0])
 
 
 def test_one_point_mode_needs_frequency(tmp_path):
-    """Along x there are modes at 25.9, 162 and 455 Hz: one of them is near."""
+    """Modes along x are at 25.9, 162 and 455 Hz; the measured mode is near the first."""
     _, matrix = held(tmp_path, [at_one_point(1.05 * FREQUENCIES[0])])
     (entry,) = matrix.of_model("beam")
     assert entry.error == pytest.approx(1 / 1.05 - 1, abs=2e-3)

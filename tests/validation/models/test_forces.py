@@ -52,7 +52,7 @@ GRAVITY = np.array([1.0, 2.0, -9.81])
 
 
 def under(mechanism, *, model="beam", pose=(), **load):
-    """The posture, and the reactions by joint, under one load at the loaded point."""
+    """Posture, and reactions by joint name, under one load at the loaded point."""
     tool = mechanism.tool
     robot = replace(mechanism, loads=(Load("load", tool.body, tool.point, **load),))
     at = posture(robot, np.array(pose)) if len(pose) else reference_posture(robot)
@@ -62,7 +62,7 @@ def under(mechanism, *, model="beam", pose=(), **load):
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam", "solid"])
 def test_cantilever_reaction_balances_loads(model):
-    """R = P + qL, M = PL + qL²/2, and the torque of the tip."""
+    """Force P and a torque at the tip, q per length: R = P + qL, M = PL + qL²/2, same torque."""
     wrench = np.array([5.0, 7.0, -11.0, 13.0, 0.0, 0.0])
     _, reactions = under(described(CANTILEVER), model=model, wrench=wrench, **WEIGHT)
     weight = Q * L
@@ -114,7 +114,7 @@ def test_triangle_bars_are_in_equilibrium():
 
 
 def test_parallel_drives_share_by_stiffness():
-    """A bar and a drive in series, 1/k = L/EA + 1/3e8, act beside a drive of 1e8 N/m.
+    """A bar in series with a drive, 1/k = L/EA + 1/3e8, is parallel to a drive of 1e8 N/m.
 
     Shares of the force F are proportional to k and 1e8.
     """
@@ -136,10 +136,10 @@ def in_base_axes(at, joints, reaction):
 
 
 def equilibrium(at, reactions, load, *, uniform=True):
-    """Largest resultant (N, N and moments over size) on a body, and largest force.
+    """Largest resultant (N) on a body, and largest force (N). Moments are divided by the size.
 
-    Legs known by their 6×6 are `uniform`, as models of equivalent legs have them, or have their
-    own mass centres.
+    If `uniform`, legs known by their 6×6 have their mass along the leg, as equivalent legs do;
+    otherwise they have the mass centres of the file.
     """
     mechanism, tool = at.mechanism, at.mechanism.tool
     motions = accelerations(at, load.speed, load.acceleration) if load.moves_tool else {}
@@ -192,7 +192,7 @@ def leg_centre(shape, *, uniform):
 
 
 def leg_inertia(shape):
-    """Inertia about the centre, body axes: of a prism a line with the inertia of its sections."""
+    """Inertia (3×3) about the mass centre, body axes; of a prism: a line plus its sections."""
     if isinstance(shape, Rigid):
         return shape.inertia
     beam = shape.timoshenko
@@ -245,7 +245,7 @@ def test_random_bodies_are_in_equilibrium(seed):
 
 @pytest.mark.parametrize(("robot", "pose"), [("five-bar", (0.05, 0.5)), ("3-rrr", ())])
 def test_drive_forces_do_work_of_load(robot, pose):
-    """Σ τ δq + F δx = 0 on the closed loops (virtual work), by a difference of postures."""
+    """Virtual work of drives and load, Σ τ δq + F δx = 0; δq and δx between two postures."""
     mechanism = load_robot(robot).mechanism
     force = np.array([100.0, -60.0, 0.0, 0.0, 0.0, 0.0])
     at, reactions = under(mechanism, pose=pose, wrench=force)

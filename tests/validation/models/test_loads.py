@@ -56,14 +56,14 @@ WEIGHT = Load("weight", "outer", "P", gravity=np.array([0.0, 0.0, -G]))
 
 
 def under(mechanism, *loads, model="beam", pose=(), **options):
-    """Displacements (l×6) of the loaded point; in the reference posture unless posed."""
+    """Displacements (l×6) of the loaded point under l loads. Reference posture without `pose`."""
     robot = replace(mechanism, loads=loads)
     at = posture(robot, np.array(pose) if len(pose) else robot.reference_pose)
     return displacements(model, [at], ModelOptions(**options))[0]
 
 
 def on(mechanism, **what):
-    """A load at the loaded point."""
+    """Load at the loaded point, with the fields `what` of `Load`."""
     tool = mechanism.tool
     given = {key: np.array(value, dtype=float) for key, value in what.items()}
     return Load("load", tool.body, tool.point, **given)
@@ -121,7 +121,7 @@ def test_coning_arm_is_pulled_outwards(model, height, close):
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
 def test_leg_force_is_reciprocal(model):
-    """P a²(3L − a)/6EI + P a/κGA: the tip by P at a, and a by P at the tip (Maxwell, Betti)."""
+    """P a²(3L − a)/6EI + P a/κGA: deflection of the tip by P at a, or of a by P at the tip."""
     force = Load("within", "inner", "M", wrench=np.array([0.0, 0.0, 3.0, 0.0, 0.0, 0.0]))
     a = 0.2
     bent = 3.0 * a**2 * (3.0 * LENGTH - a) / (6.0 * E * IX) + 3.0 * a / SHEAR
@@ -133,7 +133,7 @@ def test_leg_force_is_reciprocal(model):
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
 def test_translating_bodies_act_as_masses(model):
-    """m a/k along each slide; an acceleration acts as gravity in the opposite direction."""
+    """Displacement m a/k along each slide; an acceleration acts as gravity against it."""
     gantry = described(GANTRY)
     pulled = on(gantry, acceleration=[4.0, 3.0, 2.0]), on(gantry, gravity=[-4.0, -3.0, -2.0])
     first, second = under(gantry, *pulled, model=model)
@@ -158,7 +158,7 @@ def test_pendulum_inertia_acts_on_drive(model):
 def test_accelerations_equal_differences(name):
     """Reference: second differences of postures along x = ẋt + ẍt²/2.
 
-    The drives of a hexapod swing with its legs.
+    The drives of a hexapod rotate with its legs.
     """
     robot = load_robot(name).mechanism
     drive = replace(next(joint.drive for joint in robot.joints if joint.drive), inertia=3.0)
@@ -233,7 +233,7 @@ def test_vjm_equals_links_under_loads(name):
 
 
 def rigid(leg):
-    """A leg as a rigid body of its prism's mass and inertia."""
+    """Rigid body with mass and inertia of the leg, a prism."""
     section, along = leg.section, leg.mass * leg.length**2 / 12.0
     y, z = leg.mass / section.area * np.array([section.second_moment_y, section.second_moment_z])
     inertia = np.diag([y + z, along + y, along + z])
@@ -333,7 +333,7 @@ def with_rotor(kind, give, *, by_key):
 @pytest.mark.parametrize("kind", ROTORS)
 @pytest.mark.parametrize("give", [{}, GIVE], ids=["stiff", "giving"])
 def test_rotor_key_equals_rotor_body(kind, give):
-    """The key `rotor` of a drive has the effect of a rotor that is modelled as a body."""
+    """A rotor given by the drive's key `rotor` has the effect of one modelled as a body."""
     found = []
     for by_key in (True, False):
         arm = with_rotor(kind, give, by_key=by_key)

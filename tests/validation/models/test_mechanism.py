@@ -46,7 +46,7 @@ def test_branching_error_can_be_pickled():
 
 @pytest.mark.parametrize(("name", "model"), [("delta", "beam"), ("hexapod", "segments")])
 def test_threefold_robot_has_symmetric_results(name, model):
-    """Points of the files have twelve digits, so that symmetry holds to 1e-11."""
+    """Points of the robot files have twelve digits; results are symmetric to 1e-11."""
     (found,) = answers(model, [reference_posture(load_robot(name).mechanism)], 10)
     turned = THIRD @ found.compliance @ THIRD.T
     assert np.abs(turned - found.compliance).max() <= 1e-9 * np.abs(found.compliance).max()

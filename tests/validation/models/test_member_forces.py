@@ -63,7 +63,7 @@ def test_largest_moment_is_at_zero_shear(model):
 
 
 def test_triangle_bar_tension_is_positive():
-    """N₁ = 5/4 F_x and N₂ = F_y − 3/4 F_x as in the reactions; tension is positive."""
+    """Axial forces N₁ = 5/4 F_x and N₂ = F_y − 3/4 F_x in the bars; tension is positive."""
     force = np.array([120.0, -50.0, 0.0, 0.0, 0.0, 0.0])
     bars = members(described(TRIANGLE), wrench=force)
     for name, tension in (("long", 150.0), ("short", -140.0)):
@@ -77,7 +77,7 @@ ARM = ARM.replace("moves = []", 'moves = ["y"]')
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
 def test_swung_arm_sections_carry_inertia(model):
-    """Qy = −ρAα(L² − x²)/2, Mz its moment and −ρIα of every section; N = ρAω²(L² − x²)/2."""
+    """N = ρAω²(L² − x²)/2, Qy = −ρAα(L² − x²)/2; Mz by Qy and by −ρIα of each section beyond x."""
     turning, spin = 3.0 / L, 2.0 / L
     motion = {"acceleration": np.array([0.0, 3.0, 0.0]), "speed": np.array([0.0, 2.0, 0.0])}
     bar = members(described(ARM), model, **motion)["bar"]

@@ -51,7 +51,7 @@ def load_text(name, *pressures):
 
 @pytest.fixture(scope="module")
 def block(tmp_path_factory):
-    """A block held by the mean motion of its end, free to contract, under each of the loads."""
+    """Robot of a block whose end is held on average and free to contract, with all loads."""
     folder = tmp_path_factory.mktemp("block")
     meshed(folder / "block.msh", lambda kernel: kernel.addBox(0, -25, -15, 120, 50, 30), 40.0)
     text = BLOCK + "".join(load_text(name, load) for name, load in LOADS.items())
@@ -63,7 +63,7 @@ def block(tmp_path_factory):
 # Models that keep the part's own 6×6. Beams are in tension as exact.
 @pytest.mark.parametrize("model", ["solid", "links", "vjm"])
 def test_pressed_block_moves_as_by_elasticity(block, model):
-    """Work of p on exact fields of a unit force and a unit moment at the end (Betti).
+    """Work of p on the exact fields of a unit force and a unit moment at the free end (Betti).
 
     Force: u_x = x/EA, u_z = −νz/EA. Moment M about −y: u_z = M (x² + ν(z² − y²))/2EI less its mean
     ν(h² − b²)M/24EI over the held end. p on all sides shortens by p(1 − 2ν)L/E.
@@ -82,7 +82,7 @@ def test_pressed_block_moves_as_by_elasticity(block, model):
 
 
 def test_equivalent_beam_carries_wrenches_of_part(block):
-    """pA acts at the tip. p b L on a cantilever moves its tip by qL⁴/8EI + qL²/2κGA."""
+    """A pressure p on the end acts as pA at the tip. One on a side of width b is a load q = p b."""
     at = reference_posture(block.mechanism)
     (end, top, _) = displacements("beam", [at], ModelOptions(parts="condensed"))[0]
     assert end[0] == pytest.approx(-4.0e6 * LENGTH / E, rel=1e-9)

@@ -62,7 +62,7 @@ def test_too_large_legs_are_listed():
 
 
 def test_missing_reference_has_reason(context):
-    """Without alternatives all verdicts are undecided."""
+    """If the solids are too large, there is no other reference: all verdicts are undecided."""
     robot = robot_at(context, placed_at(SLENDER.mechanism))
     found = of_mechanisms.dynamic_reference(Responses(robot))
     assert not found.interpretations

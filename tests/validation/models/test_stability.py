@@ -60,7 +60,7 @@ PORTAL = PORTAL.replace("SECTION", SECTION).replace("STEEL", "{ E = 2e11, nu = 0
 
 
 def on_pedestal(name):
-    """The robot on a body that something elastic holds to the ground at its origin."""
+    """Built-in robot `name` on a pedestal with an elastic joint to the ground at the origin."""
     tables = deepcopy(load_robot(name).tables)
     joints = tables["joints"].values()
     feet = [joint["at"] for joint in joints if "ground" in joint["between"]]
@@ -74,13 +74,13 @@ def on_pedestal(name):
 
 
 def turning(force):
-    """Change of a force (3) of constant direction in axes that turn by small angles (3×3)."""
+    """Matrix (3×3): change of a force of constant direction in axes rotated by small angles."""
     return np.cross(np.eye(3), force).T
 
 
 @pytest.mark.parametrize("name", ["3-rrr", "orthoglide", "hexapod"])
 def test_rotation_has_load_stiffness_only(name):
-    """Loads keep their direction in a rigid rotation θ: θ × F, and half of θ × M from each side."""
+    """In a rigid rotation θ loads keep their direction: θ × F, and half of θ × M from each side."""
     robot = on_pedestal(name)
     at, tool = posture(robot, robot.poses[len(robot.poses) // 3]), robot.tool
     wrench, gravity = np.array([3.0, -2.0, 5.0, 0.4, 0.5, -0.6]), np.array([1.0, 2.0, -9.81])
@@ -120,7 +120,7 @@ def test_rotation_has_load_stiffness_only(name):
 
 
 def held_twice(first, wrench, *compliances):
-    """A rigid bar on two joints, and what a wrench (6) on it adds to its stiffness."""
+    """Rigid bar on two joints, and the geometric stiffness due to a wrench (6) on it."""
     robot = described(HELD.replace("FIRST", first))
     gives = zip(robot.joints, compliances, strict=True)
     joints = tuple(replace(one, compliance=give) for one, give in gives)
@@ -138,7 +138,7 @@ def test_axial_force_splits_by_end_stiffness():
 
 
 def test_cardan_moment_couples_angles():
-    """M·θ(α, β) of the rotation vector θ, whose mixed second derivative is ½ a₁ × a₂."""
+    """Work M·θ(α, β) on a rotation vector θ with mixed second derivative ½ a₁ × a₂ of the axes."""
     first = 'type = "universal", axes = [[1.0, 0.0, 0.0], [0.6, 0.8, 0.0]]'
     give, moment = np.diag([1e3, 1e3, 1e3, 1e-4, 1e-4, 1e-4]), [0, 0, 0, 0, 0, 7.0]
     (hook, _), twists, found = held_twice(first, moment, None, give)
@@ -214,7 +214,7 @@ ROD = (
 
 
 def turned_robot(tables, rotation):
-    """The robot of a file's tables in turned base axes, in its reference posture alone."""
+    """Robot of the tables, all rotated by `rotation`, with the reference posture as only pose."""
     tables = deepcopy(tables)
 
     def turn(vector):
@@ -237,7 +237,7 @@ def turned_robot(tables, rotation):
 
 
 def buckled(tables, rotation, force, gravity, model="beam"):
-    """The stability of a robot and all its loads in turned base axes."""
+    """Stability of the robot of the tables if robot, force and gravity are rotated alike."""
     robot = turned_robot(tables, rotation)
     tool = robot.tool
     wrench = np.concatenate([rotation @ force, np.zeros(3)])
@@ -248,10 +248,7 @@ def buckled(tables, rotation, force, gravity, model="beam"):
 
 @pytest.mark.parametrize("across", [0.0, 2.0, 20.0])
 def test_idle_rod_keeps_euler_load(across):
-    """π²EI/L² (Engesser's value is 1e-4 lower) in all base axes.
-
-    A spin adds no force along a round rod.
-    """
+    """The rod buckles at π²EI/L² (Engesser: 1e-4 lower) for each orientation of the base axes."""
     tables = tomllib.loads(ROD)
     euler = np.pi**3 * 2.1e11 * 0.01**4 / 64.0
     push, gravity = np.array([0, 0, -10.0]), np.array([across, 0, 0])
@@ -298,7 +295,7 @@ def test_idle_rod_torque_is_frame_invariant():
 
 
 def rods_under_acceleration(acceleration, tables, leg):
-    """Buckling factor of the built-in Delta's rods alone, their ends in place (Ritz, Engesser).
+    """Buckling factor of the built-in Delta's rods with fixed end positions (Ritz, Engesser).
 
     The tool starts downwards. In the plane of an arm the elbow then moves along its circle as fast
     as a rigid rod lets it; a rod carries its share of platform and tool and its own inertia.

@@ -40,7 +40,7 @@ def test_channel_twists_about_shear_centre(tmp_path):
     """Channel of 60 × 40 mm, 300 mm long, 8 mm thick, open along y.
 
     A force along z on its web twists it. Ends are coupled by averages and free to warp, so that
-    Saint-Venant's torsion is all there is.
+    only Saint-Venant's torsion occurs.
     """
 
     def draw(occ):
@@ -171,7 +171,7 @@ def legs(tmp_path_factory):
 
 
 def sections(x):
-    """Area and second moments about y and z of the wedge at x."""
+    """Area (m²) and second moments (m⁴) about y and z of the hollow wedge at x (m)."""
     heights = 0.06 - 0.05 * x
     about_y = (0.04 * heights**3 - 0.02 * 0.016**3) / 12.0
     about_z = (heights * 0.04**3 - 0.016 * 0.02**3) / 12.0
@@ -209,7 +209,7 @@ def test_pieces_have_equal_statics_as_segments(legs):
 
 
 def test_outer_points_move_rigidly_with_part(legs):
-    """A wedge of eight pieces, somewhere in a body, under unit twists about the body's origin."""
+    """A wedge of eight pieces, displaced and rotated in its body, under unit twists of the body."""
     start, along = np.array([0.1, -0.2, 0.05]), np.array([1.0, 2.0, 2.0]) / 3.0
     ends = np.array([start, start + 0.4 * along])
     leg = leg_matrices("beam", legs[8], ModelOptions(elements=8))
@@ -302,6 +302,6 @@ def test_check_command_opens_part_files(command):
     ],
 )
 def test_single_part_is_refused_by_solve(command, asked, said):
-    """A part alone is identified by its name."""
+    """`solve` refers to `identify` for a CAD part; `identify` needs the name of a CAD part."""
     robot = ROCKER / "robot.toml"
     assert said in command.refused(asked[0], robot, *asked[1:])

@@ -16,7 +16,7 @@ ROUNDING = 1e-9
 
 
 def compliance(robot):
-    """Compliance (6×6, SI) of the tool in the reference posture, legs by Timoshenko's theory."""
+    """Compliance (6×6, SI) of the tool in the reference posture, by model `links`."""
     mechanism = load_robot(robot).mechanism
     moves, per_metre = mechanism.tool.moves, mechanism.lengths.per_metre
     pose = [

@@ -14,7 +14,7 @@ from validation.uncertainty.mesh_half_widths import UNPROVEN, half_widths_on
 
 @pytest.mark.parametrize("row", ["_STATIC_SECTIONS", "_MODAL_SECTIONS"])
 def test_section_half_width_uses_mesh_of_solid(row, monkeypatch):
-    """Solids have the coarse section mesh; with e = n^-p the half-width is three times its error.
+    """Solids have the coarse section mesh of n divisions, of error n^-p: the half-width is 3 n^-p.
 
     The formula of the fine mesh gave 1.19 times the error (2^p = 2.52, p = 4/3).
     """

@@ -25,7 +25,9 @@ from validation.responses.statics_and_modes import Statics
 
 
 def fraction(difference: Array, reference: Array, forces: Array) -> Array:
-    """|D f| / max(|C f|, s/20) of forces (3×n)."""
+    """Relative errors |D f| / max(|C f|, s/20) under unit forces f along the columns of `forces`.
+
+    D is the difference, C the reference, s its largest compliance."""
     force = forces / np.linalg.norm(forces, axis=0)
     moved = np.linalg.norm(reference @ force, axis=0)
     floor = FLOOR * np.linalg.norm(reference, 2)
@@ -38,7 +40,7 @@ def statics(compliances: Array) -> Statics:
 
 
 def compliance(rng: np.random.Generator, yields: Array) -> Array:
-    """A symmetric 3×3 that yields so much in directions at random."""
+    """Compliance (3×3) with the principal values `yields` along random axes."""
     axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     return np.asarray(axes * yields @ axes.T)
 

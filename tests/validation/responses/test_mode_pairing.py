@@ -22,7 +22,7 @@ def modes_of(frequencies, shapes, weights, seen=None):
 
 
 def orthonormal(rng, count):
-    """Mass-normalised shapes (k×m) and the masses (k)."""
+    """Random shapes (k×m, m = `count`), mass-normalised by the masses (k), and these masses."""
     weights = rng.uniform(0.5, 2.0, SAMPLES)
     basis = np.linalg.qr(rng.normal(size=(SAMPLES, count)))[0]
     return basis / np.sqrt(weights)[:, None], weights
@@ -104,7 +104,7 @@ def test_missing_mode_of_triple_has_no_partner():
 
 
 def test_repeated_modes_pair_with_split_ones():
-    """Each direction has its own partner. Frequencies are those of both modes, ascending."""
+    """The other model has the pair's two shapes at two frequencies: each shape has its partner."""
     rng = RNG_OF(5)
     shapes, weights = orthonormal(rng, 3)
     pair = modes_of(
@@ -121,7 +121,7 @@ def test_repeated_modes_pair_with_split_ones():
 
 @pytest.mark.parametrize("seed", range(10))
 def test_permuted_close_modes_are_recovered(seed):
-    """Gaps of 1 to 8 %, for chains of any length."""
+    """Neighbouring frequencies differ by 1 to 8 %, for any number of modes."""
     rng = RNG_OF([6, seed])
     shapes, weights = orthonormal(rng, MODES)
     frequencies = 100.0 * np.cumprod(rng.uniform(1.01, 1.08, MODES))
@@ -146,7 +146,7 @@ def test_shapes_turned_by_45_degrees_are_mixed(degrees, mixed):
 
 @pytest.mark.parametrize("share", [0.002, 0.12, 0.3])
 def test_local_mode_mac_is_below_energy(share):
-    """In the samples the local mode looks like a mode: MAC 1, weighted by its share of energy."""
+    """A local mode looks like a model's mode at the samples: MAC = its energy share there."""
     shapes, weights = orthonormal(RNG_OF(8), 2)
     own = modes_of(np.array([10.0, 11.0]), shapes, weights, np.array([share, 1.0]))
     other = modes_of(np.array([10.0, 12.0]), shapes, weights)
@@ -158,7 +158,7 @@ def test_local_mode_mac_is_below_energy(share):
 
 
 def test_mode_cluster_is_within_uncertainty():
-    """A chain of gaps of 0.9 % is not one repeated frequency. A certain mode is in no cluster."""
+    """Frequencies 0.9 % apart in a row form several groups. An exact one is in no group."""
     chain = 100.0 * 1.009 ** np.arange(5)
     assert equal_frequency_groups(chain, np.full(5, 0.01)).tolist() == [0, 0, 1, 1, 2]
     assert equal_frequency_groups(chain).tolist() == [0, 1, 2, 3, 4]

@@ -21,7 +21,7 @@ def wrenches(*shape):
 
 @pytest.mark.parametrize(("place", "quantity"), list(enumerate(QUANTITIES)))
 def test_displacements_are_compliance_times_load(place, quantity):
-    """Three deflections, three rotations, any force, then the loads."""
+    """The order is three deflections, three rotations, any force, then the loads."""
     own, forces = statics(0), wrenches(FORCES)
     found = own.displacements(quantity, forces)
     assert found.shape == (POSES, FORCES, 3)

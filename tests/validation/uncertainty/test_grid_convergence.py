@@ -54,7 +54,7 @@ def test_convergence_behaviour_is_classified(values, behaviour):
 
 
 @pytest.mark.parametrize(("order", "safety"), [(2.0, 1.25), (1.85, 1.25), (1.7, 3.0), (2.4, 3.0)])
-def test_safety_factor_is_small_near_order(order, safety):
+def test_safety_factor_is_small_near_formal_order(order, safety):
     study = analyse(COARSE, 3.0 + 0.7 * COARSE**order, formal_order=2.0)
     assert study.observed_order == pytest.approx(order, rel=1e-6)
     # The true error of the finest value, 0.7 hᵖ, times the safety factor; with an order above the
@@ -79,7 +79,7 @@ def test_non_asymptotic_range_is_undecided(values, reason):
     assert reason in study.refusal
 
 
-def test_uncertainty_on_plateau_is_round_off():
+def test_uncertainty_of_equal_values_is_round_off():
     study = analyse(HALVING, 3.0 + 0.7 * HALVING**4, formal_order=4.0, round_off=1e-9)
     assert study.uncertainty == pytest.approx(3e-9, rel=1e-6)
     assert study.extrapolated == study.values[-1]
@@ -185,7 +185,7 @@ def left(divisions: int) -> float:
 
 
 def refined_to(asked: float):
-    """At most twice the divisions of an answer that converges with h², and 64 at most."""
+    """Refine from 2 divisions to the half-width `asked`, by at most twofold steps, up to 64."""
 
     def finer(divisions: int, factor: float) -> int:
         wanted = min(2 * divisions, int(divisions * factor**0.5) + 1)
