@@ -67,7 +67,7 @@ def compliance(robot_file, model, **options):
 
 
 def formulations(robot_file):
-    """Compliances by name of formulation, without those that refuse the robot; all must be equal."""
+    """Compliances by formulation, without those that refuse the robot. They must be equal."""
     found = {
         "vjm": compliance(robot_file, "vjm", legs="equivalent"),
         "segments": compliance(robot_file, "segments", elements=4),

@@ -1,8 +1,8 @@
 """All comparisons of two robots: verdicts, and mistakes that each comparison must detect.
 
 Every number that a comparison shows can change its verdict. The ingredients of a case are the
-results that it reads from the memo of its context. The tests falsify one array of an ingredient at a
-time. If the displayed value or reference then changes, the judged difference must change as well.
+results that it reads from the memo of its context. The tests falsify one array of an ingredient at
+a time. If the displayed value or reference then changes, the judged difference must change as well.
 An allowance computed from the value and the reference that it explains would cancel the mistake.
 Cases with common ingredients form a group, and each group has one test.
 """

@@ -103,7 +103,7 @@ def test_simplified_model_of_parts_equals_ritz():
 
 
 def test_simplified_structure_is_rigid():
-    """An arm on a fixed joint has no drives. Its simplified model has no compliance and no modes."""
+    """Simplified model of an arm on a fixed joint, without drives: no compliance and no modes."""
     motor = "axis = [0.0, 0.0, 1.0]\ndrive = { stiffness = 5.0e4 }\n"
     text = ONE_ARM.replace(motor, "").replace('"revolute"', '"fixed"').replace('["x"]', "[]")
     compliance, frequencies = ritz.simplified_response(reference_posture(described(text)), 2)
