@@ -22,14 +22,15 @@ from meshes.elements import ElementName
 from meshes.shape_functions import gradients, quadrature, values
 from meshes.solid_mesh import VolumeMesh
 
-# Degree of quadrature for the stiffness: the fewest points that integrate ∇N_a·∇N_b exactly on a
-# cell with straight, parallel edges (degree 2 and 4 per coordinate on cubes, 0 and 2 on simplices).
-# The rank of an element matrix is then full (no hourglass modes), and on curved cells the error is
-# of the order of the element. These are also the points of C3D8, C3D4 and C3D10.
+# Degree of quadrature for the stiffness, by element type: the fewest points that integrate
+# ∇N_a·∇N_b exactly on a cell with straight, parallel edges (degree 2 and 4 per coordinate on cubes,
+# 0 and 2 on simplices). The rank of an element matrix is then full (no hourglass modes), and on
+# curved cells the error is of the order of the element. These are also the points of C3D8, C3D4 and
+# C3D10.
 _STIFFNESS_DEGREE = {"hex8": 3, "hex20": 5, "hex27": 5, "tet4": 1, "tet10": 2}
-# Degree of quadrature for the mass: N_a N_b det J is a polynomial on each cell, also on curved
-# ones, and integrated exactly. N_a N_b has the degree 2p; det J adds 3p − 1 per coordinate on cubes
-# and 3(p − 1) on simplices.
+# Degree of quadrature for the mass, by element type: N_a N_b det J is a polynomial on each cell,
+# also on curved ones, and integrated exactly. N_a N_b has the degree 2p; det J adds 3p − 1 per
+# coordinate on cubes and 3(p − 1) on simplices.
 _MASS_DEGREE = {"hex8": 4, "hex20": 9, "hex27": 9, "tet4": 2, "tet10": 7}
 
 # Largest ratio of largest to smallest modulus. On clamped legs with ν → −1 and ν → ½, the relative
@@ -264,12 +265,12 @@ def _scalar_mass(
 
 
 def stiffness(mesh: VolumeMesh, material: Material) -> SparseMatrix:
-    """Stiffness matrix (csr 3N×3N, in N/m) of a solid, unknown 3·node + component (x, y, z).
+    """Stiffness matrix (csr 3N×3N, in N/m) of a solid. Unknowns: 3·node + component (x, y, z).
 
     It is symmetric to the last bit. Each pair of nodes that share an element has its nine entries,
     including zeros, in sorted columns. The material is isotropic if material.G = E/2(1+ν), else
-    cubic along the axes of the leg. Raises ComputationError, with the first element whose Jacobian
-    is not positive.
+    cubic along the axes of the leg. Raises ComputationError, which names the first element whose
+    Jacobian is not positive.
     """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     return symmetric_matrix(
@@ -293,7 +294,10 @@ def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatr
 def composite_stiffness_and_mass(
     mesh: VolumeMesh, regions: IntArray, materials: Sequence[Material]
 ) -> tuple[SparseMatrix, SparseMatrix]:
-    """Stiffness and mass matrices of a solid whose M elements have the materials of `regions`."""
+    """Stiffness and mass matrices of a solid of several materials.
+
+    `regions` (M) is the index in `materials` of each of the M elements.
+    """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     blocks = _gradient_products(mesh, pairs)
     by_element = blocks.reshape(len(mesh.cells), -1, 3, 3)
@@ -314,9 +318,10 @@ def anisotropic_stiffness_and_mass(
 ) -> tuple[SparseMatrix, SparseMatrix]:
     """`stiffness_and_mass` of a solid of any linear elastic material.
 
-    `moduli`: function from points (e×Q×3, m) of elements with these numbers (e) to elasticity
-    matrices (e×Q×6×6, Pa) for strains (εxx, εyy, εzz, γyz, γxz, γxy). `densities` (E) of the
-    elements. Raises ComputationError if a matrix is not positive definite.
+    `moduli`: function of points (e×Q×3, m) in e elements and of the numbers (e) of these elements.
+    It returns elasticity matrices (e×Q×6×6, Pa) for strains (εxx, εyy, εzz, γyz, γxz, γxy).
+    `densities` (E, kg/m³): one for each element. Raises ComputationError if a matrix is not
+    positive definite.
     """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     cubature = _cubature(mesh.element, _STIFFNESS_DEGREE[mesh.element])

@@ -10,8 +10,8 @@ from lumped.posix import resource
 
 # Address space (bytes) of stacks, heaps and buffers of libraries for each thread.
 _ADDRESSES_PER_CORE = 150_000_000
-# Address space (bytes) that libraries need before the first computation: those that read and check
-# files, and those that mesh and solve. With less they end the process, hang or crash.
+# Address space (bytes) that libraries need before the first computation. First number: to read and
+# check files. Second number: to mesh and solve. With less they end the process, hang or crash.
 TO_READ, TO_COMPUTE = 250_000_000, 1_000_000_000
 # Environment of a process whose BLAS has one thread. Sums over several threads differ by round-off,
 # up to 1e-6 of a result, and small dense matrices are slower with several threads.

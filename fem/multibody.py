@@ -82,7 +82,7 @@ def require_beams(mechanism: Mechanism) -> None:
 
 
 def _is_coupled(leg: ConstantLeg) -> bool:
-    """True if bending is coupled, or if the section has no outline of one material."""
+    """True if bending is coupled, or if the leg is not of one material with a known outline."""
     beam, section = leg.properties("euler-bernoulli"), leg.section
     outlined = section.has_outline and section.is_uniform
     return beam.couples_bending or beam.couples_torsion or not outlined
@@ -112,7 +112,7 @@ class _ExudynModel:
         self.posture, self.elements = posture, elements
         self.items: Any = itemInterface
         container = exudyn.SystemContainer()
-        # The container is stored because the system ends with it.
+        # The container is stored because EXUDYN deletes the system together with it.
         self.container, self.mbs = container, container.AddSystem()
         self.section: Any = exudyn.BeamSection
         # For each interface: type of marker, body or node, position on it, and rotation of the
@@ -228,7 +228,7 @@ class _ExudynModel:
 
 
 def _joint_axes(joint: Joint, free: Array) -> tuple[Array, list[int], int]:
-    """Axes of a joint, flags of the components that it constrains, and its driven component."""
+    """Axes (columns), a flag for each constrained component (1 if so), and the driven component."""
     match joint.kind:
         case "fixed":
             return np.eye(3), [1, 1, 1, 1, 1, 1], 0

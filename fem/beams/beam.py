@@ -94,7 +94,7 @@ class _Member:
 
 
 class _Entries(NamedTuple):
-    """Entries of a sparse matrix. Those at the same place are added."""
+    """Entries of a sparse matrix with their rows and columns. Those at the same place are added."""
 
     values: Array
     rows: IntArray
@@ -158,7 +158,7 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
         along_z = _coupling_mass(z, turned, (0, 0), p.mu * arm_y)
         mass += coupled(along_y, "bending z", "torsion") + coupled(along_z, "bending y", "torsion")
     if p.is_eccentric:
-        # Zero without rotary inertia of bending.
+        # First moments of mass (kg) per length. Zero if the beam has no rotary inertia of bending.
         first_z, first_y = p.section_mass[0, 4], -p.section_mass[0, 5]
         # φy turns against θ of the deflection along z.
         stretched = members["tension"]
@@ -193,7 +193,10 @@ def _assembled(parts: Sequence[_Entries], shape: tuple[int, int]) -> SparseMatri
 
 @memo(1)
 def _quadrature() -> tuple[Array, Array]:
-    """Points (1×p) and weights (p) of the reference element. They must not be changed."""
+    """Quadrature points (1×p) and weights (p) of the reference element, shared by all callers.
+
+    The arrays must not be changed.
+    """
     points, weights = get_quadrature(RefLine, _INTEGRATION_ORDER)
     return points, weights
 
@@ -227,7 +230,10 @@ def _coupling_mass(
 
 
 def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]]]]:
-    """Weights (in m) of an element's quadrature points, and fields of each deformation there."""
+    """Weights (in m) of an element's quadrature points, and each member's fields at these points.
+
+    Each field is a pair of its values and gradients (k×p) for the member's k unknowns.
+    """
     points, weights = _quadrature()
     fields = [_fields(member.element, member.mesh, points) for member in members]
     return weights * members[0].mesh.p[0, -1], fields
@@ -265,7 +271,7 @@ def _on_centroids(leg: LegMatrices, nodes: int, to_shear_centre: Array) -> LegMa
 
 
 def _bar(mesh: MeshLine, stiffness: float, inertia: float, component: int) -> _Member:
-    """Tension (EA, μ) or torsion (GJ, ρJ): ∫ `stiffness` u′² dx and ∫ `inertia` u² dx."""
+    """Member for tension (EA, μ) or torsion (GJ, ρJ): ∫ `stiffness` u′² dx, ∫ `inertia` u² dx."""
 
     def energy(u: Any, v: Any, _: Any) -> Any:
         return stiffness * u.grad[0] * v.grad[0]
@@ -335,7 +341,7 @@ def _fields(element: Element, mesh: MeshLine, points: Array) -> list[tuple[Array
 
 
 def _places(members: dict[str, _Member], elements: int) -> tuple[dict[str, IntArray], int]:
-    """Indices (elements × k) of the unknowns of each deformation, and the number of all."""
+    """Indices (elements × k) of each member's k unknowns, and number of the leg's unknowns."""
     ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of the nodes from root to tip
     size = 6 * (elements + 1)
     places = {}

@@ -67,7 +67,7 @@ def cantilever_frequencies(
     properties: BeamProperties, length: float, count: int
 ) -> tuple[CantileverFrequency, ...]:
     """The lowest `count` natural frequencies of the clamped–free leg of `length` (m), ascending."""
-    # At most one frequency per kind is computed that is not among the lowest.
+    # The frequencies are computed one by one: of each kind, at most one that is not returned.
     kinds = (_ascending(properties, length, kind) for kind in kinds_of(properties))
     return tuple(islice(merge(*kinds, key=lambda item: item.frequency), count))
 
@@ -190,9 +190,9 @@ def _quarter_waves(speed_squared: float, length: float, order: int) -> float:
 def _upper_bound(beam: _Plane, length: float, order: int, euler_bernoulli: float) -> float:
     """Upper bound of the angular frequency ω (rad/s) of mode `order`, by the minimax principle.
 
-    It is the smallest frequency of three beams with an additional constraint: without shear strain
-    (Euler–Bernoulli, `euler_bernoulli`), without rotation (shear beam), without inertia of the
-    deflection and shear strain (a bar of EI and ρI).
+    It is the smallest of the frequencies number `order` of three beams, each with one additional
+    constraint: without shear strain (Euler–Bernoulli, `euler_bernoulli`), without rotation (shear
+    beam), without inertia of the deflection and shear strain (a bar of EI and ρI).
     """
     bound = euler_bernoulli
     odd = 0.5 * pi * (2.0 * order - 1.0) / length
@@ -204,7 +204,7 @@ def _upper_bound(beam: _Plane, length: float, order: int, euler_bernoulli: float
 
 
 def _root(beam: _Plane, length: float, index: int, bound: float) -> float:
-    """Angular frequency ω (rad/s) with the given index (from 0) of a cantilever.
+    """Angular frequency ω (rad/s) number `index` (from 0) of a cantilever in bending.
 
     The root lies below `bound` (rad/s).
     """
@@ -330,7 +330,7 @@ def _coupled_frequency(p: BeamProperties, length: float, order: int) -> float:
 
 
 def _coupled_count(p: BeamProperties, length: float, omega: float) -> int:
-    """Number of natural frequencies below `omega` (rad/s)."""
+    """Number of the coupled cantilever's natural frequencies below `omega` (rad/s)."""
     pieces = _coupled_pieces(p, length, omega)
     stiffness = _coupled_stiffness(_coupled(p, length / pieces), pieces, omega)
     return int(np.count_nonzero(eigvalsh(stiffness) < 0.0))

@@ -1,4 +1,4 @@
-"""Uniform beams that replace a leg known by its 6×6, for its deformation between the ends.
+"""Uniform beams that represent the inside of a leg of which only the 6×6 compliance is known.
 
 A straight uniform beam of length L has the tip compliances c66 = L/EI, c26 = L²/2EI and c22 =
 L³/3EI + L/κGA, so that EI follows from c66. Its transverse stiffness (K = c⁻¹, all other twists
@@ -15,9 +15,9 @@ contain
   high.
 
 The stiffness of the leg with fixed ends lies between those of the "soft" and of the "stiff" beam,
-and with it each frequency of the robot (Rayleigh), apart from the effect on the mass of different
-shapes between the ends, about 1e-3 for the lowest frequencies. Radii of gyration are those of a
-homogeneous leg, I/A = EI/EA with the EI that follow from c55 and c66.
+and with it each frequency of the robot (Rayleigh), except that different shapes between the ends
+also change the mass matrix, which affects the lowest frequencies by about 1e-3. Radii of gyration
+are those of a homogeneous leg, I/A = EI/EA with the EI that follow from c55 and c66.
 """
 
 from math import sqrt
@@ -58,9 +58,10 @@ class _Bending(NamedTuple):
 def interior_properties(leg: GivenLeg, interior: Interior) -> BeamProperties:
     """Properties of a uniform beam with the stiffnesses K11, K22, K33 and K44 of a leg.
 
-    Except for "stiff", the beam also has c55 and c66. κGA is at most EA/2.6. If c55 or c66 would
-    require a larger κGA (because the ends of the leg are locally compliant), only K33 or K22 is
-    matched. Raises InputError if the compliance of the leg is not positive definite.
+    Unless `interior` is "stiff", the beam also has the compliances c55 and c66 of the leg. κGA is
+    at most EA/2.6. If c55 or c66 would require a larger κGA (because the ends of the leg are
+    locally compliant), only K33 or K22 is matched. Raises InputError if the compliance of the leg
+    is not positive definite.
     """
     require_positive_definite(leg)
     length = leg.length

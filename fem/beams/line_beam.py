@@ -7,13 +7,13 @@ displacement under loads at the ends alone is
     t(s) = X(s) [t₁ + H(s) C⁻¹ (t₂ − t₁)],   C = H(end):
 
 exact at the nodes for every taper and arc, free of locking. Its consistent mass uses the same
-displacements, and six inner ones that vanish at both ends: linear strains of one kind each, with
-the part of the displacement above that closes them. Loads at the ends do no work on these, whose
-stiffness is therefore a block of its own, ∫ p² k ds − hᵀC⁻¹h with h = ∫ p b ds of the strain b p.
-Without them the strains inside an element, which inertia makes linear, would be constant in
-tension, torsion and shear, and frequencies of second order in its length. With them frequencies are
-of fourth order if sections and direction are smooth within each element. In prisms the element is
-that of `fem.beams.beam`.
+displacements, and six inner ones that vanish at both ends: each has a linear strain of one kind,
+and a displacement of the form above that makes it vanish at the end of the element. Loads at the
+ends do no work on these, whose stiffness is therefore a block of its own, ∫ p² k ds − hᵀC⁻¹h with h
+= ∫ p b ds of the strain b p. Without them the strains inside an element, which inertia makes
+linear, would be constant in tension, torsion and shear, and frequencies of second order in its
+length. With them frequencies are of fourth order if sections and direction are smooth within each
+element. In prisms the element is that of `fem.beams.beam`.
 """
 
 import numpy as np
@@ -98,7 +98,7 @@ def _inner_strains(rigid: tuple[bool, ...]) -> IntArray:
 
 
 def _places(elements: int, inner: int) -> tuple[IntArray, int]:
-    """Indices of each element's unknowns (elements × (12 + inner)), and the number of all."""
+    """Indices (elements × (12 + inner)) of each element's unknowns, and number of all unknowns."""
     ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of the nodes from root to tip
     nodal = 6 * ranks[:, None] + np.arange(6)
     size = 6 * (elements + 1)

@@ -75,8 +75,8 @@ class PrestressedLeg:
         """Geometric stiffness (r×r, SI) of the leg under forces on its ends.
 
         `ends` (12, in N and N m, leg axes) are the forces on root and tip that the leg's stiffness
-        balances, `distributed` the part of them that acts along the length. `spins` is True if the
-        leg spins idly about its axis.
+        balances, `distributed` the part of them that is equivalent to the load along the length.
+        `spins` is True if the leg spins idly about its axis.
         """
         load = linear_load(distributed[:6], distributed[6:], self.matrices.length)
         at_root = ends[:6] - distributed[:6]
@@ -124,7 +124,7 @@ def prestressed_leg(
 
 
 def prestressed_line_leg(sections: LineSections, elements: int, modes: int) -> PrestressedLeg:
-    """`prestressed_leg` for a straight leg of varying section. Bent legs have no such model."""
+    """Result of `prestressed_leg` for a straight leg of varying section."""
     mu, rho_J = FIELDS.index("mu"), FIELDS.index("rho_J")
 
     def gyration(stations: Array) -> Array:

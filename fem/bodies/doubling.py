@@ -87,7 +87,7 @@ class CondensedPiece:
 
     @property
     def tip_twists(self) -> Array:
-        """Relative twist (6×k) of the ends for unit deformations of the tip, without a wrench."""
+        """Relative twist (6×k) of the ends for unit deformations of the tip, with zero wrench."""
         return np.asarray(-_TWIST_MIRROR[:, None] * self.twists * self.mirror)
 
     @property
@@ -212,9 +212,10 @@ def _face_deformations(mesh: SolidMesh, leg: ConstantLeg) -> _FaceDeformations:
 
 
 def _complement(loads: Array, rows: IntArray, wrenches: IntArray) -> Array:
-    """Orthonormal displacements (m × (number of rows − 3)) on which the given loads do no work.
+    """Orthonormal displacements (m × (number of rows − 3)) on which three of the loads do no work.
 
-    Only the unknowns `rows` are not zero. `wrenches` are the columns of the loads.
+    `wrenches` are the columns of these three in `loads` (m×6). Only the unknowns `rows` are not
+    zero.
     """
     basis, _ = qr(loads[np.ix_(rows, wrenches)])
     columns = np.zeros((len(loads), len(rows) - 3))
@@ -227,8 +228,9 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> Conden
 
     Deformations of the tip that mirror those of the root (+) are not coupled with those of opposite
     sign (−): S is split into own ± across. With +, the nodes in the middle plane move within this
-    plane and the twist is that of Fx, My, Mz. With −, they move along the leg. Each is averaged
-    over both ends, because round-off in K would otherwise resist rigid motions.
+    plane, and the relative twist has only the components conjugate to Fx, My and Mz. With −, these
+    nodes move along the leg. Each is averaged over both ends, because round-off in K would
+    otherwise resist rigid motions.
     """
     K = solid_leg(leg, mesh).stiffness
     m = len(face.fields)

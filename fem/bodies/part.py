@@ -1,4 +1,4 @@
-"""A CAD part on one mesh: its matrices, their coupling to the interfaces, and its clamped form."""
+"""A CAD part on one mesh: stiffness, mass, coupling to its interfaces, and clamping."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -62,7 +62,7 @@ def meshed_part(mesh: PartMesh, material: Material) -> MeshedPart:
 def require_memory(unknowns: float, part: str) -> None:
     """Raise ComputationError if a mesh needs more than the available memory.
 
-    `unknowns` is the number of its displacement unknowns.
+    `unknowns` is the mesh's number of displacement unknowns, `part` the name in the message.
     """
     needed = _BYTES * (unknowns / _UNKNOWNS) ** _POWER
     available = available_memory()
@@ -77,7 +77,7 @@ def require_memory(unknowns: float, part: str) -> None:
 def grips_of(
     mesh: PartMesh, interfaces: Sequence[Interface], coupling: Kind | None = None
 ) -> tuple[Grip, ...]:
-    """Interfaces of a part as couplings of faces of its mesh.
+    """Faces of the mesh and kind of coupling for each interface of a part.
 
     If `coupling` is not None, it replaces the coupling of each interface.
     """

@@ -21,7 +21,7 @@ _DEGREE = 5
 
 
 def pressure_forces(nodes: Array, facets: Facets) -> Array:
-    """Nodal forces (n×3, in N) of unit pressure on `facets` with n nodes, ascending.
+    """Nodal forces (n×3, in N) of a pressure of 1 Pa on `facets`, for their n nodes, ascending.
 
     `nodes` (N×3, in m) are those of the whole mesh.
     """
@@ -36,7 +36,7 @@ def pressure_forces(nodes: Array, facets: Facets) -> Array:
 
 
 def forces_on_faces(mesh: PartMesh, pressures: Mapping[int, float]) -> Array:
-    """Nodal forces (3N) of `pressures` (Pa) on faces of a part on a mesh, by face number."""
+    """Nodal forces (3N, in N) of `pressures` (Pa, by face number) on a part with this `mesh`."""
     forces = np.zeros((len(mesh.nodes), 3))
     for number, pressure in pressures.items():
         facets = mesh.faces[number]
@@ -45,7 +45,7 @@ def forces_on_faces(mesh: PartMesh, pressures: Mapping[int, float]) -> Array:
 
 
 def wrenches_of_faces(mesh: PartMesh, shapes: Array) -> dict[int, Array]:
-    """Wrenches (6m) on the m interfaces for unit pressure on each face, by face number.
+    """Wrenches (6m) on the m interfaces that are equivalent to 1 Pa on a face, by face number.
 
     `shapes` Ψ (3N×6m) are the displacements of the nodes for unit twists of the interfaces. Ψᵀf
     does the work of the nodal forces f on them, so that the displacements of the interfaces are

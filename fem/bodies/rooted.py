@@ -1,11 +1,12 @@
 """A solid with any number of interfaces, clamped at its first one.
 
 The module provides the data for statics, modes and reduction. Rigid motions are removed by means of
-the twist of the first interface, P = I − R̂B₀ᵀ. Six springs on single unknowns make K̂ positive
-definite; loads in equilibrium cause no force in these springs. With the unit wrenches B at the
-other interfaces, U = P(K̂ + springs)⁻¹Pᵀ B are the displacements and C = BᵀU is the compliance.
-Then Ψ = U C⁻¹ are the displacements for unit twists of the other interfaces with the first clamped.
-If all interfaces are fixed, the flexibility G becomes G − U C⁻¹Uᵀ.
+the twist of the first interface, P = I − R̂B₀ᵀ, with the rigid motions R̂ and the unit wrenches B₀
+at this interface. Six springs on single unknowns make K̂ positive definite; loads in equilibrium
+cause no force in these springs. With the unit wrenches B at the other interfaces, U = P(K̂ +
+springs)⁻¹Pᵀ B are the displacements and C = BᵀU is the compliance. Then Ψ = U C⁻¹ are the
+displacements for unit twists of the other interfaces with the first clamped. If all interfaces are
+fixed, the flexibility G = P(K̂ + springs)⁻¹Pᵀ becomes G − U C⁻¹Uᵀ.
 """
 
 from dataclasses import dataclass, replace
@@ -43,7 +44,7 @@ class _Rooting:
     wrenches: Any
 
     def expanded(self, x: Any) -> Any:
-        """Displacements from `x`, of which the rigid motion of the first interface is removed."""
+        """Displacements P x: those of `x` less the rigid motion of the first interface."""
         return x - self.motions @ (self.wrenches.T @ x[self.rows])
 
     def equilibrated(self, forces: Any) -> Any:
@@ -74,12 +75,12 @@ class RootedBody:
 
     @property
     def root(self) -> Array:
-        """Unknowns' forces (n×6) for unit wrenches at the first interface."""
+        """Forces (n×6) on the n unknowns for unit wrenches at the first interface."""
         return self.solid.twists[:, :6]
 
     @property
     def loads(self) -> Array:
-        """Unknowns' forces (n×6(m−1)) for unit wrenches at all m interfaces but the first."""
+        """Forces (n×6(m−1)) for unit wrenches at all m interfaces but the first."""
         return self.solid.twists[:, 6:]
 
     @property
@@ -89,7 +90,7 @@ class RootedBody:
 
     @property
     def countable(self) -> bool:
-        """True if eigenvalues can be counted. False if no factor fits the memory."""
+        """True if eigenvalues can be counted: a factor of the stiffness fits in memory."""
         return self.factor.countable
 
     def require_count(self) -> None:
@@ -231,8 +232,8 @@ class RootedBody:
     def _inertia(self, sigma: float, held: Array | None) -> Inertia:
         """Numbers of eigenvalues of K − σM by sign, on the displacements x with Bᵀx = 0.
 
-        `sigma` is σ (rad²/s²). `held` (n×6k) is B, the unit wrenches at k fixed interfaces. If it
-        is None, all x count.
+        `sigma` is σ (rad²/s²). `held` (n×6k) is B, the unit wrenches at k fixed interfaces. None if
+        all x are admissible.
         """
         solid, constraints = self.solid, None
         if held is not None:

@@ -40,7 +40,7 @@ Ends: TypeAlias = Literal["rigid", "free"]
 # load, quadratic slices have a relative error of 0.08 (slice²/(b L))²: 1e-5 at four divisions and
 # L = 5b.
 _SLICE_ASPECT = 1.0
-# Slack for stations at the very end of the leg, relative to its length.
+# Tolerance for stations beyond the end of the leg, relative to its length.
 _ROUNDING = 1e-9
 
 
@@ -132,14 +132,16 @@ def _end_tractions(solid: SolidLeg, face: EndFace, point: Array) -> Array:
 def _along_fibres(tractions: Array, section: SectionMesh, rates: Array) -> Array:
     """Nodal loads (3n×6) of unit wrenches on the end of a taper, along its inclined fibres.
 
-    A fibre at (y, z) has the slope (λy y, λz z); `rates` (2): λ (1/m) of both directions. Without
-    the loads across the line, thin walls would bend at the end until their tension follows them.
-    Shear stresses balance their resultants (see `lumped.line_sections`).
+    A fibre at (y, z) has the slope (λy y, λz z); `rates` (2): λ (1/m) of both directions. The axial
+    tractions alone would bend thin walls near the end. Loads across the line are therefore added,
+    so that the tension has the direction of the walls. Shear stresses balance the resultants of
+    these loads (see `lumped.line_sections`).
     """
     quad = section_quadrature(section)
     y, z = quad.points
     unit = np.ones_like(y)
-    # Second moments without those of the mesh's polygon would leave a resultant.
+    # Area and second moments are those of the mesh's polygon: with those of the exact section, the
+    # added loads would have a resultant.
     area, inertia_z, inertia_y = (quad.integral(values) for values in (unit, y * y, z * z))
     inclined = tractions.reshape(-1, 3, 6).copy()
     for column, tension in ((0, unit / area), (4, z / inertia_y), (5, -y / inertia_z)):

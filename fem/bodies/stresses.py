@@ -61,7 +61,10 @@ def von_mises(stresses: Array) -> Array:
 
 
 def away_from(nodes: Array, singular: IntArray, distance: float) -> Array:
-    """True for `nodes` (N×3, in m) farther than `distance` (m) from all `singular` ones."""
+    """Flags of `nodes` (N×3, in m): True if farther than `distance` (m) from all `singular` ones.
+
+    `singular` contains the indices of nodes on edges where stresses have no bound.
+    """
     if not len(singular):
         return np.ones(len(nodes), dtype=bool)
     return np.asarray(cKDTree(nodes[singular]).query(nodes)[0] > distance)

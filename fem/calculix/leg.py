@@ -3,8 +3,8 @@
 The deck is the leg with rigid end faces (`fem.couplings.grips`): clamped root, and the tip as a
 rigid body under six unit wrenches. Both programs solve the same equations except for one integral:
 CalculiX sums the mass of C3D10 over the four points of the stiffness, which are too few for N_a
-N_b. `mass_at_stiffness_points` is that mass. Its difference from the exact mass vanishes with
-decreasing element size.
+N_b. `mass_at_stiffness_points` computes the mass in that way. Its difference from the exact mass
+vanishes with decreasing element size.
 
 For the comparison of whole mechanisms with CalculiX and other programs, the legs are represented by
 solid bars of their outer dimensions, which have coarse meshes.
@@ -76,7 +76,7 @@ def compliance_and_frequencies(
 
 
 def mass_at_stiffness_points(mesh: VolumeMesh, rho: float) -> SparseMatrix:
-    """Mass matrix (csr 3N×3N, in kg) of tet10 summed over the stiffness points, as in CalculiX.
+    """Mass matrix (csr 3N×3N, in kg) of tet10 summed at its stiffness points, as in CalculiX.
 
     M = Nᵀ diag(ρ w det J) N with the shape functions N (points × nodes) at all points. It is too
     inaccurate for models of legs, but needed to compare frequencies with CalculiX to the last

@@ -40,9 +40,10 @@ _IDLE_STIFFNESS = 1e-3
 class _Freedoms:
     """Twists and spring deflections of a mechanism in terms of n independent freedoms.
 
-    `places` (m, base axes) and `twists` (6×n) are keyed by (body, interface), with "" for the
-    interface of a rigid body. Each of the `springs` is a row (n), a stiffness, and an inertia that
-    moves with it. `idle` (k×n) are rows of idle motions.
+    `places` (m, base axes) and `twists` (6×n) are keyed by (body, interface), with "" in place of
+    the interface for a rigid body. Each of the `springs` has a row (n) that gives its deflection, a
+    stiffness, and an inertia that moves with this deflection. `idle` (k×n) are rows of idle
+    motions.
     """
 
     places: Mapping[tuple[str, str], Array]
@@ -65,7 +66,7 @@ class MechanismDeck:
 
 
 class _Builder:
-    """Nodes of a deck, added one by one, and their coupling to the independent freedoms."""
+    """Builder of a deck: its nodes, and the equations that couple them to independent freedoms."""
 
     def __init__(self, freedoms: _Freedoms) -> None:
         self.freedoms = freedoms
@@ -245,7 +246,7 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
 
 
 def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
-    """Directions (6×r, base axes) in which a joint is elastic, and the r stiffnesses there."""
+    """Directions (6×r, base axes) in which a joint is elastic, and its stiffness along each (r)."""
     directions, stiffnesses = np.zeros((6, 0)), np.zeros(0)
     drive = drive_in(posture, joint)
     if drive is not None and drive.stiffness is not None:

@@ -120,13 +120,13 @@ class _Numbering:
 
     @property
     def own(self) -> int:
-        """Number of the interfaces' unknowns. They precede those of the nodes."""
+        """Number of unknowns of the interfaces, which precede those of the nodes."""
         return int(self.first[-1])
 
     def _turned(self) -> SparseMatrix | None:
-        """Q (csr 3N×3N): displacements in base axes from those in the local axes of pins.
+        """Rotation Q (csr 3N×3N) of nodal displacements from the local axes of pins to body axes.
 
-        None without pins.
+        None if no interface is a pin.
         """
         pins = [grip for grip in self.grips if grip.kind == "pin"]
         if not pins:
@@ -169,7 +169,7 @@ class _Numbering:
     def reduced(self, matrix: SparseMatrix, held: float) -> SparseMatrix:
         """Symmetric `matrix` (csr 3N×3N) of the nodes, transformed to the n unknowns of the solid.
 
-        For dependent unknowns the diagonal entry is `held`.
+        `held` is the diagonal entry for each dependent displacement, which remains an unknown.
         """
         if self.turned is not None:
             matrix = csr_array(self.turned.T @ matrix @ self.turned)
@@ -226,7 +226,7 @@ class _Numbering:
         return np.vstack([*interface_motions, inner])
 
     def twist(self, index: int, motions: Array) -> Array:
-        """Unit wrenches (n×6) of interface `index`. Their transpose maps unknowns to its twist."""
+        """Unit wrenches (n×6) at interface `index`. The transpose maps unknowns to its twist."""
         grip = self.grips[index]
         rows = np.zeros((6, self.own + len(self.inner)))
         own_columns = slice(int(self.first[index]), int(self.first[index + 1]))

@@ -28,9 +28,10 @@ from lumped.errors import ComputationError
 from lumped.legs import Material
 from meshes.section.section_mesh import SectionMesh
 
-# Largest difference of both forms of the change, in units of √(c_ii c_jj) of the leg with rigid
-# faces: half the tolerance of solids with rigid faces (0.02 %). For steel walls of a hundredth of
-# the side the difference is 1e-5, of which a hundredth is an error of the change itself.
+# Largest difference between the two forms of the change of compliance, in units of √(c_ii c_jj) of
+# the leg with rigid faces: half the tolerance of solids with rigid faces (0.02 %). For steel walls
+# of a hundredth of the side the difference is 1e-5, of which a hundredth is an error of the change
+# itself.
 _LOST = 1e-4
 
 
@@ -78,9 +79,10 @@ class _Squares:
     def zeros(self, fields: SectionFields) -> tuple[Array, Array]:
         """Generalised eigenvectors for γ² = 0 of L z = γ² R z, and those of the transposed problem.
 
-        The first are z₀ with L z₀ = 0, the second, for deflections only, z₁ with L z₁ = R z₀. A
-        solution z₁ exists if R z₀ is orthogonal to all y₀. Tension and torsion, for which there is
-        none, are therefore removed from the deflections.
+        The first array contains z₀ with L z₀ = 0 and, for deflections only, z₁ with L z₁ = R z₀.
+        The second array contains y of the transposed problem. A solution z₁ exists if R z₀ is
+        orthogonal to all y₀. Tension and torsion, for which there is none, are therefore removed
+        from the deflections.
         """
         rigid, p = fields.unstrained, self.axial
         solutions, adjoint_solutions = rigid.copy(), rigid.copy()
@@ -114,12 +116,12 @@ def _solver(block: Array, rigid: Array) -> Callable[[Array], Array]:
 
 
 def _decays(fields: SectionFields) -> tuple[Array, Array]:
-    """Decay rates γ (k, Re γ > 0) and fields (n×k) of e^{γ(x − L)}, which decay from the tip.
+    """Rates γ (k, Re γ > 0) and shapes (n×k) of the fields e^{γ(x − L)}, which decay from the tip.
 
-    Those of e^{−γx}, which decay from the root, have the opposite sign of u_x. They are computed
-    from 1/γ² in the space without the generalised eigenvectors of γ² = 0: for walls of thickness t
-    and a side b, the smallest γ² is only (t/b)² of the largest or less, and must not lose its
-    digits.
+    The shapes for e^{−γx}, which decay from the root, have the opposite sign of u_x. Rates are
+    computed from 1/γ² in the space without the generalised eigenvectors of γ² = 0: for walls of
+    thickness t and a side b, the smallest γ² is only (t/b)² of the largest or less, and must not
+    lose its digits.
     """
     squares = _Squares(fields)
     chain, adjoint = squares.zeros(fields)

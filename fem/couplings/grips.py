@@ -29,7 +29,7 @@ Kind: TypeAlias = Literal["rigid", "average", "pin", "saint-venant"]
 
 # Degree of quadrature on faces: twice the order of second-order facets, plus two for curvature.
 _FACE_DEGREE = 6
-# Number of unknowns that an interface adds to those of the nodes.
+# Number of unknowns of an interface in addition to the displacements of nodes, by kind of coupling.
 OWN: dict[Kind, int] = {"rigid": 6, "average": 0, "pin": 4, "saint-venant": 0}
 
 
@@ -73,7 +73,7 @@ class Grip:
 
     @property
     def own(self) -> Array:
-        """Matrix (k×6) from the twist of the interface to its k unknowns.
+        """Matrix (k×6) from the twist of the interface to the k unknowns of the interface.
 
         The unknowns of a rigid interface are the twist itself. Those of a pin are translations and
         rotations perpendicular to the axis of the bore, at a point on the axis.

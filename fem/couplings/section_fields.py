@@ -53,8 +53,8 @@ _CLASSES = (
     _Class("bending z", (-1, 1), (1, 5)),
     _Class("bending y", (1, -1), (2, 4)),
 )
-# Twists that, constant along the prism, cause no strain: solutions for γ² = 0. Deflections have a
-# second solution in addition (bending with a linear rotation).
+# Indices of the twists that cause no strain if they are constant along the prism: solutions for γ²
+# = 0. For deflections there is a second solution (bending with a linear rotation).
 _UNSTRAINED, _DEFLECTIONS = (0, 1, 2, 3), (1, 2)
 
 
@@ -110,7 +110,7 @@ class SectionFields:
 
 @dataclass(frozen=True, eq=False)
 class SectionState:
-    """Polynomial fields (n×m) at one section.
+    """Displacement fields (n×m) of the polynomial solutions at one section of the prism.
 
     `warping` are the fields without the rigid motion of the section. `forces` are the nodal forces
     on the section, E₀u′ + E₁u.
@@ -164,7 +164,7 @@ def section_fields(mesh: SectionMesh, material: Material | Moduli) -> list[Secti
 
 
 def _coupled_kinds(axes: Sequence[int]) -> list[list[_Class]]:
-    """Groups of kinds of deformation with the same parity under mirrors at the given axes."""
+    """Groups of kinds of deformation that have the same parity under reversal of the given axes."""
     groups: dict[tuple[int, ...], list[_Class]] = {}
     for kind in _CLASSES:
         groups.setdefault(tuple(kind.parity[axis] for axis in axes), []).append(kind)

@@ -35,10 +35,10 @@ _ANOTHER = 0.1
 
 
 def cut_off(kind: PrismWaves) -> float:
-    """Lowest frequency (Hz) at which the section shears or distorts in phase all along the leg.
+    """Lowest frequency (Hz) of a mode in which all sections of the leg distort or shear in phase.
 
-    Only motions with the symmetry of `kind` count. Below this frequency a single wave of this kind
-    travels, that of a beam.
+    Only modes with the symmetry of `kind` are considered. Below this frequency a single wave of
+    this kind travels, that of a beam.
     """
     # The first eigenvalue is the rigid motion: tension, torsion or the translation of bending.
     squares = eigh(kind.fields.E2, kind.fields.mass, subset_by_index=[1, 1], eigvals_only=True)
@@ -48,14 +48,17 @@ def cut_off(kind: PrismWaves) -> float:
 def wave_frequency(kind: PrismWaves, length: float, order: int, near: float) -> float:
     """Natural frequency (Hz) number `order` (1, 2, …) of a cantilever of `length` (m).
 
-    It is computed from the waves of one kind, with Saint-Venant's resultants at the ends. `near`
+    It is computed from the waves of one `kind`, with Saint-Venant's resultants at the ends. `near`
     (Hz) is an estimate. Raises ComputationError if a wave does not resemble that of a beam, or if
     the frequency is far from `near`.
     """
     start = 2.0 * np.pi * near
 
     def eigenvalue(omega: float) -> float:
-        """Eigenvalue that decreases with ω between frequencies of pieces with fixed ends."""
+        """Eigenvalue `order` of the dynamic stiffness, zero at the natural frequency.
+
+        It decreases with ω, except where a piece resonates with its ends fixed.
+        """
         return float(eigvalsh(_cantilever(kind, length, omega))[order - 1])
 
     value, omega = eigenvalue(start), start
@@ -73,7 +76,7 @@ def wave_frequency(kind: PrismWaves, length: float, order: int, near: float) -> 
 
 
 def beam_frequency(kind: PrismWaves, length: float, order: int) -> float:
-    """Natural frequency (Hz) number `order` of a cantilever by the beam `saint_venant_beam`."""
+    """Natural frequency (Hz) number `order` of a cantilever, as a `saint_venant_beam`."""
     beam = saint_venant_beam(kind)
     fields = beam.fields
     quarter = (2 * order - 1) * np.pi / (2.0 * length)
@@ -170,7 +173,7 @@ def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
 
     def determinant(omega: float) -> complex:
         matrix, tip = _boundary(kind, length, omega)
-        # For a unit motion of the tip, the residual of the boundary conditions along `forces`.
+        # Residual of the boundary conditions along `forces` for a unit motion of the tip.
         bordered = np.block([[matrix, forces], [tip[None], np.zeros((1, 1))]])
         return complex(np.linalg.solve(bordered, unit)[-1])
 

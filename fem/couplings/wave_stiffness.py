@@ -24,7 +24,7 @@ from meshes.section.section_mesh import SectionMesh
 _KINDS = 4
 # Number of factorisations, each at the current estimate, and of iterations with each.
 _SHIFTS, _ITERATIONS = 2, 20
-# Relative distance of a shift from the current estimate, which may equal an eigenvalue.
+# Relative distance of a shift from the current estimate: at an eigenvalue the matrix is singular.
 _ASIDE = 1e-5
 # Relative change of γ² below which the iteration has converged.
 _CONVERGED = 1e-9
