@@ -135,7 +135,7 @@ SANDWICH = Composite(
 
 
 @pytest.mark.parametrize(("factor", "verdict"), [(1.0, "agree"), (1.001, "disagree")])
-def test_composite_solid_has_verdict_beside_its_beam(factor, verdict, monkeypatch):
+def test_composite_with_wrong_ea_disagrees(factor, verdict, monkeypatch):
     """A solid composite leg agrees with its beam. With 0.1 % more EA they disagree."""
     leg = ConstantLeg(0.2, SANDWICH, Material(*SANDWICH.mean_material))
 

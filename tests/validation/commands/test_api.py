@@ -88,7 +88,7 @@ def test_results_are_frozen_and_have_repr(judged):
 
 
 def test_solution_has_table_and_plot():
-    """Beams at two poses, and an infinite frequency."""
+    """The beam model at two poses; an infinite frequency is None in the table."""
     solution = api.solve("ifw", "beam", poses=[0.3, 0.5], modes=2)
     table = solution.table()
     units = ("x (m/N)", "y (m/N)", "z (m/N)", "phi_x (rad/(N m))", "phi_y (rad/(N m))")
@@ -138,7 +138,7 @@ def test_adequacy_has_table_and_plot(judged):
     ],
 )
 def test_messages_name_python_arguments(robot, asked, said):
-    """Not options of the command line, where a pose is written as --pose or --x."""
+    """Messages name arguments of Python functions, not options such as --pose or --x."""
     with pytest.raises(InputError, match=said) as raised:
         api.solve(robot, "segments", **asked)
     assert "--" not in str(raised.value)

@@ -25,7 +25,10 @@ HEAVY = ("gmsh", "pyvista", "vtk", "skfem", "matplotlib", "scipy", "numpy", "jin
 
 @pytest.fixture
 def with_catalogue(monkeypatch):
-    """Made-up tasks, computed here and not by workers but where those are wanted."""
+    """Function that replaces the tasks of `run` by a made-up `catalogue`, run in this process.
+
+    `by` is another way to run them, for example by workers.
+    """
 
     def use(catalogue, by=run_in_this_process):
         monkeypatch.setattr(runner, "run", by)
@@ -45,7 +48,7 @@ def test_run_prints_verdict_and_report(with_catalogue, tmp_path, capsys):
 
 
 def test_quiet_run_requests_no_progress(with_catalogue, tmp_path):
-    """This holds for the run and its processes, and ends with the command."""
+    """--quiet suppresses progress for one command only: the next run reports it again."""
     seen = []
 
     def catalogue(robot_file):
@@ -194,7 +197,7 @@ def test_export_is_in_run_folder(with_catalogue, tmp_path, monkeypatch, command)
 
 
 def test_program_error_of_process_has_traceback(monkeypatch, capsys):
-    """In another process an error of the program is known by its lines alone."""
+    """A traceback of another process arrives as lines of text, which are all printed."""
 
     def broken(_name):
         raise ProgramError("leg 2: KeyError: 3", ["Traceback", "in postures"])

@@ -1,4 +1,4 @@
-"""Extreme values in place of each number of a robot file: one clear line, or finite results."""
+"""Each number of a robot file replaced by extreme ones: one line of error, or finite results."""
 
 import json
 import math
@@ -72,7 +72,7 @@ ENOUGH = 2
 
 
 def numbers(name):
-    """Ways to the numbers of a robot file."""
+    """Paths (keys and indices) to the numbers of a robot file, the first few of each table."""
     tree, counts, ways = tomllib.loads(ROBOTS[name]), {}, []
     for path in places(tree):
         value = tree
@@ -91,7 +91,7 @@ def finite(constant):
 
 @pytest.fixture
 def written(tmp_path, monkeypatch):
-    """`written(name, way, value)`: the robot file with another value there."""
+    """Function `written(name, way, value)`: writes robot.toml, with `value` at the path `way`."""
     monkeypatch.chdir(tmp_path)
 
     def write(name, way, value):

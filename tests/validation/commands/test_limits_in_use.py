@@ -1,4 +1,4 @@
-"""Limits in each form, of the API, the fixture, robot files and the command line.
+"""Limits in each form, in the API, pytest fixture, robot files and on the command line.
 
 One made-up robot with known errors (toy_subject) is judged through the API, the pytest plugin and
 `flexproof run`; an option that is dropped, or scaled, on its way changes an outcome here.
@@ -36,7 +36,7 @@ BELOW, ABOVE = 0.99, 1.01
 
 @pytest.fixture(autouse=True)
 def computed(monkeypatch):
-    """The toy in place of what is computed; the contexts that were asked for."""
+    """Replace computed models by those of the toy; return the list of judged contexts."""
     contexts = []
 
     def toy(context):
@@ -147,9 +147,10 @@ PLUGIN_OPTIONS = () if _KNOWN else ("-p", pytest_plugin.__name__)
 
 @pytest.fixture
 def in_folder(pytester):
-    """A pytest of its own in a folder with a robot; `run(accept, *options)` gives its outcomes.
+    """Function `run(accept, *options)`: pytest in a folder with a robot; returns outcomes by test.
 
-    `run.said` is what the last of them said of each test.
+    `accept` is the text of the robot's table [accept]. `run.said` has the messages by test and
+    `run.code` the exit code of the last call.
     """
 
     def run(accept, *options):
@@ -192,7 +193,7 @@ def test_fixture_path_is_relative_to_test(in_folder, pytester):
 
 
 def test_robots_of_equal_name_are_separate(in_folder, pytester, computed):
-    """Two robots and two files have one name; each is judged once, however many tests use it."""
+    """Two robots and their files have equal names. Each is judged once for all of its tests."""
     heavier = load_robot("ifw").text.replace("mass = 46.0", "mass = 47.0")
     (pytester.mkdir("other") / "mine.toml").write_text(heavier, encoding="utf-8")
     pytester.makepyfile(
@@ -240,7 +241,7 @@ def test_program_error_fails_its_item(in_folder, monkeypatch):
     assert "ZeroDivisionError" in in_folder.said["beam.x"]
 
 
-def test_robot_file_gives_item_per_verdict(in_folder, capsys):
+def test_robot_file_gives_pytest_item_per_verdict(in_folder, capsys):
     in_folder("", "--flexproof", "mine.toml", "--collect-only", "-q")
     # Eight models by six axes and any force, four frequencies and their order; comparisons of
     # formulations with each other, see test_checks.
@@ -276,13 +277,13 @@ def matrix_of(context):
 
 
 def measured_f2_of(context):
-    """Of what was measured f2 alone."""
+    """Matrix of verdicts against measured values, with f2 of the beam model only."""
     matrix = matrix_of(context)
     return replace(matrix, entries=(matrix.entry("beam", "f2"),))
 
 
 def uncertain(_context):
-    """A comparison that its numerical uncertainty leaves undecided."""
+    """Measurement of a comparison with so large an uncertainty that the verdict is undecided."""
     return Measurement(1.0, 1.0, 0.2)
 
 
@@ -294,7 +295,7 @@ DISAGREES = toy_catalogue.case("toy.disagrees", toy_catalogue.disagrees)
 
 @pytest.fixture
 def run(monkeypatch, tmp_path):
-    """`flexproof run` of made-up tasks, computed here and not by workers, without its page."""
+    """Exit code of `flexproof run` for made-up `tasks`, in this process and without a report."""
     monkeypatch.setattr(runner, "run", run_in_this_process)
     monkeypatch.setattr(session, "publish", lambda *_: None)
 

@@ -23,7 +23,7 @@ ONE_OF_SEVERAL = re.compile(
 
 
 def outcome(command, folder, capfd):
-    """Exit code, stdout and stderr, with what numpy would have warned of on it."""
+    """Exit code, stdout and stderr of a command, with warnings of numpy added to stderr."""
     shutil.rmtree(folder, ignore_errors=True)
     for name, content in command.files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -37,7 +37,7 @@ def outcome(command, folder, capfd):
 
 
 def amiss(code, out, err):
-    """Faults of an outcome."""
+    """Faults of a command with exit code `code`, stdout `out` and stderr `err`."""
     lines, several = err.splitlines(), ONE_OF_SEVERAL.search(out + err)
     ours = all(line.startswith("flexproof: ") and line.isprintable() for line in lines)
     wrong = {

@@ -1,4 +1,4 @@
-"""Limits of table [agree] in cases, sentences, terminal, `converge` and stored results."""
+"""Limits of the table [agree] in cases, reports, the terminal, `converge` and stored results."""
 
 import json
 
@@ -15,7 +15,7 @@ from validation.run.outcome import judge
 
 @pytest.fixture
 def mine(tmp_path):
-    """Write the built-in robot with a table [agree]; its path."""
+    """Function that writes the built-in robot with a table [agree] and returns the file's path."""
 
     def write(agree):
         path = tmp_path / "mine.toml"
@@ -26,14 +26,14 @@ def mine(tmp_path):
 
 
 def run(robot, folder, only, *options):
-    """Exit code of a quick run and its cases by id."""
+    """Exit code and cases by id of a quick run with the results in `folder`."""
     code = main(["run", robot, "--preset", "quick", "--only", only, "--out", str(folder), *options])
     cases = json.loads((folder / "results.json").read_text(encoding="utf-8"))["cases"]
     return code, {case["id"]: case for case in cases}
 
 
 def test_element_count_is_in_titles(mine):
-    """Segments of leg 1, f3: 0.123 % off at 20 elements, by second order 0.77 % at 8."""
+    """Segments of leg 1, f3: 0.123 % off at 20 elements, thus 0.77 % at 8 (second order)."""
     robot = load_robot(mine("elements = 8\nconvergence = 0.005"))
     by_id = {task.id: task for task in catalogue(robot)}
     assert "leg1.converged[segments-20]" not in by_id

@@ -121,7 +121,7 @@ def test_random_verdicts_follow_rule():
 
 
 def written(*outcomes):
-    """The content of results.json."""
+    """Content of results.json for these outcomes."""
     return json.loads(run_json(run_record({}, outcomes, ())))
 
 
@@ -145,9 +145,9 @@ def test_json_record_has_only_finite_numbers():
 
 
 def test_comparison_round_trips():
-    """All keys of results.json.
+    """A comparison that is stored in results.json and read again is unchanged.
 
-    A tolerance is an absolute value there, and an infinite half-width is null.
+    Tolerances are stored as absolute values, and an infinite half-width as null.
     """
     allowed = replace(EQUAL, tolerance=Relative(0.05), model="beam", relation=Relation.AT_MOST)
     there = Elsewhere("x = 0.2 m", 1.1, 1.0, 0.01)

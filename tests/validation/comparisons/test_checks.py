@@ -1,4 +1,4 @@
-"""Agreement and convergence as items of pytest: names, verdicts, messages, one study per robot."""
+"""Agreement and convergence as pytest items: names, verdicts, messages, one study per robot."""
 
 from importlib.metadata import entry_points
 
@@ -22,7 +22,7 @@ FILE = ("--flexproof", "mine.toml", "--flexproof-preset", "quick")
 
 @pytest.fixture
 def items(pytester):
-    """Outcomes and messages of the items of a robot file with a table [agree], by name."""
+    """Function: run pytest on a robot file with a table [agree]; (outcome, message) by item."""
 
     def run(agree, chosen, *options):
         text = f"{load_robot('ifw').text}\n[agree]\n{agree}\n"
@@ -51,7 +51,7 @@ def test_check_names_have_body_and_model():
         assert name in names
 
 
-def test_items_follow_limit_and_share_study(items, monkeypatch):
+def test_pytest_items_apply_limit_and_share_study(items, monkeypatch):
     """Segments of leg 1 at 20 elements: f1 0.0089 % off, f3 0.123 %."""
     studies, original = [], convergence_cases.convergence
 
@@ -73,13 +73,13 @@ def test_items_follow_limit_and_share_study(items, monkeypatch):
     assert [one.get("theory") for one in studies] == [None, "euler-bernoulli"]
 
 
-def test_item_of_leg_agrees_with_solid(items):
+def test_pytest_item_of_leg_agrees_with_solid(items):
     """Torsion of leg 1 differs by 1.47 %, all but 0.01 % of it by rigid end faces."""
     chosen = "leg1-vjm-solid-phi_x"
     assert items("", chosen) == {f"agrees[{chosen}]": ("passed", "None")}
 
 
-def test_items_run_on_two_workers(pytester):
+def test_pytest_items_run_on_two_workers(pytester):
     (pytester.path / "mine.toml").write_text(load_robot("ifw").text, encoding="utf-8")
     chosen = ("-k", "converged and leg1 and f1", "-n", "2")
     done = pytester.runpytest_subprocess("-p", "no:cacheprovider", *PLUGIN_OPTIONS, *FILE, *chosen)
@@ -134,7 +134,7 @@ def test_convergence_check_uses_limit(study, limits, verdict):
     assert convergence_check(study, "segments", "f1", AgreementLimits(*limits)).verdict == verdict
 
 
-def test_other_element_count_is_skipped(study):
+def test_element_count_not_studied_is_skipped(study):
     with pytest.raises(
         Skip,
         match=r"elements = 12: not among .* numbers of elements; must be one of 5, 10, 20, 40",

@@ -25,7 +25,7 @@ def leg1():
 
 
 def test_table_has_errors_and_element_counts(capsys):
-    """Segments of leg 1, f1: 0.0089 % at 20; 1 % needs 2, 0.1 % needs 6, 0.01 % needs 19."""
+    """Segments of leg 1, f1: error 0.0089 % at 20; errors of 1, 0.1, 0.01 % need 2, 6, 19."""
     code, out, _ = run(capsys, "ifw", "--body", "leg1", "--model", "segments")
     assert code == 0
     line = next(line for line in out.splitlines() if line.startswith("  f1: "))
@@ -143,7 +143,7 @@ def test_exceeded_limit_exits_with_1(capsys, within, code):
     assert "beam" not in err
 
 
-def test_assert_converged_follows_values(leg1):
+def test_assert_converged_fails_above_limit(leg1):
     leg1.assert_converged("f1", elements=20, within=0.01)
     leg1.assert_converged("f2", elements=20, within=6e-8, model="beam")
     with pytest.raises(
@@ -153,7 +153,7 @@ def test_assert_converged_follows_values(leg1):
 
 
 def test_euler_bernoulli_has_own_reference(capsys):
-    """L⁻² √(EI/μ) 1.875104²/2π = 186.8 Hz; literal layout 5.2 % high with 20 elements."""
+    """L⁻² √(EI/μ) 1.875104²/2π = 186.8 Hz; the literal layout is 5.2 % high with 20 elements."""
     arguments = ("ifw", "--body", "leg1", "--elements", COUNTS, "--json")
     code, out, _ = run(capsys, *arguments, "--theory", "euler-bernoulli")
     document = json.loads(out)

@@ -1,4 +1,4 @@
-"""Verdicts on convergence: right series agree, and wrong ones do not."""
+"""Verdicts on convergence with element count: correct series agree, and wrong ones do not."""
 
 import csv
 import io
@@ -42,7 +42,7 @@ def leg1_study():
 
 
 def verdict_with(study, identifier):
-    """The verdict of a case on leg 1 whose study is this one."""
+    """Verdict of the case `identifier` on leg 1, judged by `study` instead of its own study."""
     context = Context(BIGLIDE)
     key = memo_key(convergence_cases._study, (BIGLIDE.mechanism, "leg1", DEFAULT_LIMITS), {})
     context._memo[key] = study
@@ -53,13 +53,13 @@ def verdict_with(study, identifier):
 
 
 def with_series(study, model, change):
-    """The study with one of its series changed."""
+    """Copy of a study, with `change` applied to the series of a model."""
     series = tuple(change(one) if one is study.of(model) else one for one in study.series)
     return replace(study, series=series)
 
 
 def test_distinct_legs_and_robot_are_studied():
-    """Nine legs of the Delta are of two kinds."""
+    """The nine legs of the Delta are of two kinds, and the robot itself is studied as well."""
     assert subjects(BIGLIDE.mechanism) == ("leg1", "leg2", "")
     assert len(subjects(load_robot("delta").mechanism)) == 3
 
@@ -81,7 +81,7 @@ def test_literal_layout_disagrees(what):
 
 
 def test_one_quantity_beyond_limit_disagrees():
-    """Only f4, the last frequency, is 1.1 % off at 40 elements."""
+    """The last frequency, f4, is 1.1 % off at 40 elements, and all others are within 1 %."""
 
     def change(series):
         values = series.values.copy()
@@ -93,7 +93,7 @@ def test_one_quantity_beyond_limit_disagrees():
 
 
 def test_uncertain_limit_is_undecided():
-    """0.95 % from a converged value that is uncertain by 0.1 %: the error may be 1.05 %."""
+    """Limit 1 %, error 0.95 %, converged value uncertain by 0.1 %: the error may be 1.05 %."""
 
     def change(series, half_width):
         values = np.tile(series.limits, (len(series.counts), 1))
@@ -144,7 +144,7 @@ def test_narrow_half_widths_disagree():
 
 
 def outcomes_of(robot_file, body):
-    """Value or exception of each case on a body."""
+    """Yield the measurement or the exception of each case on a body of a robot."""
     context = Context(robot_file)
     for case in cases(bodies=(body,), limits=DEFAULT_LIMITS):
         try:
@@ -182,7 +182,7 @@ def test_leg_without_beam_theory_is_skipped(tmp_path, body):
 
 @pytest.mark.usefixtures("coarse_parts")
 def test_part_without_prisms_is_skipped(tmp_path):
-    """A part whose sections no prism has cannot be divided into segments."""
+    """The part cannot be divided into prismatic pieces, because its interfaces overlap."""
     write_overlapping_crane(tmp_path)
     robot = load_robot(tmp_path / "robot.toml")
     skips = list(outcomes_of(robot, "arm"))
@@ -242,7 +242,7 @@ SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-"
 
 
 def plain_order(counts, errors):
-    """Regression of log |e| on log 1/n over the three finest errors above 1e-8, from n = 5 on."""
+    """Slope of log |e| over log 1/n, fitted to the three finest errors above 1e-8 with n ≥ 5."""
     kept = [(n, abs(e)) for n, e in zip(counts, errors, strict=True) if n >= 5 and abs(e) > 1e-8]
     x, y = np.log([n for n, _ in kept[-3:]]), np.log([e for _, e in kept[-3:]])
     return -float(np.sum((x - x.mean()) * (y - y.mean())) / np.sum((x - x.mean()) ** 2))

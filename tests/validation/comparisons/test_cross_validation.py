@@ -1,4 +1,4 @@
-"""Cross-validation in Python: numbers of a leg, assertions, table, plot, notebook display."""
+"""Cross-validation in Python: values for a leg, assertions, table, plot, notebook display."""
 
 import numpy as np
 import pytest
@@ -74,7 +74,7 @@ def studies():
 
 @pytest.fixture
 def crossed(studies):
-    """Beams 1 % high in f1, of which 0.9 % are explained ± 0.05 %; segments 3 % high."""
+    """Made-up results for f1: beam 1 % high, 0.9 % explained, ± 0.05 %; segments 3 % high."""
     comparisons = (
         outcome("arm", "beam", "f1", measurement(202.0, 1.8, 0.1)),
         outcome("arm", "segments", "f1", measurement(206.0)),
@@ -106,7 +106,7 @@ def test_formulations_compare_without_solid(crossed):
         crossed.assert_agrees("beam", "segments", quantity="f1", within=0.0194, body="arm")
 
 
-def test_default_comparison_is_of_whole_robot(crossed):
+def test_assert_agrees_without_leg_tests_robot(crossed):
     with pytest.raises(AssertionError, match=r"f1 of the robot: -202 against -200 Hz, -1 %"):
         crossed.assert_agrees("beam", quantity="f1", within=0.009)
     crossed.assert_agrees("beam", quantity="f1", within=0.0101)
@@ -142,7 +142,7 @@ def test_convergence_of_a_leg_is_asserted(crossed):
         crossed.assert_converged("f1")
 
 
-def test_table_has_parts_in_per_cent(crossed):
+def test_table_has_explained_difference_in_percent(crossed):
     rows = crossed.table().rows
     assert rows[0][:4] == ("arm", "beam", "f1", "Hz")
     np.testing.assert_allclose(rows[0][4:11], [202.0, 200.0, 1.0, 0.9, 0.1, 0.05, 1.0], rtol=1e-9)

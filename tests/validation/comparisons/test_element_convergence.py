@@ -1,8 +1,8 @@
 """Convergence with element count against values computed by independent code.
 
 Leg 1 of the built-in robot, clamped–free: exact Timoshenko frequencies 114.518 and 181.806 Hz in
-the two planes (Huang 1961); rigid segments and beam elements as an independent implementation of
-both gives them.
+the two planes (Huang 1961). The values for rigid segments and beam elements come from an
+independent implementation.
 """
 
 from dataclasses import replace
@@ -108,7 +108,11 @@ def test_literal_layout_has_known_error():
 
 @pytest.mark.parametrize("index", range(3))
 def test_euler_bernoulli_has_formal_orders(index):
-    """Relative to its own cantilever: orders 2, 1 and 4 of f1 to f4, and exact deflections."""
+    """Errors relative to the Euler–Bernoulli cantilever.
+
+    f1 to f4 have order 2 by segments, 1 in their literal layout, and 4 by beam elements.
+    Deflections are exact except in the literal layout.
+    """
     study = convergence(BIGLIDE.mechanism, body="leg1", theory="euler-bernoulli")
     series = study.series[index]
     np.testing.assert_allclose(series.orders[:4], series.formal_order, atol=0.1)
@@ -145,7 +149,7 @@ def test_legs_have_formal_orders(leg1, model, layout, order, tolerance):
 
 
 def test_robot_equals_independent_values(whole_robot):
-    """At x = 0.4975 m: f1 = 112.396 Hz, f4 = 353.2 Hz, errors at 20 elements."""
+    """Converged f1 = 112.396 Hz and f4 = 353.2 Hz at x = 0.4975 m, and errors at 20 elements."""
     assert whole_robot.pose == {"x": pytest.approx(0.4975)}
     assert whole_robot.title == "whole robot at x = 0.4975 m"
     half, literal, beam = (
@@ -163,7 +167,7 @@ def test_robot_equals_independent_values(whole_robot):
 
 
 def test_sign_change_of_error_has_no_order(whole_robot):
-    """f4 of the literal layout crosses its limit near ten elements."""
+    """f4 of the literal layout crosses its converged value near ten elements."""
     series, column = whole_robot.of("segments", "literal"), whole_robot.column("f4")
     assert np.isnan(series.orders[column])
     assert series.behaviour(column) == "not monotone"
@@ -234,9 +238,9 @@ def test_random_legs_have_formal_order(seed):
 
 
 def require_true_half_widths(series):
-    """Each half-width in the asymptotic range contains the limit and the doubled count.
+    """From five elements on, each half-width contains the limit and the value at twice the count.
 
-    Of the literal layout the first two frequencies: its higher modes change places on the way.
+    For the literal layout only two frequencies are checked: higher modes change their order.
     """
     judged = slice(2) if series.discretisation.layout == "literal" else slice(None)
     for coarse, count in enumerate(series.counts):
@@ -275,7 +279,7 @@ def test_robots_have_formal_orders(robot):
     "body", [pytest.param("leg1", marks=EXHAUSTIVE), pytest.param(None, marks=pytest.mark.soak)]
 )
 def test_stepped_part_has_second_order(body):
-    """Ten pieces have one to eight segments each: order two, with whole numbers of segments."""
+    """Each of ten prismatic pieces has a whole number of segments, one to eight."""
     path = Path(__file__).parents[3] / "examples" / "tapered-biglide" / "robot.toml"
     study = convergence(load_robot(path).mechanism, body=body)
     series = study.of("segments")
@@ -285,7 +289,7 @@ def test_stepped_part_has_second_order(body):
 
 
 def test_fitted_order_is_log_slope():
-    """e = 3 n^−p. With an opposite sign at one count there is no order."""
+    """Errors e = 3 n^−p have order p. If one of them changes its sign, there is no order."""
     counts = np.array([5, 10, 20, 40])
     errors = 3.0 * counts[:, None] ** -np.array([1.0, 2.0, 4.0])
     np.testing.assert_allclose(fitted_orders(counts, errors, np.zeros(3)), [1.0, 2.0, 4.0])
@@ -296,7 +300,7 @@ def test_fitted_order_is_log_slope():
 
 
 def test_order_is_fitted_to_finest_counts():
-    """The reference is the slope over the three finest, by scipy: coarser counts have no effect."""
+    """Reference: slope over the three finest counts, by scipy. Coarser counts have no effect."""
     counts = np.array([5, 8, 10, 20, 40])
     errors = 1.0 * counts**-2.0 + 20.0 * counts**-4.0
     slope = scipy.stats.linregress(np.log(counts[-3:]), np.log(errors[-3:])).slope
@@ -305,7 +309,7 @@ def test_order_is_fitted_to_finest_counts():
 
 
 def test_half_width_without_order_is_tripled():
-    """Three times the largest error of this and finer counts, plus the half-width of the limit."""
+    """Half-width: three times the largest error at this and finer counts, plus the limit's own."""
     series = ConvergenceSeries(
         discretisation=Discretisation("segments"),
         formal_order=2.0,
@@ -320,9 +324,9 @@ def test_half_width_without_order_is_tripled():
 
 
 def test_half_width_by_order_uses_two_counts():
-    """e = n^−2, f∞ = 1: differences over (n/m)² − 1 equal e(n).
+    """With e = n^−2 and f∞ = 1, the difference of two counts m < n over (n/m)² − 1 is e(n).
 
-    F = 3 until two orders are known.
+    The safety factor is 3 until two orders are known.
     """
     counts = (10, 20, 40, 80)
     errors = np.array(counts, dtype=float)[:, None] ** -2.0

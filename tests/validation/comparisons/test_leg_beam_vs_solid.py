@@ -74,7 +74,7 @@ def test_literal_layout_disagrees_with_solid(monkeypatch):
 
 
 def test_rectangle_constants_match_formula():
-    """A solid rectangle without contraction: the section's finite elements agree to 0.1 %."""
+    """Section of a solid rectangle: formulas and finite elements agree to 0.1 %, with ν = 0."""
     outcome = outcome_of("leg1.agrees[vjm-solid-y]")
     formula = next(one for one in outcome.measurement.allowances if one.cause == FORMULA)
     assert abs(formula.amount) < 1e-3 * outcome.measurement.reference
@@ -106,7 +106,7 @@ CLASSES = {"rectangle": Rectangle, "box": HollowRectangle, "i": ISection, "tube"
 
 @pytest.fixture(scope="module", params=SECTIONS)
 def steel_arm(request, tmp_path_factory):
-    """The section's class, and the context of a robot of one steel arm, 0.3 m long."""
+    """Class of the section, and context of a robot that is one steel arm, 0.3 m long."""
     text = (
         ONE_ARM.replace('shape = "rectangle", width = 0.06, height = 0.04', SECTIONS[request.param])
         .replace("nu = 0.0", "nu = 0.3")
@@ -118,7 +118,7 @@ def steel_arm(request, tmp_path_factory):
 
 
 def vjm_verdict(context, motion):
-    """Verdict on a motion by VJM, whose compliance is in closed form."""
+    """Verdict on the VJM's compliance (in closed form) for a motion such as φx."""
     (case,) = (
         one
         for one in cases(legs=("arm",), limits=DEFAULT_LIMITS)
@@ -133,9 +133,9 @@ def test_correct_section_formula_agrees(steel_arm, motion):
 
 
 def test_quick_preset_uses_one_wall_mesh(steel_arm, monkeypatch):
-    """Two section meshes of walls are too large for `quick`: it varies slices alone.
+    """Thin-walled sections need too large meshes: `quick` refines only along the leg.
 
-    Verdicts are equal.
+    The verdicts are the same as with two section meshes.
     """
     shape, context = steel_arm
     quick = Context(context.robot_file, "quick")
@@ -181,7 +181,7 @@ def scaled(section, coefficients, factor, nu):
 
 
 def torsion_of(folder, ends):
-    """Measurement of φx of a biglide's leg 1 by the VJM, a rectangle with these ends."""
+    """VJM compared with the solid in φx, for a rectangular leg 1 of a biglide with these `ends`."""
     text = SOUND.replace(HOLLOW, RECTANGLE).replace("[leg1]", f"[leg1]\n{ends}")
     case = {case.id: case for case in cases(legs=("leg1",), limits=DEFAULT_LIMITS)}[
         "leg1.agrees[vjm-solid-φx]"
@@ -219,7 +219,7 @@ def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
 def test_table_has_unexplained_differences():
     """Half-widths of the solid are 2 and 4 nm/N.
 
-    The VJM is 1.5 % off, 1.45 % of it by rigid faces.
+    The VJM is 1.5 % off; rigid end faces explain 1.45 % of it.
     """
     outcomes = [
         agreeing("vjm", "x", 2.0e-9, 2.0e-9),
@@ -268,7 +268,7 @@ def test_convergence_summary_has_largest_error():
 
 
 def test_thin_strip_torsion_is_skipped(tmp_path):
-    """A leaf of 0.5 by 20 mm: cells 20 times as long as thick have an uncertainty of 0.5 % of J."""
+    """A leaf of 0.5 by 20 mm: mesh cells 20 times as long as thick leave J uncertain by 0.5 %."""
     leaf = '{ shape = "rectangle", width = 0.0005, height = 0.02 }'
     text = SOUND.replace(HOLLOW, leaf)
     case = {one.id: one for one in cases(legs=("leg1",), limits=DEFAULT_LIMITS)}

@@ -137,9 +137,9 @@ def test_exudyn_refuses_tapered_legs():
 
 
 def test_wall_modes_are_no_partners_of_beam_modes():
-    """Thin walls of a tapered box vibrate below its third bending mode.
+    """Thin walls of a tapered box vibrate at frequencies below its third bending mode.
 
-    Paired in ascending order, mode 3 of the beam differed by more than half from a wall's mode.
+    Pairing in ascending order would compare beam mode 3 with a wall mode, more than half off.
     """
     walls = [
         {"at": at, "shape": "hollow-rectangle", "width": w, "height": h, "thickness": 0.004}

@@ -1,4 +1,4 @@
-"""Verdicts and figure of the convergence with the mesh, for small solids and with mistakes."""
+"""Convergence with mesh: verdicts, also with mistakes, and the figure, for small solids."""
 
 import csv
 import io
@@ -108,7 +108,7 @@ def test_random_solids_have_formal_order(seed):
 
 
 def test_narrow_half_width_disagrees():
-    """Errors of order 1 with the half-width of order 4, which is too narrow.
+    """Errors decrease with order 1, but the half-width assumes order 4 and is too narrow.
 
     The half-width is 3/(2⁴ − 1) of a step between two meshes. The next step is half as large as the
     last one, 2.5 times the half-width.
@@ -133,7 +133,7 @@ def test_caption_names_command_for_orders():
 
 
 def test_mesh_figure_has_errors_and_orders():
-    """Panels, curves and data of the figure equal a second reading of the cases."""
+    """Panels, curves and CSV data of the figure equal the studies of the cases."""
     (family,) = families(outcomes())
     shown = mesh_curves(family.studies)
     panels = {panel.title: panel for panel in shown.panels}

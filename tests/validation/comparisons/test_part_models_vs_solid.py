@@ -1,4 +1,4 @@
-"""CAD parts by their stepped and condensed forms: values by hand, bounds, a table without verdicts.
+"""CAD parts as stepped beams or condensed solids: values by hand, bounds, table without verdicts.
 
 A slender bar has the frequencies of Euler's and Bernoulli's cantilever, (λL)² = 3.5160 and 22.034;
 condensed on its ends it is one cubic element with consistent mass, 3.5327 and 34.807.
@@ -106,9 +106,9 @@ def test_part_table_has_no_verdicts(tmp_path):
 
 
 def test_heavier_condensed_part_disagrees(tmp_path, monkeypatch):
-    """Its mass is 2 % too large.
+    """The mass of the condensed part is 2 % too large.
 
-    Frequencies f1 and f2 of a correct one are 0.3 % above the solid.
+    With the correct mass, f1 and f2 are 0.3 % above the solid's.
     """
     right = part_models_vs_solid.condensed_values
     monkeypatch.setattr(

@@ -1,4 +1,4 @@
-"""The whole robot by all formulations against solid legs: verdicts, explained differences."""
+"""All formulations of whole robots compared with solid legs: verdicts, explained differences."""
 
 from dataclasses import replace
 from functools import cache
@@ -28,7 +28,7 @@ BY_ID = {case.id: case for case in cases(limits=DEFAULT_LIMITS)}
 
 @cache
 def context_of(name):
-    """Context of a robot whose solids the tests share."""
+    """Context of the built-in robot `name`. The tests share its solids."""
     return Context(load_robot(name), "quick")
 
 
@@ -38,7 +38,7 @@ def outcome_of(name, identifier):
 
 
 def shares(outcome):
-    """Amounts of the named differences over the reference."""
+    """Explained differences by cause, relative to the reference value."""
     measurement = outcome.measurement
     return {one.cause: one.amount / measurement.reference for one in measurement.allowances}
 
@@ -52,7 +52,7 @@ def test_robot_case_ids_are_stable():
 
 @pytest.mark.parametrize("model", ["segments", "beam"])
 def test_biglide_f1_agrees_with_solids(model):
-    """f1 = 112.396 Hz at x = 0.4975 m by beams, 0.5 % below that on solid legs with rigid ends."""
+    """f1 = 112.396 Hz at x = 0.4975 m by beams, 0.5 % lower than with solid legs and rigid ends."""
     outcome = outcome_of("ifw", f"robot.agrees[{model}-solid-f1]")
     measurement = outcome.measurement
     assert outcome.verdict == "agree"
@@ -113,14 +113,14 @@ def test_wrong_leg_model_disagrees(monkeypatch, mistake):
 
 
 def test_too_few_elements_disagree():
-    """f4 by two segments per leg."""
+    """With two segments per leg, f4 is too far from that of the solid."""
     by_id = {case.id: case for case in cases(limits=replace(DEFAULT_LIMITS, elements=2))}
     case = by_id["robot.agrees[segments-solid-f4]"]
     assert judge(case, case.measure(context_of("ifw")), 0.0).verdict == "disagree"
 
 
 def changed(context, function, change):
-    """The context with another value of a function that the cases ask for."""
+    """Copy of the context with `change` applied to the stored results of `function`."""
     name = f"{function.__module__}.{function.__qualname__} "
     memo = {key: change(one) if key.startswith(name) else one for key, one in context._memo.items()}
     return replace(context, _memo=memo)
