@@ -144,7 +144,7 @@ class Chart:
 
 
 def compared_with(against: str) -> str:
-    """Sentence for the caption of panels with differences."""
+    """Caption sentence on panels with the differences of curves from the curve `against`."""
     return (
         f"Lower panels: difference of each curve from the reference, “{against}”, in percent; "
         "zero is exact agreement."
@@ -152,9 +152,9 @@ def compared_with(against: str) -> str:
 
 
 def compared(panel: Panel, against: str) -> Panel:
-    """Panel with added differences (%) of its curves from the curve labelled `against`.
+    """Copy of a panel, with the differences (%) of its curves from the curve `against` below.
 
-    Curves of the same quantity are compared.
+    Each curve is compared with the curve labelled `against` of the same quantity.
     """
     references = {curve.quantity: curve.y for curve in panel.series if curve.label == against}
     below = [
@@ -197,7 +197,7 @@ def _ticker() -> Any:
 
 
 def from_zero(axes: "Axes", *, top: float | None = None) -> None:
-    """Let the y axis start at zero, with room above the curves, or above `top`."""
+    """Let the y axis start at zero, with room above the curves, or above `top` if it is given."""
     axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1] if top is None else 1.15 * top)
 
 
@@ -216,13 +216,13 @@ def plain_log(axes: "Axes", *, low: float, high: float) -> None:
 
 
 def powers(axes: "Axes") -> None:
-    """Make the y axis logarithmic, with ticks at powers of ten, or at 1, 2 and 5 times these."""
+    """Make the y axis logarithmic, with the ticks of `power_ticks`."""
     axes.set_yscale("log")
     power_ticks(axes.yaxis)
 
 
 def octaves(axes: "Axes") -> None:
-    """Make the x axis logarithmic, with ticks at powers of ten, or at 1, 2 and 5 times these."""
+    """Make the x axis logarithmic, with the ticks of `power_ticks`."""
     axes.set_xscale("log")
     power_ticks(axes.xaxis)
 
@@ -292,7 +292,7 @@ def refined(axes: "Axes", *, x: Array, decay: bool = False) -> None:
 
 
 def around_zero(axes: "Axes", *, least: float) -> None:
-    """Make the x axis symmetric about zero, with all curves and at least ± `least` on it."""
+    """Make the x axis symmetric about zero, so that it contains all curves and ± `least`."""
     values = [np.abs(np.asarray(line.get_xdata(), dtype=float)) for line in axes.get_lines()]
     limit = max(least, 1.1 * largest(values))
     axes.set_xlim(-limit, limit)

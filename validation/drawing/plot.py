@@ -150,9 +150,9 @@ def _draw_panel(
 def _draw_series(
     axes: Axes, panel: Panel, curve: Series, look: Look, rank: tuple[int, int], rows: Array
 ) -> None:
-    """Draw a curve of `rank` (index, count).
+    """Draw the curve of a panel that has the `rank` (index, number of curves).
 
-    The first is the widest, so equal curves are visible.
+    The first curve is the widest, so that equal curves are visible.
     """
     points = (curve.y, rows) if panel.lying else (curve.x, curve.y)
     style: dict[str, Any] = {"color": look.colour, "marker": look.marker}
@@ -258,7 +258,7 @@ def _lay_out(picture: Canvas) -> None:
     before = _ticks(picture)
     picture.tight_layout(pad=0.4)
     if _ticks(picture) != before:
-        # Axes of another height have other ticks, whose labels may be longer.
+        # A changed height can change the ticks, whose labels may then be longer.
         picture.tight_layout(pad=0.4)
     handles: dict[str, Any] = {}
     for axes in picture.axes:
@@ -285,7 +285,7 @@ def _ticks(picture: Canvas) -> list[tuple[float, ...]]:
 
 
 def _columns(labels: Sequence[str]) -> int:
-    """Largest number of columns of a legend, estimated from the number of characters."""
+    """Largest number of columns of a legend that fits, from the lengths of its `labels`."""
     lengths = [max(map(len, label.split("\n"))) + _HANDLE for label in labels]
     counts = (
         count

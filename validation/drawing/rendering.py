@@ -188,7 +188,7 @@ def _draw_marks(axes: Axes, view: View, marks: Marks) -> None:
 
 
 def _write_labels(axes: Axes, view: View, labels: Sequence[Label]) -> None:
-    """Write each label at its point, or beside it with a line where it overlaps others least."""
+    """Write each label at its point. A movable one has a line and overlaps others least."""
     occupied: list[Array] = []
     for label in labels:
         (point,) = view.pixels(label.point[None])
@@ -222,7 +222,7 @@ def _write_labels(axes: Axes, view: View, labels: Sequence[Label]) -> None:
 
 
 def _overlap(box: Array, boxes: Sequence[Array]) -> float:
-    """Fraction of the box (low, high) that other boxes cover."""
+    """Fraction of the area of `box` (x and y of two opposite corners) that other boxes cover."""
     area = 0.0
     for other in boxes:
         sides = np.minimum(box[2:], other[2:]) - np.maximum(box[:2], other[:2])
@@ -273,7 +273,7 @@ def _colour_bar(picture: Canvas, axes: Axes, scene: Scene) -> None:
 
 
 def _png_of(picture: Canvas) -> bytes:
-    """PNG with 256 dithered colours and without date, half as large as in full colour."""
+    """PNG without date, with 256 dithered colours. Its size is half of that in full colour."""
     from PIL import Image  # noqa: PLC0415  comes with matplotlib, needed for pictures alone
 
     picture.set_dpi(DOTS_PER_INCH)

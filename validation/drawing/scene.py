@@ -133,7 +133,7 @@ class View:
 
 
 def fitted_view(points: Array, toward: Array, up: Array, size: tuple[int, int]) -> View:
-    """View from direction `toward` (3) with all `points` (n×3, m) in it. `up` (3) is upwards."""
+    """View that contains all `points` (n×3, m). `toward` (3): direction to the viewer; `up` (3)."""
     toward = np.asarray(toward, dtype=float) / np.linalg.norm(toward)
     right = np.cross(up, toward)
     right /= np.linalg.norm(right)

@@ -19,7 +19,7 @@ WIDTH = 7.4  # in, of every plot
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 COLOUR_MAP = "viridis"  # legible for colour-blind readers, and monotonic in grey
-BROWN = "#6B4226"  # dark, as orange and vermillion are not
+BROWN = "#6B4226"  # darker than orange and vermillion
 
 # First characters of cells that spreadsheets evaluate as formulas (OWASP, CSV injection), including
 # the wide forms of East Asian text. The patterns match numbers, coordinates and percentages, which
@@ -51,8 +51,8 @@ LOOKS: Mapping[str, Look] = {
     "segments-condensed": Look(SKY, "X", "-."),
     "beam": Look(GREEN, "^", "-."),
     "beam-euler-bernoulli": Look(GREEN, "P", ":"),
-    # References: ends and interfaces rigid or as specified in the robot file; free or averaged;
-    # with the plausible mass distributions of legs known by a 6×6.
+    # References: with ends and interfaces rigid or as specified in the robot file; with free ends
+    # or averaged interfaces; with a mass distribution assumed for legs known by a 6×6.
     "solid": Look(VERMILLION, "D"),
     "solid, free": Look(VERMILLION, "p", "--"),
     "specified 6×6 of the legs": Look(BLACK, "H"),
@@ -72,7 +72,7 @@ LOOKS: Mapping[str, Look] = {
     "stated error": Look("#777777", "", "--"),
     "stated count": Look("#777777", "", ":"),
 }
-# Names of `LOOKS` by the labels in the figures of the paper and of meshes.
+# Keys of `LOOKS` for the labels in the figures of the paper and of meshes.
 _LABELS = {
     "VJM, legs as given": "vjm",
     "VJM, equivalent legs": "vjm-equivalent",
@@ -95,7 +95,7 @@ _OTHER_FILLS = (
     *(BLUE, ORANGE, GREEN, PURPLE, SKY, "#666666", YELLOW),
     *("#8c6d46", "#b9a7d6", "#7f9f3f", "#444444", "#a8c7c9", "#c98ca7", "#5b5ea6"),
 )
-# Suffix of the look by the end conditions in the name of a reference.
+# Suffix of the key in `LOOKS` for the end conditions in the name of a reference.
 _END_CONDITIONS: Mapping[str, str] = {
     f"{bodies} {ends}": free
     for bodies in ("ends", "interfaces", "ends and interfaces")
@@ -132,7 +132,7 @@ OTHERS: tuple[Look, ...] = (
 
 
 def look_key(name: str) -> str:
-    """Key in `LOOKS` of a model, or of a reference under a reading. Other names are unchanged."""
+    """Key in `LOOKS` for the name of a model or reference. Any other name is unchanged."""
     return _LABELS.get(name) or _REFERENCES.get(name, name)
 
 

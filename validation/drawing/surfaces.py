@@ -74,7 +74,7 @@ def ball(radius: float) -> Surface:
 
 
 def plate(rim: Array) -> Surface:
-    """Flat polygon with corners `rim` (n×3, m), which must contain their mean."""
+    """Flat polygon with corners `rim` (n×3, m), whose mean must lie inside the polygon."""
     count = len(rim)
     ring = np.arange(count)
     edges = np.column_stack([ring, np.roll(ring, -1)])
@@ -83,7 +83,10 @@ def plate(rim: Array) -> Surface:
 
 
 def faceted(points: Array, faces: Sequence[IntArray]) -> Surface:
-    """Surface of several faces of triangles or quadrilaterals (f×c point indices), with edges."""
+    """Surface of several faces, whose rims are drawn as edges.
+
+    Each face consists of f triangles (c = 3) or quadrilaterals (c = 4): f×c point indices.
+    """
     return Surface(
         points,
         np.vstack([face[:, [0, 1, 2, -1]] for face in faces]),
@@ -92,7 +95,7 @@ def faceted(points: Array, faces: Sequence[IntArray]) -> Surface:
 
 
 def _rim(corners: IntArray) -> IntArray:
-    """Edges (e×2) of a face that belong to only one of its facets (f×c)."""
+    """Edges (e×2 point indices) of a face that belong to only one of its facets (f×c)."""
     sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
     edges, counts = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
     return np.asarray(edges[counts == 1])

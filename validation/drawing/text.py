@@ -126,7 +126,7 @@ def error_parts(
 def error_with_spread(entry: EntryRecord[Any, Any], written: ErrorText = error_text) -> str:
     """Error and half-width in one text: "+1.2 % ± 0.3 %", "below 4.4 %".
 
-    If interpretations differ, with their names.
+    If errors under several interpretations of the robot file differ, their names are included.
     """
     return " ".join(filter(None, error_parts(entry, written=written)))
 
@@ -184,15 +184,15 @@ def seconds(time: float) -> str:
 
 
 def anchor(identifier: str) -> str:
-    """Identifier in the form that a link needs."""
+    """Identifier as the target of a link: special characters are replaced by "_"."""
     return re.sub(r"[^\w.+-]+", "_", identifier).rstrip("_")
 
 
 def function_name(function: Callable[..., object]) -> str:
     """Module and name of a function.
 
-    For a closure those of the enclosing function, for a partial or a wrapper of functools.wraps
-    those of the wrapped function.
+    For a closure, the names of the enclosing function. For a partial or a wrapper of
+    functools.wraps, the names of the wrapped function.
     """
     function = unwrap(function)
     while isinstance(function, partial):

@@ -75,7 +75,7 @@ class _Numbers:
     def part(self, part: DrawnBody | Wire, limits: tuple[float, float]) -> dict[str, Any]:
         """Header of one body or line for the viewer.
 
-        Points are multiples of a step finer than a pixel.
+        Points are encoded as multiples of a step, which is finer than a pixel.
         """
         import matplotlib as mpl  # noqa: PLC0415  slow to import, and makes folders
 
@@ -97,7 +97,7 @@ class _Numbers:
         return {"step": step, "values": self.add(np.round(lengths / step), "<i2")}
 
     def add(self, values: Any, kind: str) -> tuple[int, int]:
-        """Append values. Returns their first byte and their number."""
+        """Append values. Returns the position of their first byte, and the number of values."""
         array = np.ascontiguousarray(values, dtype=kind)
         first_byte = len(self.content)
         self.content += array.tobytes()

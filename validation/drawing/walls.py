@@ -103,14 +103,14 @@ def _ears(corners: Array, ring: list[int]) -> list[tuple[int, int, int]]:
                 ears.append(ear)
                 break
         else:
-            # There is no further ear because of round-off.
+            # Because of round-off, no further ear is found.
             break
         remaining.pop(k)
     return ears
 
 
 def _contains(a: Array, b: Array, c: Array, points: Array) -> bool:
-    """True if one of the points lies in a triangle or on its rim. Its corners do not count."""
+    """True if a point lies in the triangle a, b, c or on its rim, without being a corner."""
     sides = (twice_area(p, q, points) for p, q in ((a, b), (b, c), (c, a)))
     inside = np.logical_and.reduce([side >= 0.0 for side in sides])
     corner = [(points == p).all(axis=1) for p in (a, b, c)]

@@ -42,9 +42,9 @@ class AgreementCell:
     """Texts of a table cell with the difference of a formulation from the solid.
 
     `text`: the difference that is judged, or the reason if the comparison was skipped. `raw`: the
-    total difference if a part of it has named causes, otherwise "". `spread`: the half-width, "" if
-    it would be displayed as zero. `case`: id of the comparison. `verdict` is None and `mark` "" for
-    a difference without a verdict.
+    total difference if a part of it has named causes, otherwise "". `spread`: the half-width of the
+    difference's uncertainty, "" if it would be displayed as zero. `case`: id of the comparison.
+    `verdict` is None and `mark` "" for a difference without a verdict.
     """
 
     text: str
@@ -87,8 +87,8 @@ def agreement_tables(
 ) -> tuple[AgreementTable, ...]:
     """Tables for the robot and each leg with comparisons, then for each CAD part.
 
-    The heading of the robot's table has its pose by the names of `coordinates`, or is "robot" if
-    there are none.
+    The heading of the robot's table gives the pose, with the names of `coordinates`. It is "robot"
+    if there are none.
     """
     comparisons = [outcome for outcome in outcomes if outcome.case.kind == "agreement"]
     by_body = {
@@ -117,7 +117,7 @@ def agreement_statement(outcomes: Sequence[Outcome]) -> str:
 
 
 def agreement_reservations(outcomes: Sequence[Outcome]) -> str:
-    """Sentences on the amounts that named causes explain, and on skipped comparisons.
+    """Sentences on the parts of differences with named causes, and on skipped comparisons.
 
     "" if there are neither.
     """
@@ -224,7 +224,7 @@ def _bound_text(agreeing: Sequence[Outcome]) -> str:
 def _largest_part(
     outcomes: Iterable[Outcome], part: Callable[[AgreementRow], float]
 ) -> tuple[Outcome, AgreementRow]:
-    """Comparison whose `part` of the difference is largest, with all parts of that difference."""
+    """Comparison with the largest `part` of its difference, and the row with all parts of it."""
     compared = [(outcome, agreement_row(outcome)) for outcome in outcomes if outcome.measurement]
     return max(compared, key=lambda pair: part(pair[1]))
 
@@ -408,20 +408,23 @@ def _cell(outcome: Outcome) -> AgreementCell:
 
 
 def _shares(outcome: Outcome) -> dict[str, float]:
-    """Relative amounts of named causes, by cause, without those displayed as zero."""
+    """Relative differences due to named causes, by cause, without those displayed as zero."""
     causes = agreement_row(outcome).causes.items()
     return {cause: share for cause, share in causes if abs(share) >= _SMALLEST_SHARE}
 
 
 def _causes_text(outcome: Outcome) -> str:
-    """Text with the amounts of named causes: "held end faces +1.46 %"."""
+    """Text with the differences due to named causes: "held end faces +1.46 %"."""
     return ", ".join(f"{cause} {_percent(share)}" for cause, share in _shares(outcome).items())
 
 
 def _cause_rows(
     outcomes: Sequence[Outcome], quantities: Sequence[str]
 ) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Amounts by cause and quantity. Several amounts if they differ between formulations."""
+    """Rows of the table: a named cause, and the difference due to it in each quantity, as text.
+
+    A text contains several differences if formulations differ.
+    """
     amounts: dict[str, dict[str, dict[str, None]]] = {}
     for outcome in outcomes:
         for cause, share in _shares(outcome).items():

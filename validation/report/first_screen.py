@@ -57,7 +57,7 @@ def first_screen(
 ) -> FirstScreen:
     """First screen of a matrix.
 
-    `plotted`: True to draw the figure. `measured`: True if the references are measured values, each
+    `plotted`: True to draw the errors. `measured`: True if the references are measured values, each
     in its own pose. `rely`: models on which the user relies.
     """
 

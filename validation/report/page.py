@@ -76,7 +76,7 @@ class Report:
 
     @property
     def decisions(self) -> list[str]:
-        """Sentences on the values of varied numbers that the models choose.
+        """Sentences on the values of varied parameters that the models choose.
 
         [] if nothing is varied.
         """

@@ -21,8 +21,8 @@ _NAMED_CAUSES = 2
 _PERCENT = "\u00a0%"
 # Shares of an error below this are not listed.
 _SMALLEST_SHARE = 0.02
-# Fraction of an error along the load from which on the line says too stiff or too soft. Below it,
-# the error is mainly across the load.
+# If at least this fraction of an error lies along the load, its line contains "too stiff" or "too
+# soft". Otherwise the error is mainly across the load.
 _ALONG_SHARE = 0.8
 
 

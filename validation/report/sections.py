@@ -59,7 +59,7 @@ class PageSection:
     """A group of cases with the figures that belong to it.
 
     `plotted`: True to draw the studies behind the comparisons, and error budgets. If a plot cannot
-    be drawn, it alone is omitted. `coordinates`: those that a pose prescribes.
+    be drawn, it alone is omitted. `coordinates`: those of the tool that a pose prescribes.
     """
 
     title: str
@@ -104,7 +104,7 @@ class PageSection:
 
     @property
     def worst_first(self) -> list[Outcome]:
-        """Comparisons by severity of the verdict, then by difference over tolerance."""
+        """Comparisons by severity of the verdict, then by the ratio of difference to tolerance."""
         return sorted(self.outcomes, key=_severity)
 
     @cached_property
@@ -119,7 +119,7 @@ class PageSection:
     def budget(self) -> Figure | None:
         """Figure of the error budget of comparisons with named causes.
 
-        None if there are no such comparisons, and if the section has agreement tables, whose rows
+        None if there are no such comparisons, or if the section has agreement tables, whose rows
         contain the budget.
         """
         if self.agreement:
@@ -227,8 +227,8 @@ def chapters_of(
 def unexplained_share(outcome: Outcome) -> float | None:
     """|unexplained difference| over |reference|. None if this ratio is meaningless.
 
-    It has a meaning for cases that claim equality within a relative tolerance. Differences of
-    orders, ranks, counts and bounds are amounts.
+    The ratio has a meaning for cases that claim equality within a relative tolerance. It has none
+    for orders, ranks, counts and bounds.
     """
     case, measurement = outcome.case, outcome.measurement
     if measurement is None or not measurement.reference:
@@ -245,7 +245,7 @@ def _severity(outcome: Outcome) -> tuple[int, float]:
 
 
 def _chapter_title(section: PageSection) -> str:
-    """Title of the chapter: by `CHAPTERS`, otherwise by the subject of the first case."""
+    """Title of a section's chapter: from `CHAPTERS`, otherwise by the first case's subject."""
     chapters = {title: chapter for chapter, titles in CHAPTERS.items() for title in titles}
     is_leg = section.outcomes and section.outcomes[0].case.subject == "leg"
     return chapters.get(section.title) or (LEGS if is_leg else "The robot")

@@ -58,7 +58,7 @@ def cross_validation(gathered: Results) -> list[str]:
 
 
 def decisions(gathered: Results) -> list[str]:
-    """Lines on the values of varied numbers that the models choose. [] if the run has no --vary."""
+    """Lines on the values that models choose for varied parameters. [] if there is no --vary."""
     return decision_sentences(gathered.outcomes)
 
 

@@ -42,19 +42,20 @@ from validation.verdicts import (
     ModelNote,
 )
 
-# Term and its text.
+# Line of a detail sheet: a term and its text.
 Line: TypeAlias = tuple[str, str]
 MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
 # Loads (N, N m) for the robot's own deflections in the table.
 FORCE, MOMENT = 1000.0, 100.0
 # Probability from which on a verdict is displayed without it.
 _CERTAIN = 0.995
-# Headings of tables in Python.
+# Column headings of the `ResultTable` of a matrix.
 _HEADINGS = (
     *("model", "quantity", "verdict", "error (%)", "half-width (%)", "low (%)", "high (%)"),
     *("limit (%)", "pose", "cause", "remedy"),
 )
-# Error of a model that lacks a motion, as a fraction of the motion, within round-off.
+# A model without a motion has an error of −1 along the load. Errors beyond minus this value count
+# as −1: round-off.
 _WHOLE_MOTION = 1.0 - 1e-9
 _EULER_BERNOULLI = frozenset(
     name for name, model in JUDGED.items() if model.options.theory == "euler-bernoulli"
@@ -84,7 +85,7 @@ class Row:
     """A model with its cells. A cell is None if the model does not define the quantity.
 
     `folded` is true if the model has no entries, if it is adequate for no quantity and cannot
-    represent some motions, or if it is another model with a second beam theory.
+    represent some motions, or if it uses Euler–Bernoulli's beam theory.
     """
 
     note: ModelNote
@@ -171,7 +172,7 @@ def _robot_number(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
         for entry in matrix.entries
         if entry.quantity == quantity and entry.error is not None and entry.expected is not None
     ]
-    # The worst direction of force differs between robots; its number is in the sheet.
+    # No value for any force, whose worst direction differs between robots; the detail sheet has it.
     if not entries or quantity in {ANY_FORCE, ORDER} or entries[0].measured:
         return "", ""
     best = min(entries, key=lambda entry: abs(entry.error or 0.0))
@@ -197,7 +198,7 @@ def _robot_number(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
 
 
 def csv_of_matrix(matrix: Matrix) -> str:
-    """CSV with a line for each entry: fields annotated as columns, and coordinates of its pose."""
+    """CSV with a line for each entry: its fields, with the coordinates of its pose as columns."""
     columns: dict[str, Sequence[float | str | None]] = {}
     for name, column in columns_of(EntryRecord).items():
         values = [getattr(entry, name) for entry in matrix.entries]
@@ -228,7 +229,10 @@ def _csv_cell(value: Any) -> float | str | None:
 
 
 def _error_texts(entry: Entry) -> tuple[str, str]:
-    """Texts of the error and its half-width. "none" or "open" if there is no error."""
+    """Texts of an entry's error and half-width.
+
+    If there is no error, "none" for the verdict inadequate, "open" for any other verdict.
+    """
     if entry.error is not None:
         return error_parts(entry, named=False)
     return "none" if entry.verdict == "inadequate" else "open", ""
@@ -328,7 +332,7 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
 
 
 def _readings(entry: Entry) -> str:
-    """Errors by interpretation: "0 % with rigid pins, 33 % with averaged ones"."""
+    """Error under each interpretation: "0 % with rigid pins, 33 % with averaged ones"."""
     return ", ".join(
         f"{error_text(error, signed=entry.signed)} with {name}"
         for name, error in entry.readings.items()

@@ -88,7 +88,7 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
 
 
 def conditions(matrix: Matrix, rely: Sequence[str] = ()) -> str:
-    """Sentences on the conditions under which decided verdicts hold. "" without conditions.
+    """Sentences on the conditions under which decided verdicts hold. "" if there are none.
 
     Only verdicts on the models of `rely` count, unless it is empty. Conditions are the assumption
     on the distribution of masses, for frequencies, and the poses in which a quantity found adequate
@@ -147,8 +147,8 @@ def _purpose_text(matrix: Matrix, quantities: Sequence[Quantity]) -> str:
 def _largest_error_text(entries: Sequence[Entry]) -> str:
     """Text with the largest error of entries with one verdict.
 
-    For the verdict adequate, the largest bound of the error. Errors of the order of modes count
-    only if there are no others, since they compare unrelated modes.
+    For the verdict adequate, the largest upper bound of the error. Errors of the order of modes
+    count only if there are no others, since they compare unrelated modes.
     """
     adequate = entries[0].verdict == "adequate"
     with_error = [entry for entry in entries if entry.error is not None]
@@ -196,7 +196,7 @@ def _recommendation(matrix: Matrix) -> str:
 
 
 def pose_text(coordinates: Sequence[Coordinate], pose: Sequence[float]) -> str:
-    """Coordinates of a pose with units, "x = 0.4975 m". "the root clamped" without coordinates."""
+    """Coordinates of a pose with units, "x = 0.4975 m". "the root clamped" if it has none."""
     if not pose:
         return "the root clamped"
     return ", ".join(

@@ -75,7 +75,7 @@ class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
 
 @dataclass(frozen=True)
 class HalfWidths:
-    """Half-widths of the diagonal of a 6×6 (6, SI) and of frequencies (Hz). Infinite if unknown.
+    """Half-widths of diagonal compliances (6, SI) and frequencies (Hz). Infinite if unknown.
 
     `loads`: half-widths of the six components of displacement under each load of the file, by name.
     """
@@ -88,15 +88,15 @@ class HalfWidths:
     def known(self) -> bool:
         """True if the half-widths of the compliance are known.
 
-        For a free body, which has no compliance, those of the frequencies.
+        For a free body, which has no compliance, true if those of the frequencies are known.
         """
         decisive = self.compliance if self.compliance.size else self.frequencies
         return bool(np.isfinite(decisive).all())
 
     def shares_of_loads(self, loads: Mapping[str, Array]) -> dict[str, float]:
-        """Half-widths of displacements under `loads`, relative to their lengths, by name.
+        """Half-widths of displacements, relative to the lengths of these, by name of the load.
 
-        Displacements of zero length are omitted.
+        `loads`: displacements (6) by name of the load. Those of zero length are omitted.
         """
         lengths = {name: float(np.linalg.norm(loads[name][:3])) for name in self.loads}
         return {
@@ -110,7 +110,8 @@ class HalfWidths:
 class MeshUncertainty(HalfWidths):
     """Half-widths of 95 % intervals, from the change to a second mesh of the prisms.
 
-    `divisions`: elements across the section in that mesh. Infinite half-widths if it is too large.
+    `divisions`: elements across the section in that mesh. If it is too large to be solved, the
+    half-widths are infinite.
     `meshes`: divisions of all meshes from which numbers are extrapolated, () if no order was
     observed.
     """
@@ -144,15 +145,15 @@ class ModePair(msgspec.Struct, frozen=True, kw_only=True):
     partner: int | None
     # Frequency of the partner (Hz).
     frequency: float | None
-    # Energy-weighed MAC of both, or the largest with any mode if there is no partner.
+    # Energy-weighted MAC of mode and partner, or the largest with any mode if there is no partner.
     mac: float
-    # Share of the mode's kinetic energy in cross-sections and bodies that move as wholes.
+    # Share of the mode's kinetic energy in the rigid motion of cross-sections and bodies.
     seen: float
     # True for a local mode of a section, which the other model does not have.
     local: bool
     # Lowest and highest frequency (Hz) of the modes that can be the partner if shapes mix.
     open: tuple[float, float] | None
-    # True if several modes have the shape of one mode.
+    # True if the shapes do not show whether the other model has the mode.
     undecided: bool
 
 
@@ -168,7 +169,7 @@ class Answer:
     """Compliance (6×6 or 2×2, SI) and frequencies (Hz, ascending) in one posture or of one leg.
 
     `idle`: number of mobilities that do not move the tool. `loads`: displacements of the tool (6, m
-    and rad, base axes) under each load of the file, NaN without a solution. `stability`: buckling
+    and rad, base axes) under each load of the file, NaN if not solved. `stability`: buckling
     under these loads, None if there is no solution. `reactions`: wrenches of joints (6, N and N m,
     joint axes) by load and joint, NaN if statically indeterminate. `pressures`: resultants of the
     pressures on faces of CAD parts, by load. `responses`: receptances of the tool. `damped`:
@@ -406,7 +407,7 @@ def _factor(stability: Stability | None) -> float:
 
 
 def _numbers_or_none(values: Array, count: int) -> list[float | None]:
-    """Finite numbers, and None for all others up to `count`."""
+    """List of `count` entries: the finite values, and None for infinite and missing ones."""
     finite = [value if np.isfinite(value) else None for value in values.tolist()]
     return finite + [None] * (count - len(finite))
 

@@ -90,8 +90,8 @@ class LoadRecord(msgspec.Struct, frozen=True):
     """JSON object of a load: displacement of the tool, reactions, buckling and lost stiffness.
 
     The displacement is None if there is no solution. `reactions` (6, N and N m, joint axes) by
-    joint; None for a statically indeterminate number. `pressures` on faces of CAD parts. A buckled
-    mechanism has no stiffness: numbers that depend on it are None.
+    joint; None for a statically indeterminate component. `pressures` on faces of CAD parts. A
+    buckled mechanism has no stiffness: numbers that depend on it are None.
     """
 
     displacement: Array | None

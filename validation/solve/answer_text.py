@@ -27,7 +27,7 @@ _SMALLEST_LOSS = 5e-5
 
 
 def as_text(solution: Solution) -> str:
-    """Solution as text: deflections at 1000 N, compliance, frequencies."""
+    """Solution as text: deflections under 1000 N, compliance, frequencies."""
     options = ", ".join(f"{name} {value}" for name, value in solution.options.items())
     lines = [f"{solution.robot}, {solution.model}" + (f" ({options})" if options else "")]
     lines += [solution.accuracy.text] if solution.accuracy else []
@@ -261,7 +261,7 @@ def _part_lines(answer: Answer, parts: PartUncertainty) -> list[str]:
 
 
 def _share_lines(answer: Answer, half_widths: HalfWidths, digits: str = ".2g") -> list[str]:
-    """Lines with half-widths in per cent of the diagonal compliances and of the frequencies."""
+    """Lines with the half-widths of diagonal compliances and frequencies, in per cent of these."""
     shares = 100.0 * half_widths.compliance / np.abs(np.diag(answer.compliance))
     lines = []
     if len(shares):

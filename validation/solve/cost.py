@@ -14,17 +14,17 @@ from lumped.errors import InputError
 from lumped.legs import SectionedLeg
 from validation.solids.solid_size import solid_unknowns
 
-# Entries of the factor of a solid leg over n^(4/3), 9 to 14 for legs of all shapes with 3000 to 120
-# 000 unknowns; bytes per entry at the peak of a factorisation, copies included; flops in
-# entries²/n.
+# Solid leg with n unknowns: entries of the factorised matrix in n^(4/3), measured as 9 to 14 for
+# legs of all shapes with 3000 to 120 000 unknowns; bytes per entry at the peak of a factorisation,
+# copies included; flops of a factorisation in entries²/n.
 _ENTRIES, _BYTES_PER_ENTRY, _FLOPS = 12.0, 23.0, 1.7
 # Memory (bytes) of stiffness and mass at the peak of assembly, and time (s), per unknown of a
 # solid.
 _BYTES_PER_UNKNOWN, _SECONDS_PER_UNKNOWN = 10_000.0, 8e-5
 _FLOPS_PER_SECOND = 5e9
-# Right-hand sides for modes: Lanczos vectors, plus some for each mode.
+# Right-hand sides solved for modes: a fixed number of Lanczos vectors, and more for each mode.
 _SOLVES, _SOLVES_PER_MODE = 100, 10
-# Dense models: number of matrices in memory at once, and flops of all eigenvalues in n³.
+# Dense models with n unknowns: n×n matrices in memory at once; flops of all eigenvalues in n³.
 _DENSE_COPIES, _DENSE_FLOPS = 6.0, 12.0
 # Limits (s) on the estimated time of one answer, and of one more mesh for --accuracy.
 LONGEST, LONGEST_REFINEMENT = 3600.0, 600.0

@@ -90,7 +90,7 @@ class Condition:
     bound: float
 
     def excess(self, values: Array) -> Array:
-        """Relative distances by which values exceed the bound; negative for values that keep it."""
+        """Relative distances by which values miss the bound. Negative for values that meet it."""
         difference = values - self.bound if self.at_most else self.bound - values
         return np.asarray(difference / (abs(self.bound) or 1.0))
 
@@ -119,7 +119,7 @@ class DesignChoice:
 
     @cached_property
     def meets(self) -> NDArray[np.bool_]:
-        """True (n) for robots that meet all conditions. A quantity without a number misses them."""
+        """True (n) for robots that meet all conditions. False if a quantity has no value."""
         return np.asarray((self._worst_excess <= 0.0) & self._known)
 
     @property
@@ -136,7 +136,7 @@ class DesignChoice:
 
     @property
     def nearest(self) -> tuple[int, Condition, float] | None:
-        """Robot that is closest to meeting all conditions: index, worst condition, relative excess.
+        """Robot closest to meeting all conditions: index, worst condition and its `excess`.
 
         None if no robot has all quantities of the purpose, or if there are no conditions.
         """
@@ -148,7 +148,7 @@ class DesignChoice:
 
     @cached_property
     def _excess(self) -> Array:
-        """Relative excess of n robots over each of c conditions (c×n)."""
+        """Relative distances (c×n) by which n robots miss c conditions; negative if met."""
         rows = [one.excess(self.values[one.quantity]) for one in self.purpose.conditions]
         return np.array(rows).reshape(len(rows), -1)
 
@@ -264,7 +264,7 @@ def _condition(text: str, allowed: Mapping[str, DesignQuantity]) -> Condition:
 def choice_text(choice: DesignChoice, names: Sequence[str]) -> str:
     """Text with the chosen robot, or with the reason why there is none.
 
-    `names` (n): the varied numbers of each robot with their keys.
+    `names` (n): text for each robot with the keys and values of its varied parameters.
     """
     purpose, count = choice.purpose, len(names)
 
@@ -295,7 +295,7 @@ def choice_text(choice: DesignChoice, names: Sequence[str]) -> str:
 
 
 def choice_record(choice: DesignChoice, values: Sequence[Mapping[str, float]]) -> dict[str, Any]:
-    """Plain data of the choice, for JSON. `values` (n): varied numbers of each robot by key."""
+    """Plain data of the choice, for JSON. `values` (n): varied parameters of each robot by key."""
     purpose, best = choice.purpose, choice.best
     robots = [
         {

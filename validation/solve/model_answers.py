@@ -248,13 +248,14 @@ def _load_fields(solved: SolvedQuestion) -> list[dict[str, Any]]:
     model, postures, options = question.model, solved.responses.robot.postures, question.options
     bent, loads = bent_legs(question.mechanism), question.mechanism.loads
     pressures = resultants(question.mechanism)
-    # Frequencies of other models have a stiffness inside the legs that is not that of beams.
+    # Frequencies under load are computed for beams only: other models have another stiffness inside
+    # the legs than the beams of this computation.
     stability = stabilities(model, postures, options, solved.count if model == "beam" else 0)
     forces = load_forces(model, postures, options)
     return [
         {
             "loads": dict(zip(names, displacements, strict=True)),
-            # Bent legs have no geometric stiffness.
+            # Buckling of bent legs is not computed.
             "stability": {}
             if bent
             else {

@@ -38,9 +38,9 @@ _OF_GIVEN_LEGS = ("legs", "equivalent")
 
 
 def split_ends(model: ModelName, options: dict[str, Any]) -> tuple[dict[str, Any], bool]:
-    """Options of a model, without `ends` if that is "free-free"; and True if it was.
+    """Options of a model without `ends` if it is "free-free", and True if it is "free-free".
 
-    A free solid has end faces that are free to warp.
+    A free solid has `ends` "free": its end faces are free to warp.
     """
     if options.get("ends") != "free-free":
         return options, False

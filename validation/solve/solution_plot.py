@@ -77,8 +77,9 @@ def loads_plot(
 ) -> Figure:
     """Plot of the displacement (µm) under each load, and of the buckling factor.
 
-    Both map the load's name to a number for each of p poses (NaN if there is none). Curves over
-    `abscissa` (p values and their label); for a single pose, a mark for each load.
+    `displacements` and `factors` have p values for each load, one for each pose (NaN if there is
+    none). Curves over `abscissa` (p values and their label); for a single pose, a mark for each
+    load.
     """
     x, label = abscissa
     quantities = ((DISPLACEMENT, displacements, from_zero), (FACTOR, factors, powers))

@@ -41,8 +41,8 @@ from validation.solve.question import OF_ELEMENTS, Question
 
 # Frequency (Hz) for which CAD parts are reduced if no modes are requested, below all their modes.
 _LOWEST = 1e-3
-# Elements per leg for the effect of printed digits: for six modes it differs by a hundredth from
-# that with 20.
+# Elements per leg for the effect of printed digits. For six modes, this effect differs by one per
+# cent from that with 20 elements.
 _FEW_ELEMENTS = 6
 
 
@@ -114,7 +114,7 @@ def _part_mesh(robot: RobotOnPath, reading: Reading) -> PartMeshing | None:
 
 
 def _modes(question: Question, robot: RobotOnPath, reading: Reading) -> PathModes | None:
-    """Requested number of modes. If none is requested, six modes, or all if there are fewer.
+    """Modes, as many as requested. If no number is requested, six, or all if there are fewer.
 
     The result is None if nothing has mass.
     """
@@ -151,7 +151,7 @@ def _first_modes(question: Question, robot: RobotOnPath, reading: Reading, count
 
 
 def _leg(name: str, robot: RobotOnPath, options: ModelOptions) -> tuple[Leg, ModelOptions]:
-    """Leg of a body, and model options with its own end condition, if the file specifies one."""
+    """Leg `name`, and options with its end condition if the robot file specifies one."""
     leg = leg_of(robot.mechanism.bodies[name])
     if not isinstance(leg, GivenLeg) and leg.ends is not None:
         options = replace(options, ends=leg.ends)

@@ -57,7 +57,7 @@ class SolvedQuestion:
     models: dict[int, Model] = field(default_factory=dict)
 
     def model(self, divisions: int | None = None) -> Model:
-        """Model with these divisions of prisms. Those of the question if None."""
+        """Model with these `divisions` of prisms. None stands for the divisions of the question."""
         divisions = divisions or self.question.options.divisions
         if divisions not in self.models:
             given = {**self.question.given, "divisions": divisions}
@@ -99,7 +99,7 @@ class SolvedQuestion:
         return [load.name for load in self.question.mechanism.loads]
 
     def split(self, compliance: Array, loads: Array, frequencies: Array) -> list[HalfWidths]:
-        """Half-widths of each pose, from those of all poses (P×6, P×6L and P×m).
+        """Half-widths as one record for each pose, from arrays for all poses (P×6, P×6L and P×m).
 
         Shapes: P poses, L loads, m modes.
         """
@@ -303,7 +303,9 @@ def _finite_frequencies(modes: PathModes) -> Array:
 
 
 def second_divisions(options: ModelOptions, legs: Sequence[Leg]) -> int:
-    """Divisions of a second mesh: half of the first, one, or the fewest larger ones that differ.
+    """Divisions of a second mesh, whose element sizes differ enough from those of the first mesh.
+
+    The first of these that does: half the divisions, one division, more divisions one by one.
 
     Round and thin-walled sections need so many elements that fewer divisions often give the same
     mesh, whose uncertainty would then appear to be zero.
@@ -324,7 +326,7 @@ def _ratio(section: Section, first: int, second: int) -> float:
     try:
         coarse, fine = sorted(element_count(section, divisions) for divisions in (first, second))
     except InputError:
-        # A section added by a user: elements in proportion to divisions.
+        # For a section added by a user, the element size is assumed proportional to 1/divisions.
         return max(first, second) / min(first, second)
     return sqrt(fine / coarse)
 

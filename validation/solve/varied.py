@@ -51,9 +51,9 @@ _LOADS = 3 * (1000.0,) + 3 * (100.0,)
 _MICRO = 1e6
 # Resolution of a picture (dots per inch), and largest number of distinguishable curves.
 _DOTS, _LARGEST_CURVE_COUNT = 150, len(OTHERS)
-# Panels side by side.
+# Number of panels side by side.
 _COLUMNS = 3
-# Numbers of a map, and the smallest number of values of each.
+# Number of varied parameters of a map, and the smallest number of values of each.
 _MAP_NUMBERS, _FEWEST_FOR_MAP = 2, 3
 
 
@@ -71,7 +71,7 @@ class VariedAnswers:
 
     @property
     def names(self) -> list[str]:
-        """Varied numbers of each robot with their keys."""
+        """Text for each robot with the keys and values of its varied parameters."""
         return [assignments(self.variations, values) for values in self.values]
 
     @property
@@ -98,7 +98,7 @@ class _Unit:
 
 
 def solve_sent(question: Question, sent: Provisions | None) -> Solution:
-    """Solution of a question, on a machine that can lack the files of its parts."""
+    """Solution of a question, with the files of its CAD parts from `sent` unless that is None."""
     if sent is not None:
         question = replace(question, robot_file=sent.unpack(question.robot_file))
     return solve(question)
@@ -203,10 +203,10 @@ def solve_varied(
 
 
 def numbers_without_effect(answers: VariedAnswers) -> list[str]:
-    """Lines on varied numbers that change no answer."""
+    """Lines on varied parameters that change no answer."""
     lines = []
     for index, variation in enumerate(answers.variations):
-        # Results of the robots that differ in this number alone.
+        # Results of the robots that differ in this parameter alone, by their other parameters.
         results_by_others: dict[tuple[float, ...], set[bytes]] = {}
         for values, solution in zip(answers.values, answers.solutions, strict=True):
             numbers = [
@@ -231,8 +231,8 @@ def numbers_without_effect(answers: VariedAnswers) -> list[str]:
 def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:
     """Columns of the table, one row for each robot and posture.
 
-    Values, pose, deflections and frequencies; with a purpose, also its other quantities (of the
-    robot, in its worst pose) and whether the robot meets all conditions.
+    Varied parameters, pose, deflections and frequencies. With a purpose, also its other quantities
+    (of the robot, in its worst pose), and "yes" or "no" for meeting all conditions.
     """
     rows = answers.rows
     table: dict[str, list[float | str]] = {
@@ -319,10 +319,10 @@ def require_few_curves(variations: Sequence[Variation], places: int) -> None:
 
 
 def png(robot_file: RobotFile, answers: VariedAnswers) -> bytes:
-    """PNG of deflections and frequencies over the varied numbers, one panel each.
+    """PNG of deflections and frequencies over the varied parameters, one panel each.
 
-    Over two numbers with several values each in one pose: maps. Otherwise curves over the first,
-    one for each combination of the other numbers and poses.
+    Panels are maps if two parameters with several values each are varied in one pose. Otherwise
+    they have curves over the first, one for each combination of the other parameters and poses.
     """
     # Imported here: only a picture needs the plotting library.
     from validation.drawing.chart import Chart, few_ticks  # noqa: PLC0415
@@ -343,13 +343,13 @@ def png(robot_file: RobotFile, answers: VariedAnswers) -> bytes:
 
 
 def _is_map(variations: Sequence[Variation], places: int) -> bool:
-    """True if two numbers have enough values for a map, in one pose."""
+    """True if two parameters have enough values for a map and there is one pose."""
     enough = [len(variation.values) >= _FEWEST_FOR_MAP for variation in variations]
     return places == 1 and len(enough) == _MAP_NUMBERS and all(enough)
 
 
 def _maps(answers: VariedAnswers, y_label: str) -> list["Panel"]:
-    """Maps over two numbers: of all columns, or of the quantities of a purpose.
+    """Maps over two parameters: of all columns, or of the quantities of a purpose.
 
     A star marks the best robot. The objective is blank where a condition is missed.
     """
@@ -385,7 +385,7 @@ def _maps(answers: VariedAnswers, y_label: str) -> list["Panel"]:
 
 
 def _curves(answers: VariedAnswers, *, several: bool) -> list["Panel"]:
-    """Curves over the first number. `several`: the labels name the pose."""
+    """Panels of curves over the first varied parameter. `several`: labels contain the pose."""
     from validation.drawing.chart import Panel, Series, from_zero  # noqa: PLC0415
 
     first, *other_variations = answers.variations
@@ -409,7 +409,7 @@ def _curves(answers: VariedAnswers, *, several: bool) -> list["Panel"]:
 
 
 def _curve(variations: Sequence[Variation], values: Sequence[float], answer: Answer | None) -> str:
-    """Label of a curve: values of all varied numbers but the first, and the pose."""
+    """Label of a curve: values of all varied parameters but the first, and the pose of `answer`."""
     texts = [assignments(variations, values)] if variations else []
     if answer is not None:
         name = "x" if answer.place.pose is None else "pose"

@@ -1,7 +1,7 @@
 """Cases on design decisions by models, for values of one number of the robot file.
 
-Input: curves of all models and of the reference over a varied number. Output: two verdicts for each
-model. Rule: a model decides well if the value that it chooses is within 1 % of the best by the
+Input: curves of all models and of the reference over a varied parameter. Output: two verdicts for
+each model. Rule: a model decides well if the value that it chooses is within 1 % of the best by the
 reference, and if its ranking of the values has a rank correlation of nearly 1 with that of the
 reference.
 """
@@ -43,7 +43,7 @@ _cases = CaseGroup(
 
 
 def cases_over(robot_file: RobotFile, variations: Sequence[Variation]) -> tuple[Case, ...]:
-    """Cases for each varied number and each model on which the robot file relies.
+    """Cases for each varied parameter and each model on which the robot file relies.
 
     If it relies on none, the cases are for all models except the simplified one, which does not
     depend on the legs.

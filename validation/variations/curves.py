@@ -62,7 +62,7 @@ class VariedModels:
 class VariedRobot:
     """One robot of a variation as a unit of work: its deflections or frequencies along its path.
 
-    `value` is a text with the varied number and its key, for messages.
+    `value` is a text with the key and value of the varied parameter, for messages.
     """
 
     robot_file: RobotFile
@@ -73,7 +73,7 @@ class VariedRobot:
     def postures(self) -> tuple[Posture, ...]:
         """Postures of the path.
 
-        Raises InputError, which names the value of the varied number, if a pose is out of reach.
+        Raises InputError, which names the value of the varied parameter, if a pose is out of reach.
         """
         with naming(f"--vary {self.value}"):
             return path_postures(self._context())
@@ -81,8 +81,8 @@ class VariedRobot:
     def compute(self) -> VariedModels:
         """Results of all models for this robot.
 
-        Raises InputError if there is no reference, and ComputationError; both messages contain the
-        value.
+        Raises InputError if there is no reference, and ComputationError if a model cannot be
+        solved. Both messages contain the value of the varied parameter.
         """
         postures = self.postures()
         with naming(f"--vary {self.value}"):
@@ -126,7 +126,7 @@ def checked_variations(
 ) -> tuple[Variation, ...]:
     """Variations from texts of the command line.
 
-    Raises InputError, with the values, if a robot is impossible or cannot follow its path.
+    Raises InputError, which names the value, if a robot is impossible or cannot follow its path.
     """
     variations = variations_of(robot_file, typed)
     for variation in variations:
@@ -138,7 +138,7 @@ def checked_variations(
 def varied_robots(
     robot_file: RobotFile, variation: Variation, preset: Preset
 ) -> tuple[VariedRobot, ...]:
-    """Units of work for all values of the varied number: first deflections, then frequencies."""
+    """Units of work for all values of the parameter: first deflections, then frequencies."""
     robots = varied(robot_file, (variation,))
     return tuple(
         VariedRobot(robot, preset, assignments((variation,), values), objective)
@@ -264,7 +264,7 @@ def _stacked(robots: Sequence[VariedModels]) -> Compared:
                 curve[row] = values[:common]
         return curves
 
-    # The first reference differs between robots if a varied number gives a section, and thereby a
+    # The first reference differs between robots if the variation gives a section, and thereby a
     # solid, to a leg known by its 6×6.
     references = list(dict.fromkeys(str(robot.names[robot.first_reference]) for robot in robots))
     differences = {
@@ -274,9 +274,9 @@ def _stacked(robots: Sequence[VariedModels]) -> Compared:
 
 
 def decision_of(objective: Objective, robots: Sequence[VariedModels]) -> Decision:
-    """Decision between the robots by all models that solve each robot, and by the reference.
+    """Values of an objective for all robots, by the models that solve each robot and the reference.
 
-    The reference is that under each interpretation of the robot file.
+    The reference has values under each interpretation of the robot file.
     """
     common_models = [
         str(name)

@@ -74,7 +74,8 @@ class Decision:
         """Half-width of the loss of a design.
 
         The values of the reference are changed by their half-widths: that of the design in one
-        direction, all others in the opposite one. Other interpretations are covered as well.
+        direction, all others in the opposite one. The half-width also covers the losses under the
+        other interpretations of the robot file.
         """
         signs = np.full(len(self.reference), -1.0)
         signs[design] = 1.0
@@ -85,7 +86,7 @@ class Decision:
 
         For the half-width, the values of the reference are changed by at most their half-widths, in
         proportion to the rank of each design, towards the ranking by the model and away from it.
-        Other interpretations are covered as well.
+        The half-width also covers ρ under the other interpretations of the robot file.
         """
         model_values = self.models[model]
         ranks = _ranks(model_values)
@@ -95,9 +96,10 @@ class Decision:
         return correlation, half_width
 
     def _half_width(self, number: Callable[[Array], float], directions: Array) -> float:
-        """Largest change of a `number` if the values of the reference change by their half-widths.
+        """Largest change of `number` if the values of the reference change by their half-widths.
 
-        `directions` (n, from −1 to 1) are factors on the half-widths.
+        `number` is a function of these values (n). `directions` (n, from −1 to 1) are factors on
+        the half-widths. The values under the other interpretations also count as changes.
 
         Shapes: n designs.
         """

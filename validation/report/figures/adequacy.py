@@ -92,16 +92,17 @@ def measured_curves(matrix: Matrix) -> Chart | None:
 
 
 def _chart(panels: Sequence[Panel], matrix: Matrix, table: Mapping[str, Column]) -> Chart:
-    """Chart of panels over the poses of a matrix, with its table of data."""
+    """Chart of panels over the poses of a matrix, with `table` as its data."""
     _, label = _abscissa(matrix)
     ticks = partial(few_ticks, count=5, whole=label == _POSE)
     return Chart(panels, label, min(len(panels), _COLUMNS), 1.9, table, ticks)
 
 
 def _abscissa(matrix: Matrix) -> tuple[Array, str]:
-    """Abscissa (p) with its label: the only coordinate of the poses, or the number along the path.
+    """Abscissa (p) of charts over the poses, with its label.
 
-    Entries of single legs have no pose. Shapes: p poses.
+    It is the coordinate of the poses if they have only one, otherwise the number of each pose along
+    the path, from 1. Shapes: p poses.
     """
     poses = np.reshape(matrix.poses, (len(matrix.poses), len(matrix.coordinates)))
     if len(matrix.coordinates) == 1:

@@ -112,8 +112,8 @@ def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
     """Points of all legs and CAD parts (m, base axes) and their displacements (base axes).
 
     There are `COMPARED_POINTS` of each body. They lie on the centreline of a leg, and in a row from
-    the first interface of a part to its last. Displacements of the m points are m×3 for `unknowns`
-    n, m×3×k for n×k.
+    the first interface of a part to its last. The displacements of the m points have the shape m×3
+    if `unknowns` has the shape n, and m×3×k if it has the shape n×k.
     """
     mechanism = system.posture.mechanism
     points_by_body: dict[str, Array] = {}
@@ -138,7 +138,7 @@ def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
 
 
 def leg_outlines(system: System, displaced: Array) -> Wire:
-    """Outlines of legs at the compared points, and edges between the faces of CAD parts.
+    """Outlines of leg sections at the compared points, and edges between the faces of CAD parts.
 
     `displaced`: unknowns (n) of the system, enlarged by the factor of the drawing.
     """

@@ -1,4 +1,4 @@
-"""Charts of deflections and frequencies by all models, over the path or over a varied number.
+"""Charts of deflections and frequencies by all models, over the path or a varied parameter.
 
 Input: the context of a run, and a variation. Output: charts with differences from the reference.
 """
@@ -117,7 +117,7 @@ def frequency_chart(
 def _chart(
     panels: Sequence[Panel], label: str, abscissa: Mapping[str, Column], columns: int = 3
 ) -> Chart:
-    """Chart of panels over a path or a varied number. An axis of pose numbers has integer ticks."""
+    """Chart of panels over a path or a varied parameter. Pose numbers have integer ticks."""
     ticks = partial(few_ticks, whole=label == _POSE)
     return Chart(panels, label, columns, table=abscissa, x_scale=ticks)
 
@@ -131,7 +131,9 @@ def _panel(compared: Compared, x: Array, column: int, title: str, factor: float)
 
 
 def _path_abscissa(context: Context) -> tuple[Array, str, Mapping[str, Column]]:
-    """Abscissa (p): the only coordinate that changes along the path, or the number of the pose.
+    """Abscissa (p), its label and its columns of data.
+
+    It is the coordinate that changes along the path if only one does, otherwise the pose number.
 
     Shapes: p poses.
     """
@@ -147,7 +149,7 @@ def _path_abscissa(context: Context) -> tuple[Array, str, Mapping[str, Column]]:
 
 
 def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
-    """Figures of deflections, frequencies and chosen values over each varied number."""
+    """Figures of deflections, frequencies and chosen values over each varied parameter."""
     planned: list[PlannedFigure] = []
     for number, variation in enumerate(variations, start=1):
         group, effort = FigureGroup(PARAMETERS, f"vary.{number}"), float(len(variation.values))
@@ -181,7 +183,7 @@ def _frequencies(context: Context, variation: Variation) -> Chart:
 
 
 def _decisions(context: Context, variation: Variation) -> Chart:
-    """Chart with a panel for each objective: all models over the values, best values starred."""
+    """Chart with a panel for each objective over the varied parameter. A star marks the best."""
     objectives = varied_curves(context, variation)
     x, label, abscissa = _varied_abscissa(context, variation)
     panels = [objective_panel(varied.decision, x) for varied in objectives.values()]
@@ -196,7 +198,7 @@ def _decisions(context: Context, variation: Variation) -> Chart:
 
 
 def objective_panel(decision: Decision, x: Array) -> Panel:
-    """Panel of an objective for n designs over their values x, by each model and reference.
+    """Panel of an objective for n designs, by each model and reference, over the parameter x (n).
 
     A star marks the best value of each model and of the first reference.
     """
@@ -230,7 +232,7 @@ def _choices_sentence(varied: VariedCurves, variation: Variation) -> str:
 
 
 def _location(context: Context, varied: VariedCurves) -> str:
-    """Text on the pose of the compared robots: each in the middle of its path.
+    """Text on the pose in which robots are compared: the middle of the path of each.
 
     The pose is named unless it differs between the robots because their paths are varied.
     """

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 # Errors (%) below this are round-off and are not drawn.
 _LOWEST = 1e-7
-# Smallest number of meshes that shows an order.
+# Smallest number of meshes that shows an order of convergence.
 GRIDS = 4
 # Notes at the ends of curves are stacked, _LINE (pt) apart, if the last values differ by less than
 # the factor _NEAR.
@@ -26,7 +26,7 @@ _NEAR, _LINE = 2.0, 9.0
 
 
 def mesh_curves(studies: Sequence[Study]) -> Chart:
-    """Chart of studies: errors relative to the limits, or values if no order was observed."""
+    """Chart of studies: errors relative to the limits, or values if there is no formal order."""
     formal = {study.variant: study.formal_order for study in studies if study.formal_order}
     titles = list(dict.fromkeys(study.panel for study in studies))
     panels = [
@@ -59,7 +59,7 @@ def mesh_curves(studies: Sequence[Study]) -> Chart:
 
 
 def _without_order(studies: Sequence[Study]) -> list[str]:
-    """Sentence on quantities with too few meshes for an order, with a remedy.
+    """Sentence on quantities with too few meshes for an order of convergence, with a remedy.
 
     [] if there are no such quantities.
     """
@@ -117,7 +117,7 @@ def _error(study: Study, index: int) -> float | None:
 def _sizes(study: Study) -> Array:
     """Magnitudes of the errors in per cent, NaN below round-off.
 
-    The values themselves if the study has no formal order.
+    If the study has no formal order, the result is its values.
     """
     if not study.formal_order:
         return np.array(_values(study))
@@ -128,9 +128,9 @@ def _sizes(study: Study) -> Array:
 
 
 def _bar(study: Study, sizes: Array) -> Array | None:
-    """Error bars (2×n, down and up, per cent) of n values: the half-width of the finest one.
+    """Error bars (2×n, down and up, per cent) of n values. Only the finest has one (else NaN).
 
-    None if it is unknown.
+    Its length is the half-width of the uncertainty. None if that is unknown.
     """
     width = study.uncertainties.get(study.variant)
     if width is None:

@@ -57,8 +57,8 @@ figures = FigureGroup(MODES, SHARED_SOLIDS)
 def finite_elements(context: Context, count: int) -> PostureModes:
     """First `count` modes in the middle of the path, with prisms as beams and CAD parts as solids.
 
-    If there are CAD parts, modes above the cut-off frequency of their reduction are omitted. It
-    lies above twice as many modes as are judged.
+    If there are CAD parts, modes above the cut-off frequency of their reduction are omitted. This
+    frequency lies above twice as many modes as are judged.
     """
     postures = path_postures(context)
     if postures[0].mechanism.parts:

@@ -166,7 +166,7 @@ def _model_texts(context: Context) -> tuple[str, str]:
 
 
 class _DisplacedRobot:
-    """Robot displaced by `unknowns` (n) of its system. `name`: that of the mode or load."""
+    """Robot displaced by `unknowns` (n) of its system. `name`: name of the mode or load."""
 
     def __init__(self, system: System, unknowns: Array, name: str) -> None:
         self.system, self.unknowns, self.name = system, unknowns, name
@@ -190,10 +190,10 @@ class _DisplacedRobot:
 
 
 def _matching_shape(beam: PostureModes, lumped: PostureModes, mode: int) -> Array:
-    """Unknowns of the segments for the combination of their modes closest to a mode of the beams.
+    """Combination of modes of the segments (`lumped`) with the shape of a `mode` of the beams.
 
-    Only modes close in frequency to the partner of that mode are combined. The result has the same
-    sign as the beams' mode and, among modes of equal frequency, the same combination.
+    The result has the unknowns (n) of the segments. Only modes close in frequency to that mode are
+    combined. The result has its sign and, among modes of equal frequency, the same combination.
     """
     beam_samples = compared_points(beam.system, beam.modes.shapes[:, mode])[1].ravel()
     nearest = int(np.argmin(np.abs(lumped.modes.frequencies - beam.modes.frequencies[mode])))
@@ -209,13 +209,13 @@ def _matching_shape(beam: PostureModes, lumped: PostureModes, mode: int) -> Arra
 
 
 def _force_unknowns(system: System, direction: int) -> Array:
-    """Unknowns (n) under `FORCE` along an axis at the loaded point."""
+    """Unknowns (n) of a system under `FORCE` at the loaded point along base axis `direction`."""
     load = FORCE * system.tool[[direction]].T
     return solved(system).displacements(load)[:, 0]
 
 
 def _grouped(number: float) -> str:
-    """Factor as text, with a space before each group of three digits."""
+    """Number as text, with a thin space before each group of three digits."""
     if number < 1.0:
         return f"{number:g}"
     return f"{number:,.0f}".replace(",", "\N{THIN SPACE}")

@@ -36,7 +36,8 @@ from validation.solids.solid_legs import SHARED_SOLIDS
 from validation.studies_and_figures import PATH, PlannedFigure
 from validation.verdicts import MEASURED_RESPONSE
 
-# Lowest end of a band over the magnitude, since a logarithmic axis has no zero.
+# Smallest ratio of the lower end of an uncertainty band to the magnitude, since a logarithmic axis
+# has no zero.
 _LOWEST_SHARE = 0.01
 # Highest drawn frequency over that of the highest measured mode.
 _FREQUENCY_FACTOR = 1.2
@@ -55,7 +56,7 @@ def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
 
 
 def measured_figures(robot_file: RobotFile) -> tuple[PlannedFigure, ...]:
-    """Figure of the response of a modal test that supplied most values. () if there is no test."""
+    """Figure of the measured response that belongs to measured values. () if none has one."""
     group = FigureGroup(PATH, "")
     if any(value.response is not None for value in robot_file.measured):
         group.figure(
