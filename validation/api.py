@@ -615,7 +615,7 @@ def run(
     >>> finished.exit_code, finished.report.name
     (0, 'report.html')
     """
-    # The session loads every case; solving a model needs none of them.
+    # These modules load every case; solving a model needs none of them.
     from validation.catalogue import catalogue  # noqa: PLC0415
     from validation.validate import Request, validate  # noqa: PLC0415
 
@@ -1012,7 +1012,7 @@ def export(
 
 
 _OPTION = re.compile(r"(?<!\S)--([a-z]+)")
-# Arguments that are called otherwise than the options of the command line.
+# Options of the command line whose arguments in Python have another name.
 _ARGUMENTS = {"pose": "poses", "x": "poses", "load": "loads"}
 
 
@@ -1030,7 +1030,7 @@ def _arguments_named() -> Iterator[None]:
 
 
 def _model_options(options: dict[str, Any]) -> dict[str, Any]:
-    """The options. Raises InputError with the faults of those of the wrong type."""
+    """`options` unchanged. Raises InputError with a fault for each value of a wrong type."""
     types = get_type_hints(ModelOptions)
     if faults := [
         fault

@@ -24,7 +24,8 @@ from validation.published_statements import Claim
 from validation.record_fields import LISTING, RESULTS
 from validation.studies_and_figures import Study
 
-# Comparison of two models, of a model with its own refinement, or of all formulations of one leg.
+# Comparison of two models, of a model with its own refinement, of all formulations of one leg, or
+# of the designs that models choose.
 CaseKind: TypeAlias = Literal["comparison", "convergence", "agreement", "decision"]
 ReferenceKind: TypeAlias = Literal[
     "closed-form", "published", "paper-statement", "finer-model", "independent-solver"
@@ -44,7 +45,7 @@ class Relation(Enum):
     def excess(self, difference: float) -> float:
         """Amount by which `difference` (value − reference) violates the relation.
 
-        Negative if it holds.
+        At most zero if it holds.
         """
         match self:
             case Relation.EQUAL:
@@ -121,7 +122,7 @@ class UnjudgedValue:
     """A value and its reference in `unit`, displayed without a verdict.
 
     `model`, `label` and `elements` as in `Case`. `half_width`: numerical uncertainty of the
-    reference, It is None if unknown.
+    reference, None if unknown.
     """
 
     model: str
@@ -146,7 +147,7 @@ class Measurement:
     the value, of the reference and of the unexplained difference (half-widths, 95 %). The third is
     set if value and reference have the same mesh, so that its errors cancel; otherwise it follows
     from the other two. Either at least one of these is set, or the numbers are `exact`: nothing is
-    discretised, and round-off is the only error. Neither, or both, raise ValueError.
+    discretised, and round-off is the only error. ValueError is raised for neither or both.
 
     `table`: columns of equal length by heading. `studies`: convergence studies and sweeps to be
     displayed with the case. `pose`: the pose of the numbers. If a case compares several poses or

@@ -107,7 +107,7 @@ class CaseGroup:
     def __call__(self, **parameters: Any) -> tuple[Case, ...]:
         """All cases of the group, for `parameters` whose values depend on the robot file.
 
-        Raises KeyError for a template, TypeError for a function, with an unknown parameter.
+        Raises KeyError for an unknown parameter in a template, and TypeError for one of a function.
         """
         return tuple(
             case
@@ -152,7 +152,7 @@ def _combinations(parameters: Mapping[str, Any], over: Over) -> list[dict[str, A
 
 
 def _filled(row: Mapping[str, Any], field: Any) -> Any:
-    """Field with the parameters filled in."""
+    """Field with the parameter values of `row` filled in."""
     if isinstance(field, tuple):
         return tuple(_filled(row, text) for text in field)
     if isinstance(field, str):

@@ -1,7 +1,7 @@
 """List of all cases, assessments and figures that a run can compute for a robot.
 
 Input: a robot file and the variations of a request. Output: tasks. Rule: the robot decides which
-apply; the paper's statements belong to the paper's robot only.
+tasks apply; the paper's statements belong to the paper's robot only.
 """
 
 from collections.abc import Sequence

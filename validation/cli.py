@@ -138,7 +138,7 @@ def _own_variable(name: str) -> Iterator[None]:
 
 
 def _interrupted(number: int, _frame: object) -> None:
-    """Handler of SIGTERM: end the command as Ctrl-C does, without further interruption."""
+    """Handler of SIGTERM: end the command as Ctrl-C does, and ignore further signals."""
     signal.signal(number, signal.SIG_IGN)
     raise KeyboardInterrupt
 
@@ -151,7 +151,7 @@ def _run(arguments: list[str]) -> int:
         returned = command(*bound.args, **bound.kwargs)
         code = returned if isinstance(returned, int) else 0
     except SystemExit:
-        # rich, which prints help, exits in this way when the reader of a pipe has ended.
+        # rich, which prints help, raises SystemExit when the reader of a pipe has ended.
         pass
     except OSError as error:
         # Help and version are printed by cyclopts.
@@ -176,7 +176,7 @@ def _in_a_folder() -> bool:
     return True
 
 
-# Computing time (s) during which nobody presses Ctrl-C.
+# Computing time (s) beyond which a separate process computes, so that Ctrl-C ends it at once.
 _PATIENCE = 2.0
 
 
@@ -509,7 +509,7 @@ def solve(
         )
         return 0 if found else 1
     cost = checked(question)
-    # Parts are not counted.
+    # Unknowns of CAD parts are not counted.
     size = f", {cost.size}" if cost.unknowns else ""
     with stage(f"{model} model{size}", cost.seconds):
         if cluster is not None:

@@ -210,7 +210,7 @@ class CrossValidation:
         Returns
         -------
         ResultTable
-            Values, difference from the solid and its parts, tolerance, verdict.
+            Values, difference from the solid, parts of this difference, tolerance, verdict.
 
         Examples
         --------

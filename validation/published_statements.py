@@ -14,7 +14,7 @@ import msgspec
 Standing: TypeAlias = Literal[
     "both", "as printed alone", "as corrected alone", "in part", "neither", "circular"
 ]
-# In display order.
+# Standings in display order, with their texts.
 STANDINGS: Mapping[Standing, str] = {
     "both": "true as printed and as corrected",
     "as printed alone": "true only as printed",

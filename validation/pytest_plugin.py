@@ -53,7 +53,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Create the session's stores. Raises UsageError with the faults of a requested robot file.
 
-    Workers of pytest-xdist do not read the files: the session would end before starting them.
+    Workers of pytest-xdist do not check the files, because a fault ends the session before they
+    start.
     """
     config.stash[_ASSESSMENTS] = {}
     config.stash[_CONTEXTS] = {}
@@ -66,7 +67,7 @@ def pytest_configure(config: pytest.Config) -> None:
 def flexproof(request: pytest.FixtureRequest) -> Callable[..., "Adequacy"]:
     """Fixture `flexproof(robot, accept=…)`: adequacy of a robot's models, once per session.
 
-    A relative path starts in the folder of the test.
+    A relative path is sought first in the folder of the test.
     """
 
     def judge(robot: str | Path, accept: Mapping[str, float] | None = None) -> "Adequacy":
@@ -201,7 +202,7 @@ def _assessment(
     loaded = load(robot)
     preset = config.getoption("flexproof_preset")
     assessments = config.stash[_ASSESSMENTS]
-    # New limits need no new computation, a new number of modes does.
+    # New limits need no new computation, but a new number of modes does.
     modes = {"modes": accept["modes"]} if accept and "modes" in accept else {}
     key = loaded.sha256, preset, modes.get("modes")
     if key not in assessments:

@@ -1,7 +1,7 @@
 """Annotations of record fields, from which columns of tables and keys of JSON are made.
 
 Input: records whose fields are annotated, as in `Annotated[str, COLUMN]`. Output: column headings,
-and JSON objects. The record alone lists its fields.
+and JSON objects. Fields are listed in the record only.
 """
 
 import json

@@ -100,9 +100,9 @@ class ElementStudy(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", 
     `series` and all other mappings have the formulation as key.
 
     Fields with the names of fields of `Study` have the same meaning. A value of `series` is None if
-    the count was not computed. `needed`: smallest counts for relative errors, by the error as text.
-    A count is None if it exceeds the largest computed one. `stated`: element count of the agreement
-    limits. `body`: None for the robot.
+    the count was not computed. `needed`: smallest counts whose relative error is below a limit,
+    by the limit as text. None if it exceeds the largest computed count. `stated`: element count
+    from which on the error limit of `[agree]` applies. `body`: None for the robot.
     """
 
     id: str

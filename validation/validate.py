@@ -316,11 +316,11 @@ def _compute_tasks(
         folder.keep(record, now - begun)
         results.add(record)
         if record["id"] == ADEQUACY and results.matrix and not is_quiet():
-            # Written long before the report is complete.
+            # The verdict is known long before the report is complete.
             write_message(sentence(results.matrix, results.rely).replace("\N{NO-BREAK SPACE}", " "))
         results.header = dict(results.header) | {"seconds": now - begun}
-        # All records are stored in any case. This file is for readers during the run, and grows
-        # with it.
+        # The record is already stored. results.json is for readers during the run, and is written
+        # less often as it grows.
         if now >= due:
             folder.write({"results.json": results.as_json()})
             due = now + (perf_counter() - now) * _WRITE_PAUSE

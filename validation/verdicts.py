@@ -24,7 +24,7 @@ Q = TypeVar("Q")
 C = TypeVar("C", bound="CauseShare")
 # Ids of the two assessments of a run: against computed and against measured references.
 ADEQUACY, MEASURED = "adequacy", "adequacy.measured"
-# Id of the figure of a measured response and those of the models.
+# Id of the figure with a measured response and the responses of the models.
 MEASURED_RESPONSE = "measured.response"
 
 
@@ -80,12 +80,12 @@ class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
     # Half-width of `error`.
     uncertainty: Annotated[float | None, COLUMN] = None
     # Lowest and highest error over all readings with their half-widths; they decide the verdict.
-    # Those of a displacement end at zero.
+    # Those of a displacement are not below zero.
     low: Annotated[float | None, COLUMN] = None
     high: Annotated[float | None, COLUMN] = None
     # Largest accepted magnitude of the error. Infinite if any error is accepted.
     limit: Annotated[float | None, COLUMN] = None
-    # Signed error of the displacement along its load. None for frequencies.
+    # Signed error of the displacement component along the load. None for frequencies.
     along: Annotated[float | None, Column("error along the load")] = None
     # Value of the model: Hz; for displacements along their load, m/N, rad/(N m), or m for loads.
     value: Annotated[float | None, COLUMN] = None
@@ -139,7 +139,7 @@ class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
 class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
     """Entry within a run, with numbers that the page displays and results.json omits."""
 
-    # Infinite numbers are None in the base class, since JSON has none.
+    # The base class has None for infinity, which JSON lacks.
     limit: Annotated[float, COLUMN] = inf
     uncertainties: Mapping[str, float] = {}
     # Lowest and highest value of the reference over all readings, with half-widths.

@@ -57,7 +57,7 @@ def checked(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def faults_of(name: str, value: object, hint: Any) -> list[str]:
-    """Message if an argument is not of the type `hint`. [] if it is."""
+    """Message if the argument `name` is not of the type `hint`. [] if it is."""
     if _fits(value, hint):
         return []
     suggestion = did_you_mean(value, _choices(hint)) if isinstance(value, str) else ""

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 # A shorter estimate (s) is not written, nor are lines before this time.
 _SILENT_SECONDS = 5.0
-# Delay (s) of the estimate after the start. Results from the cache are ready before.
+# Delay (s) of the estimate after the start. Results from the cache are ready sooner.
 _ESTIMATE_DELAY = 1.0
-# Estimates (s) from this one on are written in minutes.
+# Estimates of at least this time (s) are written in minutes.
 _MINUTES = 120.0
 # Time (s) of the test computation on an idle core of the reference machine, on which costs were
 # measured.
@@ -56,7 +56,8 @@ def progress_shown(
 ) -> Iterator[None]:
     """Context that shows `display` on a terminal, or writes lines to any other stream.
 
-    `line` returns a line of text, given a text on the remaining time. `seconds` as in `stage`.
+    `line` turns a text on the remaining time into a line of text. `seconds`: time of the task
+    on an idle core of the reference machine, 0 if unknown.
     """
     if is_quiet():
         yield

@@ -2,7 +2,7 @@
 
 Input: results and messages. Output: results on stdout, messages on stderr. Rule: if results cannot
 be written, the command fails; a message that cannot be written is lost; if the reader of a pipe
-ends early, nothing happens.
+ends early, no error is raised.
 """
 
 import codecs
@@ -129,8 +129,8 @@ def _discard(stream: TextIO) -> None:
 def _ascii_by_locale() -> str | None:
     """Encoding "ascii" if LC_ALL is C or POSIX, otherwise None.
 
-    Without this, Python would replace ASCII with UTF-8. PYTHONIOENCODING and PYTHONUTF8 take
-    precedence over LC_ALL.
+    If it is not set on a stream, Python replaces ASCII with UTF-8. PYTHONIOENCODING and PYTHONUTF8
+    take precedence over LC_ALL.
     """
     python_settings = {"PYTHONIOENCODING", "PYTHONUTF8"} & os.environ.keys()
     ascii_locale = os.environ.get("LC_ALL") in {"C", "POSIX"}

@@ -97,7 +97,7 @@ def as_simscape(reduced: Reduced) -> bytes:
     """Variables (.mat) of the block Reduced Order Flexible Solid.
 
     These are origins, stiffness, mass and damping. Each interface has a frame with the axes of the
-    body; frames are in the order of the unknowns. => x
+    body; frames are in the order of the unknowns.
     """
     return _mat(
         {
@@ -144,8 +144,8 @@ def as_statespace(robot: ReducedRobot, kind: str) -> bytes:
     """State space (A, B, C, D) of the robot about its pose. `kind` is the suffix, .npz or .mat.
 
     States: modal amplitudes q (kg^½ m) and their rates. Inputs: forces of the elastic drives along
-    their axes, then the wrench at the tool. Outputs: the tool's twist. The damping of each mode is
-    its loss at its own frequency; dashpots couple the modes. D is the static compliance of all
+    their axes, then the wrench at the tool. Outputs: the tool's twist. Each mode is damped by its
+    loss factor at its own frequency; dashpots couple the modes. D is the static compliance of all
     omitted modes, so that the static response is exact.
     """
     reduced, solution, modes = robot.matrices, robot.solution, robot.modes

@@ -47,11 +47,11 @@ _Solid: TypeAlias = tuple[BodyModel, Truncated, Count]
 class Reduced:
     """Reduced stiffness and mass (n×n, SI, symmetric) for n named `unknowns` q.
 
-    `ports`: rows by name, 6×n for twists and 1×n for displacements of drives. `points` (3, m):
-    points of the twists. `about`: text on the axes and on the end conditions of the `frequencies`
-    (m, Hz, ascending). These are too high by at most `bounds` (m, Hz). `counted`: for each body,
-    the number of modes with all interfaces fixed and the frequency (Hz) below which all of them are
-    kept.
+    `ports`: matrices by name from q to twists (6×n) or to displacements of drives (1×n). `points`
+    (3, m): points of the twists. `about`: text on the axes and on the end conditions of the
+    `frequencies` (m, Hz, ascending). These are too high by at most `bounds` (m, Hz). `counted`: for
+    each body, the number of modes with all interfaces fixed and the frequency (Hz) below which all
+    of them are kept.
     """
 
     name: str

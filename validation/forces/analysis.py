@@ -38,7 +38,7 @@ from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 # Order of convergence of the forces with the number of segments, whose mass is lumped: that of the
 # layout with springs of half length at both ends, and that of the paper's layout.
 _HALF, _LITERAL = 2.0, 1.0
-# Ratio of element sizes between meshes of CAD parts with half as many unknowns, and the lowest
+# Ratio of element sizes if a mesh of a CAD part has half as many unknowns, and the lowest
 # order of convergence of their stiffness, due to singular stresses at the edges of bores.
 _PART_RATIO, _PART_ORDER = 2.0 ** (1.0 / 3.0), 1.0
 
@@ -50,7 +50,7 @@ def forces(
     on_path: bool = False,
     solids: bool = False,
 ) -> Forces:
-    """Forces in the poses of a question or of the path, under the named loads. All loads if none.
+    """Forces in the poses of a question or of the path, under `loads` (names; all if empty).
 
     With `solids`, stress fields of all bodies are included. Raises InputError for a wrong question,
     a robot without loads or an unknown load, and ComputationError if the tool is free to move.

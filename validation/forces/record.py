@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 class Forces:
     """Reactions, drive forces, member forces and stresses under the loads of a robot file.
 
-    A reaction is the wrench of a joint on its second body, at the point of its first, in joint axes
+    A reaction is the wrench of a joint on its second body, at its point on the first, in joint axes
     (N, N m): x along the joint's axis. Member forces act in sections of a leg on the part towards
     its root, in leg axes. All have half-widths of their numerical uncertainty.
 

@@ -38,10 +38,10 @@ from validation.parts.meshes import FINEST, part_mesh
 from validation.solve.uncertainty import second_divisions
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Distance from singular edges, over the smallest side of the body's bounding box, within which
-# stresses do not count.
+# Distance from singular edges within which stresses are ignored, as a fraction of the smallest side
+# of the body's bounding box.
 _NEAR = 0.1
-# Order of convergence of stresses in half-widths: the lowest, as where edges are near.
+# Order of convergence of stresses for half-widths: the lowest, that of stresses near edges.
 _ORDER = 1.0
 
 
@@ -203,7 +203,10 @@ def _field(
 
 
 def _solved(solid: _Solid, ends: BodyEnds, motion: Motion) -> tuple[Array, Array]:
-    """Displacements (N×3, m) and stresses (N×6, Pa) at N nodes, in body axes."""
+    """Displacements (N×3, m) and stresses (N×6, Pa) at the N nodes of a solid, in body axes.
+
+    `ends`: wrenches and twists of its interfaces. `motion`: motion that causes its inertia forces.
+    """
     coupled, nodes = solid.rooted.solid, solid.mesh.nodes
     accelerations_of_nodes = np.array([motion.acceleration_at(arm) for arm in nodes])
     inertia = -(solid.mass @ accelerations_of_nodes.ravel())

@@ -18,8 +18,9 @@ from lumped.system.members import MemberForces
 from meshes.section.section_mesh import section_mesh
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Elements across the smaller side of a section on the coarse and on the fine mesh. Their order is
-# that of gradients of quadratic elements; near re-entrant corners the stress is steeper.
+# Elements across the smaller side of a section on the coarse and on the fine mesh. Orders of
+# convergence of stresses: that of gradients of quadratic elements, and a lower one for sections
+# with re-entrant corners.
 _DIVISIONS = (4, 8)
 _SMOOTH, _STEEP = 2.0, 1.0
 _WITHOUT_MESH = "its section has no mesh of one material"
@@ -72,7 +73,8 @@ def member_stress(leg: ConstantLeg, member: MemberForces) -> MemberStress | None
     largest = float(stresses[row, node])
     change = np.array(abs(largest - _largest(coarse, member.forces)))
     policy = MeshPolicy.of_order(2.0, _SMOOTH if fine.regular.all() else _STEEP)
-    # The von Mises stress is a norm: it changes by at most that of the change of the forces.
+    # The von Mises stress is a norm: it changes by at most that of the stresses due to the change
+    # of the forces.
     of_forces = fine.von_mises(np.diag(member.half_width))[:, fine.regular].sum(axis=0).max()
     forces = member.forces[row]
     y, z = fine.mesh.nodes[node]

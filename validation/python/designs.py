@@ -28,8 +28,8 @@ class Designs:
     """Robots that differ in one number, by all models and by the reference.
 
     `variation`: the varied number and its n values; `unit`: its unit, "" if it has none.
-    `decisions`: largest deflection (µm, under 1000 N) and smallest first frequency (Hz) over the
-    path, for each of n designs.
+    `curves`: results of all models and of the reference for the n values, by objective. Objectives
+    are the largest deflection (µm, under 1000 N) and smallest first frequency (Hz) over the path.
 
     Examples
     --------
@@ -43,7 +43,7 @@ class Designs:
 
     @property
     def decisions(self) -> Mapping[Objective, Decision]:
-        """For each objective, the design value that each model and the reference choose.
+        """For each objective, the results of all designs, from which each model chooses the best.
 
         Examples
         --------

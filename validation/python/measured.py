@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 class MeasuredComparison:
     """Every model compared with every measured quantity of a robot.
 
-    An entry of `matrix` has the comparison error E = S − D relative to the measured value D, and
-    the half-width of its 95 % interval from numerics, uncertain inputs and measurement.
+    An entry of `matrix` has the comparison error E = S − D of the model's value S, relative to the
+    measured value D, and the half-width of its 95 % interval from numerics, uncertain inputs and
+    measurement.
 
     Examples
     --------

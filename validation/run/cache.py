@@ -141,7 +141,10 @@ def keep(key: str, arrays: Mapping[str, Any]) -> Arrays:
 
 
 def require_shape(arrays: Arrays, **shapes: tuple[int | None, ...]) -> None:
-    """Raise ValueError if an array has another shape. None in a shape is any positive length."""
+    """Raise ValueError if an array does not have the shape given under its name.
+
+    None in a shape stands for any positive length.
+    """
     for name, expected_shape in shapes.items():
         shape = arrays[name].shape
         if len(shape) != len(expected_shape) or any(
@@ -179,7 +182,7 @@ def _sealed(key: str, arrays: Arrays) -> bytes:
 
 
 def _unsealed(key: str, content: bytes) -> Arrays:
-    """Arrays in a file. {} if its seal is invalid."""
+    """Arrays in the `content` of a file. {} if its seal is invalid or it cannot be read."""
     body, _, seal = content.rpartition(_SEAL)
     if seal != digest(key.encode() + body).encode():
         return {}

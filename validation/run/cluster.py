@@ -3,8 +3,8 @@
 Input: the address of a scheduler and functions that can be pickled. Output: results in order of
 completion. Rule: workers must have the same program and libraries as this process. A task whose
 worker is lost goes to another one; results come to this process when they are finished, so that
-nothing is lost with a worker or with the scheduler. Workers compute as cores do
-(`validation.run.cluster_worker`).
+nothing is lost with a worker or with the scheduler. Workers compute in the same kind of process as
+the cores of this machine (`validation.run.cluster_worker`).
 """
 
 import gc
@@ -111,11 +111,11 @@ def on_cluster(address: str, notify: Callable[[str], object]) -> Iterator["Clust
         yield cluster
     finally:
         if cluster is not None and client.status == "running":
-            # Other errors than that of the run are of no interest.
+            # An error here must not replace an error of the run.
             with suppress(Exception):
                 client.run(end_idle, list(cluster.keys), wait=False)
-        # Do not wait for a scheduler that has ended. On a busy machine, the thread that closes can
-        # start later than this; the results, or the error of a call, are here already.
+        # Do not wait for a scheduler that has ended. On a busy machine, the thread that closes the
+        # client can start after this timeout; all results, or the error of a call, have arrived.
         with suppress(TimeoutError):
             client.close(timeout=_HEARTBEAT)
 
@@ -133,7 +133,7 @@ def require_scheduler(address: str) -> None:
         with socket.create_connection(host_and_port, _ANSWER_TIMEOUT) as connection:
             greeting = connection.recv(8) if address.startswith("tcp:") else b""
     except (OSError, UnicodeError) as error:
-        # Names of hosts are encoded first.
+        # A name of a host that cannot be encoded raises UnicodeError.
         reason = (error.strerror or error) if isinstance(error, OSError) else "no name of a host"
         raise InputError(
             f"--cluster {address}: no Dask scheduler answers there: {reason}"
@@ -171,7 +171,7 @@ class _SchedulerWatch:
     def has_workers(self) -> bool:
         """True if there are workers. After ten seconds without any, a notice is written.
 
-        Raises ComputationError if the scheduler does not return in that time.
+        Raises ComputationError if the connection is closed, or lost for as long.
         """
         fault, now = self._connection_fault(), monotonic()
         self._checked = now
@@ -224,7 +224,7 @@ class Cluster(ProcessExecutor):
     watch: "_SchedulerWatch"
     log: Path = Path(os.devnull)
     begin: Work | None = None
-    # Keys of the conditions of all processes that this run began.
+    # Keys of the `Conditions` of all processes that this run began.
     keys: set[str] = field(default_factory=set)
     advice = "continue with more memory for each worker, or a coarser mesh"
 
@@ -241,13 +241,17 @@ class Cluster(ProcessExecutor):
         started: Callable[[Any], object] = lambda _name: None,
         stopped: Callable[[], bool] = lambda: False,
     ) -> Answers:
-        """Answers as of `ProcessExecutor`. Raises ComputationError if the scheduler is lost."""
+        """Answers as in `ProcessExecutor.answers`.
+
+        Raises ComputationError if the scheduler is lost.
+        """
         content = b"" if self.begin is None else pickle.dumps(self.begin)
         conditions = Conditions(content, program(solver_name()), request_variables())
         self.keys.add(conditions.key)
         sent = _SentCalls(self.distributed, self.watch, conditions)
         queue = deque(deque(group) for group in groups)
-        # Single calls wait on each worker, so that it need not wait for this process.
+        # If each group is a single call, each worker gets one call more than it has threads, and need
+        # not wait for this process.
         single = all(len(group) == 1 for group in groups)
         try:
             with _connection_errors(self.distributed, self.watch.address):
@@ -300,7 +304,7 @@ class _SentCalls:
         self._finished: SimpleQueue[tuple[str, Any]] = SimpleQueue()
 
     def _shared_conditions(self) -> Any:
-        """Future of the conditions.
+        """Dask future of the run's `Conditions`.
 
         Dask sends the value of a task to each worker once, and computes it again if it is lost.
         """
@@ -311,7 +315,10 @@ class _SentCalls:
             return self.watch.client.submit(_itself, self.conditions, key=key)
 
     def send(self, calls: deque[tuple[Any, Call]], worker: str | None = None) -> None:
-        """Submit the first of the calls, if possible to this worker and before other groups."""
+        """Submit the first of the calls.
+
+        If `worker` (its address) is not None, it is preferred, and the call precedes new groups.
+        """
         future = self.watch.client.submit(
             compute,
             calls[0][1],
@@ -338,7 +345,7 @@ class _SentCalls:
         self._finished.put((future.key, reply))
 
     def next_reply(self) -> _Arrived | None:
-        """What arrived next. None after half a second, or if a call was sent again.
+        """Next reply that arrives. None after half a second, or if a call was sent again.
 
         Raises ComputationError for a worker with another program, or one that cannot begin.
         """
@@ -359,9 +366,10 @@ class _SentCalls:
         raise self._failure(f"a worker failed with {type(reply).__name__}: {reply}") from reply
 
     def _send_again(self, calls: deque[tuple[Any, Call]]) -> _Arrived | None:
-        """Send a call that was lost with the connection. None, or its reply after three losses.
+        """Send a call again that was lost with the connection, and return None.
 
-        Raises ComputationError if the scheduler does not return.
+        If it was lost more than three times, return a reply with the exception `Crashed` instead.
+        Raises ComputationError if the scheduler does not come back.
         """
         name = calls[0][0]
         self._losses[name] += 1
@@ -371,7 +379,7 @@ class _SentCalls:
         while self.watch.client.status != "running":
             sleep(_HEARTBEAT)
             self.watch.has_workers()
-        # Its future was lost as well.
+        # The future of the conditions was lost as well.
         self._shared = self._shared_conditions()
         self.send(calls)
         return None

@@ -83,7 +83,7 @@ class Conditions:
 class _Pool:
     """Idle processes of this Dask worker, by the key of their conditions.
 
-    Each with the group of its last call.
+    Each is paired with the group of its last call. `count`: number of log files made so far.
     """
 
     idle: dict[str, list[tuple[str, Interpreter]]] = field(default_factory=dict)
@@ -91,7 +91,7 @@ class _Pool:
     count: int = 0
 
     def take(self, key: str, group: str) -> Interpreter | None:
-        """Idle process whose conditions have this `key`, that of the `group` if possible.
+        """Idle process whose conditions have this `key`, if possible the last one of the `group`.
 
         None if there is none. Processes with other conditions are ended.
         """
@@ -177,7 +177,10 @@ def _environment(conditions: Conditions, folder: Path) -> dict[str, str]:
 
 
 def _begin(interpreter: Interpreter, conditions: Conditions, wanted: Callable[[], bool]) -> None:
-    """Wait until a new process can compute. Raises DifferentProgram and Unable."""
+    """Wait until a new process can compute.
+
+    Raises DifferentProgram, and Unable if the process ends or if `wanted` returns False.
+    """
     try:
         _next_answer(interpreter, wanted).result()
         if not conditions.content:

@@ -104,7 +104,7 @@ class RunComparison:
     """Changes from one run to another.
 
     `differs`: header fields that differ. `inputs`: keys of the robot file that differ, if both runs
-    contain its tables; there is no drift then. `adequacy`: entries of both runs.
+    contain its tables; drift is then not computed. `adequacy`: entries of both runs.
     `different_robots`: names of two robots, whose cases are not compared; () if both runs are of
     one robot.
     """
@@ -238,7 +238,7 @@ def _verdict_changed(change: AdequacyChange) -> bool:
 
 
 def sentence(comparison: RunComparison) -> str:
-    """Sentence with counts of the changes, or that two different robots are not compared."""
+    """Sentence that counts the changes, or states that two different robots are not compared."""
     if comparison.different_robots:
         first, second = comparison.different_robots
         return (
@@ -289,8 +289,8 @@ def drift(
 ) -> Drifted | None:
     """Drift of a case's value or reference. None if one is unknown, or belongs to another pose.
 
-    The allowed drift is the larger of the known uncertainties of both runs, and at least 1e-9
-    (relative). If the reference is zero, it is at least a thousandth of the tolerance.
+    The allowed drift is the larger of the known uncertainties of both runs, and at least 1e-9 times
+    the magnitude. If the reference is zero, it is at least a thousandth of the tolerance.
     """
     if before.measurement is None or after.measurement is None:
         return None
@@ -308,7 +308,7 @@ def drift(
 
 
 def with_drift(outcome: Outcome, earlier: Outcome | None) -> Outcome:
-    """Outcome with its drift from an earlier one, if that is known."""
+    """Outcome with its drift from an `earlier` one. Unchanged if the drift is unknown."""
     change = drift(earlier, outcome) if earlier else None
     if change is None:
         return outcome

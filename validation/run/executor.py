@@ -2,8 +2,8 @@
 
 Input: functions without arguments. Output: number and result of each, in order of completion. Calls
 run in this process (`in_turn`), on the cores of this machine (`on_cores`), or on a Dask cluster
-(`validation.run.cluster`). Cores and workers of a cluster compute in the same processes
-(`Interpreter`). One that dies loses only one call, and the reason is known;
+(`validation.run.cluster`). Cores and workers of a cluster compute in the same kind of process
+(`Interpreter`). A process that dies loses only its current call, and the reason is known;
 docs/guide/architecture.md compares other process pools.
 """
 
@@ -59,9 +59,9 @@ class OutOfMemoryCrash(Crashed):
 
 @dataclass
 class Interpreter:
-    """A process of one thread for calls, with its output appended to `log`.
+    """A single-threaded process that computes one call at a time.
 
-    It computes one call at a time.
+    Its output is appended to `log`.
     """
 
     process: Process
@@ -94,7 +94,7 @@ class Interpreter:
     def receive(self) -> Answer:
         """Answer to the earliest request. Raises Crashed or OutOfMemoryCrash.
 
-        The second is raised if the log contains OpenBLAS's message on lack of memory.
+        OutOfMemoryCrash is raised if the log contains OpenBLAS's message on lack of memory.
         """
         try:
             return self.process.receive()
@@ -116,7 +116,7 @@ def _size(file: Path) -> int:
 
 
 class ProcessExecutor(ABC):
-    """Executor on processes of this machine or of others."""
+    """Executor on processes of this machine or of other machines."""
 
     # Advice if a process died.
     advice: ClassVar[str]
@@ -196,7 +196,7 @@ class Cores(ProcessExecutor):
         started: Callable[[Any], object] = lambda _name: None,
         stopped: Callable[[], bool] = lambda: False,
     ) -> Answers:
-        """Answers as of `ProcessExecutor`."""
+        """Answers as in `ProcessExecutor.answers`."""
         queue = deque(deque(group) for group in groups)
         busy: dict[Connection, _Worker] = {}
         try:

@@ -414,7 +414,10 @@ def _remove_earlier_run(target: Path) -> list[str]:
 
 
 def _merge(source: Path, target: Path, remarks: list[str]) -> None:
-    """Move the content of a folder, except a run's mark, into another. Equal names are changed."""
+    """Move the content of the folder `source`, except a run's mark, to `target`.
+
+    A file whose name is taken there is renamed, with a line in `remarks`.
+    """
     for entry in sorted(source.iterdir()):
         destination = target / entry.name
         if entry == target / EARLIER / MARK and mark_in(source):

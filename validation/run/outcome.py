@@ -96,9 +96,9 @@ class Outcome(Result[Verdict, Measurement], frozen=True, kw_only=True):
 def verdict(
     unexplained: float, relation: Relation, tolerance: float, uncertainty: float | None = None
 ) -> Literal["agree", "disagree", "undecided"]:
-    """Verdict "agree" if the unexplained difference keeps the relation within `tolerance`.
+    """Verdict "agree" if `unexplained` violates the relation by at most `tolerance`.
 
-    All arguments have one unit. NaN never agrees. With a numerical `uncertainty` above the
+    All numbers have the same unit. NaN disagrees. With a numerical `uncertainty` above the
     tolerance, the verdict is "undecided", unless the difference exceeds the tolerance by more than
     the uncertainty.
     """

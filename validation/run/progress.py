@@ -78,7 +78,10 @@ class RunProgress:
 
 @contextmanager
 def showing(tasks: Sequence[Task], seconds: float) -> Iterator[RunProgress]:
-    """Context with the progress of the tasks on stderr. `seconds` as in `stage`."""
+    """Context with the progress of the tasks on stderr.
+
+    `seconds`: estimated time of the run on an idle reference machine. 0 if unknown.
+    """
     progress = RunProgress(tasks)
     doing = counted(len(tasks), "comparison or figure", "comparisons, figures and verdicts")
     with progress_shown(doing, seconds, progress.line, progress):

@@ -94,7 +94,10 @@ def keep_selftest(*, passed: bool) -> None:
 
 
 def last_selftest(header: Mapping[str, Any]) -> str:
-    """Result such as "passed on 2026-01-31". "not run" if unknown for a header's program."""
+    """Result of the last self-test, such as "passed on 2026-01-31".
+
+    "not run" if no result is known for the program and the libraries in `header`.
+    """
     path = _selftest_file()
     content = read_regular(path) if path else None
     try:

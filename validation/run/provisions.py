@@ -1,7 +1,7 @@
 """Files and cache entries that the processes of a run need on other machines.
 
 Input: a robot, and arrays from the cache of this machine. Output: `Provisions`, which
-travel to each worker of a cluster once. Rule: files count by their content. Where a worker has
+travel to each worker of a cluster once. Rule: files are compared by content. If a worker has
 another file at the path, or none, it writes a copy.
 """
 
@@ -36,7 +36,7 @@ class Provisions:
         return replace(robot_file, mechanism=replace(robot_file.mechanism, bodies=bodies))
 
     def _local(self, body: Body) -> Body:
-        """The body, with a copy of its file if this machine has another one or none."""
+        """The body, with a copy of its file if this machine has none or a different one."""
         if not isinstance(body.shape, Part):
             return body
         file, content = body.shape.file, self.files[body.shape.file]
@@ -49,7 +49,7 @@ class Provisions:
 
 
 def provisions(robot_file: RobotFile, entries: Mapping[str, Arrays] | None = None) -> Provisions:
-    """Provisions of a robot: the files of all parts, and these entries."""
+    """Provisions of a robot: the files of all its parts, and the cache `entries`."""
     shapes = [body.shape for body in robot_file.mechanism.bodies.values()]
     files = {shape.file for shape in shapes if isinstance(shape, Part)}
     return Provisions({file: part_content(file) for file in files}, entries or {})

@@ -206,7 +206,7 @@ class Results:
 
     @property
     def no_longer_compared(self) -> dict[str, str]:
-        """Reasons by id for comparisons that agreed in the baseline and are skipped now."""
+        """Comparisons by id that agreed in the baseline and are skipped now, with the reasons."""
         cases = self.baseline.cases if self.baseline else ()
         agreed = {case.id for case in cases if case.verdict == "agree"}
         return {

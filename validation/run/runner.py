@@ -38,7 +38,7 @@ from validation.studies_and_figures import PlannedFigure
 from validation.verdicts import Assessment
 
 if TYPE_CHECKING:
-    # Rich, which processes that compute do without, and Dask's part, which few runs need.
+    # For annotations only: processes that compute do without rich, and few runs need Dask.
     from validation.run.cluster import Cluster
     from validation.run.progress import RunProgress
 
@@ -91,7 +91,7 @@ def run(
 ) -> None:
     """Compute some of the catalogue's tasks with `jobs` processes, or on the `cluster`.
 
-    `sent` are files and entries for processes of the cluster.
+    `sent`: files and cache entries that workers of the cluster need.
     `keep` is called with each record on arrival; an exception in it ends the run. SIGINT, SIGTERM
     and SIGHUP end the run within a second. Raises ComputationError if workers cannot start, or the
     cluster is lost.
@@ -124,14 +124,14 @@ def _failed(task: Task, error: Exception) -> Record:
 def _without_numbers(
     task: Task, task_verdict: Literal["failed", "skipped"], seconds: float, message: str
 ) -> AnyResult:
-    """Result of a task that has no content, with the reason in its message."""
+    """Result of a failed or skipped task: no content, and the reason in `message`."""
     if isinstance(task, Case):
         return outcome_of(task, task_verdict, seconds, message)
     return Result(task.id, task_verdict, seconds, message)
 
 
 def _groups(tasks: Sequence[Task]) -> list[list[str]]:
-    """Ids in groups, one process each: assessments of models first, then by decreasing effort.
+    """Ids of tasks, grouped by process: assessments of models first, then by decreasing effort.
 
     Short groups at the end balance the load of the processes.
     """
