@@ -75,8 +75,8 @@ DivisionsWithin: TypeAlias = Callable[[ConstantLeg, int], tuple[int, ...]]
 # Largest number of unknowns: of a section mesh for statics by doubling, of a solid for modes.
 STATICS: dict[Preset, int] = {"quick": 1000, "standard": 2000, "fine": 4000}
 DYNAMICS: dict[Preset, int] = {"quick": 9_000, "standard": 30_000, "fine": 100_000}
-# Waves need dense matrices. First number: divisions of the section mesh that decides whether beam
-# theory applies to a mode. Second number: largest divisions.
+# Divisions of the section mesh for the waves that decide whether beam theory applies to a mode, and
+# largest divisions for waves, whose matrices are dense.
 WAVE_DIVISIONS, MOST_WAVES = 4, 8
 # Relative tolerances of compliances. Rigid faces have edges at which the mesh loses its order, most
 # in I-sections (2e-5). With free ends, solid and beam share one section mesh; what remains is their
@@ -136,7 +136,7 @@ def _divisions(
     limits: Mapping[Preset, int],
     meshes: str,
 ) -> tuple[int, ...]:
-    """Divisions of the meshes that the preset allows. Raises Skip if they are fewer than two."""
+    """Divisions of the meshes that the preset allows. Raises Skip if there are fewer than two."""
     if shapeless := why_shapeless([leg]):
         raise Skip(shapeless)
     largest_unknowns = limits[context.preset]
@@ -252,7 +252,7 @@ def _entry(
 def _require_decided(
     context: Context, body: str, residuals: Refinement, entry: tuple[int, int], tolerance: float
 ) -> None:
-    """Raise Skip if meshes show no order of convergence and are too coarse for the tolerance."""
+    """Raise Skip if an entry is undecided because there are too few meshes to observe an order."""
     uncertainty = residuals.uncertainty(*entry)
     undecided = abs(residuals.values[-1][entry]) <= tolerance < uncertainty
     if undecided and len(residuals.divisions) < GRIDS_FOR_ORDER:

@@ -55,7 +55,7 @@ Waves: TypeAlias = Mapping[str, tuple[PrismWaves, ...]]
 def waves_of(legs: Mapping[str, ConstantLeg], divisions: Mapping[str, int]) -> Waves:
     """Waves of each leg by name, on the section mesh of its solid.
 
-    `divisions` of the section mesh by leg name. Raises InputError for a section that is not
+    `divisions`: those of the section mesh, by leg name. Raises InputError for a section that is not
     symmetric about both axes.
     """
     waves_by_section: dict[tuple[object, ...], tuple[PrismWaves, ...]] = {}
@@ -129,8 +129,8 @@ class _LegInPieces:
         return float(np.sqrt(lowest[0]))
 
     def pieces(self, omega: float) -> int:
-        """Number of equal pieces of whole elements, into which the leg is divided at ω (rad/s)."""
-        # Frequencies of tension grow with 1/L, those of bending faster.
+        """Number of equal pieces, each of whole elements, that divide the leg at ω (rad/s)."""
+        # Frequencies of axial vibration are proportional to 1/L; those of bending rise faster.
         needed = omega / (_SHARE_OF_LOWEST * self.fixed_ends_omega)
         for pieces in range(1, self.elements + 1):
             if self.elements % pieces == 0 and pieces >= needed:

@@ -3,7 +3,7 @@
 Input: a posture of a robot whose legs are prisms. Output: verdicts on the 6×6 compliance and on
 natural frequencies. Rule: for CalculiX, legs are bars of their outer size on coarse meshes, which
 CalculiX solves unreduced and this program reduces to their ends. For EXUDYN, legs are beams,
-extrapolated over their number.
+whose frequencies are extrapolated to infinitely many per leg.
 """
 
 import numpy as np
@@ -48,7 +48,7 @@ _ELEMENTS = (4, 8, 16)
 # minute for 2000 (100,000 unknowns), and more than ten for the 9600 of strips of a 0.5 mm leaf
 # spring.
 _MOST_CUBES = 2000
-# Digits of a difference that exceed round-off.
+# Decimals to which differences of scaled entries are rounded, so that round-off vanishes.
 _DIFFERENCE_DIGITS = 8
 
 cases = CaseGroup(reference_kind="independent-solver", section=PATH)
@@ -84,16 +84,19 @@ def reduced_solids(posture: Posture) -> tuple[Array, Array]:
 
 
 def calculix_solids(posture: Posture) -> tuple[Array, Array]:
-    """Compliance and frequencies as of `reduced_solids`, by CalculiX on the unreduced meshes."""
+    """Compliance (6×6, SI, base axes) and first frequencies (Hz) by CalculiX, without reduction.
+
+    The meshes of the legs are those of `reduced_solids`.
+    """
     calculix_program()
     bars = with_bars(posture)
     return compliance_and_frequencies(bars, bar_solids(bars.mechanism), SOLID_MODES)
 
 
 def _cube_count(leg_description: Leg) -> float:
-    """Number of cubes, with the smaller side of a bar as edge, that fill it.
+    """Volume of a leg's bar over that of a cube whose edge is the bar's smaller side.
 
-    Each has 7 to 15 nodes.
+    The mesh has 7 to 15 nodes in each such cube.
     """
     leg = equivalent_leg(leg_description)
     width, height = leg.section.extent
@@ -101,9 +104,9 @@ def _cube_count(leg_description: Leg) -> float:
 
 
 def _reduced_and_calculix(context: Context) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Deflections and frequencies by this program, then those by CalculiX.
+    """Compliance and first frequencies by `reduced_solids`, then by `calculix_solids`.
 
-    CalculiX runs first, so that nothing is computed in vain if it is not installed.
+    CalculiX runs first, so that no time is lost if it is not installed.
     """
     posture = path_postures(context)[0]
     legs = known_legs(posture.mechanism).values()
@@ -165,7 +168,7 @@ def _solid_frequencies(context: Context) -> Measurement:
 
 
 def _compared_postures(mechanism: Mechanism) -> list[tuple[str, str]]:
-    """Names and descriptions of the compared postures: one if the robot does not move."""
+    """Names and descriptions of the two compared postures, or of one if the tool cannot move."""
     postures = [("reference", "the reference posture"), ("start", "the first pose of the path")]
     return postures if mechanism.tool.moves else postures[:1]
 

@@ -61,9 +61,9 @@ _EXACT_DEGREES = (3, 4, 5)
 # Factor from the differences between these degrees to the half-width of round-off. Round-off is
 # random in each, and rarely do all differ by less than a tenth of it.
 _ROUND_OFF_FACTOR = 10.0
-# Digits of a difference that exceed round-off.
+# Decimals to which relative differences are rounded, so that round-off vanishes.
 _DIFFERENCE_DIGITS = 8
-# Fraction of the largest compliance of the same unit below which a compliance is round-off.
+# Fraction of the largest compliance below which a compliance is round-off, all converted to m/N.
 _RIGID_SHARE = 1e-11
 _DYNAMIC = {
     "beam": (Relative(1e-4), "fourth order in 1/n: below 1e-5 with 20 elements"),
@@ -76,9 +76,9 @@ _DYNAMIC = {
 
 
 def _models(mechanism: Mechanism) -> Mapping[str, JudgedModel]:
-    """Judged models.
+    """Judged models by name.
 
-    If there are CAD parts or legs along a line, which have no polynomials: `simplified`.
+    Only `simplified` if there are CAD parts or legs along a line, which have no polynomials.
     """
     models = judged_models(mechanism)
     lines = any(isinstance(leg, LineLeg) for leg in legs_of(mechanism).values())
@@ -228,9 +228,7 @@ def _half_width(value: float, *others: float) -> float:
 def _above_round_off(numbers: Array, size: float) -> NDArray[np.bool_]:
     """True for compliances (p×6) above the round-off of the largest one.
 
-    Rotations are multiplied by `size` (m).
-
-    Shapes: p poses.
+    For this comparison, rotational ones are converted to m/N by `size`² (m²). Shapes: p poses.
     """
     units = np.array([1.0] * 3 + [size**2] * 3)
     return np.asarray(numbers * units > _RIGID_SHARE * np.max(numbers * units))
@@ -271,7 +269,7 @@ def _frequency(context: Context, model: str, index: int, modes: int) -> Measurem
     return Measurement(
         value,
         reference,
-        # The discretisation error is what is judged, so only the reference contributes uncertainty.
+        # The discretisation error of the model is judged, so it does not count as uncertainty.
         judged_uncertainty=_half_width(reference, rougher_value),
         pose=tuple(middle.pose.tolist()),
     )

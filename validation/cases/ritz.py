@@ -24,13 +24,13 @@ from lumped.mechanism.body import Rigid
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 
-# Statics of Timoshenko beams are cubic; modes converge geometrically.
+# Static deflections of Timoshenko beams are cubic polynomials; modes converge geometrically.
 STATIC_DEGREE = 3
 # Accurate to six digits for modes up to the second of a bar between its joints.
 DEGREE = 8
 # Eigenvalues of stiffness below this fraction of the largest are idle motions.
 _IDLE = 1e-15
-# Fraction of a joint's largest compliance below which it is rigid. Round-off leaves 1e-16.
+# A joint is rigid along a compliance below this fraction of its largest. Round-off is 1e-16.
 _RIGID = 1e-14
 # Fraction of the largest inertia over stiffness below which a motion has no mass.
 _MASSLESS = 1e-14
@@ -44,7 +44,7 @@ _EXCHANGE = np.array([[0.0, 1.0], [1.0, 0.0]])
 
 @dataclass(frozen=True, eq=False)
 class RitzLeg:
-    """Energies and end motions of a leg on its n polynomial coefficients (SI, leg axes).
+    """Energies and end motions of a leg by its n polynomial coefficients (SI, leg axes).
 
     `stiffness` and `mass` (n×n): matrices of twice the strain and kinetic energies. `root` and
     `tip` (6×n): twists of the ends.
@@ -89,7 +89,8 @@ def ritz_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
     ]
     inertias = (beam.mu, beam.mu, beam.mu, beam.rho_J, beam.rho_Iy, beam.rho_Iz)
     products = [(m, f, f) for m, f in zip(inertias, q, strict=True)]
-    # Kinetic energy of mass beside the centroid, u + z φy − y φz, v − z φx, w + y φx.
+    # Coupling terms of the kinetic energy. A mass at (y, z) of the section moves by
+    # u + z φy − y φz, v − z φx, w + y φx.
     couplings = [
         (-beam.rho_Iyz, 4, 5),
         (-beam.mu * beam.mass_z, 1, 3),
@@ -109,10 +110,10 @@ def ritz_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
 
 
 def fields(beam: BeamProperties, length: float, points: Array, degree: int) -> tuple[Array, Array]:
-    """Twist of the centreline and its slope (6×p×n) on the n coefficients of `ritz_beam`.
+    """Twist of the centreline and its derivative along x for unit coefficients (6×p×n each).
 
-    `points` (p): from −1 at the root to 1 at the tip. Order of the coefficients: u, φx, φy, φz,
-    then v of the root with γy, then w of the root with γz. Shapes: p points.
+    `points` (p): from −1 at the root to 1 at the tip. Order of the coefficients of `ritz_beam`: u,
+    φx, φy, φz, then v of the root with γy, then w of the root with γz. Shapes: p points.
     """
     unit = np.eye(degree + 1)
     values = legendre.legvander(points, degree)
@@ -144,7 +145,7 @@ def fields(beam: BeamProperties, length: float, points: Array, degree: int) -> t
 
 
 def ritz_compliance_leg(compliance: Array, length: float) -> RitzLeg:
-    """Massless leg known by its 6×6 tip compliance, on the twists of its ends (n = 12)."""
+    """Massless leg with a 6×6 tip compliance. Its 12 coefficients are the twists of its ends."""
     root, tip = np.vsplit(np.eye(12), 2)
     deformation = tip - point_transfer(np.array([length, 0.0, 0.0])) @ root
     stiffness = np.asarray(deformation.T @ np.linalg.solve(compliance, deformation))
@@ -152,13 +153,13 @@ def ritz_compliance_leg(compliance: Array, length: float) -> RitzLeg:
 
 
 def ritz_rigid_leg(length: float) -> RitzLeg:
-    """Rigid leg without mass, on the twist of its root (n = 6)."""
+    """Rigid leg without mass. Its 6 coefficients are the twist of its root."""
     tip = point_transfer(np.array([length, 0.0, 0.0]))
     return RitzLeg(np.zeros((6, 6)), np.zeros((6, 6)), np.eye(6), tip)
 
 
 def padded(block: Array, first: int, total: int) -> Array:
-    """Matrix with `total` columns: those of `block` from index `first` on, zeros elsewhere."""
+    """Matrix with `total` columns: zeros, with the columns of `block` placed from `first` on."""
     wide = np.zeros((len(block), total))
     wide[:, first : first + block.shape[1]] = block
     return wide
@@ -273,7 +274,7 @@ def _frequencies(system: _System, count: int) -> Array:
     momenta = system.mass @ elastic
     mass = elastic.T @ momenta
     if idle.shape[1]:
-        # Idle motions accompany the others so that their momentum is zero.
+        # Each elastic motion is combined with idle motions so that the momentum along them is zero.
         coupling = idle.T @ momenta
         mass -= coupling.T @ pinvh(idle.T @ system.mass @ idle) @ coupling
     inverse = np.linalg.eigvalsh(mass)[::-1]
@@ -304,7 +305,7 @@ def _system(posture: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool =
     first_of = dict(zip(shapes, firsts.tolist(), strict=False))
 
     def twist(side: Side, position: Array) -> Array:
-        """Twist (6×total, base axes) at `position` of the body on one side of a joint."""
+        """Twist, at `position`, of the body on one side of a joint, for each unknown (6×total)."""
         if side.body == GROUND:
             return np.zeros((6, total))
         frame, first = posture.frames[side.body], first_of[side.body]
@@ -375,7 +376,8 @@ class _Joint:
                 springs.append(stiffness)
                 inertias.append(inertia)
         if joint.compliance is not None and not simplified:
-            # Along the eigenvectors of the joint's compliance, in series with its free motions.
+            # Springs along the eigenvectors of the joint's compliance. Their motions add to the
+            # free ones.
             compliances, along = np.linalg.eigh(joint.compliance)
             twists = block_diag(rotation, rotation) @ along
             for value, twist in zip(compliances, twists.T, strict=True):

@@ -1,4 +1,4 @@
-"""Comparisons with solids as rows of one table, with each difference split into its parts.
+"""Comparisons with solids as rows of one table, with explained and unexplained difference.
 
 Input: outcomes of comparisons. Output: `AgreementRow` records and a `ResultTable`: values,
 difference, explained and unexplained part, half-width, tolerance and verdict.
@@ -21,7 +21,7 @@ _DECIMALS = 6
 
 
 def _percentage(name: str) -> Column:
-    """Column of a number in per cent of the solid's value."""
+    """Column of the table, headed `name`, with numbers in per cent of the solid's value."""
     return Column(f"{name} (%)", percent=True)
 
 
@@ -94,7 +94,7 @@ def agreement_row(outcome: Outcome) -> AgreementRow:
 def agreement_rows(outcomes: Iterable[Outcome]) -> ResultTable:
     """Table with a row for each comparison of formulations: values, difference, parts, verdict.
 
-    The last rows are models of CAD parts, which have neither a verdict nor a tolerance.
+    The last rows contain values of CAD part models, which have neither verdict nor tolerance.
     """
     outcomes = tuple(outcomes)
     judged = [agreement_row(outcome) for outcome in outcomes if outcome.case.kind == "agreement"]

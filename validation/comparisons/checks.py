@@ -110,10 +110,10 @@ def _converged(body: str, model: RefinedModel, quantity: str, context: Context) 
 def convergence_check(
     study: ConvergenceStudy, model: RefinedModel, quantity: str, limits: AgreementLimits
 ) -> Checked:
-    """Check that the largest error with the element count of `limits` or more is below its limit.
+    """Check that errors are within the limit at the element count of `limits` and all higher ones.
 
-    Raises Skip if that count was not computed, for example because a leg of pieces is not divisible
-    by it.
+    Raises Skip if that element count was not computed, for example because a leg of pieces is not
+    divisible by it.
     """
     series, column = study.of(model), study.column(quantity)
     if limits.elements not in series.counts:

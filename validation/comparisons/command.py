@@ -111,7 +111,7 @@ def converge(
     )
     with requested_executor(cluster) as executor:
         if cluster is not None and robot_file.mechanism.parts:
-            # Parts are sectioned where the study is computed.
+            # The machine that computes the study needs the files of the parts, to section them.
             sent = partial(_study_of_parts, study_of, provisions(robot_file), robot_file)
             (study,) = in_order(executor, [sent])
         else:
@@ -130,7 +130,7 @@ def _study_of_parts(
     sent: "Provisions",
     robot_file: "RobotFile",
 ) -> "ConvergenceStudy":
-    """Study of a robot whose parts have no files on this machine."""
+    """Convergence study on another machine, to which the files of the CAD parts are `sent`."""
     return study_of(sent.unpack(robot_file).mechanism)
 
 

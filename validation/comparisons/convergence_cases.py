@@ -31,8 +31,8 @@ FIGURE = "robot.element-convergence"
 # Formulations used elsewhere in the suite. The paper's literal layout is plotted beside them
 # without a verdict.
 JUDGED: tuple[RefinedModel, ...] = ("segments", "beam")
-# Accepted deviation of an observed order. Errors of fourth order lie between coarse counts and
-# round-off for few counts only.
+# Accepted deviation of an observed order from the formal one. Few element counts show the fourth
+# order: lower ones are too coarse, and at higher ones the error is round-off.
 ORDER_TOLERANCE = {"segments": 0.05, "beam": 0.1}
 # Smallest element count whose half-width is judged. Lower ones are outside the asymptotic range.
 _FINE = 5
@@ -127,7 +127,7 @@ def _order(context: Context, body: str, model: RefinedModel) -> Measurement:
 
 
 def _order_uncertainty(series: ConvergenceSeries, column: int) -> float:
-    """Change of the observed order between the two finest pairs of element counts with an order.
+    """Difference of the observed orders of the two finest pairs of element counts that have one.
 
     Infinite if fewer than two pairs have an order.
     """

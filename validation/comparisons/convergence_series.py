@@ -9,10 +9,10 @@ change of sign and the orders of the two pairs of counts agree.
 
 Rule for the half-width of count n: it follows from n and the next lower count m, without the limit,
 as F |f(n) − f(m)| / ((n/m)^p − 1). p is the observed order, at most the formal one. F = 1.25 if the
-orders observed over the last four counts are both within a tenth of the formal one, otherwise 3
-(ASME V&V 20). Errors that change sign have no order; their half-width is three times the largest
-error of n and all higher counts. Two counts cannot reveal modes that exchange their numbers between
-them, as modes of few elements do.
+order of n and m and the order of m and the count before it are both within a tenth of the formal
+one, otherwise 3 (ASME V&V 20). Errors that change sign have no order; their half-width is three
+times the largest error of n and all higher counts. With few elements two modes may exchange their
+numbers from one count to the next, which two counts cannot reveal.
 """
 
 from collections.abc import Mapping, Sequence
@@ -42,7 +42,8 @@ ROUND_OFF: Mapping[Theory, float] = {"timoshenko": 1e-9, "euler-bernoulli": 2e-7
 _FITTED = 1e-8
 # An order requires errors this many times the half-width of the limit.
 _ABOVE_LIMIT = 100.0
-# Smallest order in a half-width, over the formal order. Used also if three counts show no order.
+# Smallest order p used for a half-width, relative to the formal order. It is also used if the last
+# three counts show no order.
 _LEAST_ORDER = 0.25
 
 
@@ -116,7 +117,7 @@ class ConvergenceSeries:
             ratios = sizes[:-1] / sizes[1:]
             observed = np.concatenate([[np.nan], pairwise_orders(sizes, values)])
             close = np.abs(observed - self.formal_order) <= CLOSE_TO_FORMAL * self.formal_order
-            # A single order may agree by accident, because modes of coarse legs change places.
+            # A single order may agree by accident, because modes with few elements change numbers.
             proven = close & np.concatenate([[False], close[:-1]])
             factors = np.where(proven, PROVEN, UNPROVEN)
             used = np.clip(
@@ -133,9 +134,9 @@ class ConvergenceSeries:
         return np.asarray(widths + self.limit_half_widths[column] + self._round_off)
 
     def pairwise_orders(self, column: int) -> Array:
-        """Observed order between each count and the one before it (n).
+        """Observed order of a quantity's `column` between each count and the one before it (n).
 
-        NaN for the first count, and if the error is close to zero. Shapes: n element counts.
+        NaN for the first count, and for an error close to zero. Shapes: n element counts.
         """
         sizes = np.abs(self.errors[:, column])
         floor = _FITTED + _ABOVE_LIMIT * self.limit_half_widths[column]

@@ -206,7 +206,7 @@ class ConvergenceStudy:
         return self.agreement.elements if self.refined == "elements" else None
 
     def short_summary(self, series: ConvergenceSeries, column: int) -> str:
-        """Error at the judged count, and smallest counts for 1 %, 0.1 %, 0.01 %.
+        """Error at the judged element count, and smallest counts for errors of 1, 0.1 and 0.01 %.
 
         Example: "+0.009 % (2, 6, 19)".
         """
@@ -281,8 +281,8 @@ class ConvergenceStudy:
         Returns
         -------
         str
-            Values, errors, orders and limit by formulation, and a line on every other quantity
-            with the smallest element counts for 1 %, 0.1 % and 0.01 %.
+            Values, errors, orders and limit by formulation, and for every other quantity a
+            line with the smallest element counts for errors below 1 %, 0.1 % and 0.01 %.
 
         Raises
         ------

@@ -20,8 +20,8 @@ from validation.record_fields import finite_items
 class SeriesRecord(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
     """JSON object of a `ConvergenceSeries`, whose numbers are given by name of the quantity.
 
-    A missing order or half-width is None. `needed`: smallest sufficient count by relative error,
-    None if the highest count exceeds it.
+    A missing order or half-width is None. `needed`: smallest element count for each accepted
+    relative error, None if the highest count exceeds this error.
     """
 
     model: str
@@ -40,7 +40,10 @@ class SeriesRecord(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True
 
 
 def series_rows(series: ConvergenceSeries, column: int, refined: str, unit: str) -> str:
-    """Table of values, errors, half-widths and orders of a quantity by count, with its limit."""
+    """Table of values, errors, half-widths and orders of a quantity by count, with its limit.
+
+    `refined` heads the column of counts, `unit` that of values.
+    """
     rows = [
         (
             str(count),
@@ -87,7 +90,7 @@ def series_cells(
 
 
 def short_summary(series: ConvergenceSeries, column: int, stated: int | None) -> str:
-    """Error at the `stated` count, and smallest counts for 1 %, 0.1 %, 0.01 %.
+    """Error at the `stated` count, and smallest counts for errors of 1 %, 0.1 % and 0.01 %.
 
     Example: "+0.009 % (2, 6, 19)".
     """
@@ -96,7 +99,7 @@ def short_summary(series: ConvergenceSeries, column: int, stated: int | None) ->
 
 
 def summary(series: ConvergenceSeries, column: int, stated: int | None) -> str:
-    """Text with the error at the `stated` count, and the smallest counts for 1 %, 0.1 % and 0.01 %.
+    """Error at the `stated` count and smallest counts for errors of 1, 0.1 and 0.01 %, in words.
 
     The error is omitted if `stated` is None or was not computed.
     """

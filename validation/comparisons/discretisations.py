@@ -40,7 +40,7 @@ class Discretisation:
 
     @property
     def options(self) -> ModelOptions:
-        """Model options. CAD parts are legs of ten prismatic pieces."""
+        """Options of the model. CAD parts become legs of ten prismatic pieces."""
         return replace(
             DEFAULT_OPTIONS,
             elements=self.elements,

@@ -64,9 +64,10 @@ def leg_convergence(
     counts: Sequence[int] = COUNTS,
     executor: Executor = in_turn,
 ) -> ConvergenceStudy:
-    """Convergence study of one leg with its root clamped. Raises as `_checked_counts` does.
+    """Convergence study of one leg with its root clamped.
 
     A leg of varying section has no closed solution; its limit is that of the beam elements.
+    Raises InputError if a formulation allows none of the `counts`.
     """
     evaluate = partial(leg_values, leg)
     if isinstance(leg, ConstantLeg):
@@ -85,8 +86,8 @@ def robot_convergence(
 ) -> ConvergenceStudy:
     """Convergence study of a robot in one posture, with equal element counts in all legs.
 
-    Raises InputError as `_checked_counts` does and for a robot without legs, and ComputationError
-    if the tool is free to move or fewer than four modes move mass.
+    Raises InputError for a robot without legs, or if a formulation allows none of the `counts`.
+    Raises ComputationError if the tool is free to move or fewer than four modes move mass.
     """
     mechanism = posture.mechanism
     if not (legs_of(mechanism) or mechanism.parts):
@@ -121,7 +122,7 @@ def _study(
     counts: Sequence[int],
     executor: Executor,
 ) -> ConvergenceStudy:
-    """Study whose values at all counts are computed by the executor."""
+    """Convergence study. The executor calls `evaluate` for each formulation and element count."""
     counts_by_row = [_checked_counts(discretisation, counts) for discretisation in discretisations]
     values = iter(
         in_order(
@@ -175,7 +176,10 @@ def _series(
     limit_half_widths: Array,
     values_by_count: dict[int, Array],
 ) -> ConvergenceSeries:
-    """Series of the values by ascending count. Counts between them are evaluated if needed."""
+    """Convergence series of values by ascending element count.
+
+    Further counts are evaluated to find the smallest ones that meet each of `TARGETS`.
+    """
     counts = tuple(values_by_count)
 
     def errors(count: int) -> Array:
@@ -204,7 +208,8 @@ def _smallest_count(
     """Smallest element count from which on |error| stays below `target`. 0 if there is none.
 
     The error is assumed to be monotone between the last listed count that exceeds the target and
-    the next one. The search starts where a power law through both meets the target.
+    the next one. The search starts where a power law through the errors of both counts meets the
+    target.
     """
     missed = [count for count in counts if errors(count)[column] > target]
     met = [count for count in counts if not missed or count > missed[-1]]

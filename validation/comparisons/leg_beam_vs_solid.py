@@ -60,15 +60,15 @@ HELD_SOURCE = (
     "solids with free and with held end faces, at most twice the effect of fields that "
     "decay from held faces (fem.couplings.end_effects)"
 )
-# First table: entry of the tip compliance that a kind of mode strains most. Second table: power of
-# 2n − 1 with which the share of strain energy at the ends can grow with the order n, since waves
-# become shorter.
+# First table: entry of the tip compliance that belongs to the deformation of a kind of mode. Second
+# table: exponent k. For order n the share of strain energy at the ends is up to (2n − 1)ᵏ times
+# that for order 1, since waves become shorter.
 _STRAINED = {"tension": (0, 0), "torsion": (3, 3), "bending y": (2, 2), "bending z": (1, 1)}
 _GROWTH = {"tension": 1, "torsion": 1, "bending y": 2, "bending z": 2}
 DISTORTION = "distortion of the section"
 FORMULA = "section constants by formula"
 FORMULA_SOURCE = "finite elements on the section, within the known error of textbook formulas"
-# Diagonal entry of the tip compliance, and unit, of each motion under its own load.
+# Index on the diagonal of the tip compliance, and unit, of the tip motion under each unit load.
 MOTIONS = {
     AXIS_LABELS[name]: (entry, unit) for entry, (name, unit) in enumerate(DIAGONAL_UNITS.items())
 }
@@ -249,8 +249,8 @@ def is_strip(leg: ConstantLeg) -> bool:
 def rigid_end_share(leg: ConstantLeg, divisions: int, kind: str) -> float:
     """Relative increase of a leg's stiffness due to rigid end faces, under a load at its tip.
 
-    It is twice the relative change of a first frequency (Rayleigh), because the load strains both
-    ends. `kind` is the deformation, such as "torsion".
+    A first frequency rises by about half of this ratio (Rayleigh). `kind` is the deformation, such
+    as "torsion".
     """
     entry = _STRAINED[kind]
     restraint = face_restraints(leg, (divisions,))[0][entry]
@@ -273,7 +273,7 @@ def frequency_band(leg: ConstantLeg, divisions: int, kinds: tuple[tuple[Kind, in
 
 
 def limited(difference: float, band: tuple[float, float], uncertainty: float) -> float:
-    """Part of `difference` within `band`, which is widened by `uncertainty` and to contain zero."""
+    """Nearest number to `difference` in `band`, extended to zero and widened by `uncertainty`."""
     low, high = min(0.0, *band) - uncertainty, max(0.0, *band) + uncertainty
     return min(max(difference, low), high)
 

@@ -55,7 +55,7 @@ _NEGLECTED = (
 
 
 def neglected(leg: LineLeg) -> float:
-    """Relative error of beam theory: (largest slope of a face)² + (half the height / radius)²."""
+    """Allowed error of beam theory: (largest slope of a face)² + (half the height / radius)²."""
     slopes = [
         abs(last - first) / (2.0 * (span.end - span.start))
         for span in leg.spans
@@ -143,7 +143,10 @@ def _motion(
 
 
 def _free_half_width(leg: LineLeg, coarse: float, fine: float, ratio: float) -> float:
-    """Half-width of a number of the solid with free ends on two meshes."""
+    """Half-width of a number by the solid with free ends, from its values on two meshes.
+
+    `ratio`: element size of the coarse mesh over that of the fine one.
+    """
     policy = MeshPolicy.of_order(ratio, formal_order(leg, "free"))
     return float(mesh_half_widths([np.abs(np.array(fine - coarse))], policy))
 

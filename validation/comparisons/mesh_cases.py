@@ -37,7 +37,7 @@ from validation.studies_and_figures import MESHES, Study
 from validation.uncertainty.grid_convergence import Convergence, richardson
 
 END_NAMES: dict[Ends, str] = {"free": "free", "rigid": "held"}
-# Numbers of tetrahedra across the smaller side of a rectangle.
+# Tetrahedra across the smaller side of a rectangular section, on two meshes.
 TETRAHEDRA = (1, 2)
 _CPU = "CPU time"
 
@@ -287,9 +287,9 @@ def _solid_modes(rows: Sequence[tuple[float, int, float]], order: float) -> Soli
 
 
 def _convergence(refinement: Refinement) -> Convergence:
-    """Result of the refinement study of the first value.
+    """Convergence of the first of the values of a refinement.
 
-    With too few meshes to observe an order, the limit is extrapolated by the formal order.
+    If there are too few meshes to observe an order, the formal order extrapolates to the limit.
     """
     if len(refinement.divisions) >= GRIDS_FOR_ORDER:
         return refinement.at(0)
@@ -310,7 +310,7 @@ def _study(
     convergence: Convergence,
     notes: tuple[str, ...] = (),
 ) -> Study:
-    """Study of values over the number of unknowns. `panel`: title, label of y, unit."""
+    """Study of values over the number of unknowns. `panel`: title, label of the y axis, unit."""
     title, label, unit = panel
     observed = convergence.observed_order
     width, limit = convergence.uncertainty, convergence.extrapolated

@@ -38,9 +38,8 @@ def convergence(
     """Convergence study of the robot in the middle of its path, or of the leg `body`.
 
     `model` None: segments in both layouts, and beam elements. `theory` None: Timoshenko's.
-    `elements` None: the usual counts and that of `limits`. `executor` computes the counts or
-    meshes. Raises InputError with all faults of the
-    arguments.
+    `elements` None: the counts of `element_convergence.COUNTS` and that of `limits`. `executor`
+    computes the counts or meshes. Raises InputError with all faults of the arguments.
     """
     if faults := _faults(mechanism, model, body, elements, divisions, theory):
         raise InputError(faults)

@@ -7,9 +7,10 @@ allowances must be within the tolerance of [agree]. Each allowance is the differ
 robots whose legs differ by one named cause alone. The end condition of the solids is that of
 [agree], otherwise `ends` of each leg, otherwise rigid faces.
 
-Statics: each leg is its tip compliance, that of solids by doubling on two meshes. Dynamics: solids
-reduced to their ends; beams with section constants computed on the mesh of the solid, with and
-without the waves of 3-D elasticity (`validation.cases.leg_waves`). Modes are paired by shape.
+Statics: each leg is represented by its tip compliance, for solids by the doubling method on two
+meshes. Dynamics: solids reduced to their ends; beams with section constants computed on the mesh of
+the solid, with and without the waves of 3-D elasticity (`validation.cases.leg_waves`). Modes are
+paired by shape.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -93,13 +94,14 @@ from validation.solids.solid_size import too_large, why_shapeless
 from validation.studies_and_figures import AGREEMENT
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Remedies for an undecided comparison, if the cause are rigid faces, or meshes.
+# Remedies for an undecided comparison: if rigid end faces are the cause, and if meshes are.
 _FREE_ENDS = (
     "held end faces change this mode by more than their theory explains; compare with free ends"
 )
 _REFINE = "refine the models until the numerical uncertainty is below the tolerance"
-# Largest decay length of warping over the length of a leg for which waves are computed, since they
-# neglect warping. With a ratio of 0.106, as leg 2 of the built-in robot, this is 3e-4 of f4.
+# Largest ratio of the decay length of warping to the length of a leg for which waves are computed,
+# since they neglect warping. With the ratio 0.106 of leg 2 of the built-in robot, the neglected
+# warping changes f4 by 3e-4.
 _WARPING = 0.2
 # Fraction of the largest translation or rotation below which a motion is round-off.
 _STILL = 1e-9
@@ -132,11 +134,11 @@ Spring: TypeAlias = Callable[[str, ConstantLeg, int], Array]
 class RobotStatics:
     """Motions (6, SI) of the tool along and about the base axes, each under its own unit load.
 
-    Results on a coarse and a fine mesh (2×6), whose element sizes differ at least by `ratio`:
-    `solid`, legs as solids; `computed`, beams with section constants computed on the mesh of the
-    solid; `restrained`, the same beams with the end restraint of rigid faces. Further results (6):
-    `other_mesh`, the computed beams on a section mesh other than the fine one; `textbook`, beams
-    with textbook constants; `soft` and `stiff`, the limits of correct textbook formulas.
+    Results on a coarse and a fine mesh (2×6), whose element sizes differ by a factor of `ratio` or
+    more: `solid`, legs as solids; `computed`, beams with section constants computed on the mesh of
+    the solid; `restrained`, the same beams with the end restraint of rigid faces. Further results
+    (6): `other_mesh`, the computed beams on a section mesh other than the fine one; `textbook`,
+    beams with textbook constants; `soft` and `stiff`, the limits of correct textbook formulas.
     """
 
     solid: Array

@@ -67,12 +67,15 @@ _EXACT = Limits(1.0, 1.0)
 
 @memo(16)
 def leg_formula_band(leg: ConstantLeg, divisions: int) -> Band:
-    """Softest and stiffest beam that correct formulas allow, on the mesh of the solid's faces."""
+    """Softest and stiffest beam that correct formulas allow, from exact constants on a mesh.
+
+    The mesh has `divisions` and is that of the end faces of the solid.
+    """
     return mesh_formula_band(leg, face_mesh(leg, divisions))
 
 
 def mesh_formula_band(leg: ConstantLeg, mesh: SectionMesh) -> Band:
-    """Softest and stiffest beam that correct formulas allow, on this mesh of the leg's section."""
+    """Softest and stiffest beam that correct formulas allow, from exact constants on `mesh`."""
     if isinstance(leg.section, Composite):
         return composite_band(leg.section, mesh_properties(leg, mesh))
     return formula_band(leg, mesh_constants(leg, mesh))
@@ -115,7 +118,7 @@ def composite_band(section: Composite, exact: BeamProperties) -> Band:
 
 
 def _held_share(section: Composite, shares: Sequence[float]) -> float:
-    """Largest ratio of a stiffness with restrained contraction to the sum over the parts.
+    """Largest ratio of a stiffness with restrained contraction to the sum of E × share.
 
     `shares` are areas or second moments of area of the parts.
     """
@@ -150,7 +153,7 @@ def formula_band(leg: ConstantLeg, constants: SectionConstants) -> Band:
 
 
 def torsion_limits(leg: ConstantLeg) -> Limits:
-    """Limits of the torsion constant J by formula, over the exact one."""
+    """Smallest and largest ratio of the torsion constant J by formula to the exact J."""
     section = leg.section
     if isinstance(section, HollowRectangle):
         b, h = section.width - section.thickness, section.height - section.thickness
@@ -166,9 +169,9 @@ def torsion_limits(leg: ConstantLeg) -> Limits:
 
 
 class ShearLimits(NamedTuple):
-    """Limits of the shear coefficient κ by formula, over the exact κ.
+    """Smallest and largest ratio of the shear coefficient κ by formula to the exact κ.
 
-    The exact κ is that by mean displacement or by strain energy.
+    The exact κ follows from the mean displacement or from the strain energy.
     """
 
     limits: Limits
@@ -176,7 +179,7 @@ class ShearLimits(NamedTuple):
 
 
 def shear_limits(leg: ConstantLeg, axis: int) -> ShearLimits:
-    """Limits of the shear coefficient κ along y (`axis` 0) or z (1), over the exact one."""
+    """Ratios of the shear coefficient κ by formula to the exact κ, along y (`axis` 0) or z (1)."""
     section = leg.section
     if isinstance(section, HollowRectangle):
         web = section.extent[axis] - section.thickness

@@ -89,7 +89,10 @@ EQUIVALENT_LEGS = (VJM_EQUIVALENT, SEGMENTS, BEAM)
     effort=1.5,
 )
 def all_deflections(context: Context) -> Chart:
-    """Chart of deflections over the stroke: planar under forces along x and y, and along z."""
+    """Chart of deflections over the stroke, with a panel for each direction of the force.
+
+    Under forces along x and y the deflection is that in the plane, under a force along z along z.
+    """
     models = (SIMPLIFIED, VJM, *EQUIVALENT_LEGS)
     x, deflection = _over_the_stroke(context, models, _deflections)
     panels = [
@@ -240,7 +243,7 @@ def frequencies_of_the_family(context: Context) -> Chart:
     )
 
 
-# Function that computes a response of a model for robots on the stroke.
+# Function that computes the response of a plotted model for robots in positions on the stroke.
 _Compute: TypeAlias = Callable[[Context, PlottedModel, Sequence[RobotOnStroke]], T]
 
 

@@ -13,7 +13,7 @@ from validation.paper.robot import is_paper_robot
 
 
 def paper_findings(robot_file: RobotFile) -> tuple[Finding, ...]:
-    """Errata of the paper, computed with its robot as corrected. () for any other robot."""
+    """Errata of the paper if the robot is the paper's. () for any other robot."""
     return _ERRATA if is_paper_robot(robot_file) else ()
 
 

@@ -241,7 +241,7 @@ def _shorter_is_best(
     variant: ModelOptions,
     objective: Literal["deflection", "frequency"] = "deflection",
 ) -> Measurement:
-    """Best α by the refined model, compared with that by the simplified model less one step of α.
+    """Best α by the refined model; reference: that by the simplified model less one step of α.
 
     The best robot has the highest first frequency, or the smallest largest deflection.
     """

@@ -44,7 +44,7 @@ from validation.paper.statement import (
 _BENDING = Portion("leg 1", "bending z")
 # Number of evenly spaced postures over the stroke at which mode shapes are evaluated.
 _MODE_POSTURES = 9
-# Number of modes in the statement on the actuators (§3.2).
+# Number of modes to which the statement on the actuators refers (§3.2).
 _SIXTY = 60
 # Share of strain energy above which a mode is attributed to one part alone.
 _SINGLE_PART = 0.95
@@ -207,7 +207,7 @@ def _twenty_elements(context: Context, variant: ModelOptions) -> Measurement:
     exact, nearest = _leg1_first_frequency(context), []
     for layout in (variant.layout, AS_PRINTED.layout):
         options = ModelOptions(layout=layout, elements=variant.elements)
-        # First frequencies of both bending planes. The statement is about bending y.
+        # The first frequencies of both bending planes. The statement is about that of `exact`.
         first_two = leg_frequencies("segments", _leg1(context), 2, options)
         nearest.append(float(first_two[np.argmin(np.abs(first_two - exact))]))
     value, as_printed = nearest

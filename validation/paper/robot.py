@@ -85,7 +85,7 @@ class ModeShares:
 
     @property
     def strain_in_feet(self) -> Array:
-        """Share (m) of each mode's strain energy in both feet together."""
+        """Share of each mode's strain energy in both feet together (k)."""
         foot_shares = [self.strain[foot] for foot in FEET if foot in self.strain]
         share: Array = np.array(foot_shares).sum(axis=0)
         return share

@@ -29,7 +29,7 @@ from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 POSTURES = 81
 AS_PRINTED = ModelOptions(release="printed", layout="literal")
 AS_CORRECTED = DEFAULT_OPTIONS
-# Corrected formulas that change a number.
+# Text on the corrected formulas that change the value of a statement.
 FORMULAS = "release of joints (eq. 25), layout of the springs (§3.2)"
 Compute = TypeVar("Compute", bound=Callable[..., Measurement])
 # Arguments of a case's computation, by the name of the curve.
@@ -62,7 +62,7 @@ class Statements(CaseGroup):
         order: float = 0.0,
         **fields: Unpack[CaseFields],
     ) -> Callable[[Compute], Compute]:
-        """Declare a statement in a `passage` of the paper and the function that computes its value.
+        """Decorator of the function that computes the value of a statement in a `passage`.
 
         `title` names the comparison. `sentence` is the paper's statement if it covers more than the
         title; statements with equal sentences are counted once. `curves` are the curves that the

@@ -17,7 +17,8 @@ from validation.paper.statement import PAPER, POSTURES, Statements, sampled
 
 # Distance (m) from point B to the tool's point P: L_Tool of the appendix.
 _TOOL_LENGTH = 0.155
-# Distance of neighbouring postures in % of the stroke, which is the uncertainty of a position.
+# Distance between neighbouring postures in % of the stroke, which is the uncertainty of the
+# position of a posture.
 _STEP = 100.0 / (POSTURES - 1)
 _EXTREMA = {"peak": np.argmax, "trough": np.argmin}
 statements = Statements(**PAPER)

@@ -1,9 +1,8 @@
 """Natural frequencies of a part without supports, with their uncertainty.
 
 Input: a part file, a material and the number of unknowns. Output: `FreePart`, with the elastic
-frequencies on the finest of three meshes. Rule: the six rigid-body motions are counted below the
-first frequency and omitted. Half-widths are those due to the meshes; there are no interfaces that
-could add to them.
+frequencies on the finest of three meshes. Rule: the six rigid-body motions are omitted. Half-widths
+are those due to the meshes; there are no interfaces that could add to them.
 """
 
 from collections.abc import Sequence

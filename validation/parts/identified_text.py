@@ -20,8 +20,8 @@ from validation.record_fields import CountRecord, finite_items, json_text
 from validation.uncertainty.refinement import Accuracy
 
 _COMPONENTS = ("x", "y", "z", "φx", "φy", "φz")
-# Arrays with equal names in JSON and .npz files; for those with an uncertainty, the first word of
-# its name in .npz files.
+# Arrays with equal names in JSON and .npz files. For arrays with uncertainties: the word with which
+# the names of the uncertainties begin in .npz files.
 _ARRAYS = ("stiffness", "compliance", "frequencies", "centre", "inertia")
 _UNCERTAIN = {"compliance": "compliance", "frequencies": "frequency"}
 
@@ -64,10 +64,10 @@ class IdentifiedRecord(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def as_text(identified: Identified, accuracy: Accuracy | None = None) -> str:
-    """Text with mass, diagonal compliances, frequencies, and the TOML table for a robot file.
+    """Mass, diagonal compliances and frequencies with uncertainties, and a TOML table, as text.
 
-    Compliances and frequencies have uncertainties. `accuracy`: result of the refinement by
-    --accuracy, None without this option.
+    The table is for a robot file. `accuracy`: result of the refinement by --accuracy, None without
+    this option.
     """
     counts = ", ".join(map(str, identified.unknowns))
     meshes = f"meshes of {counts} unknowns; {identified.elements} tetrahedra in the finest"
@@ -156,9 +156,9 @@ def _frequencies(identified: Identified) -> list[str]:
 
 
 def toml(identified: Identified) -> str:
-    """TOML table for a robot file of schema 2: the part as a leg specified by its 6×6.
+    """TOML table for a robot file of schema 2, with the part as a leg specified by its 6×6.
 
-    If the part does not have two interfaces, a comment with the alternatives.
+    Unless the part has two interfaces, it is a TOML comment that names the alternatives.
     """
     name = identified.part.path.stem
     if len(identified.interfaces) != 2:
@@ -184,7 +184,7 @@ def toml(identified: Identified) -> str:
 
 
 def as_json(identified: Identified, accuracy: Accuracy | None = None) -> str:
-    """All results as JSON (schema 1), in SI units and the axes of the file. null if unknown."""
+    """All results as JSON (schema 1), in SI units and file axes. null for an unknown number."""
     arrays = {name: finite_items(values) for name, values in as_arrays(identified).items()}
     return json_text(
         IdentifiedRecord(

@@ -52,8 +52,8 @@ class MeshAnswer:
     """Results on one mesh with one coupling of the interfaces (SI, axes of the file).
 
     Fields with the names of fields of `Identified` have the same meaning. `shapes` contains the
-    displacements of all nodes. `unit_pressures` are those of `fem.bodies.pressures`. `counted` and
-    `counted_below` are None if modes are not counted.
+    displacements of all nodes. `unit_pressures`: wrenches (6m) on the interfaces for 1 Pa on a
+    face, by face number. `counted` and `counted_below` are None if modes are not counted.
     """
 
     stiffness: Array
@@ -75,10 +75,10 @@ class Identified:
     `density` (kg/m³) of the material; `total` mass (kg), `centre` of mass (3, m) and `inertia`
     about it (3×3, kg m²) of the finest mesh.
 
-    `stiffness` and `mass` (6m×6m) are condensed to the interfaces. `compliance` (6(m−1) square, of
-    the other interfaces) and `frequencies` (Hz) are those with the first interface clamped.
-    `counted`: number of modes below `counted_below` (Hz), by Sylvester's law of inertia; it proves
-    that no mode is missing. Both are None without this proof: if no factor fits the memory.
+    `stiffness` and `mass` (6m×6m) are condensed to the interfaces. `compliance` (of the other
+    interfaces, 6(m−1) rows and columns) and `frequencies` (Hz) are those with the first interface
+    clamped. `counted`: number of modes below `counted_below` (Hz), by Sylvester's law of inertia;
+    it proves that no mode is missing. Both are None if the memory is too small for this proof.
     `compliance_refinement` and `frequency_refinement`: half-widths due to the mesh in the units of
     the values. NaN if the file of the part is a mesh, which cannot be refined. `compliance_bracket`
     and `frequency_bracket` are the values with averaged interfaces less those with rigid ones.
@@ -286,7 +286,7 @@ def largest_half_width(part: Identified) -> float:
 
 
 def more_unknowns(unknowns: int, factor: float) -> int:
-    """Number of unknowns of the finest mesh that reduces half-widths by `factor`.
+    """Number of unknowns of the finest mesh that divides half-widths by `factor`.
 
     Parts converge with orders from one to two in the mesh size, which varies as the cube root of
     the number of unknowns. The result is two to eight times `unknowns`. Raises InputError if the
@@ -401,7 +401,7 @@ def _answer(
 
 
 def _count(answer: MeshAnswer) -> dict[str, Any]:
-    """Number of modes and its limit. Empty if they were not counted."""
+    """Fields `counted` and `counted_below` by name. Empty if modes were not counted."""
     if answer.counted is None:
         return {}
     return {"counted": answer.counted, "counted_below": answer.counted_below}

@@ -35,9 +35,9 @@ _ROOMS = ("validation/uncertainty", "validation/responses", "validation/parts", 
 COMPUTING = ("lumped", "meshes", "fem", *_ROOMS, *_CACHE)
 COARSE, MIDDLE, FINEST = 0, 1, 2
 LEVELS = (COARSE, MIDDLE, FINEST)
-# Fields of each face that are stored as columns. Facets are stored separately.
+# Fields of faces, each of which is stored as a column over all faces. Facets are stored separately.
 _FACE_FIELDS = tuple(entry.name for entry in fields(Face) if entry.name != "facets")
-# Material for the keys of meshes, which do not depend on it.
+# Any material, for the cache keys of meshes, which do not depend on it.
 _NO_MATERIAL = Material.isotropic(1.0, 0.0, 1.0)
 
 
@@ -102,7 +102,7 @@ def part_mesh(
 def mesh_entries(
     part: PartFile, interfaces: Sequence[Interface], unknowns: int, levels: Sequence[int]
 ) -> tuple[CacheEntry[PartMesh], ...]:
-    """Cache entries for the meshes of some levels. () if the file of the part is a mesh."""
+    """Cache entries for the meshes of the given `levels`. () if the file of the part is a mesh."""
     if part.mesh is not None:
         return ()
     return tuple(
@@ -117,7 +117,7 @@ def mesh_entries(
 
 
 def gradings(part: PartFile, interfaces: Sequence[Interface], unknowns: int) -> tuple[Grading, ...]:
-    """Element sizes over the part of the three meshes, coarse to fine.
+    """Element sizes over the part, for each of the three meshes from coarse to fine.
 
     Raises InputError if gmsh cannot mesh the part.
     """

@@ -26,7 +26,7 @@ _EXAMPLE = "A = { cylinder = { radius = 0.04 } }"
 
 
 def faults_of_numbers(unknowns: int | None, modes: int | None) -> list[str]:
-    """Messages for numbers out of range. None is the default value and valid."""
+    """Messages for a number of unknowns or modes out of range. None stands for the default."""
     faults = []
     if unknowns is not None and not FEWEST_UNKNOWNS <= unknowns <= MOST_UNKNOWNS:
         allowed = f"from {FEWEST_UNKNOWNS} to {MOST_UNKNOWNS}"
@@ -85,7 +85,7 @@ def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[
 def material_of(text: str) -> Material:
     """Isotropic material from a text { E = …, nu = …, rho = … }.
 
-    Raises InputError if it is none.
+    Raises InputError with all faults of the text.
     """
     example = "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }"
     tables = _table(f"material = {text}", "--material", example)

@@ -1,7 +1,7 @@
 """Results for a CAD part that a worker of a cluster computes, with the content of its file.
 
 Input: a part as it was read here, and a function that gives its cache entry. Output: the value of
-the entry. Rule: the cache of this machine is asked first. What a worker computes is stored here.
+the entry. Rule: the cache of this machine is searched first. What a worker computes is stored here.
 """
 
 import tempfile
@@ -20,14 +20,14 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class _SentPart:
-    """Computation of a cache entry for a part on a machine without its file."""
+    """Computation of a part's cache entry on a machine without the file of the part."""
 
     file: PartFile
     content: bytes
     entry_of: Callable[[PartFile], CacheEntry[Any]]
 
     def __call__(self) -> dict[str, Arrays]:
-        """Arrays of the entry and of those that it needs, by key."""
+        """Arrays of the entry and of the entries that it needs, by cache key."""
         with tempfile.TemporaryDirectory(prefix="flexproof-part-") as folder:
             copy = Path(folder) / self.file.path.name
             copy.write_bytes(self.content)

@@ -1,7 +1,7 @@
 """Benchmarks with known results, computed on this machine.
 
 Input: none. Output: known and computed numbers of each benchmark. Rule: a number agrees if its
-relative difference, less the known difference of the two theories, is within the tolerance.
+relative difference, less the part due to different theories, is within the tolerance.
 MacNeal–Harder's cantilever and NAFEMS FV5 are solved as solids, torsion of rectangles by finite
 elements, a hexapod and a CAD part in closed form, a leg by CalculiX and a five-bar by EXUDYN.
 Constraints and loads of solids are those of Saint-Venant's theory, averages over the end faces, so
@@ -45,9 +45,10 @@ TOLERANCE = 1e-3
 
 @dataclass(frozen=True)
 class KnownNumber:
-    """Known and computed value of one quantity, equal within `tolerance` (relative).
+    """Known and computed value of one quantity, to be equal within `tolerance` (relative).
 
-    `explained`: known relative difference of the two theories.
+    `explained`: part of the relative difference that is due to different theories, such as those of
+    beams and solids.
     """
 
     quantity: str
@@ -125,7 +126,7 @@ class Cluster:
 
 # The density has no effect on statics.
 STRAIGHT = ConstantLeg(6.0, Rectangle(0.2, 0.1), Material.isotropic(1e7, 0.3, 1.0))
-# Component of the tip compliance, with name, unit and target (m or rad per N or N m).
+# Diagonal entry of the tip compliance: index, name, unit and target (m or rad per N or N m).
 MACNEAL_TARGETS = (
     (0, "extension under a unit force", "m", 3.0e-5),
     (1, "deflection in the plane of the larger side under a unit force", "m", 0.1081),
@@ -138,8 +139,8 @@ MACNEAL_HARDER = (
 )
 FV5 = "NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV5"
 DEEP = ConstantLeg(10.0, Rectangle(2.0, 2.0), Material.isotropic(2e11, 0.3, 8000.0))
-# Modes, and the relative error of beam theory for their wavelength. A test computes these errors
-# from the exact waves of the prism.
+# Modes with target frequencies, and the relative error of beam theory at their wavelength. A test
+# computes these errors from the exact waves of the prism.
 FV5_MODES = (
     (Cluster(1, 2, 42.650, "bending 1"), 1.1453e-3),
     (Cluster(3, 3, 71.20, "torsion 1"), -9.4e-6),
@@ -155,8 +156,8 @@ TORSION_CONSTANTS = {
     10.0: 0.312325,
 }
 TIMOSHENKO = "S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, §109, table of k1, six digits"
-# Elements across the section, and slices along the beam for each of these, so that the errors in
-# both directions are similar.
+# Elements across the smaller side, and slices along the beam per such element, so that the errors
+# in both directions are similar.
 _STRAIGHT_DIVISIONS, _STRAIGHT_SLICES = 4, 5
 _DEEP_DIVISIONS, _DEEP_SLICES = 5, 3
 _TORSION_DIVISIONS = 16
@@ -240,7 +241,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
 
 
 def straight_cantilever() -> list[KnownNumber]:
-    """Diagonal of the tip compliance of MacNeal–Harder's cantilever as a solid."""
+    """Diagonal of the tip compliance of MacNeal–Harder's cantilever: targets and solid."""
     beam = extruded(STRAIGHT, _STRAIGHT_DIVISIONS, _STRAIGHT_SLICES * _STRAIGHT_DIVISIONS)
     compliances = np.diag(solid.clamped_leg(beam, "free").compliance)
     return [
@@ -256,7 +257,7 @@ def extruded(leg: ConstantLeg, divisions: int, slices: int) -> solid.SolidLeg:
 
 
 def deep_beam() -> list[KnownNumber]:
-    """Nine modes of NAFEMS FV5 as a solid, and the number of its modes by Sturm's count."""
+    """Nine frequencies of NAFEMS FV5 as a solid, and its number of modes by Sturm's count."""
     beam = extruded(DEEP, _DEEP_DIVISIONS, _DEEP_SLICES * _DEEP_DIVISIONS)
     count = FV5_MODES[-1][0].last
     modes = simply_supported(beam).modes(count)
@@ -289,7 +290,7 @@ def torsion_constant(ratio: float) -> KnownNumber:
 
 
 def hexapod() -> list[KnownNumber]:
-    """Deflections of the hexapod's platform, and those from the stiffness summed over the legs."""
+    """Deflections of the hexapod's platform by beams; known from the stiffness of its legs."""
     mechanism = load_robot("hexapod").mechanism
     first_posture = posture(mechanism, mechanism.poses[0])
     (answer,) = answers("beam", [first_posture], 0, ModelOptions(elements=1))
@@ -351,7 +352,7 @@ def bar() -> list[KnownNumber]:
 
 
 def by_calculix() -> list[KnownNumber]:
-    """Deflections and frequencies of one mesh, by this program and by CalculiX."""
+    """Deflections and frequencies of a clamped leg, by this program and by CalculiX on one mesh."""
     mesh = tetrahedra(_BLOCK.section, _BLOCK.length, 1)
     calculix_compliance, calculix_frequencies = compliance_and_frequencies(mesh, _STEEL, _MODES)
     clamped = solid.clamped_leg(solid.solid_leg(_BLOCK, mesh))
