@@ -250,8 +250,8 @@ class Cluster(ProcessExecutor):
         self.keys.add(conditions.key)
         sent = _SentCalls(self.distributed, self.watch, conditions)
         queue = deque(deque(group) for group in groups)
-        # If each group is a single call, each worker gets one call more than it has threads, and need
-        # not wait for this process.
+        # If each group is a single call, a worker gets one call more than it has threads, so that it
+        # need not wait for this process.
         single = all(len(group) == 1 for group in groups)
         try:
             with _connection_errors(self.distributed, self.watch.address):
