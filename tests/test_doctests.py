@@ -28,7 +28,7 @@ PARSER = doctest.DocTestParser()
 
 
 def run_examples(text, names, where):
-    """Run the examples of a text with `names` known, and return the names that they define."""
+    """Run the examples of a text with the variables `names`; return all variables by name."""
     test = PARSER.get_doctest(text, names, where, None, None)
     assert test.examples, f"{where} has no example"
     runner = doctest.DocTestRunner(verbose=False)
@@ -39,7 +39,7 @@ def run_examples(text, names, where):
 
 
 def once(function):
-    """The function with its value for equal arguments computed once."""
+    """Wrap `function` so that it is called once for equal arguments."""
     values = {}
 
     def remembered(*args, **kwargs):

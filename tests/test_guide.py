@@ -7,7 +7,8 @@ A fenced block says by its first word what it is:
     ```python          executed; all blocks of a page share one namespace
     ```python name.py  a quotation from docs/examples, where it is executed as a script
 
-`flexproof run` is run at the quick preset on a handful of comparisons; `flexproof test` is this.
+`flexproof run` is run at the quick preset on a few comparisons. `flexproof test` is not run: it
+runs these tests.
 """
 
 import os
@@ -102,7 +103,7 @@ def test_design_team_example_passes(tmp_path):
 
 
 def run_console(text: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """Runs each command, a run on a few comparisons whatever the page asks for."""
+    """Run each command of a console block. `flexproof run` computes only a few comparisons."""
     for example in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
         command, *expected = example.rstrip().splitlines()
         program, *arguments = shlex.split(command.split(";")[0], comments=True)
@@ -161,7 +162,7 @@ def test_mechanisms_of_guide_are_built_in():
 
 
 def test_new_case_takes_ten_lines():
-    """Imports and trial call excepted: a new comparison takes minutes."""
+    """Lines of code of new_case.py, without imports and trial call."""
     case, _, _ = (EXAMPLES / "new_case.py").read_text(encoding="utf-8").partition("if __name__")
     assert len(re.findall(r"^.*\S", case.rpartition('"""\n')[2], re.MULTILINE)) <= 10
 

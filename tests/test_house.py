@@ -69,7 +69,7 @@ def test_endless_test_is_stopped(pytestconfig, tmp_path):
 
 
 def test_imports_go_one_way_without_circles():
-    """Also imports in functions and for types alone. Folders in a circle could not be drawn."""
+    """Imports in functions and for type checking count, too."""
     arrows = {name: MAP["imports"](path, MODULES) - {name} for name, path in MODULES.items()}
     for name, found in arrows.items():
         allowed = FLOORS[: FLOORS.index(name.split(".")[0]) + 1]
@@ -98,7 +98,7 @@ def test_no_module_has_mutable_state():
 
 
 def states(source: str) -> list[str]:
-    """Names in a module that are filled later: empty collections, and `global` ones."""
+    """Names of a module's mutable state: empty collections that are filled later, and globals."""
     tree, found = ast.parse(source), list[str]()
     for node in tree.body:
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
@@ -145,7 +145,7 @@ READERS = {"meshes/part/reading/deck.py"}
 
 
 def parsed_texts(tree: ast.Module) -> list[str]:
-    """Expressions that take a text apart: an attribute, an error, or a local name of one."""
+    """Expressions that search or split a text written for persons, such as an error message."""
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
     return [one for scope in (tree, *functions) for one in parsed_in(list(ast.walk(scope)))]
 

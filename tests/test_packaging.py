@@ -45,7 +45,7 @@ def test_wheel_contains_data_and_type_markers(wheel):
 
 
 def contents(wheel):
-    """Digest of each file by name, without the list of all digests."""
+    """Digest of each file in the wheel by name, except the wheel's own list of digests."""
     with zipfile.ZipFile(wheel) as archive:
         infos = [one for one in archive.infolist() if not one.filename.endswith("RECORD")]
         return {one.filename: one.CRC for one in infos}
@@ -110,7 +110,7 @@ def test_version_comes_from_the_tag(tmp_path):
 
 
 def test_launcher_and_guide_state_equal_sizes():
-    """Measured with `pip download` of both lock files and `du` of both environments."""
+    """Sizes measured with `pip download` of both lock files and `du` of both environments."""
     launcher = (ROOT / "flexproof").read_text("utf-8")
     sizes = re.findall(r'size="(\d+ MB, [\d.]+ GB on disk)"', launcher)
     assert len(set(sizes)) == 2
@@ -119,7 +119,7 @@ def test_launcher_and_guide_state_equal_sizes():
 
 
 def test_module_flexproof_is_that_of_clone(tmp_path):
-    """A copy in the environment would not follow changes of the sources."""
+    """The imported module is the file of this clone, not a copy in the environment."""
     line = (sys.executable, "-c", "import flexproof; print(flexproof.__file__)")
     assert output(*line, folder=tmp_path) == str(ROOT / "flexproof.py")
 

@@ -42,7 +42,7 @@ sys.exit(validation.cli.main(["run", "ifw", "--preset", "quick", "--out", "repor
 """
 
 
-def test_only_runs_need_posix(tmp_path):
+def test_only_flexproof_run_needs_posix(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", WITHOUT_POSIX + USE],
         cwd=tmp_path,
@@ -58,7 +58,7 @@ def test_only_runs_need_posix(tmp_path):
     assert not list(tmp_path.glob("report*"))
 
 
-def test_processes_need_inherited_pipes(monkeypatch):
+def test_child_process_without_posix_is_refused(monkeypatch):
     monkeypatch.setattr(processes, "_POSIX", False)
     with pytest.raises(ComputationError, match="are available only on Linux and macOS"):
         processes.in_own_process(len, "abc")
@@ -75,7 +75,7 @@ def test_run_folder_is_refused_without_locks(monkeypatch, tmp_path):
 
 
 def test_missing_gmsh_gives_one_error_line(monkeypatch):
-    """It has no wheels for Linux on ARM."""
+    """gmsh has no wheels for Linux on ARM."""
     monkeypatch.setitem(sys.modules, "gmsh", None)
     with (
         pytest.raises(ComputationError, match=r"leg\.step: needs gmsh, which cannot be loaded"),

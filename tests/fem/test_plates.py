@@ -24,7 +24,7 @@ SIDE, THICKNESS = 10.0, 1.0
 
 
 def block(element, counts):
-    """Cells of a block of `counts` elements, and the coordinates of its nodes from 0 to 1."""
+    """Cells of a block of `counts` elements along x, y, z, and node coordinates from 0 to 1."""
     kind, sizes = ELEMENTS[element], 2 * np.array(counts) + 1
     corners = 2 * np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), -1)
     places = corners.reshape(-1, 1, 3) + np.rint(2 * kind.nodes).astype(int)
@@ -48,7 +48,7 @@ def frequencies(mesh, held, count):
 
 
 def quarter(element, counts):
-    """Quarter of a plate with simply supported sides x = 0, y = 0: held along them and upwards."""
+    """Quarter plate: simply supported sides x = 0 and y = 0, fixed along themselves and along z."""
     cells, shares = block(element, counts)
     held = np.zeros_like(shares, dtype=bool)
     x, y, _ = shares.T

@@ -32,7 +32,7 @@ def beam_of(section, length=1.0):
 
 
 def layered(width, heights, materials):
-    """Rectangles of these heights on top of each other, from the bottom."""
+    """Section of rectangles with these heights and materials, stacked from the bottom."""
     bottoms = np.cumsum([0.0, *heights])
     return composite(
         *(
@@ -103,8 +103,8 @@ def test_filled_tube_is_sum_of_parts():
 def series_of_two_layers(G, widths, height):
     """GJ of two rectangles side by side along y by Fourier series of Prandtl's stress function.
 
-    ∇²φ = −2G in each, φ = 0 on the rim, φ and ∂φ/∂y/G continuous. φ = Σ Z_k(y) sin(kπz/h) with
-    Z″ − κ²Z = −8G/kπ; GJ = 2 ∫ φ dA.
+    ∇²φ = −2G in each layer, φ = 0 on the rim, φ and (∂φ/∂y)/G continuous.
+    φ = Σ Z_k(y) sin(kπz/h) with Z″ − κ²Z = −8G/kπ; GJ = 2 ∫ φ dA.
     """
     b = np.array(widths)
     total = 0.0

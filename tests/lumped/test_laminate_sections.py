@@ -44,7 +44,7 @@ def test_axial_fibre_tube_has_fibre_modulus():
 
 @pytest.mark.parametrize("thickness", [0.25e-3, 0.025e-3])
 def test_tube_at_45_degrees_has_published_g(thickness):
-    """GJ = 2πr³ t Gxy with Gxy = 46.59 GPa; a ring has r³t (1 + t²/4r²)."""
+    """GJ = 2πr³t Gxy with Gxy = 46.59 GPa; a ring of finite thickness has 1 + t²/4r² times that."""
     section = LaminateTube(layers(45, -45, -45, 45, thickness=thickness), 0.06)
     wall = 4.0 * thickness
     radius = 0.03 - wall / 2.0
@@ -56,7 +56,7 @@ def test_tube_at_45_degrees_has_published_g(thickness):
 
 
 def test_quasi_isotropic_wall_equals_tsai():
-    """Tsai & Hahn, table 4.3: 69.68 GPa, 26.88 GPa, 0.296; G = E/2(1+ν) of an isotropic plane."""
+    """Tsai & Hahn, table 4.3: E = 69.68 GPa, G = 26.88 GPa, ν = 0.296; G = E/2(1+ν)."""
     section = LaminateTube(layers(0, 45, -45, 90, 90, -45, 45, 0), 0.06)
     wall = section.wall / section.thickness / 1e9
     tension = wall[0, 0] - wall[0, 1] ** 2 / wall[1, 1]

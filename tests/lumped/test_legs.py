@@ -45,7 +45,7 @@ def test_equivalent_legs_equal_paper(leg, by, expected, height, width):
 
 @pytest.mark.parametrize("by", ["stiffness", "compliance"])
 def test_equivalent_leg_keeps_stiffness(by):
-    """Inverse of c22 = L³/3EI (by compliance) and of K22 = 12EI/L³ (by stiffness, clamped tip)."""
+    """EI from c22 = L³/3EI (by compliance) or K22 = 12EI/L³ (by stiffness, clamped tip)."""
     beam = BEAM.timoshenko
     given = GivenLeg(1.2, 47.1, tip_compliance(beam.as_euler_bernoulli(), 1.2))
     computed = equivalent_leg(given, by).timoshenko
@@ -77,7 +77,7 @@ def test_cantilever_equals_textbook():
     assert bending[1, 1] == pytest.approx(bent_z, rel=1e-12)
 
 
-def test_planes_differ_in_shear_and_inertia():
+def test_tall_box_is_stiffest_in_shear_along_z():
     """A tall box is stiffest in shear along z, where its long walls lie; ρI is largest about y."""
     box = ConstantLeg(1.0, HollowRectangle(0.05, 0.2, 0.005), Material.isotropic(2e11, 0.3, 7800.0))
     beam, section = box.timoshenko, box.section
@@ -95,8 +95,8 @@ def test_planes_differ_in_shear_and_inertia():
 def test_cowper_holds_for_independent_g(shape, nu, shear):
     """Cowper's coefficient against Saint-Venant's flexure by finite elements, for cubic material.
 
-    By linear elasticity 1/κGA = α/G + β ν/E: κ is Cowper's κ for the ν′ that has the same νG/E.
-    With ν itself it would be 3 % too large for G ≪ E.
+    By linear elasticity κ depends on νG/E alone. It is Cowper's κ for the isotropic ν′ with this
+    νG/E. Cowper's κ for ν itself would be 3 % too large if G ≪ E.
     """
     leg = ConstantLeg(1.0, shape, Material(E=1e11, G=shear * 1e11, nu=nu, rho=1.0))
     constants = section_constants(section_mesh(shape, 8), nu, shear)

@@ -43,9 +43,10 @@ def arc(radius, angle, section, material=STEEL):
 def test_cone_compliance_is_exact():
     """Integrals of a cone whose radius r falls by s per metre from r₁ at the root to r₂ at the tip.
 
-    Fibres converge: tension 1 + s² and bending 1 + 4/3 s² times ∫ 1/EA and ∫ u²/EI (averages of
-    2 slope² over the section), shear by the force Q r₂/r that inclined fibres leave, and their
-    coupling −4/3 r'/πEr³. Twist as in Roark's Formulas, tapered beams.
+    Because fibres converge, tension is 1 + s² times ∫ 1/EA and bending 1 + 4/3 s² times ∫ u²/EI
+    (averages of 2 slope² over the section). Shear is due to the force Q r₂/r that is not carried
+    by inclined fibres; shear and bending are coupled by −4/3 r'/πEr³. Twist as in Roark's
+    Formulas, tapered beams.
     """
     root, tip = 0.12, 0.05
     leg = straight((0.0, Circle(root)), (LENGTH, Circle(tip)))
@@ -67,7 +68,7 @@ def test_cone_compliance_is_exact():
 
 
 def test_slender_wedge_compliance_is_exact():
-    """With h(x) linear and b constant, ∫ x²/h³ is a logarithm and powers (Euler and Bernoulli)."""
+    """Closed form of ∫ x²/h³ (Euler–Bernoulli) for linear height h(x) and constant width."""
     width, root, tip = 0.04, 0.1, 0.035
     leg = straight((0.0, Rectangle(width, root)), (LENGTH, Rectangle(width, tip)))
     ratio, slope, log = tip / root, (root - tip) / LENGTH, np.log(root / tip)
@@ -77,7 +78,7 @@ def test_slender_wedge_compliance_is_exact():
 
 
 def wedge_errors(root, tip):
-    """Relative errors of a wedge against plane stress: force at its apex, tension, moment.
+    """Relative errors of a wedge's compliance under apex force, tension, moment: plane stress.
 
     Timoshenko and Goodier, Theory of Elasticity: stresses P sin θ/(α − ½ sin 2α)/br across,
     P cos θ/(α + ½ sin 2α)/br along (Michell), and of a moment 2 sin 2θ/Dbr² with shear
@@ -110,7 +111,7 @@ def wedge_errors(root, tip):
 
 
 def test_wedge_equals_elasticity_to_fourth_order():
-    """Errors fall by 2⁴ where the slope is halved. Parallel fibres leave errors of second order."""
+    """Errors fall by 2⁴ if the slope is halved; with parallel fibres they would fall by 2²."""
     steep, flat = wedge_errors(0.2, 0.07), wedge_errors(0.1, 0.035)
     assert np.abs(steep).max() < 3e-6
     assert steep / flat == pytest.approx(16.0, rel=0.01)

@@ -20,7 +20,7 @@ X, Y, Z = np.eye(3)
 
 @pytest.mark.parametrize(("rotation", "velocity"), [(Z, 2.0 * Y), (Y, -2.0 * Z), (X, np.zeros(3))])
 def test_rotation_moves_distant_point(rotation, velocity):
-    """B lies 2 m from A along x: rotating about z moves it along +y, about y along −z."""
+    """B lies 2 m from A along x: a rotation about z moves B along +y, one about y along −z."""
     moved = shift(2.0 * X) @ np.concatenate([np.zeros(3), rotation])
     assert_allclose(moved, np.concatenate([velocity, rotation]), atol=1e-15)
 
@@ -39,7 +39,7 @@ def test_rotation_vectors_equal_scipy(angle):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_transformation_keeps_energy(seed):
-    """The energy f·C·f is the same for the load at the first point and moved to the second."""
+    """The energy f·C·f is unchanged if load and compliance are moved to another point."""
     rng = np.random.default_rng(seed)
     factor, wrench, offset = rng.normal(size=(6, 6)), rng.normal(size=6), rng.normal(size=3)
     compliance, R = factor @ factor.T, Rotation.random(random_state=rng).as_matrix()

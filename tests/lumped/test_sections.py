@@ -100,7 +100,7 @@ def test_channel_shear_centre_is_textbook():
 
 
 def test_equal_angle_has_axes_at_45_degrees():
-    """Equal legs; if thin, J = Σ b t³/3 and the shear centre is where the middle lines meet."""
+    """Thin legs: J = Σ b t³/3, and the shear centre is the intersection of their middle lines."""
     t, b = 0.01, 1.0
     angle = Angle(width=b, height=b, flange=t, web=t)
     assert angle.second_moment_y == pytest.approx(angle.second_moment_z, rel=1e-12)
@@ -141,7 +141,7 @@ def test_tee_shear_centre_is_in_flange():
 
 
 def test_section_ignores_outline_origin():
-    """Outline shifted, listed clockwise and from another corner; then rotated by 90°."""
+    """The outline is shifted, listed clockwise and from another corner, then rotated by 90°."""
     angle = Angle(width=0.06, height=0.1, flange=0.006, web=0.008)
     points = tuple(map(tuple, angle.loops[0].tolist()))
     same = [

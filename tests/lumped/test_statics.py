@@ -35,7 +35,7 @@ LOST = chain(1.0, 1e13 + 1.0 / 3.0)
         (np.zeros((2, 2)), -LOADS, "two springs"),
     ],
 )
-def test_energy_imbalance_equals_error(K, X, message):
+def test_solution_with_energy_imbalance_is_refused(K, X, message):
     with pytest.raises(ComputationError, match=message):
         balanced_flexibility(LOADS, X, K @ X, "two springs")
 

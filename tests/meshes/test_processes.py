@@ -78,7 +78,7 @@ def test_gmsh_failure_names_part():
     assert not gmsh.isInitialized()
 
 
-def test_inner_model_restores_outer_one():
+def test_inner_gmsh_model_restores_outer_one():
     with gmsh_model("outer") as session:
         session.model.geo.addPoint(0.0, 0.0, 0.0, tag=5)
         session.model.geo.synchronize()
@@ -93,7 +93,7 @@ def hashed():
     return sha256(mesh.nodes.tobytes() + mesh.cells.tobytes()).hexdigest()
 
 
-def test_threads_and_process_mesh_alike(capfd):
+def test_threads_and_process_give_equal_meshes(capfd):
     with ThreadPoolExecutor(2) as pool:
         in_threads = list(pool.map(lambda _: hashed(), range(2)))
     assert {*in_threads, in_own_process(hashed)} == {hashed()}

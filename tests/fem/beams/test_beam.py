@@ -245,8 +245,8 @@ NOTHING = np.zeros(12)
 def reduced_matrices(leg, ends, forces, spread=NOTHING):
     """Return geometric stiffness, stiffness and mass of a leg on the unknowns that are free.
 
-    `ends` are the free unknowns of root and tip, `forces` the twelve end forces, `spread` the part
-    of them that stands for a distributed load.
+    `ends` are the free unknowns of root and tip, `forces` the twelve end forces. `spread` is the
+    part of `forces` that is equivalent to a distributed load.
     """
     stiffness, mass = dense(leg.matrices.stiffness), dense(leg.matrices.mass)
     free = [*ends, *range(12, len(mass))]
@@ -255,7 +255,7 @@ def reduced_matrices(leg, ends, forces, spread=NOTHING):
 
 
 def factor(leg, ends, forces, spread=NOTHING) -> float:
-    """Return the buckling factor of the forces."""
+    """Return the buckling factor of `forces`, the twelve end forces, and `spread`."""
     added, stiffness, _ = reduced_matrices(leg, ends, forces, spread)
     return -1.0 / eigh(added, stiffness, eigvals_only=True)[0]
 
@@ -321,7 +321,7 @@ def test_own_weight_buckling_is_greenhill():
 
 
 def test_torsional_buckling_equals_wagner():
-    """Wagner: a thin section twists at P = GJ/i², independent of its length."""
+    """Wagner: a leg with a thin section buckles by twist at P = GJ/i² for any length."""
     p = ConstantLeg(0.08, Rectangle(width=0.004, height=0.1), STEEL).timoshenko
     leg = prestressed_leg(p, 0.08, 6, ALL)
     assert factor(leg, (9,), PUSH) == pytest.approx(p.GJ * p.mu / p.rho_J, rel=1e-9)

@@ -44,7 +44,7 @@ def scaled(difference, compliance):
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
 def test_shear_centre_force_causes_no_twist(section, theory):
-    """A force F at the centroid twists the tip by F e L/(G J).
+    """A force at the shear centre causes no twist, F at the centroid a twist F e L/(GJ).
 
     A torque T displaces the centroid by T e L/(G J).
     """
@@ -64,7 +64,7 @@ def test_shear_centre_force_causes_no_twist(section, theory):
 
 
 def test_angle_deflects_along_principal_axes():
-    """L³/3EI with I = t b³/3 and t b³/12 about the axes at 45°, to first order in t/b."""
+    """L³/3EI with I = t b³/3 and t b³/12 about the axes at 45°, exact as t/b → 0."""
     t, b, length = 0.001, 0.1, 2.0
     leg = ConstantLeg(length, Angle(b, b, t, t), STEEL)
     beam = leg.properties("euler-bernoulli")
@@ -212,7 +212,7 @@ def test_rectangle_has_no_bending_torsion_coupling():
     ids=lambda one: one.shape,
 )
 def test_beam_of_each_section_equals_solid(section):
-    """Beam and solid agree to rounding with free warping; rigid faces add the decaying end effects.
+    """With free warping beam and solid are equal; rigid end faces add the decaying end effects.
 
     The solid has slices far thinner than its walls; at the edges of rigid faces 1e-6 of the end
     effects is not resolved.

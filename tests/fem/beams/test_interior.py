@@ -28,7 +28,7 @@ def test_beam_from_6x6_recovers_prism():
 
 @pytest.mark.parametrize("interior", ["uniform", "stiff"])
 def test_beams_from_6x6_keep_end_stiffness(interior):
-    """K11 to K44 are kept: stiffnesses of a leg whose ends do not rotate about y and z."""
+    """K11 to K44 are unchanged: stiffnesses for ends that do not rotate about y and z."""
     leg = given(PRISM)
     expected, computed = (
         np.diag(np.linalg.inv(c))[[0, 1, 2, 3]]
@@ -39,7 +39,7 @@ def test_beams_from_6x6_keep_end_stiffness(interior):
 
 
 def test_fixed_warping_doubles_torsion_mode():
-    """The ratio is 22.373/L² √(EΓ/ρI_p) over π/L √(GJ/ρI_p): 2.056 for GJ = 12 EΓ/L²."""
+    """Warping alone 22.373/L² √(EΓ/ρI_p), Saint-Venant π/L √(GJ/ρI_p): ratio 2.056 here."""
     leg = given(PRISM)
     soft = leg.compliance.copy()
     soft[3, 3] *= 300.0
@@ -60,7 +60,7 @@ def test_tube_from_6x6_has_polar_moment():
     assert interior_beam(tube, "stiff", 4).model == "beam"
 
 
-def test_stiffer_beams_from_6x6_vibrate_faster():
+def test_interior_stiffness_raises_6x6_frequencies():
     soft, uniform, stiff = (
         held_frequencies(given(PRISM), kind)[:6] for kind in ("soft", "uniform", "stiff")
     )

@@ -139,7 +139,7 @@ def factor_by_equilibrium(p: BeamProperties, length: float, force: float, moment
 
 @pytest.mark.parametrize("width", [0.02, 0.04, 0.06])
 def test_shear_lowers_lateral_buckling_load(width):
-    """By 0.6, 2.4 and 5.2 % for the three widths; without the work −φ′ M γ by half of that."""
+    """The load falls by 0.6, 2.4 and 5.2 % for three widths; without −φ′ M γ by half of that."""
     leg = ConstantLeg(0.3, Rectangle(width, 0.06), STEEL)
     at_tip = np.array([0, 0, -1.0, 0, 0.3, 0, 0, 0, 1.0, 0, 0, 0])
     p, loads = leg.timoshenko, {}
@@ -307,7 +307,7 @@ def test_reversed_leg_has_same_buckling():
 
 
 def test_lateral_buckling_order_is_four():
-    """Compared with 32 elements, whose error is 1 % of that of ten."""
+    """Reference: 32 elements, whose error is 1 % of that of ten elements."""
     p, counts = ConstantLeg(0.2, Rectangle(0.02, 0.06), STEEL).timoshenko, [4, 6, 8, 10]
     at_tip = np.array([0, 0, -1.0, 0, 0.2, 0, 0, 0, 1.0, 0, 0, 0])
     loads = [factor(prestressed_leg(p, 0.2, n, ALL), range(6, 12), at_tip) for n in (*counts, 32)]

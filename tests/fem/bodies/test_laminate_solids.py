@@ -35,7 +35,7 @@ def leg_of(section, length=0.12):
 
 
 def uniform(layer):
-    """Moduli of a body of one layer in the plane of x and y, at any points."""
+    """Function of points that returns the moduli (6×6) of a layer in the x-y plane."""
     matrix = in_wall(layer)
     return lambda points, _: np.broadcast_to(matrix, (*points.shape[:2], 6, 6))
 
@@ -72,7 +72,7 @@ def test_off_axis_coupon_has_published_modulus_and_coupling(angle):
 
 
 def test_axial_fibre_tube_has_E1_A_and_G12_J():
-    """The section's mesh has parabolas for arcs: 2e-5; curved walls as solids: 1e-3."""
+    """Errors: 2e-5 in the section (parabolas for arcs), 1e-3 in solids with curved walls."""
     leg = leg_of(LaminateTube(layers(0, thickness=1e-3), 0.06))
     mesh = section_mesh(leg.section, 4)
     beam = composite_properties(mesh, leg_moduli(leg, mesh))
@@ -124,7 +124,7 @@ def test_layers_of_steel_equal_isotropic_solid(section):
 
 
 def test_box_of_layers_equals_thin_wall_theory():
-    """Corners are of the order of the wall's thickness over the side, 1.5 mm in 40 mm."""
+    """Thin walls neglect the corners, an error of the order of wall 1.5 mm over side 40 mm."""
     leg = leg_of(LaminateBox(layers(45, -45, 0, 0, -45, 45), 0.06, 0.04))
     mesh = section_mesh(leg.section, 2)
     beam, thin = composite_properties(mesh, leg_moduli(leg, mesh)), leg.timoshenko
@@ -134,7 +134,7 @@ def test_box_of_layers_equals_thin_wall_theory():
 
 
 def test_equal_layers_share_elements():
-    """Four layers along the leg are one ring of elements; doubling refuses inclined fibres."""
+    """Four equal layers are one ring of elements. Doubling of slices refuses inclined fibres."""
     leg = leg_of(LaminateTube(layers(45, -45, 0, 0, 0, 0, -45, 45), 0.06))
     mesh = section_mesh(leg.section, 2)
     assert set(mesh.regions) == {0, 1, 5, 6, 7}
@@ -147,7 +147,7 @@ def test_equal_layers_share_elements():
 
 @pytest.mark.slow
 def test_off_axis_bar_equals_calculix():
-    """Fibres at 30° in the plane of x and y: orthotropic, turned; one mesh, printed digits."""
+    """Fibres at 30° in the x-y plane, same mesh: equal to the digits that CalculiX prints."""
     try:
         calculix_program()
     except CalculixMissing as missing:

@@ -72,8 +72,8 @@ def test_thin_tapered_solid_equals_beam(first, last, largest):
     """Walls that converge carry shear, and loads along their fibres do not bend them at the ends.
 
     With parallel fibres in the beam, and loads along the line on the ends of the solid, errors were
-    2.0 % and 1.3 %. Squares of the slopes (1/20, 1/40) are left, the error of this mesh (half of
-    it) and, of the I-section, that of Cowper's κ (0.2 %).
+    2.0 % and 1.3 %. The remaining differences are squares of the slopes (1/20, 1/40), the error of
+    this mesh (half of the difference) and, of the I-section, that of Cowper's κ (0.2 %).
     """
     length = 0.4 if isinstance(first, HollowRectangle) else 0.8
     line = CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), UP)

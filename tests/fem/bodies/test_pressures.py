@@ -47,7 +47,7 @@ def test_pressure_on_all_faces_is_in_equilibrium(file):
 
 
 def test_pressure_on_plane_face_is_area_times_normal(file):
-    """An end of 50 × 30 mm pushes along the inward normal, at its centre."""
+    """Pressure on an end of 50 × 30 mm: the resultant is inward, through the end's centre."""
     (end,) = selected_faces(file, ByPlane((1.0, 0.0, 0.0), (LENGTH, 0.0, 0.0)))
     wrench = resultants(file.mesh)[end.number]
     assert wrench == pytest.approx([-WIDTH * HEIGHT, 0, 0, 0, 0, 0], abs=1e-15)
@@ -68,7 +68,7 @@ def test_pressure_in_bore_has_no_resultant(file):
 
 @pytest.fixture(scope="module")
 def straight(file):
-    """Return the same mesh with straight edges, whose elements take uniform strains exactly."""
+    """Return the same mesh with straight edges, whose elements contain uniform strains exactly."""
     mesh, nodes = file.mesh, file.mesh.nodes.copy()
     corners = mesh.cells[:, :4]
     for middle, ends in zip(mesh.cells[:, 4:].T, SIMPLEX_EDGES[4], strict=True):
@@ -86,7 +86,7 @@ def test_hydrostatic_pressure_strains_uniformly(straight):
 
 
 def test_pressures_move_block_as_in_calculix(file, straight, monkeypatch):
-    """*DLOAD on the same elements: an end, a side and the bore pressed, the other end clamped."""
+    """*DLOAD on the same elements: pressures on an end, a side and the bore; other end clamped."""
     if calculix_version() is None:
         pytest.skip("CalculiX is not installed")
     mesh = straight.mesh

@@ -30,7 +30,7 @@ def _calculix():
 
 
 def of_twenty_nodes(mesh):
-    """The extruded mesh with bricks of 20 nodes, which CalculiX has."""
+    """The extruded mesh with bricks of 20 nodes, an element of CalculiX, instead of 27."""
     used, cells = np.unique(mesh.cells[:, _TWENTY], return_inverse=True)
 
     def face(end):

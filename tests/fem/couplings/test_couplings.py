@@ -199,8 +199,8 @@ def test_strip_decay_rates_equal_papkovich_fadle():
 THIN = ISection(0.1, 0.16, 0.0012, 0.0012)
 
 
-def test_distant_end_effects_are_independent():
-    """Each face restrains the same twist and bending for any length; bending has a lever arm."""
+def test_end_effects_are_independent_of_leg_length():
+    """Each face changes twist and slope equally at any length; the slope acts on the lever L."""
     tube = section_mesh(Tube(0.01, 0.001), 4)
     short, double, *others = (
         restrained_compliance(tube, STEEL, length) for length in (1.0, 2.0, 10.0, 1e5)

@@ -39,7 +39,7 @@ def prism(kind, length, order=1):
 
 @pytest.mark.parametrize("section", [Rectangle(0.05, 0.08), Tube(0.1, 0.01)])
 def test_slender_cantilever_equals_timoshenko(section):
-    """Huang's equation with the constants of `fem.sections`, which uses no fields along x."""
+    """Huang's equation with the section constants of `fem.sections`."""
     material = replace(STEEL, G=0.6 * STEEL.G)
     leg, kinds = ConstantLeg(0.4, section, material), waves_by_kind(section, material)
     modes = cantilever_frequencies(computed_properties(leg, 4), leg.length, 6)
@@ -115,7 +115,7 @@ def test_cut_off_is_wall_frequency():
     )
 
 
-def test_missing_beam_wave_is_refused():
+def test_mode_of_vibrating_walls_is_refused():
     """In a thin-walled arm no wave resembles a beam's second mode: its walls vibrate locally."""
     kind = waves_by_kind(SCARA_ARM.section, ALUMINIUM)["bending y"]
     beam = beam_frequency(kind, SCARA_ARM.length, 2)

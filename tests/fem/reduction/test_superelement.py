@@ -58,7 +58,7 @@ def test_condensed_leg_is_schur_complement(model):
 
 @pytest.mark.parametrize("reduce", [static_superelement, lambda held: craig_bampton(held, 500.0)])
 def test_reduced_solid_releases_its_factor(reduce):
-    """Kept models of many legs would otherwise need gigabytes."""
+    """The factors of many legs would otherwise need gigabytes."""
     solid = meshed(LEG_2, 1, 4)
     clamped = clamped_leg(solid)
     matrices = reduce(held_solid_leg(clamped, solid.mesh)).matrices
@@ -92,7 +92,7 @@ def test_condensed_leg_keeps_rigid_mass(model):
         assert np.array_equal(matrix, matrix.T)
 
 
-def test_supported_or_loose_leg_is_refused():
+def test_grounded_or_unstable_leg_is_refused():
     leg = MODELS["beam"](LEG_1)
     grounded, loose = leg.stiffness.toarray(), leg.stiffness.toarray()
     grounded[13, 13] *= 1.0 + 1e-3
@@ -142,7 +142,7 @@ POSTURES, COUNT, HIGHEST = (0.145, 0.85), 20, 3800.0
 
 @pytest.fixture(scope="module", params=["beam", "solid"])
 def robots(request):
-    """Return unreduced legs, legs with held ends, and robots of unreduced legs with their modes."""
+    """Return unreduced legs and legs with held ends, by name, and (x, robot, modes) by posture."""
     unreduced = {name: MODELS[request.param](leg) for name, leg in LEGS.items()}
     whole = [solved(system_of(x, *unreduced.values())) for x in POSTURES]
     held = {name: held_leg(leg) for name, leg in unreduced.items()}

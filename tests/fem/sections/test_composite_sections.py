@@ -70,7 +70,7 @@ def test_one_material_equals_saint_venant():
 
 
 def test_two_materials_equal_boundary_elements():
-    """One Poisson's ratio; 3e-3 on the coarsest mesh, which falls by refinement."""
+    """Both materials have one ν; the difference, 3e-3 on the coarsest mesh, falls by refinement."""
     leg = ConstantLeg(1.0, STEPPED, Material(*STEPPED.mean_material))
     expected = per_length(leg.timoshenko)
     coarse, fine = (
@@ -143,7 +143,7 @@ def test_composite_solid_equals_beam():
 
 
 def test_beam_of_states_has_their_compliance():
-    """Unsymmetric section of one Poisson's ratio: no coupling is left out.
+    """The beam of an unsymmetric section with one Poisson's ratio has all couplings.
 
     Mass, its centre and rotary inertia are exact in the section's formulas.
     """
@@ -165,7 +165,7 @@ def test_one_material_warps_as_saint_venant():
 
 
 def sandwich(upper):
-    """Faces of aluminium, the upper one of another modulus, and a soft core."""
+    """Leg with aluminium faces, the upper one of modulus `upper` (Pa), and a soft core."""
     faces, core = Rectangle(0.04, 0.01), Rectangle(0.04, 0.02)
     section = Composite(
         (
@@ -178,9 +178,10 @@ def sandwich(upper):
 
 
 def test_rigid_ends_of_sandwich_equal_end_fields():
-    """The soft core lets the faces warp, so that rigid ends take 22 % of torsion.
+    """The soft core lets the faces warp, so that rigid ends reduce the twist by 22 %.
 
-    Edges of rigid faces are singular: 0.04 % on this mesh, 0.001 % on one four times as fine.
+    At edges of rigid faces the stress is singular: an error of 0.04 % on this mesh, 0.001 % on one
+    four times as fine.
     """
     leg = sandwich(7e10)
     mesh = section_mesh(leg.section, 2)
@@ -206,7 +207,7 @@ def test_unequal_faces_couple_tension_and_bending():
 
 
 def test_filled_box_has_structured_mesh():
-    """Filled as polygons, its two parts had 6459 unknowns."""
+    """Meshed as two polygons, box and core had 6459 unknowns."""
     box, core = HollowRectangle(0.06, 0.08, 0.004), Rectangle(0.052, 0.072)
     section = Composite(
         (CompositePart(box, 2e11, 0.3, 7850.0), CompositePart(core, 3e10, 0.2, 2300.0))
@@ -227,7 +228,8 @@ def test_uniform_section_formula_refuses_composite():
 def test_composite_equals_sectionproperties():
     """Another finite element code, weighted by E: van Leeuwen, sectionproperties.
 
-    Both materials have one Poisson's ratio. Its shear centre by Trefftz is that of the energies.
+    Both materials have the same Poisson's ratio. The shear centre by Trefftz, which that code
+    computes, is then the one by energy.
     """
     library = pytest.importorskip("sectionproperties.pre.library")
     analysis = pytest.importorskip("sectionproperties.analysis")

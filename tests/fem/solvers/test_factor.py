@@ -99,8 +99,8 @@ def test_unsupported_solid_is_refused(slices, length):
         analyse(without(solid.stiffness, root[[0, 1, 2, -3, -2]])).factorise()
 
 
-def test_springs_held_by_round_off_are_refused():
-    """Springs in series on a support as stiff as 40 or 4000 roundings have positive pivots only."""
+def test_factor_of_chain_held_by_round_off_is_refused():
+    """Chains on a support of 40 or 4000 rounding units: the stiffer one is accepted."""
     chain = 2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
     for roundings in (40.0, 4000.0):
         chain[0, 0] = chain[-1, -1] = 1.0
@@ -144,7 +144,7 @@ def test_eigenvalue_count_with_2x2_pivots():
 
 
 def test_mode_count_with_extra_mass_entries():
-    """The mass matrix has entries where K is zero, and an entry of K − σM cancels.
+    """M has entries where K is zero; an entry of K − σM becomes zero by cancellation.
 
     The count equals that of dense eigenvalues.
     """

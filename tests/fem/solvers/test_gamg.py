@@ -68,7 +68,7 @@ def test_gamg_compliance_equals_factor(gamg, monkeypatch, nu, length, tolerance)
 
 
 def test_gamg_is_set_up_once(gamg, monkeypatch):
-    """Also for a single right-hand side, whose solution is that of the block."""
+    """A later single right-hand side needs no set-up; its solution equals that of the block."""
     assert gamg
     verbs, exchange = [], type(server())._exchange
 

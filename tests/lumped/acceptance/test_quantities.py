@@ -61,7 +61,7 @@ def test_unknown_name_gives_none(name):
 
 
 def test_measured_component_is_no_vector():
-    """Models are judged by whole displacement vectors, and a gauge measures one component."""
+    """Models are judged by whole displacement vectors; a gauge measures one component."""
     for whole in UNIT_LOADS[:6]:
         component = measured_quantity(whole.name)
         assert component != whole
@@ -106,7 +106,7 @@ def test_each_quantity_has_one_kind():
         assert quantity.meaning
 
 
-def test_columns_are_numbered_per_kind():
+def test_quantity_columns_are_numbered_per_kind():
     assert [quantity.static_column for quantity in JUDGED if quantity.whole] == list(range(9))
     assert [quantity.column for quantity in load_quantities(LOADS)] == [0, 1]
     assert [quantity.column for quantity in response_quantities(RESPONSES)] == [0, 1, 2, 3, 4]

@@ -58,7 +58,7 @@ def test_steel_contact_equals_harris():
 
 
 def test_thrust_contact_angle_is_near_harris():
-    """Bearing 218 under 17.8 kN: 41.6° by Harris with a constant from Jones' chart, 10 % softer."""
+    """Bearing 218 under 17.8 kN: 41.6° by Harris, with contacts 10 % softer by Jones' chart."""
     angle, _ = bearing_of_size("7218").under_preload(17.8e3)
     assert np.degrees(angle) == pytest.approx(41.6, abs=0.15)
     # With the constant of the chart, K = 896.7 N/mm² of Q = K D² (cos α₀/cos α − 1)^1.5.

@@ -24,7 +24,8 @@ def test_guide_stiffness_is_sum_over_balls(lines, lever):
     """Each ball has k = dQ/dδ = (3/2) Q/δ along its contact line and Q/ℓ across it.
 
     At 45° both sin² and cos² are ½. In roll (about the rail), contact lines of type O have the
-    lever arm (w + h)/2√2 and those of type X (w − h)/2√2; directions across have the other one. In
+    lever arm (w + h)/2√2 and those of type X (w − h)/2√2; the directions across them have the
+    other lever arm. In
     pitch and yaw each ball resists with x², its distance along the rail.
     """
     constant = hertz_constant((2.0 / D, 2.0 / D, 0.0, -1.0 / (0.52 * D))) / 2.0**1.5

@@ -333,7 +333,7 @@ def test_robot_family_needs_legs_that_meet():
         assert message in faults
 
 
-def test_postures_are_computed_once(monkeypatch):
+def test_repeated_posture_is_not_solved_again(monkeypatch):
     forget()
     mechanism = load_robot("five-bar").mechanism
     monkeypatch.setattr("lumped.mechanism.kinematics.postures._continued", pytest.fail)

@@ -20,7 +20,7 @@ CLAMPED_FREE_ROOTS = np.array([1.875104068711961, 4.694091132974175, 7.854757438
 
 
 def along(distance):
-    """Return the 6×6 matrix that moves a twist by `distance` (m) along the leg."""
+    """Return the 6×6 matrix that gives the twist `distance` (m) further along the leg."""
     return shift(np.array([distance, 0.0, 0.0]))
 
 
@@ -95,7 +95,7 @@ def test_condensed_chain_is_schur_complement(layout, joined):
     assert_allclose(condensed / scale, expected / scale, atol=1e-12)
 
 
-def test_printed_tip_joint_is_too_stiff():
+def test_printed_tip_joint_is_too_stiff_along_y():
     chain = with_printed_tip_joint(segment_chain(BEAM, LENGTH, 4))
     tip, piece = chain.stiffnesses[-1], LENGTH / 8.0
     assert chain.springs_at[-1].tolist() == [LENGTH, 0.0, 0.0]

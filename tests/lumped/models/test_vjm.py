@@ -37,7 +37,7 @@ def compliance(robot, x):
 
 
 def deflections(compliance):
-    """Return deflections in µm at 1000 N: in the plane under fx and under fy, along z under fz."""
+    """Return three deflections (µm) at 1000 N: in the plane by Fx and by Fy, along z by Fz."""
     planar = np.linalg.norm(compliance[:2, :2], axis=0)
     return np.array([*planar, compliance[2, 2]]) * 1e9
 
@@ -81,7 +81,7 @@ def test_stretched_hinges_release_two_motions(bend, rank, metre):
 
 
 def test_joint_motion_replaces_rigid_spring():
-    """Sθ = diag(c, c, c, c, c, 0) alone is singular; with a hinge about z the stiffness exists."""
+    """Spring compliance diag(c, c, c, c, c, 0) is singular; with a hinge about z K exists."""
     spring = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 0.0]) * 1e-9
     K = stiffness(O, [(O, about(*Z))], [(O, spring)])
     assert_allclose(K, np.diag([1, 1 / 2, 1 / 3, 1 / 4, 1 / 5, 0]) * 1e9, rtol=1e-12, atol=1e-3)
@@ -106,7 +106,7 @@ def test_rigid_chain_reports_direction(joints, springs, words):
 
 
 def spring_behind(*joints):
-    """Return the stiffness of one spring in series with passive joints."""
+    """Return the 6×6 stiffness of a spring in series with passive joints."""
     return stiffness(O, joints, [(O, 1e-9 * np.diag([1.0, 2.0, 3.0, 40.0, 50.0, 60.0]))])
 
 

@@ -83,7 +83,7 @@ def test_table_agree_sets_ends_of_solids(ends, leg_ends, expected):
 
 
 def test_agreement_limit_is_not_uncertain(robot_with):
-    """Key `agree.compliance` ends like the compliances that `--inputs` assumes to be uncertain."""
+    """`--inputs` assumes keys named `compliance` to be uncertain, but not `agree.compliance`."""
     robot = replace(robot_with("compliance = 0.002"), supposed=0.05)
     assert "foot.compliance" in robot.uncertain_inputs
     assert "agree.compliance" not in robot.uncertain_inputs

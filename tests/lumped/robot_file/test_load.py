@@ -98,7 +98,7 @@ def test_tool_compliance_is_symmetrised():
 
 
 def rows(**entries):
-    """Return the text of a 6×6 matrix of zeros with some entries, c23="1.2" in row 2, column 3."""
+    """Return the text of a 6×6 of zeros with the given entries: c23="1.2" is row 2, column 3."""
     texts = [[entries.get(f"c{i}{j}", "0") for j in range(1, 7)] for i in range(1, 7)]
     return f"[{', '.join('[' + ', '.join(row) + ']' for row in texts)}]"
 
@@ -413,7 +413,7 @@ to = 50.0
 
 @pytest.mark.parametrize("where", ["JOINT", "DRIVE", "RATIO"])
 def test_one_loss_factor_allows_responses(tmp_path, where):
-    """Damping of one joint, of one drive or a damping ratio suffices; without any it is refused."""
+    """Loss factor of a joint or drive, or a damping ratio, suffices; otherwise it is refused."""
     text = {"JOINT": "loss = 0.1", "DRIVE": ", loss = 0.1", "RATIO": ""}
     damped = BLOCKS + SHAKEN + ("[damping]\nratio = 0.01\n" if where == "RATIO" else "")
     for key in ("JOINT", "DRIVE"):
@@ -425,7 +425,7 @@ def test_one_loss_factor_allows_responses(tmp_path, where):
 
 
 def test_load_acts_on_tool_body_by_default(tmp_path):
-    """At B, a point of both bodies, it acts on the tool's body; at A, on the only body with A."""
+    """A load at B, a point of two bodies, acts on the tool's body; at A, on the body that has A."""
     text = BLOCKS.replace("JOINT", "").replace("DRIVE", "")
     push = '[[loads]]\nname = "{}"\nwrench = [6.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n{}\n'
     for number, where in enumerate(["", 'at = "B"', 'at = "A"', 'at = "B"\nbody = "first"']):

@@ -99,7 +99,7 @@ SIDED = [f"{part}{side}" for part in ("E", "C", "rod", "elbow", "wrist") for sid
 
 
 def built_in_name(name):
-    """Return the built-in robot's name of a copy: El1 and rodl1 become E1l and rod1l."""
+    """Return the name of a copy in the built-in robot: El1 and rodl1 become E1l and rod1l."""
     part, number = name[:-1], name[-1]
     return f"{part[:-1]}{number}{part[-1]}" if part in SIDED else name
 

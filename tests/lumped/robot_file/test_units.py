@@ -29,7 +29,7 @@ FILES = [
 
 
 def sections_of(section):
-    """The tables of a section that have lengths, with their keys."""
+    """Tables of a section that contain lengths, with the names of their keys."""
     yield section, {*section} - {"shape", "parts", "ply", "layers"}
     yield section.get("ply", {}), ("thickness",)
     for part in section.get("parts", []):
@@ -192,7 +192,7 @@ def test_pose_in_file_unit_gives_si_results(tmp_path, capsys):
     assert shown_pose(mechanism, at_pose.pose) == "x = 50 mm, y = 500 mm"
 
 
-def test_limits_use_length_unit_of_file(tmp_path):
+def test_accuracy_limits_use_length_unit_of_file(tmp_path):
     milli = robot_of(MILLI | {"accept": {"displacement": 0.02}})
     assert milli.requirement.displacement == 2e-5
     option = with_options(milli.requirement, ["displacement=0.03"], (), milli.mechanism.lengths)

@@ -51,7 +51,7 @@ def one_end(length):
 
 @pytest.mark.parametrize("x", [0.3, 0.5, 0.9])
 def test_screw_stiffness_follows_nut(x):
-    """At x the nut is x − 0.1 m from its bearing."""
+    """At position x the nut is x − 0.1 m from the screw's bearing."""
     mechanism = of()
     at = posture(mechanism, np.array([x]))
     k = one_end(x - 0.1)

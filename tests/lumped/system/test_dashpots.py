@@ -152,7 +152,7 @@ def test_tiny_dashpot_has_no_effect():
 
 
 def test_dashpot_damps_idle_rod():
-    """A rod spins idly between two ball joints, one damped; all unknowns are solved directly."""
+    """A rod spins idly between ball joints, one damped. Reference: direct solution, no modes."""
     text = """
     schema = 2
     name = "rod"

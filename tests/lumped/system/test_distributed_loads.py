@@ -46,7 +46,9 @@ MODELS = {
 
 
 def displacement(text, model, place=None, number=0):
-    """Return the displacement (6) of the tool under one load of the robot by one model."""
+    """Return the displacement (6) of the tool under load `number` of the robot file `text`.
+
+    The posture is that of the pose `place`, or the reference posture if None."""
     mechanism = described(text)
     at = reference_posture(mechanism) if place is None else posture(mechanism, np.array(place))
     load = loading(at, mechanism.loads[number], InterfaceLoads())
@@ -132,7 +134,7 @@ def test_line_loads_superpose():
 
 
 def test_uniform_load_has_fixed_end_wrenches():
-    """qL/2 and ±qL²/12 at clamped ends, with shear or without; on half the length with it.
+    """qL/2 and ±qL²/12 at clamped ends, with or without shear; half the length: no shear.
 
     Clamped beam under q on its first half (Timoshenko, Strength of Materials): reactions 13qL/32
     and 3qL/32, moments 11qL²/192 and 5qL²/192, without shear.

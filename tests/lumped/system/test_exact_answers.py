@@ -134,7 +134,7 @@ def joint_compliance(posture, joint, free):
 
 
 def null_space_system(posture, legs):
-    """Return stiffness, mass and tool rows in coordinates of the null space of all conditions."""
+    """Return stiffness and mass on the null space of all conditions, and the tool's rows of it."""
     mechanism = posture.mechanism
     bodies = {name: body for name, body in mechanism.bodies.items() if name != GROUND}
     keys = [(name, point) for name, body in bodies.items() for point in body.interfaces]

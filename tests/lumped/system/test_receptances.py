@@ -51,7 +51,7 @@ def asked(name, direction, rest="", first=0.5, last=15.0):
 
 
 def axial_receptance(frequencies, x, force_at):
-    """Rod, EA u″ + ρAω² u = 0: sin(kξ) cos(k(L − x)) / (EAk cos kL) for ξ ≤ x, k = ω√(ρ/E*)."""
+    """Rod, force at ξ ≤ x: u = sin(kξ) cos(k(L − x))/(EAk cos kL), k = ω√(ρ/E*), complex E*."""
     modulus = E * (1.0 + 1j * LOSS)
     k = 2.0 * np.pi * frequencies * np.sqrt(RHO / modulus)
     near, far = sorted((x, force_at))
@@ -86,7 +86,7 @@ def bending_receptance(frequencies, x, force_at):
 
 
 def test_bar_receptance_is_exact():
-    """Below half of the first frequency, 1293 Hz; 60 elements are 1e-6 off in it."""
+    """From 100 to 900 Hz, below the first frequency, 1293 Hz; 60 elements have an error of 1e-6."""
     text = BAR + asked("cross", [1.0, 0.0, 0.0], 'at = "M"\nof = "P"', 100.0, 900.0)
     (response,) = responses_of(text, 30)
     expected = axial_receptance(response.excitation.frequencies, LENGTH, MIDDLE)
@@ -143,7 +143,7 @@ def test_slender_bar_has_no_rounding_mode():
 
 
 def test_frequency_key_allows_receptance_points():
-    """The key `frequency` was formerly the number `at`; names of judged values are unchanged."""
+    """A number `at` is a frequency, as formerly; with the point `at`, key `frequency` gives it."""
     text = BAR + asked("cross", [0.0, 1.0, 0.0], 'at = "M"\nof = "P"\nfrequency = 5.0')
     text += asked("tip", [0.0, 1.0, 0.0], "at = 5.0")
     cross, tip = responses_of(text)
@@ -199,7 +199,7 @@ def test_invalid_point_is_refused(lines):
 
 
 def test_receptance_of_idle_point_is_refused():
-    """The lug of a rod that spins between ball joints."""
+    """The point is a lug of a rod that spins idly between ball joints."""
     text = """
     schema = 2
     name = "rod"

@@ -114,7 +114,7 @@ def test_loss_factor_and_damping_ratio_add():
 
 
 def test_loss_and_damping_add_in_two_modes():
-    """Equal losses in all parts: (K(1 + iη) + iωC − ω²M)⁻¹ with modal C, inverted directly."""
+    """Equal loss factors of all parts: (K(1 + iη) + iωC − ω²M)⁻¹ with C of the damping ratio."""
     give, loss, ratio = np.diag([1e-7, *5 * [1e-9]]).tolist(), 0.1, 0.03
     solution = solution_of(filled(TWO, FIRST=loss, SECOND=loss, GIVE=give))
     damped = replace(damped_modes(solution, 1e6), ratio=ratio).along(X)
@@ -140,7 +140,7 @@ def test_undamped_peak_is_infinite():
 
 
 def test_two_masses_with_unequal_losses_are_exact():
-    """Against a 2×2 inverse and its eigenvalues; modal losses also from shares of strain energy.
+    """Reference: inverse and eigenvalues of a 2×2 matrix; for modal losses, strain energy, too.
 
     The energy estimate is of first order: its error falls with the square of the loss factors.
     """
@@ -198,7 +198,7 @@ def plain(beams):
 
 @pytest.fixture(scope="module")
 def lossy(beams):
-    """Return the solution of a Delta with a loss factor in every part and six idle spins."""
+    """Return the solution of a Delta robot with a loss factor in each part; its rods spin idly."""
     bodies = {name: replace(body, loss=BODY_LOSSES[name]) for name, body in DELTA.bodies.items()}
     return solution_of(replace(DELTA, bodies=bodies, joints=on_drives(loss=0.1)), beams)
 

@@ -101,7 +101,7 @@ def test_rounded_bar_mesh_keeps_volume(tmp_path):
     assert abs(filled / part.exact.volume - 1.0) < 0.01 * abs(chords)
 
 
-def test_folded_elements_are_straightened():
+def test_inverted_tetrahedra_are_straightened():
     # Two tetrahedra with a common face; a mid-edge node of that face is pulled through one of them.
     tetrahedron = ELEMENTS["tet10"].nodes
     cells = np.arange(20).reshape(2, 10)

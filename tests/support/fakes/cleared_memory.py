@@ -1,4 +1,4 @@
-"""Removal of all values that the program keeps in memory."""
+"""Removal of all results that the program keeps in memory."""
 
 import gc
 from functools import cached_property

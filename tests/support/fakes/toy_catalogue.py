@@ -127,7 +127,7 @@ def slowly(context):
 
 
 def real(robot_file):
-    """Some of the paper's cases between cases that take 0.03 s each, and a figure."""
+    """Some of the paper's cases, artificial cases that take 0.03 s each, and a figure."""
     from validation import paper  # noqa: PLC0415  the other catalogues do not need it
 
     steady = tuple(case(f"toy.steady[{k}]", slowly) for k in range(12))

@@ -21,7 +21,7 @@ def model(name, statics=None, modes=None, **more):
 
 
 def model_by_reading(name, statics=None, modes=None):
-    """Model with statics and modes by the name of the reading."""
+    """Model whose statics and modes depend on the name of the reading."""
     solve = [half and (lambda _, at, half=half: half[at.ends["toy"]]) for half in (statics, modes)]
     return Model(name, name, *solve, ("ends",), ("ends",))
 
@@ -32,7 +32,7 @@ def meshes(**half_widths):
 
 
 def reference(title, halves, budgets=None, insides=(), **more):
-    """Reference with statics or modes (`halves`) by the names of its interpretations.
+    """Reference with `halves`: statics or modes by the name of the interpretation.
 
     `budgets` is one uncertainty budget for all interpretations, or a list with one for each.
     Interpretations differ in the stiffness inside the legs if `insides` names it, otherwise in the

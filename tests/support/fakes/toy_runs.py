@@ -37,7 +37,7 @@ def command(catalogue, *arguments):
 
 
 def started(line):
-    """Start the command `line` as a process in a new session."""
+    """Start the `flexproof` command `line` as a process in a new session."""
     return subprocess.Popen(
         line,
         env=ENVIRONMENT,
@@ -95,7 +95,7 @@ def refusing(number):
 
 
 def partial(path):
-    """Folder of an incomplete run at `path`."""
+    """Folder of the incomplete run that becomes `path` when it is complete."""
     return path.with_name(f"{path.name}.partial")
 
 

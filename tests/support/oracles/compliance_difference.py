@@ -1,4 +1,4 @@
-"""Difference of two compliances, independent of the units of their entries."""
+"""Difference of two compliance matrices, independent of the units of their entries."""
 
 import numpy as np
 

@@ -36,7 +36,7 @@ def prism_wave_frequency(section, material, kind, wavenumber, degree=10):
 
     u = (U cos kx, V sin kx, W sin kx), U, V, W polynomials of `degree` in y and in z, by Ritz on
     the section of an isotropic prism with free sides. The kinds differ in parity: U is odd in z for
-    bending y, odd in y and z for torsion, even for tension.
+    bending y, odd in y and z for torsion, even in both for tension.
     """
     k = wavenumber
     odd_y, odd_z = {"bending": (0, 1), "torsion": (1, 1), "tension": (0, 0)}[kind]
@@ -45,7 +45,7 @@ def prism_wave_frequency(section, material, kind, wavenumber, degree=10):
     volumes = (np.outer(weights, weights) * half_y * half_z).reshape(-1, 1)
 
     def field(odd_y, odd_z):
-        """Products of Legendre polynomials at the points, and their slopes along y and z."""
+        """Products of Legendre polynomials at quadrature points, and slopes along y and z."""
         families = []
         for odd in (odd_y, odd_z):
             terms = np.eye(degree + 1)[:, odd::2]

@@ -1,4 +1,4 @@
-"""Verdicts of comparisons with shifted references: a valid comparison can disagree."""
+"""Verdicts of comparisons whose reference is shifted: a valid comparison then disagrees."""
 
 from dataclasses import replace
 from math import isfinite

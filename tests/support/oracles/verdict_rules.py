@@ -60,7 +60,7 @@ class Plain(NamedTuple):
 
 @cache
 def worst(*of):
-    """Worst direction of force, cached because each step and each limit need it."""
+    """Worst direction of force for the matrices `of` (difference, reference; bytes of 3×3)."""
     difference, due = (np.frombuffer(matrix).reshape(1, 3, 3) for matrix in of)
     return worst_force(difference, due).force[0]
 
@@ -124,7 +124,7 @@ def frequency(truth, model, mode, pose):
 
 
 def order(truth, model, modes, pose):
-    """Error of the mode order: that of the mode whose number in the model is most misleading."""
+    """Error of the mode order: largest frequency error of a mode with a wrong number."""
     worst = {"error": 0.0, "mode": None, "grown": 1.0, "value": None}
     for mode in range(modes):
         value = float(model.frequencies[pose, mode])
@@ -149,7 +149,7 @@ class Rule:
         self.steps = [(step, self.halves(step.model)) for step in ladder]
 
     def halves(self, model):
-        """Statics or modes of a model by interpretation."""
+        """Statics or modes of a model, one for each interpretation of the reference."""
         return [
             self.solve(model, interpretation.reading)
             for interpretation in self.reference.interpretations
@@ -167,7 +167,7 @@ class Rule:
         return [self.numbers(half, number, pose) for number, half in enumerate(responses)]
 
     def spread(self, found, place, pose, *kinds):
-        """Half-width of this error due to the uncertainty budget of the interpretation `place`."""
+        """Half-width of the error `found` by the budget of interpretation number `place`."""
         budget = self.reference.interpretations[place].budget
         column = (*AXES, "any_force").index(self.quantity) if self.static else found["mode"]
         if column is None:
@@ -214,7 +214,7 @@ class Rule:
         return [self.at(responses, pose) for pose in range(len(self.poses))]
 
     def entry(self, limit):
-        """Fields of the entry, at the pose with the worst verdict and there the largest error."""
+        """Fields of the entry at the deciding pose: worst verdict, then largest error."""
         path = self.along(self.model)
         verdicts = [one.verdict(limit) for one in path]
         worst = min(verdicts, key=("inadequate", "undecided", "adequate").index)
@@ -254,7 +254,7 @@ class Rule:
         return fields | {"causes": causes, "remedy": advice[0], "error_with_remedy": advice[1]}
 
     def readings(self, at):
-        """Errors by interpretation. Empty if there is one, and for the order of modes."""
+        """Errors by interpretation. Empty if there is only one or for the mode order."""
         names = [interpretation.name for interpretation in self.reference.interpretations]
         several = len(names) > 1 and self.quantity != "order"
         return dict(zip(names, at.errors, strict=True)) if several else {}
@@ -293,7 +293,7 @@ class Rule:
         return {name: amount / total for name, amount in amounts.items()}
 
     def remedy(self, limit, pose):
-        """First step that suffices, otherwise the model of the reference, otherwise the best step.
+        """First step that meets the limit, else the model of the reference, else the best step.
 
         The model of the reference is the remedy only if the model stays inadequate with all steps.
         A step that does not reduce the error is no remedy.

@@ -170,7 +170,7 @@ def drawn():
 
 
 def measured(identifier, value, reference, *spreads, exact=True, **own):
-    """Outcome with the given fields of its case and its measurement."""
+    """Outcome of a comparison with these fields of its case and its measurement."""
     names = ("allowances", "studies", "table")
     of_measurement = {name: own.pop(name) for name in names if name in own}
     measurement = Measurement(value, reference, *spreads, exact=exact, **of_measurement)

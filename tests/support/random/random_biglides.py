@@ -1,6 +1,6 @@
 """Robot files of valid random biglides, equal for equal seeds.
 
-There are extreme ones and ordinary ones. Values are drawn from lists, or as powers of ten between a
+Some are extreme, others ordinary. Values are drawn from lists, or as powers of ten between a
 lowest and a highest value.
 """
 

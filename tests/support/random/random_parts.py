@@ -112,8 +112,8 @@ def step_of(part: RandomPart, path: Path) -> Path:
 def graded(t: Array, grading: float = _GRADING) -> Array:
     """Graded coordinates from 0 to 1 for t from 0 to 1, with smaller steps at both ends.
 
-    dx/dt is proportional to `grading`^2t up to t = 1/2: elements in the middle are `grading` times
-    as long as at the ends.
+    dx/dt is proportional to `grading`^(2t) up to t = 1/2: elements in the middle are `grading`
+    times as long as at the ends.
     """
     nearer = np.expm1(2.0 * np.minimum(t, 1.0 - t) * np.log(grading)) / (grading - 1.0) / 2.0
     return np.where(t <= 0.5, nearer, 1.0 - nearer)
@@ -157,7 +157,7 @@ def true_compliance(part: RandomPart, fineness: float = 1.0) -> Array:
 
 
 def stated(part: RandomPart, folder: Path) -> tuple[Array, Array]:
-    """Relative uncertainties and errors of the six diagonal compliances.
+    """Relative uncertainties (6) and true errors (6) of the diagonal compliances.
 
     The uncertainties are those of `identify`, which uses only the file.
     """

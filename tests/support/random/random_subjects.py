@@ -32,7 +32,7 @@ REMEDIES = [
 
 
 def statics(rng):
-    """Random compliances (p×6×6) of a robot, with all couplings and very unequal axes."""
+    """Statics with random compliances (6×6 per pose), fully coupled, of very unequal size."""
     root = rng.normal(size=(POSES, 6, 6)) + 2.0 * np.eye(6)
     softness = UNITS * 10.0 ** rng.uniform(-0.75, 0.75, 6)
     return Statics(root @ root.transpose(0, 2, 1) * np.outer(softness, softness), NO_LOADS)

@@ -43,7 +43,7 @@ def lug(kernel, length=200.0):
 
 
 def without_processes(patch):
-    """Read and mesh files in this process. They must not crash the CAD kernel."""
+    """Read and mesh files in this process, which a crash of the CAD kernel would end."""
     for module in (read, volume):
         patch.setattr(module, "within_limits", lambda _, function, *rest: function(*rest))
 

@@ -46,7 +46,7 @@ def stations(mechanism: Mechanism, count: int) -> Array:
 
 
 def placed_at(mechanism: Mechanism, *x: float) -> tuple[Posture, ...]:
-    """Postures with B at each of the given x (m). In the middle of the stroke without any."""
+    """Postures with B at each of the given x (m). Without any x, one in mid-stroke."""
     return tuple(posture(mechanism, np.array([one])) for one in x or stations(mechanism, 3)[1:2])
 
 

@@ -240,7 +240,7 @@ def test_include_size_is_bounded(tmp_path, monkeypatch):
 
 
 def test_part_digest_covers_includes(tmp_path):
-    """Caches identify a part by its content, which must change with an included file."""
+    """Caches identify a part by its digest, which must change if an included file changes."""
     deck = tmp_path / "block.inp"
     text, others = INCLUDED["included"]
     deck.write_text(text)

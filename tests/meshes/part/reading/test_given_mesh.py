@@ -232,7 +232,7 @@ def test_vtu_header_has_true_size(files, tmp_path, compression):
 @pytest.mark.parametrize("encoding", ENCODINGS)
 @pytest.mark.parametrize("compressor", ["ZLib", "LZMA"])
 def test_vtu_file_of_vtk_writer_is_read(files, tmp_path, encoding, compressor):
-    """Written by VTK as ParaView does: appended data, its default, or binary data."""
+    """VTK writes appended data (default, as ParaView) or binary data."""
     path = tmp_path / "plate.vtu"
     reader, writer = vtkXMLUnstructuredGridReader(), vtkXMLUnstructuredGridWriter()
     reader.SetFileName(str(files / "plate.vtu"))
