@@ -1,4 +1,4 @@
-"""Unusual standard streams and limits of the shell, and paths of result files."""
+"""Unusual standard streams, limits set by the shell, and paths of result files."""
 
 import errno
 import os
@@ -24,7 +24,7 @@ LOST = "the results cannot be written to the standard output:"
 
 
 def shell(line, **environment):
-    """Run a line of bash in which `flexproof` is this program."""
+    """Run a line of bash in which `flexproof` starts this source tree; return the process."""
     return subprocess.run(
         ["bash", "-c", SHELL + line],  # noqa: S607  the shell that is there
         cwd=ROOT,
@@ -79,8 +79,8 @@ def test_refused_run_leaves_home_empty(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_relative_home_uses_temporary(monkeypatch):
-    """Files that libraries write to the home folder are deleted at the end."""
+def test_relative_home_is_replaced_for_one_run(monkeypatch):
+    """The home folder is temporary: files that libraries write there are deleted at the end."""
     files = []
     monkeypatch.setattr(cli, "_run", lambda _: files.append(Path.home() / "x") or files[0].touch())
     monkeypatch.setenv("HOME", "odd home")
@@ -172,7 +172,7 @@ def test_deleted_folder_gives_one_error_line(words, tmp_path):
 
 @pytest.mark.parametrize("module", ["cyclopts", "fem.machine", "validation.export.command"])
 def test_interrupted_import_is_one_line(module):
-    """The signal arrives within the first third of a second."""
+    """SIGINT arrives during an import, within the first third of a second."""
     program = f"""
 import os, signal, sys
 class Interrupting:

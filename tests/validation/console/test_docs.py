@@ -40,7 +40,7 @@ class Addresses(HTMLParser):
 
 
 def built_once(shared):
-    """Folder of the site in `shared`, which all workers of a test session have in common.
+    """Folder of the built site in `shared`, a folder for all workers of a test session.
 
     The worker that makes the folder builds the site, and the others wait for its last line.
     """

@@ -1,4 +1,4 @@
-"""Optional packages: messages before the computation, and installation from the locks."""
+"""Optional packages: messages before the computation, and installation from lock files."""
 
 import sys
 import tomllib
@@ -143,6 +143,6 @@ def test_extras_are_listed_and_names_checked(command, monkeypatch):
     ],
 )
 def test_missing_extra_is_reported_first(module, words, message, command, monkeypatch):
-    """The robot file, which does not exist, is not read either."""
+    """The message precedes that on the robot file, which does not exist."""
     monkeypatch.setitem(sys.modules, module, None)
     assert message in command.refused(*words)

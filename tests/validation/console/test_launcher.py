@@ -1,4 +1,4 @@
-"""Set-up by the launcher with a stand-in for Python: later set-ups install the extras again."""
+"""The launcher with a stand-in for Python: later set-ups install the extras again."""
 
 import os
 import shutil

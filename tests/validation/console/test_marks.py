@@ -63,7 +63,7 @@ KINDS = {
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_marked_output_file_keeps_content(kind):
-    """The mark tells the files of the program from those of the user."""
+    """Result files have a mark, which distinguishes them from files of the user."""
     content, read = KINDS[kind]
     assert with_mark(content, kind) != content
     assert read(with_mark(content, kind)) == read(content)
@@ -141,7 +141,7 @@ def test_command_replaces_only_own_results(name, folder, command):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_own_result_is_replaced_if_renamed(kind, folder):
-    """`identify --out matrices` formerly refused to replace its own file as a foreign one."""
+    """The file name has no ending, as in `identify --out matrices`, and is used again."""
     path, (content, _) = folder / "matrices", KINDS[kind]
     for _ in range(2):
         require_writable(path, kind)
@@ -170,7 +170,7 @@ def test_own_result_is_replaced_if_renamed(kind, folder):
     ],
 )
 def test_foreign_file_is_never_replaced(name, words, folder, command):
-    """The refusal precedes the computation, which would fail for these robots and parts."""
+    """The command is refused before its computation, which would fail here."""
     path = folder / name
     path.write_bytes(FOREIGN)
     command.refused(*words)

@@ -112,7 +112,7 @@ def test_solver_request_reaches_workers(monkeypatch):
 
 
 class OneWorker:
-    """Client of a cluster whose only worker is this process."""
+    """Stand-in for the client of a cluster whose only worker is this process."""
 
     def run(self, function, request, **_):
         try:

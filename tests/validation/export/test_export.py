@@ -1,4 +1,4 @@
-"""Exported files, read by other programs or evaluated by linear algebra, match the models."""
+"""Exported files match the models, as read by other programs or by linear algebra."""
 
 import subprocess
 import sys
@@ -110,7 +110,7 @@ def test_leg_matrices_give_known_values(folder):
 
 
 def test_exported_rod_ends_follow_platform(folder):
-    """The motions of the joints on a rigid platform belong to one twist, that of the tool."""
+    """Displacements of the joints on a rigid platform follow from one twist, that of the tool."""
     posture = postures_of(MECHANISM, MECHANISM.poses[4:5])[0]
     (expected,) = answers("beam", [posture], 6)
     data = read_vtk(folder / "mechanism.vtp")
@@ -157,7 +157,7 @@ def part(tmp_path_factory):
 
 
 def test_reduced_part_equals_solid(part):
-    """The first interface is clamped. The reduction has an error of 1e-5 (CUTOFF_FACTOR)."""
+    """With the first interface clamped, the reduction has an error of 1e-5 (CUTOFF_FACTOR)."""
     arm, folder = part
     assert_read_back(folder)
     K, M = (load_npz(folder / f"arm_reduced_{letter}.npz").toarray() for letter in "KM")
@@ -168,7 +168,7 @@ def test_reduced_part_equals_solid(part):
 
 
 def test_part_displacements_are_consistent(part):
-    """Nodes on a rigid face move with its twist. Those on the first interface do not move."""
+    """Nodes on a rigid face move with the face's twist. Those on the first interface are fixed."""
     arm, folder = part
     mesh = read_vtk(folder / "arm_part.vtu")
     np.testing.assert_allclose(mesh.field_data["frequencies"], arm.frequencies, rtol=1e-9)
@@ -245,7 +245,7 @@ def test_state_space_has_modes_and_statics(robot):
 
 
 def test_state_space_has_modal_damping():
-    """Independent slides have the receptance 1/iηk at √(k/m), with η of the drive plus 2ζ."""
+    """The receptance of independent slides at ω = √(k/m) is 1/iηk, η that of the drive plus 2ζ."""
     lossy = GANTRY.replace(f"{STIFFNESSES[0]}", f"{STIFFNESSES[0]}, loss = 0.06")
     gantry = described(f"damping.ratio = 0.01\n{lossy}")
     arrays = np.load(BytesIO(as_statespace(reduced_robot(reference_posture(gantry), 3), ".npz")))
@@ -328,7 +328,7 @@ def test_exudyn_script_prints_frequencies(robot, tmp_path):
 
 @pytest.mark.exhaustive
 def test_robot_with_few_modes_exports_all(tmp_path, monkeypatch, command):
-    """The gantry has three modes. The default is twenty."""
+    """The gantry has three modes, fewer than the default of twenty."""
     monkeypatch.chdir(tmp_path)
     Path("gantry.toml").write_text(GANTRY)
     command.told("export", "gantry.toml", "--to", "npz")
@@ -340,7 +340,7 @@ def test_robot_with_few_modes_exports_all(tmp_path, monkeypatch, command):
 
 
 def test_time_estimate_counts_solids_once(tmp_path, monkeypatch, command):
-    """The cranks are equal, and so are the rods. Legs known by their 6×6 have no solids."""
+    """The cranks are equal, and so are the rods: two solids. Legs known by a 6×6 have none."""
     seconds = []
     monkeypatch.setattr(
         "validation.console.progress.stage", lambda _, time: seconds.append(time) or nullcontext()

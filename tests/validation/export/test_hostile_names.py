@@ -1,4 +1,4 @@
-"""Texts of a robot file in scripts, decks, tables and pages are never executed.
+"""Texts of a robot file, exported to scripts, decks, tables and pages, are never executed.
 
 A name may be an encoding declaration of Python (PEP 263), end a comment or a string, or be a
 formula.
@@ -65,7 +65,7 @@ def test_script_runs_for_any_robot_name(name, reduced):
 
 @pytest.fixture(scope="module")
 def body():
-    """Two interfaces and three modes, any numbers."""
+    """Reduced body with two interfaces and three modes. Its matrices have arbitrary entries."""
     stiffness = np.random.default_rng(0).uniform(-1.0, 1.0, (15, 15))
     return Reduced(
         name="body",
@@ -164,7 +164,7 @@ def test_drawing_shows_markup_as_text():
 
 
 class Elements(HTMLParser):
-    """Elements of a page with the names of their attributes."""
+    """List of (element, names of its attributes) of a page."""
 
     def __init__(self, markup):
         super().__init__()

@@ -1,4 +1,4 @@
-"""`flexproof forces` and its record: stresses by hand, half-widths, and all outputs."""
+"""`flexproof forces` and its record: stresses calculated by hand, half-widths, all outputs."""
 
 import csv
 import json
@@ -25,14 +25,14 @@ gravity = [0.0, 0.0, -9.81]
 
 @pytest.fixture
 def loaded(tmp_path):
-    """A cantilever with two loads as a file."""
+    """Path of the robot file of a cantilever with two loads."""
     path = tmp_path / "cantilever.toml"
     path.write_text(CANTILEVER + LOADS, encoding="utf-8")
     return path
 
 
 def test_cantilever_stress_is_exact(loaded):
-    """σ = 6PL/bh² at the corner; τ of T in the middle of the long side. σ_v is at least σ."""
+    """Bending stress σ = 6PL/bh² at a corner. The von Mises stress is at least σ."""
     (pose,) = fp.forces(loaded, "links").poses
     stress = pose.loads["push"].stresses["bar"]
     bending = 6.0 * 1000.0 * L / (B * H**2)
@@ -52,7 +52,7 @@ def test_cantilever_stress_is_exact(loaded):
 
 
 def test_torsion_half_width_contains_series():
-    """τ = k T/J of Timoshenko and Goodier §109, von Mises √3 τ."""
+    """Largest shear stress τ = k T/J (Timoshenko and Goodier §109, a series); von Mises √3 τ."""
     text = CANTILEVER + '[[loads]]\nname = "twist"\nwrench = [0.0, 0.0, 0.0, 80.0, 0.0, 0.0]\n'
     robot = fp.forces(robot_of(text), "links")
     stress = robot.poses[0].loads["twist"].stresses["bar"]
@@ -63,12 +63,12 @@ def test_torsion_half_width_contains_series():
 
 
 def robot_of(text):
-    """The tables of a text."""
+    """Tables of a robot file with this text."""
     return tomllib.loads(text)
 
 
 def test_segment_half_width_contains_moment():
-    """My = −qL²/12 of a clamped beam under its weight: segments err by 1/n²."""
+    """Clamped beam under its weight, My = −qL²/12: the error of n segments is of order 1/n²."""
     text = BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed")
     text += '[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
     found = fp.forces(robot_of(text), "segments", elements=4).poses[0].loads["weight"]
@@ -81,7 +81,7 @@ def test_segment_half_width_contains_moment():
 
 
 def test_solid_reactions_equal_beam_reactions():
-    """A statically indeterminate beam of solids: M = qL²/12 up to shear and rigid ends."""
+    """Solid beam clamped at both ends: M = qL²/12, apart from effects of shear and rigid ends."""
     text = BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed")
     text += '[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
     found = fp.forces(robot_of(text), "solid", divisions=2).poses[0].loads["weight"]

@@ -1,4 +1,4 @@
-"""Stress fields of solids: exact fields of elasticity, equilibrium, and beam theory inside legs."""
+"""Stress fields of solids: exact elastic fields, equilibrium, and beam theory within legs."""
 
 import tomllib
 
@@ -57,7 +57,7 @@ def test_linear_field_obeys_hooke(element, material):
 
 
 def solid_field(text, divisions=2):
-    """Stress field of the bar under the only load."""
+    """Forces of a robot with a solid bar under the load "push", and the bar's stress field."""
     robot = fp.load(tomllib.loads(text))
     found = forces(Question(robot, "solid", {"divisions": divisions}), solids=True)
     return found, found.poses[0].loads["push"].solids["bar"]
@@ -88,7 +88,7 @@ def test_solid_cantilever_has_beam_stress(bar):
 
 
 def test_peak_stress_covers_beam_at_clamp(bar):
-    """N/A + M/W at the clamp, ν = 0: no singular stress, so the field there is the beam's."""
+    """N/A + M/W at the clamp: with ν = 0 the stress is not singular and that of beam theory."""
     found, field = bar
     weight = RHO * B * H * 9.81
     due = 2000.0 / (B * H) + (1000.0 * L + weight * L**2 / 2.0) * 6.0 / (B * H**2)
@@ -136,7 +136,7 @@ def test_vtu_of_two_fields_is_refused(words, said, command, tmp_path):
 
 @pytest.mark.usefixtures("coarse_parts")
 def test_cad_part_bends_as_its_sections(tmp_path):
-    """σxx = −Mz y/Iz in the middle of a tapered arm, which is 47.5 mm narrower per 475 mm."""
+    """σxx = −Mz y/Iz with the section's own Iz in the middle of a tapered arm."""
     robot = write_crane(tmp_path)
     pull = '\n[[loads]]\nname = "pull"\nwrench = [0.0, -500.0, 0.0, 0.0, 0.0, 0.0]\n'
     robot.write_text(robot.read_text("utf-8") + pull, "utf-8")
@@ -159,7 +159,7 @@ def test_cad_part_bends_as_its_sections(tmp_path):
 
 
 def test_composite_leg_has_no_stress_field():
-    """Stresses of one mean material in two of them would be wrong; they were written until now."""
+    """The solid has one mean material. Its stresses would be wrong in both real materials."""
     lower, upper = (
         CompositePart(Rectangle(0.05, 0.02), E, 0.3, 7850.0, at=(0.0, z))
         for E, z in ((2.1e11, 0.0), (7.0e10, 0.02))

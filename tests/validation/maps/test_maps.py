@@ -87,7 +87,7 @@ def test_bipod_maps_match_closed_form(bipod):
 
 
 def test_worst_posture_is_between_grid_points(bipod):
-    """It lies on the lower edge, where both legs are almost in line, and between grid columns."""
+    """It is on the lower edge of the grid, between columns, where both legs are almost in line."""
     softest = minimize_scalar(
         lambda x: lowest_stiffness(x, 0.1), bounds=(-0.2, 0.2), method="bounded"
     )
@@ -105,7 +105,7 @@ GRID_OF_THREE = f"{GANTRY}path = {{ from = [0, 0, 0], to = [1.0, 2.0, 0.4], coun
 
 
 def test_search_finds_minimum_between_points(tmp_path):
-    """Two paraboloids in three directions. The deeper one has its minimum between grid points."""
+    """Minimum of two paraboloids in three variables; the deeper one has it between grid points."""
     mechanism = robot_of(GRID_OF_THREE, tmp_path).mechanism
     space = workspace(mechanism, 100)
     bottoms, depths = np.array([[0.41, 1.17, 0.13], [0.9, 0.2, 0.33]]), np.array([2.0, 1.5])
@@ -175,7 +175,7 @@ def test_grid_values_match_solve(five_bar, command):
 
 
 def test_grid_errors_equal_verdict_errors(five_bar):
-    """The file has one reading: all ends are rigid."""
+    """The reference is unique, because the robot file specifies all ends as rigid."""
     context, figure = five_bar
     study, robot = studies_by_id(figure)["map.error"], robot_on_path(context)
     # The error of the simplified model, with rigid legs, is beyond the limit.
@@ -230,7 +230,10 @@ def test_only_grids_have_maps(five_bar):
 
 
 def test_star_is_in_nearest_slice():
-    """Three directions, slices at z = 0, 1, 2, 3, worst posture at z = 2.2."""
+    """A map in three directions has slices at z = 0, 1, 2, 3. The star marks the worst posture.
+
+    It is at z = 2.2, and the star in the slice z = 2.
+    """
     axes = (np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.arange(4.0))
     space = SimpleNamespace(axes=axes, varied=(0, 1, 2))
     quantity = SimpleNamespace(title="stiffness", unit="N/µm")

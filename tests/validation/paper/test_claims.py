@@ -1,4 +1,4 @@
-"""Statements of the paper as printed and as corrected, their models, and the errata."""
+"""Statements of the paper, with its data as printed and as corrected, and the errata."""
 
 import csv
 import io
@@ -163,7 +163,7 @@ def test_results_and_report_have_all_statements(outcomes, claims):
 
 
 def drive_compliance(stroke, x):
-    """Compliance (m/N, 2×2) of B along x and y with rigid legs and drives of 1e9 N/m.
+    """Compliance (m/N, 2×2) of the tool point B in x and y: rigid legs, drives of 1e9 N/m.
 
     For a slide at (p, y_A) with |B − A| = L: (x − p) δx + s (δy − δy_A) = 0, s the leg's height.
     """
@@ -174,8 +174,11 @@ def drive_compliance(stroke, x):
 
 
 @pytest.mark.parametrize("fraction", [0.1, 0.8])
-def test_simplified_family_is_exact(fraction):
-    """Check eqs (1), (2) and, with the work balance, (12): J K⁻¹ Jᵀ and a platform of 46 kg."""
+def test_simplified_family_equals_rigid_legs(fraction):
+    """Deflections and frequencies equal those of the compliance J K⁻¹ Jᵀ and a mass of 46 kg.
+
+    Eqs (1), (2) and, corrected by the balance of work, (12).
+    """
     members = family(IFW, fraction, (1.1, 1.25))
     deflection = deflections("simplified", members)
     first = frequencies("simplified", members, 1)[:, 0]
@@ -196,7 +199,7 @@ def test_simplified_family_is_exact(fraction):
 
 
 def test_longer_legs_are_softer_along_z():
-    """Values of a hand calculation, α = 1 and 2 at the centre, to half a unit of the last digit."""
+    """Values calculated by hand at the centre for legs of 1 and 2 times the length."""
     slender = ModelOptions(legs="equivalent", theory="euler-bernoulli")
     deflection = deflections("vjm", family(IFW, 0.5, (1.0, 2.0)), slender)
     assert deflection.planar_x == pytest.approx([7.3, 3.0], abs=0.05)
@@ -291,7 +294,10 @@ def test_foot_misprint_changes_y_stiffness():
 
 
 def test_longitudinal_misprint_is_mode_ratio():
-    """Frequency ratio of a clamped-free beam: π/2L √(EA/μ) over (1.8751/L)² √(EI/μ)."""
+    """The erratum has the ratio of longitudinal to bending frequency of a clamped-free beam:
+
+    π/2L √(EA/μ) over (1.8751/L)² √(EI/μ).
+    """
     ratios = [
         f"{np.pi / 2.0 * leg.length * np.sqrt(beam.EA / stiffness) / ROOT**2:.2g} "
         f"(leg {number}, bending {plane})"
@@ -303,7 +309,7 @@ def test_longitudinal_misprint_is_mode_ratio():
 
 
 def test_eq_12_misprint_is_stiffness_error():
-    """Solution of A t = B q̇ by hand with drives of 1e9 and 2e9 N/m and 46 kg."""
+    """Reference: A t = B q̇ solved by hand, drives of 1e9 and 2e9 N/m, platform of 46 kg."""
     s1, s2 = np.sqrt(L1**2 - CENTRE**2), np.sqrt(L2**2 - (A - CENTRE) ** 2)
     J = np.linalg.solve(np.array([[CENTRE, s1], [CENTRE - A, s2]]), np.diag([s1, s2]))
     K, inverse = np.diag([1e9, 2e9]), np.linalg.inv(J)
@@ -340,7 +346,7 @@ def test_layout_misprint_gives_order_one():
 
 
 def test_spring_errata_give_rotation_energy():
-    """Energy ½ uᵀKu of a spring of EA/l, 12EI/l³, EI/l under a rigid rotation, or in bending."""
+    """Energy ½ uᵀKu of a spring (EA/l, 12EI/l³, EI/l) in a rigid rotation, or in bending."""
     beam = LEG_1.properties("euler-bernoulli")
     axial, shear = beam.EA / ELEMENT_LENGTH, 12.0 * beam.EIz / ELEMENT_LENGTH**3
     cosine = CENTRE / L1

@@ -31,7 +31,7 @@ def part():
 
 @pytest.fixture
 def read_once(part, monkeypatch):
-    """Let commands use the part that was read for the module."""
+    """Make commands use the part that was read once for all tests of this module."""
     monkeypatch.setattr(read, "read_part", lambda *_: part)
 
 
@@ -83,7 +83,7 @@ def test_guide_interface_examples_are_valid():
 
 
 def test_point_selects_one_of_equal_bores(part):
-    """Both small bores of the rocker have a radius of 16 mm. The point is that of the interface."""
+    """Both small bores of the rocker have a radius of 16 mm; a point on one of them selects it."""
     with pytest.raises(InputError, match=r"on different axes; say point = \[x, y, z\]"):
         interface_at(part, "{ cylinder = { radius = 0.016 } }")
     for point in ([0.26, 0.0, 0.01], [0.09, 0.18, 0.01]):
@@ -98,7 +98,7 @@ def test_unknown_interface_key_has_suggestion(part):
 
 
 def test_cached_part_equals_file(tmp_path, monkeypatch):
-    """A plate with a bore. With one more byte, or another unit, it is read again."""
+    """Plate with a bore, from the cache. If the file or the unit changes, it is read again."""
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "cache"))
 
     def plate(kernel):

@@ -27,7 +27,10 @@ def bar(tmp_path_factory):
 
 
 def timoshenko(height, width, near):
-    """Frequency (Hz) next to one of a free-free beam, by its transfer matrix (w, ψ, M, Q)."""
+    """Frequency (Hz) of a free-free Timoshenko beam close to `near` (Hz).
+
+    Root of the transfer matrix of (w, ψ, M, Q).
+    """
     area, second = width * height, width * height**3 / 12.0
 
     def determinant(frequency):
@@ -43,7 +46,7 @@ def timoshenko(height, width, near):
 
 
 def test_free_bar_equals_timoshenko(bar):
-    """Two bending modes, one in each plane.
+    """First bending frequency in each plane.
 
     The tolerance is the half-width of the meshes plus 1e-3, the error of Cowper's coefficient.
     """
@@ -87,7 +90,7 @@ def test_invalid_free_request_is_refused(bar, capsys):
 
 
 def test_part_of_robot_is_solved_free(bar):
-    """A part of a robot has the frequencies of its CAD file. It has no beam model."""
+    """A part of a robot has the same free frequencies as its CAD file. It has no beam model."""
     robot = {
         "schema": 2,
         "name": "bar",

@@ -1,9 +1,9 @@
-"""Command `identify` on a conical shaft, oblique in its file, against integrals over sections.
+"""Command `identify` on a conical shaft, oblique to the file's axes: integrals over sections.
 
-The point of one end lies beside the axis, so that an error in any transport of a twist or a wrench
-changes a number. The references are approximate: averaged ends introduce shear uniformly, unlike
-Saint-Venant's solution, which makes a third of (r/L)², 4e-4; rod theory neglects the square of the
-slope, 1e-4.
+The reference point of one end is beside the axis, so that any wrong transport of a twist or wrench
+changes a result. The references are approximate: averaged ends introduce shear uniformly, unlike
+Saint-Venant's solution, an error of (r/L)²/3 = 4e-4. Rod theory neglects the square of the slope,
+1e-4.
 """
 
 import io
@@ -78,14 +78,17 @@ def wrench_transport(r):
 
 
 def sections():
-    """Centre (3, m), radius (m) and length (m) at twelve Gauss points of smooth integrands."""
+    """Yield (centre (3, m), radius (m), length (m)) at twelve Gauss points along the shaft."""
     points, weights = np.polynomial.legendre.leggauss(12)
     for s, weight in zip((points + 1.0) / 2.0, weights / 2.0, strict=True):
         yield START + s * LENGTH * ALONG, ROOT + s * (TIP - ROOT), LENGTH * weight
 
 
 def compliance_of_sections():
-    """∫Lᵀ diag(1/EA, 1/κGA, 1/κGA, 1/GJ, 1/EI, 1/EI) L ds at the second point, file axes."""
+    """Compliance (6×6) of the second interface's point, in the file's axes, by rod theory.
+
+    ∫Lᵀ diag(1/EA, 1/κGA, 1/κGA, 1/GJ, 1/EI, 1/EI) L ds with L the transport of wrenches.
+    """
     E, G, nu = STEEL.E, STEEL.G, STEEL.nu
     kappa = 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu)  # Cowper 1966
     axial = np.outer(ALONG, ALONG)
@@ -176,7 +179,7 @@ def test_condensed_shaft_has_rigid_motions(shaft):
 
 
 def test_uncounted_frequencies_have_remark(command, folder, monkeypatch):
-    """Too little memory for a factor: null in JSON, and no proof in the text, also if cached."""
+    """Without memory for a factor, modes are not counted: null in JSON, a remark in the text."""
     monkeypatch.setattr(RootedBody, "countable", False)
     words = arguments(folder / "shaft.msh", "--unit", "mm", "--modes", "2")
     document = json.loads(command.told(*words, "--json"))
@@ -274,7 +277,7 @@ def test_wrong_request_is_refused_at_once(
 
 @pytest.fixture(scope="module")
 def crank(folder):
-    """Posture of the shaft on a drive about z, with a mass at the point beside the axis."""
+    """Posture of the shaft on a drive about z, with a point mass beside the shaft's axis."""
     ends = ", ".join(f'{name} = {{ {PLANES[name]}, coupling = "average" }}' for name in PLANES)
     file = folder / "crank.toml"
     file.write_text(
@@ -303,7 +306,7 @@ interfaces = {{ {ends} }}
 
 
 def crank_compliance():
-    """Compliance (6×6) of the tool's point, base axes, of the rotated shaft and its drive."""
+    """Compliance (6×6) at the tool point of shaft and drive, in base axes."""
     R = Rotation.from_euler("z", ANGLE).as_matrix()
     D = np.kron(np.eye(2), R)
     axis = np.array([0.0, 0.0, 1.0])
@@ -321,7 +324,7 @@ def test_crank_compliance_is_shaft_and_drive(crank, model, parts):
 
 
 def test_crank_frequencies_are_mass_on_spring(crank):
-    """ω² are the eigenvalues of C⁻¹/m with C the compliance of translations."""
+    """ω² are the eigenvalues of C⁻¹/m, with C the 3×3 compliance of the mass's displacements."""
     (answer,) = answers("segments", [crank], 3, ModelOptions(parts="condensed"))
     compliances = np.linalg.eigvalsh(crank_compliance()[:3, :3])[::-1]
     expected = 1.0 / (2.0 * np.pi * np.sqrt(TIP_MASS * compliances))
@@ -332,7 +335,7 @@ def test_crank_frequencies_are_mass_on_spring(crank):
 
 @pytest.mark.exhaustive
 def test_condensed_leg_beats_equivalent_leg(tmp_path):
-    """The solid of a tapered hollow leg with lugs, condensed, and two equivalent legs.
+    """A tapered hollow leg with lugs: its solid, condensed, is closer than two equivalent legs.
 
     The known values were computed with meshes of another program on the same drawing and compared
     there with CalculiX. Tolerance 0.3 %: both meshes have errors of 0.1 to 0.2 % at the edges of

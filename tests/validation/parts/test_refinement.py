@@ -1,4 +1,4 @@
-"""Half-widths from three meshes: series with a known limit, and random parts."""
+"""Half-widths from three meshes contain the limits of known series and of random parts."""
 
 import numpy as np
 import pytest
@@ -57,10 +57,10 @@ def test_half_widths_cover_random_parts(seeds, tmp_path, monkeypatch):
 
 @pytest.mark.exhaustive
 def test_cornered_tube_torsion_is_accurate(tmp_path, monkeypatch):
-    """Error below 0.2 %. Meshes that are not cut at the corners are 0.6 % too stiff.
+    """The torsional error is below 0.2 %. Meshes not divided at the corners are 0.6 % too stiff.
 
-    The other five compliances are within 0.06 %, because the edges of the rigid ends are singular,
-    too.
+    The other five compliances have errors below 0.06 %, which come from the singular edges of the
+    rigid ends.
     """
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     box = HollowRectangle(0.1, 0.16, 0.0125)

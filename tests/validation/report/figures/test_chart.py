@@ -1,4 +1,4 @@
-"""Declared charts: differences, tables, scales, legends and looks against numbers by hand."""
+"""Charts: differences, tables, scales, legends and line styles, compared with hand calculations."""
 
 import csv
 import io
@@ -66,7 +66,7 @@ def test_csv_has_abscissa_and_finite_curves():
     assert [[float(cell) for cell in row] for row in rows[1:]] == [[0, 1, 4], [1, 2, 5], [2, 3, 6]]
 
 
-def test_equal_labels_share_an_entry():
+def test_equal_labels_share_a_legend_entry():
     first = Panel([*(series("a", [n, 2, 3]) for n in (1, 2)), series("b", [np.nan] * 3)], "first")
     others = [*(series(name, [1, 2, 3]) for name in "ac"), series("d", [1, 1, 1], best=2)]
     with plot_style():
@@ -157,9 +157,9 @@ def test_every_line_has_a_marker():
 
 
 def test_every_model_has_unique_line_style():
-    """They differ by marker and dashes without colours.
+    """Lines differ by marker and dashes even without colours.
 
-    Models with single points differ by markers.
+    Models shown as single points differ by markers.
     """
     assert set(MODEL_KINDS) | set(JUDGED) <= set(LOOKS)
     looks = [*LOOKS.values(), *OTHERS]
@@ -169,7 +169,7 @@ def test_every_model_has_unique_line_style():
 
 
 def test_references_have_unique_styles():
-    """References by solids, and by legs that are known by a 6×6 and a mass."""
+    """References: solids, and legs known by a 6×6 and a mass, under each end condition."""
     held = [(f"{one} as in the robot file",) for one in ("ends", "interfaces")]
     held += [("ends rigid", "ends free"), ("interfaces rigid", "interfaces averaged")]
     held.append(("ends and interfaces rigid", "ends and interfaces free"))
@@ -184,10 +184,7 @@ def test_references_have_unique_styles():
 
 @pytest.mark.parametrize("declare", [error_curves, measured_curves])
 def test_panels_and_legend_share_styles(declare):
-    """Some models are missing in some panels.
-
-    Each curve has the values and the style of its model.
-    """
+    """Each curve has the values and the style of its model, although panels lack some models."""
     quantities = {"x": MODEL_KINDS, "y": MODEL_KINDS[2:], "f1": MODEL_KINDS[4::2]}
     errors = np.random.default_rng(1).uniform(-0.3, 0.3, (99, len(POSES))).tolist()
     entries = [
