@@ -67,7 +67,7 @@ class Contours:
     """Map with shaded contours of `values` (n×k, NaN is blank) over `x` (n) and `y` (k).
 
     A `star` marks the point (x, y). `span`: lowest and highest value over all panels of the
-    quantity. `star_label`: the star in the legend.
+    quantity. `star_label`: label of the star in the legend.
     """
 
     x: Array

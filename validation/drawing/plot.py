@@ -206,7 +206,7 @@ def _draw_bars(axes: Axes, panel: Panel, positions: Array, fills: Mapping[str, s
 def _draw_matrix(axes: Axes, matrix: Array) -> None:
     """Draw a matrix of values from 0 (white) to 1 (dark).
 
-    Rows run from the top; rows and columns count from one.
+    Rows run from the top; rows and columns are numbered from one.
     """
     sides = [np.arange(count + 1) + 0.5 for count in matrix.shape]
     axes.pcolormesh(sides[1], sides[0], matrix, cmap="Greys", vmin=0.0, vmax=1.0)

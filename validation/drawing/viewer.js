@@ -1,7 +1,7 @@
-// Draws a scene with WebGL: drag turns it, wheel or pinch zooms, dragging with shift shifts.
+// Draws a scene with WebGL. Dragging turns it, wheel or pinch zooms, dragging with Shift moves it.
 const showScene = (() => {
-  const PERIOD = 1600;  // ms, of what is displaced
-  const HALF_ANGLE = Math.PI / 12;  // of the field of view
+  const PERIOD = 1600;  // period of the animation of displacements (ms)
+  const HALF_ANGLE = Math.PI / 12;  // half the angle of the field of view
   const decoded = text => Uint8Array.from(atob(text.trim()), letter => letter.charCodeAt(0));
   const element = (name, properties) => Object.assign(document.createElement(name), properties);
 
@@ -24,7 +24,7 @@ const showScene = (() => {
       vec3 normal = normalize(cross(dFdx(eye), dFdy(eye)));
       drawn = vec4(tint * (0.4 + 0.6 * abs(normal.z)), 1.0);
     }`];
-  // Lines are strips of four corners, since those of WebGL are one pixel wide.
+  // Lines are drawn as strips with four corners, because lines of WebGL are one pixel wide.
   const LINES = [CAMERA + `
     in vec3 place, away, next, nextAway; uniform float width;
     void main() {
@@ -63,7 +63,7 @@ const showScene = (() => {
     gl.vertexAttribDivisor(place, each);
   };
 
-  // A function that draws the part, once it lies in buffers.
+  // Copies a body or line to buffers. Returns the function that draws it.
   const loaded = (gl, faces, lines, numbers, part) => {
     const lengths = ({ step, values }) => Float32Array.from(numbers(Int16Array, values), n => n * step);
     const points = lengths(part.points);
@@ -107,7 +107,7 @@ const showScene = (() => {
       along * w + c * z + s * (u * y - v * x)];
   });
 
-  // The header of a packed scene, and what gives the numbers that it points to.
+  // Header of an encoded scene, and the function that returns the numbers to which it refers.
   const unpacked = async (packed) => {
     const stream = new Blob([decoded(packed)]).stream();
     const whole = new Response(stream.pipeThrough(new DecompressionStream("gzip")));
@@ -117,7 +117,7 @@ const showScene = (() => {
     return [header, (kind, [place, count]) => new kind(content, 4 + length + place, count)];
   };
 
-  // Shows a packed scene in the element `place`; its wheel scrolls the page until it is clicked.
+  // Shows an encoded scene in the element `place`. The wheel scrolls the page until it is clicked.
   return async (place, packed) => {
     const [state, numbers] = await unpacked(packed);
     const canvas = element("canvas", { title: state.title + ", drag to turn" });
@@ -133,7 +133,7 @@ const showScene = (() => {
     gl.enable(gl.DEPTH_TEST);
     gl.clearColor(1, 1, 1, 1);
     let { axes, centre, half } = state.camera, part = 1;
-    // Perspective enlarges what is near: a little farther off, nothing is cut at the edges.
+    // Perspective enlarges near bodies: the camera is a little farther away, so that none is cut off.
     const full = 1.2 * half / Math.tan(HALF_ANGLE);
     let distance = full;
 
@@ -193,7 +193,7 @@ const showScene = (() => {
     new ResizeObserver(draw).observe(canvas);
     if (!state.parts.some(one => one.motion)) return;
 
-    // What is displaced swings about its place at rest (a mode), or leaves it and returns (a load).
+    // A mode swings to both sides of the position at rest. A load pushes to one side and releases.
     const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
     const pause = element("button", {
       type: "button", className: "pause", textContent: "stand still", ariaPressed: String(still) });

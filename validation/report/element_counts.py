@@ -72,7 +72,7 @@ def _row(label: str, studies: Sequence[ElementStudy]) -> ElementCount:
 
 
 def _needed(label: str, studies: Sequence[ElementStudy]) -> str:
-    """Elements for 1 %, as text.
+    """Elements per leg for an error of 1 %, as text.
 
     A bound, such as "more than 80", if the number lies outside the computed counts.
     """

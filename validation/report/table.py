@@ -47,7 +47,7 @@ Line: TypeAlias = tuple[str, str]
 MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undecided": "?"}
 # Loads (N, N m) for the robot's own deflections in the table.
 FORCE, MOMENT = 1000.0, 100.0
-# Probability from which on a verdict is displayed without it.
+# Verdicts with at least this probability are displayed without the probability.
 _CERTAIN = 0.995
 # Column headings of the `ResultTable` of a matrix.
 _HEADINGS = (

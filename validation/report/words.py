@@ -71,7 +71,7 @@ def listed(words: Sequence[str]) -> str:
 
 
 def force_text(entry: Entry) -> str:
-    """Worst direction of any force: "(0.71, −0.7, 0.02)". "" for any other quantity."""
+    """Direction of force with the largest error: "(0.71, −0.7, 0.02)". "" without a direction."""
     return (
         f"({', '.join(number(component, 2) for component in entry.force)})" if entry.force else ""
     )

@@ -339,7 +339,10 @@ class Solution:
         return loads_plot(self._abscissa(), displacements, factors)
 
     def _abscissa(self) -> tuple[Array, str]:
-        """Abscissa (p poses): the only coordinate that differs, or the number of the pose."""
+        """Abscissa (p values for p poses) and its label.
+
+        It is the coordinate that changes if only one does, otherwise the number of the pose.
+        """
         poses = [np.array(answer.place.coordinates) for answer in self.answers]
         same_length = len({len(pose) for pose in poses}) == 1
         changing = np.flatnonzero(np.ptp(poses, axis=0) > 0.0) if same_length else np.zeros(0)

@@ -137,7 +137,7 @@ def _displacement_text(displacement: Array) -> str:
 
 
 def _excitation_text(excitation: Excitation) -> str:
-    """Name of a response, with its points unless they are the tool."""
+    """Name of a response, with the points of force and displacement unless both are the tool."""
     if excitation.loaded is None and excitation.moved is None:
         return excitation.name
     force, motion = (

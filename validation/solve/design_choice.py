@@ -26,7 +26,7 @@ from validation.models.loads.displacements import interface_mass
 from validation.models.reduced_parts import condensed
 from validation.solve.answer import Answer
 
-# Unit loads of deflections: N for m, N m for rad.
+# Loads of deflections: force (N) for displacements, moment (N m) for rotations.
 _FORCE, _MOMENT = 1000.0, 100.0
 _CONDITION = re.compile(r"(?P<name>[^<>=]+)(?P<sense><=|>=|<|>)(?P<bound>[^<>=]+)")
 # Relative difference from the best value below which robots count as equal: round-off.
@@ -46,8 +46,8 @@ class DesignKind(Enum):
 class DesignQuantity:
     """Quantity of a robot that can be minimised, maximised or bounded, by its typed `name`.
 
-    `unit`: unit of the typed bound, which includes that of the unit load. `column`: index of the
-    axis of a deflection, or of the frequency. `load`: name of a load.
+    `unit`: unit of the typed bound, for a deflection with its load, "m at 1000 N". `column`: index
+    of the axis of a deflection, or of the frequency. `load`: name of a load.
     """
 
     name: str
@@ -218,7 +218,7 @@ def _part_mass(body: Body) -> float:
 
 
 def _quantities(robot_file: RobotFile, modes: int) -> dict[str, DesignQuantity]:
-    """Quantities that can be typed, by name."""
+    """Quantities that can be minimised, maximised or bounded, by the name to be typed."""
     deflections = [
         DesignQuantity(
             f"deflection.{axis}",

@@ -39,7 +39,8 @@ from validation.references.robot_on_path import Reading, RobotOnPath
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.solve.question import OF_ELEMENTS, Question
 
-# Frequency (Hz) for which CAD parts are reduced if no modes are requested, below all their modes.
+# Cut-off frequency (Hz) for the reduction of CAD parts if no modes are requested. It lies below all
+# their modes.
 _LOWEST = 1e-3
 # Elements per leg for the effect of printed digits. For six modes, this effect differs by one per
 # cent from that with 20 elements.

@@ -173,7 +173,7 @@ def _half_widths(
 
 
 def _absolute(shares: Array, scale: Array) -> Array:
-    """Half-widths from those relative to a scale. Infinite if unknown."""
+    """Half-widths from `shares`, which are relative to `scale`. Infinite if unknown."""
     unknown = np.isnan(shares) | np.equal(shares, UNKNOWN)
     return np.where(unknown & np.isfinite(scale), np.inf, shares * scale)
 
@@ -295,7 +295,7 @@ def of_digits(solved: SolvedQuestion) -> list[HalfWidths] | None:
 
 
 def _finite_frequencies(modes: PathModes) -> Array:
-    """Frequencies (P×m, Hz) with zero for infinite and missing ones, which have no digits.
+    """Frequencies (P×m, Hz), with zero for infinite and missing ones.
 
     Shapes: P poses, m modes.
     """

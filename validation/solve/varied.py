@@ -46,7 +46,7 @@ from validation.solve.question import Question
 if TYPE_CHECKING:
     from validation.drawing.chart import Panel
 
-# Loads of the listed deflections: N for µm, N m for µrad.
+# Loads of the listed deflections: forces (N) for µm, moments (N m) for µrad.
 _LOADS = 3 * (1000.0,) + 3 * (100.0,)
 _MICRO = 1e6
 # Resolution of a picture (dots per inch), and largest number of distinguishable curves.
@@ -284,7 +284,7 @@ def as_text(answers: VariedAnswers) -> str:
 
 
 def as_json(answers: VariedAnswers) -> str:
-    """Answers as JSON (schema 1): those of `solve --json`, each with its values by key."""
+    """Answers as JSON (schema 1): those of `solve --json`, each with its varied parameters by key."""
     first = answers.solutions[0]
     keys = [variation.key for variation in answers.variations]
     document = {
@@ -308,7 +308,7 @@ def as_json(answers: VariedAnswers) -> str:
 
 
 def require_few_curves(variations: Sequence[Variation], places: int) -> None:
-    """Raise InputError if there would be more curves than line styles."""
+    """Raise InputError if the curves of all robots in `places` poses outnumber the line styles."""
     count = places * prod(len(variation.values) for variation in variations[1:])
     if count > _LARGEST_CURVE_COUNT:
         raise InputError(

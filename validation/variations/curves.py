@@ -217,7 +217,7 @@ def computed(
 
 
 def stored_robots(robot_file: RobotFile, variation: Variation, preset: Preset) -> dict[str, Arrays]:
-    """Stored results of the robots of a variation, by key."""
+    """Stored results of the robots of a variation, by their key in the cache."""
     keys = [key_of(program(), unit) for unit in varied_robots(robot_file, variation, preset)]
     return {key: arrays for key in keys if (arrays := find(key))}
 
@@ -227,7 +227,7 @@ class VariedCurves:
     """Deflections or frequencies by all models over the n values of a variation.
 
     `compared`: compliances (SI) or frequencies (Hz) in the middle of the path, in `poses` (n×m).
-    `decision`: choice of the best value over the whole path.
+    `decision`: extremes over the whole path, from which each model chooses the best value.
     """
 
     poses: Array
@@ -253,7 +253,10 @@ def variation_study(
 
 
 def _stacked(robots: Sequence[VariedModels]) -> Compared:
-    """Curves over the varied robots, for the quantities that all robots have. NaN if missing."""
+    """Curves over the varied robots, for the quantities that all robots have.
+
+    NaN for a robot that a model does not solve.
+    """
     common = min(robot.values.shape[1] for robot in robots)
 
     def stacked(column: str) -> dict[str, Array]:

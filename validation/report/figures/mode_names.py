@@ -85,7 +85,7 @@ def leading_kind(strain: Mapping[str, Array], mode: int) -> str:
 
 
 def mode_names(system: System, shapes: Array) -> ModeNames:
-    """Names of the modes of a system, from their shapes (n×m).
+    """Energy shares that determine the names of the modes of a system, from their shapes (n×m).
 
     Shapes: m modes, n unknowns.
     """
@@ -114,7 +114,7 @@ def shares_by_kind(strain: Mapping[Portion, Array], mechanism: Mechanism) -> dic
 def sum_shares(
     strain: Mapping[Portion, Array], group: Callable[[Portion], str]
 ) -> dict[str, Array]:
-    """Shares of strain energy summed by `group`.
+    """Shares of strain energy, summed over all portions with the same `group`.
 
     Groups that have a fixed colour in the drawings come first.
     """
@@ -134,7 +134,9 @@ def kinetic_shares(system: System, shapes: Array) -> Array:
 
 
 def kinetic_energies(system: System, shapes: Array) -> Array:
-    """∫ρ uᵢ² dV (3×m, kg m²) for base axes i = x, y, z, with the mass of bodies lumped in points.
+    """∫ρ uᵢ² dV (3×m, kg m²) of mode shapes u along base axes i = x, y, z.
+
+    The mass of each body is lumped in points.
 
     Shapes: m modes.
     """

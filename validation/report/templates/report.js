@@ -1,4 +1,4 @@
-// Opens 3-D scenes on demand, and the sheets that links lead to.
+// Opens 3-D scenes on demand, and the folded sheets to which links lead.
 (() => {
   const open = (button) => {
     const place = document.getElementById(button.getAttribute("aria-controls"));
@@ -12,7 +12,7 @@
   document.querySelectorAll("button[data-scene]").forEach(
     button => button.addEventListener("click", () => open(button)));
 
-  // A link to a comparison opens the sheet it stands on, and those around it.
+  // A link to a comparison opens the folded sheet that contains it, and all sheets around that.
   const reveal = () => {
     const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
     for (let node = target; node; node = node.parentElement)
