@@ -3,8 +3,8 @@
 Input: reduced beam models of the legs and their section meshes. Output: the relative change of each
 natural frequency. Rule: the dynamic stiffness D(ω) of a leg by waves on its section mesh
 (`fem.couplings.wave_stiffness`) replaces that of the beam, so that Λ + Φᵀ(D(ω) − D_beam(ω))Φ has
-the eigenvalue ω². Λ and Φ are the modes with beams, D acts on the twists of sections between pieces
-of the leg.
+the eigenvalue ω². Λ and Φ are the squared angular frequencies and the shapes of the modes with
+beams; D acts on the twists of sections between pieces of the leg.
 
 D_beam is that of the section's Saint-Venant states and inertia (`fem.couplings.wave_cantilever`),
 not of the beams that gave Λ and Φ, so an error of those beams remains in the frequencies. Pieces

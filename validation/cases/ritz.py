@@ -26,13 +26,13 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 
 # Static deflections of Timoshenko beams are cubic polynomials; modes converge geometrically.
 STATIC_DEGREE = 3
-# Accurate to six digits for modes up to the second of a bar between its joints.
+# Accurate to six digits for the first two modes of each bar between its joints.
 DEGREE = 8
 # Eigenvalues of stiffness below this fraction of the largest are idle motions.
 _IDLE = 1e-15
 # A joint is rigid along a compliance below this fraction of its largest. Round-off is 1e-16.
 _RIGID = 1e-14
-# Fraction of the largest inertia over stiffness below which a motion has no mass.
+# A motion has no mass if its ratio of inertia to stiffness is below this fraction of the largest.
 _MASSLESS = 1e-14
 # Largest gap of a closed joint, over the size of the mechanism or in rad. Kinematics closes loops
 # to 1e-12.
@@ -65,9 +65,10 @@ def ritz_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
     """Prism with Legendre polynomials of a `degree` in stretch, shear strains and rotations.
 
     Deflections follow from shear strains and rotations. If deflections were unknowns, shear strains
-    would be their differences, and bending would be lost in round-off with a large shear stiffness.
-    Euler–Bernoulli beams have no shear strains. Shear strains, and the deflections from which they
-    follow, are those of the shear centre, v − z_s φx and w + y_s φx; mass moves with the centroid.
+    would be small differences between slopes and rotations, and bending would be lost in round-off
+    with a large shear stiffness. Euler–Bernoulli beams have no shear strains. Shear strains, and
+    the deflections that follow from them, are those of the shear centre, v − z_s φx and w + y_s φx;
+    mass moves with the centroid.
     """
     points, weights = legendre.leggauss(degree + 2)
     weights = 0.5 * length * weights

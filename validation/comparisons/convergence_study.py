@@ -388,7 +388,7 @@ class ConvergenceStudy:
         )
 
     def missed(self, quantity: str, within: float | None = None) -> list[str]:
-        """Formulations whose error at the judged element count exceeds `within`, a line for each.
+        """Lines of text on formulations whose error at the judged element count exceeds `within`.
 
         The judged count is that of `agreement`, or the finest mesh of solids. The literal layout of
         the paper is not judged.

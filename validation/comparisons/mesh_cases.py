@@ -108,8 +108,8 @@ def _order(context: Context, body: str, name: str, ends: Ends) -> Measurement:
     )
     order = convergence.observed_order
     if order is None:
-        # Order of the last three meshes, with infinite uncertainty: undecided. NaN if values do not
-        # converge.
+        # The order of the last three meshes (NaN if values do not converge) gets an infinite
+        # uncertainty, so that the verdict is undecided.
         last = float(convergence.orders[-1])
         return Measurement(
             last, refinement.formal_order, value_uncertainty=inf, notes=notes, studies=(study,)

@@ -1,4 +1,4 @@
-"""Largest errors of textbook section constants, as known limits of correct formulas.
+"""Limits of the errors that correct textbook formulas for section constants have.
 
 Input: a leg of constant section, and its section constants by finite elements. Output: the softest
 and the stiffest beam that correct formulas allow. Rule: areas and second moments of area are exact

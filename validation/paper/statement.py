@@ -167,8 +167,8 @@ def sampled(number: Callable[[int], float], reference: float) -> Measurement:
     """Measurement of a number that is taken from a curve at `POSTURES` points of the stroke.
 
     `number` computes it for a number of postures. It is also computed for two smaller numbers of
-    postures, which miss a peak of the curve by other amounts. The range of the three results is the
-    uncertainty.
+    postures, which miss a peak of the curve by different amounts. The range of the three results is
+    the uncertainty.
     """
     numbers = [number(postures) for postures in (POSTURES, POSTURES - 10, POSTURES - 20)]
     return Measurement(numbers[0], reference, value_uncertainty=float(np.ptp(numbers)))

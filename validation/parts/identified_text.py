@@ -40,7 +40,8 @@ class IdentifiedRecord(msgspec.Struct, frozen=True, kw_only=True):
     """JSON document of `identify`, in SI units and the axes of the file.
 
     Arrays are nested lists, with None for a number that is unknown. `uncertainty` and `bracket`:
-    half-widths due to meshes, and changes by averaged interfaces, of compliance and frequencies.
+    half-widths due to meshes, and changes from rigid to averaged interfaces, of compliance and
+    frequencies.
     """
 
     schema: Literal[1] = 1

@@ -271,7 +271,7 @@ def deep_beam() -> list[KnownNumber]:
 def simply_supported(beam: solid.SolidLeg) -> RootedBody:
     """Beam fixed in x, y, z, φx at its root and in y, z at its tip, on average over the faces.
 
-    The averages C are the conjugates of Saint-Venant's tractions, so that warping, contraction and
+    The averages C are work-conjugate to Saint-Venant's tractions, so that warping, contraction and
     both bending rotations are free. The six constraints are statically determinate: L = C (RᵀC)⁻¹
     replaces the six loads at the root, with LᵀR = I for the rigid motions R.
     """
