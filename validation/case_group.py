@@ -67,7 +67,7 @@ class CaseFields(TypedDict, total=False):
 
 
 class CaseGroup:
-    """Cases with `common` fields, each declared `over` the same parameters.
+    """Cases with `common` fields, each repeated `over` the values of the same parameters.
 
     The parameters of the group vary slowest: all its cases for the first value, then all for the
     next.

@@ -74,7 +74,7 @@ def memo_key(
 ) -> str:
     """Key of a stored result: name of the function and hash of its arguments.
 
-    Raises ValueError for a function without a fixed name.
+    Raises ValueError for a function that is not defined at the top level of a module.
     """
     name = f"{function.__module__}.{function.__qualname__}"
     if "<" in name:

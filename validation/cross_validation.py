@@ -37,7 +37,7 @@ class CrossValidation:
     """All formulations of the same legs, compared with solids, and their convergence.
 
     `agreement` are the comparisons; their `case.body` is the name of a leg, "" for the whole robot.
-    `convergence` are the studies with element count, by leg, "" for the whole robot.
+    `convergence` are the studies over the element count, by leg, "" for the whole robot.
 
     Examples
     --------

@@ -75,7 +75,7 @@ class Claim(msgspec.Struct, frozen=True, rename={"sentence": "statement"}):
 
     @property
     def standing(self) -> Standing:
-        """Variants in which the statement holds: printed, corrected, both, in part or neither."""
+        """Variants in which the statement holds. "circular" if the statement is not counted."""
         if self.circular:
             return "circular"
         match self.printed == len(self.curves), self.corrected == len(self.curves):

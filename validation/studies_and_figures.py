@@ -50,14 +50,14 @@ class Study:
 
     `series`: values of each curve by name, as many as `x`, in `unit`. `orders`: observed order of
     each curve, and `uncertainties`: numerical uncertainty of its finest value (in `unit`). A curve
-    without these is outside its asymptotic range, as a line of `notes` states. `limits`: value to
+    without both is outside its asymptotic range, as a line of `notes` states. `limits`: value to
     which each curve tends, exact or extrapolated; zero for curves that are relative errors. Equal
     studies of several cases are displayed once.
 
     Studies of one `family` have the same x and are drawn in the same axes, under `family_title`;
     their curves are labelled by the `variant` of their study. If studies name a `panel`, the family
-    has a panel for each name, with an x of its own: magnitudes of deviations from the limits, or
-    values without limits.
+    has a panel for each name, with its own x. A panel shows magnitudes of deviations from the
+    limits, or the values if there are no limits.
     """
 
     id: Annotated[str, RESULTS]

@@ -42,7 +42,7 @@ _SEAL = b"\nflexproof "
 
 @dataclass(frozen=True)
 class CacheEntry(Generic[T]):
-    """A cached result: its key, the function that computes its arrays, and their conversion.
+    """A cached result: its key, and functions that compute its arrays and convert them to a value.
 
     An entry with a missing array or a wrong shape counts as absent, even if its seal is valid.
     `needs`: entries that the computation uses.

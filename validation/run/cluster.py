@@ -231,7 +231,7 @@ class Cluster(ProcessExecutor):
     def beginning(self, log: Path, begin: Work) -> "Cluster":
         """Executor whose processes begin with the value of `begin`, with their output in `log`.
 
-        The function travels to each worker once.
+        `begin` is sent to each worker once.
         """
         return replace(self, log=log, begin=begin)
 
@@ -250,7 +250,7 @@ class Cluster(ProcessExecutor):
         self.keys.add(conditions.key)
         sent = _SentCalls(self.distributed, self.watch, conditions)
         queue = deque(deque(group) for group in groups)
-        # If each group is a single call, a worker gets one call more than it has threads, so that it
+        # If each group is a single call, a worker gets one call more than it has threads. It then
         # need not wait for this process.
         single = all(len(group) == 1 for group in groups)
         try:

@@ -26,7 +26,7 @@ from meshes.processes import Answer, Crashed, Process
 Work: TypeAlias = Callable[[], Any]
 # Call that can be pickled. It has one argument if processes begin with a value.
 Call: TypeAlias = Callable[..., Any]
-# Calls in groups, each with its name. Those of a group run one after the other in one process.
+# Calls with their names, in groups. Calls of a group run one after the other in one process.
 Groups: TypeAlias = Sequence[Sequence[tuple[Hashable, Call]]]
 # Name and answer (result or exception) of each call, in order of completion.
 Answers: TypeAlias = Generator[tuple[Any, Any], None, None]

@@ -243,9 +243,9 @@ class RunFolder:
 def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]:
     """Context with the locked folder DIR.partial, which is renamed to `path` if it is `complete`.
 
-    "afresh" begins a new run, "resumed" continues the last one. Raises InputError if the folder
-    cannot be used: not writable, with other files, in use, or of a different run. All checks are
-    made before any file is changed.
+    `start`: "afresh" begins a new run, "resumed" continues the last one. Raises InputError if the
+    folder cannot be used: not writable, with other files, in use, or of a different run. All checks
+    are made before any file is changed.
     """
     _file_locks()
     has_name = path.name not in {"", ".."} and not path.is_symlink()

@@ -30,7 +30,7 @@ Completion: TypeAlias = Literal["made", "failed", "skipped"]
 class Result(msgspec.Struct, Generic[V, F], frozen=True):
     """Result of a task: returned by a worker, stored in results.jsonl, displayed by the page.
 
-    `verdict` is that of a comparison, otherwise "made", "failed" or "skipped". `found` is a
+    `verdict`: verdict on a comparison; "made", "failed" or "skipped" for other tasks. `found`: a
     measurement, figure or matrix. None if there is none, with the reason in `message`.
     """
 

@@ -37,8 +37,8 @@ class Standing:
     """Verdict on the tasks of a run.
 
     `comparisons`: count by verdict. `figures`, `assessments`: counts of failed ones. `faults`:
-    models, and other computations within an assessment, that ended with an error of the program.
-    `refused`: models relied on that are not adequate. If `strict`, undecided models are among them.
+    names of models, and of other computations within an assessment, that ended with an error of the
+    program. `refused`: models relied on that are inadequate or, if `strict`, undecided.
     """
 
     comparisons: Mapping[Verdict, int]
@@ -234,9 +234,9 @@ class Results:
 
     @property
     def refused(self) -> tuple[str, ...]:
-        """Models relied on that are not adequate in some matrix.
+        """Models relied on that are inadequate in some matrix.
 
-        If `strict` is set and the requested assessment has no matrix, all models relied on.
+        If `strict`, also those that are undecided, and all of them if assessments gave no matrix.
         """
         if not self.matrices:
             return tuple(self.rely) if self.strict and {ADEQUACY, MEASURED} & set(self.done) else ()
