@@ -208,7 +208,7 @@ def largest(curves: Iterable[Array]) -> float:
 
 
 def plain_log(axes: "Axes", *, low: float, high: float) -> None:
-    """Make the y axis logarithmic from `low` to `high`, with ticks 1, 2, 5 and plain numbers."""
+    """Make the y axis logarithmic from `low` to `high`, with plain numbers at 1, 2 and 5 · 10ᵏ."""
     axes.set(yscale="log", ylim=(low, high))
     axes.yaxis.set_major_locator(_ticker().LogLocator(10.0, subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(_ticker().FuncFormatter(lambda value, _: f"{value:g}"))

@@ -19,7 +19,7 @@ from validation.verdicts import Entry, Matrix
 # Number of causes in a line.
 _NAMED_CAUSES = 2
 _PERCENT = "\u00a0%"
-# Shares of an error below this are not listed.
+# Causes with a smaller share of an error are not listed.
 _SMALLEST_SHARE = 0.02
 # If at least this fraction of an error lies along the load, its line contains "too stiff" or "too
 # soft". Otherwise the error is mainly across the load.

@@ -174,7 +174,7 @@ def _finer(solved: SolvedQuestion, factor: float) -> SolvedQuestion:
     """
     question = solved.question
     if question.alone is None and question.mechanism.parts:
-        # CAD parts have other meshes, so that solutions on other divisions are not kept.
+        # Solutions on other divisions have the old meshes of CAD parts, so they are discarded.
         question = _with_mechanism(question, with_finer_parts(question.mechanism, factor))
         solved = _solved(question)
     divisions, legs = question.options.divisions, solved.legs

@@ -305,7 +305,7 @@ def _finite_frequencies(modes: PathModes) -> Array:
 def second_divisions(options: ModelOptions, legs: Sequence[Leg]) -> int:
     """Divisions of a second mesh, whose element sizes differ enough from those of the first mesh.
 
-    The first of these that does: half the divisions, one division, more divisions one by one.
+    The first sufficient number of these: half the divisions, one, then ever larger numbers.
 
     Round and thin-walled sections need so many elements that fewer divisions often give the same
     mesh, whose uncertainty would then appear to be zero.

@@ -284,7 +284,7 @@ def as_text(answers: VariedAnswers) -> str:
 
 
 def as_json(answers: VariedAnswers) -> str:
-    """Answers as JSON (schema 1): those of `solve --json`, each with its varied parameters by key."""
+    """Answers as JSON (schema 1): those of `solve --json`, each with its parameters by key."""
     first = answers.solutions[0]
     keys = [variation.key for variation in answers.variations]
     document = {

@@ -183,7 +183,7 @@ def _frequencies(context: Context, variation: Variation) -> Chart:
 
 
 def _decisions(context: Context, variation: Variation) -> Chart:
-    """Chart with a panel for each objective over the varied parameter. A star marks the best."""
+    """Chart with a panel for each objective over the varied parameter, best values starred."""
     objectives = varied_curves(context, variation)
     x, label, abscissa = _varied_abscissa(context, variation)
     panels = [objective_panel(varied.decision, x) for varied in objectives.values()]

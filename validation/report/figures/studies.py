@@ -36,7 +36,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Family:
-    """Studies with the same abscissa, drawn together. `computed_by` names their functions."""
+    """Studies with the same abscissa, drawn together. `computed_by`: the computing functions."""
 
     id: str
     title: str
