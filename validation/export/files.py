@@ -175,7 +175,7 @@ def _write_beams(posture: Posture, path: Path) -> None:
 
 
 def _write_readme(folder: Path, head: str, texts: Mapping[str, str]) -> None:
-    """Write README.txt on all files in `folder`, each under the first pattern that it matches.
+    """Write README.txt, which describes all files in `folder` under the first matching pattern.
 
     `texts` maps shell-style patterns to descriptions of the files.
     """

@@ -297,7 +297,7 @@ class _SentCalls:
         self.distributed, self.watch = distributed, watch
         self.conditions = conditions
         self._shared = self._shared_conditions()
-        # Number of times that the first call of a group was lost with the connection, by its name.
+        # Number of times that the first call of a group was lost with the connection, by name.
         self._losses: Counter[Hashable] = Counter()
         # Calls of the group and future by key.
         self.todo: dict[str, tuple[deque[tuple[Any, Call]], Any]] = {}

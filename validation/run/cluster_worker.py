@@ -1,4 +1,4 @@
-"""Computation of calls on a Dask worker, by the same processes as on cores.
+"""Computation of calls on a Dask worker, in child processes like those of a local run.
 
 Input: a call, and the conditions under which processes begin. Output: a `Reply` with answer and
 log. Rules: a Dask worker computes in child processes, one for each of its threads, so that errors,

@@ -345,7 +345,7 @@ def _input_changes(before: RunRecord, after: RunRecord) -> Iterator[InputChange]
 
 
 def _adequacy_changes(before: RunRecord, after: RunRecord) -> Iterator[AdequacyChange]:
-    """Entries of all models and quantities of either run, in the order of the first."""
+    """Entries of all models and quantities of either run, those of `before` first."""
     old, new = (
         {(entry.model, _quantity_name(entry)): entry for entry in run.adequacy}
         for run in (before, after)
@@ -358,7 +358,7 @@ def _adequacy_changes(before: RunRecord, after: RunRecord) -> Iterator[AdequacyC
 
 
 def _value_changes(before: StoredEntry | None, after: StoredEntry | None) -> Iterator[ValueChange]:
-    """Values in the poses that both entries have, in the order of the first."""
+    """Values in the poses that both entries have, in the order of `before`."""
     from scipy.spatial import KDTree  # noqa: PLC0415
 
     old, new = _values_by_pose(before), _values_by_pose(after)
