@@ -14,7 +14,7 @@ def figure(*studies):
 
 
 def study(needed, errors, *, body="leg1", quantity="f1", x=(10, 20, 40)):
-    """`errors` at 20 of 40 elements and `needed` counts for 1 %, by formulation; limits are 50."""
+    """Made-up study: `errors` at 20 elements and counts `needed` for 1 %, one per formulation."""
     at_twenty = [50.0 * (1.0 + error) for error in errors]
     return ElementStudy(
         id=f"convergence.{body}.{quantity}",
@@ -36,9 +36,9 @@ def rows(*studies):
 
 
 def test_rows_have_worst_quantity():
-    """The larger of 5 and 8 elements, and 0.12 % of +0.05 % and −0.12 %.
+    """Of 5 and 8 elements the row has 8, of errors +0.05 % and −0.12 % it has 0.12 %.
 
-    Other theories are excluded.
+    Formulations of another beam theory are excluded.
     """
     table = element_counts(
         [
@@ -68,7 +68,7 @@ def test_smallest_count_is_an_upper_bound():
 
 
 def test_error_is_empty_without_element_count():
-    """A study without the wanted number of elements has no error at it."""
+    """The study has not computed the specified number of elements."""
     (first, _) = rows(study((5, 2, 3), (0, 0, 0), x=(10, 30, 40)))
     assert (first.error, first.worst) == ("", "")
 

@@ -1,4 +1,4 @@
-"""First screen of the report from an artificial matrix: sentence, table, sheets and figure."""
+"""First screen of the report from a made-up matrix: sentence, table, detail sheets, figure."""
 
 import re
 from html import unescape
@@ -181,7 +181,7 @@ def test_tiny_half_width_is_hidden():
 
 
 def test_reference_row_has_reference_values():
-    """25 nm/N, a quarter too large, is 20 µm under 1000 N; 30 nrad/(N m) is 3 µrad.
+    """If 25 nm/N is a quarter too large, the reference deflects by 20 µm under 1000 N.
 
     Each value is the middle of the reference's interval: 100 Hz between 95 and 115 Hz is shown as
     105 Hz with a half-width of 9.5 %.

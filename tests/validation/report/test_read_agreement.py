@@ -1,7 +1,8 @@
 """Table and sentences on the formulations of each leg, read back and compared with the outcomes.
 
-Outcomes are drawn at random; each cell, value of the solid, explanation and sentence is parsed as a
-reader would, so that another factor, sign, unit or another outcome's number differs.
+Outcomes are drawn at random. The tests parse each cell, value of the solid, explanation and
+sentence as a reader would. They detect a wrong factor, sign or unit, and the number of another
+outcome.
 """
 
 import csv
@@ -78,13 +79,13 @@ DRAWN = [drawn_outcomes(seed) for seed in range(8)]
 
 
 def shares(text):
-    """Numbers before percent signs, as shares."""
+    """Numbers before percent signs in a text, divided by 100."""
     found = re.findall(rf"({NUMBER})\N{{NO-BREAK SPACE}}%", text)
     return [float(one.replace("−", "-")) / 100.0 for one in found]
 
 
 def read(share):
-    """A share as it is printed: to a hundredth of a percent."""
+    """A share (1 is 100 %) rounded as it is printed, to a hundredth of a percent."""
     return pytest.approx(share, abs=SHOWN * 1.01)
 
 
@@ -249,13 +250,16 @@ def relative(outcome):
 
 
 def bound(outcome):
-    """Unexplained difference and half-width of a comparison, added."""
+    """Unexplained difference plus half-width of a comparison, relative to the reference."""
     measurement = outcome.measurement
     return relative(outcome) + measurement.value_uncertainty / measurement.reference
 
 
 def assert_worst(sentence, agreed, kind=""):
-    """Largest bound of an unexplained difference, its parts and place, of a kind of quantity."""
+    """Assert that a sentence has the largest `bound` of the agreeing outcomes, and its place.
+
+    `kind` is the text that names the kind of quantity, or "" for all.
+    """
     percent = r"([\d.]+)\N{NO-BREAK SPACE}%"
     parts = rf"(?:: {percent} ± {percent})?"
     pattern = rf"within {percent} \((\w+ of \w+){parts}\){kind}"
@@ -270,7 +274,7 @@ def assert_worst(sentence, agreed, kind=""):
 
 
 def assert_causes(sentence, agreed):
-    """Largest whole difference; largest amount of each cause, and its place."""
+    """Assert that a sentence has the largest difference and the largest amount of each cause."""
     whole = {
         f"{one.case.label} of {one.case.body}": abs(one.measurement.difference)
         / one.measurement.reference

@@ -1,7 +1,7 @@
 """Tables of agreement on the page of a run, read back and compared with its results.json.
 
-A second reading that shares no code with the page: cells are found by row and column of the markup,
-and every number is formed anew from the values of results.json.
+The reader of the tests shares no code with the page. It finds cells by row and column of the markup
+and recomputes every number from the values of results.json.
 """
 
 import json
@@ -23,7 +23,7 @@ NUMBER = r"[+−]?\d+\.\d\d"
 
 
 class Tables(HTMLParser):
-    """Rows of cells' texts of every table of agreement."""
+    """Parser that collects the `tables` of agreement of a page: rows of texts of cells."""
 
     def __init__(self):
         super().__init__()
@@ -73,7 +73,10 @@ def misread(page, document):
 
 
 def agrees(case, solid, cell, amounts):
-    """Whether value of the solid, difference, rest, half-width, mark and causes are the case's."""
+    """True if the texts have the numbers of a case.
+
+    Compared are value of the solid, difference, unexplained rest, half-width, mark and causes.
+    """
     if case is None or case["verdict"] == "skipped":
         return cell.strip() == "–"
     value, reference = case["value"], case["reference"]
@@ -113,7 +116,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module", params=["arm", "ifw"])
 def run_of(request, folder):
-    """Page and results of an arm with free ends and, of the biglide, the whole robot."""
+    """Page and results of a run on a single arm, or on the whole biglide."""
     if request.param == "ifw":
         robot, only = "ifw", "robot.agrees*"
     else:
@@ -165,7 +168,7 @@ def test_wrong_number_on_page_is_detected(run_of, mistake):
 
 
 def test_exchanged_columns_are_detected(run_of):
-    """Numbers of the neighbouring quantity in a row, and of the neighbouring row."""
+    """Each case has the numbers of the next or the previous one, as if columns were exchanged."""
     page, document = run_of
     measured = [case for case in document["cases"] if case["verdict"] != "skipped"]
     numbers = ("value", "reference", "allowances", "numerical_uncertainty")

@@ -1,7 +1,8 @@
 """Texts on a matrix and on comparisons, read back and compared with the numbers.
 
-Sheets, cells, hints, CSV, curves with their axes, records, the API's line, the run's list and JUnit
-are parsed as a reader would; a factor, a sign, a unit or another entry's number differs.
+The tests parse sheets, cells, hints, CSV, curves with their axes, records, lines of the API, the
+run's list and JUnit as a reader would. They detect a wrong factor, sign or unit, and the number of
+another entry.
 """
 
 import csv
@@ -50,7 +51,7 @@ MATRICES = [
 
 
 def numbers(text):
-    """All numbers in a text, powers of ten as printed; percent as shares."""
+    """All numbers in a text, also with printed powers of ten; percentages divided by 100."""
     found = []
     for match in re.finditer(rf"({NUMBER})(\s%)?", text):
         mantissa, _, power = re.sub(r"\s", "", match[1]).partition("×10")
@@ -60,7 +61,7 @@ def numbers(text):
 
 
 def told(number, digits=TWO):
-    """What is to be read of an error, or of anything in so many digits."""
+    """Expected number in a text, with the tolerance of its printed `digits`."""
     return pytest.approx(number, rel=digits, abs=NOTHING if digits == TWO else 0.0)
 
 
@@ -73,7 +74,7 @@ def close(value):
 
 
 def pose_of(matrix, text):
-    """The number of the pose that a text names."""
+    """Index of the pose that a text contains."""
     names = [f"{AXIS_LABELS[one.name]} = ({NUMBER}) {one.unit}" for one in matrix.coordinates]
     values = numbers(" ".join(re.search(", ".join(names), text).groups()))
     (place,) = (
@@ -87,7 +88,10 @@ def unbroken(text):
 
 
 def assert_error_is_told(entry, text, spread):
-    """The rule of the guide once more: readings apart, a bound, or an error with its half-width."""
+    """Assert that texts have an entry's error in the form that the guide prescribes.
+
+    Range over the readings of the file, upper bound, or error with its half-width.
+    """
     text, spread = unbroken(text), unbroken(spread)
     ends = sorted(entry.readings.values())
     distance = ends[-1] - ends[0] if ends else 0.0
@@ -250,7 +254,10 @@ def test_curves_match_their_tables(matrix):
 
 
 def assert_causes_are_told(line, entries):
-    """Shares of the two foremost causes; what each does to the error if one works against it."""
+    """Assert that a line has the shares of the two largest causes of the entries' errors.
+
+    If a cause has the opposite sign, each cause has its effect on the error instead.
+    """
     interact = any(one.share < -0.02 for entry in entries for one in entry.causes)
     told_of, others = {}, []
     for entry in entries:
@@ -271,7 +278,7 @@ def assert_causes_are_told(line, entries):
 
 
 def assert_sense_is_told(line, entries):
-    """Along the load alone, all of one sign: too stiff or too soft."""
+    """Assert that a line has "too stiff" or "too soft" if errors along the load have one sign."""
     sense = {" too stiff": -1.0, " too soft": 1.0}
     (sign,) = [sign for end, sign in sense.items() if line.without.endswith(end)] or [0.0]
     mostly = [one.along is not None and abs(one.along) >= 0.8 * one.error for one in entries]
@@ -290,7 +297,7 @@ WORDS = {
 
 
 def counted_quantities(matrix, text):
-    """Number of quantities that a list of them stands for."""
+    """Number of judged quantities that a list of quantities and kinds of quantities stands for."""
     judged = {entry.quantity for entry in matrix.entries}
     return sum(
         sum(quantity.kind in WORDS[word] for quantity in judged) if word in WORDS else 1
@@ -299,7 +306,7 @@ def counted_quantities(matrix, text):
 
 
 def test_remedy_line_has_range_of_errors():
-    """One line for each set of two largest causes and remedy, in the order of the matrix."""
+    """Entries with the same two largest causes and the same remedy share a line."""
     for matrix in MATRICES:
         off = [entry for entry in matrix.entries if entry.verdict == "inadequate"]
         groups = defaultdict(list)

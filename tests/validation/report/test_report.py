@@ -38,7 +38,7 @@ VOID = {"meta", "link", "img", "br", "hr", "input"}
 
 
 class Page(HTMLParser):
-    """All attributes of a page by name, and whether its elements are closed in order."""
+    """Parser of a page: values of all attributes by name; elements must be closed in order."""
 
     def __init__(self, markup):
         super().__init__()
@@ -237,7 +237,7 @@ def test_page_has_scenes_and_missing_pictures():
     assert "not a number" in shown
 
 
-def test_curve_data_have_names_of_curves():
+def test_curve_data_have_curve_names_and_values():
     rows = list(csv.DictReader(io.StringIO(drawn().data)))
     named = {f"{name} (Hz)": values for name, values in CONVERGENCE.series.items()}
     assert {name: tuple(float(row[name]) for row in rows) for name in rows[0]} == {
@@ -278,7 +278,7 @@ def test_plot_files_are_reproducible(blank_charts):
 
 
 def test_cross_validation_is_first():
-    """Directly below the verdict, above the matrix of the models, and unfolded."""
+    """The section is directly below the verdict, above the matrix of the models, and unfolded."""
     outcome = measured("agrees", 1.0, 1.0, section=AGREEMENT)
     other = measured("robot", 1.0, 1.0, section=PATH)
     first, second = chapters_of([other, outcome], [], plotted=False)

@@ -57,7 +57,10 @@ def carried(twist, arms):
 
 
 def drawn_alike(fine, coarse, mode):
-    """Whether the coarse one's shape, in the mixture that is drawn, is the fine one's."""
+    """True if the drawn shape of the coarse model's mode is that of the fine model within 2 %.
+
+    Repeated modes are drawn as the combination that is closest to the fine model's.
+    """
     _, own = compared_points(fine.system, fine.modes.shapes[:, mode])
     _, other = compared_points(coarse.system, pictures._matching_shape(fine, coarse, mode))
     return np.linalg.norm(own - other) <= 0.02 * np.linalg.norm(own)
@@ -67,7 +70,7 @@ def drawn_alike(fine, coarse, mode):
     "name", ["ifw", "delta", pytest.param("hexapod", marks=pytest.mark.exhaustive)]
 )
 def test_drawn_tool_keeps_its_mass(name):
-    """The nearest drawn point of the tool's body is moved to the tool by the body's rotation."""
+    """The tool's displacement follows from the nearest drawn point and the body's rotation."""
     found = modes_of(name)
     system = found.system
     # Modes are mass-normalised; beams' own mass matrices differ by their shape functions.
@@ -89,7 +92,7 @@ def test_drawn_tool_keeps_its_mass(name):
 
 
 def test_drawn_leg_root_follows_interface():
-    """The rim rotates with the interface, drawn with magnified displacements and their colours."""
+    """Points at the leg's root move with its interface. Displacements are magnified, in colour."""
     found = modes_of("delta")
     system, shape = found.system, found.modes.shapes[:, 3]
     legs = [one for one in displaced_solids(system, shape) if one.deforms]
@@ -110,8 +113,8 @@ def test_drawn_leg_root_follows_interface():
         assert drawn.values == pytest.approx(1e2 * np.linalg.norm(leg.displacements, axis=1))
 
 
-def test_segment_shapes_have_sense_of_beams():
-    """Repeated modes of a Delta: both pictures agree, whatever mixture each solver returns."""
+def test_mode_pictures_of_segments_equal_beams():
+    """Repeated modes of a Delta are drawn alike, whatever combination each solver returns."""
     for mode in range(6):
         assert drawn_alike(modes_of("delta"), modes_of("delta", "segments", 8), mode), mode
 
@@ -143,7 +146,7 @@ def test_strain_energies_of_mode_sum_to_one(five_bar, monkeypatch):
 
 
 def test_mode_pairs_are_at_middle_pose(five_bar, monkeypatch):
-    """Artificial data: two modes of the models are exchanged, and each is a tenth too high."""
+    """Made-up model with modes 1 and 2 exchanged and frequencies a tenth too high."""
     shapes = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 12, 4)))[0]
     frequencies = np.outer([1.0, 2.0, 3.0], [10.0, 20.0, 40.0, 80.0])
     weights, seen = np.full(12, 1.0 / 12.0), np.ones((3, 4))
@@ -165,7 +168,7 @@ def test_mode_pairs_are_at_middle_pose(five_bar, monkeypatch):
 
 
 def test_figure_has_load_deflections():
-    """Compliances appear in µm under a force and in µrad under a moment, with differences."""
+    """The chart has displacements (µm) under forces, rotations (µrad) under moments, differences."""
     rng = np.random.default_rng(4)
     names = ("simplified", "vjm", "beam", "solid, ends rigid")
     values = {name: rng.uniform(1e-9, 1e-6, (3, 6)) for name in names}
@@ -246,7 +249,10 @@ material = {{ E = {E}, nu = {NU}, rho = {RHO} }}
 
 
 def closed_forms():
-    """First frequencies (Hz) of a cantilever of Euler and Bernoulli, and of Saint-Venant."""
+    """(Frequency (Hz), name) of a cantilever's lowest bending modes and first torsional mode.
+
+    Euler–Bernoulli bending in both planes, four modes each, and Saint-Venant torsion.
+    """
     found = []
     for name, moment in (("along z", ALONG_Z), ("in the plane", ALONG_Y)):
         speed = np.sqrt(E * moment / (RHO * AREA)) / (2.0 * np.pi * LENGTH**2)

@@ -37,7 +37,7 @@ def needs_opengl():
 
 
 def volume(surface):
-    """Volume inside closed quadrangles with normals outwards, by the divergence theorem."""
+    """Volume in a closed surface of quadrangles with outward normals, by the divergence theorem."""
     a, b, c, d = (surface.points[surface.faces[:, k]] for k in range(4))
     return np.sum(a * (np.cross(b, c) + np.cross(c, d))) / 6.0
 
@@ -93,7 +93,7 @@ def test_bodies_and_joints_are_drawn_in_place(robot):
         np.testing.assert_allclose(drawn[joint.name].mean(axis=0), ends[1], atol=ROUNDING)
 
 
-def test_enlargement_is_round_and_bounded():
+def test_magnification_is_round_and_bounded():
     factors = {1e-5: 1e4, 1.9e-5: 5e3, 2e-5: 5e3, 0.3: 0.2, 0.0: 1.0}
     assert {one: readable_factor(one, target=0.1) for one in factors} == pytest.approx(factors)
 
@@ -110,7 +110,7 @@ def test_fitted_view_shows_all_points():
 
 
 def test_browser_scene_equals_drawn_scene():
-    """Points to a pixel in ten thousand, colours of both limits, motions, and the view."""
+    """The scene for the browser has the same points, colours, motions and view as the picture."""
     cuboid = prism(rectangle(1.0, 1.0), np.array([-1.5, 1.5]))
     away = np.tile([0.0, 0.0, 0.4], (8, 1))
     body = DrawnBody(cuboid, values=np.linspace(2.0, 4.0, 8), motion=away)
@@ -145,7 +145,7 @@ def test_browser_scene_equals_drawn_scene():
 
 @pytest.mark.usefixtures("needs_opengl")
 def test_box_is_drawn_at_its_projection():
-    """VTK's own camera against `pixels`: the centre of the coloured pixels."""
+    """The centre of the pixels that VTK colours is where `pixels` projects the box's centre."""
     corners = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
     view = fitted_view(corners, np.array([0.5, -1.0, 0.4]), np.array([0, 0, 1.0]), (200, 160))
     middle = np.array([0.7, 0.4, 0.8])

@@ -1,4 +1,4 @@
-"""Values in figures: those of the named pose, with all uncertainties."""
+"""Values in figures belong to the pose in the caption and include all uncertainties."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -36,7 +36,7 @@ def robot():
 
 
 def vibration(scale=1.0):
-    """Made-up modes, at each pose ten times as high as at the one before, and responses."""
+    """Made-up modes and responses at three poses, whose frequencies have the ratio 1 : 10 : 100."""
     frequencies = scale * np.outer([1.0, 10.0, 100.0], [1.0, 2.0])
     samples, seen = np.zeros((3, 4, 2)), np.ones((3, 2))
     receptances = [scale * SIZES + 0j]
@@ -64,7 +64,7 @@ def test_response_band_is_at_middle_pose(robot, monkeypatch):
 
 
 def test_response_band_includes_all_readings(robot, monkeypatch):
-    """The band covers the reference under each reading of the file, with its half-width."""
+    """The band covers the references for rigid and for free ends, with their half-widths."""
     known = {"rigid": vibration(1.0), "free": vibration(3.0)}
     truth = reference("s", known, [meshes(receptances=[np.full((3, 2), 0.4)])] * 2)
     monkeypatch.setattr(responses, "robot_on_path", lambda _: robot)
@@ -98,7 +98,10 @@ def test_varied_robot_is_at_middle_pose(monkeypatch):
 
 
 def measured_entry(poses):
-    """A model 10 % above what was measured, known to 4 % by numerics and inputs and 3 % of that."""
+    """Entry of a model 10 % above a measured value.
+
+    The model is uncertain by 4 % (numerics and inputs), the measurement by 3 %.
+    """
     many = (0.1,) * len(poses)
     return Entry(
         model="beam",

@@ -28,7 +28,7 @@ def test_slope_line_has_formal_order(x):
 
 
 def test_convergence_is_in_percent():
-    """f = 200 (1 − 1/n²): at five divisions 4 % below its limit. ± 0.5 Hz of 200 Hz is 0.25 %."""
+    """f = 200 (1 − 1/n²) Hz is 4 % below its limit at n = 5. A limit ± 0.5 Hz has ± 0.25 %."""
     x = (5.0, 10.0, 20.0)
     values = tuple(200.0 * (1.0 - 1.0 / n**2) for n in x)
     known = {"limits": {"f1": 200.0}, "uncertainties": {"f1": 0.5}, "orders": {"f1": 2.0}}
@@ -53,7 +53,7 @@ def test_convergence_is_in_percent():
 
 
 def test_budget_bars_of_causes_are_hatched():
-    """The pattern elements in the SVG are hatches."""
+    """In the SVG, hatching consists of elements named `pattern`."""
     allowances = tuple(Allowance(cause, -0.03) for cause in ("warping", "shear", "contraction"))
     outcome = measured("solid", 1.9, 2.0, 1e-4, exact=False, allowances=allowances)
     figure = budget_figure("budget.leg1", "Leg 1", "budgets", [outcome])
