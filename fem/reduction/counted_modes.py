@@ -26,12 +26,13 @@ from lumped.errors import ComputationError
 _DENSE_SIZE = 400
 _BLOCK = 8
 _LARGEST_SUBSPACE = 1600
-# Residual of a mode in units of 1/λ. The shape is that accurate, the frequency has twice the
-# digits.
+# Largest residual of a converged mode, relative to 1/λ. The error of the shape is of this order,
+# that of the frequency of the order of its square.
 _CONVERGED = 1e-9
 _SEED = 1
 _SEARCHES = 3
-# Fractions of the cut-off at which eigenvalues are counted. One may coincide with an eigenvalue.
+# Fractions of the cut-off at which eigenvalues are counted, tried in turn, because one of them may
+# coincide with an eigenvalue.
 _PLACES = (1.0, 0.999, 0.997)
 # Relative distance of a mode from the counting frequency below which it is not clearly on one side.
 _TOO_NEAR = 1e-6

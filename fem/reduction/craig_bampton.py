@@ -2,9 +2,10 @@
 
 u = Ψ q + Φ a + Z b with the twists q of the interfaces and constraint modes Ψ, modes K Φ = M Φ Λ
 with all interfaces fixed, up to a cut-off frequency (Craig and Bampton, AIAA J. 6, 1968), and
-residual modes Z = A M Ψ without its part in Φ: the response of the dropped modes to the inertia of
-the motion of the interfaces (twelve for a leg). Without residual modes the error in tension
-decreases only with the third power of the cut-off.
+residual modes Z = A M Ψ without its part in Φ, with the flexibility A of the body with fixed
+interfaces: the response of the dropped modes to the inertia of the motion of the interfaces (twelve
+for a leg). Without residual modes the error in tension decreases only with the third power of the
+cut-off.
 
 Error bounds. Eliminating all amplitudes gives the dynamic stiffness of the interfaces, λ = ω², D(λ)
 = K − λM − λ² Σ p pᵀ/(λ_k − λ), p = ΨᵀMφ_k. Let λ_c be the cut-off and sum over the dropped modes. Z
@@ -52,7 +53,10 @@ class CraigBampton(Superelement):
     truncated: Array
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Additions to stiffness and mass with which a reduced body bounds the unreduced one."""
+        """Additions to stiffness and mass with which the reduced leg bounds the unreduced one.
+
+        The bound holds for ω² up to `squared` (rad²/s²), see `Truncated.loosened`.
+        """
         return heavier_at_interfaces(self.truncated, self.cutoff, self.matrices.size, squared)
 
 

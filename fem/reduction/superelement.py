@@ -25,9 +25,9 @@ from meshes.solid_mesh import SolidMesh
 
 ENDS = 12
 
-# Largest force in a rigid motion relative to the stiffness. Round-off causes 1e-10 to 1e-6,
-# depending on mesh and slenderness. A support that changes the fourth digit of results causes more
-# than this.
+# Largest force that a rigid motion of an unsupported leg causes, relative to its stiffness.
+# Round-off causes 1e-10 to 1e-6, depending on mesh and slenderness. A support that changes the
+# fourth digit of results causes more than this.
 _GROUNDED = 1e-4
 
 
@@ -201,7 +201,8 @@ def _refuse_grounded(
     sizes = np.sqrt(np.diag(scale[:, None] * condensed * scale))
     if (forces <= _GROUNDED * np.outer(sizes, sizes[:6])).all():
         return
-    # Round-off exceeds this for long thin legs, and for legs with stiff next to soft parts.
+    # Round-off may exceed `_GROUNDED` for long thin legs, and for legs with stiff next to soft
+    # parts.
     rounding = rounding_of_flexibility(stiffness, modes * scale)
     if (forces > ELIMINATION * (rounding @ np.abs(motions / scale[:, None]))).any():
         raise ComputationError(

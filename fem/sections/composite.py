@@ -23,8 +23,9 @@ from lumped.arrays import Array, SparseMatrix
 from lumped.legs import BeamProperties
 from meshes.section.section_mesh import SectionMesh
 
-# Degree of the polynomial of each rigid motion that strains no section by itself: tension from a
-# displacement along x, bending and flexure from one along y and along z, torsion from a rotation.
+# Index of each rigid motion that strains no section by itself, and the degree of its polynomial in
+# x: tension from a displacement along x, bending and flexure from one along y and along z, torsion
+# from a rotation.
 _DEGREES = ((0, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 1))
 _TORSION = 5
 # Couplings below this fraction of their scale are round-off. Mirror images in meshes are exact to
@@ -66,7 +67,7 @@ def wrench_states(mesh: SectionMesh, moduli: Moduli) -> WrenchStates:
         for _ in range(degree):
             load = E0 @ terms[1] + coupling @ terms[0]
             terms.insert(0, bordered.solve(np.append(load, np.zeros(4)))[: len(null)])
-        # At x = 0: the lowest term and its slope, the next one.
+        # At x = 0 the field is the lowest term, and its slope is the next one.
         warpings.append(terms[0])
         slopes.append(terms[1])
     warping, slope = np.column_stack(warpings), np.column_stack(slopes)

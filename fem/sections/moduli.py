@@ -21,8 +21,8 @@ from meshes.section.section_mesh import SectionMesh
 class Moduli:
     """Elasticity and density of the M cells of a section mesh.
 
-    `at`: function from numbers of cells (m), and y and z at Q points of each (m×Q×2, m), to
-    elasticity matrices (m×Q×6×6). `densities` (M, kg/m³).
+    `at`: function of the numbers of m cells, and of Q points in each cell (m×Q×2; y and z in
+    metres). It returns elasticity matrices (m×Q×6×6, Pa). `densities` (M, kg/m³).
     """
 
     at: Callable[[IntArray, Array], Array]
@@ -52,12 +52,13 @@ def part_moduli(mesh: SectionMesh, materials: Sequence[Material]) -> Moduli:
 
 # Pairs of axes of the six strains. The last three are shear angles, twice the tensor's components.
 _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-# Distance from the diagonal at a corner of a box, as a share of its size: both walls count.
+# Distance from the diagonal at a corner of a box, relative to the size of the box, up to which a
+# point belongs to both walls.
 _ON_DIAGONAL = 1e-9
 
 
 def layer_elasticity(layer: Layer) -> Array:
-    """Elasticity matrix (6×6, Pa) of a layer in the axes of its fibres (1, 2 in the wall, 3).
+    """Elasticity matrix (6×6, Pa) of a layer, in axes 1 along its fibres, 2 across in the wall, 3.
 
     The layer is isotropic across its fibres: E3 = E2, G13 = G12, ν13 = ν12. Its ratio ν23 is taken
     as ν12 (1 − ν21)/(1 − ν12), which is ν12 in an isotropic layer. It only affects stresses across
@@ -111,7 +112,11 @@ def laminate_moduli(mesh: SectionMesh, laminate: Laminate) -> Moduli:
 
 
 def _box_moduli(walls: Array, points: Array, extent: tuple[float, float]) -> Array:
-    """Moduli of the nearest wall of a box, the mean of both on the diagonals at its corners."""
+    """Elasticity matrices at points of a box: those of the nearest wall.
+
+    On the diagonals at the corners of the box, they are the mean of both walls. `walls` are in wall
+    axes.
+    """
     inside = 0.5 * np.array(extent) - np.abs(points)
     beyond = inside[..., 0] - inside[..., 1]
     beyond[np.abs(beyond) <= _ON_DIAGONAL * max(extent)] = 0.0
@@ -123,7 +128,7 @@ def _box_moduli(walls: Array, points: Array, extent: tuple[float, float]) -> Arr
 
 
 def _wall_axes(normals: Array) -> Array:
-    """Axes (…×3×3, columns x, s, n) of walls with these normals (…×2, y and z) in any length."""
+    """Axes (…×3×3, columns x, s, n) of walls with normals (…×2; y, z), not only unit vectors."""
     n_y, n_z = np.moveaxis(normals / np.linalg.norm(normals, axis=-1, keepdims=True), -1, 0)
     axes = np.zeros((*n_y.shape, 3, 3))
     axes[..., 0, 0] = 1.0

@@ -42,9 +42,9 @@ class NotConvergedError(Exception):
 
 @dataclass(frozen=True)
 class Ritz:
-    """Converged modes: ω² (m, ascending), M-orthonormal vectors (n×m), residuals relative to θ.
+    """Converged modes: ω² (m, ascending), M-orthonormal vectors (n×m), residuals over θ = 1/ω².
 
-    `beyond` is the Ritz value ω² after the last one. Infinite if there is none.
+    `beyond` is the next Ritz value of ω², which has not converged. Infinite if there is none.
     """
 
     values: Array

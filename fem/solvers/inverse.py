@@ -1,8 +1,8 @@
 """Statics of a supported solid: by a factor, or without one if it does not fit the memory.
 
 Without a factor, PETSc computes by conjugate gradients with the multigrid GAMG. Each solution is
-checked by its residual and its energy. They do not give the signs of eigenvalues: modes are counted
-only if a factor of K − σM, which is computed for this purpose alone, fits the memory.
+checked by its residual and its energy. Such solutions do not give the signs of eigenvalues: modes
+are counted only if a factor of K − σM, which is computed for this purpose alone, fits the memory.
 """
 
 from dataclasses import dataclass

@@ -23,8 +23,9 @@ from lumped.text import counted
 # factor is read more often; with more, more columns are needed in total.
 _BLOCK = 8
 _SEED = 1
-# Largest residual relative to θ. Half of it bounds the relative error of a frequency without any
-# assumption. The bound is 5e-10 for a mode whose distance from its neighbours in ω² is 1e-3.
+# Largest residual of a mode, relative to θ = 1/ω². Half of it bounds the relative error of a
+# frequency without any assumption. The bound is 5e-10 for a mode whose distance from its neighbours
+# in ω² is 1e-3.
 _RESIDUAL = 1e-6
 # Largest number of searches for missing modes, each from different random vectors.
 _SEARCHES = 4

@@ -107,7 +107,7 @@ def _body_lines(postures: Sequence[Posture]) -> list[Wire]:
 
 
 def _line_points(leg: LineLeg, frame: Frame) -> Array:
-    """Points (n×3, m, base axes) of the centre line of a leg, with the point in its middle."""
+    """Points (n×3, m, base axes) of the centre line of a leg, including its midpoint."""
     points, _ = leg.line.frames(np.linspace(0.0, leg.line.length, _LINE_POINTS))
     return frame.position + points @ frame.rotation.T
 

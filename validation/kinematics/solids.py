@@ -144,7 +144,7 @@ def on_ground(joint: Joint) -> bool:
 
 
 def symbol_side(joint: Joint) -> Side:
-    """Side of a joint at which its symbol is drawn: the first body, or the slider on ground."""
+    """Side of a joint that carries its symbol: the first, or the second if the first is ground."""
     return joint.second if on_ground(joint) else joint.first
 
 

@@ -53,12 +53,13 @@ from validation.responses.mode_pairing import centreline_samples
 from validation.responses.statics_and_modes import PathModes
 from validation.solids.solid_legs import held_solid
 
-# Number of sections at which shapes of a solid leg alone are sampled.
+# Number of sections at which mode shapes of a single solid leg are sampled.
 _STATIONS = 24
 Model = TypeVar("Model", bound=BodyModel)
 
 
-# Holds all models of the family of longer legs, a hundred kilobytes each.
+# Number of stored results: enough for all legs of the family of robots with longer legs. Each takes
+# a hundred kilobytes.
 @memo(256)
 def leg_matrices(
     model: ModelName, leg: SectionedLeg | SteppedLeg, options: ModelOptions = DEFAULT_OPTIONS
@@ -104,7 +105,7 @@ def filled(model: Model) -> Model:
 def leg_chain(leg: SectionedLeg, options: ModelOptions) -> SegmentChain:
     """Chain of rigid segments joined by springs.
 
-    If `options.release` is "printed", it includes the joint at the tip.
+    If `options.release` is "printed", the last spring includes the joint at the tip.
     """
     if isinstance(leg, LineLeg):
         chain = line_segment_chain(leg.sections(options.theory), options.elements, options.layout)
@@ -234,7 +235,8 @@ def leg_modes(
     mesh = solid.solid_mesh(sectioned, options.divisions)
     stations, lengths = centreline_samples(mesh.length, _STATIONS)
     samples = solid.section_twists(mesh, stations) @ modes.shapes
-    # Modes on two meshes have nearly the same shapes. Any weights therefore pair them.
+    # Modes on two meshes have nearly the same shapes. Any weights of the rotations therefore pair
+    # them.
     arm = mesh.length / _STATIONS
     weights = np.outer(lengths, np.repeat([1.0, arm**2], 3)).ravel()
     return PathModes(modes.frequencies[None], samples[None], weights, np.ones((1, count)))

@@ -167,7 +167,7 @@ def unknowns_of(body: Body) -> int:
 
 
 def with_unknowns(mechanism: Mechanism, unknowns: Mapping[str, int]) -> Mechanism:
-    """Mechanism with other numbers of unknowns in the finest meshes of CAD parts, by body name."""
+    """Mechanism whose CAD parts have finest meshes with `unknowns` unknowns, by body name."""
     parts = mechanism.parts
     finer = {
         name: replace(parts[name], shape=replace(shape_of(parts[name]), unknowns=count))
@@ -177,7 +177,7 @@ def with_unknowns(mechanism: Mechanism, unknowns: Mapping[str, int]) -> Mechanis
 
 
 def with_finer_parts(mechanism: Mechanism, factor: float) -> Mechanism:
-    """Mechanism with meshes of CAD parts that are finer, so that half-widths fall by `factor`.
+    """Mechanism with finer meshes of CAD parts: half-widths are divided by `factor`.
 
     Raises InputError if the file of a part is a mesh, which cannot be refined, and ComputationError
     if there is not enough memory.

@@ -61,18 +61,19 @@ class PartMeshing(NamedTuple):
 
 FINE_PARTS = PartMeshing()
 T = TypeVar("T")
-# Relative difference of lengths, due to twelve typed digits, up to which legs are equal.
+# Largest relative difference of the lengths of legs that count as equal. Points in a robot file may
+# have only twelve digits.
 _ALIKE = 1e-9
 # Number of frequencies that are compared one by one.
 JUDGED_MODES = 4
-# Cut-off frequency over the highest frequency of interest. Beams and segments are cheap to reduce
-# well: the error at the highest frequency falls with the seventh power of this factor, to 1e-5 at
-# 2.5 and below 1e-6 at four.
+# Ratio of the cut-off frequency to the highest frequency of interest, by model. Beams and segments
+# are cheap to reduce well: the error at the highest frequency falls with the seventh power of this
+# factor, to 1e-5 at 2.5 and below 1e-6 at four.
 CUTOFF = {"segments": 4.0, "beam": 4.0, "solid": CUTOFF_FACTOR}
 # Total number of unknowns up to which a direct solution is as fast as a reduction.
 FEW = 600
-# Coarse beams for estimates: their frequencies lie above the true ones (Rayleigh), and those of
-# solids hardly higher.
+# Coarse beams for estimates: their frequencies lie above the true ones (Rayleigh), and frequencies
+# of solids are hardly higher than those.
 _ESTIMATE = ModelOptions(elements=2)
 
 
@@ -371,7 +372,7 @@ def highest_frequency(
 def _highest_by_beams(middle: Posture, count: int, coarse: ModelOptions) -> float:
     bodies = bodies_of(middle.mechanism, coarse, partial(leg_matrices, "beam"))
     solution = solved(assembly(middle.mechanism, bodies).at(middle))
-    # Rigid bodies and condensed CAD parts have few modes.
+    # Rigid bodies and condensed CAD parts may have fewer than `count` modes with mass.
     only_legs = legs_of(middle.mechanism) and not middle.mechanism.parts
     frequencies = (modes if only_legs else modes_with_mass)(solution, count).frequencies
     if not len(frequencies):

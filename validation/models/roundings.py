@@ -19,7 +19,8 @@ from lumped.robot_file.reading import Printed
 # Change of an entry of a 6×6, relative to its largest possible size. Compliances and frequencies
 # are linear in it.
 _STEP = 1e-6
-# Half a unit, relative to the same size, below which a number is omitted: nine digits and more.
+# Half a unit of the last digit, relative to the same size, below which a number is omitted, as it
+# has nine digits or more.
 _NEGLIGIBLE = 1e-9
 
 
@@ -34,7 +35,7 @@ class Rounding(NamedTuple):
 
 
 def roundings_of(compliances: Iterable[Printed], postures: Sequence[Posture]) -> list[Rounding]:
-    """One small change for each number of those printed 6×6 that the robot uses.
+    """Postures with one number slightly changed, for each number of the printed 6×6 in use.
 
     Bodies and joints with equal 6×6 are changed together.
     """

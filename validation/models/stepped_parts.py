@@ -30,7 +30,8 @@ from validation.parts.meshes import MIDDLE, mesh_entries, part_key, part_mesh
 from validation.run.cache import Arrays, CacheEntry, require_shape
 
 PIECES = 10
-# Iterations for the centre line: each cuts across the line through the centroids of the one before.
+# Number of iterations for the centre line. Each cuts the part at right angles to the line through
+# the centroids of the previous iteration.
 _ROUNDS = 3
 # Largest ratio of neighbouring sections. By Saint-Venant, a section acts as that of a prism if it
 # extends over its own size at least. A section smaller by this factor than others on both sides,
@@ -163,7 +164,8 @@ def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
         # An odd number, so that one cut lies in the middle.
         count = 2 * int(np.ceil(0.5 * _CUTS_PER_SIZE * lengths[k] / size)) + 1
         for share in (np.arange(count) + 0.5) / count:
-            # Cuts beyond the outermost middles would meet the edges of the interfaces.
+            # Cuts beyond the middles of the first and of the last piece would meet the edges of the
+            # interfaces.
             if (k == 0 and share < 0.5) or (k == len(lengths) - 1 and share > 0.5):
                 continue
             middle = start + share * (end - start)

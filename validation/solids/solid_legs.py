@@ -71,15 +71,16 @@ CORNER_ORDER = 4.0 / 3.0
 # Relative round-off of compliances and frequencies. Smaller changes are not convergence.
 ROUND_OFF = 1e-9
 GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
-# Curved and thin-walled sections keep their proportions only if divisions are doubled, from four
-# on.
+# Divisions of successive meshes. Curved and thin-walled sections keep their proportions only if
+# divisions are doubled, from four on.
 _RECTANGLE_LADDER = (1, 2, 3, 4, 6, 8, 12)
 COARSEST_WALLS = 4
 _DOUBLING_LADDER = (COARSEST_WALLS, 8, 16, 32)
 # Factor on the number of slices: rigid faces of a box (ν = 0.3) have an error of 0.8 % without it
 # and of 6e-5 with it.
 _THINNER = 16
-# Additional modes, so that each beam mode finds its partner if the orders of modes differ.
+# Additional modes, so that each beam mode has its partner among them even if the modes of solid and
+# beam are in different order.
 _SPARE_MODES = 6
 _STATIONS = 24
 _ENDS: tuple[Ends, Ends] = ("rigid", "free")
@@ -97,7 +98,7 @@ ELEMENTS = 20
 
 @dataclass(frozen=True)
 class Refinement:
-    """Values (m×…) on m meshes with `divisions` across the section, coarse to fine.
+    """Values (m×…) of quantities on m meshes with `divisions` across the section, coarse to fine.
 
     `sizes` are relative sizes of the elements if the meshes are not similar. () for similar meshes,
     where they are the inverse divisions.
@@ -217,7 +218,7 @@ def edge_order(nu: float) -> float:
 
 
 def static_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions whose section mesh has at most `most` unknowns, for the doubling method.
+    """Divisions of all meshes whose section has at most `most` unknowns, for the doubling method.
 
     () if fewer than two meshes are that small.
     """
@@ -225,7 +226,7 @@ def static_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
 
 
 def modal_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions whose solid mesh has at most `most` unknowns, for natural frequencies.
+    """Divisions of all solid meshes with at most `most` unknowns, for natural frequencies.
 
     () if fewer than two meshes are that small.
     """
@@ -289,7 +290,7 @@ def doubled_unknowns(leg: ConstantLeg, divisions: int) -> int:
 
 
 def leg_constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
-    """Constants of a leg's section of one material by finite elements, without thin walls."""
+    """Constants of a leg's section of one material by finite elements, for any wall thickness."""
     return mesh_constants(leg, face_mesh(leg, divisions))
 
 
@@ -301,7 +302,7 @@ def mesh_constants(leg: ConstantLeg, mesh: SectionMesh) -> SectionConstants:
 
 @memo(64)
 def computed_properties(leg: ConstantLeg, divisions: int) -> BeamProperties:
-    """Timoshenko beam with section constants by finite elements, without thin walls."""
+    """Timoshenko beam with section constants by finite elements, for walls of any thickness."""
     with naming(leg.name):
         return mesh_properties(leg, face_mesh(leg, divisions))
 
@@ -419,8 +420,8 @@ def _paired_modes(
     for mode_count in count + _SPARE_MODES * np.array([1, 2, 4, 8]):
         modes = clamped.modes(int(mode_count))
         shapes = twists @ modes.shapes
-        # Share of the unit modal mass. Local modes of walls have almost no motion of whole
-        # sections.
+        # Share of the unit modal mass in motions of whole sections, which is almost zero for local
+        # modes of walls.
         seen = np.square(shapes).sum(axis=0)
         pairs = pair_modes(target, sampled_modes(modes.frequencies, shapes, seen))
         if (pairs.partner >= 0).all():

@@ -24,9 +24,9 @@ LARGEST: dict[Preset, int] = {"quick": 100_000, "standard": 200_000, "fine": 800
 
 
 def solid_unknowns(leg: SectionedLeg, divisions: int) -> float:
-    """Unknowns of a leg of quadratic hexahedra.
+    """Number of unknowns of a leg meshed with quadratic hexahedra, `divisions` across its section.
 
-    Nodes that blocks of the section share count twice.
+    Nodes that blocks of the section share are counted twice.
     """
     section, length = (
         (mesh_section(leg), leg.line.length)

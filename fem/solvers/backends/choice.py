@@ -25,7 +25,7 @@ GAIN_FROM = 50_000
 # Smallest memory (bytes) per unknown on a card. Legs of tetrahedra need 9000 to 22 000, of which
 # the matrix takes 500.
 LEAST_BYTES = 1_000
-# Systems that GAMG solves, for each request of PETSc.
+# Description of the systems that GAMG solves, by requested library.
 _GAMG_USES = {
     Solver.PETSC: "statics of solids beyond the memory",
     Solver.GAMG: "statics of solids",
@@ -33,7 +33,7 @@ _GAMG_USES = {
 
 
 class SolverFallbackWarning(Remark):
-    """Remark to the user that a library replaces the chosen one."""
+    """Warning to the user that another library replaces the chosen one."""
 
 
 def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:

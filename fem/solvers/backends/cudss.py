@@ -127,7 +127,7 @@ class DeviceSpace:
             return csr_matrix(matrix)
 
     def columns(self, size: int, count: int, filled: Any) -> Any:
-        """Array that begins with the columns `filled`, with some spare columns.
+        """Array of `size` rows that begins with the columns `filled` and has some spare columns.
 
         Not all `count` columns are allocated, because they would take memory.
         """
@@ -148,7 +148,7 @@ def space() -> DeviceSpace:
 
 @cache
 def _handle() -> int:
-    """Context of the library in this process, with orderings by threads of the host."""
+    """Handle of cuDSS in this process. Orderings are computed by threads of the host."""
     from cuda.pathfinder import load_nvidia_dynamic_lib  # noqa: PLC0415
     from nvmath.bindings import cudss  # noqa: PLC0415
 
@@ -178,8 +178,8 @@ class CudssNumeric:
 class CudssOrdering:
     """Order of elimination for a lower triangle (csc n×n), see `Ordering`.
 
-    The three arrays of the lower triangle, read by rows, are the upper triangle. Raises
-    DeviceError.
+    The three arrays of the lower triangle (csc), read as csr, are those of the upper triangle.
+    Raises DeviceError.
     """
 
     def __init__(self, lower: SparseMatrix) -> None:

@@ -79,7 +79,7 @@ def _assembled(prepared: Assembly) -> Callable[[Posture, list[Loading]], Array]:
 
 
 def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[Loading]], Array]:
-    """Function that solves for displacements of the tool by serial chains.
+    """Function that computes displacements of the tool under loadings, by serial chains.
 
     `springs`: tip compliance (6×6, SI, body axes) of each leg, by body name.
     """
@@ -130,10 +130,10 @@ def interface_loads(
     masses: Masses = MASSES[0],
     parts: Mapping[str, BodyModel] | None = None,
 ) -> InterfaceLoads:
-    """Masses and pressures for models without mass: masses of legs as beams, of parts their own.
+    """Masses and pressures for models without mass: legs have the mass of beams, parts their own.
 
-    `masses` is the distribution in legs known by their 6×6. `parts` are models of the parts; if
-    None, they are condensed here. No masses if no load acts on mass.
+    `masses` is the mass distribution in legs known by their 6×6. `parts` are models of the parts;
+    if None, they are condensed here. No masses if no load acts on mass.
     """
     pressures = unit_pressures(mechanism, parts)
     if not any(load.acts_on_mass for load in mechanism.loads):
@@ -182,7 +182,7 @@ def interface_loads_of(
 def _segments(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
     """Segments of a leg condensed to its ends with their mass.
 
-    Springs in series alone have no mass.
+    The springs in series that represent segments in statics have no mass.
     """
     segments = leg_matrices("segments", leg, replace(options, release="condensed"))
     return static_superelement(held_leg(segments)).matrices

@@ -29,8 +29,8 @@ from validation.models.robot_models import on_drives_alone, released, static_bod
 class BodyEnds:
     """Forces and displacements at the k interfaces of a deformable body, in body axes.
 
-    `wrenches` (6k, N and N m) are those of joints and loads at points. `twists` (6k, in m and rad)
-    are displacements and rotations.
+    `wrenches` (6k, N and N m) are those that joints, and loads at points, exert on the body.
+    `twists` (6k, in m and rad) are displacements and rotations.
     """
 
     wrenches: Array

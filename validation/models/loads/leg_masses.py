@@ -36,7 +36,8 @@ _ELEMENTS = 20
 # Centre of mass, as a fraction of the length, of a wedge whose mass per length decreases to zero.
 # Used if the file has no centre of mass.
 _CENTRES: Mapping[Masses, float] = {"mass near the roots": 1 / 3, "mass near the tips": 2 / 3}
-# Any stiffness inside lies between these two, and so do the frequencies of a robot with it.
+# Extreme stiffness distributions inside a leg: any other lies between these two, and so do the
+# frequencies of a robot with it.
 _EXTREMES: tuple[Interior, ...] = ("soft", "stiff")
 # Gauss points in each element: exact for the product of two cubics.
 _POINTS = 4
@@ -160,13 +161,14 @@ def _line(leg: GivenLeg, masses: Masses, elements: int) -> tuple[Array, Array]:
     points, weights = np.polynomial.legendre.leggauss(_POINTS)
     starts = np.arange(elements)[:, None]
     positions = ((starts + 0.5 * (1.0 + points)) / elements).ravel()
-    # Mass per length is a power k of the distance from the lighter end: its centre lies at (k +
-    # 1)/(k + 2).
+    # Mass per length is a power k of the distance from the lighter end: its centre of mass lies at
+    # the fraction (k + 1)/(k + 2) of the length from there.
     farther = max(centre, 1.0 - centre)
     power = (2.0 * farther - 1.0) / (1.0 - farther)
     shares = np.tile(weights, elements) * (positions if centre >= 0.5 else 1.0 - positions) ** power
     shares *= 1.0 / shares.sum()
-    # Gauss points integrate a fractional power to 1e-5 of it: a linear factor corrects the centre.
+    # Gauss points integrate a fractional power with a relative error of 1e-5. A linear factor
+    # corrects the centre of mass.
     mean = shares @ positions
     shares *= 1.0 + (centre - mean) * (positions - mean) / (shares @ (positions - mean) ** 2)
     if masses == "mass half at the ends":

@@ -59,7 +59,7 @@ def pressed_faces(mechanism: Mechanism) -> list[PressedFaces]:
 def unit_pressures(
     mechanism: Mechanism, parts: Mapping[str, BodyModel] | None = None
 ) -> dict[tuple[str, Selection], Array]:
-    """Wrenches (6 for each of m interfaces, body axes) that carry a pressure of 1 Pa on faces.
+    """Wrenches (6m, body axes) on the m interfaces that are equivalent to 1 Pa on faces.
 
     The keys are the body and the selection of its faces.
 
@@ -107,7 +107,7 @@ def surface_resultants(mechanism: Mechanism) -> list[tuple[PressedFaces, Pressur
 
 
 def _resultant(body: Body, row: PressedFaces, unit: Array) -> PressureResultant:
-    """Resultant with the wrench `unit` (6) of 1 Pa."""
+    """Resultant of the pressure `row`, from the resultant wrench `unit` (6) of 1 Pa."""
     file, _ = found_in(body)
     area = float(sum(file.face(number).area for number in row.faces))
     force, moment = np.split(row.pressure.pressure * unit, 2)
@@ -115,7 +115,7 @@ def _resultant(body: Body, row: PressedFaces, unit: Array) -> PressureResultant:
 
 
 def _on_surface(file: PartFile, faces: Sequence[int]) -> Array:
-    """Force and moment (6) of 1 Pa on faces of the surface in a file."""
+    """Force, and moment about the origin, (6) of 1 Pa on faces of the surface in a file."""
     total = np.zeros(6)
     for face in map(file.face, faces):
         if face.kind == "plane":

@@ -87,8 +87,9 @@ def stabilities(
 def gives_way_pressed(load: Load, result: Stability) -> bool:
     """True if the body that gives way first is one on whose faces the load presses.
 
-    Its factor is then not known: a pressure turns with its face, whereas the wrenches that stand
-    for it keep their direction. They would buckle even a body under equal pressure from all sides.
+    The buckling factor is then not known: a pressure turns with its face, whereas the wrenches that
+    stand for it keep their direction. They would buckle even a body under equal pressure from all
+    sides.
     """
     return next(iter(result.shares), None) in {pressure.body for pressure in load.pressures}
 

@@ -1,4 +1,4 @@
-"""Factors by MUMPS through PETSc, in one separate process or in several MPI ranks, also of hosts.
+"""Factors by MUMPS through PETSc, in one separate process or in MPI ranks on one or more hosts.
 
 MUMPS factorises PᵀAP = L D Lᵀ with pivots of one or two rows, in an order by nested dissection of
 METIS (Amestoy, Duff, L'Excellent, Koster, SIAM J. Matrix Anal. Appl. 23 (2001) 15). It detects null
@@ -78,7 +78,8 @@ class MissingPetscError(InputError):
 class Server:
     """The program `server` on a number of MPI ranks, and its private folder.
 
-    `hosts` are the machines of the ranks, all with equally many. Empty for this machine alone.
+    `hosts` are the machines that run the ranks, the same number on each. Empty if all ranks run on
+    this machine.
     """
 
     def __init__(self, interpreter: str, ranks: int, mpiexec: str, hosts: tuple[str, ...]) -> None:
@@ -153,7 +154,7 @@ class Server:
     def analyse(self, name: int, lower: SparseMatrix) -> int:
         """Order the unknowns of a lower triangle (csc n×n). Return the predicted memory (bytes).
 
-        It is that of all ranks together, or of one host if there are several.
+        With several hosts, it is the memory on one of them, otherwise that of all ranks together.
         """
         with self._command():
             self._store_triangle(name, lower)
@@ -164,7 +165,7 @@ class Server:
             return ranks * int(answer["largest_bytes"])
 
     def precondition(self, name: int, lower: SparseMatrix, motions: Array, part: str) -> None:
-        """Prepare conjugate gradients for a lower triangle (csc n×n).
+        """Prepare conjugate gradients for the matrix with the triangle `lower` (csc n×n).
 
         `motions` (n×6) are orthonormal rigid motions.
         """
@@ -182,7 +183,10 @@ class Server:
             self._store(f"{name}-{kind}", array)
 
     def factorise(self, name: int, values: Array, part: str) -> tuple[int, int]:
-        """Factorise a matrix. Return its numbers of negative and of zero eigenvalues."""
+        """Factorise the matrix with these `values` in the triangle `name`.
+
+        Return its numbers of negative and of zero eigenvalues.
+        """
         with self._command(part):
             self._store(f"{name}-values", values)
             answer = self._execute("factorise", name, part)
@@ -218,7 +222,7 @@ class Server:
 
     @contextmanager
     def _command(self, part: str = "") -> Iterator[None]:
-        """Context of files and commands that belong together.
+        """Context that excludes other threads while files are written and commands are executed.
 
         Raises ComputationError if they fail.
         """
@@ -237,7 +241,9 @@ class Server:
         np.save(self._folder / f"{name}.npy", array)
 
     def _execute(self, verb: str, name: int, part: str = "", size: int = 0) -> dict[str, Any]:
-        """Answer to a command for a system of `size` unknowns, which need not be repeated.
+        """Answer of the server to the command `verb` for the matrix `name`.
+
+        `size` is the number of unknowns. Only commands for a new matrix need it.
 
         Raises ComputationError if the command fails.
         """
@@ -258,7 +264,10 @@ class Server:
             raise
 
     def _answer(self, patience: float | None, part: str = "") -> dict[str, Any]:
-        """Next JSON object on the standard output of the server."""
+        """Next JSON object on the standard output of the server, within `patience` (s).
+
+        None for no limit of time. Raises ComputationError if there is no answer.
+        """
         output = self._keeper.stdout
         if output is None:  # pragma: no cover
             raise AssertionError("standard output is a pipe")
@@ -389,8 +398,8 @@ class PetscNumeric:
 class PetscOrdering:
     """Order of elimination for a lower triangle (csc n×n), see `Ordering`.
 
-    The three arrays of the lower triangle, read by rows, are the upper triangle. Raises
-    MissingPetscError.
+    The three arrays of the lower triangle (csc), read as csr, are those of the upper triangle.
+    Raises MissingPetscError.
     """
 
     space = HOST

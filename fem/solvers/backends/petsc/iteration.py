@@ -17,13 +17,14 @@ from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import ComputationError
 
 # Largest accepted error in the norm of the preconditioner, relative to the energy norm. The server
-# stops at a tenth. The energy then has twice the digits, other products of solutions and loads
-# these.
+# stops at a tenth. The relative error of the energy is then the square of this, that of other
+# products of solutions and loads about this.
 _ENERGY = 1e-10
-# Residual, relative to the products of which it is the difference, below which it is round-off.
-# Factors of the same matrices leave 1e-16 to 5e-16. Long slender legs end here.
+# Residual f − K x, relative to the terms f and K x, below which it is round-off. Factors of the
+# same matrices leave 1e-16 to 5e-16. Long slender legs end here.
 _BACKWARD = 1e-15
-# Reasons of PETSc for an end: a preconditioner or a matrix that is not positive definite.
+# Codes of PETSc for an iteration that ends because the preconditioner or the matrix is not positive
+# definite.
 _INDEFINITE = {-8, -10}
 
 
@@ -36,8 +37,8 @@ class Check(NamedTuple):
 
     `energy` is the residual in the norm of the preconditioner, relative to the energy norm of the
     solution. `backward` is the residual relative to the terms K x and f whose difference it is.
-    `balance` is the relative difference of the work and twice the energy. `reason` is PETSc's code
-    for the end of the `iterations`.
+    `balance` is the difference between the work x·f and twice the energy, x·K x, relative to the
+    latter. `reason` is PETSc's code for the end of the `iterations`.
     """
 
     iterations: int

@@ -26,8 +26,8 @@ _DEBIAN = "usr/lib/petscdir/petsc*/*-real/lib/python3/dist-packages"
 # Parameters of MUMPS for symmetric matrices: ordering by METIS, no ScaLAPACK at the root (which
 # does not provide the inertia), and detection of null pivots.
 _MUMPS = {7: 5, 13: 1, 24: 1}
-# Parameter of MUMPS for working memory in excess of the prediction (per cent), and successive
-# values.
+# Number of the MUMPS parameter for working memory in excess of the prediction, and the values (per
+# cent) that are tried in turn.
 _RELAXATION, _RELAXATIONS = 14, (30, 100, 400)
 # Error numbers of MUMPS if the predicted working memory is insufficient.
 _MORE_ROOM = {-8, -9, -14, -17, -20}
@@ -36,18 +36,19 @@ _SETTINGS = 64
 # Length of the version text that MUMPS writes.
 _VERSION = 30
 # Relative residual at which conjugate gradients stop, in the norm of the preconditioner, which is
-# equivalent to the energy norm. The energy has twice the digits, and products of the displacements
-# with other loads, such as the 6×6 of a part, have these digits.
+# equivalent to the energy norm. The relative error of the energy is the square of this; that of
+# products of the displacements with other loads, such as the 6×6 of a part, is about this.
 _RESIDUAL = 1e-11
 # Largest number of iterations. 30 to 70 are usual, nearly incompressible parts need some hundreds.
 _ITERATIONS = 2000
-# Number of times that conjugate gradients start again if the true residual is larger than theirs.
+# Largest number of restarts of conjugate gradients, for a true residual that is larger than the one
+# updated in the iteration.
 _RESTARTS = 3
 # Number of unknowns of a node, which the preconditioner keeps together.
 _BLOCK = 3
-# Time (s) between two looks of a waiting rank for a command of rank 0 on another host.
+# Time (s) between two checks by a waiting rank for a command from rank 0 on another host.
 _PAUSE = 0.002
-# Largest number of bytes of a message. MPI counts them by 32 bits.
+# Largest number of bytes of a message. MPI counts bytes with 32-bit integers.
 _MESSAGE = 1 << 30
 
 
@@ -67,17 +68,17 @@ class _Files:
         self._rank = petsc.COMM_WORLD.rank
 
     def commands(self) -> "Iterator[dict[str, Any]]":
-        """Commands, until the pipe is closed."""
+        """Yield commands from the pipe of this rank until it is closed."""
         with (self._folder / f"commands-{self._rank}").open(encoding="ascii") as lines:
             for line in lines:
                 yield json.loads(line)
 
     def read(self, name: str, rows: slice) -> Any:
-        """Rows of an array, different ones on each rank."""
+        """The `rows` of the array `name`. Each rank reads different ones."""
         return np.array(self._array(name)[rows])
 
     def write(self, name: str, rows: slice, array: Any) -> None:
-        """Write rows into an existing file, different ones on each rank."""
+        """Write `rows` of the existing array `name`. Each rank writes different ones."""
         self._array(name, "r+")[rows] = array
         self._petsc.COMM_WORLD.barrier()
 
@@ -96,7 +97,7 @@ class _Messages(_Files):
         self._others = range(1, self._communicator.size)
 
     def commands(self) -> "Iterator[dict[str, Any]]":
-        """Commands, until the pipe of rank 0 is closed."""
+        """Yield commands from rank 0 until its pipe is closed."""
         if self._rank == 0:
             for command in super().commands():
                 self._send_object(command)
@@ -113,7 +114,7 @@ class _Messages(_Files):
             yield command
 
     def read(self, name: str, rows: slice) -> Any:
-        """Rows of an array, different ones on each rank."""
+        """The `rows` of the array `name`. Each rank reads different ones."""
         ranges = self._communicator.gather((rows.start, rows.stop))
         if self._rank:
             return self._receive(0)
@@ -123,7 +124,7 @@ class _Messages(_Files):
         return np.array(array[rows])
 
     def write(self, name: str, rows: slice, array: Any) -> None:
-        """Write rows into an existing file, different ones on each rank."""
+        """Write `rows` of the existing array `name`. Each rank writes different ones."""
         written = self._communicator.gather((rows.start, rows.stop))
         if self._rank:
             self._send(np.ascontiguousarray(array), 0)
@@ -236,7 +237,7 @@ class _Factor:
         return int(negative), int(zero)
 
     def solve(self) -> "dict[str, Any]":
-        """Write the solutions for the right-hand sides (n×k) in their file."""
+        """Solve for the right-hand sides (n×k) in the file `right`. Write the file `solution`."""
         right = np.asfortranarray(self._files.read("right", self._rows))
         right_side, unknown = self._dense(right), self._dense(np.zeros_like(right))
         self._factor.matSolve(right_side, unknown)
@@ -311,12 +312,12 @@ class _Iteration:
         return vector
 
     def solve(self) -> "dict[str, Any]":
-        """Write the solutions for the right-hand sides (n×k). Return their largest errors.
+        """Solve for the right-hand sides (n×k) in the file `right`. Return accuracies.
 
         `energy` is the true residual in the norm of the preconditioner, relative to the energy norm
-        of the solution. `backward` is the residual relative to the products of which it is the
-        difference, `balance` the relative difference of work and twice the energy, `reason` that of
-        PETSc for the end, negative if there is no convergence.
+        of the solution. `backward` is the residual relative to the terms f and K x, `balance` the
+        difference between the work x·f and twice the energy, x·K x, relative to the latter.
+        `reason` is PETSc's code for the end, negative if there is no convergence.
         """
         columns = self._files.read("right", self._rows)
         solutions = np.zeros_like(columns)
