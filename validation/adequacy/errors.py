@@ -1,10 +1,10 @@
-"""Relative errors of a model against the reference, for each quantity, pose and interpretation.
+"""Relative errors of a model, by quantity, pose and interpretation of the robot file.
 
 Input: statics and modes of the model and of the reference under each interpretation of the robot
 file. Output: `Errors`, arrays of R interpretations by P poses, with the half-width due to each
 source of uncertainty and the interval that contains the true error. Rule: the error of a frequency
-is that of the mode of the same shape, signed; the error of a displacement is the length of the
-difference vector over that of the reference, never negative.
+is signed and compares modes of the same shape; the error of a displacement is the length of the
+difference vector over the length of the reference's vector, and so is never negative.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -32,16 +32,17 @@ _TIE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class DisplacementErrors:
-    """Displacement vectors from which displacement errors follow (R interpretations, P poses).
+    """Displacement vectors of which errors are computed (R interpretations, P poses).
 
     `wrench` (R×P×6): unit wrench on the loaded point. For the quantity "any force" it is the force
-    with the largest error, for loads of the robot file zero. `along` (R×P): signed error of the
-    displacement component along the wrench. `difference` (R×P×3): displacement of the model minus
-    that of the reference. `length` (R×P, m/N or rad/(N m)): length of the reference's displacement,
-    by which the difference is divided. `between` (R×P, equal for all R): smallest error of the
-    model against any displacement between two interpretations; infinite if there is one
-    interpretation. `impossible` (R×P): true where the tool cannot move as the load requires. Such
-    poses are not compared; their errors are zero, or NaN if the load is impossible in all poses.
+    with the largest error; for loads of the robot file it is zero. `along` (R×P): signed error of
+    the displacement component along the wrench. `difference` (R×P×3): displacement of the model
+    minus that of the reference. `length` (R×P, m/N or rad/(N m)): length of the reference's
+    displacement, by which the difference is divided. `between` (R×P, equal for all R): smallest
+    error of the model against any displacement that lies between those of two interpretations;
+    infinite if there is one interpretation. `impossible` (R×P): true where the tool cannot move as
+    the load requires. Such poses are not compared; their errors are zero, or NaN if the load is
+    impossible in all poses.
     """
 
     wrench: Array
@@ -54,16 +55,17 @@ class DisplacementErrors:
 
 @dataclass(frozen=True, eq=False)
 class ModePairing:
-    """Mode partners from which frequency errors follow (arrays of R interpretations by P poses).
+    """Data of the paired modes behind frequency errors (arrays of R interpretations by P poses).
 
     `below`, `above`: distances from the error to the lowest and the highest error that other
-    partners give, if mixed shapes allow such partners; for the order of modes, the distances with
-    other mode numbers. `undecided`: true if the shapes do not show whether the model has the mode.
-    `local`: true if the mode is local to the cross-section of a leg. `rigid_share`: share of the
-    mode's kinetic energy in cross-sections and bodies that move as rigid wholes. `mac`: MAC with
-    the partner; without a partner, the largest MAC with any mode of the model. `exchange_below`,
-    `exchange_above`: further distances, to the errors of modes that take this mode's number if the
-    stiffness inside the legs lies between those of two interpretations.
+    partners give, if mixed shapes allow such partners. For the quantity "order of modes", they are
+    the distances to the errors with other mode numbers. `undecided`: true if the shapes do not show
+    whether the model has the mode. `local`: true if the mode is local to the cross-section of a
+    leg. `rigid_share`: share of the mode's kinetic energy in cross-sections and bodies that move as
+    rigid wholes. `mac`: modal assurance criterion (MAC) with the partner; without a partner, the
+    largest MAC with any mode of the model. `exchange_below`, `exchange_above`: further distances,
+    to the errors of modes that take this mode's number if the stiffness inside the legs lies
+    between those of two interpretations.
     """
 
     below: Array
@@ -82,14 +84,14 @@ class Errors:
 
     For frequencies (Hz) and peaks of responses (m/N), `error` is `value`/`expected` − 1. For
     displacements, `value` and `expected` are the components along the load, `error` is that of the
-    whole vector, never negative, and `displacement` has the details. All three are NaN if model or
-    reference has no number to compare. `names`: names of the interpretations. `unknown`: true if
-    the reference has fewer modes than are judged, or no damped mode; if the shapes do not show
-    whether the model has the mode; or if the tool cannot move as a load of the robot file requires
-    in any pose. `budget`: half-width of the error by source of uncertainty, always with that of the
-    meshes. `pairing`: partners of the modes, for frequencies only. `numbers` (R×P×m), for the order
-    of modes only: index from 0 of the model's mode with the shape of each of the m modes of the
-    reference, −1 if there is none.
+    whole vector, never negative, and `displacement` has the details. `value`, `expected` and
+    `error` are NaN if model or reference has no number to compare. `names`: names of the
+    interpretations. `unknown`: true if the reference has fewer modes than are judged, or no damping
+    that bounds its peak; if the shapes do not show whether the model has the mode; or if the tool
+    cannot move as a load of the robot file requires in any pose. `budget`: half-width of the error
+    by source of uncertainty, which always include the meshes. `pairing`: partners of the modes, for
+    frequencies only. `numbers` (R×P×m), for the order of modes only: index from 0 of the model's
+    mode with the shape of each of the m modes of the reference, −1 if there is none.
     """
 
     names: tuple[str, ...]
@@ -138,7 +140,7 @@ class Errors:
 
     @property
     def spread(self) -> Array:
-        """Half-width of each error (R×P): the sum over all sources of uncertainty.
+        """Half-width of each error (R×P), summed over all sources of uncertainty.
 
         Shapes: R interpretations of the reference, P poses.
         """
@@ -159,8 +161,9 @@ class Errors:
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper end of each error's interval (R×P each).
 
-        The interval covers the half-widths of all sources of uncertainty and the errors with other
-        possible mode partners. Shapes: R interpretations of the reference, P poses.
+        The interval covers the half-widths of all sources of uncertainty, and the errors that
+        follow if modes are paired in other possible ways. Shapes: R interpretations of the
+        reference, P poses.
         """
         low, high = self.error - self.spread, self.error + self.spread
         if self.pairing is None:
@@ -173,7 +176,7 @@ class Errors:
 
     @property
     def interval(self) -> tuple[Array, Array]:
-        """Lowest and highest error (P each) over all interpretations, with their half-widths.
+        """Lowest and highest error (P each) over all interpretations, half-widths included.
 
         The error of a displacement vector is never below zero. Its lower end is zero if the model
         lies between two interpretations. For the order of modes, the interval is that of the
@@ -220,10 +223,12 @@ class Errors:
 
 @dataclass(frozen=True, eq=False)
 class ModelErrors:
-    """Errors of all models of a subject against its references. Mode partners are stored.
+    """Errors of all models of one robot against its references.
 
+    `subject`: models and references of the robot. `subject`: models and references of the robot.
     `modes`: number of judged frequencies. `factors`: relative changes of uncertain inputs of the
-    robot file, with which models and references are solved.
+    robot file, with which models and references are solved. Pairs of modes are stored, so that each
+    model is paired once. Pairs of modes are stored, so that each model is paired once.
     """
 
     subject: Subject
@@ -293,7 +298,7 @@ class ModelErrors:
         interpretation: Interpretation,
         known: Callable[[Model, Reading], H | None],
     ) -> tuple[H, H] | None:
-        """Statics or modes (`known` solves for either) of the reference and of a model.
+        """Solutions of the reference and of a model: statics or modes, as `known` returns them.
 
         None if one of the two is unsolved or undefined.
         """
@@ -303,10 +308,10 @@ class ModelErrors:
         return (of_reference, of_model) if of_reference and of_model else None
 
     def _between(self, wrenches: Array, model: Model, quantity: Quantity) -> Array:
-        """Smallest relative error (P) against any displacement between two interpretations.
+        """Smallest relative error (P) against a displacement between those of two interpretations.
 
         `wrenches` (R×P×6) has one load for each of the R interpretations of the reference in P
-        poses. The largest of the errors under these loads is returned.
+        poses. The result is the largest of the smallest errors under these loads.
         """
         statics_pairs = self.statics(model)
         nearest = []
@@ -321,7 +326,7 @@ class ModelErrors:
         return np.asarray(np.max(nearest, axis=0))
 
     def _with_exchanges(self, errors: Errors, model: Model, number: int) -> Errors:
-        """Errors widened for every stiffness inside the legs between those of two interpretations.
+        """Errors of frequency `number`, widened for all stiffnesses possible inside the legs.
 
         Interpretations that differ only in the stiffness inside the legs are the ends of a range.
         Within the range, a mode has a frequency between those of its shape at the two ends. Since
@@ -345,8 +350,8 @@ class ModelErrors:
     def _exchanged(self, model: Model, rows: Sequence[int], number: int) -> tuple[Array, Array]:
         """Lowest and highest error (P each) of modes that can have this `number` (index from 0).
 
-        `rows` are the interpretations at the ends of a range of stiffness inside the legs. Infinite
-        if the model has no partner of such a mode. Shapes: P poses.
+        `rows` are the interpretations at the ends of a range of stiffness inside the legs. Both are
+        infinite if the model has no partner of such a mode. Shapes: P poses.
         """
         interpretations = self.subject.dynamics.interpretations
         solved = [
@@ -366,7 +371,7 @@ class ModelErrors:
         ):
             pairs = self._partners(model, interpretation, reference, modes)
             mode_spaces = np.array([equal_frequency_groups(row) for row in reference.frequencies])
-            # Modes of equal frequency do not pass each other.
+            # Modes of equal frequency do not exchange their numbers.
             possible = (mode_spaces != mode_spaces[:, [number]]) | (
                 np.arange(low.shape[1]) == number
             )
@@ -394,8 +399,8 @@ class ModelErrors:
     ) -> Errors | None:
         """Errors of a frequency, or of the order of modes, against one interpretation.
 
-        For the order of modes, the largest error of a mode with another number than in the
-        reference.
+        For the order of modes, it is the largest frequency error that follows because a mode has
+        another number than in the reference.
         """
         if (both_modes := self.modes_of(model, interpretation)) is None:
             return None
@@ -499,9 +504,9 @@ class ModelErrors:
             out=np.zeros_like(reference_displacements),
             where=elastic[:, None],
         )
-        # If the reference changes by a fraction of its length, the error changes by at most this
-        # fraction of the model's displacement. Under any force, that is at most the fraction of 1 +
-        # error.
+        # If the reference's vector changes by a fraction ε of its length, the error changes by at
+        # most ε |u|/|u*|, for displacements u of the model and u* of the reference. For any force,
+        # |u|/|u*| is at most 1 + error.
         reach = 1.0 + size
         if quantity != ANY_FORCE:
             along = reference_displacements / np.where(elastic, length, np.inf)[:, None]
@@ -531,14 +536,14 @@ class ModelErrors:
 
 
 def first_largest(sizes: Array) -> IntArray:
-    """Index of the largest number along the first axis. Of nearly equal ones, the lowest index."""
+    """Index of the largest number along the first axis; among nearly equal ones, the first."""
     largest = sizes.max(axis=0)
     threshold = np.where(largest > 0.0, (1.0 - _TIE) * largest, largest)
     return np.asarray(np.argmax(sizes >= threshold, axis=0))
 
 
 def stack_errors(errors: Sequence[Errors]) -> Errors:
-    """Stack the errors against each of R interpretations (P×…) to arrays over all (R×P×…).
+    """Combine the errors against each of R interpretations (P×…) into arrays (R×P×…).
 
     Shapes: P poses.
     """
@@ -572,13 +577,13 @@ def _arrays(record: Any) -> dict[str, Any]:
 
 
 class _MisplacedModes(NamedTuple):
-    """Modes of a model whose numbers differ from those of the reference, in P poses.
+    """Mode numbers of a model, and the mode whose different number causes the largest error.
 
     `numbers` (P×K): index of the model's mode for each mode of the reference. `mode` (P): index of
     the reference's mode whose misplacement causes the largest error. `frequency` (P, Hz): the
     model's frequency with this index. `below`, `above` (P, Hz): distances from it to the
     frequencies that determine the error if modes are paired otherwise, as far as mixed shapes
-    allow. Shapes: K judged modes.
+    allow. Shapes: P poses, K judged modes.
     """
 
     numbers: IntArray
@@ -589,13 +594,13 @@ class _MisplacedModes(NamedTuple):
 
 
 def _misplaced_modes(pairs: Partners, frequencies: Array) -> _MisplacedModes:
-    """Modes of a model with other numbers than in the reference, from their partners `pairs`.
+    """Mode numbers of a model, compared with the reference by the paired modes `pairs`.
 
     `frequencies` (P×K, Hz) are those of the reference. Shapes: P poses, K judged modes.
     """
     poses, modes = np.arange(len(frequencies)), np.arange(frequencies.shape[1])
     solved = np.isfinite(frequencies) & ~pairs.undecided
-    # A mode in its place causes no error, nor does one of unknown frequency.
+    # A mode with the same number as in the reference causes no error; neither does an unknown one.
     numbers = np.where(solved, pairs.ordered, modes)
     misplaced = numbers != modes
     errors = np.where(solved, pairs.by_number / frequencies - 1.0, 0.0)

@@ -20,7 +20,7 @@ from validation.references.robot_on_path import RobotOnPath, why_not_serial
 
 
 class JudgedModel(NamedTuple):
-    """Formulation (`kind`), title in the report and options of a judged model."""
+    """Formulation (`kind`), options, and title in the report of a judged model."""
 
     kind: ModelName
     title: str
@@ -49,7 +49,7 @@ JUDGED: Mapping[str, JudgedModel] = {
         "beam", "20 beam elements per leg, Euler–Bernoulli", _EULER
     ),
 }
-# Models with rigid legs or with the legs of the robot file. All others use equivalent prisms.
+# Models whose legs are rigid or as in the robot file. All others use equivalent prisms.
 LEGS_AS_GIVEN = ("simplified", "vjm", "links")
 _STATIC = "static model without mass, so it has no frequencies"
 _RIGID = "all bodies and joints are rigid, and no drive is elastic in this direction"
@@ -58,8 +58,8 @@ _RIGID = "all bodies and joints are rigid, and no drive is elastic in this direc
 def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:
     """Judged models by name, in the order of the matrix of verdicts.
 
-    "vjm-equivalent" is omitted if it equals "vjm", that is, if no leg is specified by its 6×6 and
-    no CAD part is replaced by a leg.
+    "vjm-equivalent" is omitted if it equals "vjm", that is, if no leg is specified by its 6×6
+    compliance matrix and no CAD part is replaced by a leg.
     """
     parts = mechanism.parts.values()
     left_out = set() if parts else {"segments-stepped", "segments-condensed"}
@@ -79,7 +79,7 @@ def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
 def judged_models_of(
     robot: RobotOnPath, recipes: Mapping[str, JudgedModel] | None = None
 ) -> dict[str, Model]:
-    """Solvable models of a robot by name: those of `recipes`. All judged models if that is None."""
+    """Solvable models of a robot by name, made from `recipes`; all judged models if None."""
     recipes_by_name = judged_models(robot.mechanism) if recipes is None else recipes
     return {name: judged_model(robot, name, recipe) for name, recipe in recipes_by_name.items()}
 

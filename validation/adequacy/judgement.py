@@ -1,15 +1,15 @@
 """Verdict on each model for each quantity, with its causes and a remedy.
 
 Input: `Errors` of a model (intervals by pose) and the limits of `[accept]`. Output: an `Entry` of
-the matrix. An interval covers all interpretations of the robot file (end conditions, distributions
-of mass) and all half-widths. Rule: in each pose, the model is adequate if all errors of the
-interval are within the limit, inadequate if all are beyond it on one side, and otherwise undecided.
-The worst verdict over the poses stands; the deciding pose is the one with the largest error over
-its limit.
+the matrix. An interval covers the errors against all interpretations of the robot file (end
+conditions, distributions of mass), each widened by its half-width. Rule: in each pose, the model is
+adequate if all errors of the interval are within the limit, inadequate if all are beyond it on one
+side, and otherwise undecided. The worst verdict over the poses is the verdict on the model; the
+deciding pose has this verdict and the largest ratio of error to limit.
 
-Causes: each step from the model to the reference removes one cause by a computation that does not
-use the reference. The error that no step removes is listed as the remainder. Remedy: the fewest
-steps after which the error meets the limit in all poses.
+Causes: each step from the model to the reference is a computation that lacks one more cause of
+error and does not use the reference. The error that no step removes is listed as the remainder.
+Remedy: the fewest steps after which the error meets the limit in all poses.
 """
 
 from collections.abc import Mapping, Sequence
@@ -41,17 +41,17 @@ _UNDECIDED_SHAPES = "several modes of the reference have the shape of one mode"
 _NAMED_SHARE = 0.005
 # A step counts as a remedy if it changes the error by this fraction of the limit.
 _STEP_SHARE = 0.1
-# If the largest source of uncertainty has no remedy, that of a source at least this fraction as
-# large is given.
+# If the largest source of uncertainty has no remedy, the remedy of another source is given if that
+# source is at least this fraction as large.
 _NEAR_SHARE = 0.5
-# Indices of the interpretation and of the pose to which an entry's numbers belong.
+# Index of the interpretation, and of the pose, to which the numbers of an entry belong.
 Position: TypeAlias = tuple[int, int]
 
 
 def verdict_matrix(subject: Subject, requirement: Requirement) -> Matrix:
     """Matrix of verdicts of a robot: each model for each quantity that it defines.
 
-    It contains the matrices of the legs alone, and the matrix of models on equivalent legs of
+    It contains the matrices of each leg alone, and the matrix for the robot with equivalent legs of
     constant section. If inputs of the robot are uncertain, a verdict with a probability below 95 %
     becomes undecided.
     """
@@ -164,8 +164,7 @@ def _entry(
         errors=error,
         lows=low,
         highs=high,
-        # Empty if the force, or the mode, differs from pose to pose, since such numbers are not a
-        # curve.
+        # Empty if the values of the poses belong to different forces or modes and are no curve.
         values=() if quantity in (ANY_FORCE, ORDER) else _optional(errors.value[0]),
         alongs=alongs,
         computed_by=(*model.computed_by, *reference.computed_by),
@@ -220,8 +219,8 @@ def _unsolved_entry(
 def verdicts_of(errors: Errors, limits: Array) -> list[Adequacy]:
     """Verdict in each pose from the interval of errors and the limit (P).
 
-    The order of modes is judged for each interpretation alone, and is undecided if they disagree.
-    Shapes: P poses.
+    The order of modes is judged for each interpretation alone, and is undecided if the verdicts
+    differ. Shapes: P poses.
     """
     poses = range(errors.error.shape[1])
     if errors.numbers is None:
@@ -259,7 +258,7 @@ def _deciding_pose(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Arra
     """Index of the pose with the overall `verdict` and the largest error over its limit.
 
     `shares` (P) are errors divided by limits. If several are equal up to round-off, as in a
-    symmetric robot, the first of them. Shapes: P poses.
+    symmetric robot, the first one decides. Shapes: P poses.
     """
     deciding = np.array([pose_verdict == verdict for pose_verdict in verdicts])
     size = np.where(np.isnan(shares), -0.5, np.abs(shares))
@@ -310,7 +309,7 @@ def _reason(
     remedy_by_source[Source.MASSES] = reference.masses or reference.decides
     widest = max(parts.values())
     ranked = sorted(parts, key=lambda name: -parts[name])
-    # If the largest source has no remedy, that of a nearly as large one is given.
+    # If the largest source has no remedy, the remedy of a nearly as large source is given.
     remedies = [
         remedy_by_source[name]
         for name in ranked
@@ -320,7 +319,7 @@ def _reason(
 
 
 def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str:
-    """Reason why the model has no number to compare: a phrase that follows the model's name."""
+    """Reason why the model has no value to compare: a phrase that follows the model's name."""
     if quantity.static:
         return "is elastic in a direction in which the reference is rigid"
     if quantity.harmonic:
@@ -340,10 +339,10 @@ def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str
 
 
 def _deciding_information(errors: Errors, reference: Reference, pose: int, limits: Array) -> str:
-    """Instruction to add the information to the robot file on which the verdict depends.
+    """Instruction to add the information on which the verdict depends to the robot file.
 
-    It is the stiffness inside the legs if, with any choice for the other open points of the robot
-    file, the verdict remains undecided.
+    This is the stiffness inside the legs if the verdict remains undecided with any choice for
+    everything else that the robot file leaves open.
     """
     if not reference.interior:
         return reference.decides
@@ -352,7 +351,7 @@ def _deciding_information(errors: Errors, reference: Reference, pose: int, limit
 
 
 def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[str]:
-    """Texts on modes with other numbers than in the reference, one for each interpretation.
+    """Texts on modes whose numbers differ from the reference, one for each interpretation.
 
     [] if all interpretations agree.
     """
@@ -383,21 +382,21 @@ def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[st
 
 
 def _interpretation_rows(errors: Errors, pose: int) -> IntArray:
-    """Index (P) of the interpretation whose numbers an entry shows: that with the largest error.
+    """Index (P) of the interpretation with the largest error, whose numbers an entry shows.
 
-    All poses use the interpretation of the deciding `pose`, so that a curve over the poses has one
-    meaning. The order of modes, which jumps in any case, uses the interpretation with the largest
-    error in each pose. Shapes: P poses.
+    All poses use the interpretation with the largest error in the deciding `pose`, so that a curve
+    over the poses is for one interpretation. The error of the order of modes jumps in any case; for
+    it, each pose uses its own interpretation. Shapes: P poses.
     """
     largest = errors.largest
     return largest if errors.numbers is not None else np.full_like(largest, largest[pose])
 
 
 def _readings(errors: Errors, pose: int) -> dict[str, float]:
-    """Error in a pose against each interpretation, by its name.
+    """Error in a pose against each interpretation, by name of the interpretation.
 
-    {} if there is one interpretation, an error is missing, or the quantity is the order of modes,
-    whose errors belong to different modes.
+    {} if there is only one interpretation, an error is missing, or the quantity is the order of
+    modes, whose errors belong to different modes.
     """
     if len(errors.names) == 1 or errors.numbers is not None or errors.missing[:, pose].any():
         return {}
@@ -407,7 +406,7 @@ def _readings(errors: Errors, pose: int) -> dict[str, float]:
 def _expected_range(errors: Errors, pose: int) -> tuple[float, float]:
     """Lowest and highest value of the reference over all interpretations, half-widths included."""
     expected, spread = errors.expected[:, pose], errors.spread[:, pose]
-    # Ratio of the error's half-width to that of the reference.
+    # Half-width of the error over the relative half-width of the reference.
     ratio = np.ones_like(expected)
     ratio = np.abs(np.divide(errors.value[:, pose], expected, out=ratio, where=expected != 0.0))
     half_width = np.divide(spread, ratio, out=spread.copy(), where=ratio > 0.0)
@@ -434,7 +433,7 @@ def _worst_force(errors: Errors, quantity: Quantity, position: Position) -> tupl
 def _half_width_parts(errors: Errors, reference: Reference, position: Position) -> dict[str, float]:
     """Half-width of the error by source.
 
-    Half the distance between interpretations is a further source.
+    A further source is the choice between interpretations, with half the distance between them.
     """
     parts: dict[str, float] = {
         source: float(half_widths[position])
@@ -472,8 +471,8 @@ def causes_of_error(
     """Causes of the error in one interpretation and pose, the largest first.
 
     All shares sum to one; those below 0.5 % are omitted. The error of a displacement is the length
-    of a vector: the amount of a step is the component of its change along that vector, under the
-    same load.
+    of a vector: the amount of a step is the component, along that vector, of the change that the
+    step causes under the same load.
     """
     if errors.missing[:, position[1]].any():
         return ()
@@ -542,8 +541,8 @@ def shortest_remedy(
 ) -> tuple[str, float | None]:
     """Remedy with the fewest steps after which the errors meet the limits in all poses.
 
-    It is returned with the remaining error in the pose in which that is largest relative to the
-    limit. Half-widths are not considered. If no number of steps makes the model better than
+    It is returned with the remaining error, in the pose in which this error is largest relative to
+    the limit. Half-widths are not considered. If no number of steps makes the model better than
     inadequate, the remedy is a model equal to the reference; if there is no such model, the steps
     with the smallest remaining error relative to the limit. A step is listed if it changes the
     error in any pose by at least a tenth of the limit there. ("", None) if the error that remains
@@ -562,8 +561,8 @@ def shortest_remedy(
         errors_after = after.worst
         changes = np.abs(errors_after - before)
         if step.remedy and not (changes < _STEP_SHARE * limits).all():
-            # A remedy that changes the model discards earlier ones; one with an option replaces an
-            # earlier one with this option.
+            # A remedy that changes the model discards all earlier remedies; a remedy with an option
+            # replaces an earlier one with the same option.
             remedies = {} if step.remedy.model else remedies
             remedies[step.remedy.option or step.remedy.text] = step.remedy.text
         if step.remedy and remedies and np.isfinite(errors_after).all():

@@ -1,7 +1,7 @@
-"""Compliances and frequencies of all models in some postures, and their differences from solids.
+"""Compliances and frequencies of all models in given postures, compared with solid models.
 
-Input: a robot in postures. Output: `Compared`, values and relative differences by name of the
-model, for tables and curves. Rule: the reference is the model of solids under its first
+Input: a robot in postures. Output: `Compared`, which has values and relative differences by name of
+the model, for tables and curves. Rule: the reference is the model of solids under its first
 interpretation; frequencies are compared between modes of the same shape.
 """
 
@@ -31,14 +31,14 @@ _DYNAMIC_STACK = ("simplified", *_DYNAMIC)
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Values of k quantities in P postures: of each model, then of the reference.
+    """Values of k quantities in P postures: first those of the models, then of the reference.
 
     `values` (P×k, SI units), by name of the model or, for the reference, of its interpretation.
     `against`: name of the first interpretation of the reference. `differences` (P×k): relative
-    difference of all others from it; NaN if there is no number to compare. `uncertainties` (P×k or
-    more columns, relative): half-widths of the interpretations. For frequencies of robots with legs
-    specified by their 6×6, these cover every plausible mass distribution and stiffness inside the
-    legs.
+    differences from this interpretation, of all models and other interpretations; NaN if there is
+    no number to compare. `uncertainties` (P×k or more columns, relative): half-widths of the
+    reference under each interpretation. For frequencies of robots with legs specified by their 6×6,
+    these half-widths cover every plausible mass distribution and stiffness inside the legs.
     """
 
     values: Mapping[str, Array]
@@ -57,10 +57,11 @@ def compared_models(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, .
 
 
 def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, Array]]:
-    """Statics by name of model or interpretation, and half-widths of the interpretations.
+    """Statics by name of model or interpretation, and half-widths of the reference.
 
-    Half-widths (P×7, relative) are those of meshes plus those of the robot file's digits. Raises
-    InputError or ComputationError if there is no reference. Shapes: P postures.
+    The half-widths (P×7, relative), by name of the interpretation, are due to the meshes and to the
+    digits of the robot file. Raises InputError or ComputationError if there is no reference.
+    Shapes: P postures.
     """
     responses = Responses(robot)
     statics = {
@@ -85,7 +86,7 @@ def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, 
 def compared_compliances(
     statics: Mapping[str, Statics], uncertainties: Mapping[str, Array]
 ) -> Compared:
-    """Compliance (P×6, SI) along and about each base axis, under a force or moment about that axis.
+    """Compliance (P×6, SI) along and about each base axis, under a load along or about it.
 
     The arguments are the results of `compared_statics`. Shapes: P postures.
     """
