@@ -451,7 +451,7 @@ class ModelErrors:
     def _peak(
         self, interpretation: Interpretation, model: Model, quantity: Quantity
     ) -> Errors | None:
-        """Errors of a peak of a harmonic response against one interpretation."""
+        """Errors of a harmonic response, such as of its peak, against one interpretation."""
         if (both_modes := self.modes_of(model, interpretation)) is None:
             return None
         expected, value = (
@@ -550,7 +550,7 @@ def stack_errors(errors: Sequence[Errors]) -> Errors:
     first = errors[0]
 
     def columns(records: Sequence[Any]) -> dict[str, Any]:
-        """Arrays of all records by field name, one row for each record."""
+        """Arrays by field name, in which the values of all records are stacked as rows."""
         arrays = [_arrays(record) for record in records]
         return {name: np.array([row[name] for row in arrays]) for name in arrays[0]}
 

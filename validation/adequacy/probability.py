@@ -1,27 +1,28 @@
 """Probability of a verdict if inputs of the robot are uncertain, and the inputs that decide it.
 
-Input: errors of a model for the robot of the file, for robots with one input one standard
-uncertainty lower and higher, and for some robots with all inputs changed. Output: the probability
-that the error is within the limit and that it is beyond it, the half-width of the error due to
-inputs, and the share of each input. Rule: a verdict less probable than 95 % becomes undecided.
+Input: errors of a model for the robot of the file, for robots in which one input is one standard
+uncertainty lower or higher, and for some robots with all inputs changed. Output: the probability
+that the error is within the limit, the probability that it is beyond, the half-width of the error
+due to inputs, and the share of each input. Rule: a verdict less probable than 95 % becomes
+undecided.
 
 An input x with relative standard uncertainty v is x₀ (1 + v ξ). The changes ξ of different inputs
-are independent and have a standard normal distribution.
-The change of an error with each ξ alone is g ξ/(1 + c ξ) or g ξ + h ξ²/2, fitted to the two robots
-with that input changed; changes by different inputs are added. This is done for frequencies with
-the signed error, and for displacements with the vectors u of the model and u* of the reference,
-from which the error |u − u*|/|u*| follows. The error itself has no derivative at zero, while the
-vectors have one. For any force, the largest error under several fixed forces counts: the worst ones
-of all these robots. The root mean square deviation from the robots with all inputs changed
-(`misfit`) widens the interval. A robot without such an error, because it has other modes, counts
-against both verdicts.
+are independent and have a standard normal distribution. The change of an error with each ξ alone is
+g ξ/(1 + c ξ) or g ξ + h ξ²/2, fitted to the two robots with that input changed; changes by
+different inputs are added. For frequencies, the curves are fitted to the signed error, for
+displacements to the vectors u of the model and u* of the reference, from which the error |u −
+u*|/|u*| follows. The length of a vector has no derivative at zero, while its components have one.
+For the quantity "any force", the largest error under several fixed forces counts; each of them is
+the force of largest error of one of the robots. The root mean square deviation from the robots with
+all inputs changed (`misfit`) widens the interval. A robot that has no such error, because it lacks
+the mode, counts against both verdicts.
 
 With one uncertain input the probability is exact: the limits of ξ between which the verdict holds
 are found by bisection between 4096 points. With several inputs it is the share of 4096 Sobol'
-points (scipy.stats.qmc), accurate to 0.004 for two to six inputs and 0.008 for ten. The variance of
-a sum of terms of one input each is the sum of their variances, whose shares are the first-order
-indices of Sobol' (Math. Comput. Simulat. 55 (2001) 271), for vectors summed over components (Gamboa
-et al., Electron. J. Stat. 8 (2014) 575).
+points (scipy.stats.qmc), accurate to 0.004 for two to six inputs and 0.008 for ten. If each term of
+a sum depends on one input, the variance of the sum is the sum of the terms' variances, whose shares
+are the first-order indices of Sobol' (Math. Comput. Simulat. 55 (2001) 271), for vectors, variances
+are summed over the components (Gamboa et al., Electron. J. Stat. 8 (2014) 575).
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -58,21 +59,22 @@ _LOST_FROM = 0.5
 _SIDES = ("below", "above")
 # Largest |c| of g ξ/(1 + c ξ): the pole is then at least five standard uncertainties away.
 _LARGEST_BEND = 0.2
-# Number of fixed directions of force in which errors of any force are evaluated for all robots.
+# Number of fixed directions of force under which the error of "any force" is evaluated.
 _FORCES = 8
-# Bisections of an interval between two of 4096 points, down to round-off.
+# Number of bisections of an interval between two of 4096 points, enough to reach round-off.
 _HALVINGS = 50
-# Largest number of elements of an array in memory.
+# Largest size of an array (in numbers) that is computed at once.
 _MOST_NUMBERS = 4_000_000
 
 
 @dataclass(frozen=True, eq=False)
 class Slope:
-    """Errors of a quantity with one input changed by one standard uncertainty, down and up.
+    """Errors of a quantity if one input is one standard uncertainty lower, or higher.
 
-    `key`: the input in the robot file. `relative`: its relative standard uncertainty. `below`,
-    `above`: components of the errors, in the shape of `ErrorOfInputs.nominal`, NaN if the error is
-    missing. `values` (2×P): the model's value of the quantity, down and up. Shapes: P poses.
+    `key` of the input in the robot file. `relative`: relative standard uncertainty of the input.
+    `below`, `above`: components of the errors with the lower and with the higher input, in the
+    shape of `ErrorOfInputs.nominal`; NaN if the error is missing. `values` (2×P): the model's value
+    of the quantity with the lower and with the higher input. Shapes: P poses.
     """
 
     key: str
@@ -89,9 +91,10 @@ class ErrorOfInputs:
     `nominal` (R×P×f×k): components of the errors, for R interpretations of the reference in P poses
     under f forces. If `signed` (frequencies), k = 2: the error and its half-width. Otherwise k = 8:
     displacement of the model (3) and of the reference (3), the smallest length by which the
-    difference is divided, and its half-width. `slopes`: the errors with each input changed.
-    `misfit`: root mean square deviation of these curves from robots with all inputs changed.
-    `lost`: share of these robots in which the error does not exist although the slopes contain it.
+    difference is divided, and its half-width. `slopes`: the errors with one input changed at a
+    time, through which curves are fitted. `misfit`: root mean square deviation of the sum of these
+    curves from the errors of robots with all inputs changed. `lost`: share of these robots in which
+    the error does not exist although the curves predict one.
     """
 
     nominal: Array
@@ -115,7 +118,7 @@ class ErrorOfInputs:
     def probabilities(
         self, limit: float | Array, reductions: Mapping[str, float] | None = None
     ) -> Array:
-        """Probability of errors within the limit in all poses, and of one beyond it in a pose (2).
+        """Probabilities (2): errors within the limit in all poses; an error beyond it in any pose.
 
         `reductions`: factors on the standard uncertainties of inputs, by key.
         """
@@ -136,7 +139,7 @@ class ErrorOfInputs:
     def half_width(self, pose: int) -> float:
         """Half-width (95 %) of the error in a pose due to uncertain inputs.
 
-        For a displacement vector, the radius that contains 95 % of its changes.
+        For a displacement vector, it is the radius that contains 95 % of the vector's changes.
         """
         nominal, below, above = self._largest_components(pose)
         components = _components_at(nominal, below, above, _draws(len(self.slopes)))
@@ -175,7 +178,7 @@ class ErrorOfInputs:
 
     @cached_property
     def _ends(self) -> tuple[Array, Array]:
-        """Components of errors with one of m inputs changed down, and up (m×R×P×f×k each).
+        """Components of errors with one of m inputs lower, and with it higher (m×R×P×f×k each).
 
         Shapes: R interpretations of the reference, P poses, f forces, k components.
         """
@@ -184,7 +187,7 @@ class ErrorOfInputs:
 
     @property
     def losing_inputs(self) -> list[str]:
-        """Keys of the inputs that, if changed alone, remove the mode and with it the error."""
+        """Keys of the inputs whose change alone removes the mode, so that it has no error."""
         sides = {slope.key: np.array([slope.below, slope.above]) for slope in self.slopes}
         return [key for key, ends in sides.items() if np.isnan(ends).any()]
 
@@ -205,10 +208,11 @@ class ErrorOfInputs:
         return {key: share for share, key in ranked if share >= _NAMED_SHARE}
 
     def _largest_components(self, pose: int) -> tuple[Array, Array, Array]:
-        """Components (k) of the largest error in a pose; those with each of m inputs changed (m×k).
+        """Components of the largest error in a pose (k), and with one of m inputs changed (m×k).
 
-        The k components are those of `nominal`. The error is the largest over all interpretations
-        and forces with the inputs of the robot file.
+        The first array has the inputs of the file; the second and third have one input lower, and
+        higher, by one standard uncertainty. The k components are those of `nominal`. The error is
+        the largest over all interpretations and forces with the inputs of the robot file.
         """
         sizes = np.linalg.norm(self._vectors(self.nominal[:, pose]), axis=-1)
         interpretation, force = np.unravel_index(np.argmax(sizes), sizes.shape)
@@ -235,7 +239,8 @@ def _change(below: Array, above: Array, draw: Array) -> Array:
 
     `below` and `above`: changes of the number at ξ = −1 and ξ = 1. Between them the change is g
     ξ/(1 + c ξ), which is the dependence of any linear response on one stiffness, or g ξ + h ξ²/2 if
-    the pole is too near. NaN on the side of a NaN, from |ξ| = `_LOST_FROM` on.
+    the pole is too near. If `below` or `above` is NaN, the change is NaN on that side, from |ξ| =
+    `_LOST_FROM` on.
     """
     linear, square = _derivatives(below, above)
     bend = np.divide(-0.5 * square, linear, out=np.full_like(linear, np.inf), where=linear != 0.0)
@@ -252,8 +257,8 @@ def _derivatives(below: Array, above: Array) -> tuple[Array, Array]:
     """First and second derivative of a number with respect to the change ξ of an input.
 
     ξ is in units of the input's standard uncertainty. The number changes by `below` at ξ = −1 and
-    by `above` at ξ = 1. Linear if the change is known on one side only, constant if it is unknown
-    on both.
+    by `above` at ξ = 1. If one of the two changes is NaN, the number is taken as linear in ξ; if
+    both are, as constant.
     """
     below, above = (
         np.nan_to_num(np.where(np.isnan(change), -other, change))
@@ -267,10 +272,11 @@ class Probability:
     """Probability of a verdict with uncertain inputs.
 
     `within`, `beyond`: probability that the whole interval of the error is within, or beyond, the
-    limit. The remainder to one is undecided even with exact inputs. `half_width` (95 %) of the
-    error, and `value_half_width` (95 %) of the model's own value in its unit, to first order; None
-    if the value is lost within one standard uncertainty. `shares`: share of each input in the
-    error's variance, by key. `decides`: text on the inputs that must be known better.
+    limit. In the remaining cases the verdict is undecided even with exact inputs. `half_width` (95
+    %) of the error, and `value_half_width` (95 %) of the model's own value in its unit, to first
+    order; `value_half_width` is None if the value does not exist within one standard uncertainty.
+    `shares`: share of each input in the error's variance, by key. `decides`: text on the inputs
+    that must be known better.
     """
 
     within: float
@@ -311,7 +317,7 @@ def probability(
 
 @dataclass(frozen=True, eq=False)
 class UncertainInputs:
-    """Errors of a robot's models with changed inputs. `nominal`: those of the robot file."""
+    """Errors of a robot's models for changed inputs; `nominal`: errors with the file's inputs."""
 
     nominal: ModelErrors
     inputs: InputUncertainties
@@ -385,7 +391,7 @@ class _RobotErrors:
     def components(self, nominal: Errors, forces: Array | None) -> Array:
         """Components of the errors, in the shape of `ErrorOfInputs.nominal`.
 
-        They are those under the wrenches `forces` (P×f×6) unless it is None. Shapes: P poses, f
+        If `forces` (P×f×6, wrenches) is not None, the errors under these forces. Shapes: P poses, f
         forces.
         """
         errors, vectorial = self.errors, nominal.displacement is not None
@@ -416,7 +422,7 @@ class _RobotErrors:
         return np.stack(self.errors.interval)
 
     def value(self, nominal: Errors) -> Array:
-        """Value (P) of the quantity by the model.
+        """Value (P) that the model gives for the quantity.
 
         Shapes: P poses.
         """
@@ -431,10 +437,10 @@ def _robot_errors(model_errors: ModelErrors, model: Model, quantity: Quantity) -
 
 
 def _worst_forces(errors: Sequence[Errors | None]) -> Array:
-    """At most `_FORCES` forces with the largest errors in several robots, as unit wrenches (P×f×6).
+    """At most `_FORCES` unit wrenches (P×f×6), each the force of largest error of some robot.
 
-    The first force is that of the first robot. Each further one is the force least parallel to all
-    before it. Shapes: P poses, f forces.
+    The first force is that of the first robot. Each further one is the force that is least parallel
+    to all forces chosen before. Shapes: P poses, f forces.
     """
     first = errors[0]
     loads = [
@@ -457,9 +463,10 @@ def _worst_forces(errors: Sequence[Errors | None]) -> Array:
 def _deciding_inputs(
     error: ErrorOfInputs, verdict: Adequacy, limit: float | Array, keys: Sequence[str]
 ) -> str:
-    """Text on the inputs that must be known better for a verdict: one of them, or the first few.
+    """Text on the inputs that must be known better for a verdict: one input, or several.
 
-    `keys` are in descending order of their shares. "" if even all inputs together do not decide it.
+    `keys` are the inputs in descending order of their share of the variance. "" if even all inputs
+    together do not decide it.
     """
     relative = {slope.key: slope.relative for slope in error.slopes}
     column = 0 if verdict == "adequate" else 1
@@ -470,7 +477,7 @@ def _deciding_inputs(
     for key in keys:
         if lacking({key: 0.0}) > 0.0:
             continue
-        # The probability is a step function: solved to 0.01 of the uncertainty, on the safe side.
+        # The probability is a step function. The root is accurate to 0.01, by which it is lowered.
         factor = scipy.optimize.brentq(
             lambda reduction, key=key: lacking({key: reduction}), 0.0, 1.0, xtol=0.005
         )
@@ -491,8 +498,8 @@ def _deciding_inputs(
 def _normal_shares(verdicts: Callable[[Array], NDArray[np.bool_]]) -> Array:
     """Probability that each of m conditions on a standard normal variable holds (m).
 
-    `verdicts` returns the conditions (m×n) for n values (n×1) of the variable. The value at which a
-    condition changes between two of 4096 points is found by bisection.
+    `verdicts` returns the conditions (m×n) for n values (n×1) of the variable. If a condition
+    changes between two of 4096 points, the value at which it does is found by bisection.
     """
     count = 2**_POWER
     points = scipy.special.ndtri((np.arange(count) + 0.5) / count)
@@ -505,16 +512,16 @@ def _normal_shares(verdicts: Callable[[Array], NDArray[np.bool_]]) -> Array:
             equal_left = verdicts(middle[:, None])[row] == holds[changes]
             left, right = np.where(equal_left, middle, left), np.where(equal_left, right, middle)
         ends = np.concatenate([[0.0], scipy.special.ndtr(0.5 * (left + right)), [1.0]])
-        # The condition holds in every other interval between the changes.
+        # The condition holds in every second interval between the values at which it changes.
         probabilities.append(np.diff(ends)[0 if holds[0] else 1 :: 2].sum())
     return np.array(probabilities)
 
 
 @memo(8)
 def _draws(inputs: int) -> Array:
-    """Samples (n×inputs) with a standard normal distribution, n points of a Sobol' sequence."""
+    """Standard normal samples (n×inputs), from n points of a Sobol' sequence."""
     points = scipy.stats.qmc.Sobol(inputs, seed=0).random_base2(_POWER)
-    # The first point of an unscrambled sequence is a corner; the scrambled one has none.
+    # Scrambled by default: an unscrambled sequence starts at a corner, where ξ is infinite.
     return np.asarray(scipy.special.ndtri(points), dtype=float)
 
 

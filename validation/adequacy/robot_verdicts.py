@@ -1,7 +1,7 @@
 """Verdicts on the models of a run's robot, and of each of its legs alone.
 
 Input: the robot file, path and preset of a run. Output: a `Subject` (models, references and steps
-between them) and its matrix of verdicts. Rule: meshes are refined until half-widths are at most the
+between them) and the matrix of verdicts. Rule: meshes are refined until half-widths are at most the
 requested accuracy, or a fifth of the limit of each undecided error. A leg alone, clamped at its
 root, shows errors that joints, drives and other legs conceal, such as torsion of open sections.
 """
@@ -56,12 +56,12 @@ from validation.uncertainty.refinement import refined
 from validation.verdicts import Matrix
 
 _ROOT, _TIP = "root", "tip"
-# Presets that refine meshes without --accuracy, by whether the robot has CAD parts. A quick run has
-# one mesh of each kind, and finer meshes of parts take minutes.
+# Presets that refine meshes without --accuracy, for robots with and without CAD parts. A quick run
+# has one mesh of each kind, and finer meshes of parts take minutes.
 _REFINING: Mapping[bool, tuple[Preset, ...]] = {False: ("standard", "fine"), True: ("fine",)}
-# Number of robots with all inputs changed at once, which check the sum of single changes.
+# Number of robots with all inputs changed at once, by which the sum of single changes is checked.
 _CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}
-# Models omitted for a leg alone: rigid legs have no compliance, and links equal virtual joints.
+# Models omitted for a leg alone: rigid legs have no compliance, and "links" equals "vjm".
 _NOT_FOR_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
 
 
@@ -97,8 +97,8 @@ def judged_robot(context: Context) -> tuple[Subject, Matrix]:
 def _largest_mesh_half_width(matrix: Matrix, accuracy: float | None) -> float:
     """Largest half-width of an error due to meshes.
 
-    If `accuracy` is None, it is divided by a fifth of the error's limit, and only undecided errors
-    count.
+    If `accuracy` is None, the half-width is divided by a fifth of the error's limit, and only
+    undecided errors count.
     """
     shares = [
         entry.uncertainties["meshes"] / (1.0 if accuracy else entry.limit / 5.0)
@@ -109,7 +109,7 @@ def _largest_mesh_half_width(matrix: Matrix, accuracy: float | None) -> float:
 
 
 def finer_context(context: Context, factor: float) -> Context:
-    """Run with finer meshes: the next finer preset for legs, more unknowns for CAD parts.
+    """Context with finer meshes: the next finer preset for legs, more unknowns for CAD parts.
 
     The half-widths of CAD parts become smaller by `factor`. Raises InputError if neither mesh can
     be refined, or, without --accuracy, if the preset does not refine or does not allow so many
@@ -216,7 +216,7 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
 
 
 def _without_modes(models: Iterable[Model]) -> list[Model]:
-    """Models with their statics alone, and without a reason for missing modes."""
+    """Models reduced to their statics, without a reason why they have no modes."""
     return [
         replace(
             model,
@@ -228,10 +228,11 @@ def _without_modes(models: Iterable[Model]) -> list[Model]:
 
 
 def _constant_section_subject(robot: RobotOnPath, models: Mapping[str, Model]) -> Subject | None:
-    """Subject on which models of legs of constant section are judged, against solids of such legs.
+    """Subject for models of legs of constant section: the robot with prisms as its legs.
 
-    The legs are the equivalent prisms of those specified by their 6×6. None if no leg is, or if the
-    robot has CAD parts, whose idealisation would be part of the error.
+    Each leg specified by its 6×6 is replaced by its equivalent prism, which is a solid in the
+    reference. None if no leg is specified by a 6×6, or if the robot has CAD parts, whose
+    idealisation would be part of the error.
     """
     if not robot.given or robot.mechanism.parts:
         return None
@@ -246,7 +247,7 @@ def _constant_section_subject(robot: RobotOnPath, models: Mapping[str, Model]) -
 
 
 def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
-    """Subject of one leg alone, clamped at its root, with its models for statics."""
+    """Subject of one leg alone, clamped at its root, with the statics of its models."""
     leg = robot_at(context, [reference_posture(leg_alone(name, shape))])
     left_out = _NOT_FOR_A_LEG if leg.given else (*_NOT_FOR_A_LEG, "vjm-equivalent")
     recipes = {name: recipe for name, recipe in JUDGED.items() if name not in left_out}

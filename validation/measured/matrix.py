@@ -1,10 +1,10 @@
 """Verdicts on the models of a robot against measured values.
 
 Input: measured values D with standard uncertainties, and values S of each model in the same poses.
-Output: a matrix of verdicts. Rule (ASME V&V 20-2009, sections 1-5 and 6): E = S − D, and u_val² =
-u_num² + u_input² + u_D² of three independent standard uncertainties. The error of the model lies
-within E ± k u_val. The model is adequate if that interval is within the limit, inadequate if it is
-beyond it on one side, otherwise undecided.
+Output: a matrix of verdicts. Rule (ASME V&V 20-2009, sections 1-5 and 6): the comparison error is E
+= S − D, and u_val² = u_num² + u_input² + u_D² of three independent standard uncertainties. The
+error of the model lies within E ± k u_val. The model is adequate if that interval is within the
+limit, inadequate if it is beyond it on one side, otherwise undecided.
 """
 
 from collections.abc import Mapping, Sequence
@@ -191,7 +191,7 @@ class Predictions:
 
 
 def _restricted(postures: Sequence[Posture], model: Model, judged_model: JudgedModel) -> Model:
-    """Model, with its statics or modes removed if they are not defined for this robot."""
+    """Model without statics or modes that are not defined for this robot."""
     if judged_model.kind == "vjm" and why_not_serial(postures):
         return replace(model, statics=None, modes=None)
     return replace(model, modes=None) if judged_model.kind in STATIC else model
@@ -245,7 +245,7 @@ def measured_matrix(context: Context) -> Matrix:
 def _entry_without_values(
     model: str, quantity: Quantity, reasons: Mapping[Measured, str], requirement: Requirement
 ) -> Entry:
-    """Undecided entry, with the reasons, for a quantity of which a model computed no value."""
+    """Undecided entry for a quantity of which a model computed no value, with the `reasons`."""
     measured, reason = next(iter(reasons.items()))
     return Entry(
         model=model,
@@ -262,7 +262,8 @@ def _entry_without_values(
 def _with_missing_values(entry: Entry, reasons: Mapping[Measured, str]) -> Entry:
     """Entry changed to undecided if the model could not compute some of the measured values.
 
-    `reasons`: reason for each such measured value. An inadequate entry stays inadequate.
+    `reasons`: reason why the value is missing, for each such measured value. An inadequate entry
+    stays inadequate.
     """
     if not reasons or entry.verdict == "inadequate":
         return entry
@@ -273,7 +274,11 @@ def _with_missing_values(entry: Entry, reasons: Mapping[Measured, str]) -> Entry
 def _test_value(
     model: ModelName, robot: Mechanism, measured: Measured, test: ModalTest, options: ModelOptions
 ) -> float | None:
-    """Value of a model for a modal test: frequency of a mode, or response in phase with it."""
+    """Value of a model for a modal test: frequency of a mode, or magnitude of a response.
+
+    Of a complex response, it is the part in phase with the measured one. None if the model has no
+    such value.
+    """
     prediction = modal_prediction(model, robot, test, options)
     frequency = measured.frequency
     if frequency is None and (partner := prediction.partners[measured.column]):

@@ -41,23 +41,23 @@ from validation.responses.mode_pairing import (
 # Smallest MAC of partners. Partners usually have 0.9 and other modes 0.1; sensors a few centimetres
 # from their stated position reduce it by a tenth.
 LEAST_MAC = 0.8
-# If one of several modes with similar shape is within this frequency ratio, the others are
-# excluded. Bending rods of a Delta robot drag the platform along, so that their modes look like
-# platform modes far below.
+# If the frequency of one of several modes of similar shape is within this ratio of the measured
+# frequency, modes farther away are excluded. Bending rods of a Delta robot drag the platform along,
+# so that their modes look like platform modes far below.
 _NEAR_RATIO = 1.5
 # Modes of a model are computed up to _SEARCH_RATIO times the highest measured frequency: first
 # _FIRST_COUNT of them, at most _LARGEST_COUNT.
 _SEARCH_RATIO, _FIRST_COUNT, _LARGEST_COUNT = 1.5, 8, 64
-# Motion of the measured points, relative to that of the mode with the largest, below which it is
-# round-off.
+# A mode moves the measured points only by round-off if their motion is below this fraction of that
+# in the mode with the largest motion.
 _INVISIBLE = 1e-6
 
 
 class Partner(NamedTuple):
     """Mode of a model that is the partner of a measured mode.
 
-    `number` counts from 1; `frequency` in Hz; `mac` is that of the two shapes. `reason`: why they
-    cannot be compared, "" if they can.
+    `number` counts from 1; `frequency` in Hz; `mac` is that of the two shapes. `reason`: why the
+    two modes cannot be compared. "" if they can.
     """
 
     number: int
@@ -198,7 +198,7 @@ def modal_prediction(
 
 
 def _without_verdicts_if_most_misfit(partners: Sequence[Partner | None]) -> list[Partner | None]:
-    """Partners, all with a reason against comparison if most modes of the test have no partner.
+    """Partners, each with a reason against its comparison if most modes of the test have none.
 
     If nodes of the test are mistaken for each other, some pairs of modes are similar by chance.
     """
@@ -257,7 +257,7 @@ def _modes(
 
 
 def _motions(system: System, shapes: Array, freedoms: Freedoms) -> Array:
-    """Motions (k×m) of m shapes (n×m) at k measured points along the measured axes.
+    """Motions (k×m) in m mode shapes (n×m) of k measured points along the measured axes.
 
     Shapes: n unknowns.
     """

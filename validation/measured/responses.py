@@ -25,10 +25,10 @@ from validation.measured.tested import TestedModes
 # Range of fitted lines around a frequency: at least this many lines, and this many half-widths of
 # the peak, on each side.
 _FEWEST_LINES, _FITTED_WIDTHS = 4.5, 2.0
-# Fraction of the lowest frequency at which the response far below the modes is read. It is an
-# eighth larger there than at rest.
+# Fraction of the lowest frequency at which the response far below the modes is read. The response
+# is an eighth larger there than the static one.
 _LOW_SHARE = 1.0 / 3.0
-# Largest difference between equal directions, and between equal positions (m).
+# Directions, and positions (m), count as equal up to this difference.
 _ROUND_OFF = 1e-6
 
 
@@ -134,8 +134,9 @@ def _fitted_value(
 ) -> tuple[complex, float]:
     """Receptance (m/N, complex) at a frequency (Hz), and its standard uncertainty, by a fit.
 
-    The uncertainty is the larger of two: the scatter about the fit, and √((1 − γ²)/2γ²N) of a line
-    due to the coherence γ² of N averages (Bendat and Piersol, Random Data, 4th ed., table 9.6).
+    The uncertainty is the larger of two: the scatter about the fit, and √((1 − γ²)/2γ²N) of a
+    spectral line due to the coherence γ² of N averages (Bendat and Piersol, Random Data, 4th ed.,
+    table 9.6).
     """
     natural, ratio, line_frequencies = (
         test.frequencies[column],

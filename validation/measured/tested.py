@@ -34,8 +34,8 @@ _DERIVATIVES, _FORCE, _UNSPECIFIED = {8: -1, 11: 0, 12: 1}, 13, (0, 1)
 _GRAVITY = 9.80665
 # Line that begins and ends a data set.
 _END_WITH_BLANKS = re.compile(rb"^(    -1)[ \t]+(?=\r?$)", re.MULTILINE)
-# Highest polynomial order; smallest highest order; smallest number of lines of a spectrum; largest
-# deviation of printed frequencies from multiples of a step (in steps).
+# Highest polynomial order; lowest value to which it may be reduced; smallest number of lines of a
+# spectrum; largest deviation of printed frequencies from multiples of a step (in steps).
 _HIGHEST_ORDER, _FEWEST_ORDERS, _FEWEST_LINES, _STEP_TOLERANCE = 40, 4, 160, 1e-2
 # Largest relative distance of equal poles; smallest share of the orders that must have a pole;
 # largest damping ratio of a robot's mode.
@@ -134,7 +134,7 @@ def _data_sets(path: Path, uff: Any) -> DataSet | list[DataSet]:
 
 
 def _given_modes(path: Path, modes: Sequence[DataSet]) -> TestedModes:
-    """Modes in the file that another program identified.
+    """Modes that another program has identified and written to the file.
 
     A degree of freedom that is zero in all modes counts as not measured.
     """
@@ -165,7 +165,7 @@ def _given_modes(path: Path, modes: Sequence[DataSet]) -> TestedModes:
 
 
 def _pole(mode: DataSet) -> complex:
-    """Pole (1/s) of a mode: as in the file, otherwise from frequency and damping ratio."""
+    """Pole (1/s) of a mode: that in the file, otherwise from frequency and damping ratio."""
     if "eig" in mode:
         return complex(mode["eig"])
     ratio = float(mode.get("modal_damp_vis", 0.0))
@@ -194,7 +194,7 @@ class _Functions(NamedTuple):
 def _exact_frequencies(path: Path, printed: Array) -> tuple[Array, int]:
     """Frequencies (n, Hz) as exact multiples of one step, and the first one in steps.
 
-    Frequencies in files are rounded: the first can be 51.00006 steps.
+    Frequencies in files are rounded: the first can be 51.00006 times the step.
     """
     steps = np.diff(printed)
     wrong = InputError(f"{path}: must have {_FEWEST_LINES} frequencies, multiples of one step")
@@ -264,7 +264,7 @@ def _identified_modes(path: Path, functions: _Functions) -> TestedModes:
     """Modes identified from the frequency response functions of one file."""
     frequencies, rows, count = functions.frequencies, functions.mobility, len(functions.mobility)
     # The fixed end is the point of the force or, with a roving hammer, the sensor. If there are
-    # several, each mode is read from the one with the largest response.
+    # several fixed ends, each mode is read from that with the largest response.
     ends = [[(int(node), int(axis)) for node, axis in end] for end in functions.ends.swapaxes(0, 1)]
     fixed_ends, varied_ends = sorted(ends, key=lambda end: len(set(end)))
     row_of = {pair: row for row, pair in enumerate(zip(fixed_ends, varied_ends, strict=True))}

@@ -42,10 +42,11 @@ _TWO_LEVELS = (0, 1)
 ROUNDING = 1e-9
 # Relative difference between the tool's displacements under the weight of solid legs and under that
 # of beams of equal mass: 0.3 % for legs five times as long as high with rigid end faces (ν = 0.3),
-# a tenth of it with free ends.
+# a tenth of that with free ends.
 _MASS_OF_BEAMS = 5e-3
-# The same of a load along a part of solid legs, and along beams: 2.4 % for a torque on the half at
-# the root of legs five times as long as high with rigid end faces, 0.9 % for forces.
+# Relative difference between the tool's displacements under a load along a part of solid legs and
+# under the same load on beams: 2.4 % for a torque on the root half of legs five times as long as
+# high with rigid end faces, 0.9 % for forces.
 LINE_ON_BEAMS = 3e-2
 
 
@@ -190,10 +191,10 @@ def _all_changes(first: PathModes, second: PathModes, fine: PathModes) -> Array:
 def mesh_frequency_changes(
     coarse: PathModes, middle: PathModes, fine: PathModes, count: int
 ) -> Array:
-    """Relative changes of `count` frequencies (P×count) between two meshes, each paired by shape.
+    """Relative changes of `count` frequencies (P×count) from the coarse to the middle mesh.
 
-    Both meshes are first compared with the modes `fine`, then the changes are subtracted. Shapes: P
-    poses.
+    The modes of each mesh are paired by shape with the modes `fine`. The result is the difference
+    of the two relative changes to the frequencies of `fine`. Shapes: P poses.
     """
     first, second = (
         np.zeros(1) if modes is fine else frequency_changes(fine, modes, count)
@@ -207,8 +208,8 @@ def response_half_widths(
 ) -> Array:
     """Relative half-widths of harmonic responses due to all meshes. 1 if unknown.
 
-    `numbers` returns the judged numbers of responses for modes, such as peak sizes (P×q). Shapes: P
-    poses, q judged numbers of responses.
+    `numbers` returns the compared values of the responses, such as peaks (P×q), of given modes.
+    Shapes: P poses, q values.
     """
     robot, solve = responses.robot, responses.required_modes
 

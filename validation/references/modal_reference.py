@@ -57,7 +57,7 @@ _SUPPOSED = "for every plausible distribution of the legs' mass and stiffness"
 def dynamic_reference(responses: Responses) -> Reference:
     """Modal reference of a robot: the solid model under each reading that the robot file allows.
 
-    Title "none" with a reason if the preset cannot mesh a leg.
+    If the preset cannot mesh a leg, the result is a record with the title "none" and the reason.
     """
     robot = responses.robot
     preset, holding, parts = robot.context.meshes, robot.holding, robot.mechanism.parts
@@ -111,7 +111,7 @@ def _reason_unmeshed(prisms: Sequence[SectionedLeg], preset: Preset) -> str:
 
 
 def _finer_preset(prisms: Sequence[SectionedLeg], preset: Preset) -> str:
-    """Instruction to use the next larger preset that can mesh these legs. A remark if none can."""
+    """Instruction to use the next larger preset that can mesh the legs; a remark if none can."""
     return finer_by(larger_preset(preset, lambda larger: not _reason_unmeshed(prisms, larger)))
 
 
@@ -142,8 +142,8 @@ def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
         f"Plausible distributions of the legs' mass and stiffness give {', '.join(spans)} "
         "at the middle pose of the path"
     )
-    # Massless links do not bound these: rigid end faces make solids stiffer than the links, and CAD
-    # parts are not links.
+    # Massless links give no upper bound for solids: rigid end faces make solids stiffer than the
+    # links, and CAD parts are not links.
     if robot.has_solids:
         return (note,)
     middle = robot.postures[len(robot.postures) // 2]

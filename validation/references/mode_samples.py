@@ -45,7 +45,7 @@ class Samples:
     weights: Array
 
     def of_models(self, models: Mapping[str, BodyModel]) -> dict[str, Array]:
-        """Matrices (3k×n) from the n unknowns of each model to displacements of its k points."""
+        """Matrices (3k×n) that map n unknowns of each model to displacements of its k points."""
         matrices: dict[tuple[BodyModel, bytes], Array] = {}
         matrix_by_body = {}
         for name, model in models.items():
@@ -59,7 +59,8 @@ class Samples:
     def at(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
         """Displacements (k×m) at k samples of m mode shapes (n×m), in the n unknowns of a system.
 
-        `of_models`: result of `Samples.of_models`. A body without a matrix there moves rigidly.
+        `of_models`: result of `Samples.of_models`. A body without a matrix in `of_models` moves
+        rigidly.
         """
         outer = shapes[: system.outer]
         rows = [(system.tool @ shapes)[:3]]

@@ -106,7 +106,7 @@ def with_elements(options: ModelOptions, reading: Reading) -> ModelOptions:
 
 
 def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
-    """Statics with solid prismatic legs and CAD parts. Legs known by their 6×6 have that."""
+    """Statics with solid prismatic legs and CAD parts. Legs known by their 6×6 keep it."""
     tips = {
         body: solid_tip(robot.context, leg, reading.ends[body], mesh=reading.mesh)
         for body, leg in robot.legs.items()
@@ -135,7 +135,8 @@ def computed_statics(robot: RobotOnPath, reading: Reading) -> Statics:
 
 def _spring_statics(spring: Spring, robot: RobotOnPath, reading: Reading) -> Statics:
     """Statics with each leg replaced by the tip compliance that `spring` returns."""
-    # The reading has no ends if the model does not depend on them; any value serves then.
+    # `reading.ends` is empty if the model does not depend on end conditions; "rigid" then has no
+    # effect.
     ends = reading.ends or dict.fromkeys(robot.legs, "rigid")
     springs = {body: spring(robot, leg, ends[body]) for body, leg in robot.legs.items()}
     return _by_springs(robot, springs)
@@ -146,7 +147,7 @@ def _by_springs(robot: RobotOnPath, springs: Springs) -> Statics:
 
 
 def _summed(postures: Sequence[Posture], springs: Springs) -> Statics:
-    """Statics by the virtual joint method along serial chains, each leg by its tip compliance."""
+    """Statics by the virtual joint method along serial chains; each leg is its tip compliance."""
     compliances = np.array([serial_chains.compliance(posture, springs) for posture in postures])
     bodies = interface_loads(postures[0].mechanism)
     return Statics(compliances, displacements_by(by_chains(springs), postures, bodies))
@@ -181,7 +182,7 @@ def _warping_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
 
 
 def _section_mesh(robot: RobotOnPath, reading: Reading) -> LegMesh:
-    """Mesh for the section constants: the fine one, or that of the reference's solids."""
+    """Mesh for section constants: the fine one, or the section mesh of the reference's solids."""
     if reading.section_mesh:
         return COMPUTED_SECTIONS
     fine = solid_meshes(robot.context.meshes).fine
@@ -204,8 +205,8 @@ WARPING_BEAMS = Model(
     static_fields=("ends",),
     modal_fields=("ends", "section_mesh"),
 )
-# The reference model of statics and modes. Under uncertain inputs a few per cent off, it is not
-# solved anew: the changes of WARPING_BEAMS are applied to it.
+# The reference model of statics and modes. If uncertain inputs change by a few per cent, it is not
+# solved anew: the changes of WARPING_BEAMS are applied to its solution.
 SOLID = Model(
     "solid",
     statics=solid_statics,
@@ -218,8 +219,8 @@ SOLID = Model(
 RESTRAINED = Model(
     "restrained contraction", statics=partial(_spring_statics, _restrained), static_fields=("ends",)
 )
-# Three models with one tip compliance per leg: the 6×6 of the file, only those of its entries that
-# a straight prismatic leg has, and that of the equivalent prism.
+# Three models with one tip compliance per leg: the 6×6 of the file; this 6×6 with only the entries
+# that a straight prismatic leg has; the 6×6 of the equivalent prism.
 GIVEN = Model("specified legs", statics=partial(_spring_statics, _given))
 STRAIGHT = Model("straight legs", statics=partial(_spring_statics, _straight))
 EQUIVALENT = Model("equivalent legs", statics=partial(_spring_statics, _equivalent))

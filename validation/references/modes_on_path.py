@@ -3,8 +3,8 @@
 Input: a robot in its postures, a reading of its file, meshes and the number of modes. Output:
 `PathModes`, with frequencies, sampled shapes and harmonic responses in each pose. All models are
 sampled at the same points (`mode_samples`), so that their shapes can be compared. Legs are reduced
-to their ends with all modes up to a cut-off frequency. This is raised until the requested modes lie
-below it.
+to their ends with all modes up to a cut-off frequency. The cut-off frequency is raised until the
+requested modes lie below it.
 """
 
 from collections.abc import Callable, Iterable
@@ -61,10 +61,11 @@ def modes_by_model(robot: RobotOnPath, model: ModelName, options: ModelOptions) 
 
 
 class LegMesh(NamedTuple):
-    """Element counts of a prism's mesh: `across` rectangles and the `walls` of other sections.
+    """Element counts of a prism's mesh across its section.
 
-    `least` is a lower limit for the section mesh of walls, whatever the element length along the
-    leg.
+    `across` is the count along the smaller side of a rectangle, `walls` that across the walls and
+    rims of any other section. `least` is a lower limit for the section mesh of walls, whatever the
+    element length along the leg.
     """
 
     across: int
@@ -126,10 +127,10 @@ def modes_of_computed_beams(
 
 
 def vibration_of(samples: Samples, posture_modes: Iterable[PostureModes], count: int) -> PathModes:
-    """Record of `count` modes in all postures, from the modes of each. NaN for missing modes.
+    """Record of `count` modes in all postures, from the modes of each posture.
 
-    Modes are missing if a robot has few lumped masses, or if all its bodies are rigid and a drive
-    has no effect in a posture at the end of a stroke.
+    Missing modes have NaN as frequency. Modes are missing if a robot has few lumped masses, or if
+    all its bodies are rigid and a drive has no effect in a posture at the end of a stroke.
     """
     frequencies, shapes, energy_shares, responses, displacements = [], [], [], [], None
     for posture in posture_modes:
@@ -219,7 +220,8 @@ def solid_vibration(
 ) -> PathModes:
     """Modes in each posture with prismatic legs as solids on `mesh`, reduced to their ends.
 
-    `reading` selects the distributions in legs known by their 6×6, and the mesh of CAD parts.
+    `reading` selects the mass and stiffness distributions in legs known by their 6×6, and the mesh
+    of CAD parts.
     """
 
     def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:

@@ -1,9 +1,9 @@
 """Meshing of CAD parts, identification of their stiffness matrices, and reduction.
 
 Input: the robot file and an executor for processes or a cluster. Output: entries in the cache
-(`validation.run.cache`), from which the comparisons of the run then read. It precedes all other
-work of a run. The parts, and the meshes of one part, are independent of each other, so each is a
-separate piece of work. An entry that is already stored is not computed again.
+(`validation.run.cache`), from which the comparisons of the run then read. This preparation precedes
+all other work of a run. The parts, and the meshes of one part, are independent of each other, so
+each is a separate piece of work. An entry that is already stored is not computed again.
 """
 
 import tempfile
@@ -91,7 +91,7 @@ def prepare_parts(context: Context, executor: Executor, *, remote: bool) -> None
 
 
 def prepared_entries(context: Context) -> dict[str, Arrays]:
-    """Stored arrays by key of all that `prepare_parts` computes."""
+    """Stored arrays, by key, of all cache entries that `prepare_parts` computes."""
     parts = context.robot_file.mechanism.parts.values()
     requests = [
         *((body, _identification) for body in parts),
@@ -111,7 +111,7 @@ def _reduction(body: Body, **options: Any) -> list[CacheEntry[Any]]:
 
 
 def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[Body, Question]]:
-    """Bodies, each with a reduction that a run needs.
+    """Bodies, each with the function that lists the cache entries of a reduction in this run.
 
     The finest meshes, which take longest, are first.
     """
@@ -119,8 +119,8 @@ def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[
     first = alternatives[:1]
     highest, cutoff = highest_of_parts(robot.postures, robot.computed_count)
     entries_of = partial(_reduction, highest=highest, cutoff=cutoff)
-    # Coarser meshes serve the discretisation uncertainty, and the coarsest one also a check with
-    # modes of free interfaces. Both are needed under the first end conditions only.
+    # Coarser meshes give the discretisation uncertainty; on the coarsest one, the reduction is also
+    # checked by modes with free interfaces. Both are needed for the first end conditions only.
     for question, several in (
         (partial(entries_of, level=FINEST), alternatives),
         (partial(entries_of, level=MIDDLE), first),

@@ -1,11 +1,11 @@
-"""Robots with changed inputs or printed digits, and the effect of changed inputs on a reference.
+"""Robots with changed inputs or digits, and the effect of changed inputs on a reference.
 
 Input: a reading with relative changes of uncertain inputs. Output: the changed robot, or the
 reference's statics and modes under these changes. Rule: a reference of solids is not solved again.
 Beams with computed section constants and the same end conditions are solved with and without the
 changes, and the reference changes in the same way: compliances by a congruence C = T C_beams Tᵀ,
-with T = L L_beams⁻¹ from the Cholesky factors of both without changes, and each frequency by a
-ratio. This is accurate for changes of a few per cent.
+where T = L L_beams⁻¹ and L, L_beams are the Cholesky factors of the compliances without changes;
+each frequency by the ratio of the beam frequencies. This is accurate for changes of a few per cent.
 """
 
 from dataclasses import replace
@@ -37,7 +37,7 @@ def perturbed_robot(robot: RobotOnPath, reading: Reading) -> RobotOnPath:
 
 
 def _with_factors(robot: RobotOnPath, factors: Factors) -> Mechanism:
-    """Mechanism with relative changes of its inputs. The mesh size of CAD parts stays as it is."""
+    """Mechanism with relative changes of its inputs, but the same mesh size of CAD parts."""
     unknowns = {name: unknowns_of(body) for name, body in robot.mechanism.parts.items()}
     mechanism = robot.context.robot_file.with_factors(dict(factors))
     return with_unknowns(mechanism, unknowns)
@@ -55,7 +55,8 @@ def congruent(reference: Statics, nominal: Statics, perturbed: Statics) -> Stati
         lower = np.linalg.cholesky(reference.compliances)
         lower = lower @ np.linalg.inv(np.linalg.cholesky(nominal.compliances))
     except np.linalg.LinAlgError:
-        # In directions in which the robot is rigid, both compliances are equal.
+        # There is no Cholesky factor if the robot is rigid in a direction: the change of the beam
+        # model is added.
         return Statics(
             reference.compliances + change.compliances,
             reference.load_displacements + change.load_displacements,

@@ -1,4 +1,4 @@
-"""Data records: a reference with its uncertainty by source, and the steps from a model to it.
+"""Data records: a reference, its uncertainty by source, and the steps from a model to it.
 
 A `Reference` is the most accurate model of a robot, with one `Interpretation` for each meaning that
 the robot file leaves possible. Each interpretation has a `Budget`: half-widths by `Source`. A
@@ -71,13 +71,14 @@ TIMOSHENKO = Remedy("include shear deformation: --theory timoshenko", "--theory"
 
 @dataclass(frozen=True, eq=False)
 class SourceHalfWidths:
-    """Half-widths (95 %) of a reference's numbers due to one source, relative to these numbers.
+    """Half-widths (95 %) of a reference's results due to one source, relative to these results.
 
     `displacements` (P×(7+L)): of the displacements under 7 unit loads and L loads of the robot
     file, in the columns of `Quantity.static_column`. `frequencies` (P×K), `peaks` (P×q) and
-    `receptances` (one P×n for each excitation) are those of the modes. Each field is None if the
-    source does not affect its numbers. Shapes: P poses, K judged frequencies, q judged numbers of
-    responses, n frequencies of an excitation.
+    `receptances` (one P×n for each excitation) are half-widths of the fields of `PathModes` with
+    these names. A field is None if the source does not affect the numbers of this field. Shapes: P
+    poses, K judged frequencies, q judged quantities of harmonic responses, n frequencies of an
+    excitation.
     """
 
     displacements: Array | None = None
@@ -104,7 +105,7 @@ Budget: TypeAlias = Mapping[Source, SourceHalfWidths]
 
 @dataclass(frozen=True, eq=False)
 class Interpretation:
-    """One reading of the robot file under which the reference is solved, with its uncertainty."""
+    """One reading of the robot file for which the reference is solved, and its uncertainty."""
 
     name: str
     reading: Reading
@@ -131,13 +132,13 @@ class Interpretation:
 class Reference:
     """Most accurate model of a robot, under each interpretation that the robot file allows.
 
-    `open`: text on the information that is missing in the robot file; `decides`: instruction to add
-    it. Further instructions: `masses`, to add the mass distribution on which loads act; `interior`,
-    to add the stiffness inside legs; `finer`, to reduce the uncertainty. `remedy`: replacement of a
-    judged model by that of the reference, None if no model of the program equals it. `supposed`:
-    range that the interpretations are assumed to cover, "" if nothing is assumed. `computed_by`:
-    names of the functions that compute the reference. If `model` is None there is no reference, and
-    `decides` is the reason.
+    `open`: text on the information that the robot file lacks; `decides`: instruction to add this
+    information. Further instructions: `masses`, to add the mass distribution on which loads act;
+    `interior`, to add the stiffness inside legs; `finer`, to reduce the uncertainty. `remedy`:
+    replacement of a judged model by that of the reference, None if no model of the program equals
+    it. `supposed`: text on the range that the interpretations are assumed to cover, "" if nothing
+    is assumed. `computed_by`: names of the functions that compute the reference. If `model` is None
+    there is no reference, and `decides` is the reason.
     """
 
     title: str
@@ -164,7 +165,7 @@ class Reference:
 
 
 def no_reference(error: Exception | str) -> Reference:
-    """Record for a robot that has no reference, with the reason."""
+    """Record for a robot that has no reference; `decides` is the reason."""
     return Reference("none", decides=f"no reference: {error}")
 
 
@@ -181,10 +182,11 @@ NOT_FINER = finer_by("no preset")
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One step from a judged model towards the reference: a model without one `cause` of error.
+    """One step from a judged model towards the reference: a model that lacks one `cause` of error.
 
-    `model` has neither this cause nor those of all earlier steps. `source`: computation by which
-    the effect is evaluated. `remedy`: option or model that avoids the cause, None if there is none.
+    `model` has neither this cause nor those of all earlier steps. `source`: text on the computation
+    that evaluates the effect of the cause. `remedy`: option or model that avoids the cause, None if
+    there is none.
     """
 
     cause: str

@@ -1,9 +1,9 @@
 """Solid legs of a robot's reference, and tip compliances of the models between beam and solid.
 
 Input: a leg and the preset of the run. Output: its 6×6 compliance at the tip with the root clamped
-(SI, leg axes): as a solid on two meshes; as a beam with computed section constants; the same with
-restrained warping; and also with restrained contraction of the ends. The preset limits the unknowns
-of a section mesh.
+(SI, leg axes): as a solid on two meshes; as a beam with computed section constants; as such a beam
+with restrained warping; and as such a beam with restrained contraction of the ends, too. The preset
+limits the unknowns of a section mesh.
 """
 
 from collections.abc import Iterable
@@ -64,8 +64,8 @@ SLOWEST_ORDER = 4.0 / 3.0
 # Elements across a wall or side for the section constants of all computations other than mesh
 # studies.
 SECTION_DIVISIONS = 8
-# Element size of the section constants over that of the solids' section mesh. Below one, since
-# half-widths are needed on the solids' mesh, which is the coarser one.
+# Element size of the mesh for section constants over that of the solids' section mesh. Below one,
+# since half-widths are needed on the solids' mesh, which is the coarser one.
 SECTION_RATIO = COARSEST_WALLS / SECTION_DIVISIONS
 
 
@@ -97,7 +97,7 @@ def solid_leg(context: Context, leg: SectionedLeg) -> TwoMeshes:
 
 
 def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
-    """Instruction to use a larger preset with finer solids of these legs. A remark if none has."""
+    """Instruction to use a larger preset with finer solids of `legs`; a remark if there is none."""
     solids = [leg for leg in legs if isinstance(leg, ConstantLeg)]
     lines = [leg for leg in legs if isinstance(leg, LineLeg)]
 
@@ -123,7 +123,7 @@ def shares_section(context: Context, leg: Leg) -> bool:
 def most_unknowns(preset: Preset, leg: ConstantLeg) -> int:
     """Limit of unknowns in a leg's section mesh.
 
-    The second limit of the preset, if the first one allows only one mesh.
+    It is the second limit of the preset if the first one allows only one mesh.
     """
     first, second = UNKNOWNS[preset]
     return first if static_divisions(leg, first) else second
@@ -196,7 +196,7 @@ def warping_spring(context: Context, leg: Leg, ends: Ends) -> Array:
     spring = computed_spring(context, leg)
     if isinstance(leg, ConstantLeg) and ends == "rigid":
         beam = context.get(computed_properties, leg, SECTION_DIVISIONS)
-        # Motion of the tip's centroid as the tip turns about its shear centre.
+        # Motion of the tip's centroid if the tip turns by 1 rad about its shear centre.
         motion = np.array([0.0, beam.centre_z, -beam.centre_y, 1.0, 0.0, 0.0])
         rod = context.get(computed_rod, leg, SECTION_DIVISIONS)
         twist = held_torsion_compliance(rod, leg.length)
@@ -221,8 +221,8 @@ def computed_elements(
 ) -> LegMatrices:
     """Matrices of a leg's beam elements with computed section constants.
 
-    For a prism, warping is an unknown if `ends` are given, otherwise free. Legs of varying section
-    are always free to warp.
+    In a prism, warping is an additional degree of freedom if `ends` are given; otherwise it is
+    free. Legs of varying section are always free to warp.
     """
     if isinstance(leg, LineLeg):
         return line_beam(computed_sections(leg, divisions), elements)

@@ -2,8 +2,8 @@
 
 Input: postures, end conditions of the interfaces and the mesh level (0 coarse, 1, 2 fine). Output:
 models of the parts, reduced to their interfaces with all modes below a cut-off frequency, and
-rigorous bounds of the frequencies, with the largest effect of the omitted modes. Rule for the
-cut-off: it lies above the highest judged frequency by the factor `CUTOFF["solid"]`.
+rigorous bounds of the robot's frequencies, which differ by at most the effect of the omitted modes.
+Rule for the cut-off: it lies above the highest judged frequency by the factor `CUTOFF["solid"]`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -35,9 +35,9 @@ from validation.uncertainty.mesh_half_widths import MeshPolicy
 
 Bodies = Mapping[str, BodyModel]
 _FEWEST = 8
-# Relative half-width of a number without an estimate of its uncertainty: all of it.
+# Relative half-width of a number whose uncertainty cannot be estimated: 100 %.
 UNKNOWN = 1.0
-# Parts have the same mesh sizes in all presets.
+# Names --accuracy, since no preset has finer meshes of parts.
 FINER_PARTS = "undecided because of the mesh uncertainty of the parts; refine with --accuracy 0.002"
 # Steps that remove the errors of parts modelled as equivalent legs, in order.
 PART_STEPS: Mapping[str, StepTexts] = {
@@ -61,7 +61,7 @@ def solid_parts(
     level: int = FINEST,
     by: ReductionBy = "fixed",
 ) -> dict[str, ReducedPart]:
-    """Reduced model of each CAD part on the mesh `level`, accurate for `count` computed modes.
+    """Reduced model of each CAD part on the mesh `level`, for a robot with `count` computed modes.
 
     Statics are exact. `ends` is the condition of interfaces for which the robot file states none:
     "rigid", or "free" for averaged ones. `by` selects modes with fixed or with free interfaces.
@@ -94,10 +94,11 @@ def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, fl
 def reduction_note(
     postures: Sequence[Posture], count: int, ends: Mapping[str, Ends], judged: int
 ) -> tuple[str, ...]:
-    """Note on the number of modes in each reduced part, and their largest error in the middle pose.
+    """Note on the modes kept in each reduced part, and the frequency error due to omitted modes.
 
-    Empty if there are no CAD parts. Other arguments as in `solid_parts`; `judged`: number of judged
-    frequencies. Raises ComputationError or InputError if the modes cannot be computed.
+    The error is the largest of the `judged` lowest frequencies in the middle pose. Empty if there
+    are no CAD parts. Other arguments as in `solid_parts`. Raises ComputationError or InputError if
+    the modes cannot be computed.
     """
     parts = solid_parts(postures, count, ends)
     if not parts:
@@ -165,7 +166,7 @@ def assembled(
 
 
 def part_kinds(mechanism: Mechanism) -> tuple[PartLegs, ...]:
-    """Idealisations of CAD parts between a beam and the solid, in the order of `PART_STEPS`.
+    """Idealisations of CAD parts between beam and solid, in the order of `PART_STEPS`.
 
     Empty if there are no parts. Only "condensed" if a part cannot be represented by prismatic
     pieces.

@@ -1,8 +1,8 @@
 """Store of solved models: statics and modes of each model under each reading, solved when needed.
 
-Input: a `Model` (two functions, one for statics and one for modes) and a `Reading` of the robot
-file. Output: `Statics` or `PathModes` in all poses, or `Unsolved` with the reason. Rule: the key of
-a stored solution is the model and those fields of the reading on which it depends, so that readings
+Input: a `Model` (one function for statics and one for modes) and a `Reading` of the robot file.
+Output: `Statics` or `PathModes` in all poses, or `Unsolved` with the reason. Rule: the key of a
+stored solution is the model and those fields of the reading on which it depends, so that readings
 which differ in other fields share the solution. Statics and modes are independent: one may fail
 while the other is solved. Readings with perturbed inputs or digits are solved for the perturbed
 robot.
@@ -55,7 +55,7 @@ class Model:
 
 @dataclass(frozen=True, eq=False)
 class Responses:
-    """Solutions of all models of one robot, stored by model and reading of the robot file.
+    """Solutions of all models of one robot, stored by model and reading.
 
     `perturb` builds the robot with the changed inputs and the changed digit of a reading. If
     `strict`, errors are raised instead of recorded, for studies of a single model.
@@ -111,7 +111,7 @@ class Responses:
     def solution(
         self, model: Model, reading: Reading, quantity: Quantity
     ) -> Statics | PathModes | Unsolved | None:
-        """Statics or modes of a model, whichever the quantity is computed from."""
+        """Statics or modes of a model: those from which the quantity is computed."""
         return (self.statics if quantity.static else self.modes)(model, reading)
 
     def known_statics(self, model: Model, reading: Reading) -> Statics | None:

@@ -33,7 +33,7 @@ from validation.parts.meshes import FINEST
 from validation.references.mode_samples import Samples, samples_of
 from validation.verdicts import Coordinate
 
-# End condition of each body, and 6×6 tip compliance (SI, leg axes) of each leg, by name.
+# End condition of each body by name, and 6×6 tip compliance (SI, leg axes) of each leg by name.
 Holds: TypeAlias = Mapping[str, Ends]
 Springs: TypeAlias = Mapping[str, Array]
 # Relative change of each uncertain input, with its key in the robot file.
@@ -133,7 +133,7 @@ class Holding:
 
 @dataclass(frozen=True, eq=False)
 class RobotOnPath:
-    """A mechanism in its postures, with legs, end conditions and printed 6×6 for its references.
+    """A mechanism in its postures, with all data from which its references are built.
 
     `legs` by body name; legs with equal prisms share one object. `printed`: each 6×6 of the robot
     file with half a unit of the last digit of its entries. Empty if digits are not a source of
@@ -194,7 +194,7 @@ class RobotOnPath:
 
     @property
     def computed_count(self) -> int:
-        """Number of modes that each model computes, of which the first are judged."""
+        """Number of modes computed by each model, of which the first `judged_count` are judged."""
         return computed_count(self.judged_count)
 
     @cached_property
@@ -223,7 +223,7 @@ def robot_on_path(context: Context) -> RobotOnPath:
 
 
 def robot_at(context: Context, postures: Sequence[Posture]) -> RobotOnPath:
-    """The robot of a run, or a mechanism made from it, in the given postures."""
+    """The robot of a run in the given `postures`, which may be those of a modified mechanism."""
     mechanism = postures[0].mechanism
     return RobotOnPath(
         context,
@@ -248,7 +248,8 @@ def _postures(mechanism: Mechanism, largest: int) -> tuple[Posture, ...]:
 def computed_count(judged: int) -> int:
     """Number of modes to compute for each model if `judged` frequencies are judged.
 
-    It is larger, since equal legs have clusters of close modes that must not be cut.
+    It is larger than `judged`, since equal legs have clusters of close modes that must all be
+    computed.
     """
     return max(12, 6 * judged)
 
@@ -261,7 +262,8 @@ def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
 def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
     """End conditions of legs and parts: those of the robot file, otherwise rigid and free ones.
 
-    `schema` is that of the robot file and decides on the table names in the instruction.
+    `schema`: version of the robot file's format, on which the table names in the instruction
+    depend.
     """
     # A leg known by its 6×6 has no open end condition: it is part of the 6×6.
     legs = {
@@ -354,7 +356,7 @@ def prismatic_legs(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def why_not_serial(postures: Sequence[Posture]) -> str:
-    """Reason why legs are not serial chains, which the virtual joint method needs.
+    """Reason why the virtual joint method is impossible: legs that are not serial chains.
 
     "" if they are serial chains.
     """

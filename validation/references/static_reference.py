@@ -44,7 +44,7 @@ def static_reference(responses: Responses) -> Reference:
     """
     robot = responses.robot
     context, parts = robot.context, robot.mechanism.parts
-    # Solved first, so that the error names a preset that can mesh the leg.
+    # The legs are solved first, so that an error names a preset that can mesh the leg.
     for leg in robot.prisms:
         solid_leg(context, leg)
     interpretations = [
@@ -117,8 +117,7 @@ STATIC_STEPS: Mapping[str, StepTexts] = {
         "{by}Timoshenko's cantilever",
         TIMOSHENKO,
     ),
-    # Steps from the equivalent prism to the 6×6 from which it was made, then the steps of CAD
-    # parts,
+    # Steps from the equivalent prism to the 6×6 from which it was made, then steps of CAD parts.
     "diagonal": StepTexts(
         "equivalent leg, whose diagonal of the compliance differs from the 6×6",
         "{by}the straight leg's entries of the 6×6",
@@ -129,7 +128,7 @@ STATIC_STEPS: Mapping[str, StepTexts] = {
         use("{static_model}", " with the specified 6×6: --legs given", "--legs"),
     ),
     **PART_STEPS,
-    # and last those from textbook section constants to solids with rigid end faces.
+    # Last steps: from textbook section constants to solids with rigid end faces.
     "own": StepTexts(
         "section constants by textbook formulas",
         "fem.sections.section_constants, tip of the cantilever",

@@ -5,8 +5,8 @@ Rule: a row of `STATIC_ROWS` or `MODAL_ROWS` is evaluated if it applies to the r
 is the sum over the rows. Meshes are treated in `mesh_uncertainty`.
 
 Printed digits are a source although model and reference use the same printed 6×6: the true 6×6 is
-known only within its digits, so the error of a model against the real robot is uncertain by as
-much.
+known only to within its rounding, so the error of a model against the real robot is uncertain by
+the effect of this rounding.
 """
 
 from collections.abc import Callable, Sequence
@@ -55,10 +55,10 @@ from validation.uncertainty.combiners import Combiner, combined
 H = TypeVar("H")
 # Element count for sensitivities to printed digits: an error of 1 % of a half-width is negligible.
 _FEW_ELEMENTS = ModelOptions(elements=8)
-# Smallest relative change of a displacement, by the load's effect on the stiffness, that counts as
-# nonlinear.
+# Smallest relative change of a displacement, due to the load's effect on the stiffness, that counts
+# as a nonlinearity.
 _LINEAR = 1e-3
-# Lower bound of receptance (m/N), so that its logarithm is finite.
+# Lower bound of a receptance's magnitude (m/N), so that its logarithm is finite.
 _NO_SIZE = 1e-30
 # Perturbed readings, each with a factor that multiplies the change that it causes.
 Perturbed = Sequence[tuple[float, Reading]]
@@ -80,8 +80,9 @@ class SourceRow:
 class Perturbations:
     """Half-widths from solutions of a model under perturbed readings.
 
-    A reading is one meaning of the robot file. `readings` returns the perturbed readings for one.
-    `combiner`: rule that combines the changes of displacements to one half-width.
+    A reading is one meaning of the robot file. `readings` returns the perturbed readings that
+    belong to a given one. `combiner`: rule that combines the changes of displacements to one
+    half-width.
     """
 
     model: Model
@@ -89,7 +90,7 @@ class Perturbations:
     combiner: Combiner
 
     def __call__(self, responses: Responses, reading: Reading) -> SourceHalfWidths:
-        """Half-widths of displacements, relative to the model's unperturbed ones."""
+        """Half-widths of displacements, relative to the model's unperturbed displacements."""
         solve = responses.required_statics
         size = partial(_sizes, solve(self.model, reading))
         return SourceHalfWidths(
@@ -104,9 +105,9 @@ class Perturbations:
         numbers: Callable[[H], Array],
         size: Callable[[Array], Array],
     ) -> Array:
-        """Half-widths of the `numbers` of the model's statics or modes, which `solve` returns.
+        """Half-widths of `numbers`, a function of the statics or modes that `solve` returns.
 
-        `size` returns the magnitudes of changes of these numbers, as for `combined`.
+        `size` returns the magnitudes of changes of the numbers, as for `combined`.
         """
         unperturbed = numbers(solve(self.model, reading))
         changes = [
@@ -192,9 +193,10 @@ _MASSES = Perturbations(SOLID, _plausible_mass_readings, Combiner.HULL)
 
 
 def _linearity(responses: Responses, _: Reading) -> SourceHalfWidths:
-    """Half-widths due to the stiffness change under load (P×(7+L)). Zero if it is negligible.
+    """Half-widths (P×(7+L)) due to the change of stiffness under load; zero if it is negligible.
 
-    1 (100 % of the displacement) if the robot has buckled or its stability cannot be computed.
+    They are 1 (100 % of the displacement) if the robot has buckled or its stability cannot be
+    computed.
     """
     robot = responses.robot
     try:
@@ -223,7 +225,7 @@ def modes_by_digits(
     """Modes by beams and legs known by their 6×6, and half-widths due to digits (P×m, relative).
 
     Half-widths combine the frequency changes by all digits of the `printed` 6×6, to first order.
-    `masses` is the mass distribution of these legs. Shapes: P poses, m modes.
+    `masses` is the mass distribution of the legs known by a 6×6. Shapes: P poses, m modes.
     """
     roundings = roundings_of(printed, postures)
     mechanism = postures[0].mechanism
@@ -257,13 +259,13 @@ def modes_by_digits(
                 )
                 mass_changes[pose] += _energies(leg.mass - leg_models[name].mass, leg_shapes)
             for joint, rounded_joint in zip(mechanism.joints, rounded.joints, strict=True):
-                # The energy of a spring with prescribed end motions falls by λᵀ dC λ.
+                # With prescribed motions u, uᵀ K u of a spring with load λ = K u falls by λᵀ dC λ.
                 if joint.compliance is not None and rounded_joint is not joint:
                     compliance_change = np.asarray(rounded_joint.compliance) - joint.compliance
                     stiffness_changes[pose] -= _energies(
                         compliance_change, system.wrenches(joint, shapes)
                     )
-        # Rayleigh's quotient with unperturbed shapes, exact to first order; ½ for the square root.
+        # Rayleigh's quotient with unperturbed shapes is exact to first order; ½ from ω = √(ω²).
         changes.append(
             rounding.factor * 0.5 * (stiffness_changes / stiffness - mass_changes / mass)
         )
@@ -323,9 +325,9 @@ def _response_digit_half_widths(
 ) -> tuple[Array, list[Array]]:
     """Relative half-widths of peaks (P×q) and receptances (P×n for each excitation).
 
-    They are due to the rounding of printed 6×6 matrices, and follow from its relative effect on
-    frequencies, `digits` (P×K). Shapes: P poses, K judged frequencies, q judged quantities of
-    responses, n excitation frequencies.
+    They are due to the rounding of printed 6×6 matrices, and follow from the relative effect of
+    this rounding on frequencies, `digits` (P×K). Shapes: P poses, K judged frequencies, q judged
+    quantities of responses, n excitation frequencies.
     """
     peak_half_widths: list[Array] = []
     receptances = []

@@ -20,15 +20,16 @@ from lumped.acceptance.quantities import AXES, UNIT_LOADS, Quantity, QuantityKin
 from lumped.arrays import Array
 from validation.responses.statics_and_modes import Statics
 
-# Errors are relative to at least this fraction of the largest displacement that a force of the same
-# size causes, so that a very stiff direction does not decide.
+# The displacement that divides an error is at least this fraction of the largest one that a force
+# of the same size causes, so that a very stiff direction does not decide.
 FLOOR = 1.0 / 20.0
 # Fraction of the largest displacement below which a displacement is round-off. The reference counts
 # as rigid there.
 RIGID = 1e-12
 # Golden-section search over the weight w: after 70 steps the interval is 2e-15 wide.
 _STEPS, _GOLDEN = 70, 0.5 * (5.0**0.5 - 1.0)
-# Relative gap below which eigenvalues count as repeated: two meet at a kink of the largest one.
+# Relative gap below which eigenvalues count as repeated. The largest eigenvalue, as a function of
+# w, has a kink where two of them meet.
 _REPEATED = 1e-8
 
 
@@ -125,7 +126,7 @@ def difference_under(
 ) -> tuple[Array, Array]:
     """Difference (P×3) of two models' displacements under wrenches (P×6), and a length (P).
 
-    The length is that of the reference's displacement, with the lower limit that `relative` uses.
+    The length is that of the reference's displacement, with the same lower limit as in `relative`.
     Shapes: P poses.
     """
     expected, displacement = (
@@ -139,11 +140,11 @@ def difference_under(
 
 
 def nearest_between(deviations: Array, length: Array) -> Array:
-    """Smallest relative distance (…) of a displacement from those that lie between two references.
+    """Smallest relative distance (…) from a displacement to any between those of two references.
 
-    `deviations` (a×…×3): differences of the displacement from each of a references. `length` (a×…):
-    lengths of the references' displacements. Between two references, displacement and length are
-    interpolated linearly. Infinite if there is only one reference.
+    `deviations` (a×…×3): differences of the displacement from that of each reference. `length`
+    (a×…): lengths of the references' displacements. Between two references, displacement and length
+    are interpolated linearly. Infinite if there is only one reference. Shapes: a references.
     """
     nearest = np.full(length.shape[1:], np.inf)
     for first, second in combinations(range(len(deviations)), 2):
@@ -176,7 +177,8 @@ def worst_force(difference: Array, reference: Array) -> Worst:
     a, b = yields**2, np.where(rigid[:, None], 1.0, floor**2) * np.ones(3)
     a = np.where(rigid[:, None], 1.0, a)
     forms = np.swapaxes(difference @ axes, 1, 2) @ (difference @ axes)
-    # Largest |D f| / |C f|. It is the result if |C f| of its force f is at least s/20.
+    # Largest |D f| / |C f|. It is the result if |C f| is at least s/20 for the force f that causes
+    # it.
     regular = rigid | (yields[:, 2] > np.finfo(float).eps * yields[:, 0])
     scale = 1.0 / np.sqrt(np.where(regular[:, None], a, 1.0))
     values, vectors = np.linalg.eigh(forms * scale[:, :, None] * scale[:, None])

@@ -1,8 +1,9 @@
 """Pairs of modes of two models with the same shape.
 
 Input: frequencies and sampled shapes of two models in one pose. Output: the partner of each mode of
-the first model among those of the second, if it has one. Rule: modes are assigned so that the sum
-of their energy-weighted MAC is largest, and two modes are partners if it is at least 0.5.
+the first model among those of the second, if it has one. Rule: modes are assigned to each other so
+that the sum of their energy-weighted MAC is largest; two assigned modes are partners if their
+energy-weighted MAC is at least 0.5.
 
 The energy-weighted MAC is (aᵀWb)² / (aᵀWa · bᵀWb), with the masses W at the sample points (Allemang
 & Brown, IMAC 1982), times the smaller over the larger of the two modes' sampled shares of kinetic
@@ -66,17 +67,17 @@ class SampledModes:
 class Pairs:
     """Partners of m modes of one model among the modes of another.
 
-    `nearest` (m): index of the mode assigned by the largest sum of energy-weighted MAC, −1 if the
-    other model has fewer modes. `partner` (m): index of the partner, −1 if the shape of `nearest`
-    differs. Modes of equal frequency have partners in ascending order. `mac` (m): squared cosine
-    between the mode and the space of its partner. Without a partner, the largest energy-weighted
-    MAC with any mode. `exchange` (m×m): sum of the MAC of two pairs if their partners are
-    exchanged, over that without exchange; zero for modes of equal and of well separated
-    frequencies. `mixed` (m×m): true for two pairs of different frequencies whose shapes do not show
-    which partner belongs to which mode. `undecided` (m): true for modes without a partner because m
-    of them share the shapes of fewer than m modes of the other model. `ordered` (m): partners
-    rearranged, as far as mixed modes and modes closer than their uncertainty allow, to ascending
-    order.
+    `nearest` (m): index of the assigned mode, such that the sum of energy-weighted MAC is largest;
+    −1 if the other model has fewer modes. `partner` (m): index of the partner, −1 if the shape of
+    `nearest` differs. Modes of equal frequency have partners in ascending order. `mac` (m): squared
+    cosine between the mode and the space of its partner. Without a partner, the largest
+    energy-weighted MAC with any mode. `exchange` (m×m): sum of the MAC of two pairs if their
+    partners are exchanged, over that without exchange; zero for modes of equal and of well
+    separated frequencies. `mixed` (m×m): true for two pairs of different frequencies whose shapes
+    do not show which partner belongs to which mode. `undecided` (m): true for modes without a
+    partner because several modes share the shapes of fewer modes of the other model. `ordered` (m):
+    partners, of which those of mixed modes, and of modes closer than their uncertainty, are sorted
+    in ascending order.
     """
 
     nearest: IntArray
@@ -93,8 +94,8 @@ def sampled_modes(
 ) -> SampledModes:
     """Modes with unit shapes, from samples (k×m) already multiplied by the root of each mass.
 
-    `energy_shares` (m): share of kinetic energy that the samples contain; None: all of it. Shapes:
-    m modes, k samples.
+    `energy_shares` (m): share of kinetic energy that the samples contain. If None, they contain all
+    of it. Shapes: m modes, k samples.
     """
     sizes = np.linalg.norm(samples, axis=0)
     shapes = samples / np.where(sizes > 0.0, sizes, 1.0)
@@ -139,7 +140,7 @@ def pair_modes(
     overlaps = _overlaps(_in_spaces(first, first_groups), _in_spaces(second, second_groups))
     if excluded is not None:
         overlaps[excluded] = 0.0
-    # The assignment needs at least as many columns as rows: missing modes are zero shapes.
+    # The assignment needs at least as many columns as rows: zero overlaps stand for missing modes.
     lacking = max(len(first_groups) - len(second_groups), 0)
     overlaps = np.pad(overlaps, ((0, 0), (0, lacking)))
     second_groups = np.append(second_groups, -1 - np.arange(lacking))
@@ -172,7 +173,7 @@ def pair_modes(
 
 
 def _assigned(mac: Array) -> IntArray:
-    """Column (m) assigned to each row of a matrix (m×n, m ≤ n), with the largest sum.
+    """Column (m) assigned to each row of a matrix (m×n, m ≤ n) so that the sum is largest.
 
     By the Hungarian method. Equal rows and columns are assigned in ascending order.
     """
@@ -245,10 +246,10 @@ class _Blocks:
         return np.divide(crossed, together, out=np.zeros_like(crossed), where=separate)
 
     def mixture_mac(self, linked: BoolArray, mac: Array) -> tuple[Array, BoolArray]:
-        """MAC (m) of each mode; in a linked group, with the space of all partners of the group.
+        """MAC (m) of each mode with its partner, or with all partners of its group of linked modes.
 
-        The second array (m) is true for modes of a group that shares the shapes of fewer partners
-        than it has modes.
+        The second array (m) is true for modes of a group in which several modes share the shapes of
+        fewer partners.
         """
         group_mac, undecided = mac.copy(), np.zeros(len(mac), dtype=bool)
         groups = _components(linked)
@@ -295,7 +296,7 @@ def _overlaps(first: SampledModes, second: SampledModes) -> Array:
 def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
     """Modes with orthonormal shapes within each group of equal frequencies.
 
-    Dependent shapes are zero.
+    Shapes that depend linearly on others of their group become zero.
     """
     shapes, energy_shares = modes.shapes.copy(), modes.energy_shares.copy()
     for space in np.flatnonzero(np.bincount(spaces) > 1):
@@ -309,9 +310,10 @@ def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
 
 
 def _means(overlaps: Array, first_groups: IntArray, second_groups: IntArray) -> Array:
-    """Squared overlaps (m×n) summed over two groups of equal frequencies, over the smaller size.
+    """Squared overlaps (m×n), averaged over two groups of modes of equal frequency.
 
-    Shapes: m modes of the first model, n modes of the second model.
+    The sum over both groups is divided by the size of the smaller group. Shapes: m modes of the
+    first model, n modes of the second model.
     """
     first_members, second_members = (
         (spaces[:, None] == np.unique(spaces)).astype(float)

@@ -1,9 +1,9 @@
 """Partner of each mode of the reference among the modes of a model, in each pose.
 
 Input: `PathModes` of the reference and of a model. Output: `Partners`, with the partner's frequency
-and the range of frequencies that ambiguous shapes allow; and numbers of pairs of modes, such as
-changes between meshes, for each mode of the reference. Rule: modes are partners if they have the
-same shape (`mode_pairing`).
+and the range of frequencies that ambiguous shapes allow; and for each mode of the reference a
+number that belongs to it and its partner, such as the change of frequency between two meshes. Rule:
+modes are partners if they have the same shape (`mode_pairing`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -37,8 +37,8 @@ class Partners:
     one. `lowest`, `highest` (Hz): range of frequencies that the partner can have if shapes mix;
     both equal `frequency` if they do not. `undecided`: true if shapes do not show whether the model
     has the mode. `mac`: squared cosine between the shape and the space of its partner; without a
-    partner, the largest energy-weighted MAC with any mode. `energy_shares`: share of the
-    reference's kinetic energy in cross-sections and bodies that move rigidly. `ordered`: partners'
+    partner, the largest energy-weighted MAC with any mode. `energy_shares`: share of the reference
+    mode's kinetic energy in cross-sections and bodies that move rigidly. `ordered`: partners'
     indices, ascending as far as shapes and uncertainties allow. `loose`: true for modes whose place
     in that order is not determined. `by_number`: k-th frequency (Hz) of the model regardless of
     shape, NaN if it has fewer.
@@ -95,7 +95,7 @@ def partners(
 
 
 def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, count: int) -> Array:
-    """Amount (p×count) of the pair that each of the reference's first modes forms with its partner.
+    """Amount (p×count) for each of the reference's first modes, paired with its partner.
 
     `amounts` (p×m×n, ≥ 0): a number, such as a change of frequency, for each pair of modes of both
     models. A mode whose partner is certain has the amount of that pair; a mode without a partner
@@ -127,10 +127,10 @@ def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, cou
 
 
 def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count: int) -> Array:
-    """Share (p×count) that belongs to the partner in `other` of each first mode of the reference.
+    """Share (p×count) of the mode of `other` that is the partner of a mode of the reference.
 
-    `shares` (p×n, ≥ 0): a number for each mode of `other`. NaN without a partner. Shapes: p poses,
-    n modes of `other`.
+    `shares` (p×n, ≥ 0): a number for each mode of `other`. The result, for the first `count` modes
+    of the reference, is NaN for a mode without a partner. Shapes: p poses, n modes of `other`.
     """
     modes = reference.frequencies.shape[1]
     return amounts_by_shape(reference, other, np.repeat(shares[:, None, :], modes, axis=1), count)
@@ -139,8 +139,9 @@ def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count
 def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
     """Range (p×m each, Hz) of each mode's frequency over several `readings` of the robot file.
 
-    One pair (lowest, highest) for the modes of each reading. Frequencies of different readings
-    belong together if their modes have the same shape. Shapes: p poses, m modes of the reading.
+    One pair of arrays (lowest, highest) for the modes under each reading. Frequencies of different
+    readings belong together if their modes have the same shape. Shapes: p poses, m modes of the
+    reading.
     """
     ranges = []
     for reading in readings:
@@ -165,7 +166,7 @@ def frequency_changes(fine: PathModes, coarse: PathModes, count: int) -> Array:
 
 
 def _sampled(reference: PathModes, model: PathModes) -> Iterator[tuple[SampledModes, SampledModes]]:
-    """Pairs of the modes of reference and model, pose by pose."""
+    """Modes of the reference and of the model, for one pose after the other."""
     for pose in range(len(reference.frequencies)):
         yield reference.at(pose), model.at(pose)
 

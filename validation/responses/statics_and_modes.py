@@ -51,9 +51,9 @@ class Statics:
     def displacements(self, quantity: Quantity, wrenches: Array) -> Array:
         """Displacements (P×…×3, m or rad) under wrenches (P×…×6, N and N m).
 
-        Translations, or rotations if the quantity is one. For a quantity of a load of the robot
-        file, displacements under that load; the wrenches then only give the result its shape.
-        Shapes: P poses.
+        They are translations, or rotations if `quantity` is a rotation. If `quantity` is that of a
+        load of the robot file, they are the displacements under this load, and only the shape of
+        `wrenches` is used. Shapes: P poses.
         """
         if quantity.kind is QuantityKind.LOAD:
             poses, *inner_shape, _ = wrenches.shape
@@ -73,9 +73,10 @@ class PathModes:
     `frequencies` (P×m, Hz): NaN for a mode that the model does not have in a pose. `samples`
     (P×k×m): mode shapes at the sample points, the same for all models of a robot. `weights` (k,
     kg): mass of each sample. `energy_shares` (P×m): share of each mode's kinetic energy that the
-    samples contain. `peaks` (P×q): judged numbers of the tool's harmonic responses, infinite
-    without damping. `receptances` (one P×n for each excitation, m/N). Shapes: k samples, m modes, n
-    frequencies of an excitation, q judged numbers of responses.
+    samples contain. `peaks` (P×q): values of the q judged quantities of harmonic responses of the
+    tool, such as height (m/N) and frequency (Hz) of a peak; infinite without damping.
+    `receptances`: one array (P×n, m/N) for each excitation, with n frequencies. Shapes: k samples,
+    m modes.
     """
 
     frequencies: Array
@@ -92,7 +93,7 @@ class PathModes:
         return cls(frequencies, samples, np.zeros(0), np.ones_like(frequencies))
 
     def at(self, pose: int) -> SampledModes:
-        """Modes that exist in a pose, given by its index."""
+        """Modes that the model has in the pose with this index."""
         exists = np.isfinite(self.frequencies[pose])
         shapes = self.samples[pose][:, exists] * np.sqrt(self.weights)[:, None]
         return sampled_modes(

@@ -1,4 +1,4 @@
-"""Four rules that combine changes of a number, due to several perturbations, into one half-width.
+"""Four rules that combine the changes of a number by several perturbations into one half-width.
 
 Input: changes, one for each perturbation, and a `Combiner`. Output: one half-width.
 """
@@ -12,8 +12,8 @@ import scipy
 from lumped.arrays import Array
 from lumped.memo import memo
 
-# Binary logarithm of the number of Sobol' points: with 512, half-widths of two seeds differ by 1 to
-# 2 %.
+# Binary logarithm of the number of Sobol' points: with 512, half-widths computed with two random
+# seeds differ by 1 to 2 %.
 _POWER = 9
 _CONFIDENCE = 0.95
 

@@ -25,7 +25,7 @@ from validation.uncertainty.mesh_half_widths import PROVEN, UNPROVEN, MeshPolicy
 F = TypeVar("F", float, Array)
 Behaviour: TypeAlias = Literal["monotone", "oscillating", "diverging", "round-off plateau"]
 
-# Upper limit of fitted orders: except for p-elements, no method in use has a higher one.
+# Upper limit of fitted orders: except for p-elements, no method in use has a higher order.
 LARGEST_ORDER = 12.0
 # Orders of successive triples that differ by less than this fraction count as settled. GCI is then
 # right within its own safety factor (Roache 1994 requires "constant p" without a number).
@@ -116,7 +116,7 @@ def fit_order(sizes: Array, values: Array) -> float:
 
 
 def _residuals(sizes: Array, values: Array, orders: Array) -> Array:
-    """Norms (m) of the residual that `fit_order` minimises, for m orders at once."""
+    """Norms (m) of the residual that `fit_order` minimises, for each of m `orders`."""
     shape, root = sizes / sizes[-1], np.sqrt(sizes[-1] / sizes)
     weighted = root * values
     basis = np.stack(
@@ -158,10 +158,10 @@ def _order_to_limit(counts: Sequence[int], errors: Array, floor: float) -> float
 
 
 def _fitted(sizes: Array, values: Array, orders: tuple[float, ...]) -> tuple[Array, Array]:
-    """f∞ and Cᵢ of f = f∞ + Σ Cᵢ h^pᵢ, and residuals of the fit; h is relative to the finest mesh.
+    """f∞ and Cᵢ of f = f∞ + Σ Cᵢ h^pᵢ, and residuals of the fit, for the orders pᵢ.
 
-    Least squares with weights 1/h (Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104), so that fine
-    meshes have more weight.
+    h is relative to that of the finest mesh. Least squares with weights 1/h (Eça and Hoekstra, J.
+    Comput. Phys. 262 (2014) 104), so that fine meshes have more weight.
     """
     shape = sizes / sizes[-1]
     root = 1.0 / np.sqrt(shape)
@@ -173,8 +173,8 @@ def _fitted(sizes: Array, values: Array, orders: tuple[float, ...]) -> tuple[Arr
 def classify(sizes: Array, values: Array, round_off: float) -> Behaviour:
     """Behaviour of the four finest values: monotone, oscillating, diverging or on a plateau.
 
-    `round_off` is the relative round-off error of the values. Diverging: the last difference, per
-    logarithm of h, is not smaller than the one before.
+    `round_off` is the relative round-off error of the values. A series is diverging if the last
+    difference, over the change of log h, is not smaller than the one before.
     """
     differences = np.diff(values[-4:])
     if abs(differences[-1]) <= round_off * abs(values[-1]):
@@ -183,7 +183,7 @@ def classify(sizes: Array, values: Array, round_off: float) -> Behaviour:
         shrinking = abs(differences[-1]) < abs(differences[0])
         return "oscillating" if shrinking else "diverging"
     per_octave = np.abs(differences) / np.log(sizes[-4:-1] / sizes[-3:])
-    # Differences equal within round-off belong to a logarithm, which has order zero.
+    # Differences that are equal within round-off show growth with log h, which is order zero.
     return "monotone" if per_octave[-1] < (1.0 - 1e-9) * per_octave[-2] else "diverging"
 
 
@@ -221,9 +221,9 @@ def richardson_limits(
 ) -> tuple[Array, Array]:
     """Richardson's limits (n) of n quantities, and uncertainties (n) of their finest values.
 
-    `values` is m×n, for m mesh sizes. The uncertainties are half-widths; about the limits, they
-    also cover the finest values. NaN if no order is observed. Other arguments and exceptions as for
-    `analyse`.
+    `values` is m×n, for m mesh sizes. The uncertainties are half-widths; an interval of this
+    half-width about the limit contains the finest value, too. NaN if no order is observed. Other
+    arguments and exceptions as for `analyse`.
     """
     studies = [analyse(sizes, column, formal_order, round_off) for column in values.T]
     limits, uncertainties = (

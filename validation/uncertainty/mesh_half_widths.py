@@ -24,14 +24,14 @@ PROVEN, UNPROVEN = 1.25, 3.0
 
 @dataclass(frozen=True)
 class MeshPolicy:
-    """Rule that makes a half-width of the changes between geometrically similar meshes.
+    """Rule that converts changes between geometrically similar meshes into a half-width.
 
     `ratio`: element size of the other mesh over that of the mesh whose half-width is needed: above
     one if the other mesh is coarser, below one if it is finer, 0 if it is infinitely fine.
     `orders`: lowest and highest order of convergence. With two meshes the lowest is used. With
-    three meshes the order is observed, from the sums of the earlier and of the last changes of all
-    numbers, and limited to this range. `safety`: factor on the estimated error. `round_off`:
-    half-width that is added to the result.
+    three meshes the order is observed, from the earlier changes and the last changes, each summed
+    over all numbers, and limited to this range. `safety`: factor on the estimated error.
+    `round_off`: half-width that is added to the result.
     """
 
     ratio: float
@@ -46,7 +46,7 @@ class MeshPolicy:
 
     @classmethod
     def to_limit(cls, safety: float = UNPROVEN) -> "MeshPolicy":
-        """Policy for differences from the limit, exact or extrapolated, which equal the errors."""
+        """Policy for changes to the limit (exact or extrapolated), which equal the errors."""
         return cls(0.0, (1.0, 1.0), safety)
 
     def order(self, before: float, after: float) -> float:
@@ -58,10 +58,11 @@ class MeshPolicy:
 
 
 def mesh_half_widths(changes: Sequence[Array], policy: MeshPolicy) -> Array:
-    """Half-widths on a mesh from the magnitudes of `changes`, the change to this mesh last.
+    """Half-widths on a mesh, from the magnitudes of `changes` between successive meshes.
 
-    Each change has the same, arbitrary shape. The result has the unit of the changes. NaN stays
-    NaN.
+    There are one or two changes, of the same, arbitrary shape; the last one is the change to this
+    mesh, or from it if the policy's ratio is below one. The result has the unit of the changes. NaN
+    stays NaN.
     """
     *earlier, last = changes
     order = policy.orders[0]
@@ -79,10 +80,11 @@ def half_widths_on(
     solve: Callable[[int], A],
     change: Callable[[A, A, A], Array],
 ) -> Array:
-    """Relative half-widths on one of several meshes, which `solve` solves by their level.
+    """Relative half-widths of a solution on one of several meshes, given by their `levels`.
 
-    `change` returns the magnitude of the difference of two solutions, relative to the last one.
-    The mesh is the last one, or the one before if the policy's ratio is below one.
+    `solve` returns the solution on the mesh of a level. `change` returns the magnitude of the
+    difference of two solutions, relative to its third argument, the solution on the last mesh. The
+    half-widths are those on the last mesh, or on the one before if the policy's ratio is below one.
     If `policy` is a number, it is the half-width itself, and nothing is solved.
     """
     if not isinstance(policy, MeshPolicy):
