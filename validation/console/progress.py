@@ -21,7 +21,7 @@ from validation.console.streams import is_quiet, write_message
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-# A shorter estimate (s) is not written, nor are lines before this time.
+# Estimates below this time (s) are not written, nor are lines before it has passed.
 _SILENT_SECONDS = 5.0
 # Delay (s) of the estimate after the start. Results from the cache are ready sooner.
 _ESTIMATE_DELAY = 1.0

@@ -130,7 +130,7 @@ class Forces:
         return ResultTable(("at", "load", "leg", *headings, *stress_headings), tuple(rows))
 
     def plot(self) -> "Figure":
-        """Forces along the legs in a single pose, or of joints, drives and legs over the poses.
+        """Plot of forces along the legs in one pose, or of joints, drives and legs over all poses.
 
         Returns
         -------

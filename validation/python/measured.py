@@ -78,7 +78,7 @@ class MeasuredComparison:
         return matrix_table(self.matrix)
 
     def plot(self) -> "Figure":
-        """Plot of all models' values over the measured one, each with its 95 % interval.
+        """Plot of each model's value divided by the measured value, with 95 % intervals.
 
         Returns
         -------

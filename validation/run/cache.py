@@ -195,7 +195,7 @@ def _unsealed(key: str, content: bytes) -> Arrays:
 
 @contextmanager
 def _key_lock(key: str) -> Iterator[None]:
-    """Context with the lock of a key. Waits while another process computes it.
+    """Context with the lock of a key. Waits while another process computes the entry.
 
     Locks of dead processes are free.
     """

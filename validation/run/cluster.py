@@ -335,8 +335,8 @@ class _SentCalls:
     def _fetch(self, future: Any) -> None:
         """Queue the reply of a finished call.
 
-        In a thread, because a reply lost with a worker is awaited until another worker has computed
-        it.
+        Called in a thread, because a reply lost with a worker is awaited until another worker has
+        computed it.
         """
         try:
             reply = future.result()

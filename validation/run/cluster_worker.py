@@ -206,7 +206,7 @@ def _is_wanted(worker: Any, key: object) -> bool:
 
 
 def _taken_log(log: Path) -> bytes:
-    """Content of a log, which is emptied."""
+    """Content of a log file, which is then emptied."""
     content = (read_regular(log) or b"")[-_LONGEST_LOG:]
     with suppress(OSError):
         os.truncate(log, 0)

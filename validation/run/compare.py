@@ -324,7 +324,7 @@ def with_drift(outcome: Outcome, earlier: Outcome | None) -> Outcome:
 def _different_robots(before: RunRecord, after: RunRecord) -> tuple[str, ...]:
     """Names of the robots of two runs if they differ, otherwise ().
 
-    Variants share the robot's name.
+    Variants of a robot have the same name.
     """
     names = [run.run.get("robot") for run in (before, after)]
     return tuple(map(str, names)) if all(names) and names[0] != names[1] else ()

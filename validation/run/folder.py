@@ -102,7 +102,7 @@ def files_of(folder: Path) -> dict[str, str]:
 
 
 def sealed(run: str, content: bytes) -> bytes:
-    """Line of JSON with a seal over its run and content, so that changes are detected."""
+    """Line of JSON with a seal over `run` and `content`, so that changes are detected."""
     return _SEAL + digest(run.encode() + content).encode() + b'", ' + content[1:]
 
 
@@ -382,7 +382,10 @@ def _locked(path: Path, folder: Path) -> Iterator[None]:
 
 
 def _finish_interrupted(path: Path, target: Path, partial: Path) -> list[str]:
-    """Finish steps interrupted by a kill. Returns remarks on renamed files."""
+    """Finish the steps of a completed run that a kill interrupted.
+
+    Returns remarks on renamed files.
+    """
     if is_folder(partial / EARLIER) and not target.exists():
         with _locked(path, partial):
             partial.rename(target)
@@ -394,7 +397,7 @@ def _finish_interrupted(path: Path, target: Path, partial: Path) -> list[str]:
 
 
 def _remove_earlier_run(target: Path) -> list[str]:
-    """Remove the files of the earlier run below the new one. Other files are moved up.
+    """Remove the files of the earlier run in `target`/.earlier. Move other files to `target`.
 
     Returns remarks on renamed files.
     """

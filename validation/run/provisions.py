@@ -26,7 +26,7 @@ class Provisions:
     entries: Mapping[str, Arrays]
 
     def unpack(self, robot_file: RobotFile) -> RobotFile:
-        """Store the entries on this machine. The robot's parts get files that exist here."""
+        """Store the entries here. Returns the robot with part files that exist on this machine."""
         for key, arrays in self.entries.items():
             if find(key) is None:
                 keep(key, arrays)
