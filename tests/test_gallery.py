@@ -36,7 +36,7 @@ def test_gallery_is_numbered_without_gaps():
 
 @pytest.mark.exhaustive
 def test_paper_robot_has_known_values(example):
-    """known-values.md: VJM at x = 0.4975 m; equivalent legs near the centre (last digit)."""
+    """known-values.md: deflections by VJM at x = 0.4975 m; frequencies of equivalent legs."""
     found = example(1)
     assert found["planar"] == pytest.approx([8.81, 4.19], abs=0.005)
     assert found["along_z"] == pytest.approx(27.2, abs=0.06)

@@ -69,9 +69,9 @@ def output(*line, folder):
 
 
 def test_released_version_is_consistent():
-    """The last release in changelog, citation and fallback.
+    """Changelog, citation and fallback version contain the same last release.
 
-    An installed version is that or later.
+    The installed version is this release or a later one.
     """
     changelog = (ROOT / "CHANGELOG.md").read_text("utf-8")
     headings = re.findall(r"^## (.+)$", changelog, re.MULTILINE)

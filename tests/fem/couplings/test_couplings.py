@@ -248,7 +248,7 @@ def test_rounded_end_effects_are_refused(monkeypatch):
 
 @pytest.mark.parametrize("length", [0.5, 4.0])
 def test_thin_wall_effects_equal_solid(length):
-    """Torsional compliance with rigid minus free ends by solid slices, without decaying fields."""
+    """Reference: torsional compliance of solid slices, rigid minus free ends."""
     material = replace(STEEL, nu=0.0)
     mesh, leg = section_mesh(THIN, 2), ConstantLeg(length, THIN, material)
     condensed = doubling.condensed_leg(leg, mesh, 512)

@@ -107,7 +107,7 @@ def test_i_section_torsion_equals_solid():
     assert solid == pytest.approx(by_waves, rel=1e-3)
 
 
-def test_cut_off_is_wall_frequency():
+def test_cut_off_frequency_is_that_of_section_walls():
     mesh = section_mesh(SCARA_ARM.section, 4)
     kinds = prism_waves(mesh, ALUMINIUM)
     assert_allclose(

@@ -26,7 +26,7 @@ from lumped.sections import (
 from meshes.section.section_mesh import SectionMesh, section_mesh
 
 
-def test_torsion_constant_has_twice_the_order():
+def test_torsion_constant_has_twice_the_element_order():
     # The warping function minimises an energy, so that the error of J of a convex section falls as
     # h^2p; for rectangles slightly slower, because of a logarithmic corner term.
     meshes = [section_mesh(Rectangle(0.1, 0.2), divisions) for divisions in (3, 6)]
@@ -36,7 +36,7 @@ def test_torsion_constant_has_twice_the_order():
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.6)
 
 
-def test_ellipse_section_constants():
+def test_ellipse_constants_equal_closed_form():
     """J = π a³b³/(a² + b²), Iz = π b a³/4: Timoshenko & Goodier, Theory of Elasticity, §106."""
     circle = section_mesh(Circle(2.0), 16)
     a, b = 0.5, 0.3
@@ -79,7 +79,7 @@ def renton_rectangle(depth: float, width: float, nu: float) -> float:
     return float(1.0 / (1.2 + (nu / (1.0 + nu)) ** 2 * ratio**4 * bracket))
 
 
-def test_energy_shear_coefficients():
+def test_energy_shear_coefficients_equal_renton():
     """Rectangles: Renton, Int. J. Solids Struct. 27 (1991); circle: 1/κ = 7/6 + (ν/(1 + ν))²/6."""
     expected_of = {(Circle(0.1), 0.3): (1.0 / (7.0 / 6.0 + (0.3 / 1.3) ** 2 / 6.0),) * 2}
     for b, h, nu in ((0.1, 0.1, 0.3), (0.1, 0.2, 0.0), (0.3, 0.1, 0.3)):

@@ -70,7 +70,7 @@ def matrices(leg):
 
 @pytest.fixture
 def card(monkeypatch):
-    """Return a simulated graphics card that the environment asks for."""
+    """Return a simulated graphics card, requested by the environment variable."""
     monkeypatch.setenv(VARIABLE, Solver.CUDSS)
     return insert_card(monkeypatch)
 
@@ -200,7 +200,7 @@ class TestEveryLibrary:
             assert kind.counted == expected_kind.counted
 
     def test_repeated_solution_agrees(self, leg):
-        """To the same tolerances; only rslab repeats results bit by bit (test_factor.py)."""
+        """A second solution has the tolerances above; only rslab repeats all bits (test_factor)."""
         first, second = (clamped_leg(leg) for _ in range(2))
         size = np.abs(first.compliance).max()
         np.testing.assert_allclose(second.compliance, first.compliance, rtol=0, atol=1e-10 * size)

@@ -59,7 +59,7 @@ def test_two_factors_are_independent(short_leg):
     np.testing.assert_array_equal(by_triangle.solve(np.ones(K.shape[0])), solution)
 
 
-def test_threads_do_not_change_bits(short_leg, monkeypatch):
+def test_solution_bits_are_independent_of_threads(short_leg, monkeypatch):
     loads = np.random.default_rng(5).standard_normal((short_leg[0].shape[0], 8))
     solutions = []
     for setting in ("1", "2", "4"):

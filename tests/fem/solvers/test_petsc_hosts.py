@@ -75,7 +75,7 @@ def test_each_host_has_equally_many_ranks(hosts, monkeypatch):
 
 @pytest.fixture
 def local_agent(tmp_path, monkeypatch):
-    """Let mpiexec start what belongs to another host on this machine, over the loopback device."""
+    """Make mpiexec start the ranks of other hosts on this machine, by the loopback device."""
     agent = tmp_path / "agent"
     agent.write_text('#!/bin/sh\nshift\neval "$*"\n')
     agent.chmod(0o700)

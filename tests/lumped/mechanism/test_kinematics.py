@@ -270,8 +270,8 @@ def test_unreachable_pose_names_joint():
 STROKE = Stroke(0.92, 0.85, 0.775)
 
 
-def test_demonstrator_stroke():
-    """Values of the paper: x from a − L2 = 0.145 m to L1 = 0.85 m, d = L1 + L2 − a = 0.705 m."""
+def test_demonstrator_stroke_equals_paper():
+    """Paper: the stroke is x from a − L2 = 0.145 m to L1 = 0.85 m, d = L1 + L2 − a = 0.705 m."""
     assert STROKE.ends == pytest.approx((0.145, 0.85), rel=1e-14)
     assert STROKE.length == pytest.approx(0.705, rel=1e-14)
     assert STROKE.centre == pytest.approx(0.4975, rel=1e-14)
@@ -282,7 +282,7 @@ def test_demonstrator_stroke():
 
 
 @pytest.mark.parametrize("x", [0.145, 0.3, 0.4975, 0.85])
-def test_leg_frames_reach_from_slide_to_b(x):
+def test_biglide_leg_x_axis_points_from_slide_to_b(x):
     """In the biglide each leg's x axis points from its slide to the common point B."""
     for leg, slide, length in zip(STROKE.legs_at(x), (0.0, 0.92), (0.85, 0.775), strict=True):
         assert leg.position[0] == slide

@@ -99,7 +99,7 @@ def test_joint_motion_replaces_rigid_spring():
         ),
     ],
 )
-def test_rigid_chain_reports_direction(joints, springs, words):
+def test_chain_without_compliance_names_direction(joints, springs, words):
     compliances = [(place, 1e-9 * np.diag(diagonal)) for place, diagonal in springs]
     with pytest.raises(ComputationError, match=rf"arm is rigid against {words}"):
         stiffness(O, joints, compliances)

@@ -103,7 +103,7 @@ def rows(**entries):
     return f"[{', '.join('[' + ', '.join(row) + ']' for row in texts)}]"
 
 
-def test_printed_digits_give_half_units():
+def test_rounding_half_width_is_half_unit_of_digit():
     entries = {"c11": "1.67e-10", "c22": "5.870E-9", "c33": "0.0025", "c44": "2e-7"}
     mirrored = {"c12": "0.0", "c21": "-0.0", "c23": "-1.5e-9", "c32": "-1.50e-9"}
     given = f"compliance = {rows(**entries, **mirrored)}\n"

@@ -153,7 +153,7 @@ FAULTS = {
     ("load", "reason"),
     [("", "has no load"), (", preload = 1.0, load = 1.0", "has preload and load")],
 )
-def test_nut_without_one_load_is_refused(load, reason):
+def test_nut_needs_exactly_one_kind_of_load(load, reason):
     table = f"{{ rigidity = {NUT}, load_rating = 2.5e4{load} }}"
     with pytest.raises(InputError) as error:
         of("", SLIDE.replace(f"nut = {NUT}", f"nut = {table}"))
@@ -179,7 +179,7 @@ def test_drive_without_stiffness_is_refused():
 
 
 def test_long_screw_softens_gantry():
-    """The screw of a truck is 200 and 400 mm long at both ends of its path."""
+    """At the ends of the path the nut is 200 and 400 mm from the bearing of the screw."""
     robot = load_robot(EXAMPLE).mechanism
     rail = next(joint for joint in robot.joints if joint.name == "rail_left")
     for pose, length in ((robot.poses[0], 0.2), (robot.poses[-1], 0.4)):

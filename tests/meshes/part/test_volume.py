@@ -145,7 +145,7 @@ def with_boss(occ):
 
 
 def rounded_corner(occ):
-    """Draw an L-shaped plate whose inner corner is rounded."""
+    """Draw an L-shaped plate whose inner corner is an arc without a sharp edge."""
     outline = [(0, 0), (80, 0), (80, 20), (35, 20), (20, 35), (20, 80), (0, 80)]
     points = [occ.addPoint(x, y, 0) for x, y in outline]
     sides = list(zip(points, points[1:] + points[:1], strict=True))
@@ -158,7 +158,7 @@ def mesh_of(folder, build):
     return volume_mesh(read_part(written(folder / "part.step", build)), (), Grading(0.03))
 
 
-def test_convex_part_is_not_cut_at_edges(tmp_path):
+def test_part_without_sharp_inner_edge_is_not_cut(tmp_path):
     mesh = mesh_of(tmp_path, rounded_corner)
     assert cut_at_inner_edges(mesh) is mesh
 

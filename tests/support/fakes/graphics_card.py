@@ -1,4 +1,4 @@
-"""A graphics card of scipy: the calls of CuPy and nvmath that `fem.solvers.backends.cudss` makes.
+"""Graphics card simulated by SciPy: the calls of CuPy and nvmath by `fem.solvers.backends.cudss`.
 
 Arrays of the card refuse arrays of the host, as CuPy does. The library counts by dense eigenvalues,
 solves by SuperLU and replaces zero pivots without pairing them.

@@ -1,4 +1,4 @@
-"""Bars and frames whose forces are known by hand, and their weight."""
+"""Robot files of bars and plane frames whose forces are known by hand, and their weight."""
 
 import numpy as np
 

@@ -291,16 +291,16 @@ def test_beam_from_6x6_has_beam_constants():
         np.testing.assert_allclose(np.abs(dense(matrix)), due, rtol=0, atol=1e-9 * due.max())
 
 
-def test_mass_wedges_need_unknown_mass_centre():
-    """If a leg's mass centre is unknown, its mass per length may also rise towards one end."""
+def test_known_mass_centre_excludes_linear_masses():
+    """Plausible masses rise linearly towards one end only if a leg's mass centre is unknown."""
     known = replace(GIVEN, mass_centre=0.4)
     assert plausible_masses([known, known]) == (MASSES[0], *MASSES[3:])
     assert plausible_masses([known, GIVEN]) == MASSES
 
 
 @pytest.mark.parametrize("mixed", [False, True])
-def test_massless_legs_give_bounds(*, mixed):
-    """Any mass distribution gives lower frequencies.
+def test_massless_legs_give_upper_frequency_bounds(*, mixed):
+    """Massless legs give the highest frequencies: each mass distribution lowers them.
 
     Rigid end faces make the solid of a prism stiffer than the 6×6 of beam theory.
     """

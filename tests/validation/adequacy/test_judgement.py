@@ -296,7 +296,7 @@ def test_error_text_lists_differing_readings():
         ([0.0, 0.0], 0),
     ],
 )
-def test_first_of_equal_values_is_largest(sizes, number):
+def test_first_of_equal_largest_values_is_chosen(sizes, number):
     assert first_largest(np.array(sizes)) == number
 
 

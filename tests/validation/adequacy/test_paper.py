@@ -44,7 +44,7 @@ DIGITS = "digits of the file"
 
 
 @pytest.mark.parametrize("quantity", [one.name for one in UNIT_LOADS])
-def test_prisms_misrepresent_6x6_legs(paper, quantity):
+def test_equivalent_prisms_of_6x6_legs_are_inadequate(paper, quantity):
     entry = paper.entry("vjm", quantity)
     assert entry.verdict == "adequate"
     # Two formulations that share the data alone, whose three digits leave something open.
@@ -103,7 +103,7 @@ def test_leg_known_by_6x6_is_its_reference(paper):
 
 
 @pytest.mark.parametrize("model", BEAMS)
-def test_verdict_for_all_masses_is_decided(paper, model):
+def test_verdict_equal_for_all_masses_is_decided(paper, model):
     first = paper.entry(model, "f1")
     assert first.verdict == "inadequate"
     assert first.uncertainties["mass distribution of the legs"] > 0.01
@@ -125,7 +125,7 @@ def test_undecided_entry_names_deciding_data(paper_subject):
     assert y.reason == "specify the 6×6 in the robot file with more digits"
 
 
-def test_digits_change_peaks_twice_as_much_as_f(tmp_path):
+def test_peaks_have_twice_digit_error_of_frequencies(tmp_path):
     asked = '[[responses]]\nname = "hit"\ndirection = [0.0, 0.0, 1.0]\nfrom = 20.0\nto = 200.0\n'
     text = f"{load_robot('ifw').text}\n[damping]\nratio = 0.02\n{asked}count = 20\n"
     file = robot_of(text, tmp_path)
@@ -192,7 +192,7 @@ def drawn(text, rng):
 
 
 def virtual_joints(robot, poses):
-    """Compliances (p×6×6) by virtual joints, which share no code with the assembler."""
+    """Compliances (p×6×6) by the virtual joint method, which shares no code with the assembler."""
     postures = postures_of(robot.mechanism, poses)
     return np.array([one.compliance for one in answers("vjm", postures, 0)])
 
@@ -317,7 +317,7 @@ def test_varied_entry_counts_as_exact(key):
     assert (len(roundings(ifw)), len(roundings(varied))) == (63, 62)
 
 
-def test_second_variation_keeps_first():
+def test_second_varied_key_keeps_value_of_first():
     ifw = load_robot("ifw")
     both = ifw.with_values({"platform.mass": 40.0}).with_values({"leg1.mass": 60.0}).mechanism
     assert (both.tool.mass, both.bodies["leg1"].shape.mass) == (40.0, 60.0)

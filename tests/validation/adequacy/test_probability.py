@@ -80,7 +80,7 @@ NOTHING = (0.0, 0.0, 0.0)
         ((0.0, 0.0, 0.1), 0.05, ndtr(-1.0) - ndtr(-3.0)),
     ],
 )
-def test_probability_of_one_length_is_exact(start, limit, within):
+def test_probability_of_one_vector_error_is_exact(start, limit, within):
     found = of_vectors(start, LONG).probabilities(limit)
     # Bisected to rounding; outside of the outermost of 4096 points there is nothing to be found.
     assert found == pytest.approx([within, 1.0 - within], abs=1e-9)
@@ -231,7 +231,7 @@ def test_input_shares_equal_variance_shares():
     assert [shares["a"], shares["b"]] == pytest.approx(indices.first_order, abs=0.02)
 
 
-def test_needed_uncertainty_gives_95_percent():
+def test_proposed_input_uncertainty_gives_95_percent():
     found = probability(linear(0.002, 0.02), "adequate", LIMIT, 0)
     # The second one's own part: what 1.645 standard uncertainties of 1 % leave beside the first.
     left = sqrt(((LIMIT - ERROR) / ndtri(0.95)) ** 2 - 0.002**2)

@@ -206,7 +206,7 @@ def test_finer_mesh_decides_verdict(arm):
         ("fine", 0.2, "no preset has finer meshes of the bodies"),
     ],
 )
-def test_refinement_depends_on_reference_size(tmp_path, preset, length, refused):
+def test_too_large_refined_reference_is_refused(tmp_path, preset, length, refused):
     text = f"{ONE_ARM}[path]\nposes = [[0.0]]\n".replace("P = [0.0, 0.5", f"P = [0.0, {length}")
     context = Context(robot_of(text, tmp_path), preset)
     if refused:

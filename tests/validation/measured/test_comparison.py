@@ -244,7 +244,7 @@ relative = 0.1
 """
 
 
-def test_predictions_equal_measurement(tmp_path):
+def test_predictions_are_at_pose_of_measurement(tmp_path):
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     at = postures_of(robot_file.mechanism, np.array([[0.1, 0.525]]))
     matrix = measured_matrix(Context(robot_file, "quick"))
@@ -277,7 +277,7 @@ def test_predictions_equal_measurement(tmp_path):
     assert "adequacy.measured" in {task.id for task in catalogue(robot_file)}
 
 
-def test_compared_values_are_those_of_models():
+def test_predictions_equal_values_of_models():
     five_bar = load_robot("five-bar")
     mechanism = five_bar.mechanism
     predictions = Predictions.of(Context(five_bar, "quick"))

@@ -115,8 +115,8 @@ def test_response_matches_theory(held, derivatives):
         )
 
 
-def test_response_below_modes_is_largest(held):
-    """The lowest mode is hardly excited: far below it the other modes have larger responses."""
+def test_low_response_is_largest_of_directions(held):
+    """The force hardly excites the lowest mode: below it, the largest response is along others."""
     struck = (1, 10, 10)
     text = robot_text().replace("x = [1, 1, 1]", f"x = {list(struck)}")
     entry = entries_of(held(functions(struck=struck), text))["hammer.low"]

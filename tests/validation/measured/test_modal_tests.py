@@ -313,7 +313,7 @@ def at_one_point(frequency):
     return shape(1, frequency, np.eye(len(PLACES))[0])
 
 
-def test_one_point_mode_needs_frequency(tmp_path):
+def test_one_point_mode_is_paired_by_frequency(tmp_path):
     """Modes along x are at 25.9, 162 and 455 Hz; the measured mode is near the first."""
     _, matrix = held(tmp_path, [at_one_point(1.05 * FREQUENCIES[0])])
     (entry,) = matrix.of_model("beam")

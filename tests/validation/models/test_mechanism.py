@@ -163,7 +163,7 @@ def test_energy_shares_sum_to_one():
     np.testing.assert_allclose(sum(rigid.strain.values()), np.ones(6), rtol=1e-12)
 
 
-def test_model_is_paired_with_itself(command):
+def test_modes_of_model_are_paired_with_themselves(command):
     asked = ("--model", "beam", "--modes", "12", "--against", "beam")
     (result,) = command.json("solve", "orthoglide", *asked)["results"]
     pairs = result["partners"]["pairs"]

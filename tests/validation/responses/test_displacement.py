@@ -117,7 +117,7 @@ def test_rigid_reference_gives_infinite_error() -> None:
 
 
 def test_clamped_beam_modes_are_paired():
-    """By the scalar product of the mass matrix, rotary inertia included (Rayleigh)."""
+    """Shapes are compared by the mass matrix, which includes rotary inertia (Rayleigh beam)."""
     leg = ConstantLeg(0.85, Rectangle(0.1, 0.16), Material.isotropic(2.1e11, 0.3, 7850.0))
     beam = beam_leg(leg.timoshenko, leg.length, 20)
     stations, lengths = centreline_samples(leg.length, 24)

@@ -44,7 +44,7 @@ def test_statics_are_linear_in_displacements(quantity):
     np.testing.assert_allclose(found, moved, rtol=1e-12, atol=1e-12)
 
 
-def test_missing_modes_are_omitted():
+def test_nan_modes_of_pose_are_omitted():
     frequencies = np.array([[10.0, 20.0, np.nan], [11.0, np.nan, np.nan]])
     samples = np.random.default_rng(1).normal(size=(2, 4, 3))
     weights, seen = np.array([1.0, 4.0, 9.0, 0.0]), np.array([[1.0, 0.5, 0.0], [0.7, 0.0, 0.0]])
