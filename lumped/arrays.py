@@ -53,7 +53,7 @@ def unit_diagonal(matrix: Array) -> Array:
 
 
 def fix_signs(shapes: Array) -> Array:
-    """Mode shapes (n×m, columns) with the sign for which the largest entry of each is positive.
+    """Mode shapes (n×m, columns) signed so that the entry of largest magnitude of each is positive.
 
     Repeated computations thus return the same shapes.
     """

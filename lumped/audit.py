@@ -1,7 +1,7 @@
 """Consistency checks on the data of a robot file: as printed in its source, and as corrected.
 
 Each check examines one part of the robot and yields findings with the number that proves them.
-Consistent data have no findings.
+Consistent data yield no findings.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -96,7 +96,7 @@ def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
 def _length(tables: Mapping[str, Any], table: Mapping[str, Any]) -> float | None:
     """Length of a leg in the file's unit: its key `length`, or the distance of its two points.
 
-    None if the part is not a leg.
+    None if the table does not describe a leg.
     """
     if "from" not in table:
         return table.get("length")

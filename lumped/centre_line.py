@@ -28,7 +28,7 @@ _SEARCHED, _STEPS = 33, 20
 
 @dataclass(frozen=True)
 class LinePiece:
-    """Piece of a centre line from `start` to `end` (m): straight, or an arc by way of `through`."""
+    """Piece of a centre line from `start` to `end` (m): straight, or an arc through `through`."""
 
     start: Point
     end: Point
@@ -139,8 +139,8 @@ class CentreLine:
     def piece_at(self, positions: Array) -> IntArray:
         """Index of the piece at each of n `positions` (m along the line).
 
-        A position at which two pieces meet belongs to the later one, the end of the line to the
-        last one.
+        A position at which two pieces meet belongs to the later one; the end of the line belongs to
+        the last piece.
         """
         numbers = np.searchsorted(self.ends, positions, side="right") - 1
         return np.clip(numbers, 0, len(self.pieces) - 1)
@@ -148,8 +148,8 @@ class CentreLine:
     def frames(self, positions: Array, pieces: IntArray | None = None) -> tuple[Array, Array]:
         """Points (n×3, in m) and section axes (n×3×3, columns) at n `positions` (m) along the line.
 
-        `pieces` (n) are the indices of the pieces to which the positions belong. None stands for
-        those of `piece_at`.
+        `pieces` (n) are the indices of the pieces to which the positions belong. If it is None,
+        `piece_at` determines them.
         """
         positions = np.asarray(positions, dtype=float)
         numbers = self.piece_at(positions) if pieces is None else pieces

@@ -44,10 +44,10 @@ def require_positive_definite(leg: GivenLeg) -> None:
 def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
     """Prismatic leg whose 6×6 has the same first four diagonal terms as `leg` (paper §2.3).
 
-    If `by` is "stiffness", the terms are those of K = c⁻¹: EA = K11 L, EIz = K22 L³/12, EIy = K33
-    L³/12, GJ = K44 L. If `by` is "compliance", they are those of c: EA = L/c11, EIz = L³/3c22, EIy
-    = L³/3c33, GJ = L/c44. A leg that is prismatic already is returned unchanged. Raises InputError
-    if the compliance c is not positive definite.
+    With c the 6×6 compliance of a leg of length L: if `by` is "stiffness", the terms are those of K
+    = c⁻¹: EA = K11 L, EIz = K22 L³/12, EIy = K33 L³/12, GJ = K44 L. If `by` is "compliance", they
+    are those of c: EA = L/c11, EIz = L³/3c22, EIy = L³/3c33, GJ = L/c44. A leg that is prismatic
+    already is returned unchanged. Raises InputError if c is not positive definite.
     """
     if isinstance(leg, ConstantLeg):
         return leg

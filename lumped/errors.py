@@ -19,7 +19,7 @@ _LARGEST_FAULT_COUNT = 50
 
 
 class _SendableError(Exception):
-    """Error that can be pickled although its constructor has more arguments than a message.
+    """Error that can be pickled although its constructor needs more than a message.
 
     `part` is the part of the model with which the message begins. "" if the message has no part.
     """
@@ -84,8 +84,8 @@ class ComputationError(_SendableError):
 class ProgramError(ComputationError):
     """An error of the program itself in another process.
 
-    The message contains the part of the model, and the error with its class. `traceback` are the
-    lines for a report of the error.
+    The message contains the part of the model, and the error with its class. `traceback` contains
+    the lines of the traceback, for a report of the error.
     """
 
     def __init__(self, message: str, traceback: Iterable[str], part: str = "") -> None:
@@ -94,7 +94,7 @@ class ProgramError(ComputationError):
 
 
 def program_error(error: Exception) -> ProgramError:
-    """Any other error as ProgramError, with the parts of the model that `naming` noted."""
+    """ProgramError for `error`: its class and text, after the parts of the model from `naming`."""
     parts = [part for part in getattr(error, "__notes__", ()) if part]
     lines = "".join(format_exception(error)).splitlines()
     return ProgramError(": ".join([*reversed(parts), f"{type(error).__name__}: {error}"]), lines)

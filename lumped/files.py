@@ -21,7 +21,7 @@ _OTHER_FILE_TYPES = {stat.S_IFDIR: "folder", stat.S_IFIFO: "pipe", stat.S_IFSOCK
 class StoreError(Exception):
     """Error: files can no longer be written (disk full, device gone).
 
-    Files written before remain.
+    Files that were written before are kept.
     """
 
 

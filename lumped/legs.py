@@ -64,7 +64,7 @@ class Material:
 
 @dataclass(frozen=True)
 class BeamProperties:
-    """Stiffnesses and inertias of a prismatic leg, referred to the line of its centroids.
+    """Stiffnesses and inertias of a prismatic leg, about the line of its centroids.
 
     EA (N). GAy and GAz (N): κGA for shear along y and z, infinite without shear deformation. EIy,
     EIz, GJ (N m²). `mu`: mass per length (kg/m). `rho_J`, `rho_Iy`, `rho_Iz` (kg m): rotary inertia
@@ -74,8 +74,8 @@ class BeamProperties:
     E∫yz dA (N m²), `rho_Iyz` = ρ∫yz dA (kg m), `shear_yz` (1/N), the shear strain along z for a
     unit force along y, the position (`centre_y`, `centre_z`) (m) of the shear centre relative to
     the centroid, and that of the centre of mass (`mass_y`, `mass_z`). Forces through the shear
-    centre do not twist the leg. The centroid is that of the stiffness. Rotary inertias are about
-    it.
+    centre do not twist the leg. The centroid is that of the stiffness. Rotary inertias are taken
+    about this centroid.
     """
 
     EA: float
@@ -131,7 +131,7 @@ class BeamProperties:
     def bending(self) -> Array:
         """Bending stiffness [EIz EIyz; EIyz EIy] (N m²).
 
-        Its product with the curvatures in the directions y and z is (Mz, −My).
+        Multiplied by the curvatures of the deflections along y and z it gives (Mz, −My).
         """
         return np.array([[self.EIz, self.EIyz], [self.EIyz, self.EIy]])
 
@@ -139,7 +139,7 @@ class BeamProperties:
     def shear_flexibility(self) -> Array:
         """Shear flexibility [1/GAy s; s 1/GAz] (1/N) with s = `shear_yz`.
 
-        Its product with the shear forces (Vy, Vz) is the shear strains along y and z.
+        Multiplied by the shear forces (Vy, Vz) it gives the shear strains along y and z.
         """
         return np.array([[1.0 / self.GAy, self.shear_yz], [self.shear_yz, 1.0 / self.GAz]])
 
@@ -150,7 +150,7 @@ class BeamProperties:
 
     @property
     def to_shear_centre(self) -> Array:
-        """6×6 matrix T that takes the twist of a section at its centroid to its shear centre."""
+        """6×6 matrix T: twist at the shear centre of a section = T · twist at its centroid."""
         transfer = np.eye(6)
         transfer[1, 3], transfer[2, 3] = -self.centre_z, self.centre_y
         return transfer
@@ -307,10 +307,10 @@ class Span:
         return type(self.first)(**sizes)
 
     def taper_rates(self, shares: Array) -> Array:
-        """Rates d ln a/ds (p×2, 1/m) of the lever arms a = I/S at shares (p) of the span.
+        """Rates d ln a/ds (p×2, 1/m) of the lever arms a = I/S at p fractions of the span.
 
-        In bending about z and about y, with S the first moment of half the section. Zero for shapes
-        without two axes of symmetry.
+        The columns are for bending about z and about y. I is the second moment of area, S the first
+        moment of half the section. Zero for shapes without two axes of symmetry.
         """
         if self.first == self.last or symmetric_moments(self.first) is None:
             return np.zeros((len(shares), 2))
@@ -322,7 +322,7 @@ class Span:
 
 
 def _lever_arms(section: Section) -> tuple[float, float]:
-    """I/S (m) in bending about z and about y of a shape with two axes of symmetry."""
+    """Lever arms I/S (m) in bending about z and about y, as in `Span.taper_rates`."""
     if (moments := symmetric_moments(section)) is None:
         raise TypeError(f"{section.shape}: no lever arms without two axes of symmetry")
     return 2.0 * section.second_moment_z / moments.y, 2.0 * section.second_moment_y / moments.z
@@ -386,7 +386,8 @@ class LineLeg:
         """Points that represent the mass of sections, and the mass per length there (n, kg/m).
 
         The points (n×c×3, in m, leg axes) lie about the n `positions` (m along the line). `corners`
-        (c×2) are their coordinates y and z, in units of the radii of gyration.
+        (c×2) are the coordinates y and z of the points of one section, in units of its radii of
+        gyration.
         """
         along = self.sections("euler-bernoulli")
         constants = along.constants(along.span_at(positions), positions)
@@ -406,14 +407,15 @@ class LineLeg:
     def sections_by(self, beam: Callable[[ConstantLeg], BeamProperties]) -> LineSections:
         """Flexibility and mass of the sections along the line by Timoshenko's theory.
 
-        `beam` is a function that computes the constants of a prism with the section at a point.
+        `beam` computes the beam properties of a prism that has the section at one point of the
+        line.
         """
         return self._sections(beam, inclined=True)
 
     def _sections(
         self, beam: Callable[[ConstantLeg], BeamProperties], *, inclined: bool
     ) -> LineSections:
-        """Sections along the line. `inclined`: False to take the fibres of tapers as parallel."""
+        """Sections along the line. Fibres of tapers are taken as parallel unless `inclined`."""
         values = []
         for span in self.spans:
             prismatic = span.first == span.last
@@ -466,7 +468,7 @@ def sectioned_compliance(leg: SectionedLeg, theory: Theory) -> Array:
 
 
 def given_compliance(leg: Leg) -> Array:
-    """6×6 tip compliance (SI, leg axes) of a leg: of the robot file, or by Timoshenko's theory."""
+    """6×6 tip compliance (SI, leg axes): from the robot file, or by Timoshenko's theory."""
     if isinstance(leg, GivenLeg):
         return leg.compliance
     return sectioned_compliance(leg, "timoshenko")

@@ -1,4 +1,4 @@
-"""Sections along a centre line: flexibility and mass per length, and their integrals.
+"""Sections along a centre line: flexibility and mass per length, and integrals of both.
 
 The flexibility of any piece follows from equilibrium alone (force method): sections carry the
 wrench at one end of the piece. With wrench and compliance referred to one point o
@@ -17,7 +17,8 @@ strain (ε + z κy − y κz)/(1 − x). The strain energy is that of a straight
 
 if ∫ z²/(1 − x) dA and the like replace the moments of area. They are expanded to second order, ∫
 z²(1 + x²) dA, for shapes with two axes of symmetry. The next term is 0.03 (h/R)⁴ of a rectangle's
-bending stiffness. The mass of the longer fibres moves the mass centre off the line, by I/AR.
+bending stiffness. The mass of the longer fibres moves the mass centre off the line, by I/AR in an
+arc of radius R.
 
 In a taper, fibres converge: that at (y, z) has the slope (λy y, λz z) against the centre line. Here
 λ is the rate of the lever arm a = I/S about each axis, λ = d ln a/ds, with the second moment I and
@@ -89,8 +90,8 @@ def _cumulative_weights() -> Array:
 def cumulative(values: Array, lengths: Array) -> Array:
     """Integrals from the start of each of e elements to its Gauss points.
 
-    `values` (e×GAUSS×…) are those of the integrand at the Gauss points, `lengths` (e, in m) those
-    of the elements.
+    `values` (e×GAUSS×…) are values of the integrand at the Gauss points, `lengths` (e, in m) are
+    the lengths of the elements.
     """
     return np.asarray(np.einsum("pq,eq...,e->ep...", _cumulative_weights(), values, 0.5 * lengths))
 
@@ -108,9 +109,9 @@ class SectionField:
     """Sections at points of a line, leg axes, SI units.
 
     All arrays have the same leading axes. `points` (…×3, in m) are positions. The columns of
-    `strains` (…×6×6) are independent strains of the section, each a change of its twist per length.
-    `stiffness` (…×6×6) refers to these strains; those marked in `rigid` (6) have no flexibility.
-    `flexibility` and `mass` (…×6×6) are per length.
+    `strains` (…×6×6) are the independent strains of the section, each as a rate of change (per
+    length) of its twist. `stiffness` (…×6×6) refers to these strains; those marked in `rigid` (6)
+    have no flexibility. `flexibility` and `mass` (…×6×6) are per length.
     """
 
     points: Array
@@ -125,8 +126,8 @@ class SectionField:
 class LineSections:
     """Sections of a leg along its centre line.
 
-    `ends` (k+1 values, in m along the line) are those of the k spans. `values` (k×p×20) are the
-    constants `FIELDS` and `FURTHER` at the p `NODES` of each span.
+    `ends` (k+1 values, in m along the line) are the ends of the k spans. `values` (k×p×20) are the
+    section constants named in `FIELDS` and `FURTHER`, at the p `NODES` of each span.
     """
 
     line: CentreLine
@@ -135,7 +136,10 @@ class LineSections:
 
     @cached_property
     def _coefficients(self) -> Array:
-        """Chebyshev coefficients (k×p×20) of the constants. Infinite constants have one term."""
+        """Chebyshev coefficients (k×p×20) of the section constants in each span.
+
+        Infinite constants have one term.
+        """
         infinite = np.isinf(self.values).any(axis=1, keepdims=True)
         finite = np.where(infinite, 0.0, self.values)
         transform = np.linalg.inv(chebyshev.chebvander(2.0 * NODES - 1.0, len(NODES) - 1))
@@ -144,7 +148,7 @@ class LineSections:
         return np.asarray(coefficients)
 
     def constants(self, spans: IntArray, positions: Array) -> Array:
-        """Constants `FIELDS` and `FURTHER` (n×20) at n `positions` (m along the line).
+        """Section constants (n×20: `FIELDS`, then `FURTHER`) at n `positions` (m along the line).
 
         `spans` (n) are the indices of the spans to which the positions belong.
         """
@@ -171,7 +175,10 @@ class LineSections:
         return np.concatenate([*pieces, self.ends[-1:]])
 
     def along(self, edges: Array) -> SectionField:
-        """Sections at the Gauss points (e×GAUSS) of elements within one span each."""
+        """Sections at the Gauss points (e×GAUSS) of the e elements between `edges` (e+1, in m).
+
+        Each element lies within one span.
+        """
         middles, halves = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
         positions = (middles[:, None] + halves[:, None] * gauss_points()[0]).ravel()
         spans = np.repeat(self.span_at(middles), GAUSS)

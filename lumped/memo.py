@@ -48,7 +48,7 @@ def fingerprint(value: object) -> str:
 
 
 def comparison_fingerprint(value: object) -> str:
-    """Fingerprint without the fields that are excluded from comparison: equal for equal records."""
+    """Fingerprint of the fields that take part in ==, so that equal records have equal ones."""
     return _hashed(value, _compared)
 
 

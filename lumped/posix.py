@@ -1,4 +1,4 @@
-"""Modules that exist on POSIX systems only. Without them, files are not locked."""
+"""Modules that exist on POSIX systems only. On other systems, files are not locked."""
 
 from importlib import import_module
 from types import ModuleType

@@ -15,7 +15,7 @@ _ZERO = 1e-6
 
 
 def skew(vector: Array) -> Array:
-    """Matrices S (…×3×3) with S u = vector × u, for vectors …×3."""
+    """Matrices S (…×3×3) with S u = v × u for each of the vectors v (`vector`, …×3)."""
     v = np.asarray(vector, dtype=float)
     matrix = np.zeros((*v.shape, 3))
     matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = v[..., 0], v[..., 1], v[..., 2]
@@ -118,7 +118,11 @@ def name_wrenches(wrenches: Array, length: float) -> str:
 
 
 def _described(screws: Array, length: float, line: str, moment: str) -> str:
-    """Description of screws (n×6: u and w in units of `length`), with words for line and moment."""
+    """Description in words of screws (n×6: u and w, with lengths in units of `length`).
+
+    `line` is the phrase for screws with a line, such as "turn about", `moment` that for u = 0, such
+    as "translate along".
+    """
     return " and ".join(
         f"{line} {_direction(u)} through {_point(u, w, length)}{_pitch(u, w, length)}"
         if np.any(u)
@@ -128,7 +132,7 @@ def _described(screws: Array, length: float, line: str, moment: str) -> str:
 
 
 def _sparsest(screws: Array) -> list[tuple[Array, Array]]:
-    """Rows (u, w) of the reduced row echelon form, which have as few components as possible."""
+    """Rows (u, w) of the reduced row echelon form of `screws`, which have few components."""
     rows = screws / np.linalg.norm(screws, axis=1)[:, None]
     rank = 0
     for column in range(6):

@@ -61,9 +61,9 @@ def requested_ranks() -> int:
 
 
 def rank_count(text: str, source: str, hosts: int = 0) -> int:
-    """Number of MPI ranks from a text, on a number of `hosts` or on this machine (0).
+    """Number of MPI ranks typed as `text`, for this machine or, if `hosts` > 0, for so many hosts.
 
-    Raises InputError, with `source` in its message.
+    Raises InputError, with `source` (the option or variable) in its message, for an invalid number.
     """
     largest = max(1, hosts) * max(_LARGEST_RANKS, os.cpu_count() or 1)
     if not text.isdecimal() or not 1 <= int(text) <= largest:
@@ -80,7 +80,7 @@ def rank_count(text: str, source: str, hosts: int = 0) -> int:
 
 
 def requested_hosts() -> tuple[str, ...]:
-    """Names of the hosts for petsc. Empty if none are requested. Raises InputError."""
+    """Names of the hosts for petsc. Empty if none are requested. Raises as `read_hosts`."""
     path = os.environ.get(HOSTS_VARIABLE, "").strip()
     return read_hosts(Path(path)) if path else ()
 

@@ -76,7 +76,7 @@ def unknown_name(key: str, name: str, known: Collection[str], allowed: str) -> s
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:
-    """Suggestion of the known name most similar to `name`, to end a message. Else `otherwise`."""
+    """Suggestion of the most similar known name, to end a message. `otherwise` if there is none."""
     by_lower_case = {known_name.lower(): known_name for known_name in known}
     if len(name) <= _LONGEST_NAME and (
         close := get_close_matches(name.lower(), by_lower_case, n=1, cutoff=cutoff)

@@ -1,4 +1,4 @@
-"""Solid meshes of tapered and curved legs: the mesh of one section, moved along and stretched.
+"""Solid meshes of tapered and curved legs: a section's mesh, moved along the line and stretched.
 
 Each plane of nodes has the size and the wall thickness of the section at its position; element
 numbers are those of the first mesh. Within a linear taper the hexahedra have straight sides, and
@@ -100,7 +100,7 @@ def slices_along(leg: LineLeg, divisions: Divisions) -> int:
 
 
 def loft(leg: LineLeg, divisions: Divisions, slices: int) -> LoftedMesh:
-    """Mesh of a leg with about `slices` slices, and `divisions` of its section as in prisms.
+    """Mesh of a leg with about `slices` slices, and `divisions` as for `section_blocks`.
 
     Raises InputError for a leg that has no such mesh, ComputationError if elements are too
     distorted.
@@ -138,7 +138,10 @@ def loft(leg: LineLeg, divisions: Divisions, slices: int) -> LoftedMesh:
 def _planes(
     leg: LineLeg, face: SectionMesh, reference: Section, slices: int
 ) -> tuple[Array, IntArray, Array]:
-    """Positions (p) of the planes of nodes, indices (p) of their pieces of line, nodes (p×n×2)."""
+    """Positions (p) of the planes of nodes, indices (p) of pieces of the line, nodes (p×n×2).
+
+    The indices are those of the pieces of the centre line to which the planes belong.
+    """
     positions, shapes = [], []
     for number, span in enumerate(leg.spans):
         count = max(1, ceil(slices * (span.end - span.start) / leg.line.length - TOGETHER))
@@ -170,7 +173,10 @@ def stretched(nodes: Array, reference: Section, section: Section) -> Array:
 
 
 def _lines(section: Section) -> tuple[Array, Array]:
-    """Coordinates y and z of the edges of a section whose edges are parallel to both, ascending."""
+    """Coordinates y and z (ascending) of the lines on which the edges of a section lie.
+
+    All edges of the section are parallel to y or to z.
+    """
     match section:
         case Rectangle():
             y, z = [section.width / 2.0], [section.height / 2.0]

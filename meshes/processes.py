@@ -117,7 +117,7 @@ class Process:
     def begin(self, function: Callable[..., object], *arguments: object) -> None:
         """Request a value that is kept in the process, as first argument of all later calls.
 
-        The answer is None.
+        The answer to this request is None.
         """
         self._send(_Question(function, arguments, persistent=True))
 
@@ -142,7 +142,7 @@ class Process:
         return self.receive().result()
 
     def has_answer(self) -> bool:
-        """Wait up to half a second for an answer, or the end of the process. False without one."""
+        """True if an answer, or the end of the process, comes within half a second."""
         try:
             return self.connection.poll(_HEARTBEAT)
         except ConnectionError:

@@ -13,8 +13,8 @@ from meshes.section.section_mesh import SectionMesh
 class EndFace:
     """End face of a leg: its `nodes` (n node numbers of the solid), and a plane `mesh` of the face.
 
-    The nodes of the plane mesh are in the same order. `axes` (3×3, columns) are those of the plane
-    mesh with its normal first, None if they are the leg's.
+    The nodes of the plane mesh are in the same order. `axes` (3×3, columns) are the axes of the
+    plane mesh, its normal first. None if they are the axes of the leg.
     """
 
     nodes: IntArray

@@ -86,7 +86,7 @@ class Measured:
     m) under which a deflection was measured. The other fields are set only for values of a modal
     `test`. `column` is the index of the mode to which the value belongs. For a value of a frequency
     response, `response` is its index in the test, `phase` its phase (rad) and `frequency` its
-    frequency (Hz). None stands for the frequency of the mode.
+    frequency (Hz). A `frequency` of None stands for the natural frequency of the mode.
     """
 
     quantity: Quantity
@@ -154,7 +154,7 @@ def _value_faults(measured: Measured, place: str) -> list[str]:
 def _why_positive(quantity: Quantity) -> str:
     """Reason why a measured value of the quantity must be positive.
 
-    "" for coupling terms of a compliance, which may be negative.
+    "" if it may be negative, as coupling terms of a compliance may.
     """
     if quantity.harmonic:
         return "the size or the frequency of a response"
@@ -172,7 +172,7 @@ def digest(values: Sequence[Measured]) -> str:
 
 
 def pose_faults(robot: Mechanism, measured: Measured, place: str) -> list[str]:
-    """Faults of a measured value in view of the robot: an unknown leg, or a pose out of reach."""
+    """Faults of a measured value that depend on the robot: unknown leg, pose out of reach."""
     if measured.of_leg:
         legs = tuple(legs_of(robot))
         is_leg = measured.quantity.leg in legs

@@ -1,4 +1,4 @@
-"""Quantities for which models are judged or measured: kind, name, unit and index among results.
+"""Quantities that are judged or measured: kind, name, unit and index among results.
 
 Robot files and the command line refer to a quantity by its name; `quantities` and
 `measured_quantity` are the two functions that convert names. The names of loads and responses come
@@ -113,7 +113,7 @@ _RESPONSE_KINDS = {"": _KIND.PEAK, "frequency": _KIND.PEAK_FREQUENCY, "at": _KIN
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity for which models are judged or measured.
+    """A quantity that models are judged by, or that is measured on the robot.
 
     `key` identifies the quantity within its `kind`: the axis, the mode ("f2"), the entry of a leg's
     compliance ("leg1.c22"), or the name of a load or response. It is "" if the kind has a single
@@ -196,7 +196,7 @@ class Quantity:
 
     @property
     def mode(self) -> int | None:
-        """Number of the natural frequency, counted from 1. None for other quantities."""
+        """Number (from 1) of the mode of a natural frequency. None for other quantities."""
         return self.column + 1 if self.kind is _KIND.FREQUENCY else None
 
     @property
@@ -234,9 +234,9 @@ _COMPONENTS = tuple(
 
 
 def load_quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
-    """Displacements under the loads of a robot.
+    """One quantity for each load of a robot: the displacement of the loaded point under it.
 
-    `names` are the loads' names in the robot's order.
+    `names` are the names of the loads, in the order of the robot file.
     """
     return tuple(Quantity(_KIND.LOAD, name, column) for column, name in enumerate(names))
 
@@ -244,7 +244,7 @@ def load_quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
 def response_quantities(names: Sequence[str]) -> tuple[Quantity, ...]:
     """Judged values of harmonic responses, such as the peak and its frequency.
 
-    `names` are their names without the prefix "response:", such as "mill.frequency".
+    `names` are the names of these values without the prefix "response:", such as "mill.frequency".
     """
     parts = (name.partition(".") for name in names)
     return tuple(

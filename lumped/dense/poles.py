@@ -1,8 +1,8 @@
 """Partial fractions of the receptance of a system with viscous dashpots.
 
-The receptance H(s) = A (K + sD + s²M)⁻¹ Aᵀ at s = iω is a sum of first-order terms. With x = K⁻¹(Aᵀ
-− sDx − s²Mx) in the basis of undamped modes and y = s√μ x, the state z = (x, y) follows from z +
-sNz = b. With the eigenvalues ν of N,
+The receptance H(s) = A (K + sD + s²M)⁻¹ Aᵀ at s = iω is a sum of first-order terms. The
+displacements x = K⁻¹(Aᵀ − sDx − s²Mx), in the basis of undamped modes, and y = s√μ x form the state
+z = (x, y), which satisfies z + sNz = b. With the eigenvalues ν of N,
 
     H = Σ G / (1 + sν)
 
@@ -36,8 +36,8 @@ _DEFECTIVE = 1e8
 class Terms:
     """The r terms (g + sh) / (1 + sκ + s²μ) of a receptance.
 
-    `inverses` are μ (r, s²), `rates` κ (r, s), `residues` g (r×k×k) and `rate_residues` h (r×k×k)
-    for k outputs.
+    `inverses` are μ (r values, in s²), `rates` are κ (r values, in s). For k outputs, `residues`
+    are g (r×k×k) and `rate_residues` are h (r×k×k).
     """
 
     inverses: ComplexArray
@@ -49,7 +49,7 @@ class Terms:
 def partial_fractions(
     elastic: ComplexArray, viscous: Array, inertia: Array, outputs: Array, shift: float = 0.0
 ) -> Terms | None:
-    """Terms of the receptance of `outputs` A (k×n) for matrices K, D and M (n×n).
+    """Terms of the receptance of `outputs` A (k×n) for K, D, M (n×n): elastic, viscous, inertia.
 
     If K is singular, a positive `shift` (1/s) of s makes K + sD + s²M regular. Terms with a pole at
     zero are omitted; their motions must not move the outputs. The result is None if a motion is

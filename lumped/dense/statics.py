@@ -83,7 +83,7 @@ def rounding_of_flexibility(
     """Half-width (m×m, 95 %) of the round-off error of the flexibility FᵀX with X = K⁻¹F.
 
     `stiffness` is K (n×n), `displacements` is X (n×m). The first `rotated` unknowns are vectors of
-    three components in axes that differ from the axes of the elements.
+    three components in axes that are rotated relative to those of the elements.
 
     A change δK changes FᵀX by −XᵀδK X to first order. Each term of an entry of K = Σ TᵀK_e T is
     rounded a dozen times by ±ε/2 (K_e, twice T, two products, three sums), which adds up to a
@@ -91,7 +91,7 @@ def rounding_of_flexibility(
     magnitude is the norm of the 3×3 block, because the rotation mixes stiff with soft components
     and the angle itself is rounded. Blocks of adjacent parts do not cancel, because each part is
     positive semidefinite. δK is symmetric because only one triangle is used, so that its entries
-    act in pairs:
+    act in pairs. For two columns x and y of X:
 
         δ = 2ε √2 √Σ (|x_I| |K_IJ| |y_J|)²   with the sum over blocks I, J.
 

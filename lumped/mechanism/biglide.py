@@ -30,7 +30,7 @@ _, _Y, _Z = np.eye(3)
 
 @dataclass(frozen=True)
 class Stroke:
-    """Stroke of the biglide, from the distance `a` (m) of the slides and both leg lengths (m).
+    """Stroke of the biglide, from the distance `a` (m) of its slides and its two leg lengths (m).
 
     B moves from x = a − L2, where leg 2 is horizontal, to x = L1, where leg 1 is horizontal. Both
     are type 1 singularities.
@@ -107,7 +107,7 @@ def _height(length: float, base: tuple[float, ...]) -> float:
 
 @dataclass(frozen=True)
 class _InverseKinematics:
-    """Frames of all bodies with B at x, in closed form.
+    """Function that computes the frames of all bodies with B at x, in closed form.
 
     Iterative loop closure would lose half of the digits at both ends of the stroke.
     """
@@ -149,9 +149,9 @@ def biglide(
     Its reference posture is the middle of the stroke. `tool_offset` (3, in m, base axes) is the
     vector from B to the loaded point P, at which `platform_mass` (kg) is located. `foot_compliance`
     (6×6, SI, base axes) acts in both revolute joints of the feet, `tool_compliance` (6×6, SI, base
-    axes) in series at P. None stands for rigid. The drives are rigid except in the simplified
-    model, in which `drive_stiffness` (N/m) represents all compliance. Raises InputError if the legs
-    cannot meet.
+    axes) in series at P. A compliance of None stands for rigid. The drives are rigid except in the
+    simplified model, in which `drive_stiffness` (N/m) represents all compliance. Raises InputError
+    if the legs cannot meet.
     """
     stroke = Stroke(a, leg1.length, leg2.length)
     if faults := stroke.faults():

@@ -110,7 +110,7 @@ class Frame:
         return Frame(self.position + self.rotation @ inner.position, self.rotation @ inner.rotation)
 
     def inverse(self) -> "Frame":
-        """Frame of the parent expressed in this frame."""
+        """The parent frame expressed in this frame."""
         return Frame(-self.rotation.T @ self.position, self.rotation.T)
 
 

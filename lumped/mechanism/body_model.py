@@ -23,14 +23,14 @@ class BodyModel:
 
     `stiffness` and `mass` are n×n, symmetric, dense or sparse. Unknowns 6i to 6i+5 are the twist of
     interface i in body axes; the names of the interfaces are in `interfaces`. The remaining
-    unknowns are internal to the model, named `model`. The body is not supported, so that the
+    unknowns are internal. `model` is the name of the model. The body is not supported, so that the
     stiffness has six rigid-body motions.
 
     `displacements(points)` is the 3k×n matrix that maps the n unknowns to displacements (body axes)
     of `points` (k×3, in m, body axes). `parts` splits the stiffness by type of deformation: its
     matrices add up to `stiffness`. It is empty if the model does not provide them. `unit_pressures`
-    are the wrenches (6 for each interface, body axes) of 1 Pa on each face of a CAD part, by face
-    number. It is empty for bodies without faces.
+    are the wrenches on the interfaces (6 for each, body axes) that represent a pressure of 1 Pa on
+    each face of a CAD part, by face number. It is empty for bodies without faces.
     """
 
     model: str
@@ -56,8 +56,8 @@ class LegMatrices(BodyModel):
     `centreline(stations)` is the sparse 6k × n matrix that maps the n unknowns to the twists of the
     sections at k `stations` (distances along the line in m). Sections remain plane. `parts` splits
     the stiffness into "tension", "torsion", "bending y" (deflection along z, EIy) and "bending z"
-    (deflection along y, EIz), each with its shear. If the section couples both bendings, they are
-    one part "bending". Tapered, curved and bent legs have no parts.
+    (deflection along y, EIz). Parts of bending include the shear deformation. If the section
+    couples both bendings, they are one part "bending". Tapered, curved and bent legs have no parts.
     """
 
     interfaces: tuple[str, ...] = field(init=False, default=ENDS)

@@ -1,9 +1,10 @@
 """Free relative twists of a joint, its constraints, and its coordinates if it is closed.
 
-A joint compares its second interface with its first. Vectors fixed to a body are given in base axes
-of the reference posture; the *turn* (3×3) of the body rotates them to the current posture. With
-turns R₁, R₂ and interfaces at P₁, P₂ the second interface lies at p = R₁ᵀ(P₂ − P₁) and is rotated
-by R = R₁ᵀR₂, seen from the first body. Each constraint has one of two forms,
+A joint is described by the position and rotation of its second interface relative to its first.
+Vectors fixed to a body are given in base axes of the reference posture; the *turn* (3×3) of the
+body rotates them to the current posture. With turns R₁, R₂ and interfaces at P₁, P₂ the second
+interface lies at p = R₁ᵀ(P₂ − P₁) and is rotated by R = R₁ᵀR₂, seen from the first body. Each
+constraint has one of two forms,
 
     n·p = 0            n fixed in the first body,
     b·R c = b·c        b fixed in the first body, c in the second.
@@ -46,7 +47,7 @@ def drive_in(posture: Posture, joint: Joint) -> Drive | None:
 def free_twists(posture: Posture, joint: Joint) -> Array:
     """Free twists (6×k, base axes) of the second interface of a joint relative to the first.
 
-    The twists are taken at the first interface, in the order given in `joint_twists`.
+    The twists are taken at the first interface, in the order that `joint_twists` describes.
     """
     first, second = (
         rotation_since_reference(posture, side.body) for side in (joint.first, joint.second)

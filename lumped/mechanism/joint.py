@@ -54,10 +54,10 @@ class BallScrew:
     """Ball screw of a drive: shaft, nut and bearings in series. A longer shaft is softer.
 
     `axial` is EA (N) of the root circle. In the reference posture the nut is at `length` (m) from
-    the bearing that holds the shaft along its axis; a positive coordinate of the joint makes it
-    longer, or shorter if `sign` is −1. `span` (m) is the distance to a second such bearing, None if
-    the other end is free to slide. `bearing` and `nut` are compliances (m/N), that of a bearing for
-    each end.
+    the bearing that holds the shaft along its axis; this length increases with the coordinate of
+    the joint, or decreases if `sign` is −1. `span` (m) is the distance to a second such bearing,
+    None if the other end is free to slide. `bearing` and `nut` are the compliances (m/N) of each
+    bearing and of the nut.
     """
 
     axial: float
@@ -84,7 +84,7 @@ class BallScrew:
 
 @dataclass(frozen=True)
 class Drive:
-    """Actuator of a joint with `stiffness` along its free twist (N/m or N m/rad). None if rigid.
+    """Actuator of a joint. `stiffness` (N/m or N m/rad) along its free twist is None if rigid.
 
     `simplified` is the stiffness in the simplified model (rigid bodies on elastic drives) if it
     represents more than the drive; otherwise None. `loss` is the loss factor of both stiffnesses.
@@ -120,8 +120,8 @@ class Joint:
     free twists and has the loss factor `loss`. It is zero in directions in which the joint is
     rigid, and None if the joint is rigid in all directions. `damping` (6×6, in N s/m and N m s/rad,
     in the same axes) is the matrix of viscous dashpots between the two bodies, which act parallel
-    to the rest of the joint. None without dashpots. Raises InputError if the axes violate these
-    conditions.
+    to the rest of the joint. None without dashpots. Raises InputError if the axes do not fit the
+    kind of joint.
     """
 
     name: str

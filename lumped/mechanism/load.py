@@ -17,8 +17,8 @@ _ROUND_OFF = 1e-9
 class LineLoad:
     """A load along a leg between `start` and `stop` (m from its root), leg axes.
 
-    `first` and `last` (6 values each, in N/m and N) are forces and moments per length at both ends
-    of this range, about the line of centroids. Between them the load varies linearly.
+    `first` and `last` (6 values each, in N/m and N) are the forces and moments per length at
+    `start` and at `stop`, about the line of centroids. Between them the load varies linearly.
     """
 
     start: float
@@ -94,8 +94,9 @@ class PressureResultant:
 class InterfaceLoads:
     """Wrenches on the interfaces of deformable bodies for unit accelerations and pressures.
 
-    Body axes, SI units. `masses`: mass matrices (6m×6m) on the twists of the m interfaces, by body
-    name. `unit_pressures`: wrenches (6m) of 1 Pa on selected faces, by body name and selection.
+    Body axes, SI units. `masses`: mass matrices (6m×6m) for the twists of the m interfaces, by body
+    name. `unit_pressures`: wrenches (6m values) equivalent to a pressure of 1 Pa on the selected
+    faces, by body name and selection.
     """
 
     masses: Mapping[str, Array] = field(default_factory=dict)
@@ -108,8 +109,8 @@ class Load:
 
     `wrench` (6) acts at the interface `point` of `body`. If `path_wrenches` (p×6, one for each pose
     of the path) is not None, it replaces `wrench`. `gravity` (3, in m/s²) acts on the mass of all
-    bodies. If the tool's point moves with `speed` (3, in m/s) and `acceleration` (3, in m/s²), so
-    do inertia forces. `lines` act along legs, `pressures` on faces of CAD parts.
+    bodies. If the tool's point moves with `speed` (3, in m/s) and `acceleration` (3, in m/s²),
+    inertia forces act on it, too. `lines` act along legs, `pressures` on faces of CAD parts.
     """
 
     name: str
@@ -170,8 +171,8 @@ class Excitation:
     """A harmonic force, for which the response of a point is computed.
 
     It acts along `direction` (3, a unit vector, base axes) at `count` frequencies (Hz) from `first`
-    to `last`, equally spaced on a logarithmic scale. The peak of the response is judged, and its
-    magnitude at the frequency `at` (Hz) unless that is None. The force acts at the point `loaded`
+    to `last`, equally spaced on a logarithmic scale. The peak of the response is judged, and the
+    magnitude at the frequency `at` (Hz) unless `at` is None. The force acts at the point `loaded`
     (body and interface), and the response is the displacement of the point `moved` along
     `moved_direction` (3, a unit vector, base axes). A point that is None stands for the tool, and a
     `moved_direction` that is None for the direction of the force.

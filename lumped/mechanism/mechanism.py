@@ -46,10 +46,10 @@ class Mechanism:
     "ground" is the base: its frame is the base frame, its interfaces are the points of its joints.
     `poses` (p × number of moves, m and rad) are in the order of the tool's `moves`. `loads` are the
     static loads of the robot file, `excitations` its harmonic forces. `damping` is a damping ratio
-    of every mode in addition to the loss factors of bodies, joints and drives. If the poses form a
-    grid, `grid` contains the values along each move. `inverse_kinematics` computes the frames of
-    all bodies for a pose in closed form. If it is None, loops are closed by iteration. `lengths` is
-    the unit of length in the robot file and in messages.
+    that every mode has in addition to the loss factors of bodies, joints and drives. If the poses
+    form a grid, `grid` contains the values along each move. `inverse_kinematics` computes the
+    frames of all bodies for a pose in closed form. If it is None, loops are closed by iteration.
+    `lengths` is the unit of length in the robot file and in messages.
     """
 
     name: str
@@ -113,7 +113,7 @@ class Mechanism:
 
     @property
     def size(self) -> float:
-        """Length (m) with which angles are weighted: half the largest extent of all interfaces."""
+        """Length (m) by which angles are multiplied: half the largest extent of all interfaces."""
         positions = np.array(
             [
                 (self.reference[name] @ interface).position

@@ -36,7 +36,7 @@ def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
 
 
 def default_up(x: Array) -> Array:
-    """Unit vector to which the z axis of a leg along the unit vector `x` is turned by default."""
+    """Default `up` (unit vector) of a leg along the unit vector `x`, as in `leg_frame`."""
     up: Array = _Z if np.linalg.norm(np.cross(x, _Z)) > _PARALLEL else _X
     return up
 
@@ -77,10 +77,10 @@ def place_rigid_body(
     shape: Rigid | None = None,
     origin: Array | None = None,
 ) -> tuple[Body, Frame]:
-    """Rigid body with interfaces at named `points` (3, in m, base axes), and its frame there.
+    """Rigid body with interfaces at named `points` (3, in m, base axes), and its frame.
 
     The axes of the body are parallel to the base axes. The origin is `origin` (3, in m), by default
-    the first interface. `shape` is given in the frame of the body and is massless by default.
+    the first interface. `shape` (mass, centre and inertia, body axes) is massless by default.
     """
     names = tuple(interfaces)
     frame_origin = points[names[0]] if origin is None else origin

@@ -76,7 +76,7 @@ def tip_compliances(
     theory: Theory = "timoshenko",
     by: EquivalentBy = "stiffness",
 ) -> dict[str, Array]:
-    """6×6 compliance (SI, body axes) of each leg at its tip with its root clamped.
+    """6×6 compliance (SI, body axes) of each leg at its tip with its root clamped, by name.
 
     For a leg known by its 6×6, this is the 6×6 from the robot file if `springs` is "given". If it
     is "equivalent", it is that of the equivalent prismatic leg, matched `by` stiffness or
@@ -138,7 +138,7 @@ def tip_compliance_of(leg: LegMatrices) -> Array:
 def clamped_modes(leg: LegMatrices, count: int) -> Modes:
     """The lowest `count` natural modes of a leg model with its root clamped.
 
-    The shapes contain all unknowns of the leg (n×count, zero at the root), so that
+    The shapes contain all n unknowns of the leg (n×count, zero at the root), so that
     `leg.centreline(stations) @ shapes` are twists of the sections. Raises ComputationError under
     the conditions of `solve_modes`.
     """

@@ -37,12 +37,13 @@ KINDS = {"tension": (0,), "torsion": (3,), "bending y": (2, 4), "bending z": (1,
 
 @dataclass(frozen=True, eq=False)
 class SegmentChain:
-    """Rigid elements and massless ends of a leg from root to tip, and springs between neighbours.
+    """Rigid elements and massless ends of a leg (the bodies), and springs between neighbours.
 
-    `points` (b×3, in m from the root) are the reference points of the b bodies at `stations` (b, in
-    m along the leg), `springs_at` (b−1×3) those of the springs. `masses` (b×6×6) are mass matrices
-    at the reference points, `stiffnesses` (b−1×6×6) act on the relative twists at the springs. Leg
-    axes, SI. `line` is the centre line, None if it is the x axis.
+    `points` (b×3, in m from the root) are the reference points of the b bodies, in order from root
+    to tip, at `stations` (b, in m along the leg), `springs_at` ((b−1)×3, in m) those of the
+    springs. `masses` (b×6×6) are mass matrices at the reference points, `stiffnesses` ((b−1)×6×6)
+    act on the relative twists at the springs. Leg axes, SI. `line` is the centre line, None if it
+    is the x axis.
     """
 
     length: float
@@ -246,7 +247,11 @@ def static_leg(chain: SegmentChain) -> LegMatrices:
 
 
 def _spring_matrix(chain: SegmentChain, block: IntArray, rows: Sequence[int]) -> SparseMatrix:
-    """Stiffness Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21), from the components `rows` of the deflections."""
+    """Stiffness Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21), summed over all springs.
+
+    [C₂ C₁] maps the twists of two neighbouring bodies to the deflection of the spring K between
+    them. Only the components `rows` of the deflections are used.
+    """
     components, count = list(rows), len(chain.springs_at)
     neighbours = np.column_stack([np.arange(count), np.arange(count) + 1])
     levers = shift(chain.springs_at[:, None] - chain.points[neighbours])
@@ -271,8 +276,8 @@ def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
 def _interpolate(positions: Array, block: IntArray, stations: Array) -> SparseMatrix:
     """6k × n matrix that maps the n unknowns to the twists at k `stations`.
 
-    `stations` are distances (m) from the root. The twists are linear between the reference points
-    of the bodies.
+    `stations` are distances (m) from the root. Between the reference points of the bodies, twists
+    are interpolated linearly.
     """
     previous = np.clip(
         np.searchsorted(positions, stations, side="right") - 1, 0, len(positions) - 2

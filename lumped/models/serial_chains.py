@@ -124,7 +124,7 @@ def tool_displacements(
 
 
 def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) -> Array:
-    """Twist (6) at `end` (3, in m) due to the deflection of a drive by a force on its rotor."""
+    """Twist (6) at the point `end` (3, in m) if the load on its rotor deflects a drive."""
     joint = step.across
     drive = None if isinstance(joint, str) else drive_in(posture, joint)
     if isinstance(joint, str) or drive is None or drive.stiffness is None:
@@ -137,7 +137,7 @@ def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) 
 def _carriers(
     mechanism: Mechanism, legs: Mapping[str, Array], chain_steps: Sequence[_Step]
 ) -> dict[_Node, _Node]:
-    """For each node, the node of the chains that carries it: itself or a neighbour."""
+    """By node of the robot, the node of a chain that carries it: itself or a neighbour."""
     group = _groups(mechanism, legs)
     carrier = {node: node for step in chain_steps for node in step.nodes}
     remaining = [step for step in _steps(mechanism, legs, group) if step not in chain_steps]
@@ -152,7 +152,7 @@ def _carriers(
 def _paths(
     mechanism: Mechanism, legs: Mapping[str, Array]
 ) -> tuple[list[list[_Step]], list[_Step]]:
-    """Joints and legs of each chain from ground to platform, and those from there to the tool.
+    """Joints and legs of each chain from ground to platform, and those from platform to tool.
 
     Raises NoChainError if a chain branches, ComputationError if the tool is part of the ground.
     """
@@ -297,7 +297,7 @@ def _chain(posture: Posture, legs: Mapping[str, Array], path: list[_Step]) -> vj
 
 
 def _joint(posture: Posture, joint: Joint) -> tuple[list[Array], list[Array]]:
-    """Passive twists (6 each) and compliances (6×6 each) of a joint, base axes.
+    """Passive twists (6 each) of a joint, and its compliances (6×6 each), base axes.
 
     The first free twist of a driven joint is not passive.
     """

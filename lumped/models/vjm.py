@@ -163,8 +163,9 @@ def rounding(chains: Iterable[Chain]) -> Array:
     """Half-width (6×6, SI, 95 %) of the round-off error of the compliance C of parallel chains.
 
     The bordered matrix B of a chain has the round-off of a rotated stiffness
-    (`rounding_of_flexibility`): digits of L/EA are lost next to L³/3EI. The error of C is (XC)ᵀ δB
-    (XC), plus the round-off of the sum of the chains.
+    (`rounding_of_flexibility`): digits of a small compliance L/EA are lost next to a large one
+    L³/3EI. With the solution X of each chain (`_Bordered`), the error of C is (XC)ᵀ δB (XC), plus
+    the round-off of the sum of the chains.
     """
     solved = [_bordered_solution(chain, "chain") for chain in chains]
     flexibility = platform_compliance(
@@ -186,7 +187,11 @@ def _column_space(matrix: Array) -> Array:
 
 
 def _characteristic_length(reach: float, S: Array) -> float:
-    """Length (m) that makes rotations comparable to translations, from the chain or its springs."""
+    """Length (m) that makes rotations comparable to translations.
+
+    The larger of the `reach` (m) of a chain, and the length √(tr S_tt / tr S_rr) from the blocks of
+    the compliance `S` (6×6) of its springs for translation and rotation.
+    """
     translation, rotation = np.trace(S[:3, :3]), np.trace(S[3:, 3:])
     spring_length = np.sqrt(translation / rotation) if translation > 0.0 and rotation > 0.0 else 0.0
     return max(reach, float(spring_length)) or 1.0

@@ -66,7 +66,7 @@ def read_measured(
 
 
 def _value(name: str, text: str) -> Any:
-    """Value of a CSV cell as it would be in a robot file: a number if possible, else a text."""
+    """Value of a CSV cell, as in a robot file: a number if possible, otherwise a text."""
     if name == "pose":
         return [_value("", part) for part in text.split()]
     if name in {"quantity", "source"}:

@@ -19,9 +19,9 @@ class Hammer(NamedTuple):
     """A modal test in a pose, and its nodes by number.
 
     `uncertainty` and `calibration` are relative standard uncertainties of frequencies and of
-    responses. The coherence of responses refers to `averages` averages. Each node consists of the
-    name of a body, and a frame: the position (m) in body axes, and the axes of the node in base
-    axes during the test.
+    responses. Coherence was averaged over `averages` blows. `nodes` contains for each node the name
+    of its body, and a frame: the position (m) in body axes, and the axes of the node in base axes
+    during the test.
     """
 
     pose: tuple[float, ...]
@@ -31,9 +31,9 @@ class Hammer(NamedTuple):
     nodes: Mapping[int, tuple[str, Frame]]
 
     def freedoms(self, ends: Iterable[Iterable[int]]) -> Freedoms:
-        """Motions of nodes.
+        """Motions of nodes along their axes.
 
-        `ends` contains pairs of a node's number and one of its axes (0 to 2).
+        `ends` contains pairs: the number of a node, and one of its axes (0 to 2).
         """
         motions = [(*self.nodes[number], axis) for number, axis in ends]
         return Freedoms(

@@ -60,7 +60,7 @@ class _Includer:
     def lines(self, file: Path, content: bytes, chain: tuple[Path, ...]) -> Iterator[DeckLine]:
         """Lines of a file.
 
-        `chain` contains the files from the deck to this file that include each other.
+        `chain` contains the files from the deck to this one, each of which includes the next.
         """
         text = content.decode("utf-8-sig", "replace").replace("\r\n", "\n").replace("\r", "\n")
         numbered = iter(enumerate(text.split("\n"), start=1))

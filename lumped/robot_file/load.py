@@ -84,7 +84,7 @@ class RobotFile:
 
     @property
     def schema(self) -> int:
-        """Format of the file: 2 with named bodies and joints, 1 for the biglide."""
+        """Format of the file: 2 for a mechanism of named bodies and joints, 1 for the biglide."""
         return int(self.tables.get("schema", 2))
 
     @property
@@ -146,7 +146,7 @@ class RobotFile:
 
     @property
     def printed_compliances(self) -> tuple[Printed, ...]:
-        """6×6 compliances of the robot, each with half a unit of the last digit of its entries."""
+        """6×6 compliances of the robot, and half a unit of the last printed digit of each entry."""
         return tuple(printed_compliances(_changed(decimal_tables(self.text), self.changes)))
 
     @property

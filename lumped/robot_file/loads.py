@@ -265,9 +265,9 @@ def _names_twice(read: Sequence[Mapping[str, Any]], array_name: str) -> Iterator
 def _wrenches_over(path: Path, robot: Mechanism) -> Array:
     """Wrenches (p×6, in N and N m, base axes) for all p poses of the robot's path, from a CSV file.
 
-    Its columns are Fx Fy Fz Mx My Mz, and either `pose` (number of the pose along the path, from 1)
-    or the coordinates of the pose under the names of the tool's moves. Other columns are ignored.
-    Raises InputError with one line per fault.
+    The columns of the file are Fx Fy Fz Mx My Mz, and either `pose` (number of the pose along the
+    path, from 1) or the coordinates of the pose under the names of the tool's moves. Other columns
+    are ignored. Raises InputError with one line per fault.
     """
     rows = table_rows(path, "a CSV file of wrenches", _COMPONENTS, MOST_POSES)
     headings = rows[0].cells

@@ -55,8 +55,8 @@ def numbers_of(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
 def keys_named(tables: Mapping[str, Any], names: Collection[str]) -> list[str]:
     """Keys of numbers and matrices in the tables whose last part is one of `names`.
 
-    If a table within an entry has such a name, the keys of all its numbers, such as those of
-    `joints.a.stiffness`.
+    If a table within an entry has such a name, as in `joints.a.stiffness`, the keys of all numbers
+    in the table.
     """
     keys = dict.fromkeys(key.partition("[")[0] for key, _ in numbers_of(tables))
     parts = {key: key.split(".") for key in keys}
@@ -86,7 +86,7 @@ def unit_of(tables: Mapping[str, Any], key: str) -> str:
 
 
 def _steps(key: str) -> list[str | int]:
-    """Names and indices (from 0) in a key, from the outermost table inwards."""
+    """Parts of a key: names and indices (from 0), from the outermost table inwards."""
     if _KEY.fullmatch(key.strip()) is None:
         raise LookupError(key)
     steps: list[str | int] = []

@@ -42,7 +42,7 @@ class Printed(NamedTuple):
 
 
 class TableRow(NamedTuple):
-    """A row of a CSV file: its location `place` for messages, and its `cells` by column heading."""
+    """A row of a CSV file: location `place` (for messages), and `cells` by column heading."""
 
     place: str
     cells: Mapping[str, str]

@@ -24,7 +24,7 @@ _ALLOWED = "must be KEY=FROM:TO:COUNT, such as bodies.rod1.section.diameter=0.02
 
 @dataclass(frozen=True)
 class Variation:
-    """The numbers at `keys` with their successive common `values`. `key` is the key as typed."""
+    """Numbers at `keys` that take the same `values` one after the other. `key`: as typed."""
 
     key: str
     keys: tuple[str, ...]
@@ -61,7 +61,8 @@ def varied(
 ) -> list[tuple[tuple[float, ...], RobotFile]]:
     """Yield each combination of the values of `variations` with its robot file.
 
-    Raises InputError for the first impossible robot only, because others have the same cause.
+    Raises InputError for the first impossible robot only, because others are usually impossible for
+    the same reason.
     """
     robots = []
     for values in product(*(variation.values for variation in variations)):

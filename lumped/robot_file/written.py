@@ -18,7 +18,7 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 def toml_of(tables: Mapping[str, Any]) -> str:
     """TOML text of a dictionary, one line for each top-level entry.
 
-    Arrays of numpy are written as lists, paths as texts. Raises InputError with one line for each
+    Numpy arrays are written as lists, paths as texts. Raises InputError with one line for each
     value that TOML cannot represent.
     """
     faults: list[str] = []

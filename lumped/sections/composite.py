@@ -5,8 +5,8 @@ force there does not bend the leg. EA and EI are sums over the parts. GJ, shear 
 stiffness are computed on the edges of all parts (`lumped.sections.saint_venant`): GJ with the shear
 modulus of each part, shear with one mean Poisson's ratio EA/2GA − 1.
 
-Parts of different Poisson's ratios restrain each other's contraction. That makes EA and EI larger
-by an amount of second order in the difference, which is left out here.
+Parts of different Poisson's ratios restrain each other's contraction. This increases EA and EI by
+an amount of second order in the difference of the ratios, which is neglected here.
 """
 
 from collections.abc import Sequence
@@ -123,7 +123,7 @@ class Composite(EdgedSection):
 
     @property
     def mean_material(self) -> tuple[float, float, float, float]:
-        """E, G (Pa), ν and ρ (kg/m³) with the section's EA, GA and mass per length: E = EA/A."""
+        """E, G (Pa), ν and ρ (kg/m³) of one material with the same EA, GA and mass per length."""
         areas = np.array([_area(part) for part in self.parts])
         E, G, rho = (
             float(areas @ [getattr(part, name) for part in self.parts] / areas.sum())
@@ -149,7 +149,7 @@ class Composite(EdgedSection):
 
     @property
     def part_moments(self) -> tuple[Array, ...]:
-        """Matrices Σ (2×2, m⁴) of the parts about the centroid of the stiffness."""
+        """Matrices Σ = ∫ s sᵀ dA (2×2, m⁴) of the parts about the centroid of the stiffness."""
         centred = [area_moments(loops) for loops in self.centred_loops]
         return tuple(moments + area * np.outer(at, at) for area, at, moments in centred)
 
@@ -189,7 +189,7 @@ def _area(part: CompositePart) -> float:
 
 @memo(64)
 def _stiffness_moments(section: Composite) -> tuple[Array, Array]:
-    """Centroid (2, in m) and Σ (2×2, in m⁴) about it, weighted by E over its mean."""
+    """Centroid (2, in m) and Σ = ∫ s sᵀ dA (2×2, in m⁴) about it, both weighted by E/(mean E)."""
     E, *_ = section.mean_material
     _, centroid, moments = weighted_moments(_regions(section, "E", E))
     return centroid, moments
@@ -197,7 +197,10 @@ def _stiffness_moments(section: Composite) -> tuple[Array, Array]:
 
 @memo(64)
 def _mass_moments(section: Composite) -> tuple[Array, Array]:
-    """Centre of mass (2, in m), and Σ (2×2, in m⁴) about the centroid, weighted by density."""
+    """Centre of mass (2, in m), and ∫ s sᵀ dA (2×2, in m⁴) about the centroid of the stiffness.
+
+    Both are weighted by the density over its mean.
+    """
     *_, rho = section.mean_material
     area, centre, moments = weighted_moments(_regions(section, "rho", rho))
     offset = centre - _stiffness_moments(section)[0]
@@ -214,9 +217,9 @@ def _torsion_constant(section: Composite) -> float:
 
 @memo(64)
 def _solution(section: Composite, modulus: str) -> tuple[RimSolution, float]:
-    """Torsion and flexure in units of the section's size, and the size (m).
+    """Torsion and flexure of the section scaled to size 1, and its size (m).
 
-    Weights are a `modulus` of the parts over its mean.
+    Each part is weighted by its `modulus` ("E" or "G"), divided by the mean of this modulus.
     """
     E, G, *_ = section.mean_material
     mean = E if modulus == "E" else G
@@ -227,12 +230,12 @@ def _solution(section: Composite, modulus: str) -> tuple[RimSolution, float]:
 
 
 def _regions(section: Composite, constant: str, mean: float) -> list[Region]:
-    """Regions of the parts, weighted by one of their constants over its mean."""
+    """Regions of the parts, weighted by the part's `constant` ("E", "rho", …) over its `mean`."""
     return [Region(part.loops, getattr(part, constant) / mean) for part in section.parts]
 
 
 def part_faults(regions: Sequence[Sequence[Loop]]) -> list[str]:
-    """Faults of parts that overlap, or that are not in one piece along edges."""
+    """Faults of parts that overlap, or that are not joined along edges into one piece."""
     names = [f"parts[{number}]" for number in range(1, len(regions) + 1)]
     corners = np.vstack([loop for loops in regions for loop in loops])
     size = float(np.ptp(corners, axis=0).max())

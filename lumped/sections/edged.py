@@ -17,7 +17,7 @@ OFF_CENTRE = 1e-7
 
 
 class EdgedSection(Section):
-    """A section with torsion constant, shear centre and shear flexibility by boundary elements."""
+    """A section whose torsion and shear constants are computed by boundary elements."""
 
     @property
     @abstractmethod
@@ -47,8 +47,8 @@ class EdgedSection(Section):
     def _shear_flexibility(self, nu: float) -> Array:
         """Dimensionless shear flexibility (2×2), with 1/κ for shear along y and z on the diagonal.
 
-        Its entries are GA/V² times twice the strain energy per length due to unit forces along y
-        and z.
+        Entry (f, g) is GA ∫ τ_f·τ_g/G dA with the shear stresses τ_f due to a unit force f along y
+        or z.
         """
         solution, _ = self.flexure
         ratio = nu / (2.0 * (1.0 + nu))
@@ -57,6 +57,6 @@ class EdgedSection(Section):
 
 
 def product_of(moments: Array) -> float:
-    """Product moment of a matrix of second moments (2×2). 0 if it is round-off."""
+    """Off-diagonal entry of a matrix of second moments (2×2). 0 if it is only round-off."""
     product = float(moments[0, 1])
     return product if abs(product) > _SYMMETRIC * float(np.trace(moments)) else 0.0

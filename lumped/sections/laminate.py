@@ -12,8 +12,9 @@ tension and twist are coupled, which the models do not have. Layers at +θ and �
 radii; the coupling that this leaves is of the order of the wall's thickness over its radius, and is
 left out.
 
-EA and EI, and GJ of a tube, are sums over the layers as sections of their own, which are exact for
-layers of one stiffness. GJ of a box is Bredt's. Shear stiffness follows from the shear flow.
+EA and EI, and GJ of a tube, are sums over the layers, each taken as a section of its own. The sums
+are exact if all layers have the same stiffness. GJ of a box follows from Bredt's formula. Shear
+stiffness follows from the shear flow.
 """
 
 from abc import abstractmethod
@@ -99,7 +100,7 @@ class Laminate(Section):
     @property
     @abstractmethod
     def shells(self) -> tuple[Section, ...]:
-        """The layers as sections of their own."""
+        """The layers, each as a section of its own."""
 
     @property
     @abstractmethod
@@ -113,7 +114,7 @@ class Laminate(Section):
 
     @property
     def mean_material(self) -> tuple[float, float, float, float]:
-        """E, G (Pa), ν and ρ (kg/m³) of the wall: EA/A, its shear modulus, A12/A22, density."""
+        """E = EA/A, shear modulus G (Pa), ν = A12/A22 and ρ (kg/m³) of the wall."""
         areas = self._of_shells("area")
         sums = self._sum(areas)
         return (
@@ -195,7 +196,7 @@ class Laminate(Section):
 
 
 def _tension(sums: Array) -> float:
-    """Stiffness in tension along the axis with a free circumference, of sums of Q̄."""
+    """Stiffness in tension along the axis, with free circumference, from `sums` (3×3) of Q̄."""
     return float(sums[0, 0] - sums[0, 1] ** 2 / sums[1, 1])
 
 
@@ -266,9 +267,10 @@ class LaminateBox(Laminate):
 
 
 def _box_shear_length(flange: float, web: float) -> float:
-    """κA/t (m) of a thin box: V² over ∮ q² ds of the shear flow q by a force along its webs.
+    """κA/t = V²/∮ q² ds (m) of a thin box with the shear flow q due to a force V along its webs.
 
-    q I/V t = s h/2 in the flanges, from their middles, and b h/4 + h²/8 − z²/2 in the webs.
+    With flanges of width b, webs of height h and wall thickness t, q I/(V t) is s h/2 in the
+    flanges, at a distance s from their middles, and b h/4 + h²/8 − z²/2 in the webs.
     """
     b, h = flange, web
     moment = b * h**2 / 2.0 + h**3 / 6.0

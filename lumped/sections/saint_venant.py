@@ -253,7 +253,7 @@ def _polynomials(slopes: Array, y: Array, z: Array) -> Array:
 
 
 def _polygon_integral(loops: Sequence[Loop], of: _Integrand) -> Array:
-    """Integral over a polygon of a polynomial of degree up to ten, by triangles from the origin."""
+    """Integral over a polygon of a polynomial of degree up to ten, by triangles at the origin."""
     shares, weights = _unit_gauss()
     total: Array | float = 0.0
     for loop in loops:
@@ -354,9 +354,10 @@ def _vertices_between(places: Array, start: Array, end: Array, gap: float) -> li
 def _smallest_at_vertices(partition: Partition, kept: NDArray[np.bool_]) -> Array:
     """Length of the boundary elements at each vertex of several regions.
 
-    If edges of two regions meet at a vertex, displacements have a term r^λ, with λ above ½ except
-    for extreme ratios of the moduli. There is none if the edges continue straight, with at most a
-    perpendicular branch.
+    `kept` is True for the edges that have elements. If edges of two regions meet at a vertex,
+    displacements have a term r^λ, with λ above ½ except for extreme ratios of the moduli. There is
+    no such term if the edges continue straight through the vertex, with at most a perpendicular
+    branch.
     """
     smallest = np.full(len(partition.vertices), np.inf)
     for number, vertex in enumerate(partition.vertices):
@@ -378,10 +379,10 @@ def _smallest_at_vertices(partition: Partition, kept: NDArray[np.bool_]) -> Arra
 
 
 def _sharpest_opening(openings: Array, filled: NDArray[np.bool_]) -> float:
-    """Interior angle (rad) of a corner with as strong a stress singularity as adjacent sectors.
+    """Interior angle (rad) of a corner whose stress singularity represents that at a vertex.
 
-    `openings` (rad) are the angles of the sectors about a vertex. `filled` is True for sectors that
-    belong to a region.
+    0 if there is no singularity. `openings` (rad) are the angles of the sectors about a vertex.
+    `filled` is True for sectors that belong to a region.
     """
     if np.count_nonzero(filled) == 1:
         inner = float(openings[filled][0])

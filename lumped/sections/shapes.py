@@ -94,7 +94,7 @@ class Section(ABC):
 
     @property
     def inertia_moments(self) -> tuple[float, float, float]:
-        """∫z², ∫y² and ∫yz (m⁴) about the centroid, weighted by the density over its mean."""
+        """∫z² dA, ∫y² dA, ∫yz dA (m⁴) about the centroid, weighted by density over mean density."""
         return self.second_moment_y, self.second_moment_z, self.product_moment
 
     @property
@@ -114,7 +114,7 @@ class Section(ABC):
         return wrong or self._own_faults(unit)
 
     def _own_faults(self, unit: str) -> list[str]:  # noqa: ARG002
-        """Faults of the combination of dimensions that are each above zero."""
+        """Faults of the combination of dimensions, each of which is above zero."""
         return []
 
 
@@ -272,7 +272,7 @@ def _box_shear(flange: float, web: float, nu: float) -> float:
 def _thin_walled_shear(m: float, nu: float, flanges: float) -> float:
     """Cowper's κ of a thin-walled section whose flanges have m times the area of its webs.
 
-    `flanges` is the term of the denominator due to the width of the flanges.
+    `flanges` is the term of the denominator of κ due to the width of the flanges.
     """
     numerator = 10.0 * (1.0 + nu) * (1.0 + 3.0 * m) ** 2
     free_of_nu = 12.0 + 72.0 * m + 150.0 * m**2 + 90.0 * m**3

@@ -1,6 +1,6 @@
 """First and fourth moments of area of shapes with two axes of symmetry.
 
-Tapered legs need both, and bars that are as thick as their radius of curvature is short need the
+Tapered legs need both. Bars whose radius of curvature is of the order of their thickness need the
 fourth moments.
 """
 

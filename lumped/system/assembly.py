@@ -39,8 +39,8 @@ class System:
     """Stiffness and mass matrices (n×n, SI, dense or sparse) of a mechanism in one posture.
 
     The first unknowns are the unknowns of the nodes (`motions`), the others are internal to the
-    bodies. `tool` (6×n) is the matrix from the unknowns to the twist of the loaded point in base
-    axes. By body, `ends` contains the matrix from the unknowns of the nodes to the twists of the
+    bodies. `tool` (6×n) maps the unknowns to the twist of the loaded point in base axes. `ends`
+    contains, for each body, the matrix that maps the unknowns of the nodes to the twists of the
     body's interfaces in body axes, and `inside` the slice of the body's internal unknowns.
     """
 
@@ -87,7 +87,7 @@ class System:
 
 @dataclass(frozen=True, eq=False)
 class NodeMatrices:
-    """Matrices on the n unknowns of the nodes in P postures: all that depends on the posture.
+    """Matrices for the n unknowns of the nodes in P postures: all that depends on the posture.
 
     `stiffness` and `mass` are P×n×n. `ends` (P×6m×n, by body) and `tool` (P×6×n) are those of
     `System` without the internal unknowns of bodies.
@@ -138,7 +138,7 @@ class Assembly:
         }
 
     def node_matrices(self, postures: Sequence[Posture]) -> NodeMatrices:
-        """Matrices on the unknowns of the nodes in P postures.
+        """Matrices for the unknowns of the nodes in P postures.
 
         Raises UnevenError if the postures differ in the number of unknowns.
         """
@@ -191,9 +191,9 @@ class Assembly:
     def _stiffness_and_mass(
         self, node_motions: Motions, frames: Frames, ends: Mapping[str, Array], tool: Array
     ) -> tuple[Array, Array]:
-        """Stiffness and mass matrices (P×n×n) on the unknowns of the nodes.
+        """Stiffness and mass matrices (P×n×n) for the unknowns of the nodes.
 
-        `tool` is that of `System`.
+        `ends` and `tool` are as in `NodeMatrices`.
         """
         shape = (len(tool), tool.shape[2], tool.shape[2])
         stiffness, mass = np.zeros(shape), np.zeros(shape)
@@ -222,7 +222,7 @@ class Assembly:
         return stiffness, mass
 
     def _bordered(self, outer: Array, kind: int, ends: Mapping[str, Array]) -> Array | SparseMatrix:
-        """Full matrix of a system: the block `outer` of the nodes, coupling and internal blocks.
+        """Full matrix of a system: the block `outer` of the nodes, the coupling, and the inside.
 
         `kind` is 0 for the stiffness, 1 for the mass.
         """
@@ -251,9 +251,10 @@ def _name(posture: Posture) -> str:
 
 
 def _add(total: Array, rows: Array, matrix: Array | None) -> None:
-    """Add RᵀMR to `total` (P×n×n), with the `rows` R (P×k×n) and a symmetric M.
+    """Add RᵀMR to `total` (P×n×n), with the `rows` R (P×k×n) and a symmetric `matrix` M.
 
-    None is the identity. Most bodies depend on few unknowns, so that zero columns of R are omitted.
+    M is the identity if it is None. Most bodies depend on few unknowns, so that zero columns of R
+    are omitted.
     """
     used = np.flatnonzero(np.any(rows, axis=(0, 1)))
     used_rows = rows[..., used]
@@ -262,7 +263,7 @@ def _add(total: Array, rows: Array, matrix: Array | None) -> None:
 
 
 def _split(model: BodyModel, matrix: str) -> tuple[Array, Array | SparseMatrix, SparseMatrix]:
-    """Blocks of the stiffness or mass matrix of a body: interfaces, coupling, inside."""
+    """Blocks of a `matrix` ("stiffness" or "mass") of a body: interfaces, coupling, inside."""
     full = getattr(model, matrix)
     count = 6 * len(model.interfaces)
     if not issparse(full):
@@ -286,7 +287,7 @@ def _ends(node_motions: Motions, frames: Frames, body: str) -> Array:
 
 
 def rigid_mass(shape: Rigid) -> Array:
-    """6×6 mass matrix (SI, body axes) of a rigid body at the origin of its axes."""
+    """6×6 mass matrix (SI, body axes) of a rigid body, referred to the origin of its axes."""
     to_centre = shift(shape.centre)
     at_centre = np.zeros((6, 6))
     at_centre[:3, :3] = shape.mass * np.eye(3)

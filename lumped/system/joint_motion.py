@@ -23,7 +23,7 @@ _RIGID = 1e-14
 
 @dataclass(frozen=True)
 class Portion:
-    """A part of a mechanism that stores strain energy: body or joint, and kind of deformation.
+    """A store of strain energy in a mechanism: a body or joint, and a kind of deformation.
 
     `of` is the name of the body or joint. `kind` is "tension", "bending z", … for a body ("" if its
     model does not split the energy), and "drive" or "compliance" for a joint.
@@ -70,8 +70,8 @@ def joint_motion(
 
     The rotations are counted from the reference posture. `length` (m) makes translations and
     rotations comparable. A drive acts on the first free twist; a drive without stiffness locks it.
-    `stiffness` (…) is that of a ball screw in these postures; None for that of the drive.
-    Raises UnevenError if the number of elastic directions depends on the posture.
+    `stiffness` (…) is the stiffness of a ball screw in these postures. If it is None, that of the
+    drive is used. Raises UnevenError if the number of elastic directions depends on the posture.
     """
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
     free = unit * joint_twists(joint, first, second)
@@ -121,10 +121,10 @@ def rotor_moves_alone(joint: Joint) -> bool:
 
 
 def elastic_directions(joint: Joint, first: Array, second: Array) -> tuple[Array, Array]:
-    """Wrenches (6×e, base axes) that an elastic joint resists elastically, and compliances (e).
+    """Wrenches (6×e, base axes) that strain an elastic joint, and the compliance (e) for each.
 
-    They do no work on the passive free twists. Under the wrenches across them the joint is rigid.
-    `first` and `second` (3×3) are the rotations of its bodies from the reference posture.
+    They do no work on the passive free twists. Under wrenches orthogonal to them the joint is
+    rigid. `first` and `second` (3×3) are the rotations of its bodies from the reference posture.
     """
     free = joint_twists(joint, first, second)
     compliance = turn_matrix(np.asarray(joint.compliance), first)
@@ -170,7 +170,7 @@ def _condensed(passive: Array, root: Array) -> tuple[Array, Array]:
 
 
 def same_rank(above: Array) -> int:
-    """Number of true values per row of `above` (…×n). Raises UnevenError if the rows differ."""
+    """Number of True values in each row of `above` (…×n). Raises UnevenError if rows differ."""
     ranks = np.unique(np.sum(above, axis=-1))
     if len(ranks) != 1:
         raise UnevenError
@@ -178,7 +178,7 @@ def same_rank(above: Array) -> int:
 
 
 def _sized(basis: Array, springs: dict[Portion, Array], elastic: int, unit: Array) -> JointMotion:
-    """Joint motion in SI units from a dimensionless basis, scaled by the factors `unit` (6×1)."""
+    """Joint motion in SI units, from a dimensionless basis scaled by the factors `unit` (6×1)."""
     size = 1.0 / np.linalg.norm(basis, axis=-2, keepdims=True)
     return JointMotion(
         basis * size / unit, {part: rows * size for part, rows in springs.items()}, elastic
@@ -193,7 +193,7 @@ def _root(compliance: Array) -> Array:
 
 
 def printed_release(stiffness: Array) -> Array:
-    """Stiffness (6×6) with zero row and column φz: the release K_R = I₅ K_S I₅ of eq. (25)."""
+    """Stiffness (6×6) with row and column φz set to zero: release K_R = I₅ K_S I₅ of eq. (25)."""
     mask = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
     released: Array = stiffness * mask[:, None] * mask
     return released

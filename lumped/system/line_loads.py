@@ -36,9 +36,9 @@ def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> A
 
 
 def end_wrenches(properties: BeamProperties, length: float, load: LineLoad) -> Array:
-    """Wrenches (2×6) on root and tip of a uniform leg that do the work of a load along it.
+    """Wrenches (2×6) on root and tip of a uniform leg that are equivalent to a load along it.
 
-    They are opposite to the reactions of clamped ends, and displacements of the ends are exact.
+    They are opposite to the reactions of clamped ends, so that displacements of the ends are exact.
     With the root clamped, a wrench w at x moves the tip by X C(x) w, with the compliance C of the
     part before x and the transformation X to the tip. The wrench on the tip moves it as far as the
     load does.
@@ -58,7 +58,7 @@ def end_wrenches(properties: BeamProperties, length: float, load: LineLoad) -> A
 def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> LineLoad:
     """Inertia and weight, per length, of a uniform leg that moves as a rigid body.
 
-    `motion` is that of its root in leg axes, with gravity as an acceleration of opposite sign.
+    `motion` is the motion of the root in leg axes, from whose acceleration gravity is subtracted.
     """
     rotary = np.diag([properties.rho_J, properties.rho_Iy, properties.rho_Iz])
     rotary[1, 2] = rotary[2, 1] = -properties.rho_Iyz
@@ -77,8 +77,8 @@ def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> L
 def linear_load(root: Array, tip: Array, length: float) -> LineLoad:
     """Load that varies linearly along a leg, from wrenches (6 each, in N and N m) on its ends.
 
-    Force and moment of the load are the sum of both wrenches. Axial force and torque are also
-    distributed to the two ends as in the wrenches.
+    Resultant force and moment of the load are those of both wrenches together. Axial force and
+    torque are also divided between the two ends as in the wrenches.
     """
     first, last = 2.0 * (2.0 * root - tip) / length, 2.0 * (2.0 * tip - root) / length
     total = root + tip

@@ -140,7 +140,10 @@ def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> lis
 
 
 def _on_interfaces(posture: Posture, name: str, wrenches: Array) -> list[AppliedWrench]:
-    """Wrenches on the m interfaces of a body, from those in body axes (6m or m×6)."""
+    """Wrenches on the m interfaces of a body in base axes, from `wrenches` in body axes.
+
+    The shape of `wrenches` is 6m or m×6.
+    """
     axes = turn(posture.frames[name].rotation)
     return [
         AppliedWrench(name, point, interface_position(posture, Side(name, point)), axes @ wrench)
@@ -258,7 +261,7 @@ def work_on(system: System, load: Loading) -> Array:
 def tool_displacements(solution: Solved, loads: Sequence[Loading]) -> Array:
     """Displacements (l×6, in m and rad, base axes) of the loaded point under each of l loads.
 
-    If a load acts on an idle motion, that motion follows freely.
+    If a load does work on an idle motion, that motion follows freely.
     """
     system = solution.system
     # The shape is given because a rigid mechanism has no unknowns and hence empty rows.

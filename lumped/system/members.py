@@ -1,4 +1,4 @@
-"""Member forces: forces and moments in the sections of the legs of a loaded mechanism."""
+"""Forces and moments in the sections of the legs of a loaded mechanism (member forces)."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class MemberForces:
     """Forces N, Qy, Qz, T, My, Mz (s×6, in N and N m, leg axes) in sections at `stations` (s, m).
 
     The stations are distances from the root. Components that statics does not determine are NaN.
-    `half_width` (6) is that of their numerical uncertainty.
+    `half_width` (6) is the half-width of the numerical uncertainty of each component.
     """
 
     leg: str
@@ -37,7 +37,7 @@ class MemberForces:
 def member_forces(
     posture: Posture, name: str, forces: InternalForces, load: Loading
 ) -> MemberForces:
-    """Forces in the sections of a leg.
+    """Forces in the sections of the leg `name`.
 
     Stations include the ends of line loads and the zeros of both shear forces, at which bending
     moments are largest. If the mass of the model is not that of the line loads, the difference is

@@ -2,8 +2,9 @@
 
 A node is a rigid body, or one interface of a deformable body. No penalties are used: the unknowns
 that a joint constrains are eliminated, joint by joint, starting from nodes whose motion is already
-expressed by unknowns. The node on the other side of a joint has the motion of the first node plus
-the relative motion of the joint. Along passive free twists it has its own unknowns instead.
+expressed by the remaining unknowns. The node on the other side of a joint has the motion of the
+first node plus the relative motion of the joint. Along passive free twists it has its own unknowns
+instead.
 
 A joint between two nodes whose motions are already expressed closes a loop of rigid bodies. Its
 constraints are eliminated by their null space. Such loops do not occur if the bodies between the
@@ -73,8 +74,8 @@ class Motions:
     The twists of the N nodes are `twists` y (…×N×6×n, base axes) at `places` (…×N×3, in m), in one
     posture or in many. A unit of y moves the mechanism about as far as it is long. `springs`
     contains, for each elastic part of a joint, the matrix D (…×k×n) of its strain energy ½|D y|²
-    (J). `locks` y (…×l×n) are dimensionless deflections of all springs: the motions for which they
-    are zero are those with locked springs.
+    (J). `locks` y (…×l×n) are dimensionless deflections of all springs, which are zero for motions
+    with locked springs.
     """
 
     structure: Structure
@@ -84,9 +85,9 @@ class Motions:
     locks: Array
 
     def at(self, body: str, point: str, position: Array) -> Array:
-        """Matrix (…×6×n) from the unknowns to the twist, at `position`, of an interface's node.
+        """Matrix (…×6×n) that maps the unknowns to the twist of an interface's node.
 
-        `position` (…×3, in m) and the twist are in base axes.
+        The twist is taken at `position` (…×3, in m). Both are in base axes.
         """
         node = self.structure.node(body, point)
         if node == _FIXED:
@@ -230,7 +231,7 @@ def motions(structure: Structure, frames: Frames) -> Motions:
 
 
 def _projector(free: Array, unit: Array) -> Array:
-    """Matrix (…×6×6) that projects twists on the `free` ones (…×6×k), least squares.
+    """Matrix (…×6×6) that projects twists onto the span of `free` (…×6×k) by least squares.
 
     The components are made dimensionless by the factors `unit` (6).
     """

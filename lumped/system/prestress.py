@@ -42,9 +42,9 @@ class Prestressed(Protocol):
     def __call__(self, ends: Array, distributed: Array, *, spins: bool) -> Array:
         """Geometric stiffness (r×r, SI) of a body with elastic forces `ends` on its interfaces.
 
-        `ends` (6m, body axes) are balanced by the elastic stiffness of the body. `distributed` is
-        the part of them that acts along the length. `spins` is True if the body can spin idly about
-        its x axis.
+        `ends` (6m, body axes) are balanced by the elastic stiffness of the body. `distributed` (6m)
+        is the part of `ends` that represents loads along the length. `spins` is True if the body
+        can spin idly about its x axis.
         """
         ...
 
@@ -135,8 +135,8 @@ def _rotating_body(ends: Array, positions: Array, forces: Array) -> Array:
     """Geometric stiffness of a body under `forces` (6k) on interfaces at `positions` (k×3, in m).
 
     All in body axes. `ends` is the matrix from the unknowns to the twists of the interfaces.
-    Relative to axes that rotate with the body by θ, the interfaces have the second-order
-    displacements −θ × u + ½ θ × (θ × r) and the rotations −½ θ × θᵢ.
+    Relative to axes that rotate with the body by θ, an interface at r with displacement u and
+    rotation θᵢ has the second-order displacement −θ × u + ½ θ × (θ × r) and rotation −½ θ × θᵢ.
     """
     arms = positions - positions.mean(axis=0)
     size = float(np.abs(arms).max(initial=0.0)) or 1.0
@@ -162,7 +162,7 @@ def _rotating_body(ends: Array, positions: Array, forces: Array) -> Array:
 def _joint_stiffness(system: System, joint: Joint, wrench: Array) -> Array:
     """Geometric stiffness of a joint with a `wrench` (6) on its second body.
 
-    The matrix is on the unknowns of the nodes.
+    The matrix is for the unknowns of the nodes.
     """
     motions, position = system.motions, interface_position(system.posture, joint.first)
     first, second = (

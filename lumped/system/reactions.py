@@ -45,9 +45,9 @@ _DEPENDENT = 1e-9
 class BodyForces:
     """Forces (6m, in N and N m, body axes) on the m interfaces of a deformable body.
 
-    `elastic` are those that its stiffness balances, `load` those of the load on its mass, and
-    `inertia` is its mass times the acceleration of an idle motion. `rounding` is the half-width of
-    round-off.
+    `elastic` are the forces that the stiffness of the body balances, `load` those of the load on
+    its mass, and `inertia` is its mass times the acceleration of an idle motion. `rounding` is the
+    half-width of their round-off error.
     """
 
     elastic: Array
@@ -86,9 +86,10 @@ class JointWrench:
 class Reaction:
     """Wrench (6, in N and N m) of a joint on its second body, at its first interface, joint axes.
 
-    Components are NaN if statics does not determine them. `half_width` (6) is that of its numerical
-    uncertainty. `drive` (N or N m) is the force of the motor along the joint's first free twist,
-    the inertia of its rotor included. None if the joint has no drive. `drive_unit` is its unit.
+    Components are NaN if statics does not determine them. `half_width` (6) is the half-width of the
+    numerical uncertainty. `drive` (N or N m) is the force of the motor along the joint's first free
+    twist, including the inertia force of its rotor. None if the joint has no drive. `drive_unit` is
+    its unit.
     """
 
     joint: str
@@ -102,8 +103,8 @@ class Reaction:
 class InternalForces:
     """Forces of a system under a load: in deformable bodies by name, and in all joints.
 
-    `displacements` (n) are the unknowns of the system, idle motions locked. `idle_acceleration` (n)
-    is that of idle motions under the load.
+    `displacements` (n) are the unknowns of the system with idle motions locked. `idle_acceleration`
+    (n) is the acceleration of idle motions under the load.
     """
 
     displacements: Array
@@ -117,8 +118,8 @@ def joint_axes(posture: Posture, joint: Joint) -> Array:
 
     x is the axis of the joint, or the normal of both axes of a universal joint
     (`catalogue.directions`). z of a prismatic joint is as close to the base's z axis as possible,
-    unless the joint is along it. Fixed and spherical joints have the base axes of the reference
-    posture. The axes rotate with the first body.
+    unless the joint slides along the base's z axis. Fixed and spherical joints have the base axes
+    of the reference posture. The axes rotate with the first body.
     """
     first = rotation_since_reference(posture, joint.first.body)
     if joint.kind in {"fixed", "spherical"}:
@@ -248,7 +249,7 @@ class _Equilibrium:
         )
 
     def _conditions(self) -> tuple[Array, Array]:
-        """Rows (c×6j) of equilibrium and of passive free twists, and their right side (c)."""
+        """Conditions of equilibrium and of passive free twists: matrix (c×6j), right side (c)."""
         system, unit = self.system, self._unit
         motions, joints = system.motions, self._joints
         node_wrenches = self._node_wrenches()

@@ -4,8 +4,8 @@ A part with the loss factor η has the stiffness (1 + iη) K under forces with e
 2πη times its stored energy in every cycle (hysteretic damping). With K* = Σ (1 + iη) K of bodies,
 joints and drives, the receptance of the tool is H = T (K* − ω²M)⁻¹ Tᵀ, where T is the matrix from
 the unknowns to the twist of the tool and the displacements of other points. It is computed in a
-basis V of the real modes up to a cut-off frequency, and of the residual static responses to unit
-loads on T and to the dissipative forces. With A = T V, S = VᵀK*V and C = VᵀMV,
+basis V of the real modes up to a cut-off frequency, and of the static responses that these modes
+lack, to unit loads on T and to the dissipative forces. With A = T V, S = VᵀK*V and C = VᵀMV,
 
     H = A (S − ω²C)⁻¹ Aᵀ = Σ g / (1 − ω²μ),    S⁻¹C = P diag(μ) P⁻¹
 
@@ -78,7 +78,7 @@ class DampedModes:
 
     @cached_property
     def frequencies(self) -> Array:
-        """Natural frequencies (Hz, r values). Infinite for motions without mass."""
+        """Natural frequencies (r values, in Hz). Infinite for motions without mass."""
         massive = np.abs(self.inverses) > _ROUNDING * np.abs(self.inverses).max(initial=0.0)
         squares = np.divide(
             1.0, self.inverses, out=np.full_like(self.inverses, np.inf), where=massive
@@ -87,7 +87,7 @@ class DampedModes:
 
     @cached_property
     def losses(self) -> Array:
-        """Loss factors (r values) of the modes: those of the parts plus twice the damping ratio."""
+        """Loss factors (r values) of the modes: due to the parts, plus twice the damping ratio."""
         finite = np.isfinite(self.frequencies)
         of_parts = np.divide(
             -self.inverses.imag, self.inverses.real, out=np.zeros(len(finite)), where=finite
@@ -96,11 +96,11 @@ class DampedModes:
         return np.asarray(of_parts + self.rates.real * natural + 2.0 * self.ratio)
 
     def along(self, direction: Array) -> "DampedModes":
-        """Modes for displacement and force along `direction` (a unit vector, base axes)."""
+        """The same modes for displacement and force along `direction` (unit vector, base axes)."""
         return self.between(slice(3), direction, slice(3), direction)
 
     def between(self, moved: slice, direction: Array, loaded: slice, force: Array) -> "DampedModes":
-        """Modes for displacement along `direction` and force along `force` (unit vectors).
+        """The same modes for displacement along `direction`, force along `force` (unit vectors).
 
         `moved` and `loaded` are the rows of the translations of the two points among the outputs.
         """
@@ -112,7 +112,7 @@ class DampedModes:
         return component if self._moves(component, moved, loaded) else component._without_terms()
 
     def _moves(self, component: "DampedModes", moved: slice, loaded: slice) -> bool:
-        """True if a component of the receptance exceeds round-off.
+        """True if a `component` of the receptance exceeds round-off.
 
         It is compared with the receptances of both points, in statics and near all resonances.
         Terms of equal frequencies may cancel.
@@ -127,7 +127,7 @@ class DampedModes:
         return bool((sizes > _ROUND_OFF * np.sqrt(moved_size * loaded_size)).any())
 
     def _rows(self, rows: slice) -> "DampedModes":
-        """Return the same modes with only the outputs `rows`."""
+        """Return the same modes with only those outputs that `rows` selects."""
         return replace(
             self,
             residues=self.residues[:, rows, rows],
@@ -266,8 +266,8 @@ def modal_damping(solution: Solved, modes: Modes) -> Array:
 def damped_modes(solution: Solved, highest: float, outputs: Array | None = None) -> DampedModes:
     """Complex modes of a mechanism in one posture, accurate up to the frequency `highest` (Hz).
 
-    The residues are those of the motions `outputs` (k×n, one row of factors on the unknowns for
-    each motion). By default these are the twist of the tool. Modes come first, in ascending order
+    The residues belong to the motions `outputs` (k×n: each row is a motion as a linear function of
+    the unknowns). By default these are the twist of the tool. Modes come first, in ascending order
     of their frequencies, then motions that do not oscillate.
     """
     system = solution.system
@@ -298,7 +298,7 @@ def damped_modes(solution: Solved, highest: float, outputs: Array | None = None)
 
 
 def _hysteretic_terms(elastic: ComplexArray, inertia: Array, outputs: Array) -> Terms:
-    """Terms without dashpots: eigenvalues and eigenvectors of S⁻¹C."""
+    """Terms of the receptance without dashpots: eigenvalues and eigenvectors of S⁻¹C."""
     inverses, shapes = np.linalg.eig(np.linalg.solve(elastic, inertia))
     participations = np.linalg.solve(shapes, np.linalg.solve(elastic, outputs.T))
     residues = np.einsum("ir,rj->rij", outputs @ shapes, participations)
@@ -308,7 +308,7 @@ def _hysteretic_terms(elastic: ComplexArray, inertia: Array, outputs: Array) -> 
 def _viscous_terms(
     elastic: ComplexArray, viscous: Array, inertia: Array, outputs: Array, shift: float
 ) -> Terms:
-    """Terms with dashpots. A critically damped motion has slightly stronger dashpots."""
+    """Terms with dashpots, made slightly stronger if a motion is critically damped."""
     for change in (0.0, _OFF_CRITICAL):
         terms = partial_fractions(elastic, (1.0 + change) * viscous, inertia, outputs, shift)
         if terms is not None:
@@ -319,7 +319,7 @@ def _viscous_terms(
 
 
 def _dashpot_rows(system: System) -> Array:
-    """Rows R (k×outer) of all dashpots, whose dissipated power is |R ẏ|² (W)."""
+    """Rows R (k×outer) of all dashpots: at rates ẏ of the unknowns they dissipate |R ẏ|² (W)."""
     mechanism = system.motions.structure.mechanism
     frames = frames_of([system.posture])
     rows = [np.zeros((0, system.outer))]
@@ -361,10 +361,10 @@ def _damped_idle_motions(solution: Solved, dashpots: Array) -> Array:
 def _response_basis(solution: Solved, highest: float, loads: Array, dashpots: Array) -> Array:
     """Basis (n×r) for responses to `loads` (n×m) up to the frequency `highest` (Hz).
 
-    The basis contains the real modes up to that frequency, the residual static responses to the
-    loads, and those to the dissipative forces in all these motions. The latter make the error of
-    second order in the loss factors. The forces of `dashpots` (k×outer) may be large; they are
-    added one by one.
+    The basis contains the real modes up to that frequency, the static responses to the loads that
+    these modes lack, and the static responses to the dissipative forces in all these motions. The
+    latter make the error of second order in the loss factors. The forces of `dashpots` (k×outer)
+    may be large; they are added one by one.
     """
     real_modes = _modes_up_to(solution, highest)
     motions = real_modes.shapes / (2.0 * np.pi * real_modes.frequencies)
@@ -379,7 +379,10 @@ def _response_basis(solution: Solved, highest: float, loads: Array, dashpots: Ar
 
 
 def _with_residual_responses(solution: Solved, motions: Array, loads: Array) -> Array:
-    """Extend `motions` (n×r) by the residual static responses to `loads` (n×m), of unit energy."""
+    """Extend `motions` (n×r) by the static responses to `loads` (n×m) that they lack.
+
+    The additional motions have unit energy.
+    """
     stiffness = solution.system.stiffness
     static = with_idle(solution, solution.displacements(loads))
     energies = np.sum(static * (stiffness @ static), axis=0)

@@ -157,9 +157,9 @@ def modes_with_mass(solution: Solved, count: int) -> Modes:
 
 
 def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
-    """Matrix with the eigenvalues 1/ω², and the idle motions that accompany each retained unknown.
+    """Matrix with the eigenvalues 1/ω², and the idle motions that follow each retained unknown.
 
-    The latter are coefficients (number of idle motions × retained unknowns).
+    The latter is an array of coefficients (number of idle motions × retained unknowns).
     """
     retained, scale = solution.retained, solution.scale
     full_mass = dense(solution.system.mass)
@@ -227,14 +227,14 @@ def strain_shares(system: System, shapes: Array) -> dict[Portion, Array]:
 
 
 def is_well_scaled(stiffness: Array) -> bool:
-    """True if no diagonal entry of the stiffness of the nodes (…×n×n) is negligible."""
+    """True if no diagonal entry of `stiffness` (…×n×n) is negligible next to the largest one."""
     diagonal = np.diagonal(stiffness, axis1=-2, axis2=-1)
     largest = diagonal.max(axis=-1, keepdims=True, initial=0.0)
     return bool((diagonal > DOUBTFUL * largest).all())
 
 
 def factorised(stiffness: Array) -> tuple[Array, Array] | None:
-    """Cholesky factor of a matrix scaled to a unit diagonal, and the scale factors (n).
+    """Cholesky factor of `stiffness` (n×n), scaled to a unit diagonal, and the scale factors (n).
 
     None if the matrix is not positive definite.
     """
@@ -307,9 +307,10 @@ def idle_motions(system: System) -> IdleMotions:
 
 
 def _relative(system: System, body: str) -> Array:
-    """Twists of all interfaces of a body but the first, relative to the first, dimensionless.
+    """Dimensionless twists of the interfaces of a body relative to its first interface.
 
-    The result (6(m−1) × unknowns of the nodes) is zero for rigid motions of the body.
+    The matrix (6(m−1) × unknowns of the nodes, for m interfaces) gives zero for rigid motions of
+    the body.
     """
     length = system.motions.structure.length
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]

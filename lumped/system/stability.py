@@ -36,8 +36,8 @@ class Stability:
     `stiffness_losses` (6) are relative reductions of the tool's stiffness along and about each base
     axis due to the load, negative if the stiffness increases. `extra_displacement` is the relative
     increase of the tool's displacement over that without geometric stiffness, negative if it
-    decreases. `frequencies` (Hz) are natural frequencies under the load. The last three are NaN or
-    empty if the mechanism buckles below the load.
+    decreases. `frequencies` (Hz) are natural frequencies under the load. `stiffness_losses`,
+    `extra_displacement` and `frequencies` are NaN or empty if the mechanism buckles below the load.
     """
 
     factor: float | None
@@ -104,7 +104,7 @@ def _factor(inverse: float) -> float | None:
 
 
 def _under_load(solution: Solved, geometric: Array) -> Solved | None:
-    """Factorised system under a load with the given geometric stiffness. None if it has buckled."""
+    """System factorised under the load with this geometric stiffness. None if it has buckled."""
     system = solution.system
     stiffness = dense(system.stiffness) + geometric
     factor = factorised(stiffness[np.ix_(solution.retained, solution.retained)])

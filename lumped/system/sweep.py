@@ -1,9 +1,9 @@
 """Statics and natural frequencies of one mechanism in many postures.
 
-Craig–Bampton reduction decouples the stiffness of the interfaces and of the inside of a body: K =
-diag(K_e, Λ). The stiffness of the mechanism thus consists of that of the nodes, which is factorised
-for each posture, and of Λ. With the stiffness of the nodes K_e = L Lᵀ the inverse squares 1/ω² are
-the eigenvalues of
+Craig–Bampton reduction decouples the stiffness of the interfaces (e) of a body from that of its
+inside (i): K = diag(K_e, Λ). The stiffness of the mechanism thus consists of that of the nodes,
+which is factorised for each posture, and of Λ. With the stiffness of the nodes K_e = L Lᵀ the
+inverse squares 1/ω² are the eigenvalues of
 
     [ L⁻¹ M_ee L⁻ᵀ        L⁻¹ M_ei Λ^(−½)  ]
     [ sym.           Λ^(−½) M_ii Λ^(−½) ]
@@ -70,7 +70,8 @@ def swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> Swept:
 class _InnerMatrices:
     """Mass matrix of the internal unknowns scaled by Λ^(−½), and its coupling to the interfaces.
 
-    `borders` contains the coupling (6m×i) of each body, by name.
+    `borders` contains the coupling (6m×i) of the m interfaces of each body to its i internal
+    unknowns, by name.
     """
 
     mass: Array

@@ -80,7 +80,7 @@ def enclosed(nodes: Array, faces: Sequence[Facets]) -> VolumeProperties:
 
 
 def extrapolated(coarse: Array, fine: Array) -> Array:
-    """Extrapolated integral over a surface, from meshes of coarse and of fine triangles.
+    """Integral over a surface, extrapolated from its values for coarse and for fine triangles.
 
     The ratio of the sizes of the triangles is COARSENESS.
     """
@@ -93,7 +93,7 @@ def half_width(coarse: float, fine: float) -> float:
 
 
 def is_limit(kernel: float, coarse: float, fine: float) -> bool:
-    """True if an integral of the CAD kernel agrees with the limit over two surface meshes."""
+    """True if an integral of the CAD kernel agrees with that extrapolated from two meshes."""
     limit = fine + _ERROR * (fine - coarse)
     return abs(kernel - limit) <= half_width(coarse, fine) + ROUNDING * abs(kernel)
 
@@ -103,7 +103,7 @@ def corrected(
 ) -> VolumeProperties:
     """Volume properties of the CAD kernel if its volume agrees with two surface meshes.
 
-    Otherwise the limit of the integrals over these meshes.
+    Otherwise the values extrapolated from the integrals over these meshes.
     """
     if is_limit(kernel.volume, coarse.volume, fine.volume):
         return kernel
@@ -134,7 +134,7 @@ def face_area(nodes: Array, facets: Facets) -> FaceArea:
 def corrected_area(kernel: FaceArea, coarse: FaceArea, fine: FaceArea) -> FaceArea:
     """Area and centre from the CAD kernel if the area agrees with two surface meshes.
 
-    Otherwise the limit of the integrals over these meshes.
+    Otherwise the values extrapolated from the integrals over these meshes.
     """
     if is_limit(kernel.area, coarse.area, fine.area):
         return kernel

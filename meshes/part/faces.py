@@ -29,7 +29,7 @@ class Face:
     `centre` (3) is that of the area. For a plane, `direction` is the outward normal. For a bore or
     a boss (a cylinder seen from inside or outside), `direction` is the axis, `on_axis` the point in
     the middle of the axis, and `radius` the radius. `name` is the name in the file, or "". `facets`
-    are the facets of the face on the nodes of the surface.
+    are the facets of the face, with indices of the nodes of the surface.
     """
 
     number: int

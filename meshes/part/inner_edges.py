@@ -78,8 +78,8 @@ def second_order_unknowns(mesh: PartMesh, *, cut: bool) -> int:
 def cut_at_inner_edges(mesh: PartMesh) -> PartMesh:
     """Mesh of tet10 in which all element sides that leave a re-entrant edge are cut.
 
-    The mesh is unchanged if there is no such edge. Nodes of the edge at which a piece of a curved
-    element would be folded are excluded.
+    The mesh is unchanged if there is no such edge. Sides that leave the edge at a node where a
+    piece of a curved element would be folded are not cut.
     """
     edges = inner_edges(mesh)
     while edges.size:
@@ -113,9 +113,9 @@ def _renewed(mesh: PartMesh, edges: IntArray, cut: "_Cut", positions: Array) -> 
 class _Cut:
     """P pieces of cut simplices.
 
-    `owner` (P) is the index of the simplex from which a piece is cut. `corners` (P×k) are numbers
-    of sides of the simplices. `shares` (P×k×k) are the barycentric coordinates of the corners in
-    the simplex.
+    `owner` (P) is the index of the simplex from which a piece is cut. `corners` (P×k) are the
+    corners of the pieces, each as the number (`_side`) of the side of the simplex on which it lies.
+    `shares` (P×k×k) are the barycentric coordinates of the corners in the simplex.
     """
 
     owner: IntArray
@@ -142,7 +142,7 @@ def _renumbered(corners: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def _middles(corners: IntArray) -> IntArray:
-    """Numbers of all sides of triangles or tetrahedra, from the lower to the higher node number."""
+    """Numbers (`_side`) of all sides of triangles or tetrahedra, lower node number first."""
     ends = np.sort(corners[:, SIMPLEX_EDGES[corners.shape[1]]].reshape(-1, 2), axis=1)
     return _side(ends[:, 0], ends[:, 1])
 

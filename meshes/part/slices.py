@@ -196,7 +196,7 @@ def _simplified(loop: Array) -> Array:
 
 
 def _moments(loop: Array) -> tuple[float, Array, Array]:
-    """Moments ∫dA, ∫s dA (2) and ∫s sᵀ dA (2×2) of a polygon, with s from the origin."""
+    """Moments ∫dA, ∫s dA (2), ∫s sᵀ dA (2×2) of a polygon, with s the position from the origin."""
     following = np.roll(loop, -1, axis=0)
     cross = loop[:, 0] * following[:, 1] - following[:, 0] * loop[:, 1]
     cross = cross * np.sign(cross.sum())

@@ -66,8 +66,8 @@ class Blocks:
     `points` (P×2) are coordinates y and z in m. `corners` contains four point numbers for each
     block, counter-clockwise. An edge is a pair of point numbers, in one direction only. `counts` is
     the number of elements along each edge, `arc_centres` (y and z, m) the centre of each edge that
-    is a circular arc. `regions` is the number of the part of each block in a section of several
-    materials, () in others.
+    is a circular arc. `regions` contains the index of the part to which each block of a section of
+    several materials belongs; it is () in other sections.
     """
 
     points: Array
@@ -113,9 +113,9 @@ def refinements(divisions: Divisions) -> int:
 def side_ratio(section: Section) -> float:
     """Ratio of the numbers of elements along the larger and along the smaller side of a section.
 
-    A strip bends like a plate, over lengths of the order of its width. If it is wider than
-    `WALL_ASPECT` times its thickness, its elements are therefore stretched along both of its long
-    directions.
+    A strip bends like a plate, over lengths of the order of its width. If a strip is wider than
+    `WALL_ASPECT` times its thickness, its elements are therefore stretched along its width and
+    length.
     """
     smaller, larger = sorted(section.extent)
     ratio = larger / smaller
@@ -258,9 +258,9 @@ def _strip_counts(
 ) -> list[int]:
     """Number of elements across each of the parallel strips of a section, with given `widths`.
 
-    Perpendicular strips with the widths `across` divide them into blocks. `owners` contains the
-    number of the part of each block, −1 outside the section. The width of a strip is the thickness
-    of a wall, or a length along the thinnest wall that crosses the strip.
+    Perpendicular strips with the widths `across` divide these strips into blocks. `owners` contains
+    the number of the part of each block, −1 outside the section. The width of a strip is the
+    thickness of a wall, or a length along the thinnest wall that crosses the strip.
     """
     counts = []
     for width, blocks in zip(widths.tolist(), owners, strict=True):
@@ -370,7 +370,7 @@ def _tube_of_layers(section: LaminateTube, divisions: int) -> Blocks:
 def _box_of_layers(section: LaminateBox, divisions: int) -> Blocks:
     """Blocks of each run of equal layers of a box, with one element across it.
 
-    Layers turn at sharp corners.
+    The layers have sharp corners.
     """
     numbers, depths = _layer_runs(section)
     side, thickness, count = min(section.extent), section.thickness, len(numbers)
@@ -390,7 +390,8 @@ def _box_of_layers(section: LaminateBox, divisions: int) -> Blocks:
 def _layer_runs(section: Laminate) -> tuple[list[int], Array]:
     """Runs of equal layers, the outermost first.
 
-    Number of a layer of each run (r), and depths (r + 1, m) of their sides below the outer face.
+    Returns the index of one layer of each of the r runs, and the depths (r + 1, in m) of the sides
+    of the runs below the outer face.
     """
     numbers: list[int] = []
     thicknesses: list[float] = []

@@ -233,7 +233,7 @@ def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) ->
 
 
 def symmetrised(nodes: Array, part: str) -> Array:
-    """Nodes (N×2, in m), averaged with the mirror images of their partners about both axes.
+    """Nodes (N×2, in m), averaged with the mirror images of their partners across both axes.
 
     gmsh positions points on arcs with errors of about 1e-9 of their length. After averaging,
     products of inertia and couplings vanish to round-off. Raises ComputationError, with `part` in

@@ -3,17 +3,18 @@
 A ball of diameter D is pressed between the grooves of two rings. Under the load Q = c δ^(3/2) they
 approach by δ, with
 
-    δ = δ* (3Q (1 − ν²) / (E Σρ))^(2/3) Σρ/2,    δ* = (2K/π) (π/(2κ²E))^(1/3)
+    δ = δ* (3Q (1 − ν²) / (E_Y Σρ))^(2/3) Σρ/2,    δ* = (2K/π) (π/(2κ²E))^(1/3)
 
-for each contact (Hertz; Harris, Rolling Bearing Analysis, chapter 6), where Σρ is the sum of the
-principal curvatures and κ the ratio of the axes of the contact ellipse, which follows from the
-curvature difference F(ρ) = ((κ² + 1)E − 2K)/((κ² − 1)E) with the complete elliptic integrals K and
-E of the parameter 1 − 1/κ².
+for each contact (Hertz; Harris, Rolling Bearing Analysis, chapter 6), where E_Y is Young's modulus,
+Σρ is the sum of the principal curvatures and κ the ratio of the axes of the contact ellipse, which
+follows from the curvature difference F(ρ) = ((κ² + 1)E − 2K)/((κ² − 1)E) with the complete elliptic
+integrals K and E of the parameter 1 − 1/κ².
 
 The centres of both grooves are A = (f_i + f_o − 1)D apart without load, and ℓ = A + δ under load.
-The distance rotates from the angle α₀ to α, cos α = cos α₀/(1 + δ/A), and Z balls carry the preload
-F = Z Q sin α (ISO/TS 16281). The stiffness of a ball between the rings is the derivative of its
-force: dQ/dδ along the line of contact, and Q/ℓ across it in the plane of the axis.
+Under load the line of contact rotates from the angle α₀ to α, with cos α = cos α₀/(1 + δ/A), and Z
+balls carry the preload F = Z Q sin α (ISO/TS 16281). The stiffness of a ball between the rings is
+the derivative of its force: dQ/dδ along the line of contact, and Q/ℓ across it in the plane of the
+axis.
 """
 
 from collections.abc import Sequence
@@ -148,7 +149,7 @@ def hertz_constant(curvatures: Sequence[float]) -> float:
 
 
 def curvature_difference(curvatures: Sequence[float]) -> float:
-    """Hertz's F(ρ): relative difference of the curvatures in both principal planes."""
+    """Hertz's F(ρ): relative difference of the curvatures in the two principal planes."""
     first, second, third, fourth = curvatures
     return abs((first - second) + (third - fourth)) / sum(curvatures)
 
@@ -171,7 +172,7 @@ def bearing_stiffness(
 ) -> Array:
     """6×6 stiffness (SI, x along the shaft) of one or several rows, about their middle.
 
-    Each of the `rows` has the axial `preload` (N). They are `distance` (m) apart. The rotation
+    Each of the `rows` has the axial `preload` (N). Rows are `distance` (m) apart. The rotation
     about the shaft is free.
     """
     signs = [_SIGNS[arrangement][int(2 * row >= rows)] for row in range(rows)]

@@ -23,8 +23,9 @@ class BallGuide:
     """A carriage with `balls` loaded balls in each of its four rows. Lengths are in m.
 
     Rows are `width` apart along y and `height` along z, their balls `spacing` apart. `angle` (rad)
-    is that of the lines of contact, `groove` the radius of the grooves relative to the ball's
-    diameter. Lines of contact meet outside the rows (O) or between them (X).
+    is the angle between the lines of contact and the plane of the rail, `groove` the radius of the
+    grooves relative to the ball's diameter. Lines of contact meet outside the rows (arrangement O)
+    or between them (X).
     """
 
     balls: int

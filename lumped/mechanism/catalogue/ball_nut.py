@@ -3,7 +3,8 @@
 Catalogues give the calculated stiffness K of the balls for a stated fraction of the basic dynamic
 load rating Ca. This is the preload of a preloaded nut (0.1 Ca, in some series 0.05 Ca), or the load
 of a nut with play (0.3 Ca). By Hertz, the stiffness of balls varies with the cube root of the load,
-and catalogues take 0.8 of it for the deformation of the nut itself:
+and catalogues multiply it by 0.8 to account for the deformation of the nut itself. Under the load
+F:
 
     k = 0.8 K (F / (share Ca))^(1/3)
 
@@ -21,13 +22,13 @@ PRELOADED, WITH_PLAY = 0.1, 0.3
 
 @dataclass(frozen=True)
 class BallNut:
-    """Nut with the catalogue stiffness `rigidity` (N/m) at `share` of its `load_rating` (N)."""
+    """Nut with the catalogue stiffness `rigidity` (N/m) at the load `share` · `load_rating` (N)."""
 
     rigidity: float
     load_rating: float
     share: float
 
     def stiffness(self, load: float) -> float:
-        """Axial stiffness (N/m) under a preload, or under the load of a nut with play (N)."""
+        """Axial stiffness (N/m) under `load` (N): the preload, or the load of a nut with play."""
         ratio = load / (self.share * self.load_rating)
         return float(_WITH_NUT * self.rigidity * ratio ** (1.0 / 3.0))

@@ -82,8 +82,8 @@ NEED_UP: dict[JointKind, tuple[tuple[str, str], ...]] = {
 def joint_axes(kind: JointKind, axes: Array, up: Array | None) -> Array:
     """Axes (3×3, as columns) of a joint in base axes of the reference posture.
 
-    `axes` (n×3, unit vectors) are those that the kind of joint has. If `up` is None, directions
-    that depend on it are arbitrary.
+    `axes` (n×3, unit vectors) are the axes of the joint, as in `Joint.axes`. If `up` is None,
+    directions that depend on it are arbitrary.
     """
     if kind in {"spherical", "fixed"}:
         x = np.eye(3)[0] if up is None else up / np.linalg.norm(up)

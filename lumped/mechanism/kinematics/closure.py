@@ -157,7 +157,7 @@ class Closure:
         return self._unknowns(np.concatenate([sliding, turning]))
 
     def _rows(self, joints: IntArray, *blocks: Array) -> Array:
-        """Derivatives (rows × bodies × 6) of one constraint per entry of `joints`.
+        """Derivatives (rows × bodies × 6) of constraints; row i is one of the joint `joints[i]`.
 
         `blocks` (rows×3 each) are the derivatives with respect to translation and rotation of the
         first body, then of the second body.
@@ -177,7 +177,7 @@ class Closure:
         return movable_rows.reshape(len(rows), 6 * int(self._moving.sum()))
 
     def drives(self, placement: Placement) -> Array:
-        """Rates (drives × unknowns) of the driven joints.
+        """Derivatives (drives × unknowns) of the coordinates of the driven joints.
 
         Rotations are multiplied by the size of the mechanism.
         """
@@ -198,10 +198,11 @@ class Closure:
         return self._unknowns(rows)
 
     def relative_motion(self, placement: Placement, number: int, *, slides: bool) -> Array:
-        """Rates (3 × unknowns, base axes) of the second body relative to the first at one joint.
+        """Derivatives (3 × unknowns, base axes) of the relative motion of a joint's two bodies.
 
-        They are translations of the interfaces if `slides` is True, otherwise rotations multiplied
-        by the size of the mechanism. `number` is the index of the joint.
+        The motion of the second body relative to the first is the translation of the interfaces if
+        `slides` is True, otherwise the rotation multiplied by the size of the mechanism. `number`
+        is the index of the joint.
         """
         joints = np.full(3, number)
         first, second, gap = (each[joints] for each in self._gaps(placement))
@@ -214,9 +215,9 @@ class Closure:
         return self._unknowns(self._rows(joints, *blocks))
 
     def tool_twists(self, placement: Placement) -> Array:
-        """Matrix (6 × unknowns) from the unknowns to the twist of the loaded point, base axes.
+        """Matrix (6 × unknowns) that maps the unknowns to the twist of the loaded point, base axes.
 
-        Rotations are multiplied by the size.
+        Rotations are multiplied by the size of the mechanism.
         """
         rows = np.zeros((6, len(self.names), 6))
         rows[:, self._tool_body] = np.eye(6)
@@ -234,7 +235,7 @@ class Closure:
     def pose_jacobian(self, placement: Placement) -> Array:
         """Derivative (coordinates × unknowns) of the tool's `pose` with respect to the unknowns.
 
-        Rotations are multiplied by the size.
+        Rotations are multiplied by the size of the mechanism.
         """
         rates = np.eye(6)
         rates[3:, 3:] = _rotation_vector_rates(self._tool_rotation(placement))
@@ -273,7 +274,7 @@ class Closure:
 
 @memo(16)
 def closure_of(mechanism: Mechanism) -> Closure:
-    """Closure of a mechanism. The last 16 are kept."""
+    """Closure of a mechanism. The last 16 results are memoised."""
     return Closure(mechanism)
 
 

@@ -47,9 +47,10 @@ class OffAxis(NamedTuple):
 
 
 def off_axes(mechanism: Mechanism) -> list[OffAxis]:
-    """Joints whose wrong axis could each be the only cause, with the smallest changes of axis.
+    """Joints whose axis, if wrong, would alone explain why the tool cannot move as prescribed.
 
-    The first ones are those whose required axis is parallel to the axes of most other joints.
+    Only joints with about the smallest change of axis are included. The first ones are those whose
+    required axis is parallel to the axes of most other joints.
     """
     closure = closure_of(mechanism)
     jacobian = closure.jacobian(closure.reference)
@@ -65,7 +66,7 @@ def off_axes(mechanism: Mechanism) -> list[OffAxis]:
 
 
 def _candidate(closure: Closure, jacobian: Array, number: int) -> OffAxis | None:
-    """Axis that the joint with the index `number` would need.
+    """Axis that the joint with the index `number` would need so that the tool can move.
 
     None if no axis would be sufficient.
     """
@@ -95,7 +96,7 @@ def _candidate(closure: Closure, jacobian: Array, number: int) -> OffAxis | None
 
 
 def _parallel_axes(mechanism: Mechanism, cause: OffAxis) -> int:
-    """Number of axes of other joints that are parallel to the axis that a joint would need."""
+    """Number of axes of other joints that are parallel to the axis in `cause`."""
     axes = np.vstack([joint.axes for joint in mechanism.joints if joint is not cause.joint])
     return int(np.count_nonzero(np.linalg.norm(np.cross(axes, cause.axis), axis=1) < _NOTHING))
 

@@ -1,8 +1,9 @@
 """Mobility and idle motions of a posture, from the null space of its constraints.
 
-J is the derivative of the constraints, N a basis of its null space, D the rates of the drives, T
-the twist and M the pose of the tool. A motion in N for which D is zero is possible with locked
-drives. It is idle if T is zero, too. Otherwise the drives do not determine the motion of the tool.
+J is the derivative of the constraints, N a basis of its null space. D, T and M map small
+displacements to the motions of the drives, the twist of the tool and the pose of the tool. A motion
+in N for which D is zero is possible with locked drives. It is idle if T is zero, too. Otherwise the
+drives do not determine the motion of the tool.
 """
 
 from collections.abc import Iterable
@@ -33,10 +34,10 @@ class Mobility:
     """Mobility of a mechanism in one posture.
 
     `mobility` is the number of independent motions of the whole mechanism. `constraints` is the
-    number of joint constraints. Of these, `redundant` do not reduce the mobility (overconstraint),
-    and `almost_redundant` reduce it only because of the last digits of the geometry. `idle` is the
-    number of motions that move neither the tool nor a drive, `moves` the number of prescribed
-    coordinates.
+    number of joint constraints. Of these, `redundant` is the number that do not reduce the mobility
+    (overconstraint), and `almost_redundant` the number that reduce it only because of the last
+    digits of the geometry. `idle` is the number of motions that move neither the tool nor a drive,
+    `moves` the number of prescribed coordinates.
 
     Twists of the loaded point (base axes, m and rad): `uncontrolled_twists` (k×6) span the motions
     of the tool with locked drives, `unprescribed_twists` (k×6) its motions at constant pose.
@@ -75,7 +76,7 @@ def mobility(posture: Posture) -> Mobility:
 
 
 def generic_mobility(mechanism: Mechanism) -> Mobility:
-    """Mobility near the reference posture, from which all possible motions are carried out.
+    """Mobility in a posture near the reference posture, reached by all its free motions combined.
 
     A singularity that occurs in the reference posture only has no effect there.
     """
@@ -119,7 +120,7 @@ def mobility_at(closure: Closure, placement: Placement) -> Mobility:
 
 
 def _touched(names: Iterable[str], shares: Array) -> tuple[str, ...]:
-    """Names whose row of `shares` is not zero."""
+    """Those of `names` whose row of `shares` is not zero."""
     largest = np.abs(shares).max(axis=1, initial=0.0)
     return tuple(
         name for name, row_maximum in zip(names, largest, strict=True) if row_maximum > _ZERO

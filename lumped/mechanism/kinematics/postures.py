@@ -55,7 +55,7 @@ def reference_posture(mechanism: Mechanism) -> Posture:
 
 
 class PoseError(InputError):
-    """Error: a robot cannot take a pose. `pose` is its text, `reason` the cause."""
+    """Error: a robot cannot take a pose. `pose` is the pose as text, `reason` the cause."""
 
     def __init__(self, robot: str, pose: str, reason: str) -> None:
         super().__init__(f"{robot}, pose {pose}: {reason}")
@@ -204,7 +204,7 @@ def _closed(closure: Closure, placement: Placement, pose: Array) -> Placement | 
 def _unwrapped_coordinates(
     closure: Closure, placement: Placement, before: list[Array]
 ) -> list[Array]:
-    """Coordinates of all joints. Angles beyond half a turn are continued from those in `before`."""
+    """Coordinates of all joints, in which angles continue those in `before` beyond half a turn."""
     unwrapped = []
     joints = closure.mechanism.joints
     for joint, values, previous in zip(joints, closure.coordinates(placement), before, strict=True):
@@ -226,7 +226,7 @@ def _refuse_open_reference(closure: Closure) -> None:
 def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress: float) -> str:
     """Reason why a pose cannot be reached: the open joint, its gap, the part of the path covered.
 
-    `progress` is that part, from 0 to 1.
+    `progress` (0 to 1) is the part of the path to the pose that was covered.
     """
     widths = _widths(closure, _nearest(closure, placement, pose))
     last_pose = closure.pose(placement)[: len(pose)]

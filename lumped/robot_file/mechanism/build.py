@@ -205,7 +205,7 @@ def _nut_stiffness(nut: Any) -> Any:
 
 
 def _compliances(stiffnesses: Entry) -> dict[str, float]:
-    """Compliance along each direction of a joint. Zero if rigid."""
+    """Compliance along each direction of a joint, from its stiffness. Zero if rigid."""
     present = _present(stiffnesses)
     return {name: 0.0 if value == "rigid" else 1.0 / value for name, value in present.items()}
 

@@ -23,7 +23,9 @@ _KIND_OF_KEY = {"from": "leg", "to": "leg", "points": "rigid body", "step": "par
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """Entries of a robot file without faults, by name. `names` has those of faulty ones, too.
+    """Entries of a robot file without faults, by name.
+
+    `names` contains the names of all entries, also of those with faults.
 
     An entry contains its keys, the location `key` for messages, and derived values:
 
@@ -84,7 +86,7 @@ def _group(tables: Mapping[str, Any], key: str) -> Mapping[str, Any]:
 
 
 def _valid_entries(tables: Mapping[str, Any], key: str) -> dict[str, Any]:
-    """Entries without faults in a table of named entries.
+    """Those entries of a table of named entries that have no faults.
 
     The tables [tool] and [path] count as one.
     """

@@ -39,7 +39,7 @@ _NO_SHARE = 1e-9
 
 
 def description_faults(tables: Mapping[str, Any], description: Draft) -> list[str]:
-    """Faults of keys, of relations between keys, and of names, otherwise of the topology.
+    """Faults of keys, of relations between keys and of names; if there are none, of the topology.
 
     `description` is the draft of the tables.
     """
@@ -81,7 +81,7 @@ def _unknown_names(description: Draft) -> Iterator[str]:
 
 
 def _references(table: str, entries: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Location, name and table of each reference to another entry in the entries of a table."""
+    """Location of each reference in a table's entries, and name and table of the entry meant."""
     for key, rule, value in MECHANISM.keys[table].kind.within(entries, table):
         if isinstance(rule, Text) and rule.among:
             yield key, value, rule.among
@@ -152,10 +152,7 @@ def _idle_points(description: Draft, loaded: Collection[str | None]) -> Iterator
 
 
 def motion_faults(mechanism: Mechanism) -> list[str]:
-    """Faults of the mobility in the reference posture, otherwise of the path.
-
-    The poses of the path are checked only if there are no faults in the reference posture.
-    """
+    """Faults of the mobility in the reference posture or, if there are none, of the path."""
     result = mobility(reference_posture(mechanism))
     if faults := list(_mobility_faults(mechanism, result)):
         return faults
@@ -184,7 +181,7 @@ def _mobility_faults(mechanism: Mechanism, result: Mobility) -> Iterator[str]:
 
 
 def _singular(mechanism: Mechanism, result: Mobility, free_motions: str) -> str:
-    """Error message for a singular reference posture, with the legs that lie in one line."""
+    """Error message for a singular reference posture. It names the legs that lie in one line."""
     reasons = [
         f"{first} and {second} are {'stretched out in' if stretched else 'folded into'} one line"
         for first, second, stretched in legs_in_line(mechanism)

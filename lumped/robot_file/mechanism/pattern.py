@@ -66,7 +66,7 @@ class _Pattern:
         return turned
 
     def misses(self, tables: Tables, point: str) -> bool:
-        """True if a point with known coordinates does not lie on the axis of the pattern."""
+        """True if a point has known coordinates and does not lie on the axis of the pattern."""
         position = tables["points"].get(point)
         if not isinstance(position, list):
             return False
@@ -126,7 +126,7 @@ def written_out(tables: Tables) -> Tables:
 
 
 def _repeated(tables: Tables) -> list[Key]:
-    """Table and name of each point, body and joint with a pattern."""
+    """Pairs (table, name) of all points, bodies and joints with a pattern."""
     groups = {table: tables.get(table) for table in _COPIED}
     return [
         (table, name)
@@ -159,7 +159,7 @@ def _pattern(tables: Tables, of: Key) -> tuple[Key, _Pattern]:
 
 
 def _references(tables: Tables, table: str, name: str) -> Iterator[tuple[str, str, str]]:
-    """Location, table and name of each reference to another entry in one entry."""
+    """Each reference from one entry to another: its location, and that entry's table and name."""
     rule = rules_of(tables).keys[table].kind
     entries = {name: tables[table][name]}
     for key, kind, value in rule.within(entries, table):

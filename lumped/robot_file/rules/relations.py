@@ -89,7 +89,7 @@ def leg_faults(leg: Entry) -> Iterator[str]:
 
 
 def _own_material_faults(leg: Entry) -> Iterator[str]:
-    """Faults of a leg with a section that has materials of its own."""
+    """Faults of a leg whose section has materials of its own."""
     key, section = leg["key"], leg["section"]
     reasons = {
         "compliance": "does not belong to a leg with a section",
@@ -106,7 +106,7 @@ def _own_material_faults(leg: Entry) -> Iterator[str]:
 
 
 def _doubt(unit: UnitOfLength) -> str:
-    """Text for messages that asks if a length that is too large is in a smaller unit."""
+    """Question, for messages, whether a length that is too large is in a smaller unit."""
     return "is this in mm?" if unit == METRE else "is this in µm?"
 
 
@@ -457,13 +457,16 @@ def _present_keys(entry: Entry, *names: str) -> list[str]:
 
 
 def named_twice(names: Sequence[str], key: str) -> Iterator[str]:
-    """Faults of repeated names. {} in `key` stands for the number of the name."""
+    """Faults of repeated names. {} in `key` is replaced by the number of the name."""
     for i, name in enumerate(names):
         if name in names[:i]:
             yield f"{key.format(i + 1)} = {shown(name)}: named twice"
 
 
 def _parallel(first: object, second: object, sine: float) -> bool:
-    """True if two directions are parallel, or one is zero. `sine` is that of the largest angle."""
+    """True if two directions are parallel, or one is zero.
+
+    `sine` is the sine of the largest angle between directions that count as parallel.
+    """
     a, b = np.array(first, dtype=float), np.array(second, dtype=float)
     return bool(np.linalg.norm(np.cross(a, b)) <= sine * np.linalg.norm(a) * np.linalg.norm(b))

@@ -80,9 +80,9 @@ class Rule(ABC):
 class Number(Rule):
     """Rule for a number in `unit`, with limits `above` or `least`, and `below` or `most`.
 
-    `low` and `high` are questions to the user that follow the fault of a number out of bounds. A
-    number above 0 but below `slip` is refused as mistyped. `example` follows the unit in messages.
-    Values are divided by `divisor` when they are read.
+    `low` and `high` are questions to the user, appended to messages about too small and too large
+    numbers. A number above 0 but below `slip` is refused as mistyped. `example` follows the unit in
+    messages. Values are divided by `divisor` when they are read.
     """
 
     written = (int, float)

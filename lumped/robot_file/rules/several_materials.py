@@ -67,8 +67,8 @@ def _part(part: Mapping[str, Any]) -> CompositePart:
 class LaminateTable:
     """Wall of a laminate tube or box.
 
-    `layers` (from the inside) are angles, or tables with an `angle` whose other keys replace those
-    of `ply`.
+    `layers` (from the inside) are angles, or tables with an `angle` and keys that replace those of
+    `ply`.
     """
 
     shape: type[LaminateTube] | type[LaminateBox]
@@ -77,7 +77,7 @@ class LaminateTable:
     sizes: Mapping[str, float]
 
     def resolved(self, materials: Mapping[str, Any]) -> "LaminateTable":  # noqa: ARG002
-        """Wall without changes, because it contains no names of materials."""
+        """The wall itself, unchanged, because it contains no names of materials."""
         return self
 
     def faults(self, unit: str = "m") -> list[str]:
@@ -96,7 +96,7 @@ class LaminateTable:
 
     @property
     def _layers(self) -> list[dict[str, Any]]:
-        """Keys of each layer with their values. None if neither layer nor ply defines the key."""
+        """Value of each key of each layer. None if neither the layer nor `ply` defines the key."""
         tables = [x if isinstance(x, Mapping) else {"angle": x} for x in self.layers]
         names = [field.name for field in fields(Layer)]
         return [

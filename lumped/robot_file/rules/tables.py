@@ -295,7 +295,11 @@ MATERIAL = TableRule(
 
 
 def _selected_faces(on_axis: Key, on_plane: Key) -> tuple[Key, ...]:
-    """Keys that select faces of a part. `on_axis` and `on_plane`: point of cylinder and plane."""
+    """Keys that select faces of a part.
+
+    `on_axis` is the key of a point on the axis of a cylinder, `on_plane` that of a point in a
+    plane.
+    """
     near = Key("tolerance", _LENGTH, "largest distance of faces from it")
     axis = Key("axis", _DIRECTION, "its direction; default: any")
     radius = needed("radius", _LENGTH, "radius of the bore or boss")
@@ -467,7 +471,10 @@ def _direction_keys() -> Iterator[tuple[str, Direction, str]]:
 
 
 def _along_directions(rules: tuple[Rule, Rule], *, free: bool) -> TableRule:
-    """Table of numbers along directions of joints: `rules` for translations and rotations."""
+    """Table of numbers along directions of joints, such as stiffnesses.
+
+    `rules` are the rules for translations and for rotations.
+    """
     return TableRule(
         *(
             Key(name, rules[direction.turns], kinds)

@@ -66,7 +66,7 @@ class CadModel:
 
     @property
     def unknown_share(self) -> float:
-        """Relative uncertainty of the volume due to gaps: surface area times gap over volume."""
+        """Relative uncertainty of the volume due to gaps: surface area · largest gap / volume."""
         occ = self.gmsh.model.occ
         area = sum(float(occ.getMass(2, tag)) for tag in self.faces())
         return self.gap * area / abs(float(occ.getMass(3, self.tag)))
@@ -275,7 +275,7 @@ def _one_solid(gmsh: ModuleType, path: Path) -> int:
 
 
 def _opening(gmsh: ModuleType) -> str:
-    """Position, as text, of an open edge of a shell, which belongs to a single face. "" if none."""
+    """Position, as text, of an edge that belongs to a single face (an open shell). "" if none."""
     for _, tag in gmsh.model.getEntities(1):
         faces, _ = gmsh.model.getAdjacencies(1, tag)
         if len(faces) == 1:

@@ -82,7 +82,7 @@ class _Scope:
 class _Deck:
     """Content of a deck while it is read.
 
-    `blocks` contains the scope and the nodes of each solid element, by type of element. `titles`
+    `blocks` contains, by type of element, the scope and the nodes of each solid element. `titles`
     are the names of node sets as typed.
     """
 
@@ -294,9 +294,9 @@ def _generated(line: DeckLine, words: list[str]) -> range:
 def _members(
     deck: _Deck, keyword: str, line: DeckLine, text: str, scope: _Scope | None
 ) -> tuple[_Scope | None, Members]:
-    """Scope and members that one value of a set adds: a number, or the members of an earlier set.
+    """Scope and members that one value in a set adds: one number, or an earlier set's members.
 
-    Both may be preceded by the name of an instance and a point. The scope is then that of the
+    Either may be preceded by the name of an instance and a full stop. The scope is then that of the
     instance.
     """
     name = text.strip('"')

@@ -153,7 +153,8 @@ def _middles_inside(gmsh: ModuleType, face: int, edges: IntArray) -> Array:
 def _curve_extremes(gmsh: ModuleType) -> Array:
     """Largest and smallest coordinates (2×3, in m) of the curves of the model.
 
-    Each is the vertex of a parabola through the extreme one of many points and its two neighbours.
+    Each is the vertex of a parabola through the most extreme of many points on a curve and its two
+    neighbours.
     """
     extremes = []
     for _, curve in gmsh.model.getEntities(1):

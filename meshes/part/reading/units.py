@@ -65,7 +65,7 @@ def step_unit(content: bytes, source: str) -> str:
 
 
 def _contexts(by_number: dict[str, str]) -> Iterable[str]:
-    """Lists of units in the contexts of solids, otherwise of shapes, otherwise of any entity."""
+    """Lists of units in the contexts of solids; if none, of shapes; if none, of any entity."""
     for shape in _SHAPES:
         contexts = [
             match[1]

@@ -49,7 +49,7 @@ def inflated_size(content: bytes) -> int:
 
 
 def _arrays(content: bytes) -> Iterator[tuple[int, bool]]:
-    """Yield the start of each array, and True if the array is not encoded in base64."""
+    """Yield the position of the first byte of each array, and True if it is raw (not base64)."""
     appended = _APPENDED.search(content)
     for array in _ARRAY.finditer(content, 0, appended.start() if appended else len(content)):
         offset = _OFFSET.search(array.group(1))
