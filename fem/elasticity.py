@@ -131,7 +131,7 @@ def _cubature(element: ElementName, degree: int) -> _Cubature:
 def _for_each_chunk(
     integrate: Callable[[slice], None], count: int, floats_per_element: int
 ) -> None:
-    """Call `integrate` for chunks of `count` elements, several chunks at a time.
+    """Call `integrate` for all chunks into which `count` elements are divided, several at a time.
 
     Each chunk fills entries of its own, so that the bits of the result do not depend on the number
     of threads. If chunks fail, the error of the first one is raised.

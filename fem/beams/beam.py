@@ -89,7 +89,7 @@ class _Member:
 
     @property
     def unknown_signs(self) -> Array:
-        """Signs (k values) of the leg's unknowns relative to those of the element."""
+        """Signs (k values, ±1) by which the leg's unknowns differ from those of the element."""
         return np.array([*self.signs, *self.signs, *self.inner * (1.0,)])
 
 

@@ -89,8 +89,9 @@ def line_beam(sections: LineSections, elements: int) -> LegMatrices:
 def _inner_strains(rigid: tuple[bool, ...]) -> IntArray:
     """Indices of the strains that vary linearly inside an element.
 
-    These are all strains, or tension and torsion if the beam is `rigid` in shear: bending without
-    shear has fourth order without them, as Hermite's element has.
+    These are the strains that are not `rigid`. If both shear strains are rigid, they are only
+    tension and torsion: bending without shear has fourth order without inner strains, as Hermite's
+    element has.
     """
     if rigid[1] and rigid[2]:
         return np.array([0, 3])

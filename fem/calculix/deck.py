@@ -153,7 +153,7 @@ def _part(part: ElementSet, name: str, first: int) -> Iterator[str]:
 
 
 def _continued(entries: Sequence[str]) -> Iterator[str]:
-    """Lines with at most `_ENTRIES_PER_LINE` of the `entries`. A comma at the end continues one."""
+    """Lines with at most `_ENTRIES_PER_LINE` of the `entries`. All but the last end in a comma."""
     starts = range(0, len(entries), _ENTRIES_PER_LINE)
     lines = [", ".join(entries[start : start + _ENTRIES_PER_LINE]) for start in starts]
     yield from (f"{line}," for line in lines[:-1])

@@ -262,7 +262,10 @@ def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
 
 
 def _eliminated(conditions: Array) -> Array:
-    """Matrix (N×n) from n independent unknowns to all N, by Gauss–Jordan elimination."""
+    """Matrix (N×n) from n independent unknowns to all N that satisfy the linear `conditions`.
+
+    It is computed by Gauss–Jordan elimination.
+    """
     rows = conditions.copy()
     size = rows.shape[1]
     dependent: list[int] = []

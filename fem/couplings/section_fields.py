@@ -251,7 +251,7 @@ def _polynomial(fields: SectionFields, unstrained: int, degree: int) -> list[Arr
 
 
 def saint_venant_states(fields: SectionFields, x: float) -> SectionState:
-    """Saint-Venant's states at x (m): tension, torsion, and bending and flexure per deflection."""
+    """Saint-Venant's states at x (m): tension, torsion, and bending and flexure in each plane."""
     columns, warping, slopes = [], [], []
     for number, deflects in enumerate(fields.deflects):
         for degree in (2, 3) if deflects else (1,):

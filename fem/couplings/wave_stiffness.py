@@ -105,7 +105,7 @@ def _stiffness(kind: PrismWaves, length: float, omega: float) -> Array:
 
 
 def beam_wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array]:
-    """γ² and (p′, q) of the wave that resembles the wave of a slender beam.
+    """γ² and shape (p′, q; see `SectionFields`) of the wave that resembles that of a slender beam.
 
     `sign` is that of γ²: −1 for the travelling wave, 1 for the decaying one. Inverse iteration is
     started from the beam, γ⁴ = ω²μ/EI or γ² = −ω²μ/EA, with a plane section.

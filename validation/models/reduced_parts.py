@@ -85,7 +85,7 @@ class ReducedPart(BodyModel):
     def loosened(self, squared: float) -> tuple[Array, Array]:
         """Changes of stiffness and mass that bound the effect of the omitted modes on frequencies.
 
-        `squared` is the square of an angular frequency; see
+        `squared` is the square of an angular frequency (rad²/s²); see
         `fem.reduction.craig_bampton.Truncated`.
         """
         if self.free is None:

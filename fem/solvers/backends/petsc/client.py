@@ -193,7 +193,7 @@ class Server:
             return int(answer["negative"]), int(answer["zero"])
 
     def solve(self, name: int, right: Array, part: str = "") -> tuple[Array, dict[str, Any]]:
-        """Solutions (n×k) by the factor or the iteration `name`, and the answer of the server."""
+        """Solutions for `right` (both n×k) by factor or iteration `name`, and the server's answer."""
         with self._command(part):
             self._store("right", right)
             self._store("solution", np.zeros_like(right))
@@ -202,7 +202,7 @@ class Server:
             return np.asarray(solution, dtype=np.float64), answer
 
     def discard(self, name: int) -> None:
-        """Free the factor of an ordering, at the latest before the next command."""
+        """Free the factor of the ordering `name`, at the latest before the next command."""
         self._discarded.append(name)
         # A finaliser may run during a command, in any thread.
         if self._lock.acquire(blocking=False):
