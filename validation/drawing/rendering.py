@@ -188,7 +188,7 @@ def _draw_marks(axes: Axes, view: View, marks: Marks) -> None:
 
 
 def _write_labels(axes: Axes, view: View, labels: Sequence[Label]) -> None:
-    """Write each label at its point. A movable one has a line and overlaps others least."""
+    """Write each label at its point; a movable one beside it, with a line and least overlap."""
     occupied: list[Array] = []
     for label in labels:
         (point,) = view.pixels(label.point[None])

@@ -133,7 +133,7 @@ class View:
 
 
 def fitted_view(points: Array, toward: Array, up: Array, size: tuple[int, int]) -> View:
-    """View that contains all `points` (n×3, m). `toward` (3): direction to the viewer; `up` (3)."""
+    """View that contains all `points` (n×3, m), with `toward` (3) to the viewer and `up` (3)."""
     toward = np.asarray(toward, dtype=float) / np.linalg.norm(toward)
     right = np.cross(up, toward)
     right /= np.linalg.norm(right)

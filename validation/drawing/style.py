@@ -66,7 +66,7 @@ LOOKS: Mapping[str, Look] = {
     "difference": Look(BLACK, "D", "none"),
     "numerical uncertainty of model and reference": Look(BLACK, "o", "none"),
     "slope": Look("#999999", ""),
-    # Convergence with element count: the paper's layout, and the stated limits.
+    # Convergence with element count: the paper's layout; lines at a stated error and element count.
     "segments, literal layout": Look(VERMILLION, "h", "--"),
     "segments-euler-bernoulli, literal layout": Look(VERMILLION, "8", ":"),
     "stated error": Look("#777777", "", "--"),

@@ -58,7 +58,7 @@ class MappedQuantity:
 
 
 def mapped_quantities(context: Context, mechanism: Mechanism) -> list[MappedQuantity]:
-    """Quantities of a mechanism that can be solved. The mechanism is the run's robot without loads.
+    """Mapped quantities that can be solved for a `mechanism`, the run's robot without loads.
 
     Stiffness and error are those of the mapped model (rule in the docstring of this module).
     """

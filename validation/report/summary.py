@@ -50,7 +50,7 @@ def adequacy(gathered: Results) -> list[str]:
 
 
 def cross_validation(gathered: Results) -> list[str]:
-    """Line on the agreement of formulations and the error with 20 elements. [] if there is none."""
+    """Line on the agreement and the discretisation error of formulations. [] if there is none."""
     outcomes = gathered.outcomes
     parts = [agreement_sentence(outcomes), convergence_sentence(outcomes)]
     sentence = " ".join(part for part in parts if part)

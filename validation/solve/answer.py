@@ -111,9 +111,8 @@ class MeshUncertainty(HalfWidths):
     """Half-widths of 95 % intervals, from the change to a second mesh of the prisms.
 
     `divisions`: elements across the section in that mesh. If it is too large to be solved, the
-    half-widths are infinite.
-    `meshes`: divisions of all meshes from which numbers are extrapolated, () if no order was
-    observed.
+    half-widths are infinite. `meshes`: divisions of all meshes from which numbers are extrapolated,
+    () if no order was observed.
     """
 
     divisions: int

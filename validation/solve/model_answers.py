@@ -167,7 +167,7 @@ def _is_affordable(question: Question, divisions: int) -> bool:
 
 
 def _finer(solved: SolvedQuestion, factor: float) -> SolvedQuestion:
-    """Question with finer meshes, whose half-widths are smaller by `factor`.
+    """Question with finer meshes, whose half-widths are expected to be smaller by `factor`.
 
     Divisions grow at most by a factor of two. Raises InputError if the cost is too high, or if the
     file of a CAD part is a mesh, which cannot be refined.
@@ -181,8 +181,8 @@ def _finer(solved: SolvedQuestion, factor: float) -> SolvedQuestion:
     if not legs:
         return solved
     order = min(formal_order(leg, question.options.ends) for leg in legs)
-    # The smallest sufficient number of divisions; if its cost is too high, the largest affordable
-    # one.
+    # The smallest sufficient number of divisions is tried first. If its cost is too high, the
+    # largest affordable number is used.
     wanted_divisions = min(
         max(ceil(divisions * factor ** (1.0 / order)), divisions + 1), 2 * divisions
     )
@@ -342,7 +342,7 @@ def _shapes(question: Question) -> list[SectionedLeg]:
 
 
 def _with_mechanism(question: Question, mechanism: Mechanism) -> Question:
-    """Copy of a question with another robot."""
+    """Copy of a question whose robot is `mechanism`."""
     return replace(question, robot_file=replace(question.robot_file, mechanism=mechanism))
 
 

@@ -84,7 +84,7 @@ class Question:
 
     @property
     def alone(self) -> str | None:
-        """Name of the body that is solved alone. None for the whole robot."""
+        """Name of the body that is solved without the robot. None for the whole robot."""
         return self.body if self.leg is None else f"leg{self.leg}"
 
     @property
@@ -140,7 +140,7 @@ class Question:
         return tuple(n for n in OPTIONS[self.model] if self.numbered or n != "release")
 
     def _place_faults(self) -> list[str]:
-        """Faults of poses and legs that robots of this schema do not have."""
+        """Faults due to poses or legs that a robot file of this schema cannot have."""
         faults = []
         if self.x and not self.numbered:
             faults.append("--x: only for robot files of schema 1; give poses as --pose")

@@ -127,7 +127,7 @@ def _displacements(statics: Statics) -> Array:
 
 
 def _lengths(displacements: Array) -> Array:
-    """Lengths of translations and of rotations (P×6L), repeated for each of their components.
+    """Lengths of the translation and rotation vectors (P×6L), repeated for each component.
 
     Shapes: P poses, L loads.
     """
@@ -332,7 +332,7 @@ def _ratio(section: Section, first: int, second: int) -> float:
 
 
 def mesh_policy(options: ModelOptions, legs: Sequence[Leg], divisions: int) -> MeshPolicy:
-    """Rule for half-widths on the mesh of `options` from the change to one of other `divisions`."""
+    """Rule for half-widths on the mesh of `options`, from the change to a mesh with `divisions`."""
     present = options.divisions
     solid = [sectioned_leg(leg, options.equivalent) for leg in legs]
     order = min(formal_order(leg, options.ends) for leg in solid)
@@ -346,10 +346,10 @@ def extrapolated(
 ) -> tuple[Array, Array, Sequence[MeshUncertainty]]:
     """Compliances (P×6×6), frequencies (P×m) and half-widths, extrapolated if an order is observed.
 
-    `widths` are the half-widths from two meshes. Each number is treated on its own, if there are at
-    least four meshes and all sections are rectangles: walls keep one element across for several
-    divisions, and would show only the order of their slices along the leg. A mode without a partner
-    on one of the meshes is not extrapolated.
+    `widths` are the half-widths from two meshes. Each number is extrapolated on its own, if there
+    are at least four meshes and all sections are rectangles: walls keep one element across for
+    several divisions, and would show only the order of their slices along the leg. A mode without a
+    partner on one of the meshes is not extrapolated.
     """
     statics, modes, options = solved.statics, solved.modes, solved.question.options
     compliances = np.zeros((solved.poses, 0, 0)) if statics is None else statics.compliances.copy()

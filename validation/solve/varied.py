@@ -76,7 +76,7 @@ class VariedAnswers:
 
     @property
     def rows(self) -> list[tuple[tuple[float, ...], Answer]]:
-        """Each answer with the values of its robot."""
+        """Pairs of the values of the varied parameters and an answer for the robot with these."""
         return [
             (values, answer)
             for values, solution in zip(self.values, self.solutions, strict=True)
@@ -175,14 +175,14 @@ def solve_varied(
 
     With a `purpose`, also the best of the robots.
 
-    Raises InputError with the values, before any computing, if a robot is invalid or cannot reach a
-    requested pose, and ComputationError if one cannot be solved.
+    Raises InputError, which names the values, before any computation if a robot is invalid or
+    cannot reach a requested pose. Raises ComputationError if a robot cannot be solved.
     """
     robots = varied(question.robot_file, variations)
     units, seconds = [], 0.0
     for values, robot in robots:
         text = assignments(variations, values)
-        # Tables of many robots have no room for the effect of digits on each.
+        # The effect of printed digits is not computed: tables of many robots have no room for it.
         question_of_robot = replace(question, robot_file=robot, digits=False)
         with naming(f"--vary {text}"):
             seconds += checked(question_of_robot).seconds

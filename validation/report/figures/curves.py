@@ -232,7 +232,7 @@ def _choices_sentence(varied: VariedCurves, variation: Variation) -> str:
 
 
 def _location(context: Context, varied: VariedCurves) -> str:
-    """Text on the pose in which robots are compared: the middle of the path of each.
+    """Text on the pose in which the varied robots are compared: the middle of each robot's path.
 
     The pose is named unless it differs between the robots because their paths are varied.
     """

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 _LOWEST = 1e-7
 # Smallest number of meshes that shows an order of convergence.
 GRIDS = 4
-# Notes at the ends of curves are stacked, _LINE (pt) apart, if the last values differ by less than
-# the factor _NEAR.
+# Notes at the ends of curves are stacked at a distance of _LINE (pt) if the last values of the
+# curves differ by less than the factor _NEAR.
 _NEAR, _LINE = 2.0, 9.0
 
 

@@ -73,7 +73,7 @@ class ModeNames:
         )
 
     def _without_axes(self) -> Mapping[str, Array]:
-        """Shares of strain energy with bending about both axes summed. Axes differ between legs."""
+        """Shares of strain energy. All bending is summed, because its axes differ between legs."""
         bending = [self.strain[kind] for kind in _BENDING if kind in self.strain]
         remaining = {kind: share for kind, share in self.strain.items() if kind not in _BENDING}
         return remaining | ({"bending": np.sum(bending, axis=0)} if bending else {})

@@ -84,7 +84,7 @@ def _middle_posture(postures: Sequence[Posture]) -> Posture:
 def _modes_with_solid_parts(
     postures: tuple[Posture, ...], modes_of_run: int, count: int
 ) -> PostureModes:
-    """Modes with CAD parts as solids, under the first of the end conditions of the run."""
+    """First `count` modes with CAD parts as solids, under the first end condition of the run."""
     middle, mechanism = _middle_posture(postures), postures[0].mechanism
     parts = solid_parts(postures, modes_of_run, holding(mechanism).first)
     highest = min(part.highest for part in parts.values())
@@ -108,7 +108,7 @@ def _modes_with_condensed_parts(middle: Posture, count: int) -> PostureModes:
 
 @figures.figure("mechanism.pairs", "Modes paired by shape with those of the reference", effort=2.0)
 def pairs(context: Context) -> Chart:
-    """Chart of MAC of beams and segments with the reference, and of frequency differences."""
+    """Chart of the MAC and frequency differences of beams and segments with the reference."""
     robot = robot_on_path(context)
     responses = Responses(robot)
     reference = dynamic_reference(responses)

@@ -40,9 +40,9 @@ _EXTRA_MODES = 4
 # Relative frequency range within which two discretisations can mix modes.
 _MIX = 0.02
 _MICRO = 1e6
-# Largest drawn displacement over the size of the mechanism (half its extent).
+# Ratio of the largest drawn displacement to the size of the mechanism (half its extent).
 _DRAWN_DISPLACEMENT = 0.16
-# In inches: height of a panel in two and in three columns, width of the picture beside the errors.
+# Inches: height of a panel in two columns, and in three; width of the picture beside the errors.
 _HEIGHT, _SMALL_HEIGHT, _HALF = 2.9, 2.5, 4.2
 _VIEW_FROM_ABOVE = (np.array([0.0, -0.3, 1.0]), np.array([0.0, 1.0, 0.0]))
 _VIEW_FROM_SIDE = (np.array([0.35, -0.95, 0.5]), np.array([0.0, 0.0, 1.0]))
@@ -52,7 +52,7 @@ figures = FigureGroup(PATH, "pictures")
 
 @portraits.figure(PORTRAIT, "The mechanism")
 def portrait(context: Context) -> SceneGrid:
-    """Scene with the middle pose as surfaces and the first and last as lines."""
+    """Scene with the robot in the middle pose as surfaces, in the first and last pose as lines."""
     postures = path_postures(context)
     drawn_postures = [postures[0], postures[len(postures) // 2], postures[-1]]
     return SceneGrid(
@@ -192,8 +192,8 @@ class _DisplacedRobot:
 def _matching_shape(beam: PostureModes, lumped: PostureModes, mode: int) -> Array:
     """Combination of modes of the segments (`lumped`) with the shape of a `mode` of the beams.
 
-    The result has the unknowns (n) of the segments. Only modes close in frequency to that mode are
-    combined. The result has its sign and, among modes of equal frequency, the same combination.
+    The result has the unknowns (n) of the segments. Only modes close to each other in frequency
+    are combined. This also fixes the sign, and the combination of modes of equal frequency.
     """
     beam_samples = compared_points(beam.system, beam.modes.shapes[:, mode])[1].ravel()
     nearest = int(np.argmin(np.abs(lumped.modes.frequencies - beam.modes.frequencies[mode])))

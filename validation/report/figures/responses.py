@@ -39,7 +39,7 @@ from validation.verdicts import MEASURED_RESPONSE
 # Smallest ratio of the lower end of an uncertainty band to the magnitude, since a logarithmic axis
 # has no zero.
 _LOWEST_SHARE = 0.01
-# Highest drawn frequency over that of the highest measured mode.
+# Ratio of the highest drawn frequency to the highest frequency of the measured modes.
 _FREQUENCY_FACTOR = 1.2
 
 
