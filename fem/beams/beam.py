@@ -342,7 +342,7 @@ def _fields(element: Element, mesh: MeshLine, points: Array) -> list[tuple[Array
 
 def _places(members: dict[str, _Member], elements: int) -> tuple[dict[str, IntArray], int]:
     """Indices (elements × k) of each member's k unknowns, and number of the leg's unknowns."""
-    ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of the nodes from root to tip
+    ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of nodes in order from root to tip
     size = 6 * (elements + 1)
     places = {}
     for name, member in members.items():

@@ -100,7 +100,7 @@ def _inner_strains(rigid: tuple[bool, ...]) -> IntArray:
 
 def _places(elements: int, inner: int) -> tuple[IntArray, int]:
     """Indices (elements × (12 + inner)) of each element's unknowns, and number of all unknowns."""
-    ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of the nodes from root to tip
+    ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of nodes in order from root to tip
     nodal = 6 * ranks[:, None] + np.arange(6)
     size = 6 * (elements + 1)
     inner_unknowns = size + np.arange(elements * inner).reshape(elements, inner)

@@ -193,7 +193,7 @@ class Server:
             return int(answer["negative"]), int(answer["zero"])
 
     def solve(self, name: int, right: Array, part: str = "") -> tuple[Array, dict[str, Any]]:
-        """Solutions for `right` (both n×k) by factor or iteration `name`, and the server's answer."""
+        """Solutions for `right` (both n×k) by factor or iteration `name`, and the answer."""
         with self._command(part):
             self._store("right", right)
             self._store("solution", np.zeros_like(right))
