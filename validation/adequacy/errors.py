@@ -32,7 +32,7 @@ _TIE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class DisplacementErrors:
-    """Displacement vectors of which errors are computed (R interpretations, P poses).
+    """Displacement vectors from which errors are computed (R interpretations, P poses).
 
     `wrench` (R×P×6): unit wrench on the loaded point. For the quantity "any force" it is the force
     with the largest error; for loads of the robot file it is zero. `along` (R×P): signed error of
@@ -87,11 +87,11 @@ class Errors:
     whole vector, never negative, and `displacement` has the details. `value`, `expected` and
     `error` are NaN if model or reference has no number to compare. `names`: names of the
     interpretations. `unknown`: true if the reference has fewer modes than are judged, or no damping
-    that bounds its peak; if the shapes do not show whether the model has the mode; or if the tool
-    cannot move as a load of the robot file requires in any pose. `budget`: half-width of the error
-    by source of uncertainty, which always include the meshes. `pairing`: partners of the modes, for
-    frequencies only. `numbers` (R×P×m), for the order of modes only: index from 0 of the model's
-    mode with the shape of each of the m modes of the reference, −1 if there is none.
+    that bounds the peak of a response; if the shapes do not show whether the model has the mode; or
+    if the tool cannot move as a load of the robot file requires in any pose. `budget`: half-width
+    of the error by source of uncertainty, which always include the meshes. `pairing`: partners of
+    the modes, for frequencies only. `numbers` (R×P×m), for the order of modes only: index from 0 of
+    the model's mode with the shape of each of the m modes of the reference, −1 if there is none.
     """
 
     names: tuple[str, ...]
@@ -178,7 +178,7 @@ class Errors:
     def interval(self) -> tuple[Array, Array]:
         """Lowest and highest error (P each) over all interpretations, half-widths included.
 
-        The error of a displacement vector is never below zero. Its lower end is zero if the model
+        The error of a displacement vector is never below zero. The lower end is zero if the model
         lies between two interpretations. For the order of modes, the interval is that of the
         interpretation with the largest error, since there is nothing between two mode numbers.
         Shapes: P poses.
@@ -225,10 +225,9 @@ class Errors:
 class ModelErrors:
     """Errors of all models of one robot against its references.
 
-    `subject`: models and references of the robot. `subject`: models and references of the robot.
-    `modes`: number of judged frequencies. `factors`: relative changes of uncertain inputs of the
-    robot file, with which models and references are solved. Pairs of modes are stored, so that each
-    model is paired once. Pairs of modes are stored, so that each model is paired once.
+    `subject`: models and references of the robot. `modes`: number of judged frequencies. `factors`:
+    relative changes of uncertain inputs of the robot file, with which models and references are
+    solved. Pairs of modes are stored, so that each model is paired once.
     """
 
     subject: Subject

@@ -2,9 +2,9 @@
 
 Input: errors of a model for the robot of the file, for robots in which one input is one standard
 uncertainty lower or higher, and for some robots with all inputs changed. Output: the probability
-that the error is within the limit, the probability that it is beyond, the half-width of the error
-due to inputs, and the share of each input. Rule: a verdict less probable than 95 % becomes
-undecided.
+that the error is within the limit, the probability that it is beyond the limit, the half-width of
+the error due to inputs, and the share of each input. Rule: a verdict less probable than 95 %
+becomes undecided.
 
 An input x with relative standard uncertainty v is x₀ (1 + v ξ). The changes ξ of different inputs
 are independent and have a standard normal distribution. The change of an error with each ξ alone is
@@ -21,7 +21,7 @@ With one uncertain input the probability is exact: the limits of ξ between whic
 are found by bisection between 4096 points. With several inputs it is the share of 4096 Sobol'
 points (scipy.stats.qmc), accurate to 0.004 for two to six inputs and 0.008 for ten. If each term of
 a sum depends on one input, the variance of the sum is the sum of the terms' variances, whose shares
-are the first-order indices of Sobol' (Math. Comput. Simulat. 55 (2001) 271), for vectors, variances
+are the first-order indices of Sobol' (Math. Comput. Simulat. 55 (2001) 271); for vectors, variances
 are summed over the components (Gamboa et al., Electron. J. Stat. 8 (2014) 575).
 """
 

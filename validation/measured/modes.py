@@ -158,8 +158,8 @@ def modal_prediction(
     motions = _motions(solution.system, solution.modes.shapes, test.at)
     sizes = np.linalg.norm(motions, axis=0)
     visible = np.flatnonzero(sizes > _INVISIBLE * sizes.max(initial=0.0))
-    # Modes of equal frequency are compared as a space. A measured mode without motion at the known
-    # points has no partner.
+    # Modes of equal frequency are compared as a space. A measured mode that does not move the
+    # points of known position has no partner.
     frequencies = solution.modes.frequencies[visible]
     measured = sampled_modes(test.frequencies, test.shapes)
     modelled = sampled_modes(frequencies, motions[:, visible])

@@ -1,4 +1,4 @@
-"""Frequency responses of a modal test as measured values: magnitudes at modes and far below them.
+"""Frequency responses of a modal test as measured values: at modes, and far below all modes.
 
 Input: frequency response functions of a test. Output: measured receptances with standard
 uncertainties. Rule: near a frequency, the lines of the spectrum are fitted by one damped mode plus

@@ -192,7 +192,7 @@ class _Functions(NamedTuple):
 
 
 def _exact_frequencies(path: Path, printed: Array) -> tuple[Array, int]:
-    """Frequencies (n, Hz) as exact multiples of one step, and the first one in steps.
+    """Frequencies (n, Hz) as exact multiples of one step, and the number of steps to the first.
 
     Frequencies in files are rounded: the first can be 51.00006 times the step.
     """

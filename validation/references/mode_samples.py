@@ -33,9 +33,9 @@ class Samples:
     """Sample points of all bodies of a mechanism, and the mass of each sampled displacement.
 
     `weights` (k): mass (kg) of each sampled displacement, moment of inertia (kg m²) of each sampled
-    rotation. `points` (m×3, m, body axes): those of each leg and CAD part. `turned`: principal axes
-    of inertia (3×3, columns) of each rigid body with mass. `prisms`: masses (m, kg) of the points
-    of each leg of constant section.
+    rotation. `points` (m×3, in metres, body axes): sample points of each leg and CAD part.
+    `turned`: principal axes of inertia (3×3, columns) of each rigid body with mass. `prisms`:
+    masses (m, kg) of the points of each leg of constant section.
     """
 
     mechanism: Mechanism

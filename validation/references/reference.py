@@ -172,7 +172,8 @@ def no_reference(error: Exception | str) -> Reference:
 def finer_by(preset: str) -> str:
     """Instruction that reduces the uncertainty of a reference.
 
-    `preset`: "--preset fine" or "no preset".
+    `preset`: text on the preset with finer meshes: "--preset fine", or "no preset" if there is
+    none.
     """
     return f"undecided because of the mesh uncertainty of the reference; {preset} has a finer one"
 

@@ -84,7 +84,7 @@ def interface_coupling(ends: Ends) -> Hold:
 def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, float]:
     """Highest frequency (Hz) at which reduced parts must be accurate, and cut-off frequency (Hz).
 
-    The first covers a third of the `count` computed modes: twice as many modes as are judged.
+    The first frequency is that of the highest of `count`/3 modes, twice as many as are judged.
     Higher computed modes only help to identify mode shapes.
     """
     highest = highest_frequency(postures, max(_FEWEST, count // 3))
@@ -179,8 +179,8 @@ def part_kinds(mechanism: Mechanism) -> tuple[PartLegs, ...]:
 def part_policy(mechanism: Mechanism) -> MeshPolicy | float:
     """Mesh policy of the CAD parts, or their half-width as a number: 0 if there are no parts.
 
-    If the file of a part is a mesh, it cannot be refined, and the relative half-width is taken as
-    1.
+    If the file of a part is a mesh, this mesh cannot be refined, and the relative half-width is
+    taken as 1.
     """
     if not mechanism.parts:
         return 0.0

@@ -81,7 +81,7 @@ class Perturbations:
     """Half-widths from solutions of a model under perturbed readings.
 
     A reading is one meaning of the robot file. `readings` returns the perturbed readings that
-    belong to a given one. `combiner`: rule that combines the changes of displacements to one
+    belong to this one. `combiner`: rule that combines the changes of displacements to one
     half-width.
     """
 

@@ -6,9 +6,9 @@ length of the reference's vector. A force is judged by the translation (3 number
 moment by the rotation (3 numbers).
 
 The worst direction of force is found exactly, by Dines' theorem (Bull. Amer. Math. Soc. 47 (1941)
-494; the lossless S-lemma). The largest |D f|²/max(a, b) over all f, with quadratic forms a and b,
-is the smallest value over 0 <= w <= 1 of the largest generalised eigenvalue of (DᵀD, w A + (1 − w)
-B).
+494; the lossless S-lemma). The largest |D f|²/max(a, b) over all f, with quadratic forms a = fᵀA f
+and b = fᵀB f, is the smallest value over 0 <= w <= 1 of the largest generalised eigenvalue of (DᵀD,
+w A + (1 − w) B).
 """
 
 from itertools import combinations
@@ -65,8 +65,8 @@ class RelativeDisplacement(NamedTuple):
 def sizes(difference: Statics, reference: Statics) -> Array:
     """Lengths of displacement differences relative to the reference's displacements (P×(7+L)).
 
-    The columns are the 7 unit loads (x, y, z, their rotations, any force) and the L loads of the
-    file.
+    The columns are the 7 unit loads (forces along and moments about x, y and z; any force) and the
+    L loads of the robot file.
     """
     loads = load_quantities([""] * reference.load_displacements.shape[1])
     columns = [relative(difference, reference, load).size for load in (*UNIT_LOADS, *loads)]
@@ -230,7 +230,8 @@ def _worst_between(forms: Array, a: Array, b: Array) -> Array:
 def _worst_direction(matrix: Array, root: Array, excess: Array) -> Array:
     """Direction (3) of the largest error, in the space of the largest eigenvalue.
 
-    Both quadratic forms of the denominator are equal for it.
+    If directions exist in that space for which both quadratic forms of the denominator are equal,
+    it is one of them.
 
     `matrix` (3×3): DᵀD in coordinates scaled by `root` (3). `excess` (3): diagonal of the first
     quadratic form of the denominator minus that of the second.

@@ -188,9 +188,9 @@ def equal_frequency_groups(
 ) -> IntArray:
     """Index (m) of the group of equal frequencies to which each mode belongs, ascending.
 
-    Frequencies are equal if they lie within the smallest relative uncertainty
-    `frequency_uncertainties` (m) of the group, and at least within the gap of repeated frequencies.
-    A chain of small gaps is split into several groups, so that no group is wider than this.
+    Frequencies count as equal if their relative difference is at most the smallest of the group's
+    `frequency_uncertainties` (m, relative), or at most the gap of repeated frequencies if that is
+    larger. A chain of small gaps is split into several groups, so that no group is wider than this.
     """
     width = (
         np.zeros(len(frequencies)) if frequency_uncertainties is None else frequency_uncertainties
@@ -211,7 +211,7 @@ def equal_frequency_groups(
 class _Blocks:
     """Overlaps (m×n) of two models' modes, with the group of equal frequencies of each mode (m, n).
 
-    `partner` (m): partners by the first assignment.
+    `partner` (m): index of the mode of the second model that is assigned to each mode.
     """
 
     overlaps: Array
@@ -267,7 +267,7 @@ class _Blocks:
         return group_mac, undecided
 
     def _spaces(self, modes: IntArray) -> tuple[IntArray, IntArray]:
-        """Indices of all modes with the frequencies of `modes`, and of those of their partners."""
+        """Indices of modes equal in frequency to `modes`, and of those equal to their partners."""
         partner_spaces = self.second_groups[self.partner[modes]]
         return (
             np.flatnonzero(np.isin(self.first_groups, self.first_groups[modes])),

@@ -40,8 +40,8 @@ class Partners:
     partner, the largest energy-weighted MAC with any mode. `energy_shares`: share of the reference
     mode's kinetic energy in cross-sections and bodies that move rigidly. `ordered`: partners'
     indices, ascending as far as shapes and uncertainties allow. `loose`: true for modes whose place
-    in that order is not determined. `by_number`: k-th frequency (Hz) of the model regardless of
-    shape, NaN if it has fewer.
+    in that order is not determined. `by_number`: in column k, the k-th frequency (Hz) of the model
+    regardless of shape, NaN if it has fewer.
     """
 
     frequency: Array

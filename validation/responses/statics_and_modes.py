@@ -29,10 +29,10 @@ class Unsolved:
 class Statics:
     """Compliance of the loaded point and its displacements under the file's loads, in base axes.
 
-    `compliances` (P×6×6, SI): twist by wrench at that point; zeros mean rigid. `load_displacements`
-    (P×L×6, m and rad): twists under the L loads of the robot file, in its order. NaN in poses where
-    the tool cannot move as the load requires. `idle` (P): number of mobilities that do not move the
-    tool, () if it is not needed. Shapes: P poses.
+    `compliances` (P×6×6, SI): matrices that map a wrench at that point to its twist; zeros mean
+    rigid. `load_displacements` (P×L×6, m and rad): twists under the L loads of the robot file, in
+    its order. NaN in poses where the tool cannot move as the load requires. `idle` (P): number of
+    mobilities that do not move the tool, () if it is not needed. Shapes: P poses.
     """
 
     compliances: Array
