@@ -57,7 +57,7 @@ def long_apart(paths):
 
 
 @pytest.mark.parametrize("page", long_apart(PAGES))
-def test_examples_of_page_work(page, tmp_path, monkeypatch, capsys):
+def test_code_blocks_of_page_run(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     # Workers are tested elsewhere.
     monkeypatch.setattr(runner, "run", run_in_this_process)
@@ -78,7 +78,7 @@ def test_examples_of_page_work(page, tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("script", long_apart(sorted(EXAMPLES.glob("*.py"))))
-def test_examples_of_guide_run(script, tmp_path, monkeypatch):
+def test_example_scripts_of_guide_run(script, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     # What the guide puts in place from outside is taken back afterwards.
     monkeypatch.setattr(sections, "SHAPES", dict(sections.SHAPES))

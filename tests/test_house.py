@@ -121,7 +121,7 @@ def test_no_machine_path_is_committed():
         assert not INDEX.search(text), path
 
 
-def test_no_text_steers_the_program():
+def test_program_does_not_parse_its_own_texts():
     steering = (
         *("case.id.startswith('robot.')", "'solid' in case.title", "case.quantity[0]"),
         *("quantity.startswith('load:')", "one.quantity.name[:1]", "quantity.key.partition('.')"),

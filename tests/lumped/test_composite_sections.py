@@ -63,7 +63,7 @@ def layered(width, heights, materials):
     ],
     ids=["rectangle", "channel"],
 )
-def test_equal_materials_are_one_section(parts, whole):
+def test_parts_of_equal_material_equal_one_section(parts, whole):
     section = composite(*parts)
     leg = ConstantLeg(1.0, whole, Material.isotropic(*STEEL))
     one, other = beam_of(section), leg.timoshenko

@@ -148,7 +148,7 @@ def test_beam_tip_compliance_is_exact(theory):
 
 
 @both_theories
-def test_tip_load_centreline_is_exact(theory):
+def test_centreline_under_tip_load_is_exact(theory):
     p, L = softer_along_y(LEG_2.properties(theory)), LEG_2.length
     leg = beam_leg(p, L, 3)
     x = np.linspace(0.0, L, 14)
@@ -278,7 +278,7 @@ def critical(p: BeamProperties, ends: str) -> float:
 
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
 @pytest.mark.parametrize("ends", ENDS)
-def test_column_buckles_at_engesser(ends, theory):
+def test_column_buckles_at_engesser_load(ends, theory):
     p, (free, times) = COLUMN.properties(theory), ENDS[ends]
     expected = critical(p, ends)
     if theory == "euler-bernoulli":

@@ -118,7 +118,7 @@ def test_ended_client_ends_petsc_processes(ranks, tmp_path, end):
     assert_nothing_left(folder)
 
 
-def test_deleted_petsc_factor_has_no_files(ranks, tmp_path):
+def test_deleted_petsc_factor_leaves_no_files(ranks, tmp_path):
     assert ranks
     symbolic = analyse(CHAIN)
     symbolic.factorise()
@@ -137,7 +137,7 @@ def test_petsc_name_has_versions_and_ranks(ranks):
     assert name.endswith(f"(sparse LDLᵀ), {gamg} on {ranks} rank{plural}")
 
 
-def test_petsc_memory_is_checked_first(ranks, monkeypatch):
+def test_petsc_memory_is_checked_before_factoring(ranks, monkeypatch):
     assert ranks
     symbolic = analyse(diags_array([np.full(20_000, 2.0)], offsets=[0], format="csr"))
     assert 20_000 * 16 < symbolic.peak_bytes < 1e9

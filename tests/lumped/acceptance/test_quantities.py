@@ -56,7 +56,7 @@ UNKNOWN = (
 
 
 @pytest.mark.parametrize("name", UNKNOWN)
-def test_unknown_name_gives_none(name):
+def test_unknown_quantity_name_gives_none(name):
     assert measured_quantity(name, RESPONSES) is None
 
 

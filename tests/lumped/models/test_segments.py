@@ -109,7 +109,7 @@ def test_printed_tip_joint_is_too_stiff_along_y():
     assert_allclose(compliance, tip_compliance(BEAM, LENGTH)[untouched], rtol=1e-10, atol=1e-20)
 
 
-def test_segments_follow_rigid_motion():
+def test_segment_centreline_follows_rigid_motion():
     stations = (0.0, 0.1, 0.4, LENGTH)
     leg = segment_leg(segment_chain(BEAM, LENGTH, 3))
     rigid = np.vstack([along(share * LENGTH) for share in (0.0, 1.0, 1 / 6, 1 / 2, 5 / 6)])

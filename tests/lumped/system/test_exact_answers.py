@@ -123,7 +123,7 @@ LARGEST_PART_COMPLIANCE = 1e-5
 
 
 def joint_compliance(posture, joint, free):
-    """Return the 6×6 compliance of a joint and its drive, in base axes."""
+    """Return the 6×6 compliance of a joint; its drive acts along the first column of `free`."""
     compliance = np.zeros((6, 6))
     if joint.compliance is not None:
         rotation = rotation_since_reference(posture, joint.first.body)

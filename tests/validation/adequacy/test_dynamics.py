@@ -248,7 +248,7 @@ SLENDER = {
 
 
 def rigid_inertia(leg, masses):
-    """Mass (kg), centre (m from the root), and inertia (3×3, kg m²) about it, of rigid motions."""
+    """Mass (kg), mass centre (m from the root) and inertia about it (3×3, kg m²) of a leg."""
     matrices = leg_with_inside(leg, Inside(masses), HIGHEST)
     motions = np.zeros((matrices.size, 6))
     motions[:6], motions[6:12] = np.eye(6), shift(np.array([leg.length, 0.0, 0.0]))
@@ -281,7 +281,7 @@ def test_mass_centre_and_inertia_equal_drawing(masses):
 
 
 def test_beam_from_6x6_has_beam_constants():
-    """Radii of gyration are EI/EA, with the EI of bending without shear."""
+    """Squared radii of gyration are EI/EA, with EI of bending without shear."""
     shear = tip_compliance(PRISM.timoshenko, PRISM.length)
     given = GivenLeg(PRISM.length, PRISM.mass, shear)
     own = craig_bampton(held_leg(beam_leg(PRISM.timoshenko, PRISM.length, 20)), HIGHEST).matrices

@@ -92,9 +92,9 @@ def test_close_modes_are_paired_by_shape():
 
 @pytest.mark.parametrize(("unsure", "open_to"), [(0.0, [(110, 112), (110, 112)]), (0.03, None)])
 def test_mixed_modes_are_one_subspace(unsure, open_to):
-    """Shapes are rotated into each other by 45°.
+    """Two close modes are mixed by 45°: the MAC of the pair is 1, that of each mode one half.
 
-    They have definite partners only if both frequencies are equal.
+    Each mode has a definite partner only if both frequencies are equal.
     """
     close, mixed = (
         vibration([start, start + 2.0, 200.0], *pair, C)

@@ -66,7 +66,7 @@ def test_equivalent_prisms_of_6x6_legs_are_inadequate(paper, quantity):
 
 
 @pytest.mark.parametrize("model", BEAMS)
-def test_equivalent_legs_equal_their_solids(paper, model):
+def test_equivalent_legs_agree_with_their_solids(paper, model):
     for quantity in ("x", "y", "z"):
         assert paper.entry(model, quantity).verdict == "inadequate"
         entry = paper.formulation.entry(model, quantity)
@@ -92,7 +92,7 @@ def test_matrix_has_all_poses_models_and_notes(paper):
     assert any("give f1" in note for note in paper.notes)
 
 
-def test_leg_known_by_6x6_is_its_reference(paper):
+def test_6x6_of_leg_is_its_own_reference(paper):
     matrix = paper.parts[0]
     assert matrix.verdict("vjm") == "adequate"
     entry = matrix.entry("beam", "y")
@@ -282,6 +282,8 @@ def test_rounding_half_width_falls_with_digits(printed):
     ("model", "given", "count"), [("vjm", {}, 60), ("segments", {"elements": 4}, 8)]
 )
 def test_rounding_bound_of_solve_covers_draws(printed, draws, model, given, count):
+    """95 % of the compliances and all frequencies of random draws lie within the bounds."""
+
     def solved(robot, *, digits=False):
         return solve(Question(robot, model, given, digits=digits)).answers[0]
 
@@ -323,7 +325,7 @@ def test_second_varied_key_keeps_value_of_first():
     assert (both.tool.mass, both.bodies["leg1"].shape.mass) == (40.0, 60.0)
 
 
-def test_frequencies_include_rounding():
+def test_frequency_uncertainty_includes_digits():
     robot = robot_on_path(Context(load_robot("ifw"), "quick"))
     with_digits, without = (
         compared_frequencies(one).uncertainties for one in (robot, replace(robot, printed=()))

@@ -114,7 +114,7 @@ SOUND = ConstantLeg(0.8, Rectangle(0.1, 0.06), STEEL, ends="rigid")
     ],
     ids=["walls too thin", "incompressible"],
 )
-def test_leg_without_solid_keeps_other_leg(changed, said):
+def test_leg_without_solid_keeps_verdicts_of_other(changed, said):
     legs = {"leg1": SOUND, "leg2": replace(SOUND, **changed)}
     robot = variant_of_ifw(a=0.9, platform_mass=30.0, foot_compliance=None, **legs)
     robot = replace(robot, poses=robot.poses[4:5])
@@ -254,7 +254,7 @@ def test_remedy_is_valid_input_of_solve(remedy):
 
 
 @pytest.mark.parametrize("said", [FINER_PARTS, finer_by(FINER)])
-def test_finer_reference_is_option_of_run(said):
+def test_finer_reference_remedy_is_option_of_run(said):
     assert len(options_taken(said, "run", "ifw")) == 1
 
 

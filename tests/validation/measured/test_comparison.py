@@ -38,7 +38,7 @@ def test_uncertainties_add_as_squares():
     assert compared.uncertainties["numerics"] == pytest.approx(0.1959964 / 8.0)
 
 
-def test_input_uncertainty_is_linear():
+def test_input_uncertainties_propagate_to_first_order():
     # y = a·b² with relative uncertainties 1 % and 2 %: √(1² + (2·2)²) % to first order.
     found = propagated([(0.99, 1.01), (0.98**2, 1.02**2)])
     assert found == pytest.approx(hypot(0.01, 0.04))

@@ -48,7 +48,7 @@ ALONG = "".join(
 
 
 def shapes_of(x):
-    """Motions along x and z (2×6) at a station, of unit mean square; at the tip turned by 45°."""
+    """Shapes (2×6) at x: rows x and z, unit mean square. Axes at the tip are rotated by 45°."""
     z = x / LENGTH * FACTORS
     sigma = (np.cosh(FACTORS) + np.cos(FACTORS)) / (np.sinh(FACTORS) + np.sin(FACTORS))
     along = np.kron(np.eye(2), np.cosh(z) - np.cos(z) - sigma * (np.sinh(z) - np.sin(z)))

@@ -82,10 +82,10 @@ def test_column_buckles_under_axial_line_load():
 
 @pytest.mark.parametrize(("ratio", "least"), [(5.0, 5e-3), (15.0, 1e-3)])
 def test_solid_load_vector_has_end_effects(ratio, least):
-    """The load vector is ∫ Nᵀq with the static shapes N of a solid.
+    """The load vector ∫ Nᵀq with the static shapes N of a solid differs from that of a beam.
 
-    The reference does not include its difference from beams. Restrained warping and contraction at
-    the end faces change N by the ratio of their decay length to the length.
+    Restrained warping and contraction at the end faces change N by the ratio of their decay length
+    to the length of the leg.
     """
     leg = ConstantLeg(
         ratio * 0.05, Rectangle(0.03, 0.05), Material.isotropic(2.1e11, 0.3, 7850.0), "rigid"

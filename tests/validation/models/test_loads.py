@@ -214,7 +214,7 @@ def test_path_wrench_acts_in_its_pose_only():
 
 
 @pytest.mark.parametrize("name", ["ifw", "3-rrr", "hexapod"])
-def test_vjm_equals_links_under_loads(name):
+def test_vjm_and_links_are_equal_under_loads(name):
     robot = load_robot(name).mechanism
     wrench = np.array([1.0, 2.0, 3.0, 0.4, 0.5, 0.6])
     loads = [
@@ -241,7 +241,7 @@ def rigid(leg):
 
 
 class _Moving(multibody._ExudynModel):
-    """Bodies of EXUDYN that move as postures nearby say that they do with a `speed` of the tool."""
+    """EXUDYN model with the bodies' velocities at `speed` of the tool, by posture differences."""
 
     def __init__(self, at, free, speed):
         step = 1e-5 * np.array([*speed, 0.0, 0.0, 0.0])
@@ -314,7 +314,7 @@ ROTORS = {
 
 
 def with_rotor(kind, give, *, by_key):
-    """The arm on a drive whose rotor is a key of it or a body, gives behind the rotor."""
+    """An arm on a drive. `by_key`: its rotor is a key of the drive, otherwise a body."""
     axis, rotor = ROTORS[kind]
     drive = {"stiffness": 5.0e4, "simplified": 4.0e4}
     motor = {"type": kind, "between": ["ground", "arm"], "at": "A", "axis": axis, "drive": drive}

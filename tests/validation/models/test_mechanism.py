@@ -75,7 +75,7 @@ def test_printed_release_is_at_leg_tip():
     assert {name: own.release for name, _, own in legs} == {"leg1": "condensed", "leg2": "printed"}
 
 
-def test_simplified_model_has_rigid_joints():
+def test_simplified_model_ignores_joint_compliance():
     at = reference_posture(load_robot("ifw").mechanism)
     joints = tuple(replace(joint, compliance=None) for joint in at.mechanism.joints)
     stiff = replace(at, mechanism=replace(at.mechanism, joints=joints))
@@ -95,7 +95,7 @@ def test_legs_are_shared_only_if_identical():
         assert (known["rod1"] != known["rod2"]) is apart
 
 
-def test_many_modes_refine_the_elements():
+def test_element_count_grows_for_many_modes():
     middle = reference_posture(load_robot("ifw").mechanism)
     (answer,) = answers("beam", [middle], 60, ModelOptions(elements=10))
     assert len(answer.frequencies) == 60

@@ -131,7 +131,7 @@ def test_uniform_pressure_does_not_buckle_bar(block):
     assert gives_way_pressed(load, every)
 
 
-def test_check_and_solve_list_resultants(block):
+def test_check_and_solve_list_pressure_resultants(block):
     checked = parts_text(block.mechanism)
     assert "force (-6000, 0, 0) N, moment (0, 0, 0) N m" in checked
     solution = solve(Question(block, "links", {}, 0))

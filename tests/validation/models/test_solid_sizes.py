@@ -74,7 +74,7 @@ def test_unpaired_modes_figure_has_reason(context):
         modes.pairs(context)
 
 
-def test_too_large_export_is_refused_first(tmp_path):
+def test_too_large_export_is_refused_before_run(tmp_path):
     request = Request(SLENDER, "quick", tmp_path / "run", 1, exports=True)
     with pytest.raises(InputError, match=REASON.replace("^", "^--export: ")):
         validate(request, catalogue)

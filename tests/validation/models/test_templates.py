@@ -117,7 +117,7 @@ def test_gantry_deflects_as_clamped_bridge():
 
 
 def test_stage_deflects_as_springs_in_series():
-    """Drives and guides along their axes, tilting guides (230 and 290 mm lower), and the post."""
+    """In series: drive, guide along x or y, both guides in tilting (230 and 290 mm below), post."""
     nu, L = 0.3, 0.2
     area = pi / 4.0 * (0.04**2 - 0.028**2)
     second = pi / 64.0 * (0.04**4 - 0.028**4)
@@ -137,8 +137,8 @@ def test_stage_deflects_as_springs_in_series():
 def test_5r_deflects_as_axial_rods():
     """Rods at right angles to the cranks, along ±(0.6, 0.8): C = c (1/(2·0.6²), 1/(2·0.8²)).
 
-    The compliance c of one rod has motor and crank of 0.3 m under a transverse force, and elbow and
-    rod under an axial one.
+    The compliance c along one rod is the sum of those of motor and crank (0.3 m) under a transverse
+    force and those of elbow and rod under an axial force.
     """
     nu, crank, rod = 0.33, 0.3, 0.4
     area, _, Iz, kappa, _ = box(0.05, 0.06, 0.006, nu)

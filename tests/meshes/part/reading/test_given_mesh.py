@@ -220,7 +220,7 @@ def test_invalid_vtu_header_is_refused(tmp_path, encoding, compressor, library):
 
 
 @pytest.mark.parametrize("compression", ["zlib", "lzma", None])
-def test_vtu_header_has_true_size(files, tmp_path, compression):
+def test_vtu_header_gives_inflated_size(files, tmp_path, compression):
     mesh, path = meshio.read(files / "plate.vtu"), tmp_path / "plate.vtu"
     meshio.vtu.write(path, mesh, compression=compression)
     (cells,) = mesh.cells
