@@ -1,8 +1,8 @@
 """Value and reference of a comparison share no code but named basics.
 
-`SIDES` has the functions of the two sides of each comparison. What these rest on is read from the
-sources: names in a function's body, followed through imports; a class stands for all its methods,
-and a type in an annotation for the class whose methods are called.
+`SIDES` has the functions of the two sides of each comparison. The tests find the code that these
+use by reading the sources: they follow the names in a function's body through imports. A class
+stands for all its methods, and a type in an annotation for the class whose methods are called.
 """
 
 import ast
@@ -151,7 +151,10 @@ def sides(case: Case):
 
 @cache
 def names(module: str) -> dict[str, ast.stmt | str]:
-    """What a module's own names stand for: a definition, "module:name" or a module."""
+    """Top-level names of a module: syntax tree of a definition, or origin of an import.
+
+    The origin is "module:name" or the name of a module.
+    """
     found: dict[str, ast.stmt | str] = {}
     for node in ast.parse(FILES[module].read_text(encoding="utf-8")).body:
         match node:
@@ -169,7 +172,10 @@ def names(module: str) -> dict[str, ast.stmt | str]:
 
 
 def meant(module: str, name: str) -> str:
-    """Where a name of a module is defined, as "module:name"; a module; or "" for all else."""
+    """Place where a name used in a module is defined, "module:name".
+
+    If the name is a module, its name. "" if the name is not one of this program.
+    """
     found = names(module).get(name, "") if module in FILES else ""
     if not isinstance(found, str):
         return f"{module}:{name}"
@@ -178,7 +184,7 @@ def meant(module: str, name: str) -> str:
 
 @cache
 def uses(definition: str) -> frozenset[str]:
-    """Definitions that are named in one."""
+    """Definitions ("module:name") whose names occur in a definition."""
     module, _, name = definition.partition(":")
     found = set()
     for node in ast.walk(names(module)[name]):
@@ -194,7 +200,7 @@ def named(functions) -> set[str]:
 
 
 def closure(definitions: set[str]) -> set[str]:
-    """Everything that the definitions rest on, they themselves included."""
+    """The definitions and all that they use, directly or through others."""
     found, todo = set(), definitions
     while todo:
         found |= todo
@@ -207,7 +213,10 @@ def dotted(definition: str) -> str:
 
 
 def shared(value, reference, also=()) -> set[str]:
-    """What both sides rest on beyond the basics; what a side names is never a basic."""
+    """Definitions that both sides use, except basics (`BASICS` and `also`).
+
+    A definition that one side names directly is never a basic.
+    """
     basics = tuple(map(dotted, (*BASICS, *also)))
     both = closure(named(value)) & closure(named(reference))
     by_name = both & (named(value) | named(reference))
@@ -228,7 +237,7 @@ COMPARED = {key: both for key, case in CASES.items() if (both := sides(case)) is
 
 
 def roots(compute) -> set[str]:
-    """The definitions that compute a case: of closures those that hold them, and what they hold."""
+    """Definitions that compute a case. A closure counts with the functions it holds."""
     own = compute.func if isinstance(compute, partial) else compute
     function = inspect.unwrap(compute if hasattr(compute, "__wrapped__") else own)
     held = [cell.cell_contents for cell in function.__closure__ or ()]

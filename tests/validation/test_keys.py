@@ -1,7 +1,7 @@
 """Keys of stored results: each input of a key is changed, one at a time, and changes the key.
 
-What is kept under a key that has not all that its numbers depend on is believed by a run of
-another robot, preset, option, library or source.
+If a key lacks an input of its result, a run with another robot, preset, option, library or source
+reads a wrong result.
 """
 
 import ast
@@ -52,7 +52,7 @@ LEG = ConstantLeg(0.85, HollowRectangle(0.10, 0.16, 0.008), STEEL)
 
 
 def given(folder: Path) -> tuple[PartFile, tuple[Interface, ...]]:
-    """Two interfaces of a part, whose file is in the folder."""
+    """Part file in the folder, and two interfaces of the part."""
     path = folder / "part.step"
     path.write_bytes(b"solid")
     file = PartFile(path, "mm", [1.0, 1.0, 1.0], np.zeros((0, 3)), (), None, None)
@@ -120,14 +120,14 @@ def digest_now() -> str:
 
 
 def part_keys(folder: Path) -> list[str]:
-    """Keys of a mesh and of what is computed on it."""
+    """Keys of a mesh of a part and of the part's identification on it."""
     file, interfaces = given(folder)
     (mesh,) = meshes.mesh_entries(file, interfaces, 1000, [0])
     return [mesh.key, identify.identified_entry(file, interfaces, STEEL, 1000, 6).key]
 
 
 def test_changed_source_changes_keys(tmp_path, monkeypatch):
-    """A copy in another folder, as an installed wheel is, has the same keys."""
+    """A copy of the sources in another folder, such as an installed wheel, has the same keys."""
     for package in sources.PACKAGES:
         shutil.copytree(ROOT / package, tmp_path / package)
 
@@ -163,7 +163,7 @@ VIEWS = {"validation.tables", "validation.parts.identified_plot"}
 
 
 def test_part_key_includes_sources():
-    """The modules imported by those that compute entries, except for modules without code."""
+    """Sources: all modules imported, also indirectly, by those that compute cache entries."""
     drawn = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))
     files = drawn["modules"]()
     for start, places in (
@@ -221,7 +221,7 @@ def test_part_key_depends_on_every_input(tmp_path, monkeypatch):
 
 
 def asked_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterator[partial[Any]]:
-    """Everything that arrays of a part are kept for, with each of its options changed."""
+    """Yield calls for all results of a part that are cached, with each option changed."""
     body, leg = (load_robot(robot).mechanism.parts[name] for robot, name in BODIES.items())
     lighter = replace(body, shape=replace(body.shape, material=replace(STEEL, rho=7000.0)))
     for count in (1000, 1001):
@@ -287,7 +287,7 @@ def test_run_digest_depends_on_measurements():
 
 
 def with_part(folder: Path, change: bytes = b"") -> RobotFile:
-    """The rocker in a folder, its part with a comment more."""
+    """Robot file of the rocker, copied to a folder, with `change` appended to its STEP file."""
     folder.mkdir()
     part = ROCKER.with_name("rocker.step").read_bytes()
     (folder / "rocker.step").write_bytes(part + change)

@@ -1,4 +1,4 @@
-"""Results in Python and those of commands: maps, designs, measured values, parts, exports."""
+"""Results in Python equal those of commands: maps, designs, measurements, parts, exports."""
 
 import numpy as np
 import pytest

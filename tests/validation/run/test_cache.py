@@ -86,7 +86,7 @@ def test_cache_entry_with_valid_arrays_is_used():
 
 
 def test_cache_reading_never_unpickles(folder):
-    """A file with a valid seal cannot run code."""
+    """Pickled data in a cache entry are not executed, even if its seal is valid."""
     bomb = BytesIO()
     np.savez(bomb, bomb=np.array([Bomb()]))
     folder.mkdir()

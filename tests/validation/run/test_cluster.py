@@ -58,7 +58,7 @@ class Cluster:
         self.address = re.search(r"tcp://\S+", log.read_text(encoding="utf-8"))[0]
 
     def worker(self, name, root=ROOT):
-        """One thread and no nanny: a killed one is gone, as a machine would be."""
+        """Start a worker with one thread and no nanny, so that a killed worker is not restarted."""
         words = (self.address, "--no-nanny", "--nthreads", "1", "--name", name)
         self._start("worker", *words, name=name, root=root)
 
@@ -92,7 +92,7 @@ def cluster(tmp_path_factory):
 
 
 def silent(_line):
-    """Nothing is expected to be said."""
+    """Ignore a line of progress."""
 
 
 @pytest.fixture(scope="module")
@@ -142,7 +142,7 @@ def test_command_on_cluster_equals_local_one(
 
 @dataclass(frozen=True)
 class PartOnDisk:
-    """A part that is known by the content of its file."""
+    """Stand-in for a CAD part; the content of its file is the key of its results."""
 
     path: Path
 
@@ -155,7 +155,7 @@ def length_entry(part):
 
 
 def test_part_is_computed_without_its_file(tmp_path, monkeypatch):
-    """Another machine gets the content of the file, and its result is stored here."""
+    """A part's file is sent to the other machine, and the result is stored in this one's cache."""
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "cache"))
     part = PartOnDisk(tmp_path / "arm.step")
     part.path.write_bytes(b"solid")
@@ -169,7 +169,7 @@ def test_part_is_computed_without_its_file(tmp_path, monkeypatch):
 
 
 def test_run_on_cluster_equals_local_run(tmp_path, workers):
-    """Values, errors with their messages, a crash, and the log."""
+    """Equal values, errors with messages, crash of a worker process, and log."""
     robot = load_robot("ifw")
     context, left_out = Context(robot, "quick"), {"toy.starved"}
     tasks = [task for task in toys.troubled(robot) if task.id not in left_out]
@@ -216,7 +216,7 @@ def sleep_long(file):
 
 
 def test_late_close_keeps_results(monkeypatch, dask):
-    """Dask's client raises TimeoutError if its thread does not start in time."""
+    """The client's close raises TimeoutError: results, and the error of a call, are kept."""
     distributed = pytest.importorskip("distributed")
     close = distributed.Client.close
 
@@ -239,7 +239,7 @@ def append_results(address, calls, results):
 
 @pytest.mark.exhaustive
 def test_parts_are_reduced_on_workers(tmp_path, monkeypatch, cluster):
-    """A worker has its own cache and not the file. Its reductions are stored in this cache."""
+    """The worker lacks the part's file. Its reductions are stored in this machine's cache, too."""
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
     monkeypatch.setattr(read, "within_limits", lambda _, function, *given: function(*given))

@@ -1,4 +1,4 @@
-"""Comparison of two runs: changed verdicts, and drift of values. All numbers are artificial."""
+"""Comparison of two runs: changed verdicts, and drift of values. All numbers are made up."""
 
 import dataclasses
 import json
@@ -25,7 +25,7 @@ STEADY = Outcome(
 
 
 def moved(half_width=None, **numbers):
-    """The steady case with these numbers of a measurement."""
+    """Outcome STEADY with other `numbers` in its measurement; exact if `half_width` is None."""
     exact = half_width is None
     own = {"value": 1.0, "reference": 1.0, "judged_uncertainty": half_width, "exact": exact}
     return replace(STEADY, found=Measurement(**own | numbers))
@@ -170,7 +170,7 @@ def test_nested_inputs_are_compared():
 
 
 def judged(quantity, verdict, *values):
-    """Entry with a value in the first of three poses."""
+    """Stored verdict on the VJM with `values` in the first one to three poses."""
     poses = ((0.1,), (0.2,), (0.3,))[: len(values)]
     return StoredEntry(
         model="vjm", quantity=quantity, verdict=verdict, error=0.02, poses=poses, values=values
@@ -178,7 +178,7 @@ def judged(quantity, verdict, *values):
 
 
 def test_values_are_matched_by_pose():
-    """In any order, equal up to half a digit. Comparing all pairs of poses would take a minute."""
+    """Poses may be in any order and differ by rounding. 5000 poses are compared without delay."""
     places, values = 0.1 * np.arange(5_000.0) + 5e-10, np.arange(5_000.0)
     runs = []
     for x, y in ((places, values), (places[::-1] + 1e-13, -values[::-1])):
@@ -191,7 +191,7 @@ def test_values_are_matched_by_pose():
 
 @pytest.mark.parametrize("poses", [((0.1,), (0.2, 0.3)), ((), (0.1,)), ((0.1, 0.2),) * 2])
 def test_other_pose_lengths_are_not_compared(poses):
-    """Runs of robots with other coordinates, and files that were edited."""
+    """Poses have different numbers of coordinates, as after an edit of the file."""
     entries = (
         replace(judged("x", "adequate"), poses=some, values=(1.0, 2.0))
         for some in (poses, ((0.1,), (0.2,)))
@@ -202,7 +202,7 @@ def test_other_pose_lengths_are_not_compared(poses):
 
 
 def test_errors_are_compared_in_percent(saved, command):
-    """Errors with sign, half-width, bound, readings and component along the load."""
+    """Printed errors have sign, half-width, bound, range over readings, and part along the load."""
     own = {"model": "vjm", "verdict": "undecided", "limit": 0.05}
     known = {"error": 0.0325, "uncertainty": 0.0125, "low": 0.02, "high": 0.045}
     entries = [
@@ -236,7 +236,7 @@ def test_runs_without_cases_compare_models(saved, command):
 
 
 def test_variants_have_no_drift():
-    """Values are shown side by side in common poses. Numbers of two inputs do not drift."""
+    """Runs with different inputs have no drift. Their values in common poses are listed."""
     tables = [{"leg1": {"section": {"t": [4, t]}, "length": 0.8}} for t in (0.004, 0.003)]
     thick = run_of(
         STEADY,
@@ -279,7 +279,7 @@ def test_different_postures_are_not_compared():
 
 
 def test_different_robots_have_no_ranking(saved, tmp_path, command):
-    """Cases of one name in runs of two robots are not related."""
+    """Cases of equal name in runs of two robots are not related: no ranking, no drift."""
     wrong = replace(moved(value=9.0), verdict="disagree")
     first = saved("first.json", wrong, robot="five-bar", robot_tables={"a": 1})
     second = saved("second.json", STEADY, robot="delta", robot_tables={"b": 1})

@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parents[3]
 
 @dataclass(frozen=True, eq=False)
 class Powers:
-    """Result of a unit of work: numbers and arrays."""
+    """Made-up result of a unit of work: an array and a number."""
 
     powers: np.ndarray
     total: float
@@ -36,7 +36,7 @@ class Powers:
 
 @dataclass(frozen=True)
 class Unit:
-    """The first powers of a base."""
+    """Unit of work that computes the first four powers of a base."""
 
     base: float
 
@@ -131,7 +131,7 @@ def test_crashed_call_ends_only_itself(tmp_path):
 
 
 def test_lost_process_is_reported():
-    """The executor yields the error of the call, or that of the process that died."""
+    """The executor raises the error of a call, or one that names the exit code of its process."""
     with on_cores(1) as executor:
         with pytest.raises(ComputationError, match="code 9; what was finished is kept: start it"):
             list(executor([partial(os._exit, 9)]))

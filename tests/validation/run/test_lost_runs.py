@@ -1,7 +1,8 @@
 """Runs that are killed, interrupted, out of disk space or corrupted keep finished results.
 
-Bits that flipped, files cut short, exchanged, replaced, or gone: whatever does not hold is computed
-again, and what somebody else wrote keeps every byte. Links and pipes: test_run_folder.
+Files of a run are damaged: flipped bits, truncated, exchanged, replaced or deleted. Results whose
+seal is broken are computed again, and foreign files keep every byte. Links and pipes:
+test_run_folder.
 """
 
 import json
@@ -27,14 +28,14 @@ ASKED = ("run", "--preset", "quick", "--out")
 
 
 def summary(path):
-    """State and verdicts in the records of a run that was interrupted."""
+    """Header of the run and list of verdicts in results.json of an interrupted run."""
     found = json.loads((toys.partial(path) / "results.json").read_text())
     return found["run"], [case["verdict"] for case in found["cases"]]
 
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
-    """The numbers of a run, and how long it takes (s)."""
+    """Numbers of an undisturbed run, and its duration (s)."""
     path = tmp_path_factory.mktemp("undisturbed") / "run"
     begun = time.monotonic()
     done = toys.completed("real", *ASKED, path, "--jobs", "2")
@@ -51,7 +52,7 @@ def test_resumed_run_equals_uninterrupted_run(undisturbed, tmp_path):
     kept = []
 
     def resumed():
-        """Killed before it had even said what it is, a run has nothing to go on with."""
+        """Option --resume, or none if the run was killed before it wrote run.json."""
         return ["--resume"] if (toys.partial(path) / "run.json").exists() else []
 
     for _ in range(4):
@@ -169,7 +170,7 @@ def untouched(tmp_path_factory):
 
 
 def damage(path, chance):
-    """One damage to what a run wrote, or something precious put there: what it was."""
+    """Damage a file of a run at random, or add a foreign file; return a description."""
     files = sorted(file for file in path.rglob("*") if file.is_file())
     own = [file for file in files if PRECIOUS not in file.read_bytes()]
     # The records matter most.

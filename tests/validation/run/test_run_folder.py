@@ -29,7 +29,7 @@ def fill(folder, number=1.0):
 
 
 def finished(path, header=HEADER, number=1.0, *, whole=True):
-    """A run in a folder, whole or given up: one record, results, a report and a figure."""
+    """Write a run with a record, results, a report and a figure; abandoned if not `whole`."""
     with open_folder(path, header, "afresh") as folder:
         fill(folder, number)
         folder.complete = whole
@@ -86,7 +86,7 @@ def test_abandoned_run_is_replaced(tmp_path):
 
 
 def killed(moment, path):
-    """Whether a run in the place of another was killed after so many steps on the disk."""
+    """True if a run that replaces another was killed after `moment` steps on the disk."""
     child = os.fork()
     if child == 0:
         left = iter(range(moment))

@@ -169,7 +169,7 @@ def test_progress_escapes_file_names(monkeypatch, capsys):
 
 
 def test_time_forecast_uses_machine_speed(monkeypatch, capsys):
-    """A task of 100 s on the reference machine takes 200 s here, announced as three minutes."""
+    """On a machine of half the reference speed, 100 s become 200 s, printed as three minutes."""
     monkeypatch.setattr(telling, "slowness", lambda: 2.0)
     monkeypatch.setattr(telling, "_ESTIMATE_DELAY", 0.02)
     with telling.stage("meshing", 100.0):

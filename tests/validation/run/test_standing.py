@@ -1,4 +1,4 @@
-"""Outcome of a run: exit code and sentence agree, whatever failed."""
+"""Summary of a run: exit code and sentence are consistent for every kind of failure."""
 
 from dataclasses import replace
 from itertools import product
@@ -20,14 +20,14 @@ CASES = [case(f"toy[{k}]", never) for k in range(3)]
 
 
 def result(task, verdict, message=""):
-    """The result of a task without content."""
+    """Result of a task with a verdict and no measurement."""
     if isinstance(task, Case):
         return outcome_of(task, verdict, 0.1, message)
     return Result(task.id, verdict, 0.1, message)
 
 
 def results(tasks, *verdicts, **fields):
-    """The results of tasks that have these verdicts; without one a task is not computed."""
+    """Results of tasks with these verdicts. Tasks beyond the last verdict are not computed."""
     done = {
         task.id: result(task, verdict, "why")
         for task, verdict in zip(tasks, verdicts, strict=False)
@@ -70,9 +70,9 @@ def test_summary_of_run_matches_exit_code(tasks, said, sentence, code):
 
 
 def test_program_error_of_model_is_failure():
-    """Its entries are undecided, which alone would give exit code 0.
+    """An error in a model of the robot or of a leg gives exit code 3.
 
-    The same holds for a single leg.
+    Its entries are undecided, which alone would give exit code 0.
     """
     leg = sample_matrix(robot="leg 1", faults=("beam",))
     matrix = sample_matrix(faults=("links", "beam"), parts=(leg,))
@@ -112,7 +112,7 @@ def test_equal_failures_share_a_line():
 
 
 def by_gauge(size):
-    """A matrix against a measured value, of which a model is off by a size."""
+    """Matrix in which the simplified model differs from a measured value by `size` (relative)."""
     of_gauge = entry("simplified", "z", size, measured=True, reference="measured: gauge")
     return sample_matrix(entries=(of_gauge,), quantities=("z",))
 
@@ -132,7 +132,7 @@ def test_measured_values_refuse_a_model(size, code):
 
 
 def test_missing_verdict_fails_if_strict():
-    """The assessment was skipped, so that there is no verdict on the model of --rely."""
+    """The assessment was skipped: the model of --rely has no verdict, a failure with --strict."""
     for strict in (False, True):
         found = results([MODELS], "skipped", rely=("beam",), strict=strict)
         assert found.refused == (("beam",) if strict else ())

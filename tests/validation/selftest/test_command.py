@@ -1,4 +1,4 @@
-"""Command `selftest`: verdicts, their quotation by runs, and the numbers of the manual."""
+"""Command `selftest`: verdicts, how runs quote them, and the values in the manual."""
 
 import json
 import re
@@ -29,7 +29,7 @@ def numbers(*computed):
 
 @pytest.fixture
 def selftest(monkeypatch, tmp_path, command):
-    """Function that runs the self-test with given outcomes (numbers or errors) for its text."""
+    """Function that runs `selftest` on made-up outcomes (numbers or errors); returns its text."""
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "cache"))
 
     def run(*outcomes, code=0):
@@ -68,12 +68,12 @@ def test_selftest_result_is_quoted_by_runs(selftest, outcomes, code, message):
     assert provenance.last_selftest(HEADER) == quoted
 
 
-def test_explained_benchmark_agrees():
+def test_explained_benchmark_difference_agrees():
     assert KnownNumber("q", "Hz", 2.0, 2.02, 1e-3, explained=0.01).agrees
     assert not KnownNumber("q", "Hz", 2.0, 2.0, 1e-3, explained=0.01).agrees
 
 
-def test_other_installation_is_ignored(selftest, tmp_path):
+def test_selftest_of_other_version_is_ignored(selftest, tmp_path):
     selftest(numbers(2.0))
     changes = {"versions": {**HEADER["versions"], "numpy": "0"}, "suite_sha256": "0"}
     for name, changed in changes.items():
@@ -136,7 +136,7 @@ def test_fv5_solid_rotates_at_its_ends():
 
 
 def test_fv5_explained_part_is_beam_theory():
-    """NAFEMS FV5 gives frequencies of beam theory, from which a solid differs."""
+    """The reference values of NAFEMS FV5 are those of beam theory, from which a solid differs."""
     kinds = ("bending", "torsion", "tension", "bending", "torsion", "bending")
     # Half waves of each mode along the beam.
     halves = (1.0, 0.5, 0.5, 2.0, 1.5, 3.0)

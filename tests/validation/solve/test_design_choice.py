@@ -106,7 +106,7 @@ def test_best_worst_frequency_is_chosen():
 
 
 def test_missing_mode_meets_no_condition():
-    """A robot without the mode does not count as one whose mode is high enough."""
+    """A robot without the mode does not meet a lower limit on its frequency."""
     purpose = purpose_of(load_robot("ifw"), "mass", None, ["f1>=10"], 1)
     mass, frequency = purpose.quantities
     choice = DesignChoice(

@@ -1,4 +1,4 @@
-"""Frequencies of an unsupported leg: exact bars, solids, and the count of rigid motions."""
+"""Frequencies of an unsupported leg: exact solutions, solids, number of rigid-body motions."""
 
 import json
 from dataclasses import replace
@@ -26,7 +26,7 @@ ROOTS = (4.730040744862704, 7.853204624095838, 10.995607838001671)
 
 
 def bar(length, width, height):
-    """A robot of one bar, clamped at A."""
+    """Tables of a robot that is one bar from A to B."""
     section = {"shape": "rectangle", "width": width, "height": height}
     return {
         "schema": 2,
@@ -54,7 +54,7 @@ def free(robot, model, modes, **options):
 
 
 def test_free_slender_bar_is_euler_bernoulli():
-    """(x / L)² √(EI/ρA) / 2π in both planes, without rotary inertia."""
+    """Frequencies (x/L)² √(EI/ρA) / 2π in both planes, x the roots of cos x cosh x = 1."""
     found = free(bar(1.0, 0.02, 0.01), "beam", 5, theory="euler-bernoulli", elements=80)
     along_z = [x**2 / (2.0 * pi) * 0.01 * sqrt(E / RHO / 12.0) for x in ROOTS]
     along_y = [2.0 * frequency for frequency in along_z[:2]]
@@ -63,7 +63,7 @@ def test_free_slender_bar_is_euler_bernoulli():
 
 
 def timoshenko(length, second, area, kappa, near):
-    """Frequency (Hz) of a free-free Timoshenko beam next to one, by its transfer matrix.
+    """Frequency (Hz) of a free-free Timoshenko beam close to `near`, by its transfer matrix.
 
     State (w, ψ, M, Q): Q = κGA (w′ − ψ), M = EI ψ′, M′ = −Q − ρIω²ψ, Q′ = −ρAω²w.
     """
@@ -106,7 +106,10 @@ def test_free_segments_converge_to_beam():
 
 
 def test_free_solid_bar_has_all_modes():
-    """Timoshenko's theory with Cowper's coefficient differs by 1e-3 from a solid with L/h = 10."""
+    """Six rigid-body modes lie below the first bending mode of a solid with L/h = 10.
+
+    That mode is within 1e-3 of Timoshenko's theory with Cowper's coefficient.
+    """
     found = free(THICK, "solid", 3, divisions=2)
     exact = timoshenko(0.2, 0.03 * 0.02**3 / 12, 6e-4, KAPPA, found[0])
     assert found[0] == pytest.approx(exact, rel=1e-3)
@@ -148,7 +151,9 @@ def test_free_ends_need_a_body(tmp_path, capsys):
 
 
 def test_rounding_of_6x6_affects_free_modes():
-    """The 6×6 of the paper's leg has three digits. A free body has no compliance."""
+    """The 6×6 of the paper's leg has three digits: an uncertainty of frequencies.
+
+    A free body has no compliance."""
     (answer,) = api.solve("ifw", "segments", leg=1, modes=3, ends="free-free").answers
     assert answer.rigid == 6
     assert answer.of_digits.compliance.size == 0

@@ -40,7 +40,7 @@ COUNT = 4
 
 @pytest.fixture(scope="module", autouse=True)
 def coarsest(coarse_parts):
-    """Meshes coarser still, as reading the part comes to most of what is left."""
+    """Use meshes even coarser than `coarse_parts`, to save time."""
     coarse_parts.setattr(reduced_parts, "UNKNOWNS", 3_000)
 
 
@@ -78,7 +78,7 @@ def test_part_half_width_covers_finer_mesh(own, crane, coarse_parts):
 
 
 def test_f1_uncertainty_ignores_mode_count(crane, monkeypatch):
-    """Errors of 1 % fall with order 1 for the lowest mode, and faster for the others."""
+    """Made-up modes: errors of 1 % decrease with order 1 for the lowest mode, faster for others."""
     shapes, falls = np.eye(12), RATIO ** np.linspace(1.0, 2.0, 12)
 
     def modes_on(robot, reading):
@@ -149,7 +149,7 @@ def test_omitted_modes_are_within_bound(own, crane, by):
 
 
 def test_part_solution_is_its_compliance(own, crane):
-    """The solution is that of the part, not of an equivalent prism, with its uncertainty."""
+    """Without modes, `solve` has the compliance of the CAD part itself, with its uncertainty."""
     static = answer_of(crane, 0)
     assert static.compliance == pytest.approx(own.compliance, rel=1e-6, abs=1e-15)
     assert static.of_parts.compliance == pytest.approx(own.of_parts.compliance, rel=1e-4)
@@ -158,7 +158,7 @@ def test_part_solution_is_its_compliance(own, crane):
 
 
 def test_pressure_has_half_width_of_part_meshes(crane):
-    """Pressure on the upper side of the arm, where the change from mesh to mesh is known."""
+    """The half-width of a deflection by pressure covers its change on the next coarser mesh."""
     faces = "plane = { normal = [0.0, 0.0, 1.0], point = [0.0, 0.0, 0.02] }"
     load = f'name = "press"\npressures = [{{ body = "arm", pressure = 1.0e6, {faces} }}]'
     pressed = robot_of(f"{crane.text}\n[[loads]]\n{load}\n", Path(crane.source).parent)
@@ -177,9 +177,9 @@ def test_pressure_has_half_width_of_part_meshes(crane):
 
 
 def test_load_and_compliance_share_half_width(crane):
-    """Half-widths are equal for the coupling.
+    """A unit load and the compliance have equal half-widths of the coupling.
 
-    Those for the mesh have different orders of convergence.
+    Those of the mesh differ by less than a factor of two: they use different orders.
     """
     push = '[[loads]]\nname = "push"\nwrench = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]\n'
     found = answer_of(robot_of(f"{crane.text}\n{push}", Path(crane.source).parent), 0)
@@ -274,7 +274,7 @@ def test_report_has_reduction_error(crane):
 
 
 def test_run_compares_both_part_reductions(crane):
-    """The difference is within both bounds, which are small enough to matter."""
+    """The difference in frequency is within the sum of both bounds, below 0.1 %."""
     listed = {case.id: case for case in part_reductions.cases(mechanism=crane.mechanism)}
     case = listed["mechanism.parts.frequency[2]"]
     found = case.compute(Context(crane, "quick"))

@@ -56,7 +56,7 @@ def robot(tmp_path):
 
 @pytest.fixture
 def bar(tmp_path):
-    """A leg of it a rectangle, which is meshed with few elements."""
+    """Path of a robot file with rectangular legs, which need few elements."""
     text = SOUND.replace("hollow-rectangle", "rectangle").replace(", thickness = 0.008", "")
     return robot_of(text, tmp_path).source
 
@@ -189,7 +189,7 @@ def test_solid_robot_has_mesh_uncertainty():
 
 
 def test_mesh_change_follows_mode_shape():
-    """Two modes change places between the meshes: by shape they move by 2 and 0.5 Hz."""
+    """Two modes change their order between the meshes. By shape, they change by 2 and 0.5 Hz."""
     question = Question(load_robot("five-bar"), "solid", {"divisions": 2}, 2)
     robot = robot_at(Context(question.robot_file, "quick"), question.postures())
 
@@ -207,7 +207,7 @@ def test_mesh_change_follows_mode_shape():
     assert 3.0 / (2.0**4 - 1.0) < factor < 3.0 / (2.0**1.4 - 1.0)
 
 
-def test_statics_and_modes_share_one_factor(monkeypatch):
+def test_statics_and_modes_share_factorisation(monkeypatch):
     leg = ConstantLeg(0.2137, Rectangle(0.03, 0.02), Material.isotropic(2.1e11, 0.3, 7850.0))
     held, calls = leg_models.held_solid, []
     monkeypatch.setattr(leg_models, "held_solid", lambda *of: calls.append(of) or held(*of))
@@ -218,7 +218,7 @@ def test_statics_and_modes_share_one_factor(monkeypatch):
 
 
 def test_values_with_order_are_extrapolated(command, tmp_path):
-    """Torsion of a square bar with free ends: Saint-Venant's L/GJ, known to every digit."""
+    """Torsion of a square bar with free ends: Saint-Venant's exact L/GJ."""
     side, length, G = 0.05, 0.15, 2.1e11 / 2.6
     odd = np.arange(1, 40, 2)
     J = side**4 * (1.0 / 3.0 - 64.0 / np.pi**5 * np.sum(np.tanh(0.5 * odd * np.pi) / odd**5))
@@ -327,7 +327,7 @@ def test_json_numbers_have_unique_names():
 
 
 def test_load_displacements_are_named(tmp_path, command):
-    """Displacement C F under a wrench F, for every model. A stretched arm cannot move farther."""
+    """Displacements by name of the load: C F under a wrench F. A stretched arm has none (null)."""
     path = robot_of(ONE_ARM + LOADS, tmp_path).source
     for model in ("vjm", "segments"):
         asked = ["solve", path, "--model", model, "--pose", "0.1", "--pose", "0.5"]
@@ -404,7 +404,7 @@ loads = [{ name = "push", wrench = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0] }]
 def test_models_with_mass_have_responses(tmp_path, command):
     """Every loss factor is twice the damping ratio.
 
-    A point that hardly vibrates has its compliance.
+    At low frequency the response is the static compliance.
     """
     wanted = '{ name = "hit", direction = [2, 0, 0], from = 0.01, to = 90.0, at = 30.0 }'
     text = f"damping.ratio = 0.02\nresponses = [{wanted}]\n{ONE_ARM}"

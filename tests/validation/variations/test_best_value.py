@@ -1,4 +1,4 @@
-"""Decisions over a number of a robot whose best value has a closed form.
+"""Choice of the best value of a robot's dimension, which has a closed form.
 
 The robot is a bar on a slide. Along the slide it vibrates as a rigid body on the drive's spring;
 the frequency falls with its height. Perpendicular to the slide it bends; the frequency rises with
@@ -89,7 +89,7 @@ def bending_frequency(height, width=WIDTH):
 
 
 def drive_frequency(height):
-    """Frequency (Hz) of bar and tool on the drive, with the bar's bending along it (Dunkerley)."""
+    """Frequency (Hz) of bar and tool along the drive, with bending of the bar (Dunkerley)."""
     rigid = np.sqrt(DRIVE / (TOOL + RHO * WIDTH * height * LENGTH)) / (2.0 * np.pi)
     return 1.0 / np.hypot(1.0 / rigid, 1.0 / bending_frequency(WIDTH, height))
 
@@ -190,7 +190,7 @@ def test_stored_units_keep_all_digits(light_bar, tmp_path, monkeypatch):
 
 
 def test_single_reading_serves_all_values():
-    """The first robot, with legs known by their 6×6, has one reading; the second has two."""
+    """The first value's robot has one reading of its file, the second value's robot has two."""
     names = (
         np.array(["beam", "specified 6×6 of the legs"]),
         np.array(["vjm", "beam", "solid, a", "solid, b"]),
@@ -231,7 +231,7 @@ def test_uncertain_reference_widens_losses(light_bar, monkeypatch):
 
 
 def test_extreme_value_interval_is_two_sided():
-    """The smaller of 1.0 (± 10 %) and 1.01 is at most 10 % smaller, or 1 % larger."""
+    """The smaller of 1.0 (± 10 %) and 1.01 is between 0.9 and 1.01: −10 %, +1 %."""
     values, uncertainties = np.array([[1.0], [1.01]]), np.array([[0.1], [0.0]])
     extremes = _extremes({"beam": values, "solid": values}, {"solid": uncertainties}, np.min)
     np.testing.assert_allclose(extremes, [[1.0, 1.0], [0.0, 0.1]])
@@ -239,7 +239,7 @@ def test_extreme_value_interval_is_two_sided():
 
 def test_chosen_value_and_loss_are_exact():
     # The model chooses its 1.0. The reference has 2.0 there, and 1.6 at its best.
-    """The loss of a choice is the reference's value there over its best value, less one."""
+    """Loss: relative difference of the reference's value at the chosen design from its best one."""
     values, reference = np.array([1.0, 2.0, 4.0, 3.0]), np.array([2.0, 1.6, 3.0, 5.0])
     assert choice(values, reference, "deflection") == Choice(0, (0,), pytest.approx(0.25))
     # The largest frequency is best: 4.0, at which the reference has 3.0, with 5.0 at its best.
@@ -253,7 +253,7 @@ def test_chosen_value_and_loss_are_exact():
 
 @pytest.mark.parametrize("levels", [4, 1000])
 def test_spearman_matches_scipy(levels):
-    """Designs of equal value, frequent with few levels, share their mean rank."""
+    """Designs of equal value, which are frequent with few `levels`, share their mean rank."""
     pairs = np.random.default_rng(levels).integers(1, levels, (5, 2, 9)).astype(float)
     for first, second in pairs:
         expected = scipy.stats.spearmanr(first, second).statistic

@@ -18,7 +18,7 @@ MASS = "tool.mass=1:3:2"
 
 
 def table(path):
-    """Columns of numbers by heading."""
+    """Columns of numbers of a CSV file by heading."""
     rows = list(csv.DictReader(path.open(encoding="utf-8")))
     return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
 
@@ -48,7 +48,7 @@ def test_varied_value_equals_edited_file(name, key, original, model, tmp_path, c
 
 
 def test_variations_give_all_combinations(tmp_path, command):
-    """A * varies six rods together. The Delta stays symmetric: f1 and f2 are equal."""
+    """A key with * varies all six rods together. The Delta stays symmetric: f1 and f2 are equal."""
     arguments = ["delta", "--model", "beam", "--modes", "2", "--csv", tmp_path / "table.csv"]
     keys = ("bodies.rod*.section.diameter", "tool.mass")
     arguments += ["--vary", f"{keys[0]}=0.02:0.03:2", "--vary", f"{keys[1]}=1:2:3"]

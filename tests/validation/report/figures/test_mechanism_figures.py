@@ -168,7 +168,7 @@ def test_mode_pairs_are_at_middle_pose(five_bar, monkeypatch):
 
 
 def test_figure_has_load_deflections():
-    """The chart has displacements (µm) under forces, rotations (µrad) under moments, differences."""
+    """Displacements (µm) under forces and rotations (µrad) under moments, with differences."""
     rng = np.random.default_rng(4)
     names = ("simplified", "vjm", "beam", "solid, ends rigid")
     values = {name: rng.uniform(1e-9, 1e-6, (3, 6)) for name in names}
