@@ -121,7 +121,7 @@ def condensed_leg(
 ) -> LegMatrices:
     """Leg by `segments`, `beam` or `solid`, condensed to the twists of its ends.
 
-    Exact in statics.
+    The result is exact in statics.
     """
     if model == "segments" and not isinstance(leg, SteppedLeg):
         return static_leg(leg_chain(leg, options))
@@ -205,19 +205,19 @@ def leg_frequencies(
     *,
     free: bool = False,
 ) -> Array:
-    """First natural frequencies (Hz, ascending) of one leg. Arguments and errors of `leg_modes`."""
+    """First natural frequencies (Hz, ascending) of one leg. Arguments as in `leg_modes`."""
     return np.asarray(leg_modes(model, leg, count, options, free=free).frequencies[0])
 
 
 def leg_modes(
     model: ModelName, leg: Leg, count: int, options: ModelOptions, *, free: bool
 ) -> PathModes:
-    """First natural modes of one leg with its root clamped. Elastic modes of a free leg if `free`.
+    """First natural modes of one leg with its root clamped or, if `free`, without supports.
 
-    The six rigid-body motions of a free leg are omitted. Solids are sampled by the twists of
-    sections, other models are not sampled. For free solids, Sylvester's law of inertia proves that
-    neither a mode nor a rigid-body motion is missing. Raises InputError for `simplified` (rigid
-    legs), `vjm` and `links` (static), and ComputationError if a free leg does not have six
+    The six rigid-body motions of an unsupported leg are omitted. Solids are sampled by the twists
+    of sections, other models are not sampled. For free solids, Sylvester's law of inertia proves
+    that neither a mode nor a rigid-body motion is missing. Raises InputError for `simplified`
+    (rigid legs), `vjm` and `links` (static), and ComputationError if a free leg does not have six
     rigid-body motions.
     """
     if model == "simplified" or model in STATIC:

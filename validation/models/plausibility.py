@@ -25,7 +25,7 @@ _LONG, _HEAVY, _HEAVY_PER_LENGTH = 5.0, 1e4, 1e4
 _WIDE, _LIGHT_PER_LENGTH = 10.0, 0.02
 # Gravity (m/s²) above which a wrong unit is likely: five times the earth's.
 _LARGEST_GRAVITY = 50.0
-# Smallest cosine between a bore and the axis of its joint: 30°.
+# Smallest cosine of the angle between a bore and the axis of its joint: that of 30°.
 _ALONG = float(np.cos(np.pi / 6.0))
 # Largest gap between the bodies of a slide that is round-off, relative to the distance of its
 # points.

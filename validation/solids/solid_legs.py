@@ -87,9 +87,9 @@ _ENDS: tuple[Ends, Ends] = ("rigid", "free")
 # Group of tasks that share the cached results of the robot's solids.
 SHARED_SOLIDS = "robot.solid.modes"
 # Divisions of rectangles, and of walls, for modes of legs; the next coarser mesh gives the
-# numerical uncertainty. Up to four divisions, walls have one element across: half of that shows the
-# effect of the element length, and the error of the section mesh is the same in the section
-# constants.
+# numerical uncertainty. Up to four divisions, walls have one element across: half as many divisions
+# change only the element length. The error of the section mesh is contained in the section
+# constants of the beam, too.
 DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 3, "fine": 4}
 WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
 # Element count of the beams with which solids are compared.
@@ -218,7 +218,7 @@ def edge_order(nu: float) -> float:
 
 
 def static_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions of all meshes whose section has at most `most` unknowns, for the doubling method.
+    """Divisions of successive meshes with at most `most` unknowns per section, for doubling.
 
     () if fewer than two meshes are that small.
     """
@@ -226,7 +226,7 @@ def static_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
 
 
 def modal_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions of all solid meshes with at most `most` unknowns, for natural frequencies.
+    """Divisions of successive solid meshes with at most `most` unknowns, for frequencies.
 
     () if fewer than two meshes are that small.
     """
@@ -295,7 +295,7 @@ def leg_constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
 
 
 def mesh_constants(leg: ConstantLeg, mesh: SectionMesh) -> SectionConstants:
-    """Constants of a leg's section of one material on this mesh of it."""
+    """Constants of a leg's section of one material on the given section mesh."""
     material = leg.material
     return section_constants(mesh, material.nu, material.G / material.E)
 
@@ -432,7 +432,7 @@ def _paired_modes(
 def held_solid(
     leg: SectionedLeg, divisions: int, ends: Ends, section: int | None = None
 ) -> HeldLeg:
-    """Solid leg on the twists of both ends, with end condition `ends`.
+    """Solid leg with the twists of both ends fixed; `ends` is the condition of its end faces.
 
     `divisions` along the leg, `section` across it. If `section` is None, both are equal.
     """

@@ -133,7 +133,7 @@ def interface_loads(
     """Masses and pressures for models without mass: legs have the mass of beams, parts their own.
 
     `masses` is the mass distribution in legs known by their 6×6. `parts` are models of the parts;
-    if None, they are condensed here. No masses if no load acts on mass.
+    if None, they are condensed here. The result has no masses if no load acts on mass.
     """
     pressures = unit_pressures(mechanism, parts)
     if not any(load.acts_on_mass for load in mechanism.loads):
@@ -148,7 +148,7 @@ def interface_loads(
 def interface_mass(model: BodyModel) -> Array:
     """Mass matrix of a model condensed to its interfaces.
 
-    It is the same for a reduction by Craig and Bampton as for Guyan's.
+    Reductions by Craig and Bampton and by Guyan have the same condensed mass matrix.
     """
     ends = slice(6 * len(model.interfaces))
     return dense(model.mass)[ends, ends]

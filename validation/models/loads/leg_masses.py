@@ -82,7 +82,7 @@ def leg_with_inside(leg: GivenLeg, inside: Inside, highest: float) -> LegMatrice
 
     They are accurate up to `highest` (Hz). A lumped mass lies at the leg's `mass_centre`, or in the
     middle if that is unknown; it is a point mass if `inertia` is unknown. If `mass_centre` is
-    known, a wedge equals mass along the leg.
+    known, wedges give the same matrices as mass along the leg.
     """
     return by_shapes(shapes_inside(leg, inside, highest, _ELEMENTS), leg, inside, _ELEMENTS)
 
@@ -95,7 +95,7 @@ def ends_mass(leg: GivenLeg, masses: Masses) -> Array:
 
 
 def shapes_inside(leg: GivenLeg, inside: Inside, highest: float, elements: int) -> Array:
-    """Shapes (n×r) of the motion between the ends: static ones due to the ends, then modes.
+    """Shapes (n×r) of a leg's motion: static ones due to motions of the ends, then modes.
 
     The modes are those with both ends clamped. Shapes: n unknowns of the beam, r shapes.
     """

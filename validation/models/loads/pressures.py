@@ -26,7 +26,10 @@ from validation.models.reduced_parts import condensed, faces_of, found_in
 
 @dataclass(frozen=True, eq=False)
 class PressedFaces:
-    """A pressure of a load on faces of a CAD part: `key` in the robot file, and face numbers."""
+    """A pressure of the load named `load` on the `faces` (numbers) of a CAD part.
+
+    `key` is the position of the pressure in the robot file.
+    """
 
     load: str
     key: str
@@ -35,7 +38,7 @@ class PressedFaces:
 
 
 def pressed_faces(mechanism: Mechanism) -> list[PressedFaces]:
-    """Faces of all pressures of all loads. Raises InputError with all selections without faces."""
+    """Faces of all pressures of all loads. Raises InputError for selections without faces."""
     pressures = [
         (load.name, f"loads[{number}].pressures[{entry}]", pressure)
         for number, load in enumerate(mechanism.loads, start=1)

@@ -102,7 +102,7 @@ def bent_legs(mechanism: Mechanism) -> list[str]:
 def prestressed_assembly(
     model: ModelName, postures: Sequence[Posture], options: ModelOptions
 ) -> tuple[Assembly, dict[str, Prestressed]]:
-    """Assembly of a model, and functions for the geometric stiffness of its loaded legs."""
+    """Assembly of a model, and data for the geometric stiffness of its legs, by body name."""
     mechanism = postures[0].mechanism
     if model == "simplified":
         return assembly(on_drives_alone(mechanism), {}), {}
