@@ -253,6 +253,7 @@ def test_value_and_reference_are_independent():
 
 
 def test_comparison_depends_on_both_sides():
+    """The case of a comparison uses all functions that are listed as its two sides."""
     for key, (value, reference) in COMPARED.items():
         strange = named((*value, *reference)) - closure(roots(CASES[key].compute))
         assert not strange, key

@@ -45,6 +45,7 @@ def test_edge_singularity_has_williams_order(nu):
 
 
 def test_edge_has_full_order_without_contraction():
+    """With ν = 0 a clamped edge is not singular, and energies have the order 4 of the elements."""
     assert edge_order(0.0) == 4.0
     assert edge_order(0.01) == pytest.approx(2.0, abs=0.05)
     # Complex where stretching is held, near ν = 0 a real root just above 1.
@@ -63,7 +64,8 @@ def test_rigid_faces_reduce_order_in_tension():
     assert observed == pytest.approx(edge_order(-0.9), abs=0.2)
 
 
-def test_low_shear_modulus_has_free_end_order(tmp_path):
+def test_leg_soft_in_shear_has_formal_order(tmp_path):
+    """The solid of a leg 26 times as stiff along its axis as in shear has its formal order."""
     # A leg known by its 6×6, stiff 26 times as much along it as in shear: with rigid faces, whose
     # edges hold the warping of shear, 1.95 and 1.92 were found.
     robot_file = robot_of(list(random_robots(41, 7))[40], tmp_path)
@@ -93,6 +95,7 @@ def test_reentrant_corners_have_order_four_thirds(section, ends, order):
 
 
 def test_thick_box_torsion_shows_corner_order():
+    """Reentrant corners limit the order of convergence of the torsion constant to 4/3."""
     hollow = ConstantLeg(1.0, HollowRectangle(0.1, 0.16, 0.04), STEEL)
     divisions = (4, 8, 16, 32)
     torsion = np.array([leg_constants(hollow, number).torsion_constant for number in divisions])

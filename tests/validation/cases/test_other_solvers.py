@@ -87,7 +87,7 @@ def test_ritz_frequencies_scale_with_stiffness(softer):
 
 
 def test_ritz_omits_idle_rod_spin():
-    """Six rods of a Delta spin about their axes. In a symmetric pose its modes come in pairs."""
+    """The spin of a Delta's six rods is no mode. In a symmetric pose, modes 1 and 2 are a pair."""
     pair = ritz.frequencies(reference_posture(load_robot("delta").mechanism), 2)
     assert pair[0] > 10.0
     assert pair[1] == pytest.approx(pair[0], rel=1e-7)

@@ -90,7 +90,7 @@ def test_explained_difference_agrees(crossed, within):
     crossed.assert_agrees("beam", quantity="f1", within=within, body="arm")
 
 
-def test_half_width_reduces_agreement(crossed):
+def test_half_width_counts_against_agreement(crossed):
     with pytest.raises(AssertionError) as raised:
         crossed.assert_agrees("beam", quantity="f1", within=0.00149, body="arm")
     assert str(raised.value) == (

@@ -90,7 +90,7 @@ def random_leg(seed):
 
 @pytest.mark.parametrize("seed", range(10))
 def test_random_solids_have_formal_order(seed):
-    """Free ends: h⁴ in bending. Rigid ends: the order of their edges, from one element across.
+    """Free ends have order h⁴ in bending, rigid ends the order of their edges, on any mesh.
 
     Each half-width from two or more meshes contains the next finer mesh; for (1, 2) and (2, 4) that
     is a mesh twice as fine.

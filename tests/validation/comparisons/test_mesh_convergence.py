@@ -63,7 +63,7 @@ def test_orders_are_near_formal_ones(study):
 
 
 def random_leg(seed):
-    """Cells of a section with a side ratio of 1 or 2 are refined alike in both directions."""
+    """Random leg, side ratio 1 or 2: its cells are refined alike in both directions."""
     draw = np.random.default_rng(seed)
     width, nu = draw.uniform(0.03, 0.06), draw.uniform(0.0, 0.35)
     sides = Rectangle(width, float(draw.integers(1, 3)) * width)

@@ -79,7 +79,7 @@ def test_biglide_differs_by_rigid_faces(model, motion):
 
 
 def test_thin_walled_frequencies_agree():
-    """Boxes of the five-bar: textbook torsion constants give 1.4 % of f3, rigid faces 0.6 %."""
+    """Boxes of the five-bar: textbook torsion constants explain 1.4 % of f3, rigid faces 0.6 %."""
     outcome = outcome_of("five-bar", "robot.agrees[beam-solid-f3]")
     assert outcome.verdict == "agree"
     assert shares(outcome)[FORMULA] == pytest.approx(-0.0141, abs=5e-4)

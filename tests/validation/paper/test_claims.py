@@ -102,6 +102,7 @@ def test_summary_excludes_circular_claims(claims):
 
 
 def test_layout_and_eq_25_change_claims(claims):
+    """The claims on layout and eq. (25) have other values as printed than as corrected."""
     (layout,) = claim_starting(claims, "With 20 elements").curves
     assert layout.printed == pytest.approx(1.05 * 181.8, rel=2e-3)
     assert layout.corrected == pytest.approx(181.8, rel=1e-3)
@@ -206,7 +207,7 @@ def test_longer_legs_are_softer_along_z():
     assert deflection.along_z == pytest.approx([23.0, 85.0], abs=0.5)
 
 
-def test_simplified_model_is_rigid_at_end():
+def test_simplified_model_is_rigid_along_x_at_end():
     stroke = stroke_of(IFW.mechanism)
     for x in stroke.ends:
         assert_allclose(drive_compliance(stroke, x)[0], 0.0, atol=1e-16)
@@ -233,6 +234,7 @@ def test_cosine_spacing_has_ends_and_centre():
 
 @pytest.mark.exhaustive
 def test_figure_has_release_of_eq_25_as_printed():
+    """f2 at the centre: 184 Hz, about 300 Hz with joints released by eq. (25) as printed."""
     figure = frequencies_over_the_stroke(Context(IFW, "quick"))
     centre = list(csv.DictReader(io.StringIO(figure.data)))[10]
     # Values of an independent computation: 184 Hz, and about 300 Hz as printed.
@@ -269,6 +271,7 @@ def evidence(where: str, check: str) -> str:
 
 
 def test_caption_erratum_gives_stroke_ends():
+    """The erratum on the captions of Figs 6c, 12c, 13c has L1 − a and the ends of the stroke."""
     assert evidence("captions of Figs 6c, 12c, 13c", "caption") == (
         f"L1 − a = {L1 - A:.3g} m, the stroke goes from {A - L2:.3g} to {L1:.3g} m"
     )
@@ -293,7 +296,7 @@ def test_foot_misprint_changes_y_stiffness():
     )
 
 
-def test_longitudinal_misprint_is_mode_ratio():
+def test_longitudinal_erratum_has_frequency_ratio():
     """The erratum has the ratio of longitudinal to bending frequency of a clamped-free beam:
 
     π/2L √(EA/μ) over (1.8751/L)² √(EI/μ).
@@ -308,7 +311,7 @@ def test_longitudinal_misprint_is_mode_ratio():
     assert evidence("§1", "longitudinal frequencies").endswith(f": {', '.join(ratios)}")
 
 
-def test_eq_12_misprint_is_stiffness_error():
+def test_eq_12_erratum_has_stiffness_error():
     """Reference: A t = B q̇ solved by hand, drives of 1e9 and 2e9 N/m, platform of 46 kg."""
     s1, s2 = np.sqrt(L1**2 - CENTRE**2), np.sqrt(L2**2 - (A - CENTRE) ** 2)
     J = np.linalg.solve(np.array([[CENTRE, s1], [CENTRE - A, s2]]), np.diag([s1, s2]))
@@ -362,6 +365,7 @@ def test_spring_errata_give_rotation_energy():
 
 
 def test_text_errata_are_notes():
+    """Errata of kind "read", such as that on eq. (10), have the severity "note"."""
     findings = [finding for finding in paper_findings(IFW) if finding.kind == "read"]
     assert any("§3.3" in finding.where and "eq. (10)" in finding.used for finding in findings)
     assert {finding.severity for finding in findings} == {"note"}

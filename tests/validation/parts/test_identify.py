@@ -323,7 +323,7 @@ def test_crank_compliance_is_shaft_and_drive(crank, model, parts):
     assert scaled_difference(answer.compliance, crank_compliance()) < REFERENCE_ERROR
 
 
-def test_crank_frequencies_are_mass_on_spring(crank):
+def test_crank_frequencies_equal_mass_on_spring(crank):
     """ω² are the eigenvalues of C⁻¹/m, with C the 3×3 compliance of the mass's displacements."""
     (answer,) = answers("segments", [crank], 3, ModelOptions(parts="condensed"))
     compliances = np.linalg.eigvalsh(crank_compliance()[:3, :3])[::-1]

@@ -121,7 +121,7 @@ def test_unwritable_cache_recomputes_all(folder, monkeypatch, tmp_path):
         assert cache.cache_folder() == found / "flexproof"
 
 
-def test_full_cache_drops_oldest_use(folder, monkeypatch):
+def test_full_cache_drops_least_recently_used(folder, monkeypatch):
     for number, key in enumerate("abcd"):
         keep(key, {"much": np.zeros(1000)})
         os.utime(folder / f"{key}.npz", (number, number))

@@ -116,6 +116,7 @@ def test_accuracy_option_refines_part_meshes(crane, coarse_parts):
 
 
 def test_coupling_half_width_is_its_effect(own, crane):
+    """Half-width of an unspecified coupling: difference of averaged from rigid interfaces."""
     text = crane.text.replace(" } }", ' }, coupling = "average" }')
     average = robot_of(text, Path(crane.source).parent).mechanism
     (said,) = answers("solid", [reference_posture(average)], COUNT)
@@ -221,6 +222,7 @@ def matrix(crane):
 
 @pytest.mark.exhaustive
 def test_uniform_leg_is_softer_than_tapered(crane, matrix):
+    """Segments of one section in place of the tapered arm: over 10 % off in deflection along z."""
     assert [note.model for note in matrix.models] == list(judged_models(crane.mechanism))
     entry = matrix.entry("segments", "z")
     assert entry.verdict == "inadequate"

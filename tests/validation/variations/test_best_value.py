@@ -95,6 +95,7 @@ def drive_frequency(height):
 
 
 def test_best_height_has_equal_frequencies(curves_by_objective):
+    """The first frequency is highest where those of bending and of the drive are nearly equal."""
     expected = np.array(
         [min(bending_frequency(height), drive_frequency(height)) for height in HEIGHTS]
     )
@@ -174,7 +175,7 @@ def test_value_without_reference_is_skipped(tmp_path, monkeypatch):
         case.measure(Context(bar, "quick"))
 
 
-def test_stored_units_keep_all_digits(light_bar, tmp_path, monkeypatch):
+def test_stored_results_keep_all_digits(light_bar, tmp_path, monkeypatch):
     (variation,) = variations_of(light_bar, ["tool.mass=2:4:2"])
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     in_process = variation_study(light_bar, variation, "quick")

@@ -38,6 +38,7 @@ def series(label, values, quantity="deflection (µm)", **more):
 
 
 def test_differences_are_below_curves():
+    """Panels below the curves show differences (%) from the reference curve."""
     turned = [series("a", [4, 4, np.nan], "turn"), series("b", [5, 4, 4], "turn")]
     panel = compared(Panel([series("a", [1, 2, 0]), series("b", [1.1, 1, 3]), *turned]), "a")
     assert compared(panel, "c").below == []

@@ -76,6 +76,7 @@ def test_response_band_includes_all_readings(robot, monkeypatch):
 
 
 def test_mass_note_is_at_middle_pose(robot):
+    """The note on assumed mass distributions has ranges of frequencies at the middle pose."""
     robot.has_solids = True
     truth = reference("", {"wedge": vibration(1.0), "lump": vibration(0.9)}, supposed="plausible")
     (note,) = mass_notes(Responses(robot), truth)
@@ -125,6 +126,7 @@ def measured_entry(poses):
 
 
 def test_measured_bars_include_inputs():
+    """The model's bar includes numerics and inputs, the other bar is that of the measurement."""
     pose = ((0.4,),)
     matrix = sample_matrix(entries=(measured_entry(pose),), quantities=("z",), poses=pose)
     chart = measured_curves(matrix)
@@ -139,6 +141,7 @@ def test_measured_bars_include_inputs():
 
 
 def test_measured_path_has_full_intervals():
+    """Over a path, bars combine the uncertainties of model (4 %) and measurement (3 %): 5 %."""
     poses = ((0.4,), (0.5,))
     matrix = sample_matrix(entries=(measured_entry(poses),), quantities=("z",), poses=poses)
     (panel,) = measured_curves(matrix).panels
