@@ -90,7 +90,7 @@ class RootedBody:
 
     @property
     def countable(self) -> bool:
-        """True if eigenvalues can be counted: a factor of the stiffness fits in memory."""
+        """True if eigenvalues can be counted: a factor of K − σM fits in memory."""
         return self.factor.countable
 
     def require_count(self) -> None:
@@ -141,8 +141,8 @@ class RootedBody:
     def relative(self) -> Array:
         """Matrix [−X I] from the twists of all m interfaces to the relative twists of m − 1.
 
-        These are the twists of all interfaces but the first, relative to the rigid motion of the
-        first.
+        These are the twists of all interfaces but the first, relative to a rigid motion of the body
+        with the first interface.
         """
         points = self.solid.points
         carried = [shift(point - points[0]) for point in points[1:]]

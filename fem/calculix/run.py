@@ -65,8 +65,8 @@ def calculix_version() -> str | None:
 def run_calculix(deck: Deck, timeout: float = 600.0) -> CalculixResults:
     """Solve a deck in a temporary folder, with one thread, in at most `timeout` seconds.
 
-    Raises CalculixMissing if CalculiX is not installed, InputError for a deck with elements that it
-    does not have, ComputationError if it fails or takes too long.
+    Raises CalculixMissing if CalculiX is not installed, InputError for a deck with elements that
+    CalculiX does not have, ComputationError if CalculiX fails or takes too long.
     """
     program = calculix_program()
     with TemporaryDirectory(prefix="calculix-") as folder:
@@ -85,7 +85,7 @@ def run_calculix(deck: Deck, timeout: float = 600.0) -> CalculixResults:
 def _run(program: str, job: Path, title: str, timeout: float) -> str:
     """Run the program and return its output.
 
-    Raises ComputationError with the first error it prints.
+    Raises ComputationError with the first error that the program prints.
     """
     thread_variables = ("OMP_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER", "CCX_NPROC_STIFFNESS")
     environment = os.environ | dict.fromkeys(thread_variables, "1")

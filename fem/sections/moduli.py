@@ -114,8 +114,8 @@ def laminate_moduli(mesh: SectionMesh, laminate: Laminate) -> Moduli:
 def _box_moduli(walls: Array, points: Array, extent: tuple[float, float]) -> Array:
     """Elasticity matrices at points of a box: those of the nearest wall.
 
-    On the diagonals at the corners of the box, they are the mean of both walls. `walls` are in wall
-    axes.
+    On the diagonals at the corners of the box, they are the mean of both walls. `walls` are
+    elasticity matrices in wall axes.
     """
     inside = 0.5 * np.array(extent) - np.abs(points)
     beyond = inside[..., 0] - inside[..., 1]

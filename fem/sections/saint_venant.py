@@ -31,7 +31,7 @@ from meshes.shape_functions import gradients, quadrature, values
 
 @dataclass(frozen=True, eq=False)
 class SectionQuadrature:
-    """Quadrature points of a section mesh: M cells, Q points each, k nodes per cell.
+    """Quadrature points of a section mesh: N nodes, M cells, Q points and k nodes per cell.
 
     `shapes` (k×Q) are shape functions, `gradients` (M×k×2×Q, in 1/m) their gradients, `weights`
     (M×Q, in m²) sum up to the area. `points` (2×M×Q, in m) are y and z relative to the `centroid`
@@ -50,21 +50,21 @@ class SectionQuadrature:
         return np.asarray((field * self.weights).sum(axis=(-2, -1)))
 
     def load(self, density: Array) -> Array:
-        """Consistent nodal values ∫ N_i f dA (N) of a density f (M×Q)."""
+        """Consistent nodal values ∫ N_i f dA (N of them) of a density f (M×Q)."""
         return self._gather(np.einsum("kq,mq->mk", self.shapes, density * self.weights))
 
     def gradient_load(self, field: Array) -> Array:
-        """Nodal values ∫ ∇N_i·g dA (N) of a vector field g (2×M×Q)."""
+        """Nodal values ∫ ∇N_i·g dA (N of them) of a vector field g (2×M×Q)."""
         return self._gather(
             np.einsum("mkdq,dmq->mk", self.gradients, field * self.weights, optimize=True)
         )
 
     def value(self, nodal: Array) -> Array:
-        """Nodal values (N) interpolated at the quadrature points (M×Q)."""
+        """Values (M×Q) at the quadrature points, interpolated from N values `nodal`."""
         return np.asarray(nodal[self.mesh.cells] @ self.shapes)
 
     def gradient(self, nodal: Array) -> Array:
-        """Gradient (2×M×Q) of interpolated nodal values (N) at the quadrature points."""
+        """Gradient (2×M×Q) at the quadrature points, interpolated from N values `nodal`."""
         by_cell = nodal[self.mesh.cells]
         return np.asarray(np.einsum("mkdq,mk->dmq", self.gradients, by_cell, optimize=True))
 

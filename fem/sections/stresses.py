@@ -79,7 +79,7 @@ def section_stresses(mesh: SectionMesh, material: Material) -> SectionStresses:
 
 
 class _NodalGradient:
-    """Gradient (2×N, in 1/m) of nodal values (N) at the nodes, as mean over the adjacent cells."""
+    """Gradient (2×N, in 1/m) of nodal values at the N nodes, as mean over the adjacent cells."""
 
     def __init__(self, mesh: SectionMesh) -> None:
         self._mesh = mesh

@@ -44,7 +44,7 @@ class NotConvergedError(Exception):
 class Ritz:
     """Converged modes: ω² (m, ascending), M-orthonormal vectors (n×m), residuals over θ = 1/ω².
 
-    `beyond` is the next Ritz value of ω², which has not converged. Infinite if there is none.
+    `beyond` is the next Ritz value of ω², which need not have converged. Infinite if there is none.
     """
 
     values: Array
