@@ -52,7 +52,7 @@ def contents(wheel):
 
 
 def test_source_distribution_makes_same_wheel(wheel, tmp_path):
-    """It contains what tests and site need, and nothing that was generated."""
+    """It contains all files that tests and site need, and no generated ones."""
     with tarfile.open(built("sdist", tmp_path)) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
         archive.extractall(tmp_path / "sources", filter="data")

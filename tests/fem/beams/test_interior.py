@@ -39,7 +39,7 @@ def test_beams_from_6x6_keep_end_stiffness(interior):
 
 
 def test_fixed_warping_doubles_torsion_mode():
-    """Warping alone 22.373/L² √(EΓ/ρI_p), Saint-Venant π/L √(GJ/ρI_p): ratio 2.056 here."""
+    """First ω: warping 22.373/L² √(EΓ/ρI_p), Saint-Venant π/L √(GJ/ρI_p); the ratio is 2.056."""
     leg = given(PRISM)
     soft = leg.compliance.copy()
     soft[3, 3] *= 300.0

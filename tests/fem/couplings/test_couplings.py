@@ -52,7 +52,7 @@ def lug(tmp_path_factory):
 
 
 def grips_on(file, *kinds):
-    """Return coupled faces of the lug: both bores and, with a third kind, the flat end."""
+    """Return grips on the lug, one for each kind of coupling: both bores, and the flat end."""
     choices = ByCylinder(0.008), ByCylinder(0.005), ByPlane((1.0, 0.0, 0.0), (0.1, 0.0, 0.0))
     chosen = enumerate(zip(choices, kinds, strict=False))
     wanted = {f"I{k}": PartInterface(choice, kind) for k, (choice, kind) in chosen}

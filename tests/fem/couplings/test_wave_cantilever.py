@@ -70,7 +70,7 @@ def test_round_bar_torsion_has_no_distortion():
     ],
 )
 def test_distortion_is_solid_beam_difference(leg, expected):
-    """Relative frequency change from beam to solid elements, and that by waves along the leg.
+    """The frequency change from beam to solid elements equals that by waves along the leg.
 
     Waves and solids use the same section mesh, but no common code along the leg.
     """

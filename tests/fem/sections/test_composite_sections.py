@@ -60,7 +60,7 @@ def scaled(difference, compliance):
 
 
 def test_one_material_equals_saint_venant():
-    """Two formulations on one mesh agree: stress potentials and displacements."""
+    """Formulations by stress potentials and by displacements agree on one mesh."""
     mesh = section_mesh(Channel(0.05, 0.1, 0.02, 0.02), 4)
     expected = per_length(beam_properties(section_constants(mesh, STEEL.nu), STEEL))
     assert (

@@ -86,7 +86,7 @@ def local_agent(tmp_path, monkeypatch):
 
 @pytest.mark.usefixtures("local_agent")
 def test_ranks_of_two_hosts_solve_by_messages(hosts, monkeypatch):
-    """Two addresses of this machine: only rank 0 reads files and commands."""
+    """Two addresses of this machine are two hosts. Only rank 0 reads files and commands."""
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(HOSTS_VARIABLE, str(hosts("127.0.0.1\n127.0.0.2\n")))
     monkeypatch.delenv(RANKS_VARIABLE, raising=False)

@@ -35,7 +35,7 @@ LATERAL, NORMAL, ROLL, PITCH, YAW = 1.0e8, 2.5e8, 3.0e4, 5.0e4, 6.0e4
 
 
 def joined(*lines):
-    """Return an arm on a joint with these lines of its table; tool move x if it has a drive."""
+    """Return an arm on a joint with these table lines; the tool moves along x if it is driven."""
     moves = '["x"]' if any("drive" in line for line in lines) else "[]"
     return described(ARM.replace("MOVES", moves) + "\n".join(lines))
 

@@ -30,7 +30,7 @@ EQUIVALENT = on_equivalent_legs(IFW.mechanism)
 
 
 def variant_of_ifw(**changes: Any) -> Mechanism:
-    """The paper's robot with some other arguments of its constructor."""
+    """The paper's robot with some arguments of its constructor replaced."""
     return biglide(**DATA | changes)
 
 

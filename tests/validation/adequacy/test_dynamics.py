@@ -88,7 +88,7 @@ def test_equal_legs_share_a_reduction():
 
 
 def at_the_centre(requirement=None, **changes):
-    """Context (preset quick) of a variant of the paper's robot in one pose, its digits exact."""
+    """Context (preset quick) of the paper's robot with `changes`, in one pose, digits exact."""
     robot = variant_of_ifw(**changes)
     robot = replace(robot, poses=robot.poses[4:5])
     return Context(file_of(robot, text="", requirement=requirement), "quick")

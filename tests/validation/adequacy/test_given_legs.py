@@ -82,7 +82,7 @@ SECTION = "specify the section or the solid instead of the 6×6 in [bodies.leg1]
 
 @dataclass(frozen=True, eq=False)
 class Twins:
-    """A mechanism of legs known by their 6×6 in one position, and the solids of these legs."""
+    """Mechanism whose legs are known by their 6×6, its position x, and solids with these 6×6."""
 
     mechanism: Mechanism
     x: float
@@ -217,7 +217,7 @@ def inertia(leg) -> Array:
 
 
 def knowing(twins, *keys):
-    """Twins without those of the legs' keys `mass_centre` and `inertia` that `keys` omits."""
+    """Twins whose legs, of `mass_centre` and `inertia`, have only `keys`; the rest is unknown."""
     bodies = dict(twins.mechanism.bodies)
     unknown = dict.fromkeys({"mass_centre", "inertia"} - set(keys))
     for name, leg in legs_of(twins.mechanism).items():

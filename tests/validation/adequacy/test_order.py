@@ -43,7 +43,7 @@ def vibration(rng, sizes, frequencies, shapes):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_mode_order_follows_families(seed):
-    """A mode has its correct number if the model's mode of that number is of the same family."""
+    """A mode number is correct if the modes of this number belong to one repeated frequency."""
     rng = np.random.default_rng([43, seed])
     sizes, own, others = families(rng)
     shapes = np.linalg.qr(rng.normal(size=(SAMPLES, sizes.sum())))[0]

@@ -51,7 +51,7 @@ modes = 9
 
 
 def equal_legs():
-    """Verdicts on a 3-PRS robot 0.76 m high, its joints on circles of 0.297 and 0.142 m radius."""
+    """Text of a 3-PRS robot file: 0.76 m high, joints on circles of radius 0.297 and 0.142 m."""
     points, legs = ["P = [0.0, 0.0, 0.760770915244]"], []
     for k in (1, 2, 3):
         angle = 2.0 * np.pi * (k - 1) / 3.0

@@ -206,7 +206,7 @@ def printed(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def draws(printed, tmp_path_factory):
-    """Sixty robots whose 6×6 round to the entries printed for `printed`."""
+    """Sixty random robots whose 6×6, rounded, are those of `printed`."""
     rng, folder = np.random.default_rng(24), tmp_path_factory.mktemp("draws")
     return [robot_of(drawn(printed.text, rng), folder) for _ in range(60)]
 

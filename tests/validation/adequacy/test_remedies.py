@@ -88,7 +88,7 @@ def test_unsolved_model_keeps_other_verdicts(monkeypatch, arm, sound):
 
 
 def test_unsolved_step_leaves_remaining_error(monkeypatch, arm, sound):
-    """If a model between the judged one and the reference is unsolved, the rest has no cause."""
+    """If a model between model and reference is unsolved, the remaining error has no cause."""
     refusing(monkeypatch, model_ladder, "computed_spring")
     matrix = robot_adequacy(Context(arm, "quick"))
     for now, before in zip(matrix.entries, sound.entries, strict=True):

@@ -411,7 +411,7 @@ def test_missing_extra_names_command(tmp_path, monkeypatch):
 def test_rigid_robot_is_compared_by_six_modes(tmp_path):
     """A block on six springs has fewer than eight modes.
 
-    That of the spring along x moves its tip.
+    The mode of the spring along x moves the tip of the block.
     """
     block = """[bodies.beam]
 points = ["A", "P"]

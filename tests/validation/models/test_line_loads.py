@@ -69,7 +69,7 @@ def test_partial_load_follows_model_theory():
 
 
 def test_column_buckles_under_axial_line_load():
-    """A cantilever compressed by q N/m buckles at 7.837 EI/L³ (Timoshenko & Gere, §2.12)."""
+    """A cantilever buckles under axial q = 7.837 EI/L³ per length (Timoshenko & Gere, §2.12)."""
     text = ARM.replace("0.03, height = 0.05", "0.02, height = 0.02")
     line = 'wrench = [-1.0e4, 0.0, 0.0, 0.0, 0.0, 0.0], axes = "leg"'
     text = text.replace(f"wrench = [0.0, 0.0, -{LOAD}, 0.0, 0.0, 0.0], from = 0.2", line)

@@ -149,9 +149,9 @@ def test_cardan_moment_couples_angles():
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
 def test_inverted_pendulum_buckles_at_k_over_mgh(model):
-    """Factor k/Σ m g h, and none for a hanging one. Half the load has twice the factor.
+    """Factor k/Σ m g h; half the load has twice the factor. A hanging one does not buckle.
 
-    Also the frequencies under load.
+    The frequencies under load are compared, too.
     """
     up = Load("up", "bob", "P", gravity=np.array([0.0, 9.81, 0.0]))
     down, twice = replace(up, gravity=-up.gravity), replace(up, gravity=2.0 * up.gravity)

@@ -134,7 +134,7 @@ PRISMS = {
 
 
 def hollow_wedge(occ):
-    """400 mm long, 40 mm wide, its height falls from 60 to 40 mm; a hole of 20 × 16 mm along it."""
+    """Draw a wedge 400 × 40 mm, 60 to 40 mm high, with a hole of 20 × 16 mm along it."""
     corners = [(0, -30), (400, -20), (400, 20), (0, 30)]
     points = [occ.addPoint(x, -20, z) for x, z in corners]
     lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
