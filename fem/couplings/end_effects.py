@@ -36,12 +36,13 @@ _LOST = 1e-4
 
 
 def restrained_compliance(mesh: SectionMesh, material: Material | Moduli, length: float) -> Array:
-    """Change (6×6, SI, leg axes, at the tip) of a prism's tip compliance by rigid end faces.
+    """Change (6×6, SI, leg axes, at the tip) of a prism's tip compliance due to rigid end faces.
 
     It is the tip compliance with plane, rigid faces at root and tip minus that with Saint-Venant's
-    tractions on both (work conjugate), and negative semidefinite. It is exact in x for any length,
-    so that both ends may interact. Raises ComputationError if round-off dominates, because moduli,
-    or walls and sides, differ by too much.
+    tractions on both, with tip displacements work conjugate to the loads. It is negative
+    semidefinite, and exact in x for any length, so that both ends may interact. Raises
+    ComputationError if round-off dominates, because the moduli, or the wall thickness and the
+    sides, differ by too much.
     """
     change = np.zeros((6, 6))
     for fields in section_fields(mesh, material):
@@ -120,8 +121,8 @@ def _decays(fields: SectionFields) -> tuple[Array, Array]:
 
     The shapes for e^{−γx}, which decay from the root, have the opposite sign of u_x. Rates are
     computed from 1/γ² in the space without the generalised eigenvectors of γ² = 0: for walls of
-    thickness t and a side b, the smallest γ² is only (t/b)² of the largest or less, and must not
-    lose its digits.
+    thickness t and a side b, the smallest γ² is at most (t/b)² times the largest, and must not lose
+    its digits.
     """
     squares = _Squares(fields)
     chain, adjoint = squares.zeros(fields)
@@ -143,7 +144,7 @@ def _decays(fields: SectionFields) -> tuple[Array, Array]:
 
 
 def _change(fields: SectionFields, length: float) -> Array:
-    """Change of compliance (m×m) by rigid end faces, for the fields of one symmetry.
+    """Change of compliance (m×m) due to rigid end faces, for the fields of one symmetry.
 
     The reference is the compliance with Saint-Venant's tractions on the faces.
     """
