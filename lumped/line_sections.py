@@ -108,8 +108,8 @@ def interpolation(coordinates: Array) -> Array:
 class SectionField:
     """Sections at points of a line, leg axes, SI units.
 
-    All arrays have the same leading axes. `points` (…×3, in m) are positions. The columns of
-    `strains` (…×6×6) are the independent strains of the section, each as a rate of change (per
+    All arrays have the same leading dimensions (…). `points` (…×3, in m) are positions. The columns
+    of `strains` (…×6×6) are the independent strains of the section, each as a rate of change (per
     length) of its twist. `stiffness` (…×6×6) refers to these strains; those marked in `rigid` (6)
     have no flexibility. `flexibility` and `mass` (…×6×6) are per length.
     """

@@ -75,7 +75,7 @@ def _feed(
     select_fields: Callable[[Any], Iterable[Field[Any]]],
     digests_by_id: MutableMapping[Any, bytes],
 ) -> None:
-    """Add `value` to a digest. `digests_by_id` stores digests of records for reuse."""
+    """Add `value` to a digest through `update`. `digests_by_id` keeps digests of records."""
     match value:
         case np.ndarray():
             update(f"array {value.dtype.str} {value.shape} ".encode())

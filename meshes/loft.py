@@ -94,7 +94,7 @@ def mesh_section(leg: LineLeg) -> Section:
 
 
 def slices_along(leg: LineLeg, divisions: Divisions) -> int:
-    """Number of slices that are as long as elements of the section with `divisions` are wide."""
+    """Number of slices of about the same length as the width of section elements (`divisions`)."""
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     return max(2, ceil(leg.line.length / element_length(mesh_section(leg), count)))
 

@@ -118,7 +118,7 @@ class Quantity:
     `key` identifies the quantity within its `kind`: the axis, the mode ("f2"), the entry of a leg's
     compliance ("leg1.c22"), or the name of a load or response. It is "" if the kind has a single
     quantity. `column` is the index from 0 among the results of that kind: axes, loads, modes,
-    response numbers, or the 36 entries of a 6×6 row by row.
+    values of responses, or the 36 entries of a 6×6 row by row.
     """
 
     kind: QuantityKind

@@ -88,10 +88,10 @@ class Drive:
 
     `simplified` is the stiffness in the simplified model (rigid bodies on elastic drives) if it
     represents more than the drive; otherwise None. `loss` is the loss factor of both stiffnesses.
-    `inertia` (kg or kg m²) is the inertia of the rotor times the ratio squared. It moves with the
-    elastic deflection of the drive. `damping` (N s/m or N m s/rad) is that of a viscous dashpot
-    parallel to the stiffness. A ball `screw` determines the stiffness in other postures; then
-    `stiffness` is that in the reference posture.
+    `inertia` (kg or kg m²) is the inertia of the rotor times the square of the gear ratio. It moves
+    with the elastic deflection of the drive. `damping` (N s/m or N m s/rad) is the constant of a
+    viscous dashpot parallel to the stiffness. A ball `screw` determines the stiffness in other
+    postures; then `stiffness` is that in the reference posture.
     """
 
     stiffness: float | None = None

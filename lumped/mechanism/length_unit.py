@@ -22,7 +22,7 @@ class UnitOfLength:
     per_metre: float
 
     def of(self, metres: float) -> float:
-        """Length `metres` in this unit, rounded so that a typed value is recovered."""
+        """Length of `metres` in this unit, rounded so that a value typed in it is recovered."""
         return float(f"{metres * self.per_metre:.{_DIGITS}g}")
 
     def shown(self, metres: float, digits: int = 6) -> str:

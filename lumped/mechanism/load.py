@@ -32,7 +32,7 @@ class LineLoad:
         return self.first + share * (self.last - self.first)
 
     def in_axes(self, rotation: Array) -> "LineLoad":
-        """Load in other axes, whose columns in the present axes are `rotation` (3×3)."""
+        """Load in other axes, given by the columns of `rotation` (3×3) in the present axes."""
         first, last = (
             (wrench.reshape(2, 3) @ rotation).ravel() for wrench in (self.first, self.last)
         )

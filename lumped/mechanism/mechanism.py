@@ -103,7 +103,7 @@ class Mechanism:
 
     @property
     def judged_responses(self) -> tuple[str, ...]:
-        """Names of the judged numbers of all harmonic responses, in the robot's order."""
+        """Names of the judged numbers of all harmonic responses, in the order of the robot file."""
         return tuple(name for excitation in self.excitations for name in excitation.judged)
 
     @property

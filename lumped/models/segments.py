@@ -164,7 +164,7 @@ def _spring(properties: BeamProperties, piece: float) -> Array:
 
 
 def _element_mass(properties: BeamProperties, piece: float) -> Array:
-    """6×6 mass matrix of a rigid prismatic element of length `piece` (m) at its centre."""
+    """6×6 mass matrix of a rigid prismatic element of length `piece` (m), about its centre."""
     slender = properties.mu * piece**3 / 12.0
     return np.asarray(properties.section_mass * piece + np.diag([0.0] * 4 + [slender] * 2))
 

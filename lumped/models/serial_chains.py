@@ -124,7 +124,7 @@ def tool_displacements(
 
 
 def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) -> Array:
-    """Twist (6) at the point `end` (3, in m) if the load on its rotor deflects a drive."""
+    """Twist (6) at the point `end` (3, in m) due to a drive deflected by the load on its rotor."""
     joint = step.across
     drive = None if isinstance(joint, str) else drive_in(posture, joint)
     if isinstance(joint, str) or drive is None or drive.stiffness is None:
@@ -202,7 +202,7 @@ def _series(steps: list[_Step], end: _Node, base: _Node) -> list[_Step]:
 
 
 def _is_passive(across: Joint | str) -> bool:
-    """True for a joint with a free twist that has no drive."""
+    """True for a joint that has a free twist but no drive."""
     driven = isinstance(across, Joint) and across.drive is not None
     return isinstance(across, Joint) and FREEDOMS[across.kind] > driven
 
@@ -253,7 +253,7 @@ def _steps(
 def _without_dead_ends(steps: list[_Step], ends: set[_Node]) -> list[_Step]:
     """Joints and legs of `steps` that transmit load.
 
-    Those that lead to bodies attached at one node only transmit none.
+    Those that lead only to bodies attached at a single node transmit none.
     """
     while True:
         nodes = [node for step in steps for node in step.nodes]

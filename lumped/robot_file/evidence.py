@@ -42,10 +42,10 @@ def read_measured(
 ) -> tuple[Measured, ...]:
     """Measured values from a CSV file.
 
-    Its columns are quantity, pose, value, uncertainty, source and, if needed, load. In the column
-    pose, spaces separate the coordinates along the `moves` of the tool. Lengths are in `unit`.
-    `responses` are the names of the values of harmonic responses. Raises InputError with one line
-    per fault.
+    The columns of the file are quantity, pose, value, uncertainty, source and, if needed, load. In
+    the column pose, spaces separate the coordinates along the `moves` of the tool. Lengths are in
+    `unit`. `responses` are the names of the values of harmonic responses. Raises InputError with
+    one line per fault.
     """
     rows = table_rows(path, "a CSV file of measured values", _COLUMNS, MEASURED_VALUES.most)
     rules, values, faults = MEASURED.in_unit(unit, moves), [], []

@@ -58,7 +58,7 @@ class _Includer:
         self.folder, self.size = folder, 0
 
     def lines(self, file: Path, content: bytes, chain: tuple[Path, ...]) -> Iterator[DeckLine]:
-        """Lines of a file.
+        """Lines of `file`, in which the lines of included files replace *INCLUDE.
 
         `chain` contains the files from the deck to this one, each of which includes the next.
         """

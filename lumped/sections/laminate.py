@@ -69,7 +69,7 @@ class Layer:
         return np.asarray(strains.T @ along_fibres @ strains)
 
     def faults(self) -> list[str]:
-        """Faults of the constants."""
+        """Faults of the constants of the layer."""
         limit = self.E1 / self.E2
         if self.nu12**2 < limit:
             return []
@@ -83,7 +83,8 @@ class Layer:
 class Laminate(Section):
     """Thin wall of `layers` from the inside outwards.
 
-    Its constants are those of a section of the `mean_material`.
+    The section constants are such that, with the `mean_material`, they give the stiffnesses of the
+    wall.
     """
 
     layers: tuple[Layer, ...]

@@ -87,8 +87,8 @@ class Section(ABC):
     def shear_coupling(self, nu: float) -> float:  # noqa: ARG002
         """GA times the shear strain along z due to a unit force along y, at Poisson's ratio `nu`.
 
-        It is the off-diagonal term of the matrix with the two 1/κ on its diagonal. 0 if y or z is
-        an axis of symmetry.
+        It is the off-diagonal term of the matrix whose diagonal contains 1/κ for y and for z. 0 if
+        y or z is an axis of symmetry.
         """
         return 0.0
 

@@ -131,7 +131,7 @@ class Assembly:
 
     @cached_property
     def _split_models(self) -> Mapping[str, tuple[tuple[Array, Array | SparseMatrix], ...]]:
-        """Blocks of stiffness and mass of each body: interfaces, and coupling to inner unknowns."""
+        """Blocks of the stiffness and the mass of each body: interfaces, coupling to its inside."""
         return {
             name: (_split(model, "stiffness")[:2], _split(model, "mass")[:2])
             for name, model in self.models.items()
@@ -273,7 +273,7 @@ def _split(model: BodyModel, matrix: str) -> tuple[Array, Array | SparseMatrix, 
 
 
 def _ends(node_motions: Motions, frames: Frames, body: str) -> Array:
-    """Matrix (P×6m×n) from the unknowns of the nodes to the twists of the m interfaces of a body.
+    """Matrix (P×6m×n) that maps the unknowns of the nodes to twists of a body's m interfaces.
 
     The twists are in body axes, in P postures.
     """

@@ -1,8 +1,8 @@
 """Loads along a leg, and the forces in its sections that balance them.
 
 The forces in the section at x are those of the part beyond it on the part before it. They follow
-from the equilibrium of the part before x, whatever the leg's stiffness: N = n·eₓ is tension, Qy and
-Qz are shear forces, T, My and Mz the moments about the leg's axes.
+from the equilibrium of the part before x, whatever the leg's stiffness: N, the component along x,
+is tension, Qy and Qz are shear forces, T, My and Mz the moments about the leg's axes.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ _POINTS = 3
 
 
 def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> Array:
-    """Forces and moments (s×6) in sections at s `stations` (m), given the wrench on the root."""
+    """Forces and moments (s×6) in sections at s `stations` (m), from the wrench on the root (6)."""
     x = stations[:, None]
     total, lever = np.zeros((len(x), 6)), np.zeros((len(x), 3))
     for load in loads:

@@ -40,11 +40,11 @@ class Prestressed(Protocol):
     """Function for the geometric stiffness of a body on the body's own unknowns."""
 
     def __call__(self, ends: Array, distributed: Array, *, spins: bool) -> Array:
-        """Geometric stiffness (r×r, SI) of a body with elastic forces `ends` on its interfaces.
+        """Geometric stiffness (r×r, SI, for the r unknowns of the body) under elastic forces.
 
-        `ends` (6m, body axes) are balanced by the elastic stiffness of the body. `distributed` (6m)
-        is the part of `ends` that represents loads along the length. `spins` is True if the body
-        can spin idly about its x axis.
+        `ends` (6m, body axes) are the forces on the m interfaces that the elastic stiffness of the
+        body balances. `distributed` (6m) is the part of `ends` that represents loads along the
+        length. `spins` is True if the body can spin idly about its x axis.
         """
         ...
 

@@ -114,8 +114,8 @@ class DampedModes:
     def _moves(self, component: "DampedModes", moved: slice, loaded: slice) -> bool:
         """True if a `component` of the receptance exceeds round-off.
 
-        It is compared with the receptances of both points, in statics and near all resonances.
-        Terms of equal frequencies may cancel.
+        The component is compared with the receptances of both points, in statics and near all
+        resonances. Terms of equal frequencies may cancel.
         """
         finite = self.frequencies[np.isfinite(self.frequencies)]
         samples = np.append(0.0, _BESIDE_RESONANCE * finite)
@@ -230,7 +230,7 @@ def harmonic_responses(solution: Solved) -> tuple[HarmonicResponse, ...]:
 
 
 def _translations(solution: Solved, body: str, point: str) -> Array:
-    """Displacements (3×n, base axes) of an interface from the unknowns of a system."""
+    """Matrix (3×n) that maps the n unknowns to the displacement (base axes) of an interface."""
     system = solution.system
     position = frames_of([system.posture]).interface(body, point)[0]
     rows = np.zeros((3, system.size))
@@ -343,7 +343,7 @@ def _dashpot_rows(system: System) -> Array:
 
 
 def _damped_idle_motions(solution: Solved, dashpots: Array) -> Array:
-    """Idle motions (n×k), of unit kinetic energy, if a dashpot resists them. Otherwise none."""
+    """Idle motions (n×k), of unit modal mass, if a dashpot resists any of them; otherwise k = 0."""
     motions = solution.motions
     if not solution.idle or not len(dashpots):
         return motions[:, :0]

@@ -3,8 +3,8 @@
 The number of unknowns is up to some thousand. One Cholesky factorisation K = L Lᵀ of the stiffness
 is used for statics and modes. Motions without strain energy are free motions of the tool, which are
 refused, and idle motions, which do not move the tool. A rod between two ball joints can spin, for
-example: this is harmless in statics, and a zero frequency in dynamics. Both follow from kinematics
-alone, with rigid bodies and locked springs.
+example: this is harmless in statics, and a zero frequency in dynamics. Free and idle motions follow
+from kinematics alone, with rigid bodies and locked springs.
 
 Idle motions N make K singular. They are locked by fixing as many unknowns, which does not affect
 the compliance of the tool. The modes are those of the stiffness of the retained unknowns with the

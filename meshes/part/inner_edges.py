@@ -136,7 +136,7 @@ def _side(start: IntArray, end: IntArray) -> IntArray:
 
 
 def _renumbered(corners: IntArray) -> tuple[IntArray, IntArray]:
-    """Distinct corner numbers, ascending, and the index of each corner among them."""
+    """Distinct numbers of `corners`, ascending, and the index of each corner among them."""
     distinct, numbers = np.unique(corners, return_inverse=True)
     return distinct, numbers.reshape(corners.shape)
 

@@ -44,12 +44,12 @@ class Slice:
 
     @property
     def area(self) -> float:
-        """Area (m²) inside the outline, without the holes."""
+        """Area (m²) inside the outline minus the area of the holes."""
         return _moments(self.outer)[0] - sum(_moments(hole)[0] for hole in self.holes)
 
     @property
     def centroid(self) -> Array:
-        """Centroid (2, in m) of the area without the holes."""
+        """Centroid (2, in m) of the area inside the outline and outside the holes."""
         first = _moments(self.outer)[1] - sum(_moments(hole)[1] for hole in self.holes)
         return np.asarray(first / self.area)
 
@@ -62,8 +62,8 @@ class Slice:
     def measures(self) -> Array:
         """Four numbers that identify the section: two areas (m²) and two principal moments (m⁴).
 
-        These are the area without and with the holes, the smaller and the larger second moment of
-        area.
+        These are the area without the holes, the area including the holes, and the smaller and the
+        larger principal second moment of area.
         """
         centre = self.centroid
         holes = sum(_moments(hole - centre)[2] for hole in self.holes)

@@ -160,7 +160,7 @@ def _across(thickness: float, side: float, divisions: int) -> int:
 
 
 def _along(length: float, thickness: float, side: float, divisions: int) -> int:
-    """Number of elements along a wall: that for four divisions times divisions / 4.
+    """Number of elements along a wall: the number for four divisions, times divisions / 4.
 
     It is increased if the aspect ratio would exceed `WALL_ASPECT`.
     """

@@ -288,7 +288,7 @@ def _cross(first: Array, second: Array) -> Array:
 
 
 def _rotation_vector_rates(vector: Array) -> Array:
-    """3×3 matrix from the angular velocity (base axes) to the rate of the rotation vector.
+    """3×3 matrix that maps angular velocity (base axes) to the rate of the rotation `vector`.
 
     It is the inverse of the left Jacobian of SO(3): I − [v]/2 + (1/θ² − (1 + cos θ)/(2θ sin θ))
     [v]².

@@ -36,9 +36,9 @@ _IN_LINE = 1e-3
 
 
 class OffAxis(NamedTuple):
-    """A joint of wrong direction, and the `axis` with which the tool could move as prescribed.
+    """A joint with a wrong axis, and the `axis` with which the tool could move as prescribed.
 
-    `angle` (rad) is the angle between the two directions.
+    `angle` (rad) is the angle between the two axes.
     """
 
     joint: Joint

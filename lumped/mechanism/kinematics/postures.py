@@ -116,7 +116,8 @@ def _posture_from(mechanism: Mechanism, start: Posture, target: Array) -> Postur
 def _verified_placement(closure: Closure, frames: Mapping[str, Frame], pose: Array) -> Placement:
     """Positions of bodies with the given frames. Raises ComputationError if joints are open there.
 
-    An error of the kinematics would affect all models, so that no comparison of models reveals it.
+    An error of the kinematics would affect all models alike, so that no comparison of models would
+    reveal it.
     """
     target_posture = Posture(closure.mechanism, pose, frames, {})
     placement = closure.placement(target_posture)

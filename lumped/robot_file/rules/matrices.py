@@ -109,7 +109,7 @@ class SquareMatrix(Rule):
 
 
 def _matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
-    """Faults of a matrix from a file, each to be appended to its key: "[1,2] = …"."""
+    """Faults of a matrix from a file, as texts such as "[1,2] = …" that follow the matrix's key."""
     faults = _shape_faults(value, kind)
     if faults:
         return faults
@@ -159,7 +159,7 @@ def _diagonal_faults(matrix: Array, kind: SquareMatrix) -> list[str]:
 def _stiffness_fault(matrix: Array) -> str:
     """Error message for a stiffness matrix given as a compliance. "" for other matrices.
 
-    It replaces the faults of all its entries.
+    This message replaces the faults of all entries.
     """
     diagonal = np.diag(matrix)
     above = np.flatnonzero(diagonal > LARGEST_COMPLIANCE)

@@ -473,7 +473,8 @@ def _direction_keys() -> Iterator[tuple[str, Direction, str]]:
 def _along_directions(rules: tuple[Rule, Rule], *, free: bool) -> TableRule:
     """Table of numbers along directions of joints, such as stiffnesses.
 
-    `rules` are the rules for translations and for rotations.
+    `rules` are the rules for translations and for rotations. `free` is True if the table includes
+    the directions along which the joint is free.
     """
     return TableRule(
         *(
