@@ -61,7 +61,7 @@ def blank_charts():
 
 @pytest.fixture(scope="session")
 def paper_subject() -> Subject:
-    """Subject of the paper's robot, for tests in several modules.
+    """Models and references of the paper's robot, for tests in several modules.
 
     The first worker that needs it computes it, and the others wait.
     """

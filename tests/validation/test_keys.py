@@ -240,6 +240,8 @@ def asked_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterato
 
 
 def test_results_have_unique_keys(tmp_path, monkeypatch):
+    """All calls of `asked_of_parts` have different keys."""
+
     def noted(entry):
         keys.append(entry.key)
         raise InterruptedError

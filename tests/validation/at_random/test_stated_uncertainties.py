@@ -148,7 +148,7 @@ def stated(name, leg, divisions, values, count):
 
 
 def of_statics(leg):
-    """Half-widths of the six diagonal compliances from all meshes but the finest, and from two."""
+    """Half-widths of the six diagonal compliances, from all meshes but the finest and from two."""
     rectangle = isinstance(leg.section, Rectangle)
     divisions = (1, 2, 3, 4, 6) if rectangle else (4, 8, 12)
     found = solid_compliances(leg, divisions)

@@ -167,7 +167,7 @@ def test_allowance_from_own_value_is_detected():
 
 
 def larger(value):
-    """Yield a place ("") and the value times 1 + WRONG, for a float or an array of floats."""
+    """Yield ("", value times 1 + WRONG) for a float or an array of floats, otherwise nothing."""
     if isinstance(value, float | np.floating | np.ndarray) and np.asarray(value).dtype.kind == "f":
         yield "", value * (1.0 + WRONG)
 

@@ -115,7 +115,7 @@ def test_each_difference_has_known_order(name):
 
 
 def test_rigid_face_residual_is_mesh_error():
-    """Beam and end effects are exact. The rest converges with the order of a rigid face's edges."""
+    """Beam and end effects are exact: the rest is the mesh error at the edges of a rigid face."""
     foam = replace(Material.isotropic(3.0e9, 0.45, 1100.0), G=0.8e9)
     tube = ConstantLeg(0.66, Tube(0.14, 0.0137), foam)
     context = Context(file_of(variant_of_ifw(leg1=tube)), "quick")
@@ -187,13 +187,13 @@ def measured_mode(leg, mode, preset="quick"):
 
 
 def four_elements(*_):
-    """Number of divisions of the coarsest mesh of a thin-walled section, as the only mesh."""
+    """Stand-in for a choice of meshes: the coarsest one of thin walls alone, four divisions."""
     return (4,)
 
 
 @pytest.mark.parametrize(("mode", "expected"), [(1, -0.0285), (2, -0.0132)])
 def test_short_box_agrees_with_distortion(mode, expected, monkeypatch):
-    """Its section distorts: the solid is 2.9 and 1.3 % below Timoshenko's beam in frequency."""
+    """The box's section distorts: modes 1 and 2 are 2.9 and 1.3 % below Timoshenko's beam."""
     monkeypatch.setattr(leg_theory, "modal_divisions", four_elements)
     monkeypatch.setattr("validation.solids.solid_legs.Refinement.uncertainty", lambda *_: 0.0)
     found = measured_mode(SCARA_ARM, mode)

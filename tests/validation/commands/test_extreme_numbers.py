@@ -1,4 +1,4 @@
-"""Each number of a robot file replaced by extreme ones: one line of error, or finite results."""
+"""Each number of a robot file replaced by extreme ones: one error line, or finite results."""
 
 import json
 import math

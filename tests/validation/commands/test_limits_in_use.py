@@ -295,7 +295,7 @@ DISAGREES = toy_catalogue.case("toy.disagrees", toy_catalogue.disagrees)
 
 @pytest.fixture
 def run(monkeypatch, tmp_path):
-    """Exit code of `flexproof run` for made-up `tasks`, in this process and without a report."""
+    """Function: exit code of `flexproof run` for made-up `tasks`, which run in this process."""
     monkeypatch.setattr(runner, "run", run_in_this_process)
     monkeypatch.setattr(session, "publish", lambda *_: None)
 

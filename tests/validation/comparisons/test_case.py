@@ -81,7 +81,7 @@ def test_undecided_comparison_has_remedy(uncertainty):
 def test_random_verdicts_follow_rule():
     """Agreement: the signed difference less all allowances is within the tolerance.
 
-    The uncertainty is, too.
+    The uncertainty must be within it, too.
     """
     rng = np.random.default_rng(12)
     for number in range(300):

@@ -22,7 +22,10 @@ FILE = ("--flexproof", "mine.toml", "--flexproof-preset", "quick")
 
 @pytest.fixture
 def items(pytester):
-    """Function: run pytest on a robot file with a table [agree]; (outcome, message) by item."""
+    """Function that runs pytest on a robot file with a table [agree].
+
+    It returns (outcome, message) by name of the item.
+    """
 
     def run(agree, chosen, *options):
         text = f"{load_robot('ifw').text}\n[agree]\n{agree}\n"

@@ -25,7 +25,7 @@ def leg1():
 
 
 def test_table_has_errors_and_element_counts(capsys):
-    """Segments of leg 1, f1: error 0.0089 % at 20; errors of 1, 0.1, 0.01 % need 2, 6, 19."""
+    """f1 of leg 1: 0.0089 % off with 20 segments; 1, 0.1 and 0.01 % need 2, 6 and 19."""
     code, out, _ = run(capsys, "ifw", "--body", "leg1", "--model", "segments")
     assert code == 0
     line = next(line for line in out.splitlines() if line.startswith("  f1: "))

@@ -106,7 +106,7 @@ def test_formulations_compare_without_solid(crossed):
         crossed.assert_agrees("beam", "segments", quantity="f1", within=0.0194, body="arm")
 
 
-def test_assert_agrees_without_leg_tests_robot(crossed):
+def test_comparison_without_body_is_of_whole_robot(crossed):
     with pytest.raises(AssertionError, match=r"f1 of the robot: -202 against -200 Hz, -1 %"):
         crossed.assert_agrees("beam", quantity="f1", within=0.009)
     crossed.assert_agrees("beam", quantity="f1", within=0.0101)

@@ -308,7 +308,7 @@ def test_order_is_fitted_to_finest_counts():
     assert order == pytest.approx(-slope, rel=1e-12)
 
 
-def test_half_width_without_order_is_tripled():
+def test_half_width_without_order_is_triple_error():
     """Half-width: three times the largest error at this and finer counts, plus the limit's own."""
     series = ConvergenceSeries(
         discretisation=Discretisation("segments"),
@@ -324,7 +324,7 @@ def test_half_width_without_order_is_tripled():
 
 
 def test_half_width_by_order_uses_two_counts():
-    """With e = n^−2 and f∞ = 1, the difference of two counts m < n over (n/m)² − 1 is e(n).
+    """For errors e = n^−2, the difference of the values at counts m < n over (n/m)² − 1 is e(n).
 
     The safety factor is 3 until two orders are known.
     """

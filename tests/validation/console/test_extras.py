@@ -30,7 +30,7 @@ windows==1.0 ; sys_platform == 'win32' \\
 
 @pytest.fixture
 def packages(monkeypatch):
-    """Installed packages: version and requirements by name."""
+    """Made-up installed packages: version and requirements by name."""
     installed = {}
 
     def distribution(name):

@@ -87,7 +87,7 @@ def test_bipod_maps_match_closed_form(bipod):
 
 
 def test_worst_posture_is_between_grid_points(bipod):
-    """It is on the lower edge of the grid, between columns, where both legs are almost in line."""
+    """The worst posture is on the lower edge, between columns; both legs are almost in line."""
     softest = minimize_scalar(
         lambda x: lowest_stiffness(x, 0.1), bounds=(-0.2, 0.2), method="bounded"
     )
@@ -190,6 +190,7 @@ def test_grid_errors_equal_verdict_errors(five_bar):
 
 
 def test_mapped_error_is_largest_of_references():
+    """With two references, one with a softer rod, the map has the larger of both errors."""
     robot = load_robot("five-bar").mechanism
     compliances = tip_compliances(robot)
     softer = compliances | {"rod1": 1.1 * compliances["rod1"]}

@@ -222,6 +222,7 @@ def test_imported_mesh_has_no_half_width(command, folder):
 
 
 def test_half_width_has_meshes_and_couplings(folder, shaft):
+    """Half-widths follow from three meshes, brackets from averaged against rigid interfaces."""
     file = read_part(folder / "shaft.step")
     ends = find_interfaces(file, *interfaces_of(ENDS))
     meshes = [part_mesh(file, ends, int(SMALL[1]), level) for level in LEVELS]

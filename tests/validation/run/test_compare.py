@@ -161,6 +161,7 @@ def test_invalid_run_exits_with_2(content, said, tmp_path, command):
 
 
 def test_nested_inputs_are_compared():
+    """Inputs nested in tables or in 5000 lists are compared."""
     deep = 1.0
     for _ in range(5000):
         deep = [deep]

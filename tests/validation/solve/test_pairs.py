@@ -29,7 +29,7 @@ from validation.solve.question import Question
     ],
 )
 def test_missing_partner_has_reason(monkeypatch, seen, line):
-    """Made-up data: `seen` is the share of mode 2 in kinetic energy that the samples contain."""
+    """Made-up data: `seen` is the share of mode 2's kinetic energy in the compared points."""
     sampled, of_models = solved_model.vibration_of, []
 
     def second_seen(*of):

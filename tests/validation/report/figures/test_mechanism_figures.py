@@ -69,8 +69,8 @@ def drawn_alike(fine, coarse, mode):
 @pytest.mark.parametrize(
     "name", ["ifw", "delta", pytest.param("hexapod", marks=pytest.mark.exhaustive)]
 )
-def test_drawn_tool_keeps_its_mass(name):
-    """The tool's displacement follows from the nearest drawn point and the body's rotation."""
+def test_drawn_points_follow_tool(name):
+    """The nearest drawn points move with the tool's twist. Modes are mass-normalised."""
     found = modes_of(name)
     system = found.system
     # Modes are mass-normalised; beams' own mass matrices differ by their shape functions.
