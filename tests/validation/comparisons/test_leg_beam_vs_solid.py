@@ -74,7 +74,7 @@ def test_literal_layout_disagrees_with_solid(monkeypatch):
 
 
 def test_rectangle_constants_match_formula():
-    """Section of a solid rectangle: formulas and finite elements agree to 0.1 %, with ν = 0."""
+    """Solid rectangle without lateral contraction: formula and finite elements agree to 0.1 %."""
     outcome = outcome_of("leg1.agrees[vjm-solid-y]")
     formula = next(one for one in outcome.measurement.allowances if one.cause == FORMULA)
     assert abs(formula.amount) < 1e-3 * outcome.measurement.reference
