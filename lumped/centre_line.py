@@ -16,7 +16,7 @@ from lumped.screws import rotation_about
 
 Point: TypeAlias = tuple[float, float, float]
 
-# Share of a chord: a point of an arc that is as close to the chord makes it straight.
+# Distance of an arc from its chord, as a fraction of the chord, below which it counts as straight.
 _STRAIGHT = 1e-9
 # Sine of the angle below which the tangent is parallel to `up`.
 SMALLEST_SINE = 1e-3

@@ -51,14 +51,14 @@ FIELDS = (
     *("EA", "EIy", "EIz", "GJ", "GAy", "GAz", "mu", "rho_J", "rho_Iy", "rho_Iz"),
     *("EIyz", "rho_Iyz", "shear_yz", "centre_y", "centre_z"),
 )
-# E times ∫y⁴ dA, ∫z⁴ dA and ∫y²z² dA (N m⁴), and rates λy and λz (1/m) of the taper follow them,
-# which are zero for shapes without two axes of symmetry.
+# Further constants: E times ∫y⁴ dA, ∫z⁴ dA and ∫y²z² dA (N m⁴), and rates λy and λz (1/m) of the
+# taper. They are zero for shapes without two axes of symmetry.
 FURTHER = ("EIyyyy", "EIzzzz", "EIyyzz", "rate_y", "rate_z")
-# Shares of a span (12) at which sections are evaluated: exact for polynomials of degree 11.
+# Fractions of a span (12 values) at which sections are evaluated: exact for polynomials of degree 11.
 NODES: Array = np.asarray(0.5 * (1.0 + chebyshev.chebpts1(12)))
 # Gauss points per element. A taper 2 : 1 in one element has an error of 5.8^-24.
 GAUSS = 12
-# Fraction of the line's length. Ends of spans closer than this count as one.
+# Distance, as a fraction of the line's length, below which two ends of spans count as one.
 TOGETHER = 1e-9
 
 

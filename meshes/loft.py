@@ -29,7 +29,7 @@ from meshes.section.section_blocks import Divisions, element_length, has_blocks
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import EndFace, SolidMesh
 
-# Fraction of the section's size. Coordinates of corners closer than this count as one.
+# Distance, as a fraction of the section's size, below which coordinates of corners count as one.
 _SAME_LINE = 1e-9
 
 

@@ -56,7 +56,7 @@ class QuantityKind(StrEnum):
 
 
 class _Texts(NamedTuple):
-    """Unit of a kind of quantity, and templates of its label, meaning and loading."""
+    """Unit of a kind of quantity, and templates of its `name`, `label`, `meaning` and `loading`."""
 
     unit: str
     name: str

@@ -110,7 +110,8 @@ class Load:
     `wrench` (6) acts at the interface `point` of `body`. If `path_wrenches` (p×6, one for each pose
     of the path) is not None, it replaces `wrench`. `gravity` (3, in m/s²) acts on the mass of all
     bodies. If the tool's point moves with `speed` (3, in m/s) and `acceleration` (3, in m/s²),
-    inertia forces act on it, too. `lines` act along legs, `pressures` on faces of CAD parts.
+    inertia forces act on the mass of all bodies, too. `lines` act along legs, `pressures` on faces
+    of CAD parts.
     """
 
     name: str
@@ -210,6 +211,6 @@ class Excitation:
 
     @property
     def judged(self) -> tuple[str, ...]:
-        """Names of the judged numbers: height and frequency of the peak, magnitude at `at`."""
+        """Names of the judged numbers: height and frequency of the peak, magnitude at `at` (Hz)."""
         single = () if self.at is None else (f"{self.name}.at",)
         return (self.name, f"{self.name}.frequency", *single)

@@ -282,7 +282,7 @@ def _crossing(starts: Array, ends: Array, gap: float) -> bool:
     ways = ends - starts
 
     def sides(points: Array) -> Array:
-        """Distances (e×e) of points (columns) to the left of the lines of edges (rows)."""
+        """Distances (e×e) by which points (columns) are to the left of lines of edges (rows)."""
         away = points[None] - starts[:, None]
         cross = ways[:, None, 0] * away[..., 1] - ways[:, None, 1] * away[..., 0]
         return np.asarray(cross / np.linalg.norm(ways, axis=1)[:, None])

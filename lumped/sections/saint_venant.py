@@ -58,9 +58,9 @@ _SMALLEST_WEAK, _SHARE = 0.3, 0.5
 _POINTS, _NEAR = 6, 3.0
 # A point closer to the line of an element than this fraction of its length lies on the line.
 _ON_LINE = 1e-12
-# Fraction of a section's size. Vertices closer to each other count as one.
+# Distance, as a fraction of the section's size, below which two vertices count as one.
 TOUCHING = 1e-6
-# Fraction of the largest weight. Parts whose weights differ by less have one material.
+# Difference, as a fraction of the largest weight, below which parts have the same material.
 _EQUAL_WEIGHTS = 1e-9
 # Number of rows of the matrix that are integrated at a time.
 _CHUNK = 256
@@ -161,7 +161,7 @@ def area_moments(loops: Sequence[Loop]) -> tuple[float, Array, Array]:
 
 
 def weighted_moments(regions: Sequence[Region]) -> tuple[float, Array, Array]:
-    """Area, centroid (2) and Σ (2×2) about it, weighted by the regions' w."""
+    """Area, centroid (2) and Σ (2×2) about the centroid, each region times its `weight`."""
     weights = np.array([region.weight for region in regions])
     areas, centroids, moments = zip(
         *(area_moments(region.loops) for region in regions), strict=True
@@ -479,8 +479,9 @@ def _graded(start: Array, way: Array, corners: Array, smallest: Array) -> list[f
 def _potentials(rim: _Rim, fluxes: Array) -> Array:
     """Harmonic functions (N×m, mean zero) on the boundary for given normal derivatives ∂u/∂n.
 
-    `fluxes` are ∂u/∂n, quadratic along each element. The modular weight w of the regions jumps from
-    one side of an element to the other; the jump of w ∂u/∂n is the jump of w times the flux.
+    `fluxes` are ∂u/∂n, quadratic along each element. The weight w (relative modulus) of the regions
+    jumps from one side of an element to the other; the jump of w ∂u/∂n is the jump of w times the
+    flux.
     """
     fit = np.linalg.pinv(_shapes(_unit_gauss()[0]))
     fluxes = fluxes * rim.jumps[:, None, None]

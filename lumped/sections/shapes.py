@@ -105,9 +105,7 @@ class Section(ABC):
     def faults(self, unit: str = "m") -> list[str]:
         """Reasons why a shape with these dimensions is impossible, one line each.
 
-        Empty if the shape is valid.
-
-        `unit` is the unit of the dimensions, for messages.
+        Empty if the shape is valid. `unit` is the unit of the dimensions, for messages.
         """
         sizes = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         wrong = [f"{k} = {x!r}: must be above 0 {unit}" for k, x in sizes.items() if not x > 0]

@@ -1,4 +1,4 @@
-"""Loads on a mechanism: wrenches at the interfaces of bodies, and displacements of the tool.
+"""Loads on a mechanism: wrenches on the interfaces of bodies, and displacements of the tool.
 
 Gravity and inertia forces on a body are represented by forces M a on its interfaces: M is the mass
 matrix condensed to the interfaces (Guyan 1965), a contains the accelerations of the interfaces.
@@ -220,7 +220,7 @@ def _in_axes(rotation: Array, motion: Motion, gravity: Array) -> Motion:
 def _inertia(mass: Array, points: Array, motion: Motion) -> Array:
     """Inertia forces (6k, body axes) of a body on its interfaces at `points` (k×3, in m).
 
-    `mass` (6k×6k) is its mass matrix on the twists of the interfaces.
+    `mass` (6k×6k) is the mass matrix of the body for the twists of the interfaces.
     """
     rigid = np.vstack([shift(point) for point in points])
     twist = np.concatenate([motion.linear_acceleration, motion.angular_acceleration])

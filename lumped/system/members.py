@@ -16,7 +16,7 @@ from lumped.system.reactions import InternalForces
 
 # Number of equally spaced stations along a leg.
 _STATIONS = 21
-# Share of the length of the mechanism or of a unit wrench below which a component is zero.
+# Fraction of the length of the mechanism, or of a unit wrench, below which a component is zero.
 _ROUNDING = 1e-9
 
 

@@ -274,7 +274,7 @@ class _Equilibrium:
         return conditions, np.append(balance, np.zeros(len(conditions) - len(balance)))
 
     def _node_wrenches(self) -> Array:
-        """Wrenches (N×6, base axes) of the joints on the nodes: those on the bodies minus loads."""
+        """Wrenches (N×6, base axes) of joints on nodes: wrenches on the bodies minus the loads."""
         system, load = self.system, self.load
         motions, posture = system.motions, system.posture
         wrenches = np.zeros((len(motions.places), 6))

@@ -201,8 +201,8 @@ class HarmonicResponse:
 def harmonic_responses(solution: Solved) -> tuple[HarmonicResponse, ...]:
     """Responses to all harmonic forces of a mechanism in one posture.
 
-    Raises ComputationError if an idle motion moves a point along which a force acts or a
-    displacement is requested: without a spring its response has no bound at low frequencies.
+    Raises ComputationError if an idle motion moves a point in the direction of its force or of the
+    requested displacement: without a spring the response has no bound at low frequencies.
     """
     system = solution.system
     excitations = system.motions.structure.mechanism.excitations

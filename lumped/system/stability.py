@@ -49,7 +49,7 @@ class Stability:
 
 
 def stability(solution: Solved, geometric: Array, load: Loading, count: int = 0) -> Stability:
-    """Stability under a load, given its `geometric` stiffness (n×n), and `count` frequencies.
+    """Stability and `count` natural frequencies under a load with `geometric` stiffness (n×n).
 
     Raises ComputationError if round-off dominates the compliance.
     """

@@ -275,8 +275,8 @@ def require_one_material(mesh: SectionMesh) -> None:
 def require_leg(section: Section, length: float, divisions: Divisions) -> None:
     """Raise InputError with all faults of a prismatic leg of `length` (m).
 
-    A body shorter than the larger side of its section is not a leg: end effects, which decay over
-    such a length by Saint-Venant's principle, would overlap.
+    A body shorter than the larger side of its section is not a leg: its end effects, which decay
+    over about this length in compact sections (Saint-Venant's principle), would overlap.
     """
     require_section(section, divisions)
     if not length > 0.0:

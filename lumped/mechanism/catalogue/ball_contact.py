@@ -36,7 +36,7 @@ _SIGNS: dict[Arrangement, tuple[float, float]] = {
     "X": (-1.0, 1.0),
     "tandem": (1.0, 1.0),
 }
-# Bearings whose inside is published: balls, their diameter and that of their circle (m), contact
+# Bearings whose inner dimensions are published: balls, their diameter and that of their circle (m), contact
 # angle (°), radii of inner and outer groove relative to the ball's diameter. 6203, 6205: Case
 # Western Reserve University, Bearing Data Center, with the largest grooves of ISO/TS 16281; 6209,
 # 7218: Harris, Rolling Bearing Analysis, bearings 209 and 218 of its examples.
@@ -50,7 +50,7 @@ SIZES: dict[str, tuple[int, float, float, float, float, float]] = {
 _E, _NU = 2.075e11, 0.3
 # Largest ratio of the axes of a contact ellipse that is searched: grooves touch at infinity.
 _LONGEST = 1e6
-# Largest contact angle (rad): a thrust bearing's.
+# Largest contact angle (rad), that of a thrust bearing.
 _STEEPEST = 0.5 * np.pi - 1e-6
 
 

@@ -14,9 +14,9 @@ and Ca are the values for the nut in its table.
 
 from dataclasses import dataclass
 
-# Share of the stiffness of the balls that is left with the deformation of the nut.
+# Stiffness of balls and nut, as a fraction of the stiffness of the balls alone.
 _WITH_NUT = 0.8
-# Shares of the load rating at which tables give the stiffness of nuts with preload and with play.
+# Fractions of the load rating at which tables give the stiffness of nuts with preload and with play.
 PRELOADED, WITH_PLAY = 0.1, 0.3
 
 

@@ -17,9 +17,9 @@ from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import GROUND, Posture
 
-# Relative singular value below which equations are dependent: that of a stretched leg, whose
-# posture is a double root and hence accurate to half of the digits. Largest relative residual of a
-# motion that the mechanism can perform.
+# Relative singular value below which equations are dependent. It is the value for a stretched leg,
+# whose posture is a double root and hence accurate to half of the digits. Then: largest relative
+# residual of a motion that the mechanism can perform.
 _DEPENDENT, _RESIDUAL = 1e-5, 1e-6
 # Step of the central difference for J̇ v, as a fraction of the size: relative error about 1e-10.
 _STEP = 1e-5

@@ -35,7 +35,8 @@ _LONGEST = 0.4
 _CONTRACTION = 0.6
 _ITERATIONS = 60
 _SMALLEST_PART = 2.0**-12
-# Largest last step, as a fraction of the size, after which quadratic convergence leaves round-off.
+# Largest last step, as a fraction of the size, after which only round-off is left, because
+# convergence is quadratic.
 _CONVERGED = 1e-8
 # Weight of the deviation from the pose relative to open joints, if both cannot be zero.
 _INSISTENT = 1e3

@@ -24,13 +24,13 @@ from lumped.text import shown
 
 # Distance (m) below which two points of a line coincide.
 _TOGETHER = 1e-6
-# Component of a direction that is rounding.
+# Component of a direction below which it is round-off.
 _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class LegLine:
-    """Centre line of a leg (leg axes) and its stations (m along it, section).
+    """Centre line of a leg (leg axes) and its stations: pairs (position in m along it, section).
 
     Both are None if there are `faults`.
     """

@@ -26,7 +26,8 @@ Tables: TypeAlias = Mapping[str, Any]
 Key: TypeAlias = tuple[str, str]
 _PATTERN = "pattern"
 _COPIED = ("points", "bodies", "joints")
-# Largest distance of a point on an axis, relative to the point's coordinates: precision of typing.
+# Distance from an axis, relative to the coordinates of a point, below which the point lies on the
+# axis: the precision of typed numbers.
 _ON_AXIS = 1e-6
 # Position of a part whose file is in base axes.
 _FILE_AXES = {"at": [0.0, 0.0, 0.0], "x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0]}

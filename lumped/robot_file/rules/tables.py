@@ -73,13 +73,14 @@ _DIRECTION = Several(Number(least=-1e6, most=1e6), 3)
 # 1e5 kg is a hundred tonnes in one leg or platform. 1 µg is less than the smallest silicon part.
 _MASS = Number("kg", above=0.0, most=1e5, high="is this in g?", slip=1e-9)
 _MASS_OR_NONE = Number("kg", least=0.0, most=1e5, high="is this in g?")
-# 1 MPa is that of soft rubber, 2e12 Pa is above diamond (1.2e12). Moduli in GPa or MPa are below.
+# 1 MPa is the modulus of soft rubber, 2e12 Pa is above diamond (1.2e12). Numbers of GPa or MPa are
+# below 1e6.
 _YOUNGS_MODULUS = Number("Pa", least=1e6, most=2e12, low=_GPA, high=_DIAMOND)
-# Lower limit: G = E/2(1+ν) of the softest material, rounded down. Upper limit: half that of E.
+# Lower limit: G = E/2(1+ν) of the softest material, rounded down. Upper limit: half the limit of E.
 _SHEAR_MODULUS = Number("Pa", least=3e5, most=1e12, low=_GPA, high=_DIAMOND)
 # Limits of isotropic elasticity, both excluded.
 _POISSONS_RATIO = Number(above=-1.0, below=0.5)
-# 25 kg/m³ is that of structural foam, 25000 kg/m³ is above osmium (22600).
+# 25 kg/m³ is the density of structural foam, 25000 kg/m³ is above osmium (22600).
 _DENSITY = Number("kg/m³", least=25.0, most=25e3, low="is this in g/cm³?", high="above osmium")
 # 1e15 is stiffer than any drive. A larger number would only increase round-off.
 _STIFFEST = 'more than any drive has; "rigid" holds it'

@@ -1,4 +1,4 @@
-"""Unit of length of the file of a part, from the file or from the robot file."""
+"""Unit of length of a part's file, from this file or from the robot file."""
 
 import re
 from collections.abc import Iterable
