@@ -54,7 +54,7 @@ FIELDS = (
 # Further constants: E times ∫y⁴ dA, ∫z⁴ dA and ∫y²z² dA (N m⁴), and rates λy and λz (1/m) of the
 # taper. They are zero for shapes without two axes of symmetry.
 FURTHER = ("EIyyyy", "EIzzzz", "EIyyzz", "rate_y", "rate_z")
-# Fractions of a span (12 values) at which sections are evaluated: exact for polynomials of degree 11.
+# Fractions of a span at which sections are evaluated: 12, exact for polynomials of degree 11.
 NODES: Array = np.asarray(0.5 * (1.0 + chebyshev.chebpts1(12)))
 # Gauss points per element. A taper 2 : 1 in one element has an error of 5.8^-24.
 GAUSS = 12

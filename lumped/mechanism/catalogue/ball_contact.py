@@ -36,10 +36,11 @@ _SIGNS: dict[Arrangement, tuple[float, float]] = {
     "X": (-1.0, 1.0),
     "tandem": (1.0, 1.0),
 }
-# Bearings whose inner dimensions are published: balls, their diameter and that of their circle (m), contact
-# angle (°), radii of inner and outer groove relative to the ball's diameter. 6203, 6205: Case
-# Western Reserve University, Bearing Data Center, with the largest grooves of ISO/TS 16281; 6209,
-# 7218: Harris, Rolling Bearing Analysis, bearings 209 and 218 of its examples.
+# Bearings whose inner dimensions are published: number of balls, diameters of balls and of their
+# pitch circle (m), contact angle (°), radii of inner and outer groove relative to the diameter of
+# the balls. 6203, 6205: Case Western Reserve University, Bearing Data Center, with the largest
+# grooves of ISO/TS 16281; 6209, 7218: Harris, Rolling Bearing Analysis, bearings 209 and 218 of
+# its examples.
 SIZES: dict[str, tuple[int, float, float, float, float, float]] = {
     "6203": (8, 6.746e-3, 28.5e-3, 0.0, 0.52, 0.53),
     "6205": (9, 7.94e-3, 39.04e-3, 0.0, 0.52, 0.53),

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 # Stiffness of balls and nut, as a fraction of the stiffness of the balls alone.
 _WITH_NUT = 0.8
-# Fractions of the load rating at which tables give the stiffness of nuts with preload and with play.
+# Fractions of the load rating at which tables give the stiffness of preloaded nuts, and of nuts
+# with play.
 PRELOADED, WITH_PLAY = 0.1, 0.3
 
 
