@@ -16,7 +16,7 @@ from lumped.screws import rotation_about
 
 Point: TypeAlias = tuple[float, float, float]
 
-# Distance of an arc from its chord, as a fraction of the chord, below which it counts as straight.
+# Distance of `through` from the chord, over the chord, below which an arc counts as straight.
 _STRAIGHT = 1e-9
 # Sine of the angle below which the tangent is parallel to `up`.
 SMALLEST_SINE = 1e-3

@@ -52,7 +52,7 @@ def solve_modes(
 
 
 class FewerModesError(ComputationError):
-    """Error: more modes were requested than the mass matrix allows."""
+    """Error: more modes were requested than there are modes that move mass."""
 
 
 def too_few(part: str, count: int) -> FewerModesError:

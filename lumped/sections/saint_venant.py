@@ -13,10 +13,11 @@ integrals over the boundary. By Green's formula, with ∇²g = c·s, g = (c₁y�
 
     J = I_p − ∮ ω ∂ω/∂n ds,     ∫ ω c·s dA = ∮ (ω ∂g/∂n − g ∂ω/∂n) ds.
 
-A harmonic function u satisfies c(p) u(p) = ∮ (G ∂u/∂n − u ∂G/∂n) ds with G = −ln r/2π. This
-equation is solved on quadratic elements whose integrals are evaluated in closed form. Element
-lengths decrease geometrically towards corners, where u has a term r^(π/α) with the interior angle
-α. The same constants are computed by finite elements in `fem.sections`.
+A harmonic function u satisfies c(p) u(p) = ∮ (G ∂u/∂n − u ∂G/∂n) ds with Green's function G = −ln
+r/2π and the fraction c(p) of a full circle that the section fills about p. This equation is solved
+on quadratic elements whose integrals are evaluated in closed form. Element lengths decrease
+geometrically towards corners, where u has a term r^(π/α) with the interior angle α. The same
+constants are computed by finite elements in `fem.sections`.
 
 A section may consist of regions whose moduli E and G are w times those of a reference material, of
 one r. Then Σ, c and the integrals over the section are weighted by w, u is continuous across edges

@@ -121,7 +121,7 @@ def rotor_moves_alone(joint: Joint) -> bool:
 
 
 def elastic_directions(joint: Joint, first: Array, second: Array) -> tuple[Array, Array]:
-    """Wrenches (6×e, base axes) that strain an elastic joint, and the compliance (e) for each.
+    """Wrenches (6×e, base axes) that strain an elastic joint, and its compliances (e) for them.
 
     They do no work on the passive free twists. Under wrenches orthogonal to them the joint is
     rigid. `first` and `second` (3×3) are the rotations of its bodies from the reference posture.

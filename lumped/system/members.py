@@ -40,8 +40,9 @@ def member_forces(
     """Forces in the sections of the leg `name`.
 
     Stations include the ends of line loads and the zeros of both shear forces, at which bending
-    moments are largest. If the mass of the model is not that of the line loads, the difference is
-    spread linearly along the leg and added to the half-width.
+    moments are largest. If the line loads do not balance the wrenches on both ends, because their
+    mass is not that of the model, the difference is spread linearly along the leg and added to the
+    half-width.
     """
     root, tip = posture.mechanism.bodies[name].interfaces
     length = float(posture.mechanism.bodies[name].interfaces[tip].position[0])

@@ -253,8 +253,8 @@ def _response(modes: DampedModes, excitation: Excitation) -> HarmonicResponse:
 def modal_damping(solution: Solved, modes: Modes) -> Array:
     """Viscous damping matrix (m×m, 1/s) of m real modes, which are normalised to unit mass.
 
-    Dashpots couple the modes. Loss factors are those of each mode by itself, to first order, at its
-    own frequency; the modal damping ratio adds to them.
+    Dashpots couple the modes. Loss factors damp each mode separately, to first order, as at its own
+    frequency; the modal damping ratio is added to them.
     """
     system, speeds = solution.system, 2.0 * np.pi * modes.frequencies
     dissipation = np.sum(modes.shapes * _dissipative_forces(system, modes.shapes), axis=0)
