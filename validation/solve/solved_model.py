@@ -16,6 +16,7 @@ from lumped.dense.modes import FewerModesError
 from lumped.legs import GivenLeg, Leg
 from lumped.models.bodies import leg_of
 from lumped.system.assembly import assembly
+from lumped.system.solution import compliance
 from lumped.system.sweep import swept
 from validation.models.leg_models import leg_compliance, leg_modes
 from validation.models.loads.displacements import displacements_of
@@ -136,6 +137,10 @@ def _first_modes(question: Question, robot: RobotOnPath, reading: Reading, count
         return leg_modes(model, leg, count, options, free=question.free)
     part_mesh = _part_mesh(robot, reading) or FINE_PARTS
     postures = mechanism_modes(model, robot.postures, count, options, part_mesh)
+    for posture in postures:
+        # Raises ComputationError if round-off dominates: statics are solved apart, without the
+        # unknowns inside legs, and can be sound where these modes are not.
+        compliance(posture.solution)
     if model == "solid" or question.against:
         sampled = vibration_of(samples_of(robot.mechanism), postures, count)
     else:
