@@ -237,8 +237,9 @@ def _require_resolvable(material: Material) -> None:
     if not 0.0 < moduli[softest] * _MOST_UNEVEN >= moduli[stiffest]:
         raise ComputationError(
             f"material with ν = {material.nu!r}: {stiffest} ({moduli[stiffest]:.3g} Pa) and "
-            f"{softest} ({moduli[softest]:.3g} Pa) differ by more than {_MOST_UNEVEN:g}, beyond "
-            "which the smaller one is lost in rounding of the stiffness of solid elements"
+            f"{softest} ({moduli[softest]:.3g} Pa) differ by a factor of more than "
+            f"{_MOST_UNEVEN:g}, beyond which the smaller one is lost in rounding of the stiffness "
+            "of solid elements"
         )
 
 

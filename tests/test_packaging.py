@@ -84,7 +84,7 @@ def test_released_version_is_consistent():
 
 
 def test_version_comes_from_the_tag(tmp_path):
-    """Without git: the fallback. Without a tag: after the fallback. At and after a tag: from it."""
+    """Without git it is the fallback, and without a tag one after the fallback."""
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
 
     def git(*words):

@@ -102,7 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _lines_of(error: ComputationError | KeyboardInterrupt) -> list[str]:
-    """Lines on the end of a computation, with the traceback of an error of the program itself."""
+    """Message that says why a computation ended, with the traceback if the program has an error."""
     if isinstance(error, ProgramError):
         return [*error.traceback, str(error), _REPORT_REQUEST]
     return [str(error) or "interrupted"]

@@ -93,7 +93,7 @@ def tip_compliances(
 
 
 def links(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[str, LegMatrices]:
-    """Links of all legs by name, from the tip compliances `legs` (6×6, SI, body axes)."""
+    """Matrices of all legs by name, each from its tip compliance in `legs` (6×6, SI, body axes)."""
     lengths = {
         name: float(np.linalg.norm(tip.position - root.position))
         for name in legs

@@ -343,7 +343,7 @@ def partition_edges(regions: Sequence[Sequence[Loop]]) -> Partition:
 
 
 def _vertices_between(places: Array, start: Array, end: Array, gap: float) -> list[int]:
-    """Numbers of the `places` (n×2) on an edge from `start` to `end`, in this order."""
+    """Indices of `places` (n×2) within `gap` of the edge from `start` to `end`, in this order."""
     edge = end - start
     length = float(np.linalg.norm(edge))
     along = (places - start) @ edge / length

@@ -88,8 +88,8 @@ class Errors:
     `error` are NaN if model or reference has no number to compare. `names`: names of the
     interpretations. `unknown`: true if the reference has fewer modes than are judged, or no damping
     that bounds the peak of a response; if the shapes do not show whether the model has the mode; or
-    if the tool cannot move as a load of the robot file requires in any pose. `budget`: half-width
-    of the error by source of uncertainty, which always include the meshes. `pairing`: partners of
+    if there is no pose in which the tool can move as a load of the robot file requires. `budget`:
+    half-width of the error by source of uncertainty, the meshes among them. `pairing`: partners of
     the modes, for frequencies only. `numbers` (R×P×m), for the order of modes only: index from 0 of
     the model's mode with the shape of each of the m modes of the reference, −1 if there is none.
     """

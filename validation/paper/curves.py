@@ -104,12 +104,13 @@ def all_deflections(context: Context) -> Chart:
     difference = max(
         spread([getattr(deflection[model], name) for model in EQUIVALENT_LEGS]) for name in _LOADS
     )
+    ends = simplified.planar_x[0], simplified.planar_x[-1]
+    at_ends = "below 0.05" if max(ends) < 0.05 else f"{ends[0]:.1f} and {ends[1]:.1f}"
     return stroke_chart(x, lettered(panels)).captioned(
         f"Deflections of the loaded point under {LOAD:g} N over its position on the stroke. With "
         "elastic drives and rigid legs (simplified) they are at most "
-        f"{simplified.largest_planar:.2f} µm; under a force along x they are "
-        f"{simplified.planar_x[0]:.1f} and {simplified.planar_x[-1]:.1f} µm at the ends of the "
-        "stroke. With virtual joints and the legs as given they reach "
+        f"{simplified.largest_planar:.2f} µm; under a force along x they are {at_ends} µm at the "
+        "ends of the stroke. With virtual joints and the legs as given they reach "
         f"{planar:.1f} µm in the plane, {planar / simplified.largest_planar:.1f} times as much, "
         f"and {along_z:.1f} µm along z, {along_z / planar:.1f} times the planar ones. The "
         "compliance that the simplified model neglects is therefore the larger part. With each "

@@ -46,7 +46,7 @@ def faces(
     unit
         Unit of length, for a file without one.
     out
-        Folder for PART.faces.png and PART.faces.html; this one if left out.
+        Folder for PART.faces.png and PART.faces.html; by default the current folder.
     json
         Print JSON for programs, and draw nothing.
     """

@@ -349,7 +349,9 @@ def _is_map(variations: Sequence[Variation], places: int) -> bool:
 
 
 def _maps(answers: VariedAnswers, y_label: str) -> list["Panel"]:
-    """Maps over two parameters: of all columns, or of the quantities of a purpose.
+    """Maps over two varied parameters of all columns of the table of answers.
+
+    If an objective or conditions are given, there are maps of their quantities alone.
 
     A star marks the best robot. The objective is blank where a condition is missed.
     """

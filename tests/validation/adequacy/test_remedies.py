@@ -278,7 +278,7 @@ def test_mass_remedy_names_missing_keys(leg1, leg2, said):
     assert all(f'"{key}":' in schema for key in ("mass_centre", "inertia", "section", "material"))
 
 
-def test_end_remedy_is_valid_in_robot_file(tmp_path):
+def test_proposed_end_condition_is_valid_key(tmp_path):
     arm = ONE_ARM + "[path]\nposes = [[0.0]]\n"
     decides = holding(robot_of(arm, tmp_path).mechanism).decides
     (table,) = re.findall(r"\[[\w.]+\]", decides)

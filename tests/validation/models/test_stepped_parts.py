@@ -145,7 +145,7 @@ def hollow_wedge(occ):
 
 
 @pytest.mark.parametrize(("draw", "why"), REFUSED.values(), ids=REFUSED)
-def test_changing_section_is_refused(tmp_path, draw, why):
+def test_section_varying_along_part_is_refused(tmp_path, draw, why):
     with pytest.raises(InputError, match=why) as error:
         stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0, 12.0), 0.4))
     (line,) = error.value.faults

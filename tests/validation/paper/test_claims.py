@@ -311,7 +311,7 @@ def test_longitudinal_erratum_has_frequency_ratio():
     assert evidence("§1", "longitudinal frequencies").endswith(f": {', '.join(ratios)}")
 
 
-def test_eq_12_erratum_has_stiffness_error():
+def test_eq_12_as_printed_has_wrong_stiffness():
     """Reference: A t = B q̇ solved by hand, drives of 1e9 and 2e9 N/m, platform of 46 kg."""
     s1, s2 = np.sqrt(L1**2 - CENTRE**2), np.sqrt(L2**2 - (A - CENTRE) ** 2)
     J = np.linalg.solve(np.array([[CENTRE, s1], [CENTRE - A, s2]]), np.diag([s1, s2]))

@@ -217,7 +217,7 @@ def test_chapter_order_is_fixed():
     ]
 
 
-def test_page_has_scenes_and_missing_pictures():
+def test_page_has_scenes_and_names_missing_pictures():
     """The viewer code is in the page once, and only if the page has a scene."""
     scene = InteractiveScene("(a) mode 1", b"PK state")
     one, two, left_out = (
