@@ -109,13 +109,18 @@ def row(name: str, meshes: Path) -> str:
     return f"{name:15} {len(free):8} {figures}  {inertia.negative} {modes.frequencies[[0, -1]]}"
 
 
-def main() -> None:
-    """Measure rows."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def parsed_options(description: str | None) -> argparse.Namespace:
+    """Options of a benchmark of rows, each of which is measured `here` in a process of its own."""
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument("rows", nargs="*")
     parser.add_argument("--meshes", type=Path, default=ROOT / "build" / "meshes")
     parser.add_argument("--here", action="store_true", help=argparse.SUPPRESS)
-    options = parser.parse_args()
+    return parser.parse_args()
+
+
+def main() -> None:
+    """Measure rows."""
+    options = parsed_options(__doc__)
     if options.here:
         if os.environ[VARIABLE] == "auto":
             rslab.load_error = lambda: "not wanted"

@@ -11,7 +11,6 @@ to the energies of the loads.
 
 # ruff: noqa: T201, E402  a script that prints its figures
 
-import argparse
 import os
 import subprocess
 import sys
@@ -23,7 +22,7 @@ sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
 
 import numpy as np
 from graphics_card import LEGS, leg_of, mesh_of
-from mumps import cpu_seconds, descendants, peak
+from mumps import cpu_seconds, descendants, parsed_options, peak
 
 from fem.bodies.solid import clamped_leg, solid_leg
 from fem.solvers.backends.petsc import client
@@ -65,11 +64,7 @@ def row(name: str, meshes: Path) -> str:
 
 def main() -> None:
     """Measure rows."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("rows", nargs="*")
-    parser.add_argument("--meshes", type=Path, default=ROOT / "build" / "meshes")
-    parser.add_argument("--here", action="store_true", help=argparse.SUPPRESS)
-    options = parser.parse_args()
+    options = parsed_options(__doc__)
     if options.here:
         print(row(options.rows[0], options.meshes), flush=True)
         return
