@@ -43,7 +43,7 @@ def layered(width, heights, materials):
 
 
 @pytest.mark.parametrize(
-    ("parts", "whole"),
+    ("parts", "single"),
     [
         (
             [
@@ -63,14 +63,16 @@ def layered(width, heights, materials):
     ],
     ids=["rectangle", "channel"],
 )
-def test_parts_of_equal_material_equal_one_section(parts, whole):
+def test_parts_of_equal_material_equal_one_section(parts, single):
     section = composite(*parts)
-    leg = ConstantLeg(1.0, whole, Material.isotropic(*STEEL))
-    one, other = beam_of(section), leg.timoshenko
+    leg = ConstantLeg(1.0, single, Material.isotropic(*STEEL))
+    composite_beam, single_beam = beam_of(section), leg.timoshenko
     for name in ("EA", "EIy", "EIz", "GJ", "GAy", "GAz", "mu", "rho_J", "rho_Iy", "centre_y"):
-        expected = getattr(other, name)
-        assert getattr(one, name) == pytest.approx(expected, rel=ROUNDING, abs=1e-9), name
-    assert (one.mass_y, one.mass_z) == (0.0, 0.0)
+        expected = getattr(single_beam, name)
+        assert getattr(composite_beam, name) == pytest.approx(expected, rel=ROUNDING, abs=1e-9), (
+            name
+        )
+    assert (composite_beam.mass_y, composite_beam.mass_z) == (0.0, 0.0)
 
 
 def test_wood_steel_beam_equals_gere():
@@ -159,8 +161,8 @@ def test_composite_torsion_needs_only_g():
         )
         for nu in (0.25, 0.4)
     ]
-    one, other = (beam_of(section).GJ for section in sections)
-    assert one == pytest.approx(other, rel=1e-9)
+    beam, other = (beam_of(section).GJ for section in sections)
+    assert beam == pytest.approx(other, rel=1e-9)
 
 
 @pytest.mark.parametrize(

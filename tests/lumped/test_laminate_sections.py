@@ -29,8 +29,8 @@ def test_layer_at_45_degrees_equals_tsai():
     """Tsai & Hahn, table 3.5: Q̄ of T300/5208 at 45° in GPa."""
     stiffness = layers(45)[0].stiffness / 1e9
     expected = {(0, 0): 56.66, (1, 1): 56.66, (0, 1): 42.32, (2, 2): 46.59, (0, 2): 42.87}
-    for place, value in expected.items():
-        assert stiffness[place] == pytest.approx(value, rel=FOUR_DIGITS)
+    for index, value in expected.items():
+        assert stiffness[index] == pytest.approx(value, rel=FOUR_DIGITS)
 
 
 def test_axial_fibre_tube_has_fibre_modulus():
@@ -106,11 +106,13 @@ def test_steel_layers_equal_steel_section(section, plain):
     Cowper's κ depends on ν, by up to 6 % in a round tube.
     """
     leg = ConstantLeg(1.0, plain, Material.isotropic(2.1e11, 0.3, 7850.0))
-    one, other = beam_of(section), leg.timoshenko
+    laminate_beam, steel_beam = beam_of(section), leg.timoshenko
     for name in ("EA", "EIy", "EIz", "GJ", "mu", "rho_J", "rho_Iy", "rho_Iz"):
-        assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-9), name
-    without = [k * other.EA / 2.6 for k in plain.shear_coefficients(0.0)]
-    assert [one.GAy, one.GAz] == pytest.approx(without, rel=5e-3)
+        assert getattr(laminate_beam, name) == pytest.approx(getattr(steel_beam, name), rel=1e-9), (
+            name
+        )
+    without = [k * steel_beam.EA / 2.6 for k in plain.shear_coefficients(0.0)]
+    assert [laminate_beam.GAy, laminate_beam.GAz] == pytest.approx(without, rel=5e-3)
 
 
 def test_laminate_box_shear_equals_energy():

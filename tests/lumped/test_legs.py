@@ -27,28 +27,28 @@ BEAM = ConstantLeg(1.2, Rectangle(width=0.05, height=0.10), STEEL)
 
 
 @pytest.mark.parametrize(
-    ("leg", "by", "expected", "height", "width"),
+    ("leg", "rule", "expected", "height", "width"),
     [
         (LEG1, "stiffness", (8.613e8, 1.832e6, 4.771e6, 9.212e6), 0.2578, 0.1598),
         (LEG2, "stiffness", (4.316e9, 4.182e6, 5.980e7, 6.478e6), 0.4078, 0.1078),
         (LEG1, "compliance", (3.025e8, 1.157e6, 6.417e6, 4.913e6), 0.5046, 0.2142),
     ],
 )
-def test_equivalent_legs_equal_paper(leg, by, expected, height, width):
+def test_equivalent_legs_equal_paper(leg, rule, expected, height, width):
     """EA, EIz, EIy and GJ to the paper's four printed digits, and the sides of the section in m."""
-    computed = equivalent_leg(leg, by)
+    computed = equivalent_leg(leg, rule)
     beam = computed.timoshenko
     assert_allclose((beam.EA, beam.EIz, beam.EIy, beam.GJ), expected, rtol=5e-4)
     assert_allclose((computed.section.height, computed.section.width), (height, width), atol=1e-4)
     assert (computed.mass, computed.material.nu) == (pytest.approx(leg.mass, rel=1e-14), 0.0)
 
 
-@pytest.mark.parametrize("by", ["stiffness", "compliance"])
-def test_equivalent_leg_keeps_stiffness(by):
+@pytest.mark.parametrize("rule", ["stiffness", "compliance"])
+def test_equivalent_leg_keeps_stiffness(rule):
     """EI from c22 = L³/3EI (by compliance) or K22 = 12EI/L³ (by stiffness, clamped tip)."""
     beam = BEAM.timoshenko
-    given = GivenLeg(1.2, 47.1, tip_compliance(beam.as_euler_bernoulli(), 1.2))
-    computed = equivalent_leg(given, by).timoshenko
+    given_leg = GivenLeg(1.2, 47.1, tip_compliance(beam.as_euler_bernoulli(), 1.2))
+    computed = equivalent_leg(given_leg, rule).timoshenko
     for name in ("EA", "EIy", "EIz", "GJ"):
         # Inverting the 6×6 of a leg of slenderness 12 loses four of sixteen digits.
         assert getattr(computed, name) == pytest.approx(getattr(beam, name), rel=1e-11)

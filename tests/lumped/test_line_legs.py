@@ -106,8 +106,8 @@ def wedge_errors(root, tip):
     angular, _ = quad(energy, -half, half, epsabs=0.0, epsrel=1e-12)
     moment = angular / width * (near**-2 - (near + LENGTH) ** -2) / 2.0
     at_apex = move_compliance(compliance, np.array([near, 0.0, 0.0]))
-    found = np.array([at_apex[2, 2], compliance[0, 0], compliance[4, 4]])
-    return found / [across, along, moment] - 1.0
+    compliances = np.array([at_apex[2, 2], compliance[0, 0], compliance[4, 4]])
+    return compliances / [across, along, moment] - 1.0
 
 
 def test_wedge_equals_elasticity_to_fourth_order():
@@ -132,9 +132,9 @@ def test_stepped_leg_equals_two_prisms():
     stout, slender, step = Circle(0.08), Circle(0.05), 0.4
     leg = straight((0.0, stout), (step, stout), (step, slender), (LENGTH, slender))
     first = tip_compliance(ConstantLeg(step, stout, STEEL).timoshenko, step)
-    rest = LENGTH - step
-    second = tip_compliance(ConstantLeg(rest, slender, STEEL).timoshenko, rest)
-    expected = move_compliance(first, np.array([rest, 0.0, 0.0])) + second
+    second_length = LENGTH - step
+    second = tip_compliance(ConstantLeg(second_length, slender, STEEL).timoshenko, second_length)
+    expected = move_compliance(first, np.array([second_length, 0.0, 0.0])) + second
     compliance = leg.sections("timoshenko").tip_compliance
     assert np.abs(compliance - expected).max() < EXACT * np.abs(expected).max()
 

@@ -21,8 +21,8 @@ X, Y, Z = np.eye(3)
 @pytest.mark.parametrize(("rotation", "velocity"), [(Z, 2.0 * Y), (Y, -2.0 * Z), (X, np.zeros(3))])
 def test_rotation_moves_distant_point(rotation, velocity):
     """B lies 2 m from A along x: a rotation about z moves B along +y, one about y along −z."""
-    moved = shift(2.0 * X) @ np.concatenate([np.zeros(3), rotation])
-    assert_allclose(moved, np.concatenate([velocity, rotation]), atol=1e-15)
+    twist = shift(2.0 * X) @ np.concatenate([np.zeros(3), rotation])
+    assert_allclose(twist, np.concatenate([velocity, rotation]), atol=1e-15)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-150, 1e-9, 0.7, 2.0, np.pi - 1e-9, np.pi])
@@ -43,10 +43,12 @@ def test_transformation_keeps_energy(seed):
     rng = np.random.default_rng(seed)
     factor, wrench, offset = rng.normal(size=(6, 6)), rng.normal(size=6), rng.normal(size=3)
     compliance, R = factor @ factor.T, Rotation.random(random_state=rng).as_matrix()
-    moved = move_compliance(turn_matrix(compliance, R), offset)
+    moved_compliance = move_compliance(turn_matrix(compliance, R), offset)
     force, moment = wrench[:3], wrench[3:] + np.cross(offset, wrench[:3])
     local = np.concatenate([force @ R, moment @ R])
-    assert wrench @ moved @ wrench == pytest.approx(local @ compliance @ local, rel=1e-10)
+    assert wrench @ moved_compliance @ wrench == pytest.approx(
+        local @ compliance @ local, rel=1e-10
+    )
 
 
 @pytest.mark.parametrize(

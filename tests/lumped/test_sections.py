@@ -215,9 +215,13 @@ def test_constants_and_shape_give_same_beam():
         zs=z,
     )
     assert constants.faults() == []
-    shape, given = (ConstantLeg(1.0, section, steel).timoshenko for section in (angle, constants))
+    shape, from_constants = (
+        ConstantLeg(1.0, section, steel).timoshenko for section in (angle, constants)
+    )
     # Given constants have no coupling between shear along y and along z.
-    assert astuple(given) == pytest.approx(astuple(replace(shape, shear_yz=0.0)), rel=1e-12)
+    assert astuple(from_constants) == pytest.approx(
+        astuple(replace(shape, shear_yz=0.0)), rel=1e-12
+    )
     without = replace(constants, Ay=None, Az=None)
     bent = ConstantLeg(1.0, without, steel).timoshenko
     assert (bent.GAy, bent.GAz) == (np.inf, np.inf)

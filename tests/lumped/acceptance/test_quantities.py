@@ -62,12 +62,12 @@ def test_unknown_quantity_name_gives_none(name):
 
 def test_measured_component_is_no_vector():
     """Models are judged by whole displacement vectors; a gauge measures one component."""
-    for whole in UNIT_LOADS[:6]:
-        component = measured_quantity(whole.name)
-        assert component != whole
-        assert component.name == whole.name
-        assert (component.whole, whole.whole) == (False, True)
-        assert (component.column, component.rotational) == (whole.column, whole.rotational)
+    for quantity in UNIT_LOADS[:6]:
+        component = measured_quantity(quantity.name)
+        assert component != quantity
+        assert component.name == quantity.name
+        assert (component.whole, quantity.whole) == (False, True)
+        assert (component.column, component.rotational) == (quantity.column, quantity.rotational)
 
 
 def test_quantities_have_si_units():

@@ -24,8 +24,8 @@ def test_sphere_contact_equals_hertz():
     """Q = (4/3) E* √R δ^(3/2) with 1/R = 1/R₁ + 1/R₂ (Johnson, Contact Mechanics, eq. 4.23)."""
     first, second = 5e-3, 8e-3
     radius = 1.0 / (1.0 / first + 1.0 / second)
-    own = hertz_constant((1.0 / first, 1.0 / first, 1.0 / second, 1.0 / second))
-    assert own == pytest.approx(4.0 / 3.0 * E_STAR * np.sqrt(radius), rel=1e-9)
+    constant = hertz_constant((1.0 / first, 1.0 / first, 1.0 / second, 1.0 / second))
+    assert constant == pytest.approx(4.0 / 3.0 * E_STAR * np.sqrt(radius), rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -50,11 +50,11 @@ def test_steel_contact_equals_harris():
     bearing = bearing_of_size("7218")
     D = bearing.ball_diameter
     gamma = D * np.cos(bearing.angle) / bearing.pitch_diameter
-    own = hertz_constant(
+    constant = hertz_constant(
         (2.0 / D, 2.0 / D, 2.0 / D * gamma / (1.0 - gamma), -1.0 / (bearing.inner * D))
     )
     expected = 2.15e5 * 0.108**-0.5 * 0.634**-1.5 * 1e3**1.5
-    assert own == pytest.approx(expected, rel=5e-3)
+    assert constant == pytest.approx(expected, rel=5e-3)
 
 
 def test_thrust_contact_angle_is_near_harris():
@@ -80,7 +80,7 @@ def test_ring_stiffness_is_force_derivative(kind):
     """Ball forces from the distance of the groove centres, differentiated by moving a ring 1 nm."""
     bearing, preload = BEARINGS[kind]
     angle, approach = bearing.under_preload(preload)
-    own = bearing.stiffness(preload, 1.0, 0.0)
+    stiffness = bearing.stiffness(preload, 1.0, 0.0)
     offset = (bearing.inner - 0.5) * bearing.ball_diameter
     radius = 0.5 * bearing.pitch_diameter + offset * np.cos(bearing.angle)
     start = (bearing.distance + approach) * np.sin(angle) - bearing.distance * np.sin(bearing.angle)
@@ -91,9 +91,9 @@ def test_ring_stiffness_is_force_derivative(kind):
             radial = np.array([0.0, np.cos(turned), np.sin(turned)])
             axial = np.array([1.0, 0.0, 0.0])
             arm = radius * radial + offset * np.sin(bearing.angle) * axial
-            moved = move[:3] + np.cross(move[3:], arm) + start * axial
+            displacement = move[:3] + np.cross(move[3:], arm) + start * axial
             line = bearing.distance * np.array([np.sin(bearing.angle), np.cos(bearing.angle)])
-            line = line + np.array([moved @ axial, moved @ radial])
+            line = line + np.array([displacement @ axial, displacement @ radial])
             length = np.linalg.norm(line)
             load = bearing.contact_constant * (length - bearing.distance) ** 1.5
             force = load / length * (line[0] * axial + line[1] * radial)
@@ -107,9 +107,9 @@ def test_ring_stiffness_is_force_derivative(kind):
         [(wrench(step) - wrench(-step)) / (2.0 * np.abs(step).max()) for step in steps]
     )
     unit = np.array([1.0, 1.0, 1.0, radius, radius, radius])
-    size = np.abs(own / np.outer(unit, unit)).max()
+    size = np.abs(stiffness / np.outer(unit, unit)).max()
     # Differences of 1e-9 m in forces of 1e2 N: 1e-6.
-    assert np.abs((own - numeric) / np.outer(unit, unit)).max() <= 1e-5 * size
+    assert np.abs((stiffness - numeric) / np.outer(unit, unit)).max() <= 1e-5 * size
 
 
 def test_bearing_pair_is_twice_as_stiff():
@@ -121,8 +121,8 @@ def test_bearing_pair_is_twice_as_stiff():
     }
     for kind in ("O", "X"):
         np.testing.assert_allclose(np.diag(matrices[kind])[:3], 2.0 * np.diag(single)[:3])
-        off = matrices[kind] - np.diag(np.diag(matrices[kind]))
-        assert np.abs(off).max() <= 1e-9 * matrices[kind].max()
+        off_diagonal = matrices[kind] - np.diag(np.diag(matrices[kind]))
+        assert np.abs(off_diagonal).max() <= 1e-9 * matrices[kind].max()
     assert matrices["O"][4, 4] > 2.0 * matrices["X"][4, 4]
     assert abs(matrices["tandem"][1, 5]) > 1e-3 * matrices["tandem"][1, 1] * 0.03
     assert not single[3:, 3].any() or abs(single[3, 3]) <= 1e-9 * single[4, 4]
@@ -155,13 +155,15 @@ def test_bearing_joint_yields_as_rings():
     """A joint on two angular contact bearings: the compliance of the tool along x is 1/(2k)."""
     inside = "balls = 12, ball_diameter = 10e-3, pitch_diameter = 60e-3, contact_angle = 25.0"
     text = ARM.replace("BEARING", f"{inside}, preload = 600.0, rows = 2, distance = 0.03")
-    own = compliance(solved(assemble(reference_posture(described(text)), {})))
+    tool_compliance = compliance(solved(assemble(reference_posture(described(text)), {})))
     matrix = bearing_stiffness(*BEARINGS["angular"], 2, "O", 0.03)
-    assert own[0, 0] == pytest.approx(1.0 / matrix[1, 1], rel=1e-9)
-    assert own[2, 2] == pytest.approx(1.0 / matrix[0, 0] + 0.3**2 / matrix[4, 4], rel=1e-9)
+    assert tool_compliance[0, 0] == pytest.approx(1.0 / matrix[1, 1], rel=1e-9)
+    assert tool_compliance[2, 2] == pytest.approx(
+        1.0 / matrix[0, 0] + 0.3**2 / matrix[4, 4], rel=1e-9
+    )
     sized = ARM.replace("BEARING", 'size = "6205", preload = 300.0')
-    own = compliance(solved(assemble(reference_posture(described(sized)), {})))
-    assert 1e-9 < own[0, 0] < 1e-7
+    tool_compliance = compliance(solved(assemble(reference_posture(described(sized)), {})))
+    assert 1e-9 < tool_compliance[0, 0] < 1e-7
 
 
 FAULTS = {

@@ -31,7 +31,7 @@ def test_guide_stiffness_is_sum_over_balls(lines, lever):
     load = PRELOAD / (2.0 * BALLS * np.sin(ALPHA))
     approach = (load / constant) ** (2.0 / 3.0)
     along, across = 1.5 * load / approach, load / (0.04 * D + approach)
-    own = guide(lines).stiffness(PRELOAD)
+    stiffness = guide(lines).stiffness(PRELOAD)
     count = 4.0 * BALLS
     stations = SPACING * (np.arange(BALLS) - 0.5 * (BALLS - 1))
     square = float(np.mean(stations**2))
@@ -39,9 +39,9 @@ def test_guide_stiffness_is_sum_over_balls(lines, lever):
     other = 2.0 * WIDTH - lever
     roll = count / 8.0 * (along * lever**2 + across * other**2)
     expected = [0.0, straight, straight, roll, straight * square, straight * square]
-    np.testing.assert_allclose(np.diag(own), expected, rtol=1e-10)
-    off = own - np.diag(np.diag(own))
-    assert np.abs(off).max() <= 1e-9 * straight * WIDTH
+    np.testing.assert_allclose(np.diag(stiffness), expected, rtol=1e-10)
+    off_diagonal = stiffness - np.diag(np.diag(stiffness))
+    assert np.abs(off_diagonal).max() <= 1e-9 * straight * WIDTH
 
 
 def test_steep_contact_is_stiff_along_normal():
@@ -77,10 +77,12 @@ preload = {PRELOAD}
 def test_guide_joint_yields_as_its_carriage():
     """Rail along y: lateral displacement and roll move the tool, 0.2 m above, along x."""
     text = SLIDE.replace("UP", "up = [0.0, 0.0, 1.0]")
-    own = compliance(solved(assemble(reference_posture(described(text)), {})))
+    tool_compliance = compliance(solved(assemble(reference_posture(described(text)), {})))
     matrix = guide("O").stiffness(PRELOAD)
-    assert own[0, 0] == pytest.approx(1.0 / matrix[1, 1] + 0.2**2 / matrix[3, 3], rel=1e-9)
-    assert own[2, 2] == pytest.approx(1.0 / matrix[2, 2], rel=1e-9)
+    assert tool_compliance[0, 0] == pytest.approx(
+        1.0 / matrix[1, 1] + 0.2**2 / matrix[3, 3], rel=1e-9
+    )
+    assert tool_compliance[2, 2] == pytest.approx(1.0 / matrix[2, 2], rel=1e-9)
 
 
 FAULTS = {

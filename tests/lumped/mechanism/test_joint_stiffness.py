@@ -41,8 +41,10 @@ def joined(*lines):
 
 
 def tool_compliance(mechanism, pose=None):
-    place = reference_posture(mechanism) if pose is None else posture(mechanism, np.array(pose))
-    return compliance(solved(assemble(place, {})))
+    mechanism_posture = (
+        reference_posture(mechanism) if pose is None else posture(mechanism, np.array(pose))
+    )
+    return compliance(solved(assemble(mechanism_posture, {})))
 
 
 def by_hand(springs, arm=ARM_VECTOR):
@@ -319,5 +321,5 @@ def test_copied_joint_has_rotated_stiffness():
             )
             assert np.abs(copy - turned).max() <= 1e-13 * np.abs(first).max()
     # Threefold symmetry.
-    own = tool_compliance(mechanism)
-    assert own[0, 0] == pytest.approx(own[1, 1], rel=1e-9)
+    compliance_of_copy = tool_compliance(mechanism)
+    assert compliance_of_copy[0, 0] == pytest.approx(compliance_of_copy[1, 1], rel=1e-9)

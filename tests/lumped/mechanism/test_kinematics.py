@@ -44,7 +44,7 @@ def single_joint(kind):
 
 
 @pytest.mark.parametrize(
-    ("kind", "place", "turn", "values"),
+    ("kind", "position", "turn", "values"),
     [
         ("fixed", [0.0, 0.0, 0.0], np.eye(3), []),
         ("cylindrical", [0.0, 0.0, 0.3], TURN, [0.3, 0.7]),
@@ -55,7 +55,7 @@ def single_joint(kind):
         ("prismatic", [0.0, 0.0, 0.3], np.eye(3), [0.3]),
     ],
 )
-def test_joint_allows_its_free_twists(kind, place, turn, values):
+def test_joint_allows_its_free_twists(kind, position, turn, values):
     mechanism = single_joint(kind)
     closure = Closure(mechanism)
     # Both bodies are moved together first: only their relative placement matters.
@@ -63,7 +63,7 @@ def test_joint_allows_its_free_twists(kind, place, turn, values):
     origin = np.array([1.0, 2.0, 3.0])
 
     def placement(twist):
-        end = origin + base @ np.array(place) + twist[:3]
+        end = origin + base @ np.array(position) + twist[:3]
         turned = Rotation.from_rotvec(twist[3:]).as_matrix() @ base @ turn
         positions = np.array([0.0 * origin, origin, end])
         return Placement(positions, np.array([np.eye(3), base, turned]))
@@ -80,9 +80,9 @@ def test_joint_allows_its_free_twists(kind, place, turn, values):
     twists = joint_twists(mechanism.joints[0], base, base @ turn).T
     assert twists.shape == (FREEDOMS[kind], 6)
     for twist, unit in zip(twists, np.eye(len(twists)), strict=True):
-        moved = placement(1e-6 * twist)
-        assert np.abs(closure.residual(moved)).max() < 1e-11
-        (after,) = closure.coordinates(moved)
+        moved_placement = placement(1e-6 * twist)
+        assert np.abs(closure.residual(moved_placement)).max() < 1e-11
+        (after,) = closure.coordinates(moved_placement)
         # The rates of a rotation vector are not the angular velocity.
         if kind != "spherical":
             assert (after - coordinates) / 1e-6 == pytest.approx(unit, abs=1e-5)
@@ -171,14 +171,14 @@ def test_jacobian_is_derivative_of_residual(mechanism):
     # In an open posture, where the derivative of every term of the residual counts.
     placement = closure.displaced(placement, 0.2 * closure.size * rng.standard_normal(size))
     steps = 1e-6 * closure.size * np.eye(size)
-    ahead, behind = (
+    forward, behind = (
         [
             closure.residual_at(closure.displaced(placement, s), mechanism.reference_pose)
             for s in signed
         ]
         for signed in (steps, -steps)
     )
-    derivative = np.subtract(ahead, behind).T / (2e-6 * closure.size)
+    derivative = np.subtract(forward, behind).T / (2e-6 * closure.size)
     # Central differences: truncation error 1e-12 and rounding error 1e-16/1e-6, times lengths of
     # about the mechanism's size.
     assert closure.jacobian_at(placement) == pytest.approx(derivative, abs=1e-8)
@@ -224,21 +224,23 @@ def test_joint_angle_exceeds_half_turn(five_bar):
         bodies={name: five_bar.bodies[name] for name in ("ground", "crank1", "rod1")},
         tool=replace(five_bar.tool, moves=("x", "phi_z")),
     )
-    back, turned = np.radians([-80.0, 150.0])
+    crank_angle, rod_angle = np.radians([-80.0, 150.0])
     # x of the tool after crank (-0.2, 0.25) and rod (0.35, 0.3), as vectors in the reference
-    # posture, have rotated by `back` and `turned`.
-    x = -0.15 - 0.2 * np.cos(back) - 0.25 * np.sin(back)
-    x += 0.35 * np.cos(turned) - 0.3 * np.sin(turned)
-    angles = posture(arm, np.array([x, turned])).coordinates
-    assert [angles["motor1"][0], angles["elbow1"][0]] == pytest.approx([back, turned - back])
+    # posture, have rotated by `crank_angle` and `rod_angle`.
+    x = -0.15 - 0.2 * np.cos(crank_angle) - 0.25 * np.sin(crank_angle)
+    x += 0.35 * np.cos(rod_angle) - 0.3 * np.sin(rod_angle)
+    angles = posture(arm, np.array([x, rod_angle])).coordinates
+    assert [angles["motor1"][0], angles["elbow1"][0]] == pytest.approx(
+        [crank_angle, rod_angle - crank_angle]
+    )
 
 
 def test_open_joint_is_reported(five_bar):
     frame = five_bar.reference["rod2"]
     shifted = replace(frame, position=frame.position + 1e-6 * np.eye(3)[1])
-    moved = replace(five_bar, reference={**five_bar.reference, "rod2": shifted})
+    open_five_bar = replace(five_bar, reference={**five_bar.reference, "rod2": shifted})
     with pytest.raises(InputError, match="joint elbow2 is open by 1e-06 m in the reference"):
-        posture(moved, np.array([0.0, 0.5]))
+        posture(open_five_bar, np.array([0.0, 0.5]))
 
 
 def test_imprecise_axis_is_reported():

@@ -62,8 +62,8 @@ def arm(bend, metre=1.0):
     spring = 1e-8 * np.diag(metre / unit**2)
     elbow, forearm = 0.5 * X, rotation_z(bend) @ X
     wrist = elbow + 0.5 * forearm
-    joints = [(place / metre, about(*Z)) for place in (O, elbow, wrist)]
-    springs = [(place / metre, spring) for place in (elbow, wrist)]
+    joints = [(point / metre, about(*Z)) for point in (O, elbow, wrist)]
+    springs = [(point / metre, spring) for point in (elbow, wrist)]
     K = stiffness((wrist + 0.2 * forearm) / metre, joints, springs)
     assert np.array_equal(K, K.T)
     return K / np.outer(unit, unit) * metre
@@ -100,7 +100,7 @@ def test_joint_motion_replaces_rigid_spring():
     ],
 )
 def test_chain_without_compliance_names_direction(joints, springs, words):
-    compliances = [(place, 1e-9 * np.diag(diagonal)) for place, diagonal in springs]
+    compliances = [(frame, 1e-9 * np.diag(diagonal)) for frame, diagonal in springs]
     with pytest.raises(ComputationError, match=rf"arm is rigid against {words}"):
         stiffness(O, joints, compliances)
 

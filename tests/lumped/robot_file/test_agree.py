@@ -26,9 +26,9 @@ DEFAULTS = {
 def robot_with(tmp_path):
     """Write the file of a built-in robot with this [agree] table and load it."""
 
-    def load(agree, robot="ifw", more=""):
+    def load(agree, robot="ifw", text=""):
         path = tmp_path / "mine.toml"
-        path.write_text(f"{load_robot(robot).text}\n[agree]\n{agree}\n{more}", encoding="utf-8")
+        path.write_text(f"{load_robot(robot).text}\n[agree]\n{agree}\n{text}", encoding="utf-8")
         return load_robot(path)
 
     return load
@@ -89,7 +89,7 @@ def test_agreement_limit_is_not_uncertain(robot_with):
     assert "agree.compliance" not in robot.uncertain_inputs
     uncertain = '[[input_uncertainty]]\nkey = "agree.compliance"\nrelative = 0.1'
     with pytest.raises(InputError, match="must name a number or a matrix of the robot"):
-        robot_with("compliance = 0.002", more=uncertain)
+        robot_with("compliance = 0.002", text=uncertain)
 
 
 @pytest.mark.parametrize("kind", ["biglide", "five-bar"])

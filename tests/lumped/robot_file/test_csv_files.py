@@ -54,20 +54,20 @@ def test_repeated_csv_column_is_refused(csv):
 def test_measurements_are_read(tmp_path):
     original = load_robot("ifw")
     robot = robot_of(original.text + ADDED_TABLES, tmp_path)
-    asked = robot.requirement
-    limits = {quantity.name: asked.limit(quantity) for quantity in asked.quantities}
+    requirement = robot.requirement
+    limits = {quantity.name: requirement.limit(quantity) for quantity in requirement.quantities}
     assert [limits[name] for name in ("y", "z", "f6")] == [0.02, 0.2, 0.05]
-    assert asked.rely == ("vjm", "segments")
+    assert requirement.rely == ("vjm", "segments")
     assert robot.measured == (
         Measured(measured_quantity("z"), 27.0e-6, 0.3e-6, "dial gauge", (0.4975,), 1000.0),
     )
     assert robot.uncertain_inputs == {"foot.compliance": 0.05}
     changed = [robot.with_factors({"foot.compliance": relative}) for relative in (-0.05, 0.05)]
-    foot, less, more = (
+    foot, reduced, increased = (
         next(joint.compliance for joint in mechanism.joints if joint.name == "foot1")
         for mechanism in (original.mechanism, *changed)
     )
-    np.testing.assert_allclose((less, more), (0.95 * foot, 1.05 * foot), rtol=1e-12)
+    np.testing.assert_allclose((reduced, increased), (0.95 * foot, 1.05 * foot), rtol=1e-12)
 
 
 def test_accept_option_overrides_file():
@@ -95,8 +95,8 @@ def test_invalid_accept_option_is_refused(option):
 
 def test_csv_values_are_read(csv):
     x = "x,0.4975,8.9e-6,1e-7,laser tracker,1000\n"
-    rest = "f1,0.4975,113.2,0.5,hammer,\nleg1.c22,,1.77e-7,2e-9,test stand,\n"
-    measured = with_measured(load_robot("ifw"), csv(HEAD + x + rest)).measured
+    rows = "f1,0.4975,113.2,0.5,hammer,\nleg1.c22,,1.77e-7,2e-9,test stand,\n"
+    measured = with_measured(load_robot("ifw"), csv(HEAD + x + rows)).measured
     assert measured == (
         Measured(measured_quantity("x"), 8.9e-6, 1e-7, "laser tracker", (0.4975,), 1000.0),
         Measured(measured_quantity("f1"), 113.2, 0.5, "hammer", (0.4975,)),
@@ -203,9 +203,9 @@ def test_wrench_error_has_line_and_column(tmp_path, csv, message):
 
 
 def test_missing_wrench_csv_is_refused(tmp_path):
-    beside = f"{ROBOT.replace('cutting.csv', 'none.csv')}wrench = [1, 0, 0, 0, 0, 0]\n"
+    text = f"{ROBOT.replace('cutting.csv', 'none.csv')}wrench = [1, 0, 0, 0, 0, 0]\n"
     with pytest.raises(InputError) as raised:
-        robot_of(beside, tmp_path)
+        robot_of(text, tmp_path)
     without, missing = raised.value.faults
     assert "loads[1].wrench: must be left out, because a file" in without
     assert "none.csv: cannot be read" in missing

@@ -142,7 +142,7 @@ def test_many_errors_are_counted_and_cut(path):
     assert shown("x" * 10**7) == '"' + "x" * 58 + "…"
 
 
-def many(key, count):
+def repeated_key(key, count):
     (entry, *_) = ARM[key].values()
     return toml(ARM | {key: {f"N{number}": entry for number in range(count)}})
 
@@ -153,9 +153,9 @@ GRID = {"from": [0.0, 0.0], "to": [0.1, 0.1], "counts": [1000, 100]}
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (many("points", 1001), "points: 1001 entries; must be at most 1000"),
-        (many("bodies", 101), "bodies: 101 entries; must be at most 100"),
-        (many("joints", 201), "joints: 201 entries; must be at most 200"),
+        (repeated_key("points", 1001), "points: 1001 entries; must be at most 1000"),
+        (repeated_key("bodies", 101), "bodies: 101 entries; must be at most 100"),
+        (repeated_key("joints", 201), "joints: 201 entries; must be at most 200"),
         (
             toml(ARM | {"tool": ARM["tool"] | {"moves": ["x", "y"]}, "path": GRID}),
             "path.counts = [1000, 100]: 100000 entries; must be at most 10000",

@@ -1,4 +1,4 @@
-"""Tapered and curved legs in robot files: geometry, mass, copies, and error messages."""
+"""Tapered and curved legs in robot files: geometry, mass, copies, and error fault."""
 
 import numpy as np
 import pytest
@@ -17,12 +17,12 @@ TAPER = [{"at": 0.0, **STOUT}, {"at": 1.0, **SLENDER}]
 
 def tables(points=None, **leg):
     """Return the tables of a cantilever from A to B that has a leg along a line."""
-    own = {"from": "A", "to": "B", "material": STEEL, **leg}
+    leg_table = {"from": "A", "to": "B", "material": STEEL, **leg}
     return {
         "schema": 2,
         "name": "arm",
         "points": {"A": [0.0, 0.0, 0.0], "B": [0.6, 0.3, 0.0], **(points or {})},
-        "bodies": {"arm": own},
+        "bodies": {"arm": leg_table},
         "joints": {"root": {"type": "fixed", "between": ["ground", "arm"], "at": "A"}},
         "tool": {"body": "arm", "point": "B", "moves": []},
     }
@@ -114,8 +114,8 @@ def test_copied_tapered_leg_is_rotated():
     }
     file["tool"] = {"body": "plate", "point": "B1", "moves": []}
     bodies = robot_of(file).mechanism.bodies
-    first, *others = (given_compliance(bodies[f"arm{n}"].shape) for n in (1, 2, 3))
-    for other in others:
+    first, *rotated_copies = (given_compliance(bodies[f"arm{n}"].shape) for n in (1, 2, 3))
+    for other in rotated_copies:
         assert np.abs(other - first).max() < 1e-9 * np.abs(first).max()
 
 
@@ -166,28 +166,29 @@ FAULTS = {
     },
     "arm.sections[1]: 0.9 m across": {
         "sections": [
-            {"at": at, "shape": "circle", "diameter": size} for at, size in ((0.0, 0.9), (1.0, 0.1))
+            {"at": station, "shape": "circle", "diameter": size}
+            for station, size in ((0.0, 0.9), (1.0, 0.1))
         ]
     },
     "arm.sections[2]: a properties has no sizes": {
         "sections": [
-            {"at": at, "shape": "properties", "A": area, "Iy": 1e-8, "Iz": 1e-8, "J": 1e-8}
-            for at, area in ((0.0, 1e-3), (1.0, 2e-3))
+            {"at": station, "shape": "properties", "A": area, "Iy": 1e-8, "Iz": 1e-8, "J": 1e-8}
+            for station, area in ((0.0, 1e-3), (1.0, 2e-3))
         ]
     },
 }
 
 
-@pytest.mark.parametrize("said", FAULTS)
-def test_invalid_tapered_leg_is_refused(said):
-    leg = {"material": STEEL, **FAULTS[said]}
+@pytest.mark.parametrize("fault", FAULTS)
+def test_invalid_tapered_leg_is_refused(fault):
+    leg = {"material": STEEL, **FAULTS[fault]}
     file = tables(**{key: value for key, value in leg.items() if value is not None})
     if leg["material"] is None:
         del file["bodies"]["arm"]["material"]
     with pytest.raises(InputError) as error:
         robot_of(file)
     assert len(error.value.faults) == 1, error.value.faults
-    assert error.value.faults[0].startswith(f"dictionary: bodies.{said}"), error.value.faults
+    assert error.value.faults[0].startswith(f"dictionary: bodies.{fault}"), error.value.faults
 
 
 def test_equal_sections_give_prism():

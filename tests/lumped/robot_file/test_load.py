@@ -106,13 +106,13 @@ def rows(**entries):
 def test_rounding_half_width_is_half_unit_of_digit():
     entries = {"c11": "1.67e-10", "c22": "5.870E-9", "c33": "0.0025", "c44": "2e-7"}
     mirrored = {"c12": "0.0", "c21": "-0.0", "c23": "-1.5e-9", "c32": "-1.50e-9"}
-    given = f"compliance = {rows(**entries, **mirrored)}\n"
+    leg_text = f"compliance = {rows(**entries, **mirrored)}\n"
     tables = ("[leg1]", "[bodies.a]\nmass = 1.5", "[joints.'b.c']")
     # The foot's compliance is chosen by the designer: 5e-10 m/N is exact, not rounded from a
     # printed value between 4.5e-10 and 5.5e-10.
-    chosen = f"[foot]\ncompliance = {rows(c11='5e-10', c66='1.2e-7')}\n"
-    text = "[path]\nfrom = [0.20, 0.50]\n" + "".join(f"{table}\n{given}" for table in tables)
-    *printed, of_designer = printed_compliances(decimal_tables(text + chosen))
+    foot_text = f"[foot]\ncompliance = {rows(c11='5e-10', c66='1.2e-7')}\n"
+    text = "[path]\nfrom = [0.20, 0.50]\n" + "".join(f"{table}\n{leg_text}" for table in tables)
+    *printed, of_designer = printed_compliances(decimal_tables(text + foot_text))
     expected = np.diag([0.5e-12, 0.5e-12, 0.5e-4, 0.5e-7, 0.0, 0.0])
     expected[1, 2] = expected[2, 1] = 0.05e-9
     for matrix in printed:
@@ -295,9 +295,9 @@ def valid(schema, value):
     rules = NO_RULES | schema
     if "if" in rules:
         return valid(rules["then" if valid(rules["if"], value) else "else"], value)
-    for keyword, most in (("anyOf", inf), ("oneOf", 1)):
+    for keyword, maximum in (("anyOf", inf), ("oneOf", 1)):
         if keyword in rules:
-            return 1 <= sum(valid(branch, value) for branch in rules[keyword]) <= most
+            return 1 <= sum(valid(branch, value) for branch in rules[keyword]) <= maximum
     if "enum" in rules or "const" in rules:
         allowed = rules.get("enum") or [rules["const"]]
         return any(type(entry) is type(value) and entry == value for entry in allowed)
@@ -309,15 +309,15 @@ def fits(rules, value):
     if isinstance(value, str):
         return re.search(rules["pattern"], value) is not None
     if isinstance(value, list):
-        counted = rules["minItems"] <= len(value) <= rules["maxItems"]
-        return counted and all(valid(rules["items"], item) for item in value)
+        has_length = rules["minItems"] <= len(value) <= rules["maxItems"]
+        return has_length and all(valid(rules["items"], item) for item in value)
     if isinstance(value, dict):
         kinds = {
             name: rules["properties"].get(name, rules["additionalProperties"]) for name in value
         }
         complete = set(rules["required"]) <= kinds.keys() and len(value) <= rules["maxProperties"]
-        named = complete and all(valid(rules["propertyNames"], name) for name in value)
-        return named and all(valid(kinds[name], entry) for name, entry in value.items())
+        has_names = complete and all(valid(rules["propertyNames"], name) for name in value)
+        return has_names and all(valid(kinds[name], entry) for name, entry in value.items())
     within = rules["minimum"] <= value <= rules["maximum"]
     return within and rules["exclusiveMinimum"] < value < rules["exclusiveMaximum"]
 
@@ -337,14 +337,14 @@ def test_misspelt_keys_violate_schema(robot):
         key_path for key_path in places(tomllib.loads(text)) if isinstance(key_path[-1], str)
     ]
     for *tables, key in key_paths:
-        misspelt, another = tomllib.loads(text), tomllib.loads(text)
+        misspelt, with_null = tomllib.loads(text), tomllib.loads(text)
         table = reduce(getitem, tables, misspelt)
         table[f"{key}z"] = table.pop(key)
         # Names of points, materials, bodies and joints are free: another name is valid, too.
         free = bool(tables) and tables[-1] in {"points", "materials", "bodies", "joints"}
         assert valid(SCHEMA, misspelt) == free, (tables, key)
-        reduce(getitem, tables, another)[key] = None
-        assert not valid(SCHEMA, another), (tables, key)
+        reduce(getitem, tables, with_null)[key] = None
+        assert not valid(SCHEMA, with_null), (tables, key)
 
 
 def test_wrong_values_violate_schema():

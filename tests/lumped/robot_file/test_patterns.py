@@ -211,17 +211,17 @@ def test_copies_have_rotated_matrices():
 
 def test_audit_reports_each_copy_in_mm():
     """A mass centre beyond the leg's tip is reported for each copy, also in a file in mm."""
-    given = (np.diag([1e-9, 3e-7, 3e-7, 1e-6, 1e-6, 1e-6])).tolist()
+    compliance = (np.diag([1e-9, 3e-7, 3e-7, 1e-6, 1e-6, 1e-6])).tolist()
     tables = deepcopy(COLUMN)
-    post = {"from": "A", "to": "B", "compliance": given, "mass": 5.0, "mass_centre": 1.2}
+    post = {"from": "A", "to": "B", "compliance": compliance, "mass": 5.0, "mass_centre": 1.2}
     tables["bodies"]["post"] = post | {"pattern": HALF}
     metres = {(f.where, f.check): f.numbers for f in audit(robot_of(tables))}
     assert metres["bodies.post2.mass_centre", "mass centre"] == {"mass centre": 1.2, "length": 1.0}
     half = HALF | {"through": [1000.0, 0.0, 0.0]}
     milli = deepcopy(tables) | {"units": "mm"}
     for name, point in milli["points"].items():
-        at = point if name == "P" else point["at"]
-        at[:] = [1000.0 * x for x in at]
+        position = point if name == "P" else point["at"]
+        position[:] = [1000.0 * x for x in position]
     milli["bodies"]["post"]["mass_centre"] = 1200.0
     milli["bodies"]["lump"]["centre"] = [100.0, 200.0, 1000.0]
     for table in ("points", "bodies", "joints"):

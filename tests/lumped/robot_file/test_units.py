@@ -92,10 +92,10 @@ def numbers(value):
     else:
         return {(i,): x for i, x in enumerate(np.ravel(value).tolist())}
     return {
-        (str(name), *rest): number
+        (str(name), *path): number
         for name, inner in items
         if name != "lengths"
-        for rest, number in numbers(inner).items()
+        for path, number in numbers(inner).items()
     }
 
 
@@ -236,7 +236,7 @@ def test_key_list_uses_length_unit():
     ):
         assert any(entry.startswith(line) for entry in lines), line
     schema = json_schema()
-    for units, most in (("then", 100_000.0), ("else", 100.0)):
+    for units, maximum in (("then", 100_000.0), ("else", 100.0)):
         points = schema[units]["else"]["properties"]["points"]
         coordinates, _ = points["additionalProperties"]["anyOf"]
-        assert coordinates["items"]["maximum"] == most
+        assert coordinates["items"]["maximum"] == maximum

@@ -31,11 +31,11 @@ def test_arrays_and_paths_become_toml():
 @pytest.mark.parametrize("name", built_in_robots())
 def test_dictionary_gives_same_robot(name):
     robot = load_robot(name)
-    again = robot_of(robot.tables)
-    assert again.tables == robot.tables
-    assert again.requirement == robot.requirement
-    assert again.mechanism.bodies.keys() == robot.mechanism.bodies.keys()
-    assert np.array_equal(again.mechanism.poses, robot.mechanism.poses)
+    copy = robot_of(robot.tables)
+    assert copy.tables == robot.tables
+    assert copy.requirement == robot.requirement
+    assert copy.mechanism.bodies.keys() == robot.mechanism.bodies.keys()
+    assert np.array_equal(copy.mechanism.poses, robot.mechanism.poses)
 
 
 def test_unsupported_value_is_reported():

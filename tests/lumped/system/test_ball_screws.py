@@ -40,8 +40,8 @@ wrench = [800.0, 0.0, 0.0, 0.0, 0.0, 0.0]
 """
 
 
-def of(more="", text=SLIDE):
-    return described(text.replace("MORE", more))
+def slide_mechanism(keys="", text=SLIDE):
+    return described(text.replace("MORE", keys))
 
 
 def one_end(length):
@@ -52,21 +52,21 @@ def one_end(length):
 @pytest.mark.parametrize("x", [0.3, 0.5, 0.9])
 def test_screw_stiffness_follows_nut(x):
     """At position x the nut is x − 0.1 m from the screw's bearing."""
-    mechanism = of()
-    at = posture(mechanism, np.array([x]))
+    mechanism = slide_mechanism()
+    slide_posture = posture(mechanism, np.array([x]))
     k = one_end(x - 0.1)
-    solution = solved(assemble(at, {}))
+    solution = solved(assemble(slide_posture, {}))
     assert compliance(solution)[0, 0] == pytest.approx(1.0 / k, rel=1e-10)
-    assert serial_chains.compliance(at, {})[0, 0] == pytest.approx(1.0 / k, rel=1e-10)
+    assert serial_chains.compliance(slide_posture, {})[0, 0] == pytest.approx(1.0 / k, rel=1e-10)
     assert modes(solution, 1).frequencies[0] == pytest.approx(np.sqrt(k / MASS) / 2 / np.pi)
-    load = loading(at, mechanism.loads[0], InterfaceLoads())
+    load = loading(slide_posture, mechanism.loads[0], InterfaceLoads())
     assert tool_displacements(solution, [load])[0, 0] == pytest.approx(800.0 / k, rel=1e-10)
 
 
 def test_screw_stiffness_at_two_positions():
     """EA = 125.0 MN; 0.2 m: 1/(1.600 + 2.500 + 1.667 nm/N) = 173 N/µm; 0.8 m: 94.6 N/µm."""
     stiffnesses = [
-        1e-6 / compliance(solved(assemble(posture(of(), np.array([x])), {})))[0, 0]
+        1e-6 / compliance(solved(assemble(posture(slide_mechanism(), np.array([x])), {})))[0, 0]
         for x in (0.3, 0.9)
     ]
     assert stiffnesses == pytest.approx([173.4, 94.6], rel=1e-3)
@@ -74,23 +74,25 @@ def test_screw_stiffness_at_two_positions():
 
 def test_two_bearings_act_in_parallel():
     """The two parts of the screw, each with its bearing, act in parallel, and the nut in series."""
-    mechanism = of(", span = 1.0")
+    mechanism = slide_mechanism(", span = 1.0")
     for x in (0.3, 0.6, 0.9):
         near, far = x - 0.1, 1.1 - x
         shaft = sum(1.0 / (part / EA + 1.0 / BEARING) for part in (near, far))
         k = 1.0 / (1.0 / shaft + 1.0 / NUT)
-        own = compliance(solved(assemble(posture(mechanism, np.array([x])), {})))[0, 0]
-        assert own == pytest.approx(1.0 / k, rel=1e-10)
+        axial_compliance = compliance(solved(assemble(posture(mechanism, np.array([x])), {})))[0, 0]
+        assert axial_compliance == pytest.approx(1.0 / k, rel=1e-10)
 
 
 def test_screw_stiffens_towards_bearing():
     """`positive = "shorter"`: at x the nut is 0.9 − x from a bearing on the other side."""
-    own = compliance(solved(assemble(posture(of(', positive = "shorter"'), np.array([0.7])), {})))
-    assert own[0, 0] == pytest.approx(1.0 / one_end(0.2), rel=1e-10)
+    tool_compliance = compliance(
+        solved(assemble(posture(slide_mechanism(', positive = "shorter"'), np.array([0.7])), {}))
+    )
+    assert tool_compliance[0, 0] == pytest.approx(1.0 / one_end(0.2), rel=1e-10)
 
 
 def test_each_pose_has_its_screw_stiffness():
-    mechanism = of()
+    mechanism = slide_mechanism()
     postures = [posture(mechanism, pose) for pose in mechanism.poses]
     result = swept(assembly(mechanism, {}), postures, 1)
     expected = [1.0 / one_end(x - 0.1) for x in (0.3, 0.6, 0.9)]
@@ -103,7 +105,7 @@ def test_screw_rotor_adds_mass():
     """The rotor's inertia J (2π/lead)² is added to the mass; both vibrate on one spring."""
     ratio = 2.0 * np.pi / 0.01
     text = SLIDE.replace("[[loads]]", f"drive.inertia = 2.0e-4\ndrive.ratio = {ratio}\n[[loads]]")
-    solution = solved(assemble(posture(of("", text), np.array([0.9])), {}))
+    solution = solved(assemble(posture(slide_mechanism("", text), np.array([0.9])), {}))
     mass = MASS + 2.0e-4 * ratio**2
     expected = np.sqrt(one_end(0.8) / mass) / (2.0 * np.pi)
     assert modes(solution, 1).frequencies[0] == pytest.approx(expected, rel=1e-9)
@@ -123,16 +125,16 @@ def test_screw_rotor_adds_mass():
 )
 def test_nut_stiffness_follows_its_table(load, expected):
     table = f"{{ rigidity = {NUT}, load_rating = 2.5e4, {load} }}"
-    mechanism = of("", SLIDE.replace(f"nut = {NUT}", f"nut = {table}"))
-    own = compliance(solved(assemble(posture(mechanism, np.array([0.5])), {})))[0, 0]
-    assert own == pytest.approx(0.4 / EA + 1.0 / BEARING + 1.0 / expected, rel=1e-10)
+    mechanism = slide_mechanism("", SLIDE.replace(f"nut = {NUT}", f"nut = {table}"))
+    axial_compliance = compliance(solved(assemble(posture(mechanism, np.array([0.5])), {})))[0, 0]
+    assert axial_compliance == pytest.approx(0.4 / EA + 1.0 / BEARING + 1.0 / expected, rel=1e-10)
 
 
 def test_nut_beyond_screw_bearing_is_refused():
     with pytest.raises(ComputationError, match="the nut is 50 mm beyond its bearing"):
-        assemble(posture(of(), np.array([0.05])), {})
+        assemble(posture(slide_mechanism(), np.array([0.05])), {})
     with pytest.raises(InputError) as error:
-        of("", SLIDE.replace("from = [0.3]", "from = [0.05]"))
+        slide_mechanism("", SLIDE.replace("from = [0.3]", "from = [0.05]"))
     assert error.value.faults == (
         "path, pose 1, x = 0.05 m: joints.axis.drive.screw: the nut is 50 mm beyond its bearing",
     )
@@ -156,17 +158,17 @@ FAULTS = {
 def test_nut_needs_exactly_one_kind_of_load(load, reason):
     table = f"{{ rigidity = {NUT}, load_rating = 2.5e4{load} }}"
     with pytest.raises(InputError) as error:
-        of("", SLIDE.replace(f"nut = {NUT}", f"nut = {table}"))
+        slide_mechanism("", SLIDE.replace(f"nut = {NUT}", f"nut = {table}"))
     assert error.value.faults == (
         f"joints.axis.drive.screw.nut: {reason}; must have one of preload, load (with play)",
     )
 
 
-@pytest.mark.parametrize("more", FAULTS)
-def test_invalid_screw_is_refused(more):
+@pytest.mark.parametrize("keys", FAULTS)
+def test_invalid_screw_is_refused(keys):
     with pytest.raises(InputError) as error:
-        of(more)
-    assert error.value.faults == (FAULTS[more],)
+        slide_mechanism(keys)
+    assert error.value.faults == (FAULTS[keys],)
 
 
 def test_drive_without_stiffness_is_refused():

@@ -45,23 +45,25 @@ MODELS = {
 }
 
 
-def displacement(text, model, place=None, number=0):
+def displacement(text, model, pose=None, number=0):
     """Return the displacement (6) of the tool under load `number` of the robot file `text`.
 
     The posture is that of the pose `place`, or the reference posture if None."""
     mechanism = described(text)
-    at = reference_posture(mechanism) if place is None else posture(mechanism, np.array(place))
-    load = loading(at, mechanism.loads[number], InterfaceLoads())
+    loaded_posture = (
+        reference_posture(mechanism) if pose is None else posture(mechanism, np.array(pose))
+    )
+    load = loading(loaded_posture, mechanism.loads[number], InterfaceLoads())
     compliances = tip_compliances(mechanism)
     if model == "chains":
-        return serial_chains.tool_displacements(at, compliances, [load])[0]
+        return serial_chains.tool_displacements(loaded_posture, compliances, [load])[0]
     build = MODELS[model]
     bodies = (
         links(mechanism, compliances)
         if build is None
         else {name: build(leg) for name, leg in legs_of(mechanism).items()}
     )
-    return tool_displacements(solved(assemble(at, bodies)), [load])[0]
+    return tool_displacements(solved(assemble(loaded_posture, bodies)), [load])[0]
 
 
 def closed_form(start, first, last):
@@ -75,27 +77,27 @@ def closed_form(start, first, last):
 
     def over_length(component, weight):
         slope = (last[component] - first[component]) / (LENGTH - start)
-        whole = ((first[component] + slope * (x - start)) * weight).integ()
-        return whole(LENGTH) - whole(start)
+        integral = ((first[component] + slope * (x - start)) * weight).integ()
+        return integral(LENGTH) - integral(start)
 
     p = LEG
-    moved = np.zeros(6)
-    moved[0] = over_length(0, x) / p.EA
-    moved[3] = over_length(3, x) / p.GJ
+    motion = np.zeros(6)
+    motion[0] = over_length(0, x) / p.EA
+    motion[3] = over_length(3, x) / p.GJ
     bend, turn_weight = x**3 / 3.0 + x**2 * (LENGTH - x) / 2.0, x**2 / 2.0 + x * (LENGTH - x)
-    moved[1] = over_length(1, bend / p.EIz + x / p.GAy) + over_length(5, turn_weight) / p.EIz
-    moved[5] = over_length(1, x**2 / 2.0) / p.EIz + over_length(5, x) / p.EIz
+    motion[1] = over_length(1, bend / p.EIz + x / p.GAy) + over_length(5, turn_weight) / p.EIz
+    motion[5] = over_length(1, x**2 / 2.0) / p.EIz + over_length(5, x) / p.EIz
     # A positive φy moves the tip down along z.
-    moved[2] = over_length(2, bend / p.EIy + x / p.GAz) - over_length(4, turn_weight) / p.EIy
-    moved[4] = -over_length(2, x**2 / 2.0) / p.EIy + over_length(4, x) / p.EIy
-    return moved
+    motion[2] = over_length(2, bend / p.EIy + x / p.GAz) - over_length(4, turn_weight) / p.EIy
+    motion[4] = -over_length(2, x**2 / 2.0) / p.EIy + over_length(4, x) / p.EIy
+    return motion
 
 
 @pytest.mark.parametrize("model", MODELS)
 def test_uniform_load_is_exact(model):
     """qL⁴/8EI + qL²/2κGA with the slope qL³/6EI; twist mL²/2GJ; elongation nL²/2EA."""
     n, q, m = 900.0, -400.0, 70.0
-    own = displacement(
+    tip_displacement = displacement(
         ARM + f"lines = [{{ leg = 'arm', wrench = [{n}, 0, {q}, {m}, 0, 0] }}]", model
     )
     p = LEG
@@ -108,7 +110,7 @@ def test_uniform_load_is_exact(model):
         0.0,
     ]
     # Round-off of seven elements is 1e-12 of the largest component.
-    assert np.abs(own - expected).max() <= 1e-10 * np.abs(expected).max()
+    assert np.abs(tip_displacement - expected).max() <= 1e-10 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -116,9 +118,9 @@ def test_partial_linear_load_is_exact(model):
     """All six components act from x = 0.3 m to the tip, growing or falling linearly."""
     first, last = [300.0, -200.0, 500.0, 40.0, 20.0, -30.0], [100.0, 600.0, -100.0, 0.0, 50.0, 10.0]
     line = f"{{ leg = 'arm', wrench = {first}, end_wrench = {last}, from = 0.3, axes = 'leg' }}"
-    own = displacement(ARM + f"lines = [{line}]", model)
+    tip_displacement = displacement(ARM + f"lines = [{line}]", model)
     expected = closed_form(0.3, first, last)
-    assert np.abs(own - expected).max() <= 1e-10 * np.abs(expected).max()
+    assert np.abs(tip_displacement - expected).max() <= 1e-10 * np.abs(expected).max()
 
 
 def test_line_loads_superpose():
@@ -126,11 +128,11 @@ def test_line_loads_superpose():
     lines = "{ leg = 'arm', wrench = [0, 100, 0, 0, 0, 0], to = 0.3 }, "
     lines += "{ leg = 'arm', wrench = [0, 100, 0, 0, 0, 0], from = 0.3 }"
     push = "wrench = [0.0, 50.0, 0.0, 0.0, 0.0, 0.0]"
-    own = displacement(f"{ARM}lines = [{lines}]\n{push}", "link")
+    tip_displacement = displacement(f"{ARM}lines = [{lines}]\n{push}", "link")
     p = LEG
     v = 100.0 * (LENGTH**4 / (8.0 * p.EIz) + LENGTH**2 / (2.0 * p.GAy))
     v += 50.0 * (LENGTH**3 / (3.0 * p.EIz) + LENGTH / p.GAy)
-    assert own[1] == pytest.approx(v, rel=1e-11)
+    assert tip_displacement[1] == pytest.approx(v, rel=1e-11)
 
 
 def test_uniform_load_has_fixed_end_wrenches():
@@ -141,16 +143,18 @@ def test_uniform_load_has_fixed_end_wrenches():
     """
     load = LineLoad(0.0, LENGTH, np.array([0, 0, 6.0, 0, 0, 0]), np.array([0, 0, 6.0, 0, 0, 0]))
     q = 6.0
-    whole = [[0, 0, q * LENGTH / 2, 0, -q * LENGTH**2 / 12, 0]]
-    whole.append([0, 0, q * LENGTH / 2, 0, q * LENGTH**2 / 12, 0])
+    fixed_end_wrenches = [[0, 0, q * LENGTH / 2, 0, -q * LENGTH**2 / 12, 0]]
+    fixed_end_wrenches.append([0, 0, q * LENGTH / 2, 0, q * LENGTH**2 / 12, 0])
     for properties in (LEG, LEG.as_euler_bernoulli()):
-        np.testing.assert_allclose(end_wrenches(properties, LENGTH, load), whole, atol=1e-11)
+        np.testing.assert_allclose(
+            end_wrenches(properties, LENGTH, load), fixed_end_wrenches, atol=1e-11
+        )
     half = LineLoad(0.0, LENGTH / 2.0, load.first, load.last)
-    own = end_wrenches(LEG.as_euler_bernoulli(), LENGTH, half)
+    wrenches = end_wrenches(LEG.as_euler_bernoulli(), LENGTH, half)
     forces = np.array([13.0, 3.0]) * q * LENGTH / 32.0
     moments = np.array([-11.0, 5.0]) * q * LENGTH**2 / 192.0
-    np.testing.assert_allclose(own[:, 2], forces, rtol=1e-11)
-    np.testing.assert_allclose(own[:, 4], moments, rtol=1e-11)
+    np.testing.assert_allclose(wrenches[:, 2], forces, rtol=1e-11)
+    np.testing.assert_allclose(wrenches[:, 4], moments, rtol=1e-11)
 
 
 def test_base_axes_load_keeps_direction():
@@ -162,14 +166,14 @@ def test_base_axes_load_keeps_direction():
     )
     line = "lines = [{{ leg = 'arm', wrench = [0, -300.0, 0, 0, 0, 0]{} }}]"
     turned = [0.5 * np.pi]
-    own = displacement(text + line.format(""), "link", turned)
+    tip_displacement = displacement(text + line.format(""), "link", turned)
     extension = 300.0 * LENGTH**2 / (2.0 * LEG.EA)
-    assert own[:3] == pytest.approx([0.0, -extension, 0.0], abs=1e-9 * extension)
-    own = displacement(text + line.format(", axes = 'leg'"), "link", turned)
+    assert tip_displacement[:3] == pytest.approx([0.0, -extension, 0.0], abs=1e-9 * extension)
+    tip_displacement = displacement(text + line.format(", axes = 'leg'"), "link", turned)
     p = LEG
     v = 300.0 * (LENGTH**4 / (8.0 * p.EIz) + LENGTH**2 / (2.0 * p.GAy))
     # The leg's −y points along +x.
-    assert own[0] == pytest.approx(v, rel=1e-9)
+    assert tip_displacement[0] == pytest.approx(v, rel=1e-9)
 
 
 FAULTS = {

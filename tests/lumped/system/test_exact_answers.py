@@ -146,14 +146,14 @@ def null_space_system(posture, legs):
     for name, body in bodies.items():
         base = posture.frames[name]
         points = [(base @ frame).position for frame in body.interfaces.values()]
-        root, *others = (rows[name, point] for point in body.interfaces)
+        root, *further_rows = (rows[name, point] for point in body.interfaces)
         rigid = [shift(point - points[0]) @ root for point in points[1:]]
         if name in legs:
-            relative = others[0] - rigid[0]
+            relative = further_rows[0] - rigid[0]
             tip = np.linalg.inv(turn_matrix(legs[name], base.rotation))
             stiffness += relative.T @ tip @ relative
             continue
-        conditions += [other - moved for other, moved in zip(others, rigid, strict=True)]
+        conditions += [other - carried for other, carried in zip(further_rows, rigid, strict=True)]
         moving = shift((base @ Frame(body.shape.centre)).position - points[0]) @ root
         weight = np.diag([body.shape.mass] * 3 + [0.0] * 3)
         weight[3:, 3:] = base.rotation @ body.shape.inertia @ base.rotation.T

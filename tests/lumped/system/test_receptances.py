@@ -46,8 +46,8 @@ def responses_of(text, elements=20):
     return harmonic_responses(solved(assemble(reference_posture(mechanism), bodies)))
 
 
-def asked(name, direction, rest="", first=0.5, last=15.0):
-    return RESPONSE.format(name=name, direction=direction, rest=rest, first=first, last=last)
+def response_table(name, direction, keys="", first=0.5, last=15.0):
+    return RESPONSE.format(name=name, direction=direction, rest=keys, first=first, last=last)
 
 
 def axial_receptance(frequencies, x, force_at):
@@ -71,8 +71,8 @@ def bending_receptance(frequencies, x, force_at):
         wave = (RHO * SIDE**2 * (2.0 * np.pi * frequency) ** 2 / bending) ** 0.25
         rates = wave * np.array([1.0, -1.0, 1j, -1j])
 
-        def row(place, order, side, rates=rates):
-            entries = rates**order * np.exp(rates * place)
+        def row(position, order, side, rates=rates):
+            entries = rates**order * np.exp(rates * position)
             zeros = np.zeros(4)
             return np.concatenate([entries, zeros] if side == 0 else [zeros, entries])
 
@@ -87,7 +87,7 @@ def bending_receptance(frequencies, x, force_at):
 
 def test_bar_receptance_is_exact():
     """From 100 to 900 Hz, below the first frequency, 1293 Hz; 60 elements have an error of 1e-6."""
-    text = BAR + asked("cross", [1.0, 0.0, 0.0], 'at = "M"\nof = "P"', 100.0, 900.0)
+    text = BAR + response_table("cross", [1.0, 0.0, 0.0], 'at = "M"\nof = "P"', 100.0, 900.0)
     (response,) = responses_of(text, 30)
     expected = axial_receptance(response.excitation.frequencies, LENGTH, MIDDLE)
     np.testing.assert_allclose(response.receptance, expected, rtol=1e-4)
@@ -100,10 +100,10 @@ def test_cantilever_receptance_is_exact():
     receptance beside a peak of loss factor 0.02.
     """
     text = BAR
-    text += asked("to tip".replace(" ", "-"), [0.0, 1.0, 0.0], 'at = "M"')
-    text += asked("cross", [0.0, 1.0, 0.0], 'at = "M"\nof = "P"')
-    text += asked("back", [0.0, 1.0, 0.0], 'of = "M"')
-    text += asked("tip", [0.0, 1.0, 0.0])
+    text += response_table("to tip".replace(" ", "-"), [0.0, 1.0, 0.0], 'at = "M"')
+    text += response_table("cross", [0.0, 1.0, 0.0], 'at = "M"\nof = "P"')
+    text += response_table("back", [0.0, 1.0, 0.0], 'of = "M"')
+    text += response_table("tip", [0.0, 1.0, 0.0])
     places = [(MIDDLE, MIDDLE), (LENGTH, MIDDLE), (MIDDLE, LENGTH), (LENGTH, LENGTH)]
     for response, (x, force_at) in zip(responses_of(text), places, strict=True):
         expected = bending_receptance(response.excitation.frequencies, x, force_at)
@@ -119,12 +119,14 @@ def test_receptances_are_reciprocal():
     text = BAR.replace("[0.4, 0.0, 0.0]", "[0.4, 0.3, 0.1]").replace(str(SIDE), "0.02")
     u, v = [0.3, 1.0, -0.2], [1.0, -0.4, 0.7]
     at_first = f'at = "P"\nof = {{ point = "M", body = "first", direction = {u} }}'
-    text += asked("there", u, f'at = "M"\nof = {{ point = "P", direction = {v} }}', 10.0, 300.0)
-    text += asked("back", v, at_first, 10.0, 300.0)
-    there, back = responses_of(text)
-    sizes = np.abs(there.receptance)
+    text += response_table(
+        "there", u, f'at = "M"\nof = {{ point = "P", direction = {v} }}', 10.0, 300.0
+    )
+    text += response_table("back", v, at_first, 10.0, 300.0)
+    forward, reverse = responses_of(text)
+    sizes = np.abs(forward.receptance)
     # Round-off of eigenvectors beside a resonance.
-    assert (np.abs(there.receptance - back.receptance) <= 1e-8 * sizes.max()).all()
+    assert (np.abs(forward.receptance - reverse.receptance) <= 1e-8 * sizes.max()).all()
     assert sizes.min() > 1e-6 * sizes.max()
 
 
@@ -144,8 +146,8 @@ def test_slender_bar_has_no_rounding_mode():
 
 def test_frequency_key_allows_receptance_points():
     """A number `at` is a frequency, as formerly; with the point `at`, key `frequency` gives it."""
-    text = BAR + asked("cross", [0.0, 1.0, 0.0], 'at = "M"\nof = "P"\nfrequency = 5.0')
-    text += asked("tip", [0.0, 1.0, 0.0], "at = 5.0")
+    text = BAR + response_table("cross", [0.0, 1.0, 0.0], 'at = "M"\nof = "P"\nfrequency = 5.0')
+    text += response_table("tip", [0.0, 1.0, 0.0], "at = 5.0")
     cross, tip = responses_of(text)
     assert cross.excitation.judged == ("cross", "cross.frequency", "cross.at")
     expected = bending_receptance(np.array([5.0]), LENGTH, MIDDLE)
@@ -161,7 +163,7 @@ def test_symmetry_gives_zero_receptance():
 
     Modes of the square section along y and z have equal frequencies, so a solver returns mixtures.
     """
-    text = BAR + asked(
+    text = BAR + response_table(
         "across", [0.0, 1.0, 0.0], 'at = "M"\nof = { point = "P", direction = [0.0, 0.0, 1.0] }'
     )
     (response,) = responses_of(text)
@@ -194,7 +196,7 @@ FAULTS = {
 @pytest.mark.parametrize("lines", FAULTS)
 def test_invalid_point_is_refused(lines):
     with pytest.raises(InputError) as error:
-        described(BAR + asked("a", [1.0, 0.0, 0.0], lines))
+        described(BAR + response_table("a", [1.0, 0.0, 0.0], lines))
     assert error.value.faults == (FAULTS[lines],)
 
 
@@ -220,7 +222,7 @@ def test_receptance_of_idle_point_is_refused():
     axis = [1.0, 0.0, 0.0]
     drive = { stiffness = 1.0e6 }
     """
-    mechanism = described(text + asked("lug", [0.0, 0.0, 1.0], 'of = "L"'))
+    mechanism = described(text + response_table("lug", [0.0, 0.0, 1.0], 'of = "L"'))
     solution = solved(assemble(reference_posture(mechanism), {}))
     with pytest.raises(ComputationError, match="an idle motion moves point L of rod"):
         harmonic_responses(solution)

@@ -182,11 +182,11 @@ def on_drives(**changes):
 def beams():
     """Return beam legs, each with 50 g beside its tip, so that bending also spins the leg idly."""
     legs = legs_of(DELTA)
-    beside = shift(np.array([0.0, 0.02, 0.0]))[:3]
+    offset = shift(np.array([0.0, 0.02, 0.0]))[:3]
     models = {leg: beam_leg(leg.timoshenko, leg.length, 2) for leg in legs.values()}
     for leg, model in models.items():
         mass = dense(model.mass)
-        mass[6:12, 6:12] += 0.05 * beside.T @ beside
+        mass[6:12, 6:12] += 0.05 * offset.T @ offset
         models[leg] = replace(model, mass=csr_array(mass))
     return {name: models[leg] for name, leg in legs.items()}
 
