@@ -77,7 +77,10 @@ def box(name, count, amount):
     ways = [sides] if name.startswith("hex") else np.cumsum(list(permutations(sides)), axis=1)
     grid = np.indices((count,) * 3).reshape(3, -1).T
     # Elements are made right-handed.
-    cells = [kind.nodes @ (way if np.linalg.det(way) > 0 else way[[1, 0, 2]]) for way in ways]
+    cells = [
+        kind.nodes @ (corner_axes if np.linalg.det(corner_axes) > 0 else corner_axes[[1, 0, 2]])
+        for corner_axes in ways
+    ]
     positions = np.concatenate([np.rint(2 * (grid[:, None] + cell)).astype(int) for cell in cells])
     numbers = np.ravel_multi_index(np.moveaxis(positions, -1, 0), (2 * count + 1,) * 3)
     _, first, index = np.unique(numbers, return_index=True, return_inverse=True)

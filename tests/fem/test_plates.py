@@ -34,10 +34,10 @@ def block(element, counts):
     return cells.reshape(numbers.shape), shares
 
 
-def frequencies(mesh, held, count):
-    """Lowest frequencies (Hz) with the components `held` (N×3, true or false) fixed."""
+def frequencies(mesh, fixed_components, count):
+    """Lowest frequencies (Hz) with the `fixed_components` (N×3, true or false) fixed."""
     stiffness, mass = stiffness_and_mass(mesh, STEEL)
-    free = ~held.ravel()
+    free = ~fixed_components.ravel()
     K, M = (
         csr_array(matrix)[free][:, free].tocsc()
         for matrix in (stiffness, on_three_components(mass))
@@ -50,13 +50,13 @@ def frequencies(mesh, held, count):
 def quarter(element, counts):
     """Quarter plate: simply supported sides x = 0 and y = 0, fixed along themselves and along z."""
     cells, shares = block(element, counts)
-    held = np.zeros_like(shares, dtype=bool)
+    fixed_components = np.zeros_like(shares, dtype=bool)
     x, y, _ = shares.T
-    held[(x == 0.0) | (y == 0.0), 2] = True
-    held[(x == 0.0) | (y == 1.0), 1] = True
-    held[(y == 0.0) | (x == 1.0), 0] = True
+    fixed_components[(x == 0.0) | (y == 0.0), 2] = True
+    fixed_components[(x == 0.0) | (y == 1.0), 1] = True
+    fixed_components[(y == 0.0) | (x == 1.0), 0] = True
     nodes = shares * [SIDE / 2.0, SIDE / 2.0, THICKNESS]
-    return VolumeMesh(nodes, cells, element), held
+    return VolumeMesh(nodes, cells, element), fixed_components
 
 
 def test_tapered_membrane_has_frequencies_of_fv32():
@@ -68,12 +68,14 @@ def test_tapered_membrane_has_frequencies_of_fv32():
     cells, shares = block("hex27", (12, 6, 1))
     x = 10.0 * shares[:, 0]
     y, z = (5.0 - 0.4 * x) * (shares[:, 1] - 0.5), 0.05 * (shares[:, 2] - 0.5)
-    held = np.zeros_like(shares, dtype=bool)
-    held[x == 0.0, :2] = True
-    held[z == 0.0, 2] = True
-    own = frequencies(VolumeMesh(np.column_stack([x, y, z]), cells, "hex27"), held, 6)
+    fixed_components = np.zeros_like(shares, dtype=bool)
+    fixed_components[x == 0.0, :2] = True
+    fixed_components[z == 0.0, 2] = True
+    computed = frequencies(
+        VolumeMesh(np.column_stack([x, y, z]), cells, "hex27"), fixed_components, 6
+    )
     # 0.02 % in f4 and 0.07 % in f5 on this mesh; the limits of finer ones are 0.01 to 0.05 % below.
-    assert own == pytest.approx([44.623, 130.03, 162.70, 246.05, 379.90, 391.44], rel=1e-3)
+    assert computed == pytest.approx([44.623, 130.03, 162.70, 246.05, 379.90, 391.44], rel=1e-3)
 
 
 def test_solid_plate_has_frequencies_of_fv52():
@@ -85,13 +87,13 @@ def test_solid_plate_has_frequencies_of_fv52():
     1.0017 and 1.0022 of the targets 45.897, 109.44, 193.59 and 206.19 Hz for 20 nodes.
     """
     cells, shares = block("hex20", (4, 4, 1))
-    held = np.zeros_like(shares, dtype=bool)
+    fixed_components = np.zeros_like(shares, dtype=bool)
     x, y, z = shares.T
-    held[(z == 0.0) & ((x % 1.0 == 0.0) | (y % 1.0 == 0.0)), 2] = True
+    fixed_components[(z == 0.0) & ((x % 1.0 == 0.0) | (y % 1.0 == 0.0)), 2] = True
     mesh = VolumeMesh(shares * [SIDE, SIDE, THICKNESS], cells, "hex20")
-    own = frequencies(mesh, held, 10)
-    assert np.abs(own[:3]).max() < 0.01
-    targets = own[[3, 4, 5, 7, 8, 9]] / [45.897, 109.44, 109.44, 193.59, 206.19, 206.19]
+    computed = frequencies(mesh, fixed_components, 10)
+    assert np.abs(computed[:3]).max() < 0.01
+    targets = computed[[3, 4, 5, 7, 8, 9]] / [45.897, 109.44, 109.44, 193.59, 206.19, 206.19]
     # Four digits are printed.
     assert targets == pytest.approx([0.9760, 1.0101, 1.0101, 1.0017, 1.0022, 1.0022], abs=1e-4)
 
@@ -130,20 +132,20 @@ def test_plate_under_pressure_bends_as_by_reissner():
     shear stress, 1 − 4z²/t².
     """
     pressure = 1.0e6
-    mesh, held = quarter("hex27", (4, 4, 2))
+    mesh, fixed_components = quarter("hex27", (4, 4, 2))
     facets = boundary(mesh)
     up = area_vectors(mesh.nodes, facets)
     top = facets.at(np.flatnonzero(up[:, 2] > 0.5 * np.linalg.norm(up, axis=1)))
     forces = np.zeros_like(mesh.nodes)
     forces[top.nodes] = pressure * pressure_forces(mesh.nodes, top)
-    free = ~held.ravel()
+    free = ~fixed_components.ravel()
     stiffness = csr_array(stiffness_and_mass(mesh, STEEL)[0])[free][:, free].tocsc()
-    own = np.zeros(mesh.nodes.size)
-    own[free] = spsolve(stiffness, forces.ravel()[free])
+    displacements = np.zeros(mesh.nodes.size)
+    displacements[free] = spsolve(stiffness, forces.ravel()[free])
     across = np.flatnonzero((mesh.nodes[:, :2] == SIDE / 2.0).all(axis=1))
     across = across[np.argsort(mesh.nodes[across, 2])]
     # Simpson's rule over the five nodes, with the weights 0, ¾, 1, ¾, 0.
-    mean = np.array([0.0, 3.0, 2.0, 3.0, 0.0]) / 8.0 @ own.reshape(-1, 3)[across, 2]
+    mean = np.array([0.0, 3.0, 2.0, 3.0, 0.0]) / 8.0 @ displacements.reshape(-1, 3)[across, 2]
 
     odd = np.arange(1.0, 40.0, 2.0)
     k2 = (np.pi / SIDE) ** 2 * np.add.outer(odd**2, odd**2)

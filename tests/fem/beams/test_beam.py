@@ -53,12 +53,17 @@ def softer_along_y(p: BeamProperties) -> BeamProperties:
 
 def test_off_axis_point_moves_with_section():
     """Tip displacement t and rotation φ displace a point at r from the tip by t + φ × r."""
-    leg, beside = beam_leg(LEG_1.timoshenko, 0.85, 1), np.array([[0.0, 0.1, -0.2], [0.0, 0.3, 0.4]])
+    leg, off_axis_points = (
+        beam_leg(LEG_1.timoshenko, 0.85, 1),
+        np.array([[0.0, 0.1, -0.2], [0.0, 0.3, 0.4]]),
+    )
     t, phi = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0])
     twists = np.zeros(leg.size)
     twists[6:12] = np.concatenate([t, phi])
-    displacements = (leg.displacements(np.array([0.85, 0.0, 0.0]) + beside) @ twists).reshape(-1, 3)
-    assert_allclose(displacements, t + np.cross(phi, beside), rtol=1e-12)
+    displacements = (
+        leg.displacements(np.array([0.85, 0.0, 0.0]) + off_axis_points) @ twists
+    ).reshape(-1, 3)
+    assert_allclose(displacements, t + np.cross(phi, off_axis_points), rtol=1e-12)
 
 
 def test_beam_frequency_roots_equal_table():
@@ -283,11 +288,13 @@ def test_column_buckles_at_engesser_load(ends, theory):
     expected = critical(p, ends)
     if theory == "euler-bernoulli":
         assert expected == pytest.approx(times * np.pi**2 * p.EIz / L**2, rel=1e-5)
-    whole, few = (factor(prestressed_leg(p, L, 10, kept), free, PUSH) for kept in (ALL, 24))
-    assert whole == pytest.approx(expected, rel=3e-4)
-    assert few == pytest.approx(expected, rel=1e-3)
+    with_all_modes, with_24_modes = (
+        factor(prestressed_leg(p, L, 10, mode_count), free, PUSH) for mode_count in (ALL, 24)
+    )
+    assert with_all_modes == pytest.approx(expected, rel=3e-4)
+    assert with_24_modes == pytest.approx(expected, rel=1e-3)
     # A Ritz approximation is never below the exact load.
-    assert whole >= expected * (1.0 - 1e-9)
+    assert with_all_modes >= expected * (1.0 - 1e-9)
 
 
 def test_column_buckling_has_order_four():

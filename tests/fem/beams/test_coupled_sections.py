@@ -42,7 +42,7 @@ def scaled(difference, compliance):
 
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
-@pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
 def test_shear_centre_force_causes_no_twist(section, theory):
     """A force at the shear centre causes no twist, F at the centroid a twist F e L/(GJ).
 
@@ -75,14 +75,14 @@ def test_angle_deflects_along_principal_axes():
     softer, stiffer = (np.array([1.0, 1.0]), np.array([1.0, -1.0]))
     for force, divisor in ((softer, 12.0), (stiffer, 3.0)):
         unit = force / sqrt(2.0)
-        moved = bent @ unit
-        assert moved == pytest.approx(unit * (unit @ moved), rel=1e-9)
+        deflection = bent @ unit
+        assert deflection == pytest.approx(unit * (unit @ deflection), rel=1e-9)
         exact = length**3 / (3.0 * STEEL.E * t * b**3 / divisor)
-        assert unit @ moved == pytest.approx(exact, rel=2.0 * t / b)
+        assert unit @ deflection == pytest.approx(exact, rel=2.0 * t / b)
 
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
-@pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
 def test_coupled_beam_statics_are_exact(section, theory):
     beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
     exact = tip_compliance(beam, LENGTH)
@@ -93,7 +93,7 @@ def test_coupled_beam_statics_are_exact(section, theory):
 
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
-@pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
 def test_coupled_frequencies_converge(section, theory):
     """Reference: Ritz's method with ten polynomials.
 
@@ -209,7 +209,7 @@ def test_rectangle_has_no_bending_torsion_coupling():
         Angle(0.06, 0.1, 0.02, 0.02),
         Polygon(((0.0, 0.0), (0.1, 0.0), (0.03, 0.08))),
     ],
-    ids=lambda one: one.shape,
+    ids=lambda section: section.shape,
 )
 def test_beam_of_each_section_equals_solid(section):
     """With free warping beam and solid are equal; rigid end faces add the decaying end effects.

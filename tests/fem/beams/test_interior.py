@@ -17,19 +17,19 @@ STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 PRISM = ConstantLeg(0.5, Rectangle(width=0.08, height=0.12), STEEL)
 
 
-def given(leg):
+def given_leg(leg):
     return GivenLeg(leg.length, leg.mass, tip_compliance(leg.timoshenko, leg.length))
 
 
 def test_beam_from_6x6_recovers_prism():
-    interior = interior_properties(given(PRISM), "uniform")
+    interior = interior_properties(given_leg(PRISM), "uniform")
     assert astuple(interior) == pytest.approx(astuple(PRISM.timoshenko), rel=1e-8)
 
 
 @pytest.mark.parametrize("interior", ["uniform", "stiff"])
 def test_beams_from_6x6_keep_end_stiffness(interior):
     """K11 to K44 are unchanged: stiffnesses for ends that do not rotate about y and z."""
-    leg = given(PRISM)
+    leg = given_leg(PRISM)
     expected, computed = (
         np.diag(np.linalg.inv(c))[[0, 1, 2, 3]]
         for c in (leg.compliance, tip_compliance_of(interior_beam(leg, interior, 20)))
@@ -40,7 +40,7 @@ def test_beams_from_6x6_keep_end_stiffness(interior):
 
 def test_fixed_warping_doubles_torsion_mode():
     """First ω: warping 22.373/L² √(EΓ/ρI_p), Saint-Venant π/L √(GJ/ρI_p); the ratio is 2.056."""
-    leg = given(PRISM)
+    leg = given_leg(PRISM)
     soft = leg.compliance.copy()
     soft[3, 3] *= 300.0
     torsion = replace(leg, compliance=soft)
@@ -52,7 +52,7 @@ def test_fixed_warping_doubles_torsion_mode():
 
 
 def test_tube_from_6x6_has_polar_moment():
-    tube = given(ConstantLeg(0.5, Tube(0.1, 0.01), STEEL))
+    tube = given_leg(ConstantLeg(0.5, Tube(0.1, 0.01), STEEL))
     uniform = interior_properties(tube, "uniform")
     core = (uniform.EIy + uniform.EIz) / 2.6
     assert uniform.GJ / core == pytest.approx(1.0, rel=1e-9)
@@ -62,7 +62,7 @@ def test_tube_from_6x6_has_polar_moment():
 
 def test_interior_stiffness_raises_6x6_frequencies():
     soft, uniform, stiff = (
-        held_frequencies(given(PRISM), kind)[:6] for kind in ("soft", "uniform", "stiff")
+        held_frequencies(given_leg(PRISM), kind)[:6] for kind in ("soft", "uniform", "stiff")
     )
     assert (soft < uniform).all()
     assert (uniform <= stiff).all()
@@ -70,7 +70,7 @@ def test_interior_stiffness_raises_6x6_frequencies():
 
 def test_flexible_tip_keeps_transverse_stiffness():
     """A flexible tip increases c66 above L/EI. κGA is then taken from EA, and K22 is unchanged."""
-    leg = given(PRISM)
+    leg = given_leg(PRISM)
     turning = leg.compliance.copy()
     turning[5, 5] *= 6.0
     hinged = replace(leg, compliance=turning)
@@ -82,7 +82,7 @@ def test_flexible_tip_keeps_transverse_stiffness():
 
 
 def test_indefinite_6x6_is_refused():
-    leg = given(PRISM)
+    leg = given_leg(PRISM)
     with pytest.raises(InputError, match="not positive definite"):
         interior_properties(replace(leg, compliance=-leg.compliance), "uniform")
 

@@ -156,14 +156,14 @@ def test_off_axis_bar_equals_calculix():
     leg = ConstantLeg(0.1, Rectangle(0.03, 0.02), Material(181e9, 7.17e9, 0.28, 1600.0))
     mesh = tetrahedra(leg.section, leg.length, 1)
     K, M = anisotropic_stiffness_and_mass(mesh, uniform(layer), np.full(len(mesh.cells), 1600.0))
-    own = clamped_leg(SolidLeg(leg, mesh, K, on_three_components(M)), "rigid").compliance
+    compliance = clamped_leg(SolidLeg(leg, mesh, K, on_three_components(M)), "rigid").compliance
     deck = leg_deck(mesh, leg.material, 0)
     c, s = cos(radians(30)), sin(radians(30))
     axes = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     (part,) = deck.parts
     part = replace(part, axes=axes, elasticity=layer_elasticity(layer))
     printed = run_calculix(replace(deck, parts=(part,))).displacements.reshape(6, 6).T
-    size = np.sqrt(np.diag(own))
-    assert np.abs((printed - own) / np.outer(size, size)).max() < 2e-6
+    size = np.sqrt(np.diag(compliance))
+    assert np.abs((printed - compliance) / np.outer(size, size)).max() < 2e-6
     # Tension shears the bar, bending twists it.
-    assert abs(own[3, 4]) > 0.05 * size[3] * size[4]
+    assert abs(compliance[3, 4]) > 0.05 * size[3] * size[4]

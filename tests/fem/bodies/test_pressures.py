@@ -99,9 +99,9 @@ def test_pressures_move_block_as_in_calculix(file, straight, monkeypatch):
     }
     clamped = np.flatnonzero(np.abs(mesh.nodes[:, 0]) < 1e-9)
     free = np.setdiff1d(np.arange(3 * len(mesh.nodes)), unknowns(clamped))
-    own = np.zeros(3 * len(mesh.nodes))
+    displacements = np.zeros(3 * len(mesh.nodes))
     forces = forces_on_faces(mesh, on_faces)
-    own[free] = spsolve(straight.stiffness[free][:, free].tocsc(), forces[free])
+    displacements[free] = spsolve(straight.stiffness[free][:, free].tocsc(), forces[free])
 
     watched = np.flatnonzero(np.abs(mesh.nodes[:, 0] - LENGTH) < 1e-9)
     deck = Deck(
@@ -118,7 +118,7 @@ def test_pressures_move_block_as_in_calculix(file, straight, monkeypatch):
     (printed,) = run_calculix(deck).displacements
     # Seven printed digits.
     largest = np.abs(printed).max()
-    assert np.abs(own.reshape(-1, 3)[watched] - printed).max() <= 1e-6 * largest
+    assert np.abs(displacements.reshape(-1, 3)[watched] - printed).max() <= 1e-6 * largest
 
 
 def dload_lines(mesh, pressures):

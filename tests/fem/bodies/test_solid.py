@@ -77,8 +77,8 @@ def test_leg_modes_equal_dense_solution(clamped):
         result = clamped.modes(number)
         np.testing.assert_allclose(result.frequencies, hertz(values[:number]), rtol=SAME)
         assert result.count == (values < result.shift).sum() >= number
-    whole = clamped.solid.transformation
-    amplitudes = np.linalg.lstsq(whole.toarray(), result.shapes, rcond=None)[0]
+    transformation = clamped.solid.transformation
+    amplitudes = np.linalg.lstsq(transformation.toarray(), result.shapes, rcond=None)[0]
     gram = amplitudes.T @ (clamped.solid.mass @ amplitudes)
     np.testing.assert_allclose(gram, np.eye(8), atol=1e-12)
 
@@ -101,9 +101,9 @@ def test_double_mode_at_cut_off_is_complete():
     result = clamped.modes(1)
     assert (result.count, len(result.frequencies)) == (2, 1)
     assert values[1] < result.shift < values[2]
-    result, again = (clamped.modes(6) for _ in range(2))
+    result, repeated = (clamped.modes(6) for _ in range(2))
     np.testing.assert_allclose(result.frequencies, hertz(values[:6]), rtol=SAME)
-    np.testing.assert_array_equal(result.shapes, again.shapes)
+    np.testing.assert_array_equal(result.shapes, repeated.shapes)
 
 
 def test_leg_mode_count_is_dense_count(bar):

@@ -99,9 +99,9 @@ def test_composite_bar_equals_calculix():
     mesh = solid_mesh(leg, 2)
     materials = [Material.isotropic(part.E, part.nu, part.rho) for part in parts]
     computed, frequencies = by_calculix(mesh, materials, modes=3)
-    own = clamped_leg(solid_leg(leg, mesh), "rigid")
-    assert scaled(computed - own.compliance, own.compliance) < 0.005
-    assert frequencies[:3] == pytest.approx(own.modes(3).frequencies, rel=0.005)
+    clamped = clamped_leg(solid_leg(leg, mesh), "rigid")
+    assert scaled(computed - clamped.compliance, clamped.compliance) < 0.005
+    assert frequencies[:3] == pytest.approx(clamped.modes(3).frequencies, rel=0.005)
     beam = tip_compliance(leg.timoshenko, leg.length)
     bending = np.ix_([1, 2], [1, 2])
     assert computed[bending] == pytest.approx(beam[bending], rel=0.03)

@@ -54,11 +54,11 @@ def lug(tmp_path_factory):
 def grips_on(file, *kinds):
     """Return grips on the lug, one for each kind of coupling: both bores, and the flat end."""
     choices = ByCylinder(0.008), ByCylinder(0.005), ByPlane((1.0, 0.0, 0.0), (0.1, 0.0, 0.0))
-    chosen = enumerate(zip(choices, kinds, strict=False))
-    wanted = {f"I{k}": PartInterface(choice, kind) for k, (choice, kind) in chosen}
-    first, second, *others = find_interfaces(file, wanted)
+    numbered_choices = enumerate(zip(choices, kinds, strict=False))
+    interfaces = {f"I{k}": PartInterface(choice, kind) for k, (choice, kind) in numbered_choices}
+    first, second, *further_interfaces = find_interfaces(file, interfaces)
     second = replace(second, point=second.point + OFFSET)
-    return grips_of(file.mesh, (first, second, *others))
+    return grips_of(file.mesh, (first, second, *further_interfaces))
 
 
 def ties(grip, nodes):
@@ -142,9 +142,9 @@ def test_average_coupling_gives_mean_motion(lug):
     mass, nodes = on_three_components(part.scalar_mass), part.mesh.nodes
     twists = coupled_solid(part.stiffness, mass, nodes, [grip]).twists
     x, _, z = (nodes - grip.point).T
-    nothing = np.zeros_like(x)
-    raised = twists.T @ np.column_stack([nothing, nothing, x**2]).ravel()
-    bent = twists.T @ np.column_stack([z**3, nothing, nothing]).ravel()
+    zeros = np.zeros_like(x)
+    raised = twists.T @ np.column_stack([zeros, zeros, x**2]).ravel()
+    bent = twists.T @ np.column_stack([z**3, zeros, zeros]).ravel()
     radius, top = 0.008, 0.015
     turned = top**4 / 5.0 / (top**2 / 3.0 + radius**2 / 2.0)
     # Nine quadratic sides around the bore give errors of 2e-5 and 2e-4.
@@ -202,13 +202,13 @@ THIN = ISection(0.1, 0.16, 0.0012, 0.0012)
 def test_end_effects_are_independent_of_leg_length():
     """Each face changes twist and slope equally at any length; the slope acts on the lever L."""
     tube = section_mesh(Tube(0.01, 0.001), 4)
-    short, double, *others = (
+    short, double, *long_legs = (
         restrained_compliance(tube, STEEL, length) for length in (1.0, 2.0, 10.0, 1e5)
     )
     # Rounding error of a mesh of thin walls: 4e-11 with six kernels of OpenBLAS.
     near = partial(pytest.approx, rel=1e-9)
     # The last leg is ten million times as long as wide.
-    for length, change in zip((10.0, 1e5), others, strict=True):
+    for length, change in zip((10.0, 1e5), long_legs, strict=True):
         assert np.array_equal(change, change.T)
         assert change[0, 0] == near(short[0, 0])
         assert change[5, 5] == near(short[5, 5])

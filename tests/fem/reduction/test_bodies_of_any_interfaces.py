@@ -119,10 +119,12 @@ def test_reduction_modes_equal_dense_modes(bar):
     assert reduced.counted == len(below) >= 15
     assert_allclose(reduced.frequencies[: len(below)], below, rtol=1e-8)
     # Two thirds of all modes are more than the Lanczos method may search for.
-    most = 2 * bar.held.size // 3
-    every = interface_modes(bar.held, held_frequencies[most : most + 2].mean())
-    assert_allclose(every.frequencies, held_frequencies[: most + 1], rtol=1e-8)
-    assert_allclose(every.shapes.T @ (bar.held.mass @ every.shapes), np.eye(most + 1), atol=1e-8)
+    largest_count = 2 * bar.held.size // 3
+    every = interface_modes(bar.held, held_frequencies[largest_count : largest_count + 2].mean())
+    assert_allclose(every.frequencies, held_frequencies[: largest_count + 1], rtol=1e-8)
+    assert_allclose(
+        every.shapes.T @ (bar.held.mass @ every.shapes), np.eye(largest_count + 1), atol=1e-8
+    )
 
 
 @pytest.mark.parametrize("rounding", [0.0, 1e-26, -1e-26])
@@ -131,20 +133,20 @@ def test_clamped_body_has_no_rounding_mode(rounding):
     squared = np.arange(1.0, 11.0) ** 2 * 1e6
     flexibility = np.diag(np.append(1.0 / squared, rounding))
     flexibility[0, 10] = flexibility[10, 0] = abs(rounding)
-    held = VibratingBody(
+    body = VibratingBody(
         state="held", flexibility=flexibility.__matmul__, mass=eye_array(11).tocsr()
     )
-    modes = interface_modes(held, 1e4)
+    modes = interface_modes(body, 1e4)
     assert_allclose(modes.frequencies, np.sqrt(squared) / (2.0 * np.pi), rtol=1e-12)
 
 
-def kept_by(rows, searches):
+def search_returning(rows, searches):
     """Return a mode search that returns only the modes `rows` in its first `searches` calls."""
 
-    def blind(held, cutoff, search=0):
-        modes = interface_modes(held, cutoff, search)
-        kept = rows(len(modes.frequencies)) if search < searches else slice(None)
-        return Modes(modes.frequencies[kept], modes.shapes[:, kept])
+    def blind(body, cutoff, search=0):
+        modes = interface_modes(body, cutoff, search)
+        rows_of_modes = rows(len(modes.frequencies)) if search < searches else slice(None)
+        return Modes(modes.frequencies[rows_of_modes], modes.shapes[:, rows_of_modes])
 
     return blind
 
@@ -152,7 +154,9 @@ def kept_by(rows, searches):
 def test_missed_body_mode_is_reported(bar, monkeypatch):
     cutoff = 1.001 * bar.held_frequencies[9]
     for missed in (0, 7):
-        blind = kept_by(lambda count, missed=missed: np.delete(np.arange(count), missed), 1)
+        blind = search_returning(
+            lambda count, missed=missed: np.delete(np.arange(count), missed), 1
+        )
         monkeypatch.setattr(counting, "interface_modes", blind)
         modes = counted_modes(bar.held, cutoff)
         below = bar.held_frequencies[bar.held_frequencies < cutoff]
@@ -162,7 +166,7 @@ def test_missed_body_mode_is_reported(bar, monkeypatch):
         assert_allclose(gram, np.eye(len(gram)), atol=1e-8)
     # Searches that never find the first mode, or find it twice.
     for rows in (lambda count: np.arange(1, count), lambda count: np.r_[0, 0:count]):
-        monkeypatch.setattr(counting, "interface_modes", kept_by(rows, 9))
+        monkeypatch.setattr(counting, "interface_modes", search_returning(rows, 9))
         with pytest.raises(ComputationError, match="bar, all interfaces held: certificate"):
             counted_modes(bar.held, cutoff)
 

@@ -56,16 +56,16 @@ def test_condensed_leg_is_schur_complement(model):
     assert_allclose(reduced.centreline(x) @ np.eye(12) / size, field / size, atol=1e-9)
 
 
-@pytest.mark.parametrize("reduce", [static_superelement, lambda held: craig_bampton(held, 500.0)])
+@pytest.mark.parametrize("reduce", [static_superelement, lambda leg: craig_bampton(leg, 500.0)])
 def test_reduced_solid_releases_its_factor(reduce):
     """The factors of many legs would otherwise need gigabytes."""
     solid = meshed(LEG_2, 1, 4)
     clamped = clamped_leg(solid)
     matrices = reduce(held_solid_leg(clamped, solid.mesh)).matrices
-    kept = [weakref.ref(item) for item in (clamped, clamped.factor, clamped.solid)]
+    references = [weakref.ref(item) for item in (clamped, clamped.factor, clamped.solid)]
     del clamped
     gc.collect()
-    assert [item() for item in kept] == [None, None, None]
+    assert [item() for item in references] == [None, None, None]
     assert matrices.centreline(np.array([0.0])).shape[0] == 6
 
 
@@ -107,21 +107,21 @@ def test_grounded_or_unstable_leg_is_refused():
 def test_free_ends_have_constraint_modes():
     solid = meshed(LEG_2, (2, 6), 8)
     clamped = clamped_leg(solid, "free")
-    held = held_solid_leg(clamped, solid.mesh)
+    held_leg_body = held_solid_leg(clamped, solid.mesh)
     loads = clamped.solid.twists
-    scale = np.abs(held.constraint_modes).max(axis=0)
-    assert_allclose(loads.T @ held.constraint_modes / scale, np.eye(12) / scale, atol=1e-9)
+    scale = np.abs(held_leg_body.constraint_modes).max(axis=0)
+    assert_allclose(loads.T @ held_leg_body.constraint_modes / scale, np.eye(12) / scale, atol=1e-9)
     # The forces of a constraint mode act only at the ends and are in equilibrium: K Ψ = B S.
-    forces = solid.stiffness @ held.constraint_modes
-    expected = loads @ held.stiffness
+    forces = solid.stiffness @ held_leg_body.constraint_modes
+    expected = loads @ held_leg_body.stiffness
     size = np.abs(expected).max(axis=0)
     assert_allclose(forces / size, expected / size, atol=1e-7)
-    force = np.random.default_rng(3).standard_normal((held.size, 2))
-    response = held.flexibility(force)
+    force = np.random.default_rng(3).standard_normal((held_leg_body.size, 2))
+    response = held_leg_body.flexibility(force)
     assert np.abs(loads.T @ response).max() < 1e-9 * np.abs(response).max()
     assert_allclose(force.T @ response, response.T @ solid.stiffness @ response, rtol=1e-7)
     x = np.array([0.2, 0.5])
-    assert_allclose(held.centreline(x).toarray(), section_twists(solid.mesh, x).toarray())
+    assert_allclose(held_leg_body.centreline(x).toarray(), section_twists(solid.mesh, x).toarray())
 
 
 def test_solid_leg_equals_matrix_reduction():
@@ -144,50 +144,53 @@ POSTURES, COUNT, HIGHEST = (0.145, 0.85), 20, 3800.0
 def robots(request):
     """Return unreduced legs and legs with held ends, by name, and (x, robot, modes) by posture."""
     unreduced = {name: MODELS[request.param](leg) for name, leg in LEGS.items()}
-    whole = [solved(system_of(x, *unreduced.values())) for x in POSTURES]
-    held = {name: held_leg(leg) for name, leg in unreduced.items()}
+    unreduced_robots = [solved(system_of(x, *unreduced.values())) for x in POSTURES]
+    held_legs = {name: held_leg(leg) for name, leg in unreduced.items()}
     return (
         unreduced,
-        held,
-        [(x, robot, modes(robot, COUNT)) for x, robot in zip(POSTURES, whole, strict=True)],
+        held_legs,
+        [
+            (x, robot, modes(robot, COUNT))
+            for x, robot in zip(POSTURES, unreduced_robots, strict=True)
+        ],
     )
 
 
-def reduced_to(held, *frequencies):
+def reduced_to(held_legs, *frequencies):
     """Return legs reduced up to these frequencies (Hz), and a function x → robot of these legs."""
-    reduced = {name: craig_bampton(leg, *frequencies) for name, leg in held.items()}
+    reduced = {name: craig_bampton(leg, *frequencies) for name, leg in held_legs.items()}
     return reduced, lambda x: system_of(x, *(leg.matrices for leg in reduced.values()))
 
 
 def test_reduced_robot_equals_unreduced_robot(robots):
     """Required: statics to 1e-9, twenty frequencies to 1e-4, mass-weighted MAC of 0.9999."""
-    unreduced, held, wholes = robots
-    reduced, robot_at = reduced_to(held, HIGHEST)
-    for x, whole, exact in wholes:
+    unreduced, held_legs, unreduced_robots = robots
+    reduced, robot_at = reduced_to(held_legs, HIGHEST)
+    for x, unreduced_robot, exact in unreduced_robots:
         robot = solved(robot_at(x))
-        assert scaled_difference(compliance(robot), compliance(whole)) < 1e-9
+        assert scaled_difference(compliance(robot), compliance(unreduced_robot)) < 1e-9
         approximate = modes(robot, COUNT)
         assert_allclose(approximate.frequencies, exact.frequencies, rtol=1e-4)
         # The mass-weighted product of two mass-normalised shapes is the root of their MAC; 46 kg is
         # the mass of the tool.
         tool, exact_tool = (
             solution.system.tool[:3] @ solved_modes.shapes
-            for solution, solved_modes in ((robot, approximate), (whole, exact))
+            for solution, solved_modes in ((robot, approximate), (unreduced_robot, exact))
         )
         gram = 46.0 * tool.T @ exact_tool
         for name, leg in unreduced.items():
             field = reduced[name].recover(robot.system.body_unknowns(name, approximate.shapes))
-            gram += field.T @ (leg.mass @ whole.system.body_unknowns(name, exact.shapes))
+            gram += field.T @ (leg.mass @ unreduced_robot.system.body_unknowns(name, exact.shapes))
         assert np.min(np.diag(gram) ** 2) > 0.9999
 
 
 @pytest.mark.parametrize("factor", [1.1, 2.5])
 def test_frequency_bounds_enclose_truth(robots, factor):
-    _, held, wholes = robots
-    reduced, robot_at = reduced_to(held, HIGHEST, factor * HIGHEST)
+    _, held_legs, unreduced_robots = robots
+    reduced, robot_at = reduced_to(held_legs, HIGHEST, factor * HIGHEST)
     # Rounding error of the dense frequencies, 1e-12, with a margin.
     rounding = 1e-10
-    for x, _, exact in wholes:
+    for x, _, exact in unreduced_robots:
         bounds = frequency_bounds(robot_at(x), reduced, COUNT)
         assert np.all(bounds.lower <= exact.frequencies * (1.0 + rounding))
         assert np.all(exact.frequencies <= bounds.upper * (1.0 + rounding))
@@ -202,11 +205,11 @@ def test_frequency_bounds_enclose_truth(robots, factor):
 
 
 def test_low_cut_off_is_refused():
-    held = {name: held_leg(MODELS["beam"](leg)) for name, leg in LEGS.items()}
+    held_legs = {name: held_leg(MODELS["beam"](leg)) for name, leg in LEGS.items()}
     with pytest.raises(InputError, match=r"cut-off = 900 Hz: must be above .*, 1000 Hz"):
-        reduced_to(held, 1000.0, 900.0)
+        reduced_to(held_legs, 1000.0, 900.0)
     with pytest.raises(InputError, match=r"highest frequency = -1\.0 Hz"):
-        reduced_to(held, -1.0)
-    reduced, robot_at = reduced_to(held, 400.0, 500.0)
+        reduced_to(held_legs, -1.0)
+    reduced, robot_at = reduced_to(held_legs, 400.0, 500.0)
     with pytest.raises(InputError, match=r"frequency 12 .* cut off at 500 Hz"):
         frequency_bounds(robot_at(0.4975), reduced, 12)

@@ -114,8 +114,8 @@ def test_equal_materials_give_one_solid():
     mesh = extrude(section_mesh(STEPPED, 4), stations(0.1, 3))
     plain = stiffness_and_mass(mesh, STEEL)
     parted = composite_stiffness_and_mass(mesh, mesh.regions, [STEEL, STEEL])
-    for one, other in zip(parted, plain, strict=True):
-        assert abs(one - other).max() < 1e-12 * abs(other).max()
+    for composite_matrix, plain_matrix in zip(parted, plain, strict=True):
+        assert abs(composite_matrix - plain_matrix).max() < 1e-12 * abs(plain_matrix).max()
 
 
 def test_composite_solid_equals_beam():
@@ -126,16 +126,16 @@ def test_composite_solid_equals_beam():
     length = 0.2
     leg = ConstantLeg(length, STEPPED, Material(*STEPPED.mean_material))
     solid = solid_leg(leg, solid_mesh(leg, 2))
-    ones = np.zeros(3 * len(solid.mesh.nodes))
-    ones[::3] = 1.0
+    translation = np.zeros(3 * len(solid.mesh.nodes))
+    translation[::3] = 1.0
     mass = sum(part.rho * part.section.area * length for part in STEPPED.parts)
-    assert ones @ (solid.mass @ ones) == pytest.approx(mass, rel=1e-9)
+    assert translation @ (solid.mass @ translation) == pytest.approx(mass, rel=1e-9)
     section = states_of(STEPPED, 2).compliance
     beam = np.zeros((6, 6))
     points, weights = np.polynomial.legendre.leggauss(3)
     for point, weight in zip(points, weights, strict=True):
-        away = length * (0.5 - 0.5 * point)
-        beam += 0.5 * length * weight * move_compliance(section, np.array([away, 0.0, 0.0]))
+        lever = length * (0.5 - 0.5 * point)
+        beam += 0.5 * length * weight * move_compliance(section, np.array([lever, 0.0, 0.0]))
     tip = clamped_leg(solid, "free").compliance
     assert scaled(tip - beam, beam) < 1e-4
     # A force along z through the centroid twists the leg about its shear centre.

@@ -123,8 +123,8 @@ def test_rotated_section_constants_transform():
     angle, shift = 0.4, np.array([0.3, -0.2])
     mesh = section_mesh(Rectangle(0.1, 0.2), 6)
     c, s = np.cos(angle), np.sin(angle)
-    moved = replace(mesh, nodes=mesh.nodes @ np.array([[c, s], [-s, c]]) + shift)
-    turned, upright = section_constants(moved, 0.3), section_constants(mesh, 0.3)
+    moved_mesh = replace(mesh, nodes=mesh.nodes @ np.array([[c, s], [-s, c]]) + shift)
+    turned, upright = section_constants(moved_mesh, 0.3), section_constants(mesh, 0.3)
     i_y, i_z = 0.1 * 0.2**3 / 12.0, 0.2 * 0.1**3 / 12.0
     assert turned.product_moment == pytest.approx((i_z - i_y) * np.sin(2 * angle) / 2.0, rel=1e-12)
     assert turned.torsion_constant == pytest.approx(upright.torsion_constant, rel=1e-11)

@@ -206,8 +206,8 @@ def test_stresses_equal_calculix(tmp_path):
     section = Rectangle(width, height)
     mesh = tetrahedra(section, length, 2)
     text = deck_text(leg_deck(mesh, STEEL, modes=0))
-    asked = "*EL PRINT, ELSET=PART1\nS\n*EL PRINT, ELSET=PART1\nCOORD\n*END STEP"
-    (tmp_path / "leg.inp").write_text(text.replace("*END STEP", asked))
+    output_request = "*EL PRINT, ELSET=PART1\nS\n*EL PRINT, ELSET=PART1\nCOORD\n*END STEP"
+    (tmp_path / "leg.inp").write_text(text.replace("*END STEP", output_request))
     subprocess.run([calculix_program(), "-i", "leg"], cwd=tmp_path, check=True, capture_output=True)
     blocks = re.split(r"\n *\n", (tmp_path / "leg.dat").read_text())
     numbers = [

@@ -63,8 +63,8 @@ def leg():
 @pytest.fixture(scope="module")
 def matrices(leg):
     """Return stiffness and mass of the leg without the nodes of its root."""
-    held = np.add.outer(3 * leg.mesh.root.nodes, range(3)).ravel()
-    free = np.setdiff1d(np.arange(leg.stiffness.shape[0]), held)
+    fixed_unknowns = np.add.outer(3 * leg.mesh.root.nodes, range(3)).ravel()
+    free = np.setdiff1d(np.arange(leg.stiffness.shape[0]), fixed_unknowns)
     return leg.stiffness[free][:, free], leg.mass[free][:, free]
 
 
@@ -78,14 +78,14 @@ def card(monkeypatch):
 @pytest.fixture(params=["rslab", FAKE, "cudss", "petsc on 1 rank", "petsc on 2 ranks", SUPERLU])
 def backend(request, monkeypatch):
     """Select each library in turn; cuDSS on a real card and PETSc only where they are installed."""
-    solver, _, rest = request.param.partition(" on ")
+    solver, _, ranks = request.param.partition(" on ")
     monkeypatch.setenv(VARIABLE, "auto" if solver == SUPERLU else solver)
     if request.param == FAKE:
         insert_card(monkeypatch)
     elif solver == "cudss" and cudss.device() is None:
         pytest.skip("no graphics card, or the extra gpu is not installed")
     elif solver == "petsc":
-        monkeypatch.setenv(RANKS_VARIABLE, rest.split()[0])
+        monkeypatch.setenv(RANKS_VARIABLE, ranks.split()[0])
         require_petsc()
     elif solver == SUPERLU:
         monkeypatch.setattr("fem.solvers.backends.rslab.load_error", lambda: "damaged")
@@ -129,8 +129,8 @@ class TestEveryLibrary:
         # Two factorisations differ by the condition number, 1e6, times 1e-16.
         size = np.abs(before).max()
         np.testing.assert_allclose(first.solve(load), before, rtol=0.0, atol=1e-9 * size)
-        again = both.symbolic.factorise().solve(load)
-        np.testing.assert_allclose(again, before, rtol=0.0, atol=1e-9 * size)
+        repeated = both.symbolic.factorise().solve(load)
+        np.testing.assert_allclose(repeated, before, rtol=0.0, atol=1e-9 * size)
 
     def test_eigenvalue_count_equals_dense_count(self, matrices):
         K, M = matrices
@@ -320,9 +320,9 @@ def test_failing_card_gives_one_warning(leg, card, monkeypatch, call, error, mes
         warnings.simplefilter("always")
         results = numbers_of(leg)
     lines = [str(w.message) for w in caught if w.category is SolverFallbackWarning]
-    reached = card.calls.count(call) > after
-    assert len(lines) == reached
-    if reached:
+    is_called = card.calls.count(call) > after
+    assert len(lines) == is_called
+    if is_called:
         assert re.fullmatch(
             f"graphics card: .*{message}.*; the processor computes instead", lines[0]
         )

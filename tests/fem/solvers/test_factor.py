@@ -18,9 +18,9 @@ from lumped.legs import ConstantLeg
 from lumped.sections import Rectangle
 
 
-def without(matrix, held):
-    """Return the matrix without the rows and columns `held`."""
-    free = np.setdiff1d(np.arange(matrix.shape[0]), held)
+def without(matrix, fixed_unknowns):
+    """Return the matrix without the rows and columns `fixed_unknowns`."""
+    free = np.setdiff1d(np.arange(matrix.shape[0]), fixed_unknowns)
     return matrix[free][:, free]
 
 

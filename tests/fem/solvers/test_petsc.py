@@ -56,8 +56,8 @@ def processes(word: str) -> dict[int, list[str]]:
 
 def assert_nothing_left(folder: Path) -> None:
     end = time.monotonic() + PATIENCE
-    while (left := (processes(str(folder)), list(folder.iterdir()))) != ({}, []):
-        assert time.monotonic() < end, left
+    while (remaining := (processes(str(folder)), list(folder.iterdir()))) != ({}, []):
+        assert time.monotonic() < end, remaining
         time.sleep(0.05)
 
 
@@ -141,8 +141,8 @@ def test_petsc_memory_is_checked_before_factoring(ranks, monkeypatch):
     assert ranks
     symbolic = analyse(diags_array([np.full(20_000, 2.0)], offsets=[0], format="csr"))
     assert 20_000 * 16 < symbolic.peak_bytes < 1e9
-    place = "fem.solvers.backends.host_memory.available_memory"
-    monkeypatch.setattr(place, lambda: symbolic.peak_bytes - 1)
+    function_name = "fem.solvers.backends.host_memory.available_memory"
+    monkeypatch.setattr(function_name, lambda: symbolic.peak_bytes - 1)
     with pytest.raises(ComputationError, match="leg 2: factorising 20000 unknowns needs about"):
         symbolic.factorise("leg 2")
 
