@@ -57,8 +57,8 @@ def test_shape_functions_are_nodal_polynomials(kind):
     expected = np.linalg.solve(vandermonde.T, monomials.T)
     assert values(kind.name, positions) == pytest.approx(expected, abs=1e-13)
     for i, step in enumerate(1e-5 * np.eye(d)[:, :, None]):
-        ahead, behind = (values(kind.name, positions + sign * step) for sign in (1.0, -1.0))
-        slope = (ahead - behind) / 2e-5
+        forward, backward = (values(kind.name, positions + sign * step) for sign in (1.0, -1.0))
+        slope = (forward - backward) / 2e-5
         # Central differences of these polynomials are exact but for terms of order step².
         assert gradients(kind.name, positions)[:, i] == pytest.approx(slope, abs=1e-8)
     points, weights = quadrature(kind.name, 4)

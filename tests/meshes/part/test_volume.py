@@ -108,10 +108,10 @@ def test_inverted_tetrahedra_are_straightened():
     mirrored = (tetrahedron * [-1.0, 1.0, 1.0])[[0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]
     nodes = np.vstack([tetrahedron, mirrored])
     nodes[4] += [0.0, 0.4, 0.4]
-    moved, count = straightened(nodes, cells)
+    new_nodes, count = straightened(nodes, cells)
     assert count == 1
-    assert moved[4] == pytest.approx([0.5, 0.0, 0.0], abs=1e-15)
-    assert np.array_equal(np.delete(moved, 4, axis=0), np.delete(nodes, 4, axis=0))
+    assert new_nodes[4] == pytest.approx([0.5, 0.0, 0.0], abs=1e-15)
+    assert np.array_equal(np.delete(new_nodes, 4, axis=0), np.delete(nodes, 4, axis=0))
     for height, message in ((1e-12, "1 tetrahedron is flat"), (-1.0, "stays inverted")):
         with pytest.raises(ComputationError, match=f"{message}, the first at"):
             straightened(tetrahedron * [1.0, 1.0, height], np.arange(10)[None])
@@ -200,12 +200,12 @@ def lug(tmp_path_factory):
 
 
 def test_faces_are_selected_by_geometry(lug):
-    wanted = {
+    interfaces = {
         "A": PartInterface(ByCylinder(0.008)),
         "C": PartInterface(ByCylinder(0.005, axis=(0.0, 0.0, -2.0)), "average"),
         "end": PartInterface(ByPlane((1.0, 0.0, 0.0), point=(0.2, 0.01, 0.0))),
     }
-    first, second, end = find_interfaces(lug, wanted)
+    first, second, end = find_interfaces(lug, interfaces)
     # The interface point is halfway along the axis of a bore, or in the middle of a plane.
     for interface, x in ((first, 0.02), (second, 0.18), (end, 0.2)):
         assert interface.point == pytest.approx([x, 0.0, 0.0], abs=1e-9)
@@ -230,13 +230,13 @@ def fork(occ):
 def test_equal_bores_are_selected_by_position(suffix, tmp_path):
     path = tmp_path / f"fork.{suffix}"
     file = meshed(path, fork, 20.0, 12.0) if suffix == "msh" else written(path, fork)
-    wanted = {
+    interfaces = {
         name: PartInterface(ByCylinder(0.006, point=(x, 0.0, 0.0)))
         for name, x in (("whole", 0.1), ("broken", 0.18))
     }
-    whole, broken = find_interfaces(read_here(file, "mm"), wanted)
-    assert (len(whole.faces), len(broken.faces)) == (1, 2)
-    for bore, x, height in ((whole, 0.1, 0.03), (broken, 0.18, 0.02)):
+    undivided, divided = find_interfaces(read_here(file, "mm"), interfaces)
+    assert (len(undivided.faces), len(divided.faces)) == (1, 2)
+    for bore, x, height in ((undivided, 0.1, 0.03), (divided, 0.18, 0.02)):
         assert bore.point == pytest.approx([x, 0.0, 0.0], abs=1e-8)
         # Areas of a mesh are those of plane facets: some twenty per circle, an error of 0.6 %.
         assert bore.area == pytest.approx(2.0 * np.pi * 0.006 * height, rel=1e-2)
@@ -270,7 +270,7 @@ def test_wrong_selection_names_nearest_face(lug, selection, message):
 
 
 @pytest.mark.parametrize(
-    ("wanted", "message"),
+    ("interfaces", "message"),
     [
         ({"A": (BORE, None), "C": (BORE, None)}, "interfaces A and C both take face"),
         (
@@ -281,6 +281,6 @@ def test_wrong_selection_names_nearest_face(lug, selection, message):
         ({}, "no interface is given"),
     ],
 )
-def test_shared_interface_faces_are_refused(lug, wanted, message):
+def test_shared_interface_faces_are_refused(lug, interfaces, message):
     with pytest.raises(InputError, match=message):
-        find_interfaces(lug, {name: PartInterface(*choice) for name, choice in wanted.items()})
+        find_interfaces(lug, {name: PartInterface(*choice) for name, choice in interfaces.items()})

@@ -72,11 +72,11 @@ def crossed(occ):
 def as_splines(draw):
     """Return a function that draws the same shape with its cylinders as rational splines."""
 
-    def drawn(occ):
+    def draw_as_splines(occ):
         draw(occ)
         occ.affineTransform(occ.getEntities(3), [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0])
 
-    return drawn
+    return draw_as_splines
 
 
 def test_spline_cylinder_equals_analytic_one(tmp_path):
@@ -132,10 +132,10 @@ def test_cone_tip_is_not_an_inverted_face(tmp_path):
 def test_surface_mesh_retries_without_curvature(box_step, monkeypatch):
     triangulate = read.triangulate
 
-    def failing(path, model, sides, *more):
+    def failing(path, model, sides, *options):
         if sides:
             raise NotMeshedError("no mesh")
-        return triangulate(path, model, sides, *more)
+        return triangulate(path, model, sides, *options)
 
     monkeypatch.setattr(read, "triangulate", failing)
     part = read_part(box_step)

@@ -119,8 +119,8 @@ def read(folder, text):
     return read_part(path)
 
 
-def written(folder, others):
-    for name, text in others.items():
+def written(folder, included_files):
+    for name, text in included_files.items():
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_bytes(text.encode())
 
@@ -129,8 +129,8 @@ def written(folder, others):
 def test_deck_forms_give_same_part(tmp_path, form):
     text = (FORMS | OF_ABAQUS).get(form, "")
     if not text:
-        text, others = (INCLUDED | INCLUDED_OF_ABAQUS)[form]
-        written(tmp_path, others)
+        text, included_files = (INCLUDED | INCLUDED_OF_ABAQUS)[form]
+        written(tmp_path, included_files)
     part = read(tmp_path, text)
     assert part.mesh.element == "hex8"
     assert np.ptp(part.surface, axis=0) == pytest.approx([1.0, 1.0, 2.0], abs=1e-15)
@@ -152,9 +152,9 @@ def test_calculix_runs_legal_deck_forms(tmp_path):
     )
     displacements = {}
     forms = dict(FORMS)
-    for form, (text, others) in INCLUDED.items():
+    for form, (text, included_files) in INCLUDED.items():
         forms[form] = text
-        written(tmp_path, others)
+        written(tmp_path, included_files)
     for form, text in forms.items():
         (tmp_path / f"{form}.inp").write_bytes((text + analysis).encode())
         subprocess.run([program, form], cwd=tmp_path, check=True, capture_output=True)
@@ -191,7 +191,7 @@ def test_deck_error_has_line(tmp_path, text, fault):
 
 
 @pytest.mark.parametrize(
-    ("others", "fault"),
+    ("included_files", "fault"),
     [
         ({}, 'block.inp: line 2: *INCLUDE "a.inp": no such file; its name must count from the fo'),
         ({"a.inp": "\n*INCLUDE\n"}, "a.inp: line 2: *INCLUDE must name its file: INPUT=…"),
@@ -210,8 +210,8 @@ def test_deck_error_has_line(tmp_path, text, fault):
         ),
     ],
 )
-def test_include_error_has_its_line(tmp_path, others, fault):
-    written(tmp_path, others)
+def test_include_error_has_its_line(tmp_path, included_files, fault):
+    written(tmp_path, included_files)
     with pytest.raises(InputError) as error:
         read(tmp_path, "\n*INCLUDE, INPUT=a.inp\n" + PLAIN)
     (line,) = error.value.faults
@@ -242,9 +242,9 @@ def test_include_size_is_bounded(tmp_path, monkeypatch):
 def test_part_digest_covers_includes(tmp_path):
     """Caches identify a part by its digest, which must change if an included file changes."""
     deck = tmp_path / "block.inp"
-    text, others = INCLUDED["included"]
+    text, included_files = INCLUDED["included"]
     deck.write_text(text)
-    written(tmp_path, others)
+    written(tmp_path, included_files)
     assert part_content(deck).split() == PLAIN.encode().split()
     content = part_content(deck)
     written(tmp_path, {"nodes.inp": NODES.replace("2.", "3.")})

@@ -83,9 +83,9 @@ def two_cubes(*shift, shared=()):
     return np.vstack([CUBE, CUBE + shift]), "hexahedron", nodes.reshape(2, 8)
 
 
-def mesh_file(folder, points, kind, cells, **more):
-    path = folder / ("mesh.inp" if "point_sets" in more else "mesh.vtu")
-    meshio.write(path, meshio.Mesh(0.1 * points, [(kind, cells)], **more))
+def mesh_file(folder, points, kind, cells, **mesh_options):
+    path = folder / ("mesh.inp" if "point_sets" in mesh_options else "mesh.vtu")
+    meshio.write(path, meshio.Mesh(0.1 * points, [(kind, cells)], **mesh_options))
     return path
 
 
