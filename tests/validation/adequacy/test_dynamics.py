@@ -72,10 +72,10 @@ def test_wall_mesh_is_refined_twofold():
 
 def test_equal_legs_share_a_reduction():
     """One reduction is computed for each different leg and end condition."""
-    robot, made = load_robot("five-bar").mechanism, []
+    robot, reduced_legs = load_robot("five-bar").mechanism, []
 
     def build(leg, ends, _highest):
-        made.append((leg.length, ends))
+        reduced_legs.append((leg.length, ends))
         return leg_matrices("beam", leg)
 
     legs = legs_of(robot)
@@ -83,8 +83,8 @@ def test_equal_legs_share_a_reduction():
     built_vibration((reference_posture(robot),), build, {}, ends, 1)
     due = {(leg.length, ends[name]) for name, leg in legs.items()}
     assert len(due) == 3
-    assert set(made) == due
-    assert len(made) % len(due) == 0
+    assert set(reduced_legs) == due
+    assert len(reduced_legs) % len(due) == 0
 
 
 def at_the_centre(requirement=None, **changes):
@@ -121,10 +121,10 @@ def test_torsion_has_largest_mesh_half_width():
     """Torsion of an open section depends on its mesh; bending of 100 × 100 mm hardly does."""
     robot = robot_on_path(at_the_centre(**OF_FLANGED))
     (solids,) = dynamic_reference(Responses(robot)).interpretations
-    first, *others = solids.budget[Source.MESHES].frequencies[0, :4]
+    first, *further = solids.budget[Source.MESHES].frequencies[0, :4]
     # The section mesh of the solids leaves open a ninth of it, by beams on it and on a finer one.
     assert 0.0057 < first < 0.0061
-    assert max(others) < 0.0025
+    assert max(further) < 0.0025
 
 
 def test_i_section_beam_torsion_is_inadequate():
@@ -133,9 +133,11 @@ def test_i_section_beam_torsion_is_inadequate():
     # 3.7 times the compliance of the solid, from a mesh of its own.
     mesh = section_mesh(FLANGED.section, 4)
     solid = doubling.tip_compliance(doubling.condensed_leg(FLANGED, mesh, 64), "rigid")[3, 3]
-    own = tip_compliance(FLANGED.timoshenko, FLANGED.length)[3, 3]
-    assert own / solid == pytest.approx(3.7, abs=0.05)
-    assert entry.error == pytest.approx(own / solid - 1.0, abs=2.0 * entry.uncertainty)
+    torsional_compliance = tip_compliance(FLANGED.timoshenko, FLANGED.length)[3, 3]
+    assert torsional_compliance / solid == pytest.approx(3.7, abs=0.05)
+    assert entry.error == pytest.approx(
+        torsional_compliance / solid - 1.0, abs=2.0 * entry.uncertainty
+    )
     first = entry.causes[0]
     assert first.cause == "restrained warping at the ends"
     assert first.share == pytest.approx(1.0, abs=0.05)
@@ -181,33 +183,33 @@ def test_half_widths_cover_finer_mesh(section, ends):
         for preset in ("quick", "standard")
     )
     responses = Responses(quick)
-    (own,) = dynamic_reference(responses).interpretations
-    modes = responses.modes(SOLID, own.reading)
+    (interpretation,) = dynamic_reference(responses).interpretations
+    modes = responses.modes(SOLID, interpretation.reading)
     hold = finer.first_reading
     mesh = LegMesh(2, 2, 2 * COARSEST_WALLS)
     of_sections = solid_vibration(quick.postures, hold, mesh, quick.computed_count)
     for truth in (modes_of_solids(finer, hold), of_sections):
         changes = frequency_changes(modes, truth, 4)
-        assert (changes <= own.budget[Source.MESHES].frequencies).all()
+        assert (changes <= interpretation.budget[Source.MESHES].frequencies).all()
 
 
 def test_tenth_mode_with_lumped_mass_is_undecided():
     # Three ways each for the platform and two point masses: fewer modes than are judged.
     leg1, leg2 = (replace(leg, inertia=None, mass_centre=None) for leg in (LEG1, LEG2))
-    asked = Requirement(modes=10)
-    robot = robot_on_path(at_the_centre(asked, leg1=leg1, leg2=leg2))
+    requirement = Requirement(modes=10)
+    robot = robot_on_path(at_the_centre(requirement, leg1=leg1, leg2=leg2))
     responses = Responses(robot)
     truth = dynamic_reference(responses)
     beams, none = judged_model(robot, "beam", JUDGED["beam"]), Reference("none")
     subject = Subject("", (), np.zeros((1, 0)), responses, [beams], none, truth)
-    matrix = verdict_matrix(subject, asked)
-    known = [matrix.entry("beam", f"f{number}") for number in range(1, 10)]
+    matrix = verdict_matrix(subject, requirement)
+    first_nine = [matrix.entry("beam", f"f{number}") for number in range(1, 10)]
     # With half of the mass at the ends of stiff legs f4 has a MAC of 0.498 with its beams' mode,
     # and f6, f7 and f9 have no partner among the beams with some insides of the legs either.
-    assert [entry.error is None for entry in known[:5]] == [False, False, False, True, False]
-    assert known[3].verdict == "undecided"
-    assert known[3].reason.startswith("specify the mass distribution of the legs")
-    assert not any("fewer modes" in entry.reason for entry in known)
+    assert [entry.error is None for entry in first_nine[:5]] == [False, False, False, True, False]
+    assert first_nine[3].verdict == "undecided"
+    assert first_nine[3].reason.startswith("specify the mass distribution of the legs")
+    assert not any("fewer modes" in entry.reason for entry in first_nine)
     tenth = matrix.entry("beam", "f10")
     assert (tenth.verdict, tenth.error) == ("undecided", None)
     lumps = "with mass in lumps, soft inside, mass in lumps, stiff inside"
@@ -222,12 +224,12 @@ def test_tenth_mode_with_lumped_mass_is_undecided():
 def test_drive_model_has_one_mode_at_stroke_end():
     """At its stroke ends the robot moves along one axis only. Entries of missing modes are NaN."""
     robot = robot_on_path(Context(load_robot("ifw"), "quick"))
-    found = modes_by_model(robot, "simplified", DEFAULT_OPTIONS)
-    known = np.isfinite(found.frequencies)
-    counts = known.sum(axis=1)
+    path_modes = modes_by_model(robot, "simplified", DEFAULT_OPTIONS)
+    is_finite = np.isfinite(path_modes.frequencies)
+    counts = is_finite.sum(axis=1)
     assert counts.tolist() == [1, *[2] * (len(robot.postures) - 2), 1]
-    assert (known == (np.arange(known.shape[1]) < counts[:, None])).all()
-    assert (known == (np.abs(found.samples).max(axis=1) > 0.0)).all()
+    assert (is_finite == (np.arange(is_finite.shape[1]) < counts[:, None])).all()
+    assert (is_finite == (np.abs(path_modes.samples).max(axis=1) > 0.0)).all()
 
 
 WIDTH, HEIGHT = 0.06, 0.04
@@ -256,8 +258,8 @@ def rigid_inertia(leg, masses):
     assert np.abs(forces).max() < 1e-9 * np.abs(dense(matrices.stiffness)).max()
     spatial = motions.T @ (matrices.mass @ motions)
     centre = spatial[1, 5] / spatial[1, 1]
-    back = np.linalg.inv(shift(np.array([centre, 0.0, 0.0])))
-    return spatial[0, 0], centre, (back.T @ spatial @ back)[3:, 3:]
+    to_centre = np.linalg.inv(shift(np.array([centre, 0.0, 0.0])))
+    return spatial[0, 0], centre, (to_centre.T @ spatial @ to_centre)[3:, 3:]
 
 
 @pytest.mark.parametrize("masses", MASSES)
@@ -267,35 +269,42 @@ def test_mass_centre_and_inertia_equal_drawing(masses):
     assert mass == pytest.approx(PRISM.mass, rel=1e-9)
     assert centre == pytest.approx(expected * PRISM.length, rel=1e-9)
     # Sections have rotary inertia of their own, ρ(I_y + I_z), ρI_y and ρI_z per length.
-    own = np.array([HEIGHT**2 + WIDTH**2, HEIGHT**2, WIDTH**2]) / 12.0
-    bar = squared * PRISM.length**2 * np.array([0.0, 1.0, 1.0]) + own * (masses != "mass in lumps")
+    inertia_factors = np.array([HEIGHT**2 + WIDTH**2, HEIGHT**2, WIDTH**2]) / 12.0
+    bar = squared * PRISM.length**2 * np.array([0.0, 1.0, 1.0]) + inertia_factors * (
+        masses != "mass in lumps"
+    )
     assert inertia == pytest.approx(PRISM.mass * np.diag(bar), rel=1e-9, abs=1e-9)
     tensor = np.diag([0.1, 0.2, 0.3]) + 0.01
-    for given in (0.05, 0.3, 0.41, 0.7):
-        known = replace(GIVEN, mass_centre=given, inertia=tensor)
-        mass, centre, inertia = rigid_inertia(known, masses)
+    for mass_centre in (0.05, 0.3, 0.41, 0.7):
+        leg = replace(GIVEN, mass_centre=mass_centre, inertia=tensor)
+        mass, centre, inertia = rigid_inertia(leg, masses)
         assert mass == pytest.approx(PRISM.mass, rel=1e-9)
         # Quadrature of a power of the distance from the lighter end.
-        assert centre == pytest.approx(given, rel=1e-3)
+        assert centre == pytest.approx(mass_centre, rel=1e-3)
         assert masses != "mass in lumps" or inertia == pytest.approx(tensor, abs=1e-9)
 
 
 def test_beam_from_6x6_has_beam_constants():
     """Squared radii of gyration are EI/EA, with EI of bending without shear."""
     shear = tip_compliance(PRISM.timoshenko, PRISM.length)
-    given = GivenLeg(PRISM.length, PRISM.mass, shear)
-    own = craig_bampton(held_leg(beam_leg(PRISM.timoshenko, PRISM.length, 20)), HIGHEST).matrices
-    found = leg_with_inside(given, Inside(MASSES[0]), HIGHEST)
-    for matrix, expected in ((found.mass, own.mass), (found.stiffness, own.stiffness)):
+    given_leg = GivenLeg(PRISM.length, PRISM.mass, shear)
+    beam_matrices = craig_bampton(
+        held_leg(beam_leg(PRISM.timoshenko, PRISM.length, 20)), HIGHEST
+    ).matrices
+    recovered = leg_with_inside(given_leg, Inside(MASSES[0]), HIGHEST)
+    for matrix, expected in (
+        (recovered.mass, beam_matrices.mass),
+        (recovered.stiffness, beam_matrices.stiffness),
+    ):
         due = np.abs(dense(expected))
         np.testing.assert_allclose(np.abs(dense(matrix)), due, rtol=0, atol=1e-9 * due.max())
 
 
 def test_known_mass_centre_excludes_linear_masses():
     """Plausible masses rise linearly towards one end only if a leg's mass centre is unknown."""
-    known = replace(GIVEN, mass_centre=0.4)
-    assert plausible_masses([known, known]) == (MASSES[0], *MASSES[3:])
-    assert plausible_masses([known, GIVEN]) == MASSES
+    leg_with_centre = replace(GIVEN, mass_centre=0.4)
+    assert plausible_masses([leg_with_centre, leg_with_centre]) == (MASSES[0], *MASSES[3:])
+    assert plausible_masses([leg_with_centre, GIVEN]) == MASSES
 
 
 @pytest.mark.parametrize("mixed", [False, True])
@@ -307,9 +316,11 @@ def test_massless_legs_give_upper_frequency_bounds(*, mixed):
     prism = ConstantLeg(LEG2.length, Rectangle(0.1, 0.1), STEEL, ends="rigid")
     legs = {"leg2": prism} if mixed else {}
     light = {"leg1": replace(LEG1, mass=1e-6), "leg2": replace(LEG2, mass=1e-6)}
-    robot, massless = (robot_on_path(at_the_centre(Requirement(), **one)) for one in (legs, light))
-    known = {"": modes_by_model(robot, "beam", DEFAULT_OPTIONS)}
-    (note,) = mass_notes(Responses(robot), reference("", known, supposed="plausible"))
+    robot, massless = (
+        robot_on_path(at_the_centre(Requirement(), **tables)) for tables in (legs, light)
+    )
+    beam_modes = {"": modes_by_model(robot, "beam", DEFAULT_OPTIONS)}
+    (note,) = mass_notes(Responses(robot), reference("", beam_modes, supposed="plausible"))
     assert note.startswith("Plausible distributions of the legs' mass and stiffness give f1 ")
     assert ("with massless legs" in note) is not mixed
     if mixed:
@@ -317,7 +328,12 @@ def test_massless_legs_give_upper_frequency_bounds(*, mixed):
         (statics,) = static_reference(Responses(robot)).interpretations
         assert (statics.budget[Source.MESHES].displacements[:, :6] > 1e-6).all()
     else:
-        own, above = (modes_of_solids(one, one.first_reading) for one in (robot, massless))
-        assert (own.frequencies[0, :3] < above.frequencies[0, :3]).all()
-        bounds = [f"f{k + 1} {one:.4g} Hz" for k, one in enumerate(above.frequencies[0, :3])]
+        solid_modes, above = (
+            modes_of_solids(robot_path, robot_path.first_reading)
+            for robot_path in (robot, massless)
+        )
+        assert (solid_modes.frequencies[0, :3] < above.frequencies[0, :3]).all()
+        bounds = [
+            f"f{k + 1} {frequency:.4g} Hz" for k, frequency in enumerate(above.frequencies[0, :3])
+        ]
         assert note.endswith(", ".join(bounds))

@@ -25,7 +25,7 @@ def arm(tmp_path):
 
 def verdicts_of(arm):
     matrix = verdict_matrix(robot_subject(Context(arm, "quick")), arm.requirement)
-    return matrix, {(one.model, one.quantity.name): one.verdict for one in matrix.entries}
+    return matrix, {(entry.model, entry.quantity.name): entry.verdict for entry in matrix.entries}
 
 
 def raising(*_):
@@ -33,13 +33,13 @@ def raising(*_):
     return 1 / 0
 
 
-def failing(function, place, model, options):
-    """Wrap `function`: it raises if its arguments from index `place` on are model and options."""
+def failing(function, position, model, options):
+    """Wrap `function`: it raises if its arguments from `position` on are model and options."""
 
-    def computed(*given):
-        if given[place : place + 2] == (model, options):
+    def computed(*arguments):
+        if arguments[position : position + 2] == (model, options):
             return 1 / 0
-        return function(*given)
+        return function(*arguments)
 
     return computed
 
@@ -50,12 +50,12 @@ def test_failing_model_keeps_other_verdicts(arm, monkeypatch, capsys, model):
     for name in ("model_statics", "modes_by_model"):
         function = failing(getattr(model_ladder, name), 1, model, DEFAULT_OPTIONS)
         monkeypatch.setattr(model_ladder, name, function)
-    matrix, found = verdicts_of(arm)
-    assert {key: one for key, one in found.items() if key[0] != model} == {
-        key: one for key, one in due.items() if key[0] != model
+    matrix, verdicts = verdicts_of(arm)
+    assert {key: verdict for key, verdict in verdicts.items() if key[0] != model} == {
+        key: verdict for key, verdict in due.items() if key[0] != model
     }
     failed = matrix.of_model(model)
-    assert {one.quantity.name for one in failed} >= {"x", "y", "z", "load:cutting"}
+    assert {entry.quantity.name for entry in failed} >= {"x", "y", "z", "load:cutting"}
     for entry in failed:
         assert (entry.verdict, entry.error) == ("undecided", None)
         assert FAULT in entry.reason
@@ -70,13 +70,13 @@ def test_missing_stability_keeps_verdicts(arm, monkeypatch):
     due = verdicts_of(arm)[1]
     for module in (robot_verdicts, uncertainty_sources):
         monkeypatch.setattr(module, "stabilities", raising)
-    matrix, found = verdicts_of(arm)
+    matrix, verdicts = verdicts_of(arm)
     under_loads = {key for key in due if key[1].startswith("load:")}
-    assert {key: found[key] for key in due if key not in under_loads} == {
-        key: one for key, one in due.items() if key not in under_loads
+    assert {key: verdicts[key] for key in due if key not in under_loads} == {
+        key: verdict for key, verdict in due.items() if key not in under_loads
     }
     assert under_loads
-    assert not [key for key in under_loads if found[key] == "adequate"]
+    assert not [key for key in under_loads if verdicts[key] == "adequate"]
     assert any(FAULT in note for note in matrix.notes)
     assert matrix.faults == ("stability under loads",)
 
@@ -86,8 +86,8 @@ def test_refused_model_is_undecided_without_fault(arm, monkeypatch):
         raise ComputationError("the arm is too thin")
 
     monkeypatch.setattr(model_ladder, "model_statics", refusing)
-    matrix, found = verdicts_of(arm)
-    assert found["beam", "x"] == "undecided"
+    matrix, verdicts = verdicts_of(arm)
+    assert verdicts["beam", "x"] == "undecided"
     assert "too thin" in matrix.entry("beam", "x").reason
     assert matrix.faults == ()
 
@@ -95,7 +95,7 @@ def test_refused_model_is_undecided_without_fault(arm, monkeypatch):
 def test_simplified_rigid_drive_robot_is_inadequate(tmp_path):
     """With rigid drives the simplified model has no compliance and is inadequate."""
     text = ARM.replace("stiffness = 5.0e4", 'stiffness = "rigid"') + "[path]\nposes = [[0.0]]\n"
-    matrix, found = verdicts_of(robot_of(text, tmp_path))
-    assert found["beam", "load:cutting"] == found["links", "load:cutting"] == "adequate"
-    assert found["simplified", "load:cutting"] == found["simplified", "z"] == "inadequate"
+    matrix, verdicts = verdicts_of(robot_of(text, tmp_path))
+    assert verdicts["beam", "load:cutting"] == verdicts["links", "load:cutting"] == "adequate"
+    assert verdicts["simplified", "load:cutting"] == verdicts["simplified", "z"] == "inadequate"
     assert matrix.entry("simplified", "load:cutting").value == 0.0

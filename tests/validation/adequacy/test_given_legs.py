@@ -100,14 +100,14 @@ class Twins:
         names = {id(leg): name for name, leg in legs_of(self.mechanism).items()}
 
         def build(leg, _ends, highest):
-            return craig_bampton(held(self.solids[names[id(leg)]]), highest).matrices
+            return craig_bampton(held_beam(self.solids[names[id(leg)]]), highest).matrices
 
         ends = dict.fromkeys(self.solids, "rigid")
         return built_vibration(robot.postures, build, {}, ends, robot.computed_count)
 
 
 @cache
-def held(leg):
+def held_beam(leg):
     """Solid of the leg with rigid end faces, on the mesh of preset quick."""
     across = divisions_across(leg, 3, 2)
     return held_solid(leg, across, "rigid", divisions_across(leg, 3, COARSEST_WALLS))
@@ -127,13 +127,15 @@ def judgements(twins, truth, limit=0.05):
         for dynamics in (dynamic_reference(responses), reference("solids", {"solids": truth}))
     ]
     comparisons = [ModelErrors(subject, MODES) for subject in subjects]
-    found = {}
+    judged = {}
     for model in models:
         for number in range(1, MODES + 1):
-            errors, truly = (one.errors(model, FREQUENCIES[number - 1]) for one in comparisons)
+            errors, truly = (
+                comparison.errors(model, FREQUENCIES[number - 1]) for comparison in comparisons
+            )
             low, high = (side[0] for side in errors.interval)
-            found[model.name, number] = low, high, truly.error[0, 0]
-    return verdict_matrix(subjects[0], requirement), found
+            judged[model.name, number] = low, high, truly.error[0, 0]
+    return verdict_matrix(subjects[0], requirement), judged
 
 
 @pytest.fixture(scope="module")
@@ -146,8 +148,8 @@ def flanged():
 
 def test_i_section_6x6_f1_is_undecided(flanged):
     """The error of beams is −30.1 ± 0.4 %. An interval of −10.8 ± 10.8 % would meet 25 %."""
-    matrix, found = flanged
-    low, high, true = found["beam", 1]
+    matrix, comparisons = flanged
+    low, high, true = comparisons["beam", 1]
     assert true == pytest.approx(-0.301, abs=0.004)
     assert low < true < high
     entry = matrix.entry("beam", "f1")
@@ -156,9 +158,9 @@ def test_i_section_6x6_f1_is_undecided(flanged):
 
 def test_i_section_intervals_contain_errors(flanged):
     errors = [error for (model, _), error in flanged[1].items() if model == "beam"]
-    known = [error for error in errors if np.isfinite(error).all()]
-    assert len(known) >= 3
-    assert all(low <= true <= high for low, high, true in known)
+    finite_errors = [error for error in errors if np.isfinite(error).all()]
+    assert len(finite_errors) >= 3
+    assert all(low <= true <= high for low, high, true in finite_errors)
 
 
 def test_torsion_of_6x6_leg_is_undecided(flanged):
@@ -178,11 +180,11 @@ def random_twins(seed):
     masses = [leg.mass for leg in legs.values()]
     foot = FOOT if rng.random() < 0.5 else np.diag([1e-11] * 3 + [1e-10] * 3)
     span, platform = rng.uniform(0.55, 0.7) * sum(lengths), rng.uniform(0.1, 1.5) * sum(masses)
-    given = {
+    given_tables = {
         name: GivenLeg(leg.length, leg.mass, tip(leg), inertia(leg), leg.length / 2.0)
         for name, leg in legs.items()
     }
-    mechanism = variant_of_ifw(a=span, platform_mass=platform, foot_compliance=foot, **given)
+    mechanism = variant_of_ifw(a=span, platform_mass=platform, foot_compliance=foot, **given_tables)
     return Twins(mechanism, mechanism.poses[len(mechanism.poses) // 2, 0], legs)
 
 
@@ -202,7 +204,7 @@ def random_leg(rng):
 
 
 def tip(leg):
-    compliance = tip_compliance_of(static_superelement(held(leg)).matrices)
+    compliance = tip_compliance_of(static_superelement(held_beam(leg)).matrices)
     return 0.5 * (compliance + compliance.T)
 
 
@@ -210,7 +212,8 @@ def inertia(leg) -> Array:
     """Inertia (3×3, kg m²) of a prism about its centre."""
     section = leg.section
     about_y, about_z = (
-        leg.mass * one / section.area for one in (section.second_moment_y, section.second_moment_z)
+        leg.mass * second_moment / section.area
+        for second_moment in (section.second_moment_y, section.second_moment_z)
     )
     rod = leg.mass * leg.length**2 / 12.0
     return np.diag([about_y + about_z, rod + about_y, rod + about_z])
@@ -234,22 +237,30 @@ def test_random_6x6_intervals_contain_truth():
 
     It was 89 % for f5 and f6 if modes that cross between two readings of the file were ignored.
     """
-    inside = {(given, number): [] for given in GIVEN for number in range(1, MODES + 1)}
+    inside = {(knowledge, number): [] for knowledge in GIVEN for number in range(1, MODES + 1)}
     for seed in range(100, 114):
         twins = random_twins(seed)
         truth = twins.truth()
-        for given, keys in GIVEN.items():
-            _, found = judgements(knowing(twins, *keys), truth)
-            for (_, number), (low, high, true) in found.items():
+        for knowledge, keys in GIVEN.items():
+            _, judged = judgements(knowing(twins, *keys), truth)
+            for (_, number), (low, high, true) in judged.items():
                 if np.isfinite([low, high, true]).all():
-                    inside[given, number].append(low - OPEN <= true <= high + OPEN)
-    shares = {key: (np.mean(known), len(known)) for key, known in inside.items()}
+                    inside[knowledge, number].append(low - OPEN <= true <= high + OPEN)
+    shares = {key: (np.mean(are_inside), len(are_inside)) for key, are_inside in inside.items()}
     assert all(count >= 14 for _, count in shares.values()), shares
-    for given in GIVEN:
-        known = [one for (kind, _), of_mode in inside.items() if kind == given for one in of_mode]
-        assert np.mean(known) >= 0.93, shares
-    for number in range(1, MODES + 1):
-        known = [
-            one for (_, mode), of_given in inside.items() if mode == number for one in of_given
+    for knowledge in GIVEN:
+        are_inside = [
+            is_inside
+            for (kind, _), of_mode in inside.items()
+            if kind == knowledge
+            for is_inside in of_mode
         ]
-        assert np.mean(known) >= 0.93, shares
+        assert np.mean(are_inside) >= 0.93, shares
+    for number in range(1, MODES + 1):
+        are_inside = [
+            is_inside
+            for (_, mode), of_given in inside.items()
+            if mode == number
+            for is_inside in of_given
+        ]
+        assert np.mean(are_inside) >= 0.93, shares

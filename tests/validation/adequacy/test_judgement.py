@@ -26,9 +26,9 @@ A, B, C, D = AXES
 MIXED = (A + B) / np.sqrt(2.0), (A - B) / np.sqrt(2.0)
 
 
-def vibration(frequencies, *shapes, seen=1.0):
+def vibration(frequencies, *shapes, visible=1.0):
     """Modes at one pose; `seen` is their share of kinetic energy in the sampled points."""
-    shares = np.broadcast_to(seen, (1, len(frequencies)))
+    shares = np.broadcast_to(visible, (1, len(frequencies)))
     samples = np.column_stack(shapes)[None]
     return PathModes(np.array([frequencies]), samples, np.ones(len(shapes[0])), shares)
 
@@ -36,22 +36,24 @@ def vibration(frequencies, *shapes, seen=1.0):
 TRUTH = vibration([100.0, 150.0, 200.0, 300.0], *AXES)
 
 
-def subject_of(truth, modes, *others, unsure=0.0, **more):
+def subject_of(truth, modes, *further_truths, unsure=0.0, **fields):
     """Subject of one model with `modes`; the reference has `truth` and `others` as readings."""
-    if others:
-        more |= {"open": "how the ends are held", "decides": "say how the ends are held"}
-    known = {f"ends {k}": one for k, one in enumerate((truth, *others))}
+    if further_truths:
+        fields |= {"open": "how the ends are held", "decides": "say how the ends are held"}
+    modes_by_reading = {
+        f"ends {k}": path_modes for k, path_modes in enumerate((truth, *further_truths))
+    }
     half_widths = meshes(frequencies=np.full((1, 4), unsure))
     return replace(
         toy_subject(4),
         models=[model("model", modes=modes)],
-        dynamics=reference("truth", known, half_widths, **more),
+        dynamics=reference("truth", modes_by_reading, half_widths, **fields),
     )
 
 
-def entry(modes, quantity, *others, unsure=0.0):
+def entry(modes, quantity, *further_truths, unsure=0.0):
     """Entry of a model with `modes`; reference: TRUTH and, as other readings, `others`."""
-    subject = subject_of(TRUTH, modes, *others, unsure=unsure)
+    subject = subject_of(TRUTH, modes, *further_truths, unsure=unsure)
     return verdict_matrix(subject, Requirement(modes=3)).entry("model", quantity)
 
 
@@ -84,10 +86,10 @@ def test_missing_mode_is_inadequate():
 def test_close_modes_are_paired_by_shape():
     """Frequencies are 2 % apart. Modes are paired by shape, not by the order of frequencies."""
     close, swapped = (vibration([100.0, 102.0, 200.0], *pair, C) for pair in ((A, B), (B, A)))
-    found = partners(close, swapped, 3)
-    assert found.frequency[0] == pytest.approx([102.0, 100.0, 200.0])
-    assert found.partner_indices[0].tolist() == [1, 0, 2]
-    assert found.mac[0] == pytest.approx(1.0)
+    pairs = partners(close, swapped, 3)
+    assert pairs.frequency[0] == pytest.approx([102.0, 100.0, 200.0])
+    assert pairs.partner_indices[0].tolist() == [1, 0, 2]
+    assert pairs.mac[0] == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(("unsure", "open_to"), [(0.0, [(110, 112), (110, 112)]), (0.03, None)])
@@ -100,13 +102,13 @@ def test_mixed_modes_are_one_subspace(unsure, open_to):
         vibration([start, start + 2.0, 200.0], *pair, C)
         for start, pair in ((100.0, (A, B)), (110.0, MIXED))
     )
-    found = partners(close, mixed, 3, np.full((1, 3), unsure))
-    assert found.mac[0] == pytest.approx(1.0)
-    assert sorted(found.frequency[0]) == pytest.approx([110.0, 112.0, 200.0])
+    pairs = partners(close, mixed, 3, np.full((1, 3), unsure))
+    assert pairs.mac[0] == pytest.approx(1.0)
+    assert sorted(pairs.frequency[0]) == pytest.approx([110.0, 112.0, 200.0])
     if open_to is None:
-        assert found.partner_indices[0].tolist() == [0, 1, 2]
+        assert pairs.partner_indices[0].tolist() == [0, 1, 2]
         open_to = [(110.0, 110.0), (112.0, 112.0)]
-    spans = np.column_stack([found.lowest[0], found.highest[0]])
+    spans = np.column_stack([pairs.lowest[0], pairs.highest[0]])
     np.testing.assert_allclose(spans, [*open_to, (200.0, 200.0)])
 
 
@@ -126,7 +128,7 @@ def test_mixed_mode_error_covers_both_partners(limit, verdict):
 
 def test_half_local_mode_is_undecided():
     """Each of two reference modes has half its energy in a model's shape and half locally."""
-    truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, -B, D, seen=[1.0, 0.5, 0.5, 1.0])
+    truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, -B, D, visible=[1.0, 0.5, 0.5, 1.0])
     subject = subject_of(truth, vibration([100.0, 149.0, 250.0, 300.0], A, B, C, D))
     matrix = verdict_matrix(subject, Requirement(modes=3))
     for quantity in ("f2", "f3"):
@@ -137,7 +139,7 @@ def test_half_local_mode_is_undecided():
 
 def test_local_mode_has_no_partner():
     """A local mode has 5 % of its energy in the sampled points, shaped there as a model's mode."""
-    truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, B, D, seen=[1.0, 0.05, 1.0, 1.0])
+    truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, B, D, visible=[1.0, 0.05, 1.0, 1.0])
     subject = subject_of(truth, vibration([100.0, 153.0, 250.0, 300.0], A, B, C, D))
     matrix = verdict_matrix(subject, Requirement(modes=3))
     local, true = (matrix.entry("model", quantity) for quantity in ("f2", "f3"))
@@ -191,28 +193,28 @@ def test_close_mode_order_is_undecided():
 def test_frequency_errors_are_between_equal_shapes(coarse, changes):
     """Four modes, three of them close: frequencies are compared between modes of equal shape."""
     fine = vibration([100.0, 102.0, 104.0, 200.0], *AXES)
-    found = frequency_changes(fine, coarse, 3)[0]
-    assert found == pytest.approx(changes, nan_ok=True)
+    errors = frequency_changes(fine, coarse, 3)[0]
+    assert errors == pytest.approx(changes, nan_ok=True)
 
 
 @pytest.mark.parametrize(("common", "number"), [(0.4, -1), (0.6, 0)])
 def test_mac_below_half_is_not_a_partner(common, number):
     model = vibration([100.0], np.sqrt(common) * A + np.sqrt(1.0 - common) * D)
-    found = partners(vibration([100.0, 150.0, 200.0], A, B, C), model, 1)
-    assert found.partner_indices.tolist() == [[number]]
-    assert found.mac[0, 0] == pytest.approx(common)
+    pairs = partners(vibration([100.0, 150.0, 200.0], A, B, C), model, 1)
+    assert pairs.partner_indices.tolist() == [[number]]
+    assert pairs.mac[0, 0] == pytest.approx(common)
 
 
 def test_entry_has_largest_error_of_readings():
     """Two interpretations of the robot file give references of 100 and 104 Hz."""
     model = vibration([101.0, 150.0, 200.0, 300.0], *AXES)
-    told = entry(model, "f1", vibration([104.0, 150.0, 200.0, 300.0], *AXES))
+    frequency_entry = entry(model, "f1", vibration([104.0, 150.0, 200.0, 300.0], *AXES))
     near, far = 101.0 / 100.0 - 1.0, 101.0 / 104.0 - 1.0
-    assert (told.value, told.expected) == pytest.approx((101.0, 104.0))
-    assert told.error == pytest.approx(far, rel=1e-12)
-    assert told.readings == pytest.approx({"ends 0": near, "ends 1": far}, rel=1e-12)
-    assert (told.low, told.high) == pytest.approx((far, near), rel=1e-12)
-    assert told.expected_range == pytest.approx((100.0, 104.0), rel=1e-12)
+    assert (frequency_entry.value, frequency_entry.expected) == pytest.approx((101.0, 104.0))
+    assert frequency_entry.error == pytest.approx(far, rel=1e-12)
+    assert frequency_entry.readings == pytest.approx({"ends 0": near, "ends 1": far}, rel=1e-12)
+    assert (frequency_entry.low, frequency_entry.high) == pytest.approx((far, near), rel=1e-12)
+    assert frequency_entry.expected_range == pytest.approx((100.0, 104.0), rel=1e-12)
 
 
 @pytest.mark.parametrize("interior", ["", "give the section of the leg"])
@@ -246,44 +248,56 @@ def static_entry(*factors, unsure=0.0, limit=0.05):
     toy = toy_subject(3)
     truth = toy.responses.statics(toy.models[0], reading(""))
     names = ("rigid pins", "averaged ones")
-    known = {name: (1.0 / factor) * truth for name, factor in zip(names, factors, strict=False)}
+    compliance_by_reading = {
+        name: (1.0 / factor) * truth for name, factor in zip(names, factors, strict=False)
+    }
     half_widths = meshes(displacements=np.full((2, 7), unsure))
     subject = replace(
         toy,
         models=[model("model", truth)],
-        statics=reference("solids", known, half_widths, open="how pins are held"),
+        statics=reference("solids", compliance_by_reading, half_widths, open="how pins are held"),
     )
     return verdict_matrix(subject, Requirement(deflection=limit, modes=3)).entry("model", "x")
 
 
 def test_equal_model_has_zero_error():
-    told = static_entry(1.0, unsure=0.044)
-    assert (told.error, told.uncertainty) == (0.0, pytest.approx(0.044, rel=1e-12))
-    assert (told.low, told.high) == (0.0, pytest.approx(0.044, rel=1e-12))
-    assert (told.verdict, told.readings) == ("adequate", {})
-    assert plain(error_with_spread(told)) == "below 4.4 %"
+    compliance_entry = static_entry(1.0, unsure=0.044)
+    assert (compliance_entry.error, compliance_entry.uncertainty) == (
+        0.0,
+        pytest.approx(0.044, rel=1e-12),
+    )
+    assert (compliance_entry.low, compliance_entry.high) == (0.0, pytest.approx(0.044, rel=1e-12))
+    assert (compliance_entry.verdict, compliance_entry.readings) == ("adequate", {})
+    assert plain(error_with_spread(compliance_entry)) == "below 4.4 %"
 
 
 def test_error_text_includes_half_width():
     # |u − u*|/|u*| is 0.2; 1 % of the reference moves it by 1 % of |u|/|u*|.
-    told = static_entry(1.2, unsure=0.01)
-    assert (told.error, told.uncertainty) == pytest.approx((0.2, 0.012), rel=1e-12)
-    assert (told.low, told.high) == pytest.approx((0.188, 0.212), rel=1e-12)
-    assert plain(error_with_spread(told)) == "20 % ± 1.2 %"
+    compliance_entry = static_entry(1.2, unsure=0.01)
+    assert (compliance_entry.error, compliance_entry.uncertainty) == pytest.approx(
+        (0.2, 0.012), rel=1e-12
+    )
+    assert (compliance_entry.low, compliance_entry.high) == pytest.approx((0.188, 0.212), rel=1e-12)
+    assert plain(error_with_spread(compliance_entry)) == "20 % ± 1.2 %"
 
 
 def test_error_text_lists_differing_readings():
-    told = static_entry(1.0, 1.33)
-    assert (told.verdict, told.readings) == (
+    compliance_entry = static_entry(1.0, 1.33)
+    assert (compliance_entry.verdict, compliance_entry.readings) == (
         "undecided",
         {"rigid pins": 0.0, "averaged ones": pytest.approx(0.33, rel=1e-12)},
     )
-    assert (told.error, told.uncertainty) == (pytest.approx(0.33, rel=1e-12), 0.0)
-    assert (told.low, told.high) == (0.0, told.error)
-    assert plain(error_with_spread(told)) == "0 % with rigid pins, 33 % with averaged ones"
+    assert (compliance_entry.error, compliance_entry.uncertainty) == (
+        pytest.approx(0.33, rel=1e-12),
+        0.0,
+    )
+    assert (compliance_entry.low, compliance_entry.high) == (0.0, compliance_entry.error)
+    assert (
+        plain(error_with_spread(compliance_entry)) == "0 % with rigid pins, 33 % with averaged ones"
+    )
     # Closer together than each is known they say no more than the bound does.
-    told = static_entry(1.0, 1.01, unsure=0.03)
-    assert plain(error_with_spread(told)) == "below 4 %"
+    compliance_entry = static_entry(1.0, 1.01, unsure=0.03)
+    assert plain(error_with_spread(compliance_entry)) == "below 4 %"
 
 
 @pytest.mark.parametrize(
@@ -303,34 +317,42 @@ def test_first_of_equal_largest_values_is_chosen(sizes, number):
 @pytest.mark.parametrize("rounding", [-1e-12, 0.0, 1e-12])
 def test_tied_readings_give_first_one(rounding):
     """The errors differ only by rounding: 6 % above one reading of the file, 6 % below another."""
-    told = static_entry(1.06, 0.94 + rounding)
-    assert told.error == pytest.approx(0.06, rel=1e-9)
-    assert told.along == pytest.approx(0.06, rel=1e-9)
+    compliance_entry = static_entry(1.06, 0.94 + rounding)
+    assert compliance_entry.error == pytest.approx(0.06, rel=1e-9)
+    assert compliance_entry.along == pytest.approx(0.06, rel=1e-9)
 
 
 @pytest.mark.parametrize(("limit", "verdict"), [(0.05, "undecided"), (0.07, "adequate")])
 def test_interval_between_readings_contains_zero(limit, verdict):
     """The model is 6 % above one reading and 6 % below the other: it may be exact."""
-    told = static_entry(0.94, 1.06, limit=limit)
-    assert told.readings == pytest.approx({"rigid pins": 0.06, "averaged ones": 0.06})
-    assert (told.low, told.high, told.verdict) == (0.0, pytest.approx(0.06), verdict)
+    compliance_entry = static_entry(0.94, 1.06, limit=limit)
+    assert compliance_entry.readings == pytest.approx({"rigid pins": 0.06, "averaged ones": 0.06})
+    assert (compliance_entry.low, compliance_entry.high, compliance_entry.verdict) == (
+        0.0,
+        pytest.approx(0.06),
+        verdict,
+    )
     # Beyond both readings the nearer of them is the least error.
-    told = static_entry(1.02, 1.06)
-    assert (told.low, told.high) == pytest.approx((0.02, 0.06))
+    compliance_entry = static_entry(1.02, 1.06)
+    assert (compliance_entry.low, compliance_entry.high) == pytest.approx((0.02, 0.06))
 
 
 @pytest.mark.parametrize(("value", "text"), [(98.0, "−2 % ± 0.98 %"), (100.5, "below 1.5 %")])
 def test_frequency_error_keeps_its_sign(value, text):
-    told = entry(vibration([value, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
-    assert (told.low, told.high) == pytest.approx(
-        (told.error - told.uncertainty, told.error + told.uncertainty), rel=1e-12
+    frequency_entry = entry(vibration([value, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
+    assert (frequency_entry.low, frequency_entry.high) == pytest.approx(
+        (
+            frequency_entry.error - frequency_entry.uncertainty,
+            frequency_entry.error + frequency_entry.uncertainty,
+        ),
+        rel=1e-12,
     )
-    assert plain(error_with_spread(told)) == text
+    assert plain(error_with_spread(frequency_entry)) == text
 
 
 def test_wide_interval_is_shown_by_bounds():
-    told = static_entry(1.2, unsure=0.01)
-    assert plain(error_with_spread(structs.replace(told, high=0.35))) == "19 to 35 %"
+    compliance_entry = static_entry(1.2, unsure=0.01)
+    assert plain(error_with_spread(structs.replace(compliance_entry, high=0.35))) == "19 to 35 %"
     signed = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
     wider = structs.replace(signed, low=-0.2)
     assert plain(error_with_spread(wider)) == "−20 to −9.1 %"
@@ -339,9 +361,9 @@ def test_wide_interval_is_shown_by_bounds():
 @pytest.mark.parametrize("ends", [{"low": -np.inf}, {"low": -np.inf, "high": np.inf}])
 def test_error_is_unbounded_if_no_mode_matches(ends):
     """No mode of the model matches any reference mode that could have this number."""
-    known = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
-    told = structs.replace(known, **ends)
-    assert plain(error_with_spread(told)) == "−10 % without bound"
+    bounded = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
+    unbounded = structs.replace(bounded, **ends)
+    assert plain(error_with_spread(unbounded)) == "−10 % without bound"
 
 
 def plain(text):
@@ -351,27 +373,33 @@ def plain(text):
 def test_limit_in_metres_holds_in_each_pose():
     """Errors are 4 µm (4 % of 0.1 mm) and 20 µm (2 % of 1 mm); 20 µm are a fifth of 0.1 mm."""
     compliances = np.array([1e-8 * np.eye(6)] * 2)
-    due, moved = (
+    due, displaced = (
         Statics(compliances, np.array(along)[:, None, None] * np.eye(6)[:1])
         for along in ((1e-4, 1e-3), (1.04e-4, 1.02e-3))
     )
     subject = replace(
         toy_subject(3),
-        models=[model("model", moved)],
+        models=[model("model", displaced)],
         statics=reference("exact", {"": due}),
         loads=load_quantities(["press"]),
     )
-    wanted = Requirement(modes=3, loads=("press",), displacement=1e-4)
-    told = verdict_matrix(subject, wanted).entry("model", "load:press")
-    assert (told.verdict, told.pose) == ("adequate", (0.7,))
-    assert (told.error, told.limit) == pytest.approx((0.02, 0.1), rel=1e-9)
+    requirement = Requirement(modes=3, loads=("press",), displacement=1e-4)
+    load_entry = verdict_matrix(subject, requirement).entry("model", "load:press")
+    assert (load_entry.verdict, load_entry.pose) == ("adequate", (0.7,))
+    assert (load_entry.error, load_entry.limit) == pytest.approx((0.02, 0.1), rel=1e-9)
     # In both poses beyond 3 µm, the second by more.
-    told = verdict_matrix(subject, replace(wanted, displacement=3e-6)).entry("model", "load:press")
-    assert (told.verdict, told.pose, told.limit) == ("inadequate", (0.7,), pytest.approx(3e-3))
+    load_entry = verdict_matrix(subject, replace(requirement, displacement=3e-6)).entry(
+        "model", "load:press"
+    )
+    assert (load_entry.verdict, load_entry.pose, load_entry.limit) == (
+        "inadequate",
+        (0.7,),
+        pytest.approx(3e-3),
+    )
 
 
 @pytest.mark.parametrize(
-    ("given", "once", "twice", "expected"),
+    ("errors", "once", "twice", "expected"),
     [
         # 60 % and 5 % off, then 0 and 5 %, then 0 and 0.1 %: both steps are needed.
         ((1.6e-4, 1.05e-3), (1e-4, 1.05e-3), (1e-4, 1.001e-3), ("first, second", 0.001)),
@@ -379,18 +407,18 @@ def test_limit_in_metres_holds_in_each_pose():
         ((1.1e-4, 1.1e-3), (1.1e-4, 1.005e-3), (1e-4, 1e-3), ("first", 0.1)),
     ],
 )
-def test_remedy_meets_limit_per_pose(given, once, twice, expected):
+def test_remedy_meets_limit_per_pose(errors, once, twice, expected):
     """A limit of 20 µm is 20 % of 0.1 mm in the first pose, and 2 % of 1 mm in the second.
 
     All poses were formerly compared with the limit of the deciding pose: the remedy for the
     first model left it inadequate, and the second model got two remedies.
     """
     compliances = np.array([1e-8 * np.eye(6)] * 2)
-    truth, *moved = (
+    truth, *model_statics = (
         Statics(compliances, np.array(along)[:, None, None] * np.eye(6)[:1])
-        for along in ((1e-4, 1e-3), given, once, twice)
+        for along in ((1e-4, 1e-3), errors, once, twice)
     )
-    models = [model(name, one) for name, one in zip("abc", moved, strict=True)]
+    models = [model(name, statics) for name, statics in zip("abc", model_statics, strict=True)]
     steps = tuple(
         Step(f"cause {name}", "source", after, Remedy(name, f"--{name}"))
         for name, after in zip(("first", "second"), models[1:], strict=True)
@@ -402,8 +430,8 @@ def test_remedy_meets_limit_per_pose(given, once, twice, expected):
         static_steps={"a": steps},
         loads=load_quantities(["press"]),
     )
-    wanted = Requirement(modes=3, loads=("press",), displacement=2e-5)
-    matrix = verdict_matrix(subject, wanted)
+    requirement = Requirement(modes=3, loads=("press",), displacement=2e-5)
+    matrix = verdict_matrix(subject, requirement)
     entry = matrix.entry("a", "load:press")
     assert entry.verdict == "inadequate"
     assert (entry.remedy, entry.error_with_remedy) == (
@@ -421,21 +449,26 @@ SEEDS = range(3)
 @cache
 def entries(seed):
     """Pairs: entry of a random subject, and independent `Rule` for its model and quantity."""
-    found, pairs = subject(seed), []
-    models = {one.name: one for one in found.models}
+    random_subject, pairs = subject(seed), []
+    models = {candidate.name: candidate for candidate in random_subject.models}
     for limit in LIMITS:
-        matrix = verdict_matrix(found, Requirement(deflection=limit, frequency=limit, modes=MODES))
-        pairs += [(e, Rule(found, models[e.model], e.quantity.name, MODES)) for e in matrix.entries]
+        matrix = verdict_matrix(
+            random_subject, Requirement(deflection=limit, frequency=limit, modes=MODES)
+        )
+        pairs += [
+            (e, Rule(random_subject, models[e.model], e.quantity.name, MODES))
+            for e in matrix.entries
+        ]
     return pairs
 
 
-def same(found, expected):
+def same(value, expected):
     """True if texts are equal and numbers equal up to rounding; None equals only None."""
     if isinstance(expected, str):
-        return found == expected
+        return value == expected
     if isinstance(expected, dict):
-        return found == pytest.approx(expected, abs=1e-12)
-    both = np.array(found, float), np.array(expected, float)
+        return value == pytest.approx(expected, abs=1e-12)
+    both = np.array(value, float), np.array(expected, float)
     return np.allclose(*both, rtol=1e-9, atol=1e-12, equal_nan=True)
 
 
@@ -445,8 +478,8 @@ def test_entry_has_pose_causes_and_remedy(seed):
         expected = rule.entry(entry.limit)
         shares = expected.pop("causes", None)
         for name, value in expected.items():
-            said = f"{name} of {entry.model} {entry.quantity} {entry.limit}"
-            assert same(getattr(entry, name), value), said
+            label = f"{name} of {entry.model} {entry.quantity} {entry.limit}"
+            assert same(getattr(entry, name), value), label
         if entry.signed:
             assert entry.along is None
         if shares is not None:
@@ -455,22 +488,22 @@ def test_entry_has_pose_causes_and_remedy(seed):
 
 def explained(entry, shares):
     """Assert that the entry's causes are `shares` of at least half a percent, largest first."""
-    named = {name.replace("rest", REST): s for name, s in shares.items() if abs(s) >= 0.005}
-    assert {one.cause: one.share for one in entry.causes} == pytest.approx(named)
-    sizes = [abs(one.share) for one in entry.causes]
+    shown_shares = {name.replace("rest", REST): s for name, s in shares.items() if abs(s) >= 0.005}
+    assert {cause.cause: cause.share for cause in entry.causes} == pytest.approx(shown_shares)
+    sizes = [abs(cause.share) for cause in entry.causes]
     assert sizes == sorted(sizes, reverse=True)
-    for one in entry.causes:
-        source = "error minus" if one.cause == REST else f"from {one.cause}"
-        assert one.source.startswith(source)
+    for cause in entry.causes:
+        source = "error minus" if cause.cause == REST else f"from {cause.cause}"
+        assert cause.source.startswith(source)
 
 
 def test_random_matrices_have_every_verdict():
     """They also contain missing and exchanged modes, and remedies with and without effect."""
-    seen = [entry for seed in SEEDS for entry, _ in entries(seed)]
-    assert {entry.verdict for entry in seen} == {"adequate", "inadequate", "undecided"}
-    assert any(entry.error is None for entry in seen)
-    assert any(entry.quantity.name == "order" and entry.error for entry in seen)
-    off = [entry for entry in seen if entry.verdict == "inadequate"]
-    assert {bool(entry.remedy) for entry in off} == {True, False}
-    assert any((entry.error_with_remedy or 0.0) > entry.limit for entry in off)
-    assert len({len(entry.causes) for entry in off}) > 2
+    all_entries = [entry for seed in SEEDS for entry, _ in entries(seed)]
+    assert {entry.verdict for entry in all_entries} == {"adequate", "inadequate", "undecided"}
+    assert any(entry.error is None for entry in all_entries)
+    assert any(entry.quantity.name == "order" and entry.error for entry in all_entries)
+    inadequate = [entry for entry in all_entries if entry.verdict == "inadequate"]
+    assert {bool(entry.remedy) for entry in inadequate} == {True, False}
+    assert any((entry.error_with_remedy or 0.0) > entry.limit for entry in inadequate)
+    assert len({len(entry.causes) for entry in inadequate}) > 2

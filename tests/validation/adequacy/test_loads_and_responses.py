@@ -60,14 +60,14 @@ def subject(arm):
 
 def test_load_and_peak_errors_match_solve(arm, subject):
     """The solids of `solve` differ from the reference only by their mesh."""
-    names = [one.name for one in arm.requirement.quantities]
+    names = [quantity.name for quantity in arm.requirement.quantities]
     assert [name for name in names if ":" in name] == [*OF_LOADS, *OF_HIT]
     matrix = verdict_matrix(subject, arm.requirement)
     postures = robot_on_path(Context(arm, "quick")).postures
 
     def answered(model, options):
         modes = mechanism_modes(model, postures, 2, options)
-        peaks = np.array([one.responses[0].judged for one in modes])
+        peaks = np.array([answer.responses[0].judged for answer in modes])
         return displacements(model, postures, options)[:, :, :3], peaks
 
     due, high = answered("solid", ModelOptions(divisions=2))
@@ -75,17 +75,19 @@ def test_load_and_peak_errors_match_solve(arm, subject):
     largest = dict.fromkeys((*OF_LOADS, *OF_HIT), 0.0)
     for model in ("simplified", "vjm", "segments", "beam", "beam-euler-bernoulli"):
         kind, _, options = judged_models(arm.mechanism)[model]
-        found = displacements(kind, postures, options)[:, :, :3]
-        shares = np.linalg.norm(found - due, axis=2) / np.linalg.norm(due, axis=2)
+        solved_displacements = displacements(kind, postures, options)[:, :, :3]
+        shares = np.linalg.norm(solved_displacements - due, axis=2) / np.linalg.norm(due, axis=2)
         errors = dict(zip(OF_LOADS, shares.T, strict=True))
         if model not in {"simplified", "vjm"}:
             errors |= zip(OF_HIT, (answered(kind, options)[1] / high - 1.0).T, strict=True)
         for name, error in errors.items():
             entry = matrix.entry(model, name)
             # The meshes of the two solids, one of which the spreads of deflections are about.
-            left = 1e-4 + (np.subtract(entry.highs, entry.errors) if name in OF_LOADS else 0.0)
-            assert (np.abs(np.array(entry.errors) - error) <= left).all(), (model, name)
-            largest[name] = max(largest[name], np.max(np.abs(error) / left))
+            tolerances = 1e-4 + (
+                np.subtract(entry.highs, entry.errors) if name in OF_LOADS else 0.0
+            )
+            assert (np.abs(np.array(entry.errors) - error) <= tolerances).all(), (model, name)
+            largest[name] = max(largest[name], np.max(np.abs(error) / tolerances))
             if name in OF_LOADS:
                 expected = sizes[name][matrix.poses.index(entry.pose)]
                 assert entry.expected == pytest.approx(expected, rel=5e-3)
@@ -110,11 +112,15 @@ def test_impossible_load_pose_is_not_compared(tmp_path):
     Its displacement was formerly taken as zero for model and reference.
     """
     robot = robot_of(HELD + "[path]\nposes = [[0.1], [0.5]]\n" + LOADS, tmp_path)
-    at = robot_on_path(Context(robot, "quick"))
-    assert [impossible_poses(at.postures, load) for load in robot.mechanism.loads] == [0, 0, 1]
+    robot_path = robot_on_path(Context(robot, "quick"))
+    assert [impossible_poses(robot_path.postures, load) for load in robot.mechanism.loads] == [
+        0,
+        0,
+        1,
+    ]
 
     def entries(poses):
-        path = replace(at, postures=[at.postures[pose] for pose in poses])
+        path = replace(robot_path, postures=[robot_path.postures[pose] for pose in poses])
         beam = judged_model(path, "beam", judged_models(robot.mechanism)["beam"])
         matrix = verdict_matrix(static_subject(path, [beam]), robot.requirement)
         compared = [matrix.entry("beam", name) for name in ("load:stop", "load:weight")]
@@ -138,31 +144,31 @@ def test_impossible_load_pose_is_not_compared(tmp_path):
 
 
 def test_limit_in_metres_replaces_relative(arm, subject):
-    wanted = replace(arm.requirement, deflection=1e-6, limits={OF_HIT[0]: 0.3}, response=0.01)
-    matrix = verdict_matrix(subject, wanted)
+    requirement = replace(arm.requirement, deflection=1e-6, limits={OF_HIT[0]: 0.3}, response=0.01)
+    matrix = verdict_matrix(subject, requirement)
     assert [matrix.entry("beam", name).limit for name in OF_HIT] == [0.3, 0.01, 0.01]
     entry = matrix.entry("simplified", "load:cutting")
     missed = entry.error * entry.expected
     for limit, verdict in ((2.0 * missed, "adequate"), (0.5 * missed, "inadequate")):
-        matrix = verdict_matrix(subject, replace(wanted, displacement=limit))
-        found = matrix.entry("simplified", "load:cutting")
-        assert found.verdict == verdict
-        assert found.limit == pytest.approx(limit / found.expected, rel=0.02)
+        matrix = verdict_matrix(subject, replace(requirement, displacement=limit))
+        load_entry = matrix.entry("simplified", "load:cutting")
+        assert load_entry.verdict == verdict
+        assert load_entry.limit == pytest.approx(limit / load_entry.expected, rel=0.02)
         assert matrix.entry("simplified", "x").limit == 1e-6
     # Of two references the one that yields most has the smallest share in so many metres.
-    (one,) = subject.statics.interpretations
-    due = subject.responses.statics(SOLID, one.reading)
+    (interpretation,) = subject.statics.interpretations
+    due = subject.responses.statics(SOLID, interpretation.reading)
     both = replace(
         subject,
         responses=Responses(subject.responses.robot),
         statics=reference("solids", {"stiffer": due, "softer": 2.0 * due}),
         static_steps={},
     )
-    matrix = verdict_matrix(both, replace(wanted, displacement=100.0 * missed))
-    found = matrix.entry("simplified", "load:cutting")
-    place = matrix.poses.index(found.pose), OF_LOADS.index("load:cutting")
-    moved = due.load_displacements[place][:3]
-    assert found.limit == pytest.approx(50.0 * missed / np.linalg.norm(moved))
+    matrix = verdict_matrix(both, replace(requirement, displacement=100.0 * missed))
+    load_entry = matrix.entry("simplified", "load:cutting")
+    pose_and_load = matrix.poses.index(load_entry.pose), OF_LOADS.index("load:cutting")
+    displacement = due.load_displacements[pose_and_load][:3]
+    assert load_entry.limit == pytest.approx(50.0 * missed / np.linalg.norm(displacement))
 
 
 def test_displacements_are_in_micrometres(arm, subject):
@@ -170,8 +176,8 @@ def test_displacements_are_in_micrometres(arm, subject):
     table = table_of(verdict_matrix(subject, arm.requirement))
     robot = dict(zip(table.headings, table.robot, strict=True))
     postures = robot_on_path(Context(arm, "quick")).postures
-    moved = displacements("solid", postures, ModelOptions(divisions=2))[:, :, :3]
-    lengths = 1e6 * np.linalg.norm(moved, axis=2).max(axis=0)
+    solid_displacements = displacements("solid", postures, ModelOptions(divisions=2))[:, :, :3]
+    lengths = 1e6 * np.linalg.norm(solid_displacements, axis=2).max(axis=0)
     for name, length in zip(OF_LOADS, lengths, strict=True):
         value, unit = robot[name.replace(":", " ")][0].split("\u00a0")
         assert unit == "µm"
@@ -181,12 +187,13 @@ def test_displacements_are_in_micrometres(arm, subject):
 
 def test_table_shows_peaks_of_reference(arm, subject):
     matrix = verdict_matrix(subject, arm.requirement)
-    told = dict(zip(table_of(matrix).headings, table_of(matrix).robot, strict=True))
+    robot_row = dict(zip(table_of(matrix).headings, table_of(matrix).robot, strict=True))
     peak, frequency, _ = (matrix.entry("beam", name).expected for name in OF_HIT)
-    assert told["hit peak"][0] == f"{1e6 * peak:.3g}\u00a0µm/N"
-    assert told["hit peak frequency"][0] == f"{frequency:.3g}\u00a0Hz"
+    assert robot_row["hit peak"][0] == f"{1e6 * peak:.3g}\u00a0µm/N"
+    assert robot_row["hit peak frequency"][0] == f"{frequency:.3g}\u00a0Hz"
     assert (
-        quantities_text(matrix, [one for one in matrix.quantities if one.harmonic]) == "responses"
+        quantities_text(matrix, [quantity for quantity in matrix.quantities if quantity.harmonic])
+        == "responses"
     )
     (planned,) = responses.figures(arm.mechanism)
     figure = planned.draw(Context(arm, "quick"))
@@ -195,10 +202,10 @@ def test_table_shows_peaks_of_reference(arm, subject):
     columns = head.split(",")
     for name in ("segments", "beam", "solid"):
         assert {f"{name}: magnitude (µm/N)", f"{name}: phase (°)"} <= set(columns)
-    values = np.array([[float(one) for one in row.split(",")] for row in rows])
+    values = np.array([[float(number) for number in row.split(",")] for row in rows])
     assert len(values) == 60
     size, phase = (
-        values[:, columns.index(f"solid: {what}")] for what in ("magnitude (µm/N)", "phase (°)")
+        values[:, columns.index(f"solid: {column}")] for column in ("magnitude (µm/N)", "phase (°)")
     )
     assert 0.6 * peak < 1e-6 * size.max() < peak
     # Below its resonance the arm follows, above it goes against the force.
@@ -211,9 +218,9 @@ def test_mass_distribution_affects_only_weight(tmp_path):
     mechanism = replace(file.mechanism, poses=file.mechanism.poses[::4])
     file = replace(file, text="", mechanism=mechanism)
     robot = robot_on_path(Context(file, "quick"))
-    wanted = Requirement(deflection=0.005, loads=file.requirement.loads)
+    requirement = Requirement(deflection=0.005, loads=file.requirement.loads)
     links = judged_model(robot, "links", judged_models(mechanism)["links"])
-    matrix = verdict_matrix(static_subject(robot, [links]), wanted)
+    matrix = verdict_matrix(static_subject(robot, [links]), requirement)
     weight, push, stop = (matrix.entry("links", name) for name in OF_LOADS)
     # Links are the reference: from nothing to what other places of the mass make of it.
     assert weight.error == pytest.approx(0.0, abs=1e-9)
@@ -231,8 +238,8 @@ def test_tension_stiffens_arm(tmp_path):
     """A pull of a fifth of the buckling load reduces the compliance by a sixth."""
     pull = '[[loads]]\nname = "pull"\nwrench = [10.0, 2.0e4, 0.0, 0.0, 0.0, 0.0]\n'
     arm = robot_of(HELD + "[path]\nposes = [[0.0]]\n" + pull, tmp_path)
-    ((at,),) = stabilities("links", robot_on_path(Context(arm, "quick")).postures)
-    assert at.extra_displacement == pytest.approx(-1.0 / 6.0, rel=0.1)
+    ((arm_stability,),) = stabilities("links", robot_on_path(Context(arm, "quick")).postures)
+    assert arm_stability.extra_displacement == pytest.approx(-1.0 / 6.0, rel=0.1)
 
 
 def test_softening_load_is_undecided(tmp_path):
@@ -241,30 +248,36 @@ def test_softening_load_is_undecided(tmp_path):
     crush = press.replace("press", "crush").replace("-2.0e4", "-2.0e5")
     arm = robot_of(HELD + "[path]\nposes = [[0.0]]\n" + press + crush, tmp_path)
     robot = robot_on_path(Context(arm, "quick"))
-    found = stabilities("links", robot.postures)
-    ((at, _),) = found
-    assert at.factor == pytest.approx(5.0, rel=0.1)
-    assert at.extra_displacement == pytest.approx(1.0 / (at.factor - 1.0), rel=0.1)
-    assert at.stiffness_losses[0] == pytest.approx(1.0 / at.factor, rel=0.1)
-    note, _ = stability_notes(robot.postures, found, arm.requirement)
+    path_stabilities = stabilities("links", robot.postures)
+    ((first_stability, _),) = path_stabilities
+    assert first_stability.factor == pytest.approx(5.0, rel=0.1)
+    assert first_stability.extra_displacement == pytest.approx(
+        1.0 / (first_stability.factor - 1.0), rel=0.1
+    )
+    assert first_stability.stiffness_losses[0] == pytest.approx(
+        1.0 / first_stability.factor, rel=0.1
+    )
+    note, _ = stability_notes(robot.postures, path_stabilities, arm.requirement)
     assert note.startswith("Load press: buckling at 4.")
     assert note.endswith(
         "effect that linear models neglect: more than the accepted 5\N{NO-BREAK SPACE}%"
     )
     # What takes less than a thousandth of the stiffness is not worth a line.
     small = replace(
-        at,
-        stiffness_losses=at.stiffness_losses * 1e-3,
-        extra_displacement=at.extra_displacement * 1e-3,
+        first_stability,
+        stiffness_losses=first_stability.stiffness_losses * 1e-3,
+        extra_displacement=first_stability.extra_displacement * 1e-3,
     )
     assert stability_notes(robot.postures, [[small, None]], arm.requirement) == ()
     matrix = verdict_matrix(
         static_subject(robot, judged_models_of(robot).values()), arm.requirement
     )
-    pressed, free = (matrix.entry("vjm", one) for one in ("load:press", "x"))
+    pressed, free = (matrix.entry("vjm", quantity) for quantity in ("load:press", "x"))
     assert (pressed.verdict, free.verdict) == ("undecided", "adequate")
     assert pressed.reason == SAY_LINEAR
-    assert pressed.uncertainties[Source.LINEARITY] == pytest.approx(at.extra_displacement, rel=0.1)
+    assert pressed.uncertainties[Source.LINEARITY] == pytest.approx(
+        first_stability.extra_displacement, rel=0.1
+    )
     assert Source.LINEARITY not in free.uncertainties
     # Where it has buckled nothing is known.
     crushed = matrix.entry("vjm", "load:crush")
@@ -297,10 +310,10 @@ def test_peak_includes_damping_uncertainty(tmp_path, arm):
     """
     robot = robot_of(arm.text + MEASURED, tmp_path)
     matrix = measured_matrix(Context(robot, "quick"))
-    (at,) = postures_of(robot.mechanism, np.zeros((1, 1)))
+    (arm_posture,) = postures_of(robot.mechanism, np.zeros((1, 1)))
     for model in ("beam", "segments"):
-        (found,) = mechanism_modes(model, [at], 2, ModelOptions())
-        size, frequency, _ = found.responses[0].judged
+        (arm_modes,) = mechanism_modes(model, [arm_posture], 2, ModelOptions())
+        size, frequency, _ = arm_modes.responses[0].judged
         entry = matrix.entry(model, "response:hit")
         assert (entry.quantity.unit, entry.value) == ("m/N", pytest.approx(size, rel=1e-9))
         assert entry.error == pytest.approx(size / 2.0e-5 - 1.0, rel=1e-9)
@@ -318,8 +331,10 @@ def test_peak_includes_damping_uncertainty(tmp_path, arm):
 def test_undamped_model_has_unbounded_peak(tmp_path):
     """Only the material has losses, which a model of rigid bodies on drives does not contain."""
     lossy = HELD.replace("rho = 7850.0 }", "rho = 7850.0, loss = 0.01 }")
-    asked = '[[responses]]\nname = "turn"\ndirection = [1.0, 0.0, 0.0]\nfrom = 5.0\nto = 100.0\n'
-    arm = robot_of(f"{lossy}[path]\nposes = [[0.0]]\n{asked}count = 20\n", tmp_path)
+    response_table = (
+        '[[responses]]\nname = "turn"\ndirection = [1.0, 0.0, 0.0]\nfrom = 5.0\nto = 100.0\n'
+    )
+    arm = robot_of(f"{lossy}[path]\nposes = [[0.0]]\n{response_table}count = 20\n", tmp_path)
     matrix = verdict_matrix(robot_subject(Context(arm, "quick")), arm.requirement)
     entry = matrix.entry("simplified", "response:turn")
     assert (entry.verdict, entry.error) == ("inadequate", None)

@@ -88,26 +88,26 @@ def test_branching_robot_has_no_vjm_model():
 
 def test_unspecified_ends_give_two_readings():
     mechanism = load_robot("five-bar").mechanism
-    legs, said = legs_of(mechanism), dict(mechanism.bodies)
+    legs, bodies = legs_of(mechanism), dict(mechanism.bodies)
     assert list(holding(mechanism).alternatives) == ["ends rigid", "ends free"]
     for name, leg in legs.items():
-        said[name] = replace(said[name], shape=replace(leg, ends="free"))
-        found = holding(replace(mechanism, bodies=said)).alternatives.values()
-        known = [one for one in legs if said[one] is not mechanism.bodies[one]]
+        bodies[name] = replace(bodies[name], shape=replace(leg, ends="free"))
+        alternatives = holding(replace(mechanism, bodies=bodies)).alternatives.values()
+        legs_with_ends = [leg for leg in legs if bodies[leg] is not mechanism.bodies[leg]]
         # Of the legs that it says nothing of all are rigid, then all are free.
-        ways = [dict.fromkeys(legs, ends) | dict.fromkeys(known, "free") for ends in HOLD]
-        assert list(found) == (ways if len(known) < len(legs) else ways[1:])
-        options = sectioned_legs(replace(mechanism, bodies=said), ModelOptions(ends="rigid"))
-        assert {name: one.ends for name, _, one in options} == ways[0]
+        ways = [dict.fromkeys(legs, ends) | dict.fromkeys(legs_with_ends, "free") for ends in HOLD]
+        assert list(alternatives) == (ways if len(legs_with_ends) < len(legs) else ways[1:])
+        options = sectioned_legs(replace(mechanism, bodies=bodies), ModelOptions(ends="rigid"))
+        assert {name: option.ends for name, _, option in options} == ways[0]
 
 
 def test_long_path_is_sampled_evenly():
     robot_file = load_robot("five-bar")
     poses = np.linspace(*robot_file.mechanism.poses[[0, -1]], 41)
     longer = replace(robot_file, mechanism=replace(robot_file.mechanism, poses=poses))
-    shown = [posture.pose for posture in path_postures(Context(longer, "quick"))]
-    assert len(shown) == MOST_POSES["quick"]
-    assert np.allclose(shown, poses[:: 40 // (len(shown) - 1)])
+    sampled_poses = [posture.pose for posture in path_postures(Context(longer, "quick"))]
+    assert len(sampled_poses) == MOST_POSES["quick"]
+    assert np.allclose(sampled_poses, poses[:: 40 // (len(sampled_poses) - 1)])
 
 
 def test_other_mechanism_has_no_biglide_cases():
@@ -127,8 +127,8 @@ def test_sampled_points_have_kinetic_energy(pose):
     shape = Rigid(18.0, np.array([0.02, -0.03, 0.05]), np.diag([3.0, 4.0, 5.0]) + 0.5)
     platform = replace(mechanism.bodies["platform"], shape=shape)
     mechanism = replace(mechanism, bodies={**mechanism.bodies, "platform": platform})
-    at = posture(mechanism, mechanism.poses[pose])
-    system, samples = assembly(mechanism, {}).at(at), samples_of(mechanism)
+    pose_posture = posture(mechanism, mechanism.poses[pose])
+    system, samples = assembly(mechanism, {}).at(pose_posture), samples_of(mechanism)
     shapes = np.random.default_rng(pose).normal(size=(system.size, 3))
     # The tool, and all that turns; legs have points.
     rows = 3 + 6 * len(samples.turned)
@@ -146,6 +146,6 @@ def test_point_masses_equal_leg_inertia():
         leg = legs_of(mechanism)[name]
         beam = leg.timoshenko
         assert beam.rho_Iy != pytest.approx(beam.rho_Iz, rel=0.1)
-        found = of_leg[::3] @ np.column_stack([np.ones(len(points)), points[:, 1:] ** 2])
+        moments = of_leg[::3] @ np.column_stack([np.ones(len(points)), points[:, 1:] ** 2])
         per_length = np.array([beam.mu, beam.rho_Iz, beam.rho_Iy])
-        assert found == pytest.approx(leg.length * per_length, rel=1e-9), name
+        assert moments == pytest.approx(leg.length * per_length, rel=1e-9), name

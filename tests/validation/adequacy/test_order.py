@@ -23,9 +23,9 @@ def families(rng):
     robot's.
     """
     sizes = rng.choice([1, 1, 2, 3], 6)
-    own = 100.0 * np.cumprod(rng.uniform(1.01, 1.09, len(sizes)))
-    off = np.where(rng.random(len(sizes)) < 0.4, rng.uniform(0.6, 1.4, len(sizes)), 1.001)
-    return sizes, own, own * off
+    frequencies = 100.0 * np.cumprod(rng.uniform(1.01, 1.09, len(sizes)))
+    factors = np.where(rng.random(len(sizes)) < 0.4, rng.uniform(0.6, 1.4, len(sizes)), 1.001)
+    return sizes, frequencies, frequencies * factors
 
 
 def vibration(rng, sizes, frequencies, shapes):
@@ -36,8 +36,8 @@ def vibration(rng, sizes, frequencies, shapes):
         shapes[:, places[k]] @ np.linalg.qr(rng.normal(size=(sizes[k],) * 2))[0] for k in order
     ]
     repeated = np.repeat(frequencies[order], sizes[order])
-    seen = np.ones((1, sizes.sum()))
-    modes = PathModes(repeated[None], np.hstack(turned)[None], np.ones(SAMPLES), seen)
+    visible = np.ones((1, sizes.sum()))
+    modes = PathModes(repeated[None], np.hstack(turned)[None], np.ones(SAMPLES), visible)
     return modes, np.repeat(order, sizes[order])
 
 
@@ -45,10 +45,10 @@ def vibration(rng, sizes, frequencies, shapes):
 def test_mode_order_follows_families(seed):
     """A mode number is correct if the modes of this number belong to one repeated frequency."""
     rng = np.random.default_rng([43, seed])
-    sizes, own, others = families(rng)
+    sizes, true_frequencies, model_frequencies = families(rng)
     shapes = np.linalg.qr(rng.normal(size=(SAMPLES, sizes.sum())))[0]
-    truth, of_truth = vibration(rng, sizes, own, shapes)
-    model, of_model = vibration(rng, sizes, others, shapes)
+    truth, of_truth = vibration(rng, sizes, true_frequencies, shapes)
+    model, of_model = vibration(rng, sizes, model_frequencies, shapes)
     count = min(JUDGED, sizes.sum())
     subject = replace(
         toy_subject(SAMPLES),
@@ -59,9 +59,15 @@ def test_mode_order_follows_families(seed):
     for mode in range(count):
         entry = matrix.entry("model", f"f{mode + 1}")
         family = of_truth[mode]
-        assert entry.error == pytest.approx(others[family] / own[family] - 1.0, abs=1e-9)
-    moved = of_truth[:count] != of_model[:count]
-    misled = np.where(moved, others[of_model[:count]] / own[of_truth[:count]] - 1.0, 0.0)
+        assert entry.error == pytest.approx(
+            model_frequencies[family] / true_frequencies[family] - 1.0, abs=1e-9
+        )
+    has_moved = of_truth[:count] != of_model[:count]
+    misled = np.where(
+        has_moved,
+        model_frequencies[of_model[:count]] / true_frequencies[of_truth[:count]] - 1.0,
+        0.0,
+    )
     order = matrix.entry("model", "order")
     # Families of different sizes shift the members of those between them.
     places = [
@@ -84,16 +90,16 @@ def test_frequency_error_needs_partner(seed):
     rng = np.random.default_rng([44, seed])
     shapes = np.linalg.qr(rng.normal(size=(SAMPLES, 9)))[0]
     frequencies = 100.0 * np.cumprod(rng.uniform(1.0, 1.09, 9))
-    kept = np.sort(rng.permutation(9)[:6])
-    order = rng.permutation(kept)
+    partner_modes = np.sort(rng.permutation(9)[:6])
+    order = rng.permutation(partner_modes)
     weights = np.ones(SAMPLES)
     model = PathModes(frequencies[None, :6], shapes[None][:, :, order], weights, np.ones((1, 6)))
     truth = PathModes(frequencies[None], shapes[None], weights, np.ones((1, 9)))
-    found = partners(truth, model, 9)
-    assert (np.isnan(found.frequency) == (found.partner_indices < 0)).all()
-    expected = [int(np.flatnonzero(order == k)[0]) if k in kept else -1 for k in range(9)]
-    assert found.partner_indices[0].tolist() == expected
-    there = found.partner_indices[0] >= 0
+    pairs = partners(truth, model, 9)
+    assert (np.isnan(pairs.frequency) == (pairs.partner_indices < 0)).all()
+    expected = [int(np.flatnonzero(order == k)[0]) if k in partner_modes else -1 for k in range(9)]
+    assert pairs.partner_indices[0].tolist() == expected
+    has_partner = pairs.partner_indices[0] >= 0
     np.testing.assert_array_equal(
-        found.frequency[0, there], frequencies[found.partner_indices[0, there]]
+        pairs.frequency[0, has_partner], frequencies[pairs.partner_indices[0, has_partner]]
     )

@@ -43,7 +43,7 @@ BEAMS = ("segments", "beam", "segments-euler-bernoulli", "beam-euler-bernoulli")
 DIGITS = "digits of the file"
 
 
-@pytest.mark.parametrize("quantity", [one.name for one in UNIT_LOADS])
+@pytest.mark.parametrize("quantity", [unit_load.name for unit_load in UNIT_LOADS])
 def test_equivalent_prisms_of_6x6_legs_are_inadequate(paper, quantity):
     entry = paper.entry("vjm", quantity)
     assert entry.verdict == "adequate"
@@ -117,8 +117,8 @@ def test_verdict_equal_for_all_masses_is_decided(paper, model):
 
 def test_undecided_entry_names_deciding_data(paper_subject):
     """f1 by beams is too high by 33 to 43 %: undecided for a limit of 36 %."""
-    asked = Requirement(deflection=1e-4, modes=4, frequency=0.36)
-    matrix = verdict_matrix(paper_subject, asked)
+    requirement = Requirement(deflection=1e-4, modes=4, frequency=0.36)
+    matrix = verdict_matrix(paper_subject, requirement)
     first, y = matrix.entry("beam", "f1"), matrix.entry("vjm", "y")
     assert (first.verdict, y.verdict) == ("undecided", "undecided")
     assert first.reason.startswith("specify the section or the solid instead of the 6×6 in [leg1]")
@@ -126,13 +126,18 @@ def test_undecided_entry_names_deciding_data(paper_subject):
 
 
 def test_peaks_have_twice_digit_error_of_frequencies(tmp_path):
-    asked = '[[responses]]\nname = "hit"\ndirection = [0.0, 0.0, 1.0]\nfrom = 20.0\nto = 200.0\n'
-    text = f"{load_robot('ifw').text}\n[damping]\nratio = 0.02\n{asked}count = 20\n"
+    response_table = (
+        '[[responses]]\nname = "hit"\ndirection = [0.0, 0.0, 1.0]\nfrom = 20.0\nto = 200.0\n'
+    )
+    text = f"{load_robot('ifw').text}\n[damping]\nratio = 0.02\n{response_table}count = 20\n"
     file = robot_of(text, tmp_path)
     file = replace(file, mechanism=replace(file.mechanism, poses=file.mechanism.poses[4:5]))
     responses = Responses(robot_on_path(Context(file, "quick")))
-    for one in dynamic_reference(responses).interpretations:
-        modes, half_widths = responses.modes(SOLID, one.reading), one.budget[Source.DIGITS]
+    for interpretation in dynamic_reference(responses).interpretations:
+        modes, half_widths = (
+            responses.modes(SOLID, interpretation.reading),
+            interpretation.budget[Source.DIGITS],
+        )
         nearest = np.argmin(np.abs(modes.frequencies[0, :4] - modes.peaks[0, 1]))
         due = half_widths.frequencies[0, nearest] * np.array([2.0, 1.0])
         assert half_widths.peaks[0] == pytest.approx(due)
@@ -153,8 +158,8 @@ def test_omitted_coupling_is_inadequate():
     subject = static_subject(robot, judged_models_of(robot).values())
     matrix = verdict_matrix(subject, robot.context.robot_file.requirement)
     compliances = {
-        one.name: subject.responses.statics(one, robot.first_reading).compliances
-        for one in (SOLID, *subject.models)
+        candidate.name: subject.responses.statics(candidate, robot.first_reading).compliances
+        for candidate in (SOLID, *subject.models)
     }
     due = compliances[SOLID.name]
     for model in ("vjm-equivalent", "segments", "beam", "beam-euler-bernoulli"):
@@ -177,15 +182,15 @@ MATRIX = re.compile(r"compliance = \[.*?\n\]", re.DOTALL)
 NUMBER = re.compile(r"-?[\d.]+e-\d+")
 
 
-def drawn(text, rng):
+def within_rounding(text, rng):
     """Text with each entry of its 6×6 drawn at random within half a unit of the last digit."""
 
     def within(block):
-        off = np.triu(rng.uniform(-0.5, 0.5, (6, 6)))
-        off += np.triu(off, 1).T
+        offsets = np.triu(rng.uniform(-0.5, 0.5, (6, 6)))
+        offsets += np.triu(offsets, 1).T
         printed = [Decimal(entry) for entry in NUMBER.findall(block[0])]
         units = [10.0 ** entry.as_tuple().exponent for entry in printed]
-        entries = np.array(printed, float) + units * off.ravel()
+        entries = np.array(printed, float) + units * offsets.ravel()
         return f"compliance = {entries.reshape(6, 6).tolist()}"
 
     return MATRIX.sub(within, text)
@@ -194,7 +199,7 @@ def drawn(text, rng):
 def virtual_joints(robot, poses):
     """Compliances (p×6×6) by the virtual joint method, which shares no code with the assembler."""
     postures = postures_of(robot.mechanism, poses)
-    return np.array([one.compliance for one in answers("vjm", postures, 0)])
+    return np.array([answer.compliance for answer in answers("vjm", postures, 0)])
 
 
 @pytest.fixture(scope="module")
@@ -208,7 +213,7 @@ def printed(tmp_path_factory):
 def draws(printed, tmp_path_factory):
     """Sixty random robots whose 6×6, rounded, are those of `printed`."""
     rng, folder = np.random.default_rng(24), tmp_path_factory.mktemp("draws")
-    return [robot_of(drawn(printed.text, rng), folder) for _ in range(60)]
+    return [robot_of(within_rounding(printed.text, rng), folder) for _ in range(60)]
 
 
 def at_poses(robot_file, poses):
@@ -225,10 +230,12 @@ def half_widths_of_digits(robot_file, poses):
 def test_rounding_intervals_cover_truth(printed, draws):
     poses = printed.mechanism.poses[[1, 4]]
     stated = half_widths_of_digits(printed, poses)
-    own = virtual_joints(printed, poses)
-    changes = np.array([virtual_joints(robot, poses) for robot in draws]) - own
-    moved, due = (np.linalg.norm(one[..., :3, :3], axis=-2) for one in (changes, own))
-    inside = np.mean(moved / due <= stated[:, :3], axis=0)
+    compliances = virtual_joints(printed, poses)
+    changes = np.array([virtual_joints(robot, poses) for robot in draws]) - compliances
+    change_sizes, compliance_sizes = (
+        np.linalg.norm(matrices[..., :3, :3], axis=-2) for matrices in (changes, compliances)
+    )
+    inside = np.mean(change_sizes / compliance_sizes <= stated[:, :3], axis=0)
     # The share of 60 draws scatters by 3 %.
     assert np.abs(inside - 0.95).max() <= 0.05
 
@@ -238,25 +245,29 @@ def test_rounding_sensitivity_is_derivative(printed, monkeypatch):
     postures = tuple(postures_of(printed.mechanism, poses))
 
     def changed(rounding):
-        found = rounding.postures[0].mechanism.bodies
-        return [name for name in bodies if found[name] is not bodies[name]]
+        rounded_bodies = rounding.postures[0].mechanism.bodies
+        return [name for name in bodies if rounded_bodies[name] is not bodies[name]]
 
     # The first of the feet's joints, of leg 1 and of leg 2: extension.
     compliances = printed.printed_compliances
     families = groupby(roundings_of(compliances, postures), changed)
     first_ones = [next(family) for _, family in families]
     assert len(first_ones) == 3
-    for one in first_ones:
-        monkeypatch.setattr(uncertainty_sources, "roundings_of", lambda *_, one=one: [one])
-        own, share = uncertainty_sources.modes_by_digits(
+    for rounding in first_ones:
+        monkeypatch.setattr(
+            uncertainty_sources, "roundings_of", lambda *_, rounding=rounding: [rounding]
+        )
+        printed_modes, share = uncertainty_sources.modes_by_digits(
             printed.printed_compliances, postures, 4, MASSES[0]
         )
-        moved, _ = uncertainty_sources.modes_by_digits(
-            printed.printed_compliances, tuple(one.postures), 4, MASSES[0]
+        rounded_modes, _ = uncertainty_sources.modes_by_digits(
+            printed.printed_compliances, tuple(rounding.postures), 4, MASSES[0]
         )
-        off = np.abs(moved.frequencies / own.frequencies - 1.0) * one.factor
+        differences = (
+            np.abs(rounded_modes.frequencies / printed_modes.frequencies - 1.0) * rounding.factor
+        )
         # Differences of numbers that agree to 1e-6, or less.
-        assert np.allclose(share, off, rtol=1e-3, atol=1e-3 * off.max())
+        assert np.allclose(share, differences, rtol=1e-3, atol=1e-3 * differences.max())
 
 
 def test_rounding_half_width_falls_with_digits(printed):
@@ -274,25 +285,25 @@ def test_rounding_half_width_falls_with_digits(printed):
     assert not at_poses(printed_with(12), poses).roundings
     # Legs of a section have no 6×6; those of another file have another one.
     five_bar = load_robot("five-bar")
-    for one in (five_bar, replace(five_bar, text=printed.text)):
-        assert not at_poses(one, five_bar.mechanism.poses[:2]).roundings
+    for robot_file in (five_bar, replace(five_bar, text=printed.text)):
+        assert not at_poses(robot_file, five_bar.mechanism.poses[:2]).roundings
 
 
 @pytest.mark.parametrize(
-    ("model", "given", "count"), [("vjm", {}, 60), ("segments", {"elements": 4}, 8)]
+    ("model", "options", "count"), [("vjm", {}, 60), ("segments", {"elements": 4}, 8)]
 )
-def test_rounding_bound_of_solve_covers_draws(printed, draws, model, given, count):
+def test_rounding_bound_of_solve_covers_draws(printed, draws, model, options, count):
     """95 % of the compliances and all frequencies of random draws lie within the bounds."""
 
     def solved(robot, *, digits=False):
-        return solve(Question(robot, model, given, digits=digits)).answers[0]
+        return solve(Question(robot, model, options, digits=digits)).answers[0]
 
     def sizes(answer):
         return np.concatenate([np.diag(answer.compliance), answer.frequencies])
 
     answer = solved(printed, digits=True)
     stated = np.concatenate([answer.of_digits.compliance, answer.of_digits.frequencies])
-    changes = np.array([np.abs(sizes(solved(one)) - sizes(answer)) for one in draws[:count]])
+    changes = np.array([np.abs(sizes(solved(draw)) - sizes(answer)) for draw in draws[:count]])
     # The mean share of all six scatters by 2 % in 60 draws, and by 4 % in 8.
     assert np.mean(changes[:, :6] <= stated[:6]) == pytest.approx(0.95, abs=0.045)
     # Frequencies have a bound, which no draw with all its roundings on one side reaches.
@@ -328,7 +339,8 @@ def test_second_varied_key_keeps_value_of_first():
 def test_frequency_uncertainty_includes_digits():
     robot = robot_on_path(Context(load_robot("ifw"), "quick"))
     with_digits, without = (
-        compared_frequencies(one).uncertainties for one in (robot, replace(robot, printed=()))
+        compared_frequencies(robot_path).uncertainties
+        for robot_path in (robot, replace(robot, printed=()))
     )
     for name, half_widths in with_digits.items():
         digits = half_widths - without[name]

@@ -32,13 +32,19 @@ DRIVE, MODULUS = "joints.motor.drive.stiffness", "bodies.arm.material.E"
 
 def linear(*slopes, misfit=0.0):
     """An error of 4 % that is linear in inputs of 2 % uncertainty; `slopes` (per pose) of each."""
-    ways = [np.atleast_1d(one) for one in slopes]
-    own = signed(np.full(len(ways[0]), ERROR))
-    found = [
-        Slope(f"input{k}", 0.02, own - signed(way), own + signed(way), np.stack([-way, way]))
-        for k, way in enumerate(ways)
+    ways = [np.atleast_1d(slope) for slope in slopes]
+    errors = signed(np.full(len(ways[0]), ERROR))
+    sensitivities = [
+        Slope(
+            f"input{k}",
+            0.02,
+            errors - signed(direction),
+            errors + signed(direction),
+            np.stack([-direction, direction]),
+        )
+        for k, direction in enumerate(ways)
     ]
-    return ErrorOfInputs(own, found, signed=True, misfit=misfit)
+    return ErrorOfInputs(errors, sensitivities, signed=True, misfit=misfit)
 
 
 def signed(errors):
@@ -50,14 +56,14 @@ def of_vectors(start, *ways):
     """Error `start` of a unit displacement; each input changes it by a vector of `ways`."""
     due = np.array([0.0, 0.0, 1.0])
 
-    def at(off):
-        return np.concatenate([due + off, due, [0.0, 0.0]])[None, None, None]
+    def at(deviations):
+        return np.concatenate([due + deviations, due, [0.0, 0.0]])[None, None, None]
 
     none = np.zeros((2, 1))
     start, *ways = map(np.array, (start, *ways))
     slopes = [
-        Slope(f"input{k}", 0.02, at(start - way), at(start + way), none)
-        for k, way in enumerate(ways)
+        Slope(f"input{k}", 0.02, at(start - direction), at(start + direction), none)
+        for k, direction in enumerate(ways)
     ]
     return ErrorOfInputs(at(start), slopes, signed=False)
 
@@ -81,9 +87,9 @@ NOTHING = (0.0, 0.0, 0.0)
     ],
 )
 def test_probability_of_one_vector_error_is_exact(start, limit, within):
-    found = of_vectors(start, LONG).probabilities(limit)
+    probabilities = of_vectors(start, LONG).probabilities(limit)
     # Bisected to rounding; outside of the outermost of 4096 points there is nothing to be found.
-    assert found == pytest.approx([within, 1.0 - within], abs=1e-9)
+    assert probabilities == pytest.approx([within, 1.0 - within], abs=1e-9)
 
 
 def test_orthogonal_inputs_are_rayleigh():
@@ -203,24 +209,24 @@ def test_fitted_drive_depends_on_its_inputs(tmp_path):
     ],
 )
 def test_linear_error_is_normally_distributed(error, within, beyond):
-    found = probability(error, "adequate", LIMIT, 0)
-    assert [found.within, found.beyond] == pytest.approx([within, beyond], abs=2e-3)
+    outcome = probability(error, "adequate", LIMIT, 0)
+    assert [outcome.within, outcome.beyond] == pytest.approx([within, beyond], abs=2e-3)
 
 
 def test_input_shares_equal_variance_shares():
-    found = probability(linear(0.006, 0.008), "adequate", LIMIT, 0)
-    assert found.half_width == pytest.approx(1.96 * 0.01, rel=0.01)
-    assert found.value_half_width == pytest.approx(1.96 * 0.01, rel=1e-4)
-    assert found.shares == pytest.approx({"input1": 0.64, "input0": 0.36})
-    assert found.settled("adequate") == "undecided"
+    outcome = probability(linear(0.006, 0.008), "adequate", LIMIT, 0)
+    assert outcome.half_width == pytest.approx(1.96 * 0.01, rel=0.01)
+    assert outcome.value_half_width == pytest.approx(1.96 * 0.01, rel=1e-4)
+    assert outcome.shares == pytest.approx({"input1": 0.64, "input0": 0.36})
+    assert outcome.settled("adequate") == "undecided"
     # Where errors are bent, those of Sobol.
-    own, none = signed(np.array([ERROR])), np.zeros((2, 1))
+    signed_error, none = signed(np.array([ERROR])), np.zeros((2, 1))
     ends = {"a": (0.010, 0.002), "b": (-0.003, 0.006)}
     bent = [
-        Slope(key, 0.1, *(own + signed(np.array([one])) for one in pair), none)
+        Slope(key, 0.1, *(signed_error + signed(np.array([change])) for change in pair), none)
         for key, pair in ends.items()
     ]
-    error = ErrorOfInputs(own, bent, signed=True)
+    error = ErrorOfInputs(signed_error, bent, signed=True)
     indices = scipy.stats.sobol_indices(
         func=lambda draws: error.intervals(draws.T)[:, :, 0].mean(axis=1),
         n=2**13,
@@ -232,11 +238,11 @@ def test_input_shares_equal_variance_shares():
 
 
 def test_proposed_input_uncertainty_gives_95_percent():
-    found = probability(linear(0.002, 0.02), "adequate", LIMIT, 0)
+    outcome = probability(linear(0.002, 0.02), "adequate", LIMIT, 0)
     # The second one's own part: what 1.645 standard uncertainties of 1 % leave beside the first.
-    left = sqrt(((LIMIT - ERROR) / ndtri(0.95)) ** 2 - 0.002**2)
-    said = float(re.search(r"of input1 to ([\d.e-]+) %", found.decides)[1])
-    assert said == pytest.approx(2.0 * left / 0.02, rel=0.05)
+    allowed_deviation = sqrt(((LIMIT - ERROR) / ndtri(0.95)) ** 2 - 0.002**2)
+    proposed_percent = float(re.search(r"of input1 to ([\d.e-]+) %", outcome.decides)[1])
+    assert proposed_percent == pytest.approx(2.0 * allowed_deviation / 0.02, rel=0.05)
     # Each alone leaves 1.645 times 1 %, more than there is.
     together = probability(linear(0.01, 0.01), "adequate", LIMIT, 0)
     assert together.decides == (
@@ -246,12 +252,12 @@ def test_proposed_input_uncertainty_gives_95_percent():
     # Without an error one below it is there at none, from half a standard uncertainty on not.
     error = linear(0.002)
     lost = replace(error.slopes[0], below=np.full_like(error.nominal, np.nan))
-    found = probability(replace(error, slopes=[lost]), "adequate", LIMIT, 0)
-    assert found.within == pytest.approx(ndtr(0.5), abs=2e-3)
-    assert found.beyond == 0.0
-    known = 2.0 * (0.5 / ndtri(0.95) - 0.01)
-    assert found.decides.endswith(
-        f"reduce the standard uncertainty of input0 to {known:.2g} % (now 2 %)"
+    outcome = probability(replace(error, slopes=[lost]), "adequate", LIMIT, 0)
+    assert outcome.within == pytest.approx(ndtr(0.5), abs=2e-3)
+    assert outcome.beyond == 0.0
+    expected_percent = 2.0 * (0.5 / ndtri(0.95) - 0.01)
+    assert outcome.decides.endswith(
+        f"reduce the standard uncertainty of input0 to {expected_percent:.2g} % (now 2 %)"
     )
 
 
@@ -292,7 +298,7 @@ def test_probability_of_one_drive_is_exact(of_arm):
     assert entry.input_shares == pytest.approx({DRIVE: 0.8, MODULUS: 0.2}, abs=0.02)
     assert entry.value_spread == pytest.approx(1.96 * 0.1 * entry.value, rel=0.02)
     # What scales model and reference alike leaves the error as it is.
-    beam, first = (matrix.entry("beam", one) for one in ("z", "f1"))
+    beam, first = (matrix.entry("beam", quantity) for quantity in ("z", "f1"))
     assert beam.uncertainties["inputs"] < 1e-4
     assert (beam.probability, beam.verdict, first.probability) == (1.0, "adequate", 1.0)
 
@@ -326,8 +332,8 @@ def test_inputs_option_replaces_missing_table(arm):
     drives = [f"joints.motor{k}.drive.stiffness" for k in (1, 2)]
     supposed = ["materials.steel.E", "materials.aluminium.E", *drives]
     assert replace(five_bar, supposed=0.05).uncertain_inputs == dict.fromkeys(supposed, 0.05)
-    of_legs = [f"leg{k}.{what}" for k in (1, 2) for what in ("length", "compliance")]
-    named = ["actuators.stiffness", "foot.compliance", *of_legs, "tool.compliance"]
-    assert list(replace(ifw, supposed=0.1).uncertain_inputs) == named
+    of_legs = [f"leg{k}.{key}" for k in (1, 2) for key in ("length", "compliance")]
+    keys = ["actuators.stiffness", "foot.compliance", *of_legs, "tool.compliance"]
+    assert list(replace(ifw, supposed=0.1).uncertain_inputs) == keys
     # What the file says goes before.
     assert replace(arm, supposed=0.5).uncertain_inputs == arm.uncertain_inputs

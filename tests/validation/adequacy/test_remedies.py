@@ -51,8 +51,8 @@ pytestmark = pytest.mark.usefixtures("coarse_legs")
 @pytest.fixture(scope="module")
 def arm(tmp_path_factory):
     """Robot file of one arm in one pose. Its end condition is specified: one reference, not two."""
-    held = ONE_ARM.replace("height = 0.04 }", 'height = 0.04 }\nends = "rigid"')
-    short = held.replace("nu = 0.0", "nu = 0.3").replace("P = [0.0, 0.5", "P = [0.0, 0.2")
+    text_with_ends = ONE_ARM.replace("height = 0.04 }", 'height = 0.04 }\nends = "rigid"')
+    short = text_with_ends.replace("nu = 0.0", "nu = 0.3").replace("P = [0.0, 0.5", "P = [0.0, 0.2")
     # So little is accepted that what held ends take from beams has to be explained.
     text = f"{short}deflection = 1e-3\n[path]\nposes = [[0.0]]\n"
     return robot_of(text, tmp_path_factory.mktemp("arm"))
@@ -65,12 +65,12 @@ def sound(arm):
 
 def refusing(monkeypatch, module, function, refused=lambda _: True):
     """Make `function` of the module raise ComputationError if `refused(first argument)`."""
-    own = getattr(module, function)
+    original = getattr(module, function)
 
     def refuse(*args, **kwargs):
         if refused(args[0]):
             raise ComputationError(f"{args[0]} refused: lost in rounding")
-        return own(*args, **kwargs)
+        return original(*args, **kwargs)
 
     monkeypatch.setattr(module, function, refuse)
 
@@ -79,22 +79,24 @@ def test_unsolved_model_keeps_other_verdicts(monkeypatch, arm, sound):
     refusing(monkeypatch, model_ladder, "answers", lambda model: model == "segments")
     refusing(monkeypatch, modes_on_path, "dynamic_bodies", lambda model: model == "segments")
     matrix = robot_adequacy(Context(arm, "quick"))
-    for now, before in zip(matrix.entries, sound.entries, strict=True):
-        if now.model.startswith("segments"):
-            assert now.verdict == "undecided"
-            assert now.reason == f"{now.model}: segments refused: lost in rounding"
+    for entry, sound_entry in zip(matrix.entries, sound.entries, strict=True):
+        if entry.model.startswith("segments"):
+            assert entry.verdict == "undecided"
+            assert entry.reason == f"{entry.model}: segments refused: lost in rounding"
         else:
-            assert now == before
+            assert entry == sound_entry
 
 
 def test_unsolved_step_leaves_remaining_error(monkeypatch, arm, sound):
     """If a model between model and reference is unsolved, the remaining error has no cause."""
     refusing(monkeypatch, model_ladder, "computed_spring")
     matrix = robot_adequacy(Context(arm, "quick"))
-    for now, before in zip(matrix.entries, sound.entries, strict=True):
-        assert (now.verdict, now.error) == (before.verdict, before.error)
-    causes = [one.causes for one in matrix.of_model("beam") if not one.signed]
-    rests = [cause.source for found in causes for cause in found if cause.cause == REST]
+    for entry, sound_entry in zip(matrix.entries, sound.entries, strict=True):
+        assert (entry.verdict, entry.error) == (sound_entry.verdict, sound_entry.error)
+    causes = [entry.causes for entry in matrix.of_model("beam") if not entry.signed]
+    rests = [
+        cause.source for entry_causes in causes for cause in entry_causes if cause.cause == REST
+    ]
     assert rests
     assert all("refused: lost in rounding" in source for source in rests)
 
@@ -104,7 +106,7 @@ SOUND = ConstantLeg(0.8, Rectangle(0.1, 0.06), STEEL, ends="rigid")
 
 
 @pytest.mark.parametrize(
-    ("changed", "said"),
+    ("changed", "message"),
     [
         ({"section": Tube(0.12, 5e-5)}, "leg2: the coarsest section mesh of its tube has"),
         (
@@ -114,7 +116,7 @@ SOUND = ConstantLeg(0.8, Rectangle(0.1, 0.06), STEEL, ends="rigid")
     ],
     ids=["walls too thin", "incompressible"],
 )
-def test_leg_without_solid_keeps_verdicts_of_other(changed, said):
+def test_leg_without_solid_keeps_verdicts_of_other(changed, message):
     legs = {"leg1": SOUND, "leg2": replace(SOUND, **changed)}
     robot = variant_of_ifw(a=0.9, platform_mass=30.0, foot_compliance=None, **legs)
     robot = replace(robot, poses=robot.poses[4:5])
@@ -122,7 +124,7 @@ def test_leg_without_solid_keeps_verdicts_of_other(changed, said):
     statics = [entry for entry in matrix.entries if entry.quantity.name in ("x", "z", "phi_x")]
     assert {entry.model for entry in statics} >= {"simplified", "vjm", "segments", "beam"}
     assert {entry.verdict for entry in matrix.entries} == {"undecided"}
-    assert all(said in entry.reason for entry in statics)
+    assert all(message in entry.reason for entry in statics)
     sound, other = matrix.parts
     assert {entry.verdict for entry in sound.entries} >= {"adequate"}
     assert {entry.verdict for entry in other.entries} == {"undecided"}
@@ -141,53 +143,55 @@ def test_single_section_mesh_is_uncertain():
     section = HollowRectangle(width=0.06, height=0.06, thickness=0.006)
     leg = ConstantLeg(0.9, section, STEEL, ends="free")
     subject = leg_subject(Context(load_robot("ifw"), "quick"), "leg1", leg)
-    left = verdict_matrix(subject, Requirement()).entry("beam", "phi_x").uncertainties["meshes"]
+    half_width = (
+        verdict_matrix(subject, Requirement()).entry("beam", "phi_x").uncertainties["meshes"]
+    )
     coarse, fine = (
         section_constants(section_mesh(section, number), 0.3).torsion_constant
         for number in (COARSEST_WALLS, 8)
     )
     # Roache's factor three for two meshes of the lowest order there can be, 4/3.
     due = 3.0 / ((8 / COARSEST_WALLS) ** (4 / 3) - 1.0) * abs(fine / coarse - 1.0)
-    assert due <= left <= 1.1 * due
+    assert due <= half_width <= 1.1 * due
 
 
-def by(arm, preset, accuracy=None, limit=0.05, **limits):
+def judged_by(arm, preset, accuracy=None, limit=0.05, **limits):
     requirement = replace(arm.requirement, deflection=limit, accuracy=accuracy, limits=limits)
     return robot_adequacy(Context(replace(arm, requirement=requirement), preset))
 
 
 def widest(matrix):
     """Entry with the largest half-width due to meshes."""
-    return max(matrix.entries, key=lambda one: one.uncertainties.get("meshes", 0.0))
+    return max(matrix.entries, key=lambda entry: entry.uncertainties.get("meshes", 0.0))
 
 
 @pytest.mark.exhaustive
 def test_requested_accuracy_is_reached(arm):
     # Also where no verdict hangs on meshes.
-    rough = by(arm, "quick", limit=10.0)
-    left = widest(rough).uncertainties["meshes"]
-    better = by(arm, "quick", 0.5 * left, limit=10.0)
-    assert widest(better).uncertainties["meshes"] <= 0.5 * left
+    rough = judged_by(arm, "quick", limit=10.0)
+    rough_half_width = widest(rough).uncertainties["meshes"]
+    better = judged_by(arm, "quick", 0.5 * rough_half_width, limit=10.0)
+    assert widest(better).uncertainties["meshes"] <= 0.5 * rough_half_width
     assert better.notes[-1].startswith("accuracy ±")
     assert ";" not in better.notes[-1]
     # What finer meshes say lies within what coarser ones left open.
-    for one in rough.entries:
-        other = better.entry(one.model, one.quantity.name)
-        if one.error is not None and other.error is not None:
-            assert abs(one.error - other.error) <= one.uncertainty + 1e-9
+    for entry in rough.entries:
+        other = better.entry(entry.model, entry.quantity.name)
+        if entry.error is not None and other.error is not None:
+            assert abs(entry.error - other.error) <= entry.uncertainty + 1e-9
 
 
 @pytest.mark.exhaustive
 def test_finer_mesh_decides_verdict(arm):
-    entry = widest(by(arm, "standard"))
-    finest = by(arm, "fine", 1e-6)
+    entry = widest(judged_by(arm, "standard"))
+    finest = judged_by(arm, "fine", 1e-6)
     assert finest.notes[-1].endswith("; no preset has finer meshes of the bodies")
     best = finest.entry(entry.model, entry.quantity.name)
     # A limit that the meshes of this preset leave open, and those of the next one do not.
     size = abs(best.error) + best.uncertainty
     limit = 0.5 * (size + abs(entry.error) + entry.uncertainty)
     name = entry.quantity.name
-    decided = by(arm, "standard", **{name: limit}).entry(entry.model, name)
+    decided = judged_by(arm, "standard", **{name: limit}).entry(entry.model, name)
     assert decided.verdict == "adequate"
     assert decided.uncertainty == pytest.approx(best.uncertainty, rel=1e-6)
 
@@ -225,9 +229,9 @@ REMEDIES = {
 FINER = larger_preset("quick", lambda preset: preset == "fine")
 
 
-def options_taken(said, *words):
+def options_taken(remedy_text, *words):
     """Options (name: value) in the text `said`; the command `words` must accept them as typed."""
-    options = dict(re.findall(r"--(\w+) (\S+)", said))
+    options = dict(re.findall(r"--(\w+) (\S+)", remedy_text))
     typed = [word for name, value in options.items() for word in (f"--{name}", value)]
     _, bound, _ = cli.app.parse_args([*words, *typed], exit_on_error=False, print_error=False)
     assert {name: str(bound.arguments[name]) for name in options} == options
@@ -245,21 +249,23 @@ def test_remedy_is_valid_input_of_solve(remedy):
     assert options == {remedy.option.removeprefix("--")} - {""}
     assert used == [remedy.model] * bool(remedy.model)
     models = used or [
-        model for model, taken in OPTIONS.items() if options and options <= set(taken)
+        model
+        for model, valid_options in OPTIONS.items()
+        if options and options <= set(valid_options)
     ]
     assert models
     for model in models:
-        taken = options_taken(remedy.text, "solve", "ifw", "--model", model)
-        assert taken.keys() <= set(OPTIONS[model])
+        solve_options = options_taken(remedy.text, "solve", "ifw", "--model", model)
+        assert solve_options.keys() <= set(OPTIONS[model])
 
 
-@pytest.mark.parametrize("said", [FINER_PARTS, finer_by(FINER)])
-def test_finer_reference_remedy_is_option_of_run(said):
-    assert len(options_taken(said, "run", "ifw")) == 1
+@pytest.mark.parametrize("remedy_text", [FINER_PARTS, finer_by(FINER)])
+def test_finer_reference_remedy_is_option_of_run(remedy_text):
+    assert len(options_taken(remedy_text, "run", "ifw")) == 1
 
 
 @pytest.mark.parametrize(
-    ("leg1", "leg2", "said"),
+    ("leg1", "leg2", "remedy_text"),
     [
         ((), ("inertia",), "inertia in [leg2]"),
         (("mass_centre", "inertia"), ("inertia",), "mass_centre and inertia in [leg1], inertia in"),
@@ -267,12 +273,12 @@ def test_finer_reference_remedy_is_option_of_run(said):
         ((), (), "the section or the solid instead of the 6×6 in [leg1], [leg2]"),
     ],
 )
-def test_mass_remedy_names_missing_keys(leg1, leg2, said):
+def test_mass_remedy_names_missing_keys(leg1, leg2, remedy_text):
     legs = known_legs(load_robot("ifw").mechanism)
     for name, keys in (("leg1", leg1), ("leg2", leg2)):
         legs[name] = replace(legs[name], **dict.fromkeys(keys))
     decides = masses_instruction(legs, 1)
-    assert said in decides
+    assert remedy_text in decides
     assert ("mass_centre" in decides) == ("mass_centre" in leg1)
     schema = dumps(json_schema())
     assert all(f'"{key}":' in schema for key in ("mass_centre", "inertia", "section", "material"))
@@ -283,28 +289,28 @@ def test_proposed_end_condition_is_valid_key(tmp_path):
     decides = holding(robot_of(arm, tmp_path).mechanism).decides
     (table,) = re.findall(r"\[[\w.]+\]", decides)
     lines = re.findall(r'\w+ = "\w+"', decides)
-    said = [arm.replace(table, f"{table}\n{line}") for line in lines]
+    texts = [arm.replace(table, f"{table}\n{line}") for line in lines]
     file = write_crane(tmp_path)
     crane, decides = file.read_text("utf-8"), holding(load_robot(file).mechanism).decides
     assert "[bodies.arm]" in decides
     ((key, values),) = re.findall(r"(\w+) = (.*) in the interfaces", decides)
     values = re.findall(r'"\w+"', values)
-    said += [crane.replace(" } }", f" }}, {key} = {value} }}") for value in values]
+    texts += [crane.replace(" } }", f" }}, {key} = {value} }}") for value in values]
     assert (len(lines), len(values)) == (2, 3)
-    assert not any(holding(robot_of(text, tmp_path).mechanism).unspecified for text in said)
+    assert not any(holding(robot_of(text, tmp_path).mechanism).unspecified for text in texts)
 
 
 @pytest.mark.parametrize("ends", [0.3, 0.8])
 def test_second_uncertainty_has_remedy(ends):
     """A five-bar's half-widths were 0.234 % by meshes (without remedy) and 0.222 % by ends."""
     exact = Statics(np.eye(6)[None], np.zeros((1, 0, 6)))
-    held = {"rigid": exact, "free": (1.0 - 0.04 * ends) * exact}
+    compliance_by_ends = {"rigid": exact, "free": (1.0 - 0.04 * ends) * exact}
     half_widths, beam = meshes(displacements=np.full((1, 7), 0.02)), toy_model("beam", 1.05 * exact)
-    for finer, told in ((NOT_FINER, NOT_FINER if ends < 0.5 else "say ends"), ("mesh", "mesh")):
-        said = {"open": "ends", "decides": "say ends", "finer": finer}
-        statics = reference("solids", held, half_widths, **said)
+    for finer, remedy in ((NOT_FINER, NOT_FINER if ends < 0.5 else "say ends"), ("mesh", "mesh")):
+        fields = {"open": "ends", "decides": "say ends", "finer": finer}
+        statics = reference("solids", compliance_by_ends, half_widths, **fields)
         pose = (Coordinate("x", "m"),), np.zeros((1, 1))
         robot = Subject("toy", *pose, Responses(None), [beam], statics, Reference("none"))
         entry = verdict_matrix(robot, Requirement()).entry("beam", "x")
         assert entry.uncertainties["meshes"] > entry.uncertainties["ends"]
-        assert (entry.verdict, entry.reason) == ("undecided", told)
+        assert (entry.verdict, entry.reason) == ("undecided", remedy)
