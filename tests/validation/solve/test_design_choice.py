@@ -65,13 +65,13 @@ def test_lightest_stiff_bar_is_chosen(tmp_path, capsys):
     assert code == 0
     choice = json.loads(printed.out)["choice"]
     assert [robot["meets"] for robot in choice["robots"]] == [False, False, True, True]
-    masses, found = (
+    masses, compliances = (
         np.array([robot["values"][name] for robot in choice["robots"]])
         for name in ("mass", "deflection.z")
     )
     assert_allclose(masses, RHO * LENGTH * WIDTH * HEIGHTS, rtol=1e-12)
     # Cubic beam elements are exact at their nodes; round-off of a 2×2 inverse is 1e-15.
-    assert_allclose(found, deflections(), rtol=1e-9)
+    assert_allclose(compliances, deflections(), rtol=1e-9)
     assert choice["best"] == choice["robots"][2]
     assert choice["units"] == {"mass": "kg", "deflection.z": "m at 1000 N"}
     code, printed = solved(tmp_path, capsys, *purpose)

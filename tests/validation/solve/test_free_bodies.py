@@ -46,8 +46,8 @@ def bar(length, width, height):
 
 
 def free(robot, model, modes, **options):
-    asked = {"modes": modes, "body": "bar", "ends": "free-free", **options}
-    (answer,) = api.solve(robot, model, **asked).answers
+    arguments = {"modes": modes, "body": "bar", "ends": "free-free", **options}
+    (answer,) = api.solve(robot, model, **arguments).answers
     assert answer.rigid == 6
     assert answer.compliance.size == 0
     return answer.frequencies
@@ -55,11 +55,11 @@ def free(robot, model, modes, **options):
 
 def test_free_slender_bar_is_euler_bernoulli():
     """Frequencies (x/L)² √(EI/ρA) / 2π in both planes, x the roots of cos x cosh x = 1."""
-    found = free(bar(1.0, 0.02, 0.01), "beam", 5, theory="euler-bernoulli", elements=80)
+    frequencies = free(bar(1.0, 0.02, 0.01), "beam", 5, theory="euler-bernoulli", elements=80)
     along_z = [x**2 / (2.0 * pi) * 0.01 * sqrt(E / RHO / 12.0) for x in ROOTS]
     along_y = [2.0 * frequency for frequency in along_z[:2]]
     # Fourth order: 3e-7 of mode 3 at 80 elements.
-    assert found == pytest.approx(sorted([*along_z, *along_y]), rel=3e-6)
+    assert frequencies == pytest.approx(sorted([*along_z, *along_y]), rel=3e-6)
 
 
 def timoshenko(length, second, area, kappa, near):
@@ -87,14 +87,14 @@ THICK = bar(0.2, 0.03, 0.02)
 
 def test_free_thick_bar_is_timoshenko():
     """Bending in both planes, order 4 in 1/elements. Axial modes: √(E/ρ) / 2L."""
-    found = free(THICK, "beam", 8, elements=80)
+    frequencies = free(THICK, "beam", 8, elements=80)
     A, L = 6e-4, 0.2
     for number, second in ((0, 0.03 * 0.02**3 / 12), (1, 0.02 * 0.03**3 / 12)):
-        exact = timoshenko(L, second, A, KAPPA, found[number])
-        assert found[number] == pytest.approx(exact, rel=1e-6)
+        exact = timoshenko(L, second, A, KAPPA, frequencies[number])
+        assert frequencies[number] == pytest.approx(exact, rel=1e-6)
     # Linear shapes: second order, π²/24 of (1/80)² = 6e-5 of the first mode.
     stretch = sqrt(E / RHO) / (2.0 * L)
-    assert np.abs(found / stretch - 1.0).min() < 1e-4
+    assert np.abs(frequencies / stretch - 1.0).min() < 1e-4
 
 
 def test_free_segments_converge_to_beam():
@@ -110,13 +110,13 @@ def test_free_solid_bar_has_all_modes():
 
     That mode is within 1e-3 of Timoshenko's theory with Cowper's coefficient.
     """
-    found = free(THICK, "solid", 3, divisions=2)
-    exact = timoshenko(0.2, 0.03 * 0.02**3 / 12, 6e-4, KAPPA, found[0])
-    assert found[0] == pytest.approx(exact, rel=1e-3)
+    frequencies = free(THICK, "solid", 3, divisions=2)
+    exact = timoshenko(0.2, 0.03 * 0.02**3 / 12, 6e-4, KAPPA, frequencies[0])
+    assert frequencies[0] == pytest.approx(exact, rel=1e-3)
     leg = ConstantLeg(0.2, Rectangle(0.03, 0.02), Material.isotropic(E, NU, RHO), None, "bar")
     rooted = clamped_solid(leg, 2, "free")
-    places = (0.5 * found[0], 1.001 * found[0])
-    below = [rooted.free_inertia((2.0 * pi * place) ** 2).negative for place in places]
+    places = (0.5 * frequencies[0], 1.001 * frequencies[0])
+    below = [rooted.free_inertia((2.0 * pi * frequency) ** 2).negative for frequency in places]
     assert below == [6, 7]
 
 
@@ -168,10 +168,10 @@ def test_free_plate_equals_nafems_fv12():
     Sound Vib. 31 (1973) 257) has upper bounds λ = ωa²√(ρh/D) of the first five, within 1 %.
     """
     plate = ConstantLeg(10.0, Rectangle(10.0, 0.05), Material.isotropic(200e9, 0.3, 8000.0))
-    found = leg_frequencies("solid", plate, 5, ModelOptions(divisions=1), free=True)
-    assert found[:3] == pytest.approx([1.622, 2.360, 2.922], rel=1.2e-3)
-    assert found[4] == pytest.approx(found[3], rel=1e-6)
+    frequencies = leg_frequencies("solid", plate, 5, ModelOptions(divisions=1), free=True)
+    assert frequencies[:3] == pytest.approx([1.622, 2.360, 2.922], rel=1.2e-3)
+    assert frequencies[4] == pytest.approx(frequencies[3], rel=1e-6)
     unit = sqrt(200e9 * 0.05**2 / (12.0 * (1.0 - 0.3**2) * 8000.0)) / (2.0 * pi * 10.0**2)
     bounds = unit * np.array([13.489, 19.789, 24.432, 35.024, 35.024])
-    assert (found < bounds).all()
-    assert found == pytest.approx(bounds, rel=0.01)
+    assert (frequencies < bounds).all()
+    assert frequencies == pytest.approx(bounds, rel=0.01)

@@ -15,7 +15,7 @@ from validation.solve.question import Question
 
 
 @pytest.mark.parametrize(
-    ("seen", "line"),
+    ("share", "line"),
     [
         (1.0, "mode 2, {second:.5g} Hz, MAC 1.0000"),
         (
@@ -28,24 +28,24 @@ from validation.solve.question import Question
         ),
     ],
 )
-def test_missing_partner_has_reason(monkeypatch, seen, line):
-    """Made-up data: `seen` is the share of mode 2's kinetic energy in the compared points."""
+def test_missing_partner_has_reason(monkeypatch, share, line):
+    """Made-up data: `share` is that part of mode 2's kinetic energy in the compared points."""
     sampled, of_models = solved_model.vibration_of, []
 
-    def second_seen(*of):
-        of_models.append(sampled(*of))
+    def second_seen(*arguments):
+        of_models.append(sampled(*arguments))
         if len(of_models) > 1:
             return of_models[1]
         shares = of_models[0].energy_shares.copy()
-        shares[:, 1] = seen
+        shares[:, 1] = share
         return replace(of_models[0], energy_shares=shares)
 
     monkeypatch.setattr(solved_model, "vibration_of", second_seen)
     solution = solve(Question(load_robot("five-bar"), "beam", {}, 3, against="beam"))
     (answer,) = solution.answers
     second = answer.paired.pairs[1]
-    assert second.mac == pytest.approx(seen)
-    assert (second.partner is None) == second.local == (seen < 0.5)
+    assert second.mac == pytest.approx(share)
+    assert (second.partner is None) == second.local == (share < 0.5)
     assert np.isfinite([pair.frequency or 0.0 for pair in answer.paired.pairs]).all()
     names = ["mode", "partner", "frequency", "mac", "seen", "local", "open", "undecided"]
     assert list(plain_data(answer_record(answer))["partners"]["pairs"][1]) == names

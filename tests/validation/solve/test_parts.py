@@ -49,8 +49,8 @@ def crane(tmp_path_factory):
     return load_robot(write_crane(tmp_path_factory.mktemp("crane")))
 
 
-def answer_of(robot, count=COUNT, **given):
-    (answer,) = solve(Question(robot, "solid", given, count)).answers
+def answer_of(robot, count=COUNT, **options):
+    (answer,) = solve(Question(robot, "solid", options, count)).answers
     return answer
 
 
@@ -59,22 +59,24 @@ def values(answer):
 
 
 @pytest.fixture(scope="module")
-def own(crane):
+def crane_answer(crane):
     return answer_of(crane)
 
 
 @pytest.mark.exhaustive
-def test_part_half_width_covers_finer_mesh(own, crane, coarse_parts):
+def test_part_half_width_covers_finer_mesh(crane_answer, crane, coarse_parts):
     with coarse_parts.context() as patch:
         patch.setattr(reduced_parts, "UNKNOWNS", 20_000)
         (finer,) = answers("solid", [reference_posture(crane.mechanism)], COUNT)
-    apart = np.abs(values(finer) - values(own))
-    half_widths = np.concatenate([own.of_parts.compliance, own.of_parts.frequencies])
+    differences = np.abs(values(finer) - values(crane_answer))
+    half_widths = np.concatenate(
+        [crane_answer.of_parts.compliance, crane_answer.of_parts.frequencies]
+    )
     # Intervals of 95 %, from the coarsest ladder that this arm has: one of ten may miss.
-    assert (apart <= half_widths).sum() >= len(apart) - 1
-    assert (apart <= 1.5 * half_widths).all()
+    assert (differences <= half_widths).sum() >= len(differences) - 1
+    assert (differences <= 1.5 * half_widths).all()
     # Worth something: percents of a mesh this coarse, not more.
-    assert (half_widths <= 0.1 * values(own)).all()
+    assert (half_widths <= 0.1 * values(crane_answer)).all()
 
 
 def test_f1_uncertainty_ignores_mode_count(crane, monkeypatch):
@@ -83,7 +85,7 @@ def test_f1_uncertainty_ignores_mode_count(crane, monkeypatch):
 
     def modes_on(robot, reading):
         frequencies = 100.0 * np.arange(1, 13) * (1.0 + 0.01 / falls**reading.part_mesh)
-        repeated = (np.array([one] * len(robot.postures)) for one in (frequencies, shapes))
+        repeated = (np.array([array] * len(robot.postures)) for array in (frequencies, shapes))
         return PathModes(*repeated, np.ones(12), np.ones((len(robot.postures), 12)))
 
     solids = Model("solid", modes=modes_on, modal_fields=("part_mesh",))
@@ -92,8 +94,10 @@ def test_f1_uncertainty_ignores_mode_count(crane, monkeypatch):
     for count in (2, 3, 4, 6):
         requirement = replace(crane.requirement, modes=count)
         robot = robot_on_path(Context(replace(crane, requirement=requirement), "quick"))
-        found = mesh_uncertainty.frequency_half_widths(Responses(robot), robot.first_reading)
-        half_widths.append(found[:, :2])
+        frequency_half_widths = mesh_uncertainty.frequency_half_widths(
+            Responses(robot), robot.first_reading
+        )
+        half_widths.append(frequency_half_widths[:, :2])
     assert half_widths[1:] == [pytest.approx(half_widths[0], rel=1e-9)] * 3
 
 
@@ -102,27 +106,29 @@ def test_accuracy_option_refines_part_meshes(crane, coarse_parts):
     with coarse_parts.context() as patch:
         patch.setattr(reduced_parts, "UNKNOWNS", 1500)
         rough = answer_of(crane, 0)
-        left = rough.of_parts.compliance / np.diag(rough.compliance)
-        asked = 0.8 * float(left.max())
-        finer = solve(Question(crane, "solid", {}, 0, accuracy=asked))
-    assert finer.accuracy.reached <= asked
+        half_widths = rough.of_parts.compliance / np.diag(rough.compliance)
+        accuracy = 0.8 * float(half_widths.max())
+        finer = solve(Question(crane, "solid", {}, 0, accuracy=accuracy))
+    assert finer.accuracy.reached <= accuracy
     assert finer.accuracy.missed == ""
-    (own,) = finer.answers
+    (refined,) = finer.answers
     # Other meshes, whose intervals meet those of the coarser ones; one of ten may miss.
-    apart = np.abs(np.diag(own.compliance - rough.compliance))
-    assert (apart > 0.0).all()
-    assert (apart <= rough.of_parts.compliance + own.of_parts.compliance).sum() >= 5
-    assert (apart <= 1.5 * rough.of_parts.compliance).all()
+    differences = np.abs(np.diag(refined.compliance - rough.compliance))
+    assert (differences > 0.0).all()
+    assert (differences <= rough.of_parts.compliance + refined.of_parts.compliance).sum() >= 5
+    assert (differences <= 1.5 * rough.of_parts.compliance).all()
 
 
-def test_coupling_half_width_is_its_effect(own, crane):
+def test_coupling_half_width_is_its_effect(crane_answer, crane):
     """Half-width of an unspecified coupling: difference of averaged from rigid interfaces."""
     text = crane.text.replace(" } }", ' }, coupling = "average" }')
     average = robot_of(text, Path(crane.source).parent).mechanism
-    (said,) = answers("solid", [reference_posture(average)], COUNT)
-    bracket = np.concatenate([own.of_parts.bracket.compliance, own.of_parts.bracket.frequencies])
+    (averaged,) = answers("solid", [reference_posture(average)], COUNT)
+    bracket = np.concatenate(
+        [crane_answer.of_parts.bracket.compliance, crane_answer.of_parts.bracket.frequencies]
+    )
     # Interfaces of which nothing is said are rigid.
-    assert bracket == pytest.approx(values(said) - values(own), rel=1e-6)
+    assert bracket == pytest.approx(values(averaged) - values(crane_answer), rel=1e-6)
     assert reduced_parts.has_specified_couplings(average.parts["arm"])
     assert not reduced_parts.has_specified_couplings(crane.mechanism.parts["arm"])
     # An averaged interface is the softer one.
@@ -130,31 +136,32 @@ def test_coupling_half_width_is_its_effect(own, crane):
     assert (bracket[6:] < 0.0).all()
 
 
-@pytest.mark.parametrize("by", ["fixed", "free"])
-def test_omitted_modes_are_within_bound(own, crane, by):
-    found = own if by == "fixed" else answer_of(crane, reduction="free")
-    ((count, below),) = found.of_parts.counted.values()
+@pytest.mark.parametrize("interfaces", ["fixed", "free"])
+def test_omitted_modes_are_within_bound(crane_answer, crane, interfaces):
+    answer = crane_answer if interfaces == "fixed" else answer_of(crane, reduction="free")
+    ((count, below),) = answer.of_parts.counted.values()
     highest = 4.0 * below / CUTOFF["solid"]
     arm = dynamic_bodies("solid", crane.mechanism, highest)["arm"]
     assert arm.counted > count
-    at = reference_posture(crane.mechanism)
-    exact = modes(solved(assembly(crane.mechanism, {"arm": arm}).at(at)), COUNT).frequencies
-    too_high, rounding = found.frequencies - exact, 1e-9 * exact
+    posture = reference_posture(crane.mechanism)
+    exact = modes(solved(assembly(crane.mechanism, {"arm": arm}).at(posture)), COUNT).frequencies
+    too_high, rounding = answer.frequencies - exact, 1e-9 * exact
     assert (too_high >= -rounding).all()
-    assert (too_high <= found.of_parts.reduction + rounding).all()
-    assert (found.of_parts.reduction < 1e-3 * exact).all()
-    told = as_text(Solution("crane", "solid", {}, (found,)))
+    assert (too_high <= answer.of_parts.reduction + rounding).all()
+    assert (answer.of_parts.reduction < 1e-3 * exact).all()
+    text = as_text(Solution("crane", "solid", {}, (answer,)))
     assert (
-        f"modes of the parts with interfaces {by}, all kept and confirmed by a mode count" in told
+        f"modes of the parts with interfaces {interfaces}, all kept and confirmed by a mode count"
+        in text
     )
 
 
-def test_part_solution_is_its_compliance(own, crane):
+def test_part_solution_is_its_compliance(crane_answer, crane):
     """Without modes, `solve` has the compliance of the CAD part itself, with its uncertainty."""
     static = answer_of(crane, 0)
-    assert static.compliance == pytest.approx(own.compliance, rel=1e-6, abs=1e-15)
-    assert static.of_parts.compliance == pytest.approx(own.of_parts.compliance, rel=1e-4)
-    share = own.of_parts.compliance / np.diag(own.compliance)
+    assert static.compliance == pytest.approx(crane_answer.compliance, rel=1e-6, abs=1e-15)
+    assert static.of_parts.compliance == pytest.approx(crane_answer.of_parts.compliance, rel=1e-4)
+    share = crane_answer.of_parts.compliance / np.diag(crane_answer.compliance)
     assert ((share > 1e-6) & (share < 0.1)).all()
 
 
@@ -164,12 +171,12 @@ def test_pressure_has_half_width_of_part_meshes(crane):
     load = f'name = "press"\npressures = [{{ body = "arm", pressure = 1.0e6, {faces} }}]'
     pressed = robot_of(f"{crane.text}\n[[loads]]\n{load}\n", Path(crane.source).parent)
     answer = answer_of(pressed, 0)
-    moved, half_width = answer.loads["press"][2], answer.of_parts.loads["press"][2]
+    deflection, half_width = answer.loads["press"][2], answer.of_parts.loads["press"][2]
     arm = pressed.mechanism.parts["arm"]
     cutoffs = solved_model._LOWEST, CUTOFF["solid"] * solved_model._LOWEST
     coarser = {"arm": reduced_parts.reduced(arm, *cutoffs, MIDDLE)}
-    change = displacements_of(coarser, [reference_posture(pressed.mechanism)])[0, 0, 2] - moved
-    assert 0.0 < abs(change) <= half_width <= 0.2 * abs(moved)
+    change = displacements_of(coarser, [reference_posture(pressed.mechanism)])[0, 0, 2] - deflection
+    assert 0.0 < abs(change) <= half_width <= 0.2 * abs(deflection)
     # The upper side of a trapezoid of 120 and 25 mm, 475 mm long, less both bores, 3 % of it. Few
     # parabolas in place of their circles miss 1 % of those.
     area = 0.475 * 0.0725 - np.pi * (0.016**2 + 0.010**2)
@@ -183,11 +190,11 @@ def test_load_and_compliance_share_half_width(crane):
     Those of the mesh differ by less than a factor of two: they use different orders.
     """
     push = '[[loads]]\nname = "push"\nwrench = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]\n'
-    found = answer_of(robot_of(f"{crane.text}\n{push}", Path(crane.source).parent), 0)
-    np.testing.assert_allclose(found.loads["push"], found.compliance[:, 1], rtol=1e-9, atol=1e-16)
-    left, bracket = found.of_parts, found.of_parts.bracket
+    answer = answer_of(robot_of(f"{crane.text}\n{push}", Path(crane.source).parent), 0)
+    np.testing.assert_allclose(answer.loads["push"], answer.compliance[:, 1], rtol=1e-9, atol=1e-16)
+    half_widths, bracket = answer.of_parts, answer.of_parts.bracket
     assert bracket.loads["push"][1] == pytest.approx(bracket.compliance[1], rel=1e-6)
-    assert 0.5 < left.loads["push"][1] / left.compliance[1] < 2.0
+    assert 0.5 < half_widths.loads["push"][1] / half_widths.compliance[1] < 2.0
 
 
 def test_part_modes_have_partners(crane):
@@ -198,19 +205,19 @@ def test_part_modes_have_partners(crane):
     assert first.mac > 0.95
 
 
-@pytest.mark.parametrize("by", ["fixed", "free"])
-def test_incomplete_reduction_is_refused(crane, monkeypatch, by):
+@pytest.mark.parametrize("interfaces", ["fixed", "free"])
+def test_incomplete_reduction_is_refused(crane, monkeypatch, interfaces):
     arm = crane.mechanism.bodies["arm"]
-    whole = reduced_parts.reduced(arm, 1000.0, 2500.0, by=by)
-    entry = reduced_parts.reduced_entry(arm, 1000.0, 2500.0, by=by)
-    found = dict(entry.stored_arrays[entry.key])
-    rest = np.delete(np.arange(len(found["stiffness"])), 12)
-    found |= {name: found[name][np.ix_(rest, rest)] for name in ("stiffness", "mass")}
-    found["recovery"] = found["recovery"][:, rest]
-    monkeypatch.setattr(reduced_parts.CacheEntry, "value", lambda _: entry.read(found))
-    message = f"arm, reduced: {whole.counted} modes were counted below 2500 Hz"
+    complete = reduced_parts.reduced(arm, 1000.0, 2500.0, by=interfaces)
+    entry = reduced_parts.reduced_entry(arm, 1000.0, 2500.0, by=interfaces)
+    arrays = dict(entry.stored_arrays[entry.key])
+    remaining = np.delete(np.arange(len(arrays["stiffness"])), 12)
+    arrays |= {name: arrays[name][np.ix_(remaining, remaining)] for name in ("stiffness", "mass")}
+    arrays["recovery"] = arrays["recovery"][:, remaining]
+    monkeypatch.setattr(reduced_parts.CacheEntry, "value", lambda _: entry.read(arrays))
+    message = f"arm, reduced: {complete.counted} modes were counted below 2500 Hz"
     with pytest.raises(reduced_parts.ComputationError, match=message):
-        reduced_parts.reduced(arm, 1000.0, 2500.0, by=by)
+        reduced_parts.reduced(arm, 1000.0, 2500.0, by=interfaces)
 
 
 @pytest.fixture(scope="module")
@@ -259,8 +266,10 @@ def test_specified_coupling_has_no_uncertainty(crane):
     assert list(holding(mechanism).alternatives) == ["interfaces rigid", "interfaces averaged"]
     arm = mechanism.bodies["arm"]
     radii = {"A": 0.016, "B": 0.010}
-    said = {name: PartInterface(ByCylinder(radius), "rigid") for name, radius in radii.items()}
-    body = Body("arm", replace(arm.shape, interfaces=said), arm.interfaces)
+    interfaces = {
+        name: PartInterface(ByCylinder(radius), "rigid") for name, radius in radii.items()
+    }
+    body = Body("arm", replace(arm.shape, interfaces=interfaces), arm.interfaces)
     settled = holding(replace(mechanism, bodies=dict(mechanism.bodies) | {"arm": body}))
     assert (settled.unspecified, settled.decides) == ("", "")
     assert list(settled.alternatives) == ["interfaces as in the robot file"]
@@ -279,13 +288,17 @@ def test_run_compares_both_part_reductions(crane):
     """The difference in frequency is within the sum of both bounds, below 0.1 %."""
     listed = {case.id: case for case in part_reductions.cases(mechanism=crane.mechanism)}
     case = listed["mechanism.parts.frequency[2]"]
-    found = case.compute(Context(crane, "quick"))
-    assert judge(case, found, 0.0).verdict == "agree"
-    assert 0.0 < found.value_uncertainty + found.reference_uncertainty < 1e-3 * found.value
+    measurement = case.compute(Context(crane, "quick"))
+    assert judge(case, measurement, 0.0).verdict == "agree"
+    assert (
+        0.0
+        < measurement.value_uncertainty + measurement.reference_uncertainty
+        < 1e-3 * measurement.value
+    )
 
 
 def test_part_of_three_interfaces_has_no_pieces():
     """Only a part between two interfaces can be divided into prismatic pieces."""
     rocker = load_robot(str(Path(__file__).parents[3] / "examples" / "rocker" / "robot.toml"))
-    said = why_unable(path_postures(Context(rocker, "quick")), JUDGED["segments-stepped"])
-    assert said.startswith("no part has exactly two interfaces")
+    reason = why_unable(path_postures(Context(rocker, "quick")), JUDGED["segments-stepped"])
+    assert reason.startswith("no part has exactly two interfaces")

@@ -64,12 +64,12 @@ def bar(tmp_path):
 @pytest.mark.parametrize("model", ["simplified", "segments", "beam"])
 def test_one_mode_robot_has_one_frequency(tmp_path, model):
     """The pendulum is one rigid body on a spring: f = √(k/J)/2π, J = 0.11 + 3 · 0.5² kg m²."""
-    asked = Question(robot_of(PENDULUM, tmp_path), model, {})
-    (answer,) = solve(asked).answers
+    question = Question(robot_of(PENDULUM, tmp_path), model, {})
+    (answer,) = solve(question).answers
     frequency = np.sqrt(4.0e4 / 0.86) / (2.0 * np.pi)
     assert answer.frequencies == pytest.approx([frequency], rel=1e-9)
     with pytest.raises(ComputationError, match="3 modes requested, but fewer modes move mass"):
-        solve(replace(asked, model="beam", modes=3))
+        solve(replace(question, model="beam", modes=3))
 
 
 # Options that would change nothing, or are no number; without a name it is the robot above.
@@ -104,11 +104,11 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("typed", "said"), REFUSED, ids=lambda words: words[:40])
-def test_options_without_effect_are_refused(robot, typed, said, command):
+@pytest.mark.parametrize(("typed", "message"), REFUSED, ids=lambda words: words[:40])
+def test_options_without_effect_are_refused(robot, typed, message, command):
     name, *words = typed.split()
     line = command.refused("solve", robot if name == "ROBOT" else name, "--model", *words)
-    assert said in line
+    assert message in line
     assert len(line) < 400
 
 
@@ -132,8 +132,8 @@ def test_answer_lists_effective_options(robot, command):
 
 def test_round_off_result_is_refused(tmp_path, capsys):
     robot_of(SOUND.replace("nu = 0.3", "nu = -0.999999999"), tmp_path)
-    asked = ["solve", str(tmp_path / "robot.toml"), "--model", "solid", "--divisions", "2"]
-    assert cli.main(asked) == 3
+    words = ["solve", str(tmp_path / "robot.toml"), "--model", "solid", "--divisions", "2"]
+    assert cli.main(words) == 3
     printed = capsys.readouterr()
     assert printed.out == ""
     assert "material with ν = -0.999999999: changes of shape" in printed.err
@@ -141,8 +141,8 @@ def test_round_off_result_is_refused(tmp_path, capsys):
 
 def test_solid_leg_has_mesh_uncertainty(bar, command):
     def answer(divisions):
-        asked = ["--model", "solid", "--leg", 1, "--divisions", divisions, "--modes", 1]
-        return command.json("solve", bar, *asked)["results"][0]
+        words = ["--model", "solid", "--leg", 1, "--divisions", divisions, "--modes", 1]
+        return command.json("solve", bar, *words)["results"][0]
 
     coarse, fine = answer(1), answer(2)
     stated = fine["uncertainty"]
@@ -172,14 +172,16 @@ def test_solid_robot_has_mesh_uncertainty():
         for divisions in (1, 2)
     )
     assert fine.uncertainty.divisions == 1
-    own, other = (
-        np.concatenate([np.diag(one.compliance), one.frequencies, one.loads["weight"][:3]])
-        for one in (fine, coarse)
+    numbers, coarse_numbers = (
+        np.concatenate([np.diag(answer.compliance), answer.frequencies, answer.loads["weight"][:3]])
+        for answer in (fine, coarse)
     )
-    left = fine.uncertainty
-    stated = np.concatenate([left.compliance, left.frequencies, left.loads["weight"][:3]])
-    assert left.loads["push"][2] == pytest.approx(left.compliance[2], rel=1e-9)
-    factors = stated / np.abs(own - other)
+    uncertainty = fine.uncertainty
+    stated = np.concatenate(
+        [uncertainty.compliance, uncertainty.frequencies, uncertainty.loads["weight"][:3]]
+    )
+    assert uncertainty.loads["push"][2] == pytest.approx(uncertainty.compliance[2], rel=1e-9)
+    factors = stated / np.abs(numbers - coarse_numbers)
     np.testing.assert_allclose(factors, factors[0], rtol=1e-6)
     assert 3.0 / (2.0**4 - 1.0) < factors[0] < 3.0 / (1.5**1.3 - 1.0)
     # Of the coarse mesh, beside the finer one, by rᵖ: 3rᵖ/(rᵖ − 1) is 3/(rᵖ − 1) and 3 more.
@@ -209,8 +211,12 @@ def test_mesh_change_follows_mode_shape():
 
 def test_statics_and_modes_share_factorisation(monkeypatch):
     leg = ConstantLeg(0.2137, Rectangle(0.03, 0.02), Material.isotropic(2.1e11, 0.3, 7850.0))
-    held, calls = leg_models.held_solid, []
-    monkeypatch.setattr(leg_models, "held_solid", lambda *of: calls.append(of) or held(*of))
+    held_solid, calls = leg_models.held_solid, []
+    monkeypatch.setattr(
+        leg_models,
+        "held_solid",
+        lambda *arguments: calls.append(arguments) or held_solid(*arguments),
+    )
     options = ModelOptions(divisions=1)
     leg_models.condensed_leg("solid", leg, replace(options, parts="condensed"))
     leg_models.reduced_leg("solid", leg, options, 1000.0, 2500.0)
@@ -224,12 +230,12 @@ def test_values_with_order_are_extrapolated(command, tmp_path):
     J = side**4 * (1.0 / 3.0 - 64.0 / np.pi**5 * np.sum(np.tanh(0.5 * odd * np.pi) / odd**5))
     bar = ONE_ARM.replace("nu = 0.0", "nu = 0.3").replace("P = [0.0, 0.5", f"P = [0.0, {length}")
     path = robot_of(re.sub(r"(width|height) = [0-9.]+", rf"\1 = {side}", bar), tmp_path).source
-    asked = ["solve", path, "--model", "solid", "--body", "arm", "--ends", "free"]
-    asked += ["--modes", "0", "--divisions"]
+    words = ["solve", path, "--model", "solid", "--body", "arm", "--ends", "free"]
+    words += ["--modes", "0", "--divisions"]
 
-    def torsion(*more):
-        (found,) = command.json(*asked, *more)["results"]
-        return found["compliance"][3][3], found["uncertainty"]
+    def torsion(*options):
+        (answer,) = command.json(*words, *options)["results"]
+        return answer["compliance"][3][3], answer["uncertainty"]
 
     (fine, _), (value, stated) = torsion("5"), torsion("2", "--accuracy", "0.002")
     assert stated["extrapolated_from"] == [1, 2, 4, 5]
@@ -238,8 +244,8 @@ def test_values_with_order_are_extrapolated(command, tmp_path):
     # As wide as the interval of the finest mesh, whose value it holds as it holds the exact one.
     assert 1.25 * abs(value - fine) <= stated["compliance"][3] <= 0.002 * exact
     assert abs(value - exact) <= stated["compliance"][3]
-    told = "values are extrapolated if the meshes with 1, 2, 4, 5 divisions show an order"
-    assert told in command.told(*asked, "2", "--accuracy", "0.002")
+    note = "values are extrapolated if the meshes with 1, 2, 4, 5 divisions show an order"
+    assert note in command.told(*words, "2", "--accuracy", "0.002")
 
 
 SECTIONS = [
@@ -261,13 +267,13 @@ def test_uncertainty_uses_another_mesh(section):
 
 
 def test_single_mesh_has_no_half_width(bar, command, monkeypatch):
-    asked = ["solve", bar, "--model", "solid", "--leg", "1", "--divisions", "1", "--modes", "0"]
+    words = ["solve", bar, "--model", "solid", "--leg", "1", "--divisions", "1", "--modes", "0"]
     leg = equivalent_leg(legs_of(load_robot(bar).mechanism)["leg1"])
     only = 1.2 * solid_cost((leg,), 1, 0).memory
     monkeypatch.setattr("validation.solve.cost.available_memory", lambda: only)
-    told = "uncertainty due to the mesh: unknown, because the second mesh"
-    assert told in command.told(*asked)
-    assert command.json(*asked)["results"][0]["uncertainty"] is None
+    note = "uncertainty due to the mesh: unknown, because the second mesh"
+    assert note in command.told(*words)
+    assert command.json(*words)["results"][0]["uncertainty"] is None
 
 
 def test_json_numbers_have_unique_names():
@@ -309,7 +315,7 @@ def test_json_numbers_have_unique_names():
     solution = Solution("robot", "beam", {}, (answer,))
     text = as_text(solution)
     # 1000 N in µm: compliances of 19, 26 and 33 m/N on the diagonal, shares of these.
-    for told in (
+    for line in (
         "    x 1.9e+10, y 2.6e+10, z 3.3e+10",
         "     1.9000e+01  2.0000e+01  2.1000e+01  2.2000e+01  2.3000e+01  2.4000e+01",
         "natural frequencies (Hz): 55, 56",
@@ -322,7 +328,7 @@ def test_json_numbers_have_unique_names():
         "    frequencies 27 %, 29 %",
         "omitted modes change no frequency by more than 3e+01 %",
     ):
-        assert told in text
+        assert line in text
     assert "<td>1.9e+10</td><td>2.6e+10</td><td>3.3e+10</td>" in solution._repr_html_()
 
 
@@ -330,8 +336,8 @@ def test_load_displacements_are_named(tmp_path, command):
     """Displacements by name of the load: C F under a wrench F. A stretched arm has none (null)."""
     path = robot_of(ONE_ARM + LOADS, tmp_path).source
     for model in ("vjm", "segments"):
-        asked = ["solve", path, "--model", model, "--pose", "0.1", "--pose", "0.5"]
-        first, last = command.json(*asked)["results"]
+        words = ["solve", path, "--model", model, "--pose", "0.1", "--pose", "0.5"]
+        first, last = command.json(*words)["results"]
         loads = first["loads"]
         assert list(loads) == ["weight", "cutting", "stop"]
         due = np.array(first["compliance"]) @ [100.0, 0.0, -50.0, 0.0, 0.0, 0.0]
@@ -343,8 +349,8 @@ def test_load_displacements_are_named(tmp_path, command):
         assert buckling["body"] == "arm" == next(iter(buckling["shares"]))
         assert np.abs(loads["weight"]["stiffness_lost"]).max() < 1e-6
         assert "frequencies" not in loads["weight"]
-    assert "weight: buckles at" in command.told(*asked)
-    assert "stop: none: the robot is rigid in this direction" in command.told(*asked)
+    assert "weight: buckles at" in command.told(*words)
+    assert "stop: none: the robot is rigid in this direction" in command.told(*words)
 
 
 RIGID_DRIVE = """
@@ -372,15 +378,15 @@ def test_simplified_with_rigid_drives_is_rigid(tmp_path, command, driven):
         text = re.sub("joints.motor = .*", "joints.root = ROOT", text).replace('["x"]', "[]")
         root = '{ type = "fixed", between = ["ground", "arm"], at = "A" }'
         text = text.replace("ROOT", root)
-    asked = ["solve", robot_of(text, tmp_path).source, "--model", "simplified"]
-    (found,) = command.json(*asked, "--modes", "0")["results"]
-    load = found["loads"]["cutting"]
+    words = ["solve", robot_of(text, tmp_path).source, "--model", "simplified"]
+    (answer,) = command.json(*words, "--modes", "0")["results"]
+    load = answer["loads"]["cutting"]
     assert load["displacement"] == [0.0] * 6
     assert load["buckling"]["factor"] is load["buckling"]["reversed"] is None
-    told = command.told(*asked, "--modes", "0")
-    assert "stability under these loads, rigid legs between their ends" in told
-    assert "cutting: does not buckle; no loss of stiffness" in told
-    assert "legs bending as beams" in command.told(*asked[:3], "beam", "--modes", "0")
+    output = command.told(*words, "--modes", "0")
+    assert "stability under these loads, rigid legs between their ends" in output
+    assert "cutting: does not buckle; no loss of stiffness" in output
+    assert "legs bending as beams" in command.told(*words[:3], "beam", "--modes", "0")
 
 
 def test_displacement_is_in_micrometres(tmp_path, command):
@@ -394,11 +400,11 @@ tool = { body = "mass", point = "A", moves = ["x"] }
 joints.s = { type = "prismatic", between = ["ground", "mass"], at = "A", AXIS }
 loads = [{ name = "push", wrench = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0] }]
 """.replace("AXIS", "axis = [1.0, 0.0, 0.0], drive = { stiffness = 1.0e6 }")
-    asked = ["solve", robot_of(text, tmp_path).source, "--model", "simplified"]
-    (found,) = command.json(*asked)["results"]
-    displacement = found["loads"]["push"]["displacement"]
+    words = ["solve", robot_of(text, tmp_path).source, "--model", "simplified"]
+    (answer,) = command.json(*words)["results"]
+    displacement = answer["loads"]["push"]["displacement"]
     assert displacement == pytest.approx([3e-6, 0, 0, 0, 0, 0], rel=1e-12, abs=1e-18)
-    assert "push: x 3, y 0, z 0, magnitude 3, φx 0, φy 0, φz 0" in command.told(*asked)
+    assert "push: x 3, y 0, z 0, magnitude 3, φx 0, φy 0, φz 0" in command.told(*words)
 
 
 def test_models_with_mass_have_responses(tmp_path, command):
@@ -406,28 +412,28 @@ def test_models_with_mass_have_responses(tmp_path, command):
 
     At low frequency the response is the static compliance.
     """
-    wanted = '{ name = "hit", direction = [2, 0, 0], from = 0.01, to = 90.0, at = 30.0 }'
-    text = f"damping.ratio = 0.02\nresponses = [{wanted}]\n{ONE_ARM}"
+    response_table = '{ name = "hit", direction = [2, 0, 0], from = 0.01, to = 90.0, at = 30.0 }'
+    text = f"damping.ratio = 0.02\nresponses = [{response_table}]\n{ONE_ARM}"
     path = robot_of(text, tmp_path).source
-    asked = ["solve", path, "--model"]
-    (found,) = command.json(*asked, "beam")["results"]
-    np.testing.assert_allclose(found["damped"]["losses"], 0.04, rtol=1e-9)
-    np.testing.assert_allclose(found["damped"]["frequencies"], found["frequencies"], rtol=1e-9)
-    hit = found["responses"]["hit"]
+    words = ["solve", path, "--model"]
+    (answer,) = command.json(*words, "beam")["results"]
+    np.testing.assert_allclose(answer["damped"]["losses"], 0.04, rtol=1e-9)
+    np.testing.assert_allclose(answer["damped"]["frequencies"], answer["frequencies"], rtol=1e-9)
+    hit = answer["responses"]["hit"]
     assert len(hit["frequencies"]) == len(hit["real"]) == len(hit["imaginary"]) == 400
-    assert hit["real"][0] == pytest.approx(found["compliance"][0][0], rel=1e-6)
+    assert hit["real"][0] == pytest.approx(answer["compliance"][0][0], rel=1e-6)
     assert hit["peak"]["size"] >= np.hypot(hit["real"], hit["imaginary"]).max()
     assert hit["at"]["frequency"] == 30.0
-    said = command.told(*asked, "beam")
-    assert "loss factors of the modes (%): 4, 4, 4, 4, 4, 4" in said
-    assert f"hit: peak {1e6 * hit['peak']['size']:.4g} at" in said
-    assert "responses" not in command.json(*asked, "links")["results"][0]
+    output = command.told(*words, "beam")
+    assert "loss factors of the modes (%): 4, 4, 4, 4, 4, 4" in output
+    assert f"hit: peak {1e6 * hit['peak']['size']:.4g} at" in output
+    assert "responses" not in command.json(*words, "links")["results"][0]
 
 
 def test_round_off_is_printed_as_zero():
-    compliance, moved = np.zeros((6, 6)), np.array([1.8e-52, -1.57e-5, 0.0, 0.0, 0.0, 0.0])
+    compliance, displacement = np.zeros((6, 6)), np.array([1.8e-52, -1.57e-5, 0.0, 0.0, 0.0, 0.0])
     np.fill_diagonal(compliance, [5e-7, 2e-7, 3e-71])
-    answer = Answer(Place(pose=()), compliance, np.zeros(0), loads={"weight": moved})
+    answer = Answer(Place(pose=()), compliance, np.zeros(0), loads={"weight": displacement})
     text = as_text(Solution("gantry", "beam", {}, (answer,)))
     assert "reference posture, at the loaded point" in text
     assert "x 500, y 200, z 0\n" in text
@@ -463,9 +469,9 @@ def test_answer_above_one_hour_is_refused():
 
 def test_ctrl_c_ends_long_solve(robot):
     program = "import sys; from validation.cli import main; sys.exit(main())"
-    asked = [sys.executable, "-c", program, "solve", robot, "--model", "solid", "--divisions", "6"]
+    words = [sys.executable, "-c", program, "solve", robot, "--model", "solid", "--divisions", "6"]
     # What is computed, and what it will take, is shown while one waits.
-    code, screen = run_on_terminal(asked, ENVIRONMENT, pressed=lambda screen: "unknowns" in screen)
+    code, screen = run_on_terminal(words, ENVIRONMENT, pressed=lambda screen: "unknowns" in screen)
     assert code == 3
     assert "interrupted" in screen
     assert "Traceback" not in screen
