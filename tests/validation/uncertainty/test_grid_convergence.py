@@ -119,9 +119,9 @@ def test_fit_weights_grids_by_1_over_h():
     )
     assert fit_order(sizes, values) == pytest.approx(least.x, rel=1e-4)
     intercept, misfit = fitted(2.0)
-    known = uncertainty_of_known_orders(sizes, values, (2.0,))
+    half_widths = uncertainty_of_known_orders(sizes, values, (2.0,))
     expected = 1.25 * abs(intercept - values[-1]) + np.abs(misfit).max()
-    assert known == pytest.approx(expected, rel=1e-9)
+    assert half_widths == pytest.approx(expected, rel=1e-9)
     # Two orders are told apart.
     values = 2.0 + 0.3 * sizes**1.42 - 0.5 * sizes**4
     uncertainty = uncertainty_of_known_orders(sizes, values, (1.42, 4.0))
@@ -162,8 +162,8 @@ def test_two_grids_use_formal_order():
 )
 def test_three_mesh_half_width_is_exact(changes, half_width) -> None:
     policy = MeshPolicy(2.0, orders=(1.0, 2.0), safety=1.5)
-    found = mesh_half_widths([np.array([one]) for one in changes], policy)
-    assert found == pytest.approx([half_width], rel=1e-12)
+    half_widths = mesh_half_widths([np.array([change]) for change in changes], policy)
+    assert half_widths == pytest.approx([half_width], rel=1e-12)
 
 
 def test_richardson_intervals_contain_limit():
@@ -180,38 +180,38 @@ def test_richardson_intervals_contain_limit():
             assert series.at(number).extrapolated == pytest.approx(limit, rel=1e-6)
 
 
-def left(divisions: int) -> float:
+def error_of_mesh(divisions: int) -> float:
     return 0.1 / divisions**2
 
 
-def refined_to(asked: float):
-    """Refine from 2 divisions to the half-width `asked`, by at most twofold steps, up to 64."""
+def refined_to(accuracy: float):
+    """Refine from 2 divisions to the half-width `accuracy`, by at most twofold steps, up to 64."""
 
     def finer(divisions: int, factor: float) -> int:
-        wanted = min(2 * divisions, int(divisions * factor**0.5) + 1)
-        if wanted > 64:
-            raise InputError(f"--divisions {wanted}: takes more memory than there is")
-        return wanted
+        needed = min(2 * divisions, int(divisions * factor**0.5) + 1)
+        if needed > 64:
+            raise InputError(f"--divisions {needed}: takes more memory than there is")
+        return needed
 
-    return refined(2, lambda divisions: divisions, left, finer, asked)
+    return refined(2, lambda divisions: divisions, error_of_mesh, finer, accuracy)
 
 
-@pytest.mark.parametrize("asked", [0.2, 0.01, 1e-4])
-def test_refinement_stops_if_accurate(asked: float) -> None:
-    found, told = refined_to(asked)
-    assert left(found) <= asked
-    assert told == Accuracy(asked, left(found))
-    assert found == 2 or left(found // 2) > asked
+@pytest.mark.parametrize("accuracy", [0.2, 0.01, 1e-4])
+def test_refinement_stops_if_accurate(accuracy: float) -> None:
+    reached, note = refined_to(accuracy)
+    assert error_of_mesh(reached) <= accuracy
+    assert note == Accuracy(accuracy, error_of_mesh(reached))
+    assert reached == 2 or error_of_mesh(reached // 2) > accuracy
 
 
 def test_unreached_accuracy_is_reported() -> None:
-    found, told = refined_to(1e-6)
-    assert (found, told.reached) == (64, left(64))
-    assert told.text.startswith("accuracy ±0.0024 %, requested ±0.0001 %; --divisions 128: takes m")
+    reached, note = refined_to(1e-6)
+    assert (reached, note.reached) == (64, error_of_mesh(64))
+    assert note.text.startswith("accuracy ±0.0024 %, requested ±0.0001 %; --divisions 128: takes m")
 
 
 def test_refinement_ignores_machine_speed(monkeypatch) -> None:
     """Each reading of the clock advances by 90 s. Only the size limits the refinement."""
     clock = count(step=90)
     monkeypatch.setattr(refinement, "perf_counter", lambda: float(next(clock)), raising=False)
-    assert refined_to(0.01) == (4, Accuracy(0.01, left(4)))
+    assert refined_to(0.01) == (4, Accuracy(0.01, error_of_mesh(4)))
