@@ -29,9 +29,9 @@ def fraction(difference: Array, reference: Array, forces: Array) -> Array:
 
     D is the difference, C the reference, s its largest compliance."""
     force = forces / np.linalg.norm(forces, axis=0)
-    moved = np.linalg.norm(reference @ force, axis=0)
+    lengths = np.linalg.norm(reference @ force, axis=0)
     floor = FLOOR * np.linalg.norm(reference, 2)
-    return np.linalg.norm(difference @ force, axis=0) / np.maximum(moved, floor)
+    return np.linalg.norm(difference @ force, axis=0) / np.maximum(lengths, floor)
 
 
 def statics(compliances: Array) -> Statics:
@@ -55,10 +55,10 @@ def test_worst_force_matches_direct_search(seed: int) -> None:
     difference = 10.0 ** rng.uniform(-12.0, -8.0) * rng.normal(size=(3, 3))
     if seed % 3 == 0:
         difference = compliance(rng, yields) - reference
-    found = worst_force(difference[None], reference[None])
-    assert np.linalg.norm(found.force[0]) == pytest.approx(1.0)
-    at = fraction(difference, reference, found.force.T)
-    assert at == pytest.approx(found.error, rel=1e-9)
+    worst = worst_force(difference[None], reference[None])
+    assert np.linalg.norm(worst.force[0]) == pytest.approx(1.0)
+    error_at_force = fraction(difference, reference, worst.force.T)
+    assert error_at_force == pytest.approx(worst.error, rel=1e-9)
     # Neither above what the sphere has nor below it: climbed to from the best of many directions.
     forces = rng.normal(size=(3, 8000))
     climbed = max(
@@ -71,40 +71,42 @@ def test_worst_force_matches_direct_search(seed: int) -> None:
         for start in np.argsort(fraction(difference, reference, forces))[-6:]
     )
     # The search ends at 3e-7, elsewhere by each kernel of OpenBLAS.
-    assert found.error[0] == pytest.approx(climbed, rel=5e-6)
+    assert worst.error[0] == pytest.approx(climbed, rel=5e-6)
 
 
 def test_stiff_direction_is_not_the_worst() -> None:
     reference, difference = np.diag([1.0, 1.0, 1e-4]), np.diag([0.03, 0.0, 1e-3])
-    found = worst_force(difference[None], reference[None])
+    worst = worst_force(difference[None], reference[None])
     # Along z alone ten times too soft: 2 % of a twentieth. The worst force has both errors in it.
-    assert found.error[0] == pytest.approx(np.hypot(0.03, 0.02), rel=1e-3)
-    assert np.abs(found.force[0]) == pytest.approx([0.05, 0.0, 1.0], abs=2e-3)
+    assert worst.error[0] == pytest.approx(np.hypot(0.03, 0.02), rel=1e-3)
+    assert np.abs(worst.force[0]) == pytest.approx([0.05, 0.0, 1.0], abs=2e-3)
     # Along that force it is off by (0.03/400 + 1e-3)/(1 + 1/400), of the same twentieth.
-    whole = np.zeros((2, 1, 6, 6))
-    whole[:, 0, :3, :3] = difference, reference
-    assert relative(*map(statics, whole), ANY_FORCE).along == pytest.approx(0.0214, rel=0.01)
+    matrices = np.zeros((2, 1, 6, 6))
+    matrices[:, 0, :3, :3] = difference, reference
+    assert relative(*map(statics, matrices), ANY_FORCE).along == pytest.approx(0.0214, rel=0.01)
 
 
 def test_error_has_norm_and_signed_component() -> None:
     """The size of an error is a norm; its component along the load has a sign."""
     rng = np.random.default_rng(7)
-    own, other = (one @ np.swapaxes(one, 1, 2) for one in rng.normal(size=(2, 3, 6, 6)))
-    found = sizes(statics(other - own), statics(own))
+    exact, other = (
+        factors @ np.swapaxes(factors, 1, 2) for factors in rng.normal(size=(2, 3, 6, 6))
+    )
+    errors = sizes(statics(other - exact), statics(exact))
     for k, quantity in enumerate(UNIT_LOADS[:6]):
         rows = slice(3) if k < 3 else slice(3, 6)
-        due, moved = own[:, rows, k], other[:, rows, k]
-        plain = np.linalg.norm(moved - due, axis=1) / np.linalg.norm(due, axis=1)
-        assert found[:, k] == pytest.approx(plain, rel=1e-12)
-        along = relative(statics(other - own), statics(own), quantity).along
-        assert along == pytest.approx(other[:, k, k] / own[:, k, k] - 1.0, rel=1e-12)
+        due, displaced = exact[:, rows, k], other[:, rows, k]
+        plain = np.linalg.norm(displaced - due, axis=1) / np.linalg.norm(due, axis=1)
+        assert errors[:, k] == pytest.approx(plain, rel=1e-12)
+        along = relative(statics(other - exact), statics(exact), quantity).along
+        assert along == pytest.approx(other[:, k, k] / exact[:, k, k] - 1.0, rel=1e-12)
     # No axis is worse than the worst direction: here every direction yields more than the floor.
-    assert (found[:, 6] >= found[:, :3].max(axis=1) * (1.0 - 1e-9)).all()
+    assert (errors[:, 6] >= errors[:, :3].max(axis=1) * (1.0 - 1e-9)).all()
     assert UNIT_LOADS[6] == ANY_FORCE
 
 
 def test_rigid_reference_gives_infinite_error() -> None:
-    reference, rigid, yielding = (statics(one) for one in np.zeros((3, 2, 6, 6)))
+    reference, rigid, yielding = (statics(compliances) for compliances in np.zeros((3, 2, 6, 6)))
     reference.compliances[:, 0, 0] = 1e-8
     yielding.compliances[1, 1, 1] = 1e-9
     with warnings.catch_warnings():
@@ -129,11 +131,11 @@ def test_clamped_beam_modes_are_paired():
     assert_allclose(per_station[:, 3].sum(), leg.timoshenko.rho_J * 0.85)
     # Gauss stations integrate the first modes to 1e-4 and better, squared in MAC.
     root = np.sqrt(weights)[:, None]
-    own = sampled_modes(modes.frequencies, root * shapes)
+    sampled = sampled_modes(modes.frequencies, root * shapes)
     assert_allclose(
-        mac_matrix(own, sampled_modes(modes.frequencies, -3.0 * root * shapes)),
+        mac_matrix(sampled, sampled_modes(modes.frequencies, -3.0 * root * shapes)),
         np.eye(6),
         atol=1e-7,
     )
     reversed_order = sampled_modes(modes.frequencies, root * shapes[:, ::-1])
-    assert pair_modes(own, reversed_order).partner.tolist() == [5, 4, 3, 2, 1, 0]
+    assert pair_modes(sampled, reversed_order).partner.tolist() == [5, 4, 3, 2, 1, 0]

@@ -17,8 +17,8 @@ SAMPLES, MODES = 30, 8
 RNG_OF = np.random.default_rng
 
 
-def modes_of(frequencies, shapes, weights, seen=None):
-    return sampled_modes(frequencies, np.sqrt(weights)[:, None] * shapes, seen)
+def modes_of(frequencies, shapes, weights, energy_shares=None):
+    return sampled_modes(frequencies, np.sqrt(weights)[:, None] * shapes, energy_shares)
 
 
 def orthonormal(rng, count):
@@ -40,18 +40,20 @@ def test_separate_modes_have_partners(seed):
     """
     rng = RNG_OF([1, seed])
     shapes, weights = orthonormal(rng, MODES + 2)
-    others = shapes + 0.04 * rng.normal(size=shapes.shape)
-    others = (others * rng.choice([1.0, -1.0], MODES + 2))[:, rng.permutation(MODES + 2)]
-    seen = rng.uniform(0.75, 1.0, MODES)
-    own = modes_of(np.arange(1.0, MODES + 1), shapes[:, :MODES], weights, seen)
+    other_shapes = shapes + 0.04 * rng.normal(size=shapes.shape)
+    other_shapes = (other_shapes * rng.choice([1.0, -1.0], MODES + 2))[
+        :, rng.permutation(MODES + 2)
+    ]
+    energy_shares = rng.uniform(0.75, 1.0, MODES)
+    first_modes = modes_of(np.arange(1.0, MODES + 1), shapes[:, :MODES], weights, energy_shares)
     frequencies = np.cumsum(rng.uniform(0.01, 1.0, MODES + 2)) + 1.0
-    pairs = pair_modes(own, modes_of(frequencies, others, weights))
+    pairs = pair_modes(first_modes, modes_of(frequencies, other_shapes, weights))
     # The same, one entry after the other.
     expected = np.zeros((MODES, MODES + 2))
     for i, j in np.ndindex(*expected.shape):
-        a, b = shapes[:, i], others[:, j]
+        a, b = shapes[:, i], other_shapes[:, j]
         mac = (a * weights @ b) ** 2 / (a * weights @ a) / (b * weights @ b)
-        expected[i, j] = mac * seen[i]
+        expected[i, j] = mac * energy_shares[i]
     rows, columns = linear_sum_assignment(expected, maximize=True)
     assert pairs.partner.tolist() == columns.tolist()
     assert pairs.mac == pytest.approx(expected[rows, columns], rel=1e-10)
@@ -62,15 +64,17 @@ def test_separate_modes_have_partners(seed):
 def test_pairs_maximise_sum_of_mac():
     """A greedy choice takes 0.6 and leaves 0; the best pairs have 0.5 + 0.5."""
     first, second = [1.0, 0.0, 0.0, 0.0], [0.5, 0.5057, 0.7030, 0.0]
-    others = [[0.7746, 0.6325, 0.0, 0.0], [0.7071, -0.2126, -0.35, 0.5762]]
-    own, other = (
-        modes_of(np.array([1.0, 2.0]), np.transpose(one), np.ones(4))
-        for one in ([first, second], others)
+    other_shapes = [[0.7746, 0.6325, 0.0, 0.0], [0.7071, -0.2126, -0.35, 0.5762]]
+    first_modes, second_modes = (
+        modes_of(np.array([1.0, 2.0]), np.transpose(shapes), np.ones(4))
+        for shapes in ([first, second], other_shapes)
     )
-    np.testing.assert_allclose(mac_matrix(own, other), [[0.6, 0.5], [0.5, 0.0]], atol=1e-3)
-    assert pair_modes(own, other).nearest.tolist() == [1, 0]
-    alone = modes_of(np.array([1.0]), np.transpose(others[:1]), np.ones(4))
-    assert pair_modes(own, alone).nearest.tolist() == [0, -1]
+    np.testing.assert_allclose(
+        mac_matrix(first_modes, second_modes), [[0.6, 0.5], [0.5, 0.0]], atol=1e-3
+    )
+    assert pair_modes(first_modes, second_modes).nearest.tolist() == [1, 0]
+    alone = modes_of(np.array([1.0]), np.transpose(other_shapes[:1]), np.ones(4))
+    assert pair_modes(first_modes, alone).nearest.tolist() == [0, -1]
 
 
 @pytest.mark.parametrize("size", [2, 3])
@@ -78,27 +82,29 @@ def test_pairs_maximise_sum_of_mac():
 def test_repeated_modes_use_principal_angles(size, tilt):
     rng = RNG_OF([2, size])
     shapes, weights = orthonormal(rng, 6)
-    one, rest = shapes[:, :size], shapes[:, size : size + 2]
-    other = one @ rotation(rng, size)
-    other[:, 0] = np.cos(tilt) * other[:, 0] + np.sin(tilt) * shapes[:, 5]
+    repeated, single = shapes[:, :size], shapes[:, size : size + 2]
+    rotated = repeated @ rotation(rng, size)
+    rotated[:, 0] = np.cos(tilt) * rotated[:, 0] + np.sin(tilt) * shapes[:, 5]
     # The pair or triple is the first of one model and the last of the other.
-    own = modes_of(np.repeat([10.0, 20.0, 30.0], [size, 1, 1]), np.hstack([one, rest]), weights)
-    turned = modes_of(
-        np.repeat([12.0, 21.0, 40.0], [1, 1, size]), np.hstack([rest, other]), weights
+    first_modes = modes_of(
+        np.repeat([10.0, 20.0, 30.0], [size, 1, 1]), np.hstack([repeated, single]), weights
     )
-    pairs = pair_modes(own, turned)
+    turned = modes_of(
+        np.repeat([12.0, 21.0, 40.0], [1, 1, size]), np.hstack([single, rotated]), weights
+    )
+    pairs = pair_modes(first_modes, turned)
     assert pairs.partner.tolist() == [*range(2, 2 + size), 0, 1]
     root = np.sqrt(weights)[:, None]
-    expected = np.cos(subspace_angles(root * one, root * other)) ** 2
+    expected = np.cos(subspace_angles(root * repeated, root * rotated)) ** 2
     np.testing.assert_allclose(np.sort(pairs.mac[:size]), np.sort(expected), atol=1e-12)
     np.testing.assert_allclose(pairs.mac[size:], 1.0, atol=1e-12)
 
 
 def test_missing_mode_of_triple_has_no_partner():
     shapes, weights = orthonormal(RNG_OF(3), 4)
-    own = modes_of(np.full(3, 10.0), shapes[:, :3] @ rotation(RNG_OF(4), 3), weights)
+    triple = modes_of(np.full(3, 10.0), shapes[:, :3] @ rotation(RNG_OF(4), 3), weights)
     other = modes_of(np.full(3, 11.0), shapes[:, [0, 1, 3]], weights)
-    pairs = pair_modes(own, other)
+    pairs = pair_modes(triple, other)
     assert pairs.partner.tolist() == [0, 1, -1]
     assert pairs.mac[:2] == pytest.approx(1.0)
 
@@ -126,8 +132,8 @@ def test_permuted_close_modes_are_recovered(seed):
     shapes, weights = orthonormal(rng, MODES)
     frequencies = 100.0 * np.cumprod(rng.uniform(1.01, 1.08, MODES))
     order = rng.permutation(MODES)
-    own = modes_of(frequencies, shapes, weights)
-    pairs = pair_modes(own, modes_of(0.97 * frequencies, shapes[:, order], weights))
+    modes = modes_of(frequencies, shapes, weights)
+    pairs = pair_modes(modes, modes_of(0.97 * frequencies, shapes[:, order], weights))
     assert pairs.partner.tolist() == np.argsort(order).tolist()
     assert pairs.ordered.tolist() == pairs.partner.tolist()
 
@@ -137,8 +143,10 @@ def test_shapes_turned_by_45_degrees_are_mixed(degrees, mixed):
     shapes, weights = orthonormal(RNG_OF(7), 2)
     cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     turned = shapes @ np.array([[cosine, -sine], [sine, cosine]])
-    own, other = (modes_of(np.array([10.0, 10.5]), one, weights) for one in (shapes, turned))
-    pairs = pair_modes(own, other)
+    modes, rotated = (
+        modes_of(np.array([10.0, 10.5]), sampled, weights) for sampled in (shapes, turned)
+    )
+    pairs = pair_modes(modes, rotated)
     assert pairs.mixed.any() == mixed
     assert sorted(pairs.partner) == [0, 1]
     np.testing.assert_allclose(pairs.mac, 1.0 if mixed else cosine**2, atol=1e-12)
@@ -148,13 +156,13 @@ def test_shapes_turned_by_45_degrees_are_mixed(degrees, mixed):
 def test_local_mode_mac_is_below_energy(share):
     """A local mode looks like a model's mode at the samples: MAC = its energy share there."""
     shapes, weights = orthonormal(RNG_OF(8), 2)
-    own = modes_of(np.array([10.0, 11.0]), shapes, weights, np.array([share, 1.0]))
+    modes = modes_of(np.array([10.0, 11.0]), shapes, weights, np.array([share, 1.0]))
     other = modes_of(np.array([10.0, 12.0]), shapes, weights)
-    np.testing.assert_allclose(mac_matrix(own, other), np.diag([share, 1.0]), atol=1e-12)
-    pairs = pair_modes(own, other)
+    np.testing.assert_allclose(mac_matrix(modes, other), np.diag([share, 1.0]), atol=1e-12)
+    pairs = pair_modes(modes, other)
     assert pairs.partner.tolist() == [-1, 1]
     assert pairs.mac[0] == pytest.approx(share)
-    assert pair_modes(other, own).partner.tolist() == [-1, 1]
+    assert pair_modes(other, modes).partner.tolist() == [-1, 1]
 
 
 def test_mode_cluster_is_within_uncertainty():
