@@ -31,13 +31,13 @@ def test_invalid_entries_are_ignored(folder):
     forget()
     assert_array_equal(find("a")["powers"], ARRAYS["powers"])
     file = folder / "a.npz"
-    whole = file.read_bytes()
-    (folder / "b.npz").write_bytes(whole)
+    valid_bytes = file.read_bytes()
+    (folder / "b.npz").write_bytes(valid_bytes)
     other = BytesIO()
     np.savez(other, powers=np.zeros(10**6), total="no number")
-    flipped = bytearray(whole)
-    flipped[len(whole) // 2] ^= 1
-    for content in (b"PK torn", b"", b"[]", bytes(flipped), whole[:-1], other.getvalue()):
+    flipped = bytearray(valid_bytes)
+    flipped[len(valid_bytes) // 2] ^= 1
+    for content in (b"PK torn", b"", b"[]", bytes(flipped), valid_bytes[:-1], other.getvalue()):
         file.write_bytes(content)
         forget()
         assert find("a") is None
@@ -115,10 +115,13 @@ def test_unwritable_cache_recomputes_all(folder, monkeypatch, tmp_path):
         assert list(meanwhile.iterdir()) == [meanwhile / "a.npz"]
     assert not meanwhile.exists()
     assert os.environ["FLEXPROOF_CACHE"] == "off"
-    for told, found in (("relative", Path.home() / ".cache"), (str(tmp_path), tmp_path)):
+    for setting, folder_of_caches in (
+        ("relative", Path.home() / ".cache"),
+        (str(tmp_path), tmp_path),
+    ):
         monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
-        monkeypatch.setenv("XDG_CACHE_HOME", told)
-        assert cache.cache_folder() == found / "flexproof"
+        monkeypatch.setenv("XDG_CACHE_HOME", setting)
+        assert cache.cache_folder() == folder_of_caches / "flexproof"
 
 
 def test_full_cache_drops_least_recently_used(folder, monkeypatch):
@@ -162,10 +165,10 @@ def test_killed_run_leaves_valid_cache(folder):
         process.kill()
         process.communicate()
         forget()
-        found = find("a")
-        assert found is None or found["large"].sum() == np.arange(1e6).sum()
+        arrays = find("a")
+        assert arrays is None or arrays["large"].sum() == np.arange(1e6).sum()
         (folder / "a.npz").unlink(missing_ok=True)
     both = [computing(1.0), computing(1.0)]
-    said = [process.communicate(timeout=60)[0] for process in both]
-    assert sorted(said) == ["", "computing\n"]
+    outputs = [process.communicate(timeout=60)[0] for process in both]
+    assert sorted(outputs) == ["", "computing\n"]
     assert [process.returncode for process in both] == [0, 0]

@@ -62,10 +62,10 @@ class Cluster:
         words = (self.address, "--no-nanny", "--nthreads", "1", "--name", name)
         self._start("worker", *words, name=name, root=root)
 
-    def _start(self, what, *words, name="scheduler", root=ROOT):
+    def _start(self, program, *words, name="scheduler", root=ROOT):
         always = ("--no-dashboard", "--host", "127.0.0.1")
         self.processes[name] = subprocess.Popen(
-            [sys.executable, "-m", f"distributed.cli.dask_{what}", *words, *always],
+            [sys.executable, "-m", f"distributed.cli.dask_{program}", *words, *always],
             cwd=self.folder,
             env=ENVIRONMENT | {"PYTHONPATH": str(root), "XDG_CACHE_HOME": str(self.folder)},
             stdout=(self.folder / f"{name}.log").open("wb"),
@@ -99,10 +99,15 @@ def silent(_line):
 def dask():
     """A scheduler and a worker in threads of this process, which receive pickled calls."""
     distributed = pytest.importorskip("distributed")
-    here = {"processes": False, "protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": ""}
+    options = {
+        "processes": False,
+        "protocol": "tcp://",
+        "host": "127.0.0.1",
+        "dashboard_address": "",
+    }
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(on_dask, "_ANSWER_TIMEOUT", 60.0)
-        with distributed.LocalCluster(1, threads_per_worker=1, **here) as cluster:
+        with distributed.LocalCluster(1, threads_per_worker=1, **options) as cluster:
             yield cluster
 
 
@@ -132,12 +137,12 @@ def test_command_on_cluster_equals_local_one(
         monkeypatch.setattr(module, "on_cluster", lambda *_: nullcontext(workers))
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "there"))
     before = executed(dask)
-    there = command.json(*line.split(), "--cluster", dask.scheduler_address)
+    on_cluster_result = command.json(*line.split(), "--cluster", dask.scheduler_address)
     # The conditions of the run come to the worker once.
     assert executed(dask) - before - calls in (0, 1)
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "here"))
     forget()
-    assert there == command.json(*line.split())
+    assert on_cluster_result == command.json(*line.split())
 
 
 @dataclass(frozen=True)
@@ -190,11 +195,11 @@ def test_run_on_cluster_equals_local_run(tmp_path, workers):
     assert "was ended by SIGSEGV" in records.pop("toy.crash")["message"]
     for task in tasks:
         if task.id != "toy.crash":
-            here = plain(runner.execute(task, context))
+            local = plain(runner.execute(task, context))
             if task.group == "shared":
-                del here["found"]["notes"]
-            there = records.pop(task.id)
-            assert there == here | {"seconds": there["seconds"]}
+                del local["found"]["notes"]
+            remote = records.pop(task.id)
+            assert remote == local | {"seconds": remote["seconds"]}
     assert not records
     for line in ("Traceback", "Segmentation fault", "this belongs into the log"):
         assert line in log.read_text()
@@ -242,54 +247,59 @@ def test_parts_are_reduced_on_workers(tmp_path, monkeypatch, cluster):
     """The worker lacks the part's file. Its reductions are stored in this machine's cache, too."""
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
-    monkeypatch.setattr(read, "within_limits", lambda _, function, *given: function(*given))
+    monkeypatch.setattr(read, "within_limits", lambda _, function, *arguments: function(*arguments))
     robot = write_meshed_crane(tmp_path)
     # Held in one way, which saves the worker a reduction.
-    said = robot.read_text("utf-8").replace(" } }", ' }, coupling = "rigid" }')
-    robot.write_text(said, "utf-8")
+    text = robot.read_text("utf-8").replace(" } }", ' }, coupling = "rigid" }')
+    robot.write_text(text, "utf-8")
     context = Context(load_robot(robot), "quick")
     with on_cluster(cluster.address, silent) as executor:
         prepare_parts(context, executor, remote=True)
     places = (tmp_path / "here", cluster.folder)
-    names = [{file.name for file in place.rglob("*.npz")} for place in places]
+    names = [{file.name for file in folder.rglob("*.npz")} for folder in places]
     assert len(names[0]) >= 4
     assert names[0] <= names[1]
     forget()
     prepare_parts(context, lambda work: pytest.fail(f"{len(work)} computed again"), remote=True)
     with monkeypatch.context() as patch:
-        for one in ("reduction", "free_interface"):
-            patch.setattr(reduced_parts, one, lambda *_: pytest.fail("reduced again"))
+        for function in ("reduction", "free_interface"):
+            patch.setattr(reduced_parts, function, lambda *_: pytest.fail("reduced again"))
         postures = path_postures(context)
         for ends in holding(context.robot_file.mechanism).alternatives.values():
             assert solid_parts(postures, computed_count(4), ends)["arm"].size > 12
     # One of the reductions made here: another process, the same numbers.
     arm = context.robot_file.mechanism.bodies["arm"]
     highest, cutoff = highest_of_parts(path_postures(context), computed_count(4))
-    found = reduced_parts.reduced(arm, highest, cutoff)
+    first = reduced_parts.reduced(arm, highest, cutoff)
     shutil.rmtree(tmp_path / "here")
     forget()
-    own = reduced_parts.reduced(arm, highest, cutoff)
-    assert own.counted == found.counted > 0
-    for mine, its in ((own.stiffness, found.stiffness), (own.mass, found.mass)):
-        assert_allclose(mine, its, rtol=1e-12, atol=1e-12 * np.abs(its).max())
+    second = reduced_parts.reduced(arm, highest, cutoff)
+    assert second.counted == first.counted > 0
+    for second_matrix, first_matrix in (
+        (second.stiffness, first.stiffness),
+        (second.mass, first.mass),
+    ):
+        assert_allclose(
+            second_matrix, first_matrix, rtol=1e-12, atol=1e-12 * np.abs(first_matrix).max()
+        )
 
 
 @pytest.mark.exhaustive
 def test_killed_worker_loses_no_results(cluster, monkeypatch):
     """Runs last, because it kills a worker of the cluster that all tests of this file share."""
     monkeypatch.setattr(on_dask, "_WORKER_TIMEOUT", 1.0)
-    found, said = {}, []
+    results, messages = {}, []
 
-    def say(line):
-        said.append(line)
+    def record(line):
+        messages.append(line)
         if "no workers" in line:
             cluster.worker("second")
 
     calls = [partial(subprocess.getoutput, f"sleep {n // 4}; echo {n}") for n in range(8)]
-    with on_cluster(cluster.address, say) as executor:
+    with on_cluster(cluster.address, record) as executor:
         for number, printed in executor(calls):
-            found[number] = printed
-            if len(found) == 1:
+            results[number] = printed
+            if len(results) == 1:
                 # The only worker dies with results that nobody has asked for, in the middle of one.
                 time.sleep(1.0)
                 cluster.processes["first"].kill()
@@ -303,14 +313,14 @@ def test_killed_worker_loses_no_results(cluster, monkeypatch):
         Timer(1.0, scheduler.kill).start()
         with pytest.raises(ComputationError, match="the scheduler is gone"):
             list(finished)
-    assert found == {n: f"{n}" for n in range(8)}
-    missing, joined = said
+    assert results == {n: f"{n}" for n in range(8)}
+    missing, joined = messages
     assert "the scheduler has no workers; waiting for one" in missing
     assert "a worker has joined" in joined
 
 
 @pytest.mark.parametrize(
-    ("address", "said"),
+    ("address", "message"),
     [
         ("http://127.0.0.1:80", "not the address of a scheduler"),
         ("tcp://127.0.0.1:99999", "not the address of a scheduler"),
@@ -318,29 +328,32 @@ def test_killed_worker_loses_no_results(cluster, monkeypatch):
         ("tcp://127.0.0.1:1", "no Dask scheduler answers there: Connection refused"),
     ],
 )
-def test_missing_scheduler_keeps_earlier_run(address, said, tmp_path, command):
+def test_missing_scheduler_keeps_earlier_run(address, message, tmp_path, command):
     with open_folder(tmp_path / "run", {}, "afresh") as folder:
         folder.write({"results.json": "precious"})
         folder.complete = True
     before = content(tmp_path)
-    asked = ["run", "--preset", "quick", "--out", tmp_path / "run", "--cluster", address]
-    line = command.refused(*asked, "--vary", "platform.mass=40:50:2")
+    words = ["run", "--preset", "quick", "--out", tmp_path / "run", "--cluster", address]
+    line = command.refused(*words, "--vary", "platform.mass=40:50:2")
     assert line.startswith("flexproof: --cluster")
-    assert said in line
+    assert message in line
     assert content(tmp_path) == before
 
 
 @pytest.mark.parametrize(
-    ("greeting", "answer", "said"),
+    ("greeting", "answer", "message"),
     [(b"HTTP/1.1 400", 60.0, "is not a Dask scheduler"), (b"", 0.2, "timed out")],
 )
-def test_non_dask_service_is_refused(greeting, answer, said, monkeypatch):
+def test_non_dask_service_is_refused(greeting, answer, message, monkeypatch):
     monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", answer)
     with socket.create_server(("127.0.0.1", 0)) as server:
         if greeting:
             Thread(target=lambda: server.accept()[0].sendall(greeting), daemon=True).start()
         port = server.getsockname()[1]
-        with pytest.raises(InputError, match=said), on_cluster(f"tcp://127.0.0.1:{port}", silent):
+        with (
+            pytest.raises(InputError, match=message),
+            on_cluster(f"tcp://127.0.0.1:{port}", silent),
+        ):
             pass
 
 
@@ -349,9 +362,9 @@ def test_non_dask_service_is_refused(greeting, answer, said, monkeypatch):
     [
         # Frames of 10 bytes that say how many there are; one of a number, of a list; none.
         (10).to_bytes(8, "little") + b"x" * 10,
-        b"".join(one.to_bytes(8, "little") for one in (17, 1, 1)) + b"\x05",
-        b"".join(one.to_bytes(8, "little") for one in (19, 1, 3)) + b"\x92\x01\x02",
-        b"".join(one.to_bytes(8, "little") for one in (8, 0)),
+        b"".join(number.to_bytes(8, "little") for number in (17, 1, 1)) + b"\x05",
+        b"".join(number.to_bytes(8, "little") for number in (19, 1, 3)) + b"\x92\x01\x02",
+        b"".join(number.to_bytes(8, "little") for number in (8, 0)),
     ],
 )
 def test_invalid_greeting_is_refused(greeting, monkeypatch):
@@ -365,8 +378,8 @@ def test_invalid_greeting_is_refused(greeting, monkeypatch):
 
         Thread(target=greet, daemon=True).start()
         address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
-        said = "the service at this address is not a Dask scheduler"
-        with pytest.raises(InputError, match=said), on_cluster(address, silent):
+        message = "the service at this address is not a Dask scheduler"
+        with pytest.raises(InputError, match=message), on_cluster(address, silent):
             pass
 
 

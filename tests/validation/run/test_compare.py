@@ -24,11 +24,11 @@ STEADY = Outcome(
 )
 
 
-def moved(half_width=None, **numbers):
+def changed(half_width=None, **numbers):
     """Outcome STEADY with other `numbers` in its measurement; exact if `half_width` is None."""
     exact = half_width is None
-    own = {"value": 1.0, "reference": 1.0, "judged_uncertainty": half_width, "exact": exact}
-    return replace(STEADY, found=Measurement(**own | numbers))
+    fields = {"value": 1.0, "reference": 1.0, "judged_uncertainty": half_width, "exact": exact}
+    return replace(STEADY, found=Measurement(**fields | numbers))
 
 
 def run_of(*cases, adequacy=(), **header):
@@ -37,8 +37,8 @@ def run_of(*cases, adequacy=(), **header):
 
 @pytest.fixture
 def saved(tmp_path):
-    def save(name, *cases, **more):
-        (tmp_path / name).write_text(run_json(run_of(*cases, **more)))
+    def save(name, *cases, **fields):
+        (tmp_path / name).write_text(run_json(run_of(*cases, **fields)))
         return tmp_path / name
 
     return save
@@ -76,18 +76,20 @@ def test_changed_verdicts_are_listed():
     ],
 )
 def test_drift_is_change_beyond_uncertainty(values, uncertainties, beyond):
-    known = {} if values[0] == 1.0 else {"reference": 0.0}
-    case = Declaration(id="steady", title="", tolerance=Absolute(1e-9 if known else 0.1))
+    reference = {} if values[0] == 1.0 else {"reference": 0.0}
+    case = Declaration(id="steady", title="", tolerance=Absolute(1e-9 if reference else 0.1))
     before, after = (
-        replace(moved(uncertainty, value=value, **known), case=case)
+        replace(changed(uncertainty, value=value, **reference), case=case)
         for value, uncertainty in zip(values, uncertainties, strict=True)
     )
     assert drift(before, after).beyond is beyond
     # In results.json beside the value, as the page shows it.
     written = with_drift(after, before)
     # Where the reference is zero, a thousandth of the tolerance is rounding.
-    rounding = 1e-12 if known else 1e-9 * max(values)
-    allowed = max([rounding, *(one for one in uncertainties if one is not None)])
+    rounding = 1e-12 if reference else 1e-9 * max(values)
+    allowed = max(
+        [rounding, *(uncertainty for uncertainty in uncertainties if uncertainty is not None)]
+    )
     assert (written.measurement.value, written.earlier) == values[::-1]
     assert written.drift == values[1] - values[0]
     assert written.drift_allowed == pytest.approx(allowed)
@@ -99,28 +101,30 @@ def test_compare_lists_exactly_the_changes():
     before = run_of(STEADY, replace(STEADY, id="worse"), replace(STEADY, id="gone"))
     case = dataclasses.replace(STEADY.case, unit="Hz")
     after = run_of(
-        replace(moved(0.02, value=1.25, reference=0.5), case=case, seconds=3.5),
+        replace(changed(0.02, value=1.25, reference=0.5), case=case, seconds=3.5),
         replace(STEADY, id="worse", verdict="disagree"),
         replace(STEADY, id="came"),
         preset="fine",
     )
-    found = compare(before, after)
-    lines = as_text(before, after, found).splitlines()
+    comparison = compare(before, after)
+    lines = as_text(before, after, comparison).splitlines()
     assert "The runs differ in preset." in lines
     assert "1 verdict worse, 0 better, 1 case drifted, 1 new, 1 removed." in lines
     assert "  worse  agree   disagree  worse" in lines
     assert any(line.split()[:3] == ["1", "1.25", "+0.25"] for line in lines)
     assert any(line.split() == ["1.00", "3.50", "+2.50", "steady"] for line in lines)
     assert {"  came", "  gone"} <= set(lines)
-    told, same = (json.loads(json.dumps(as_dict(one))) for one in (found, compare(before, before)))
-    value, reference = told["drifted"]
+    record, record_of_equal_runs = (
+        json.loads(json.dumps(as_dict(result))) for result in (comparison, compare(before, before))
+    )
+    value, reference = record["drifted"]
     numbers = {"before": 1.0, "after": 1.25, "drift": 0.25, "allowed": 0.02}
     assert value == {"id": "steady", "what": "value", "unit": "Hz", **numbers}
     assert (reference["what"], reference["drift"]) == ("reference", -0.5)
-    assert told["seconds"][0] == {"id": "steady", "before": 1.0, "after": 3.5}
-    (change,) = told["verdicts"]
+    assert record["seconds"][0] == {"id": "steady", "before": 1.0, "after": 3.5}
+    (change,) = record["verdicts"]
     assert change == {"id": "worse", "before": "agree", "after": "disagree", "worse": True}
-    assert not any((same | {"seconds": [], "schema": 0}).values())
+    assert not any((record_of_equal_runs | {"seconds": [], "schema": 0}).values())
 
 
 def test_worse_verdict_exits_with_1(tmp_path, saved, command):
@@ -128,19 +132,19 @@ def test_worse_verdict_exits_with_1(tmp_path, saved, command):
     good = saved("good.json", STEADY)
     saved("bad/results.json", replace(STEADY, verdict="failed", found=None))
     command.told("compare", good, good)
-    said = command.told("compare", good, tmp_path / "bad", code=1)
-    assert "agree   failed  steady" in said
+    output = command.told("compare", good, tmp_path / "bad", code=1)
+    assert "agree   failed  steady" in output
     (change,) = command.json("compare", tmp_path / "bad", good)["verdicts"]
     assert (change["before"], change["worse"]) == ("failed", False)
     # Runs without a common case are not called the same.
     empty = saved("empty.json")
-    for one in (good, empty):
-        said = command.refused("compare", one, empty)
-        assert "have no case in common, so nothing can be compared" in said
+    for run in (good, empty):
+        output = command.refused("compare", run, empty)
+        assert "have no case in common, so nothing can be compared" in output
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (None, "no such run folder or file"),
         ("", "not a results.json"),
@@ -151,11 +155,11 @@ def test_worse_verdict_exits_with_1(tmp_path, saved, command):
         (json.dumps({"cases": [CASE | {"value": 1e300}]}), "a number exceeds 1e+150"),
     ],
 )
-def test_invalid_run_exits_with_2(content, said, tmp_path, command):
+def test_invalid_run_exits_with_2(content, message, tmp_path, command):
     path = tmp_path / "x.json"
     if content is not None:
         path.write_bytes(content.encode(errors="surrogateescape"))
-    assert said in command.refused("compare", path, path)
+    assert message in command.refused("compare", path, path)
     with pytest.raises(InputError, match=r"contains no results\.json"):
         load_run(tmp_path)
 
@@ -186,16 +190,16 @@ def test_values_are_matched_by_pose():
         entry = replace(judged("x", "adequate"), poses=tuple(zip(x, -x, strict=True)), values=y)
         runs.append(run_of(adequacy=(entry,)))
     (change,) = compare(*runs).adequacy
-    found = np.array([(one.before, one.after) for one in change.values])
-    np.testing.assert_array_equal(found, np.array([values, -values]).T)
+    before_and_after = np.array([(value.before, value.after) for value in change.values])
+    np.testing.assert_array_equal(before_and_after, np.array([values, -values]).T)
 
 
 @pytest.mark.parametrize("poses", [((0.1,), (0.2, 0.3)), ((), (0.1,)), ((0.1, 0.2),) * 2])
 def test_other_pose_lengths_are_not_compared(poses):
     """Poses have different numbers of coordinates, as after an edit of the file."""
     entries = (
-        replace(judged("x", "adequate"), poses=some, values=(1.0, 2.0))
-        for some in (poses, ((0.1,), (0.2,)))
+        replace(judged("x", "adequate"), poses=poses_of_run, values=(1.0, 2.0))
+        for poses_of_run in (poses, ((0.1,), (0.2,)))
     )
     runs = [run_of(adequacy=(entry,)) for entry in entries]
     for pair in (runs, runs[::-1]):
@@ -204,20 +208,22 @@ def test_other_pose_lengths_are_not_compared(poses):
 
 def test_errors_are_compared_in_percent(saved, command):
     """Printed errors have sign, half-width, bound, range over readings, and part along the load."""
-    own = {"model": "vjm", "verdict": "undecided", "limit": 0.05}
-    known = {"error": 0.0325, "uncertainty": 0.0125, "low": 0.02, "high": 0.045}
+    entry = {"model": "vjm", "verdict": "undecided", "limit": 0.05}
+    numbers = {"error": 0.0325, "uncertainty": 0.0125, "low": 0.02, "high": 0.045}
     entries = [
-        {**own, **known, "quantity": "f1"},
-        {**own, **known, "quantity": "x", "along": -0.0225},
-        {**own, **known, "quantity": "f2", "error": -0.0325, "low": -0.045, "high": -0.02},
-        {**own, "quantity": "y", "error": 0.0, "uncertainty": 0.044, "low": 0.0, "high": 0.044}
+        {**entry, **numbers, "quantity": "f1"},
+        {**entry, **numbers, "quantity": "x", "along": -0.0225},
+        {**entry, **numbers, "quantity": "f2", "error": -0.0325, "low": -0.045, "high": -0.02},
+        {**entry, "quantity": "y", "error": 0.0, "uncertainty": 0.044, "low": 0.0, "high": 0.044}
         | {"along": 0.0},
-        {**own, "quantity": "z", "error": 0.33, "uncertainty": 0.0, "low": 0.0, "high": 0.33}
+        {**entry, "quantity": "z", "error": 0.33, "uncertainty": 0.0, "low": 0.0, "high": 0.33}
         | {"along": -0.33, "readings": {"rigid pins": 0.0, "averaged ones": 0.33}},
     ]
-    before = saved("before.json", adequacy=[{**one, "verdict": "adequate"} for one in entries])
-    told = command.told("compare", before, saved("after.json", adequacy=entries))
-    lines = {line.split()[1]: line for line in told.splitlines() if line.startswith("  vjm ")}
+    before = saved(
+        "before.json", adequacy=[{**fields, "verdict": "adequate"} for fields in entries]
+    )
+    output = command.told("compare", before, saved("after.json", adequacy=entries))
+    lines = {line.split()[1]: line for line in output.splitlines() if line.startswith("  vjm ")}
     assert {
         name: " ".join(line.split()).partition(" adequate")[0] for name, line in lines.items()
     } == {
@@ -231,9 +237,9 @@ def test_errors_are_compared_in_percent(saved, command):
 
 def test_runs_without_cases_compare_models(saved, command):
     verdicts = ("adequate", "inadequate")
-    paths = [saved(f"{one}.json", adequacy=(judged("x", one),)) for one in verdicts]
-    said = command.told("compare", *paths)
-    assert re.search(r"vjm +x +\+2\.00 % +adequate +\+2\.00 % +inad", said)
+    paths = [saved(f"{verdict}.json", adequacy=(judged("x", verdict),)) for verdict in verdicts]
+    output = command.told("compare", *paths)
+    assert re.search(r"vjm +x +\+2\.00 % +adequate +\+2\.00 % +inad", output)
 
 
 def test_variants_have_no_drift():
@@ -245,54 +251,54 @@ def test_variants_have_no_drift():
         adequacy=(judged("x", "adequate", 1.0, 2.0, 3.0), judged("y", "adequate", 1.0)),
     )
     thin = run_of(
-        moved(value=2.0),
+        changed(value=2.0),
         robot_tables=tables[1],
         adequacy=(judged("x", "inadequate", 1.5, None, 4.0), judged("f1", "adequate")),
     )
-    found = compare(thick, thin)
-    (change,) = found.inputs
+    comparison = compare(thick, thin)
+    (change,) = comparison.inputs
     assert (change.key, change.before, change.after) == ("leg1.section.t[2]", 0.004, 0.003)
-    assert found.drifted == ()
+    assert comparison.drifted == ()
     assert compare(thick, replace(thin, run=thick.run)).drifted != ()
-    x, y, f1 = found.adequacy
-    values = [(one.pose, one.before, one.after) for one in x.values]
+    x, y, f1 = comparison.adequacy
+    values = [(value.pose, value.before, value.after) for value in x.values]
     assert values == [((0.1,), 1.0, 1.5), ((0.3,), 3.0, 4.0)]
     assert (x.before.verdict, x.after.verdict, x.after.error) == ("adequate", "inadequate", 0.02)
     assert (y.after, f1.before) == (None, None)
-    told = as_text(thick, thin, found)
-    assert "The input differs" in told
+    output = as_text(thick, thin, comparison)
+    assert "The input differs" in output
     # What reads the same is left out: of a built-in robot some hundred lines.
-    assert "vjm    x " in told
-    alike = replace(thin, adequacy=thick.adequacy)
-    assert "Adequacy" not in as_text(thick, alike, compare(thick, alike))
-    assert "leg1.section.t[2]" in told
-    assert as_dict(found)["adequacy"][0]["values"][0].keys() == {"pose", "before", "after"}
+    assert "vjm    x " in output
+    equal_adequacy = replace(thin, adequacy=thick.adequacy)
+    assert "Adequacy" not in as_text(thick, equal_adequacy, compare(thick, equal_adequacy))
+    assert "leg1.section.t[2]" in output
+    assert as_dict(comparison)["adequacy"][0]["values"][0].keys() == {"pose", "before", "after"}
     same = compare(thick, thick)
     assert same.inputs == ()
     assert "Adequacy" not in as_text(thick, thick, same)
 
 
 def test_different_postures_are_not_compared():
-    at_start = moved(pose=(0.21,))
-    here, there = (moved(value=2.0, pose=(x,)) for x in (0.21, 0.6))
-    assert drift(at_start, here).beyond
-    assert drift(at_start, there) is None
+    at_start = changed(pose=(0.21,))
+    at_equal_pose, at_other_pose = (changed(value=2.0, pose=(x,)) for x in (0.21, 0.6))
+    assert drift(at_start, at_equal_pose).beyond
+    assert drift(at_start, at_other_pose) is None
 
 
 def test_different_robots_have_no_ranking(saved, tmp_path, command):
     """Cases of equal name in runs of two robots are not related: no ranking, no drift."""
-    wrong = replace(moved(value=9.0), verdict="disagree")
+    wrong = replace(changed(value=9.0), verdict="disagree")
     first = saved("first.json", wrong, robot="five-bar", robot_tables={"a": 1})
     second = saved("second.json", STEADY, robot="delta", robot_tables={"b": 1})
     for pair in ((first, second), (second, first)):
-        said = command.told("compare", *pair)
-        assert "Two different robots, " in said
-        assert not re.search(r"\d+ (better|verdicts worse)|drifted|New cases|Removed", said)
+        output = command.told("compare", *pair)
+        assert "Two different robots, " in output
+        assert not re.search(r"\d+ (better|verdicts worse)|drifted|New cases|Removed", output)
         record = command.json("compare", *pair)
         assert record["different_robots"] == [load_run(path).run["robot"] for path in pair]
         assert not any(record[key] for key in ("verdicts", "new", "removed", "worsened"))
-    asked = ["run", "five-bar", "--preset", "quick", "--only", "adequacy", "--out"]
+    words = ["run", "five-bar", "--preset", "quick", "--only", "adequacy", "--out"]
     assert "is a run of another robot" in command.refused(
-        *asked, tmp_path / "out", "--baseline", second
+        *words, tmp_path / "out", "--baseline", second
     )
     assert not (tmp_path / "out").exists()

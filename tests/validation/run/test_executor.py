@@ -61,15 +61,15 @@ def test_finished_calls_are_computed_once(tmp_path, monkeypatch):
         computed(units, Powers, interrupted, "raising")
     for executor in (backwards, pytest.fail):
         forget()
-        found = computed(units, Powers, executor, "raising")
-        assert [one.total for one in found] == [15.0, 40.0, 15.0, 156.0]
-        assert_array_equal(found[1].powers, [1.0, 3.0, 9.0, 27.0])
+        powers = computed(units, Powers, executor, "raising")
+        assert [power.total for power in powers] == [15.0, 40.0, 15.0, 156.0]
+        assert_array_equal(powers[1].powers, [1.0, 3.0, 9.0, 27.0])
 
 
 def test_results_are_computed_without_cache(monkeypatch):
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
-    found = computed([Unit(float(base)) for base in range(200)], Powers, in_turn, "raising")
-    assert [one.powers[1] for one in found] == list(range(200))
+    powers = computed([Unit(float(base)) for base in range(200)], Powers, in_turn, "raising")
+    assert [power.powers[1] for power in powers] == list(range(200))
 
 
 SCRIPT = """
@@ -118,15 +118,19 @@ def test_crashed_call_ends_only_itself(tmp_path):
         on_cores(2, tmp_path / "log") as cores,
         closing(cores.answers(groups, started.append)) as answers,
     ):
-        found = dict(answers)
-    assert sorted(found) == sorted(started) == sorted(name for group in groups for name, _ in group)
-    assert {found[name] for name in ("sound", "after it", "after the odd")} == {1}
-    said = {name: str(answer) for name, answer in found.items() if isinstance(answer, Exception)}
-    assert "was ended by SIGKILL, probably because of lack of memory" in said["killed"]
-    assert said["full"] == "out of memory"
-    assert said["odd"].startswith("ZeroDivisionError: ")
-    assert isinstance(found["refused"], InputError)
-    assert [name for name in said if isinstance(found[name], Crashed)] == ["killed"]
+        results = dict(answers)
+    assert (
+        sorted(results) == sorted(started) == sorted(name for group in groups for name, _ in group)
+    )
+    assert {results[name] for name in ("sound", "after it", "after the odd")} == {1}
+    messages = {
+        name: str(answer) for name, answer in results.items() if isinstance(answer, Exception)
+    }
+    assert "was ended by SIGKILL, probably because of lack of memory" in messages["killed"]
+    assert messages["full"] == "out of memory"
+    assert messages["odd"].startswith("ZeroDivisionError: ")
+    assert isinstance(results["refused"], InputError)
+    assert [name for name in messages if isinstance(results[name], Crashed)] == ["killed"]
     assert "ZeroDivisionError" in (tmp_path / "log").read_text()
 
 

@@ -29,8 +29,8 @@ ASKED = ("run", "--preset", "quick", "--out")
 
 def summary(path):
     """Header of the run and list of verdicts in results.json of an interrupted run."""
-    found = json.loads((toys.partial(path) / "results.json").read_text())
-    return found["run"], [case["verdict"] for case in found["cases"]]
+    record = json.loads((toys.partial(path) / "results.json").read_text())
+    return record["run"], [case["verdict"] for case in record["cases"]]
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def test_resumed_run_equals_uninterrupted_run(undisturbed, tmp_path):
     expected, duration = undisturbed
     path = tmp_path / "run"
     moments = random.Random(0)  # noqa: S311  any moments will do
-    kept = []
+    finished_lines = []
 
     def resumed():
         """Option --resume, or none if the run was killed before it wrote run.json."""
@@ -61,9 +61,9 @@ def test_resumed_run_equals_uninterrupted_run(undisturbed, tmp_path):
         os.killpg(run.pid, signal.SIGKILL)
         run.communicate()
         # What was finished was not computed again: the times in it are the same.
-        assert toys.lines(path)[: len(kept)] == kept
+        assert toys.lines(path)[: len(finished_lines)] == finished_lines
         # Without a last line that the kill cut off.
-        kept = [record for record in toys.lines(path) if record.endswith(b"}}")]
+        finished_lines = [record for record in toys.lines(path) if record.endswith(b"}}")]
         if path.exists():  # finished before it was killed, on a machine that is faster now
             break
     else:
@@ -71,7 +71,7 @@ def test_resumed_run_equals_uninterrupted_run(undisturbed, tmp_path):
         done = toys.completed("real", *ASKED, path, "--jobs", "1", *resumed())
         assert done.returncode == 0, done.stderr
     assert toys.numbers(path) == expected
-    assert toys.lines(path)[: len(kept)] == kept
+    assert toys.lines(path)[: len(finished_lines)] == finished_lines
     assert [entry.name for entry in tmp_path.iterdir()] == ["run"]
 
 
@@ -82,8 +82,8 @@ def test_nohup_run_ignores_hangup(undisturbed, tmp_path):
     toys.wait_for(lambda: toys.lines(path))
     # As the terminal does when it is closed: to all processes in front, workers included.
     os.killpg(run.pid, signal.SIGHUP)
-    _, said = run.communicate()
-    assert run.returncode == 0, said
+    _, messages = run.communicate()
+    assert run.returncode == 0, messages
     assert toys.numbers(path) == undisturbed[0]
 
 
@@ -95,20 +95,20 @@ def test_hangup_ends_run_like_ctrl_c(tmp_path):
     signal.signal(signal.SIGHUP, before)
     toys.wait_for(lambda: toys.lines(path))
     os.killpg(run.pid, signal.SIGHUP)
-    _, said = run.communicate(timeout=toys.PATIENCE)
+    _, messages = run.communicate(timeout=toys.PATIENCE)
     assert run.returncode == 3
-    assert "continue with: flexproof run ifw" in said
+    assert "continue with: flexproof run ifw" in messages
     # The worker left it to the run: nothing has failed.
     assert summary(path)[1] == ["agree"]
 
 
 def test_ctrl_c_on_terminal_ends_run(tmp_path):
     path = tmp_path / "run"
-    asked = toys.command("endless", "run", "--out", path)
-    code, screen = toys.run_on_terminal(asked, toys.ENVIRONMENT, pressed=lambda _: toys.lines(path))
+    line = toys.command("endless", "run", "--out", path)
+    code, screen = toys.run_on_terminal(line, toys.ENVIRONMENT, pressed=lambda _: toys.lines(path))
     assert code == 3
-    for said in ("1 not computed", "interrupted", "--resume"):
-        assert said in screen
+    for words in ("1 not computed", "interrupted", "--resume"):
+        assert words in screen
     assert "Traceback" not in screen
     assert summary(path)[0]["unfinished"] == 1
 
@@ -118,7 +118,7 @@ def test_ctrl_c_on_terminal_ends_run(tmp_path):
 def test_full_disk_keeps_finished_results(tmp_path):
     disk = tmp_path / "disk"
     disk.mkdir()
-    asked = ("verbose", "run", "--out", disk / "run", "--jobs", "1")
+    words = ("verbose", "run", "--out", disk / "run", "--jobs", "1")
     mount, umount = (
         shutil.which(name) or pytest.skip(f"no {name}") for name in ("mount", "umount")
     )
@@ -126,7 +126,7 @@ def test_full_disk_keeps_finished_results(tmp_path):
     if subprocess.run(small, capture_output=True, check=False).returncode:
         pytest.skip("mounting is not allowed here")
     try:
-        done = toys.completed(*asked)
+        done = toys.completed(*words)
         assert done.returncode == 3
         failed, how_to_go_on = done.stderr.splitlines()
         assert "No space left on device; what was finished before is kept" in failed
@@ -134,7 +134,7 @@ def test_full_disk_keeps_finished_results(tmp_path):
         assert toys.lines(disk / "run")
         assert set(summary(disk / "run")[1]) == {"agree"}
         subprocess.run([mount, "-o", "remount,size=8m", str(disk)], check=True)
-        done = toys.completed(*asked, "--resume")
+        done = toys.completed(*words, "--resume")
         assert done.returncode == 0, done.stderr
         assert "All 12 comparisons agree" in done.stdout
     finally:
@@ -156,7 +156,7 @@ PLACES = (
 PRECIOUS = b"years of work "
 
 
-def asked(path, **changes):
+def request(path, **changes):
     return Request(load_robot("ifw"), "quick", path, 1, **changes)
 
 
@@ -165,17 +165,17 @@ def untouched(tmp_path_factory):
     path = tmp_path_factory.mktemp("untouched") / "run"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(runner, "run", toys.run_in_this_process)
-        validate(asked(path), toy_catalogue.disagreeing)
+        validate(request(path), toy_catalogue.disagreeing)
         yield path
 
 
 def damage(path, chance):
     """Damage a file of a run at random, or add a foreign file; return a description."""
     files = sorted(file for file in path.rglob("*") if file.is_file())
-    own = [file for file in files if PRECIOUS not in file.read_bytes()]
+    files_of_run = [file for file in files if PRECIOUS not in file.read_bytes()]
     # The records matter most.
-    weights = [5 if file.suffix == ".jsonl" else 1 for file in own]
-    file, other = chance.choices(own, weights, k=2)
+    weights = [5 if file.suffix == ".jsonl" else 1 for file in files_of_run]
+    file, other = chance.choices(files_of_run, weights, k=2)
     data = bytearray(file.read_bytes() or b"0")
     precious = PRECIOUS + chance.randbytes(16).hex().encode()
     match kind := chance.randrange(9):
@@ -192,9 +192,9 @@ def damage(path, chance):
         case 4:
             file.write_text(chance.choice(ODD))
         case 5:
-            place = path / chance.choice(PLACES)
-            place.parent.mkdir(exist_ok=True)
-            place.write_bytes(b'{"id": "%s"}' % precious)
+            new_file = path / chance.choice(PLACES)
+            new_file.parent.mkdir(exist_ok=True)
+            new_file.write_bytes(b'{"id": "%s"}' % precious)
         case 6:
             file.write_bytes(precious)
         case 7:
@@ -221,7 +221,7 @@ def test_corrupted_run_resumes_to_same_results(untouched, tmp_path, seed):
             mark.rename(mark.with_name("mine"))
         mark.write_bytes(sound)
     before = toys.content(path)
-    gathered = validate(asked(path, start="resumed"), toy_catalogue.disagreeing)
+    gathered = validate(request(path, start="resumed"), toy_catalogue.disagreeing)
     assert gathered.standing.exit_code == 1, done
     assert toys.numbers(path) == toys.numbers(untouched), done
     after = toys.content(path)

@@ -28,15 +28,15 @@ def fill(folder, number=1.0):
     folder.write({"figures/a.svg": f"figure {number}"})
 
 
-def finished(path, header=HEADER, number=1.0, *, whole=True):
-    """Write a run with a record, results, a report and a figure; abandoned if not `whole`."""
+def finished(path, header=HEADER, number=1.0, *, complete=True):
+    """Write a run with a record, results, a report and a figure; abandoned if not `complete`."""
     with open_folder(path, header, "afresh") as folder:
         fill(folder, number)
-        folder.complete = whole
+        folder.complete = complete
 
 
-def assert_refused(said, path, header, start):
-    with pytest.raises(InputError, match=said), open_folder(path, header, start):
+def assert_refused(message, path, header, start):
+    with pytest.raises(InputError, match=message), open_folder(path, header, start):
         pass
 
 
@@ -59,7 +59,7 @@ def test_earlier_run_is_kept_until_completion(tmp_path):
     finished(path)
     before = content(path)
     assert set(before) == RUN
-    finished(path, OTHER, 2.0, whole=False)
+    finished(path, OTHER, 2.0, complete=False)
     # Not complete: the earlier one stays, and the new one can be gone on with.
     assert content(path) == before
     # A run that is whole is gone on with, too, and keeps what it has.
@@ -89,19 +89,19 @@ def killed(moment, path):
     """True if a run that replaces another was killed after `moment` steps on the disk."""
     child = os.fork()
     if child == 0:
-        left = iter(range(moment))
+        remaining_steps = iter(range(moment))
 
-        def counted(step):
-            def doing(*arguments, **named):
-                if next(left, None) is None:
+        def limited(step):
+            def doing(*arguments, **keywords):
+                if next(remaining_steps, None) is None:
                     os.kill(os.getpid(), signal.SIGKILL)
-                return step(*arguments, **named)
+                return step(*arguments, **keywords)
 
             return doing
 
         try:
             for name in ("open", "mkdir", "rename", "replace", "unlink", "rmdir"):
-                setattr(Path, name, counted(getattr(Path, name)))
+                setattr(Path, name, limited(getattr(Path, name)))
             finished(path, OTHER, 2.0)
             os._exit(0)
         finally:
@@ -140,9 +140,9 @@ def test_kill_leaves_old_or_new_run(tmp_path, monkeypatch):
     assert replaced > 5 < moment - replaced
 
 
-@pytest.mark.parametrize("beside", ["", ".partial"])
-def test_foreign_folder_is_refused(tmp_path, beside):
-    path, foreign = tmp_path / "run", tmp_path / f"run{beside}"
+@pytest.mark.parametrize("suffix", ["", ".partial"])
+def test_foreign_folder_is_refused(tmp_path, suffix):
+    path, foreign = tmp_path / "run", tmp_path / f"run{suffix}"
     (foreign / "figures").mkdir(parents=True)
     (foreign / "figures" / "thesis.png").write_text("years of work")
     for text in ("{}", "[]", '{"robot": "a dog"}'):
@@ -177,31 +177,31 @@ def test_only_own_files_are_removed(tmp_path):
     assert (path / "linked").is_symlink()
 
 
-def linked_hard(place, precious):
-    place.hardlink_to(precious)
+def linked_hard(path, precious):
+    path.hardlink_to(precious)
 
 
-def folder_of_mine(place, _precious):
-    place.mkdir()
-    (place / "mine").write_text("precious")
+def folder_of_mine(path, _precious):
+    path.mkdir()
+    (path / "mine").write_text("precious")
 
 
-ODD_FILES = [Path.symlink_to, linked_hard, lambda place, _: os.mkfifo(place), folder_of_mine]
+ODD_FILES = [Path.symlink_to, linked_hard, lambda path, _: os.mkfifo(path), folder_of_mine]
 
 
 @pytest.mark.parametrize("shift", range(4))
-@pytest.mark.parametrize("whole", [True, False])
-def test_links_in_folder_are_ignored(tmp_path, whole, shift):
+@pytest.mark.parametrize("complete", [True, False])
+def test_links_in_folder_are_ignored(tmp_path, complete, shift):
     """Each file of a run but one is replaced by a link, a pipe or a folder of the user.
 
     The remaining file, run.json or results.jsonl, still identifies the folder as that of a run.
     """
     spared = "run.json" if shift % 2 else "results.jsonl"
     path, precious = tmp_path / "run", tmp_path / "precious"
-    finished(path, whole=whole)
+    finished(path, complete=complete)
     precious.write_text("precious")
     for number, name in enumerate(sorted({".lock", *RUN} - {spared}), start=shift):
-        tampered = (path if whole else partial(path)) / name
+        tampered = (path if complete else partial(path)) / name
         tampered.unlink(missing_ok=True)
         ODD_FILES[number % 4](tampered, precious)
     for start in ("resumed", "afresh"):
@@ -215,11 +215,11 @@ def test_links_in_folder_are_ignored(tmp_path, whole, shift):
     assert (path / "figures" / "a.svg").read_text() == "figure 1.0"
 
 
-@pytest.mark.parametrize("whole", [True, False])
-def test_linked_folder_is_not_written(tmp_path, whole):
+@pytest.mark.parametrize("complete", [True, False])
+def test_linked_folder_is_not_written(tmp_path, complete):
     path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
-    finished(path, whole=whole)
-    figures = (path if whole else partial(path)) / "figures"
+    finished(path, complete=complete)
+    figures = (path if complete else partial(path)) / "figures"
     figures.rename(elsewhere)
     figures.symlink_to(elsewhere)
     with open_folder(path, HEADER, "resumed") as folder:
@@ -257,8 +257,8 @@ def test_invalid_records_are_recomputed(tmp_path):
     # Nor what was edited or is of another run.
     two = tmp_path / "two"
     finished(two, OTHER, 2.0)
-    own = two / "results.jsonl"
-    own.write_bytes(own.read_bytes().replace(b"2.0", b"3.0") + records.read_bytes())
+    edited = two / "results.jsonl"
+    edited.write_bytes(edited.read_bytes().replace(b"2.0", b"3.0") + records.read_bytes())
     with open_folder(two, OTHER, "resumed") as folder:
         assert folder.records == {}
 
@@ -284,17 +284,17 @@ def test_second_run_is_refused(tmp_path):
     finished(path)
 
 
-@pytest.mark.parametrize("whole", [True, False])
-def test_different_run_is_not_resumed(tmp_path, whole):
-    finished(tmp_path / "run", whole=whole)
-    for change, named in (
+@pytest.mark.parametrize("complete", [True, False])
+def test_different_run_is_not_resumed(tmp_path, complete):
+    finished(tmp_path / "run", complete=complete)
+    for change, difference in (
         ({"preset": "fine"}, "preset"),
         ({"robot_sha256": "2"}, "robot file"),
         ({"versions": {}}, "versions"),
         ({"suite_sha256": "3"}, "source files of flexproof"),
     ):
-        said = f"another run \\({named} differ"
-        assert_refused(said, tmp_path / "run", HEADER | change, "resumed")
+        message = f"another run \\({difference} differ"
+        assert_refused(message, tmp_path / "run", HEADER | change, "resumed")
 
 
 def test_unusable_folder_is_unchanged(tmp_path, monkeypatch):
@@ -309,8 +309,8 @@ def test_unusable_folder_is_unchanged(tmp_path, monkeypatch):
     assert_refused("is a mount point", Path("/"), HEADER, "afresh")
     path = tmp_path / "run"
     monkeypatch.chdir(path / "figures")
-    for named in (Path(".."), path):
-        assert_refused("is the folder that you are in", named, OTHER, "afresh")
+    for folder in (Path(".."), path):
+        assert_refused("is the folder that you are in", folder, OTHER, "afresh")
     monkeypatch.chdir(tmp_path)
     with monkeypatch.context() as patch:
         patch.setattr(Path, "mkdir", refusing(errno.EROFS))
@@ -342,7 +342,7 @@ def test_export_is_complete_or_absent(tmp_path):
 
 def test_failed_write_keeps_old_file(tmp_path, monkeypatch):
     path = tmp_path / "run"
-    finished(path, whole=False)
+    finished(path, complete=False)
     with open_folder(path, HEADER, "resumed") as folder, monkeypatch.context() as patch:
         before = content(folder.path)
         patch.setattr(os, "fsync", refusing(errno.ENOSPC))

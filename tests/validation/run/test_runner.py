@@ -27,14 +27,14 @@ def robot_file():
     return load_robot("ifw")
 
 
-def asked(robot_file, out, jobs=2, **changes):
+def request_for(robot_file, out, jobs=2, **changes):
     return Request(robot_file, "quick", out, jobs, **changes)
 
 
 @pytest.fixture(scope="module")
 def troubled_run(robot_file, tmp_path_factory):
     path = tmp_path_factory.mktemp("troubled") / "run"
-    return validate(asked(robot_file, path), toys.troubled), path
+    return validate(request_for(robot_file, path), toys.troubled), path
 
 
 def test_run_folder_has_all_results(troubled_run):
@@ -72,8 +72,8 @@ def test_error_in_case_becomes_its_verdict(troubled_run):
     assert starved in messages["toy.starved"]
     assert "reduce --jobs" in messages["toy.starved"]
     log = (path / "log.txt").read_text()
-    for said in ("Traceback", "Segmentation fault", "this belongs into the log"):
-        assert said in log
+    for text in ("Traceback", "Segmentation fault", "this belongs into the log"):
+        assert text in log
 
 
 @pytest.mark.usefixtures("blank_charts")
@@ -81,28 +81,28 @@ def test_resumed_run_computes_missing_tasks(robot_file, troubled_run, capfd, mon
     first, path = troubled_run
     # A busy machine takes as long as it likes: no line says how far the work is.
     monkeypatch.setattr(telling, "_SILENT_SECONDS", 1e6)
-    again = validate(asked(robot_file, path, start="resumed"), toys.troubled)
+    second = validate(request_for(robot_file, path, start="resumed"), toys.troubled)
     # Whatever goes wrong in it, nothing is printed where the user looks.
     assert capfd.readouterr() == ("", "")
-    kept = "toy.first[x=1]"
-    assert again.done[kept].found.notes == first.done[kept].found.notes
-    assert again.done["toy.agrees"].seconds == first.done["toy.agrees"].seconds
+    finished = "toy.first[x=1]"
+    assert second.done[finished].found.notes == first.done[finished].found.notes
+    assert second.done["toy.agrees"].seconds == first.done["toy.agrees"].seconds
     # What failed is tried again.
     assert (path / "log.txt").read_text().count("this belongs into the log") == 2
-    assert again.standing.exit_code == 3
+    assert second.standing.exit_code == 3
 
 
 def test_failed_worker_start_ends_run(robot_file, tmp_path, monkeypatch):
     monkeypatch.setenv("TOY_PARENT", str(os.getpid()))
     with pytest.raises(ComputationError, match="before it began"):
-        validate(asked(robot_file, tmp_path / "run"), toys.unloadable)
+        validate(request_for(robot_file, tmp_path / "run"), toys.unloadable)
     assert "only workers come here" in (tmp_path / "run.partial" / "log.txt").read_text()
 
 
 @pytest.mark.usefixtures("blank_charts")
 def test_inconsistent_verdict_is_recomputed(robot_file, tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "run", run_in_this_process)
-    request = asked(robot_file, tmp_path, only="toy.agrees")
+    request = request_for(robot_file, tmp_path, only="toy.agrees")
     validate(request, toys.disagreeing)
     # Whoever knows how a record is sealed: the value is far off, the verdict left at agree.
     mark = json.loads((tmp_path / "run.json").read_text())
@@ -112,18 +112,18 @@ def test_inconsistent_verdict_is_recomputed(robot_file, tmp_path, monkeypatch):
         folder.keep(record, 1.0)
         folder.complete = True
     assert b"12345.0" in lines(tmp_path)[-1]
-    again = validate(replace(request, start="resumed"), toys.disagreeing)
-    assert again.done["toy.agrees"].found.value == 1.0 / 3.0
+    second = validate(replace(request, start="resumed"), toys.disagreeing)
+    assert second.done["toy.agrees"].found.value == 1.0 / 3.0
 
 
 def test_brackets_in_patterns_are_literal(robot_file):
     tasks = toys.sound(robot_file)
-    for pattern, chosen in {
+    for pattern, expected in {
         "toy.first*": ["toy.first[x=1]"],
         "toy.first[x=1]": ["toy.first[x=1]"],
         "*[x=?]": ["toy.first[x=1]", "toy.second[x=2]"],
     }.items():
-        assert [task.id for task in runner.select(tasks, "quick", pattern)] == chosen
+        assert [task.id for task in runner.select(tasks, "quick", pattern)] == expected
     with pytest.raises(ValueError, match="same id"):
         runner.select((*tasks, tasks[0]), "quick")
     with pytest.raises(InputError, match=r'did you mean "toy\.agrees"'):
@@ -139,15 +139,15 @@ def test_junit_xml_escapes_control_characters():
 
 def test_only_long_runs_report_progress(monkeypatch, capsys):
     tasks = list(toys.sound(load_robot("ifw")))
-    with progress.showing(tasks, 0.0) as shown:
-        shown.started(tasks[0])
+    with progress.showing(tasks, 0.0) as reporter:
+        reporter.started(tasks[0])
     assert capsys.readouterr().err == ""
     monkeypatch.setattr(telling, "_SILENT_SECONDS", 0.05)
     monkeypatch.setattr(telling, "_ESTIMATE_DELAY", 0.02)
-    with progress.showing(tasks, 0.0) as shown:
-        shown.started(tasks[0])
+    with progress.showing(tasks, 0.0) as reporter:
+        reporter.started(tasks[0])
         time.sleep(0.2)
-        shown.finished(tasks[0], {"verdict": "disagree"})
+        reporter.finished(tasks[0], {"verdict": "disagree"})
         time.sleep(1.1)
     first, second = capsys.readouterr().err.splitlines()[:2]
     count = len(tasks)
@@ -156,8 +156,8 @@ def test_only_long_runs_report_progress(monkeypatch, capsys):
     assert second.startswith(begins)
     # What is done took its share of the efforts.
     share = tasks[0].effort / sum(task.effort for task in tasks)
-    left = float(second.removeprefix(begins).split()[0])
-    assert abs(left - 1.1 * (1.0 / share - 1.0)) < 0.3 / share + 1.0
+    remaining_seconds = float(second.removeprefix(begins).split()[0])
+    assert abs(remaining_seconds - 1.1 * (1.0 / share - 1.0)) < 0.3 / share + 1.0
 
 
 def test_progress_escapes_file_names(monkeypatch, capsys):

@@ -36,7 +36,7 @@ def results(tasks, *verdicts, **fields):
 
 
 @pytest.mark.parametrize(
-    ("tasks", "said", "sentence", "code"),
+    ("tasks", "task_verdicts", "sentence", "code"),
     [
         (CASES, ["agree"] * 3, "All 3 comparisons agree.", 0),
         (CASES, ["agree", "skipped", "undecided"], "1 of 2 comparisons agree, 1 und", 0),
@@ -60,12 +60,12 @@ def results(tasks, *verdicts, **fields):
         ([MODELS], ["failed"], "No comparison was made, 1 assessment of the models failed.", 3),
     ],
 )
-def test_summary_of_run_matches_exit_code(tasks, said, sentence, code):
-    found = results(tasks, *said)
-    assert found.standing.exit_code == code
-    assert found.standing.sentence.startswith(sentence)
+def test_summary_of_run_matches_exit_code(tasks, task_verdicts, sentence, code):
+    run_results = results(tasks, *task_verdicts)
+    assert run_results.standing.exit_code == code
+    assert run_results.standing.sentence.startswith(sentence)
     # Terminal and page have it from there.
-    assert found.standing.sentence in verdicts(found)
+    assert run_results.standing.sentence in verdicts(run_results)
     assert sample_report().checks == sample_report().results.standing.sentence
 
 
@@ -77,24 +77,29 @@ def test_program_error_of_model_is_failure():
     leg = sample_matrix(robot="leg 1", faults=("beam",))
     matrix = sample_matrix(faults=("links", "beam"), parts=(leg,))
     for tasks, begin in ((CASES, "All 3 comparisons agree"), ([], "No comparison was made")):
-        found = results([*tasks, MODELS], *["agree"] * len(tasks))
-        done = found.done | {MODELS.id: Result(MODELS.id, "made", 0.1, found=matrix)}
-        found = replace(found, done=done)
-        assert found.standing.exit_code == 3
+        run_results = results([*tasks, MODELS], *["agree"] * len(tasks))
+        done = run_results.done | {MODELS.id: Result(MODELS.id, "made", 0.1, found=matrix)}
+        run_results = replace(run_results, done=done)
+        assert run_results.standing.exit_code == 3
         assert (
-            found.standing.sentence == f"{begin}, failed by an error of the program: links, beam."
+            run_results.standing.sentence
+            == f"{begin}, failed by an error of the program: links, beam."
         )
-        assert found.standing.sentence in verdicts(found)
+        assert run_results.standing.sentence in verdicts(run_results)
     done = {MODELS.id: Result(MODELS.id, "made", 0.1, found=sample_matrix(parts=(leg,)))}
     assert standing_of([MODELS], done).exit_code == 3
 
 
 def test_failed_run_never_reports_success():
     kinds = [CASES[0], CASES[1], FIGURE, MODELS]
-    for said in product(["agree", "skipped", "failed", None], repeat=len(kinds)):
-        done = {task.id: result(task, one) for task, one in zip(kinds, said, strict=True) if one}
+    for task_verdicts in product(["agree", "skipped", "failed", None], repeat=len(kinds)):
+        done = {
+            task.id: result(task, verdict)
+            for task, verdict in zip(kinds, task_verdicts, strict=True)
+            if verdict
+        }
         standing = standing_of(kinds, done)
-        troubled = "failed" in said or None in said
+        troubled = "failed" in task_verdicts or None in task_verdicts
         assert (standing.exit_code == 3) is troubled
         words = ("failed", "not computed")
         assert any(word in standing.sentence for word in words) is troubled
@@ -102,12 +107,12 @@ def test_failed_run_never_reports_success():
 
 def test_equal_failures_share_a_line():
     """A missing library fails all comparisons with solids, for one reason."""
-    found = results(CASES, "failed", "agree", "failed")
-    lines = [line for line in verdicts(found) if line.startswith("failed")]
+    run_results = results(CASES, "failed", "agree", "failed")
+    lines = [line for line in verdicts(run_results) if line.startswith("failed")]
     assert lines == ["failed    toy[0] and 1 more: why"]
     # Another reason or verdict has a line of its own.
-    other = found.done | {CASES[2].id: result(CASES[2], "failed", "another reason")}
-    lines = verdicts(replace(found, done=other))
+    other = run_results.done | {CASES[2].id: result(CASES[2], "failed", "another reason")}
+    lines = verdicts(replace(run_results, done=other))
     assert lines[:2] == ["failed    toy[0]: why", "failed    toy[2]: another reason"]
 
 
@@ -121,21 +126,21 @@ def by_gauge(size):
 def test_measured_values_refuse_a_model(size, code):
     done = {MEASURED: Result(MEASURED, "made", 0.1, found=by_gauge(size))}
     tasks = [Assessment(MEASURED, "", never)]
-    found = Results(HEADER, tasks, done=done, rely=("simplified",))
-    assert found.standing.exit_code == code
+    run_results = Results(HEADER, tasks, done=done, rely=("simplified",))
+    assert run_results.standing.exit_code == code
     refused = "relied on but not adequate: simplified"
-    assert (refused in adequacy(found)) is bool(code)
+    assert (refused in adequacy(run_results)) is bool(code)
     # Either matrix refuses.
     both = {ADEQUACY: Result(ADEQUACY, "made", 0.1, found=sample_matrix()), **done}
     tasks.append(MODELS)
-    assert replace(found, tasks=tasks, done=both).standing.exit_code == 1
+    assert replace(run_results, tasks=tasks, done=both).standing.exit_code == 1
 
 
 def test_missing_verdict_fails_if_strict():
     """The assessment was skipped: the model of --rely has no verdict, a failure with --strict."""
     for strict in (False, True):
-        found = results([MODELS], "skipped", rely=("beam",), strict=strict)
-        assert found.refused == (("beam",) if strict else ())
-        assert found.standing.exit_code == int(strict)
+        run_results = results([MODELS], "skipped", rely=("beam",), strict=strict)
+        assert run_results.refused == (("beam",) if strict else ())
+        assert run_results.standing.exit_code == int(strict)
         # Nothing of the kind was to be judged.
         assert results(CASES, *["agree"] * 3, rely=("beam",), strict=strict).refused == ()
