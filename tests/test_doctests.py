@@ -59,25 +59,25 @@ def test_docstring_examples_of_functions_run(name, tmp_path, monkeypatch):
     """Run the examples of a function, then those of the class of its result and its methods."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
-    known = {**vars(api), name: once(getattr(api, name))}
-    known |= run_examples(api.__doc__, {}, "validation.api")
-    run_examples(getattr(api, name).__doc__, dict(known), name)
+    variables = {**vars(api), name: once(getattr(api, name))}
+    variables |= run_examples(api.__doc__, {}, "validation.api")
+    run_examples(getattr(api, name).__doc__, dict(variables), name)
     result = inspect.signature(getattr(api, name)).return_annotation
     if getattr(result, "__name__", "") in RESULTS:
-        run_examples_of_result(result.__name__, known)
+        run_examples_of_result(result.__name__, variables)
 
 
 def test_docstring_examples_of_tables_run():
     run_examples_of_result("ResultTable", {})
 
 
-def run_examples_of_result(name, known):
+def run_examples_of_result(name, variables):
     """Run the examples of a class. They make the result on which its methods are called."""
-    known = run_examples(getattr(fp, name).__doc__, {**vars(fp), **known}, name)
-    (result,) = [value for value in known.values() if type(value) is getattr(fp, name)]
+    variables = run_examples(getattr(fp, name).__doc__, {**vars(fp), **variables}, name)
+    (result,) = [value for value in variables.values() if type(value) is getattr(fp, name)]
     assert name == "ResultTable" or len(repr(result)) < 200
     for member, value in members(name).items():
-        run_examples(value.__doc__, dict(known), f"{name}.{member}")
+        run_examples(value.__doc__, dict(variables), f"{name}.{member}")
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -88,7 +88,7 @@ def test_docstrings_have_all_parameters(name):
         assert f"\n{heading}\n{'-' * len(heading)}\n" in text, heading
     described = text.partition("\nParameters\n")[2].partition("\nReturns\n")[0]
     lines = [line for line in described.splitlines() if line and not line.startswith(" ")]
-    names = [one.strip(" *") for line in lines[1:] for one in line.split(",")]
+    names = [name.strip(" *") for line in lines[1:] for name in line.split(",")]
     assert names == list(inspect.signature(getattr(fp, name)).parameters)
 
 
@@ -110,7 +110,7 @@ def test_method_docstrings_have_all_parameters(name):
         text, signature = inspect.getdoc(value), inspect.signature(value)
         described = text.partition("\nParameters\n")[2].partition("\n\n")[0]
         names = re.findall(r"^([a-z_, ]+)$", described, re.MULTILINE)
-        listed = [one.strip() for line in names for one in line.split(",")]
+        listed = [name.strip() for line in names for name in line.split(",")]
         assert listed == list(signature.parameters)[1:], f"{name}.{member}"
         returns = "Raises" if signature.return_annotation is None else "Returns"
         assert f"\n{returns}\n{'-' * len(returns)}\n" in text, f"{name}.{member}"
@@ -118,9 +118,12 @@ def test_method_docstrings_have_all_parameters(name):
 
 @pytest.mark.parametrize("name", RESULTS)
 def test_every_result_has_a_table_and_a_plot(name):
-    known = getattr(fp, name)
+    result_class = getattr(fp, name)
     if name == "ResultTable":
         return
-    assert inspect.signature(known.table).return_annotation in (fp.ResultTable, "ResultTable")
-    assert inspect.signature(known.plot).return_annotation == "Figure"
-    assert "_repr_html_" in vars(known)
+    assert inspect.signature(result_class.table).return_annotation in (
+        fp.ResultTable,
+        "ResultTable",
+    )
+    assert inspect.signature(result_class.plot).return_annotation == "Figure"
+    assert "_repr_html_" in vars(result_class)

@@ -52,7 +52,7 @@ def blocks(page: Path) -> list[tuple[str, str, str]]:
 def long_apart(paths):
     exhaustive = pytest.mark.exhaustive
     return [
-        pytest.param(one, id=one.stem, marks=[exhaustive] * (one.stem in LONG)) for one in paths
+        pytest.param(path, id=path.stem, marks=[exhaustive] * (path.stem in LONG)) for path in paths
     ]
 
 
@@ -124,9 +124,9 @@ def run_console(text: str, capsys: pytest.CaptureFixture[str]) -> None:
         if running:
             continue
         # The expected lines are there, in their order.
-        rest = map(str.strip, actual)
+        lines = map(str.strip, actual)
         for line in map(str.strip, expected):
-            assert line == "…" or line in rest, f"{command} did not print {line!r} but\n{actual}"
+            assert line == "…" or line in lines, f"{command} did not print {line!r} but\n{actual}"
 
 
 def test_blocks_and_links_are_valid():
@@ -151,14 +151,14 @@ def test_guide_lists_types_of_robots():
 
 
 def test_mechanisms_of_guide_are_built_in():
-    shown = {
+    mechanisms = {
         name.removesuffix(".toml"): text
         for language, name, text in blocks(ROOT / "docs" / "guide" / "mechanisms.md")
         if language == "toml" and name != "written-out.toml"
     }
-    assert set(shown) == {"five-bar", "3-rrr", "delta", "orthoglide", "hexapod"}
-    files = {name: ROOT / "lumped" / "robots" / f"{name}.toml" for name in shown}
-    assert shown == {name: file.read_text(encoding="utf-8") for name, file in files.items()}
+    assert set(mechanisms) == {"five-bar", "3-rrr", "delta", "orthoglide", "hexapod"}
+    files = {name: ROOT / "lumped" / "robots" / f"{name}.toml" for name in mechanisms}
+    assert mechanisms == {name: file.read_text(encoding="utf-8") for name, file in files.items()}
 
 
 def test_new_case_takes_ten_lines():
@@ -174,11 +174,15 @@ def test_guide_lists_every_case_of_the_catalogue():
     robots = ("ifw", "five-bar", ROOT / "examples" / "tapered-biglide" / "robot.toml")
     ifw, five_bar, tapered = map(load_robot, robots)
     ids = [task.id for task in catalogue(ifw) if isinstance(task, Case)]
-    named = [one.replace("leg2", "leg1") for one in ids]
-    assert [one for one in named if not any(fnmatchcase(one, p) for p in patterns)] == []
-    ids += [task.id for one in (five_bar, tapered) for task in catalogue(one)]
-    ids += [one.id for one in cases_over(five_bar, variations_of(five_bar, ["tool.mass=1:2:3"]))]
-    assert [one for one in patterns if not any(fnmatchcase(i, one) for i in ids)] == []
+    case_names = [identifier.replace("leg2", "leg1") for identifier in ids]
+    assert [
+        case_name
+        for case_name in case_names
+        if not any(fnmatchcase(case_name, p) for p in patterns)
+    ] == []
+    ids += [task.id for robot_file in (five_bar, tapered) for task in catalogue(robot_file)]
+    ids += [case.id for case in cases_over(five_bar, variations_of(five_bar, ["tool.mass=1:2:3"]))]
+    assert [pattern for pattern in patterns if not any(fnmatchcase(i, pattern) for i in ids)] == []
 
 
 @pytest.mark.exhaustive

@@ -48,7 +48,9 @@ def test_every_tests_folder_is_collected(pytestconfig):
     patterns = pytestconfig.getini("norecursedirs")
     for module in (ROOT / "tests").rglob("test_*.py"):
         rooms = module.relative_to(ROOT).parts[:-1]
-        assert not [room for room in rooms for one in patterns if fnmatch(room, one)], module
+        assert not [room for room in rooms for pattern in patterns if fnmatch(room, pattern)], (
+            module
+        )
 
 
 def test_endless_test_is_stopped(pytestconfig, tmp_path):
@@ -71,9 +73,9 @@ def test_endless_test_is_stopped(pytestconfig, tmp_path):
 def test_imports_go_one_way_without_circles():
     """Imports in functions and for type checking count, too."""
     arrows = {name: MAP["imports"](path, MODULES) - {name} for name, path in MODULES.items()}
-    for name, found in arrows.items():
+    for name, imports in arrows.items():
         allowed = FLOORS[: FLOORS.index(name.split(".")[0]) + 1]
-        assert {imported.split(".")[0] for imported in found} <= set(allowed), name
+        assert {imported.split(".")[0] for imported in imports} <= set(allowed), name
     TopologicalSorter(arrows).prepare()
 
 
@@ -89,25 +91,27 @@ def test_no_module_has_mutable_state():
     assert states("found: list[int] = []\nLIMITS = {1: 2}\n") == ["found"]
     assert states("seen = set()\nfrom collections import deque\ntodo = deque()") == ["seen", "todo"]
     assert states("def f():\n    global count\n    count = 1") == ["count"]
-    held = {
+    mutable = {
         f"{name}.{state}"
         for name, path in MODULES.items()
         for state in states(path.read_text(encoding="utf-8"))
     }
-    assert held == {"lumped.memo._memoised"}
+    assert mutable == {"lumped.memo._memoised"}
 
 
 def states(source: str) -> list[str]:
     """Names of a module's mutable state: empty collections that are filled later, and globals."""
-    tree, found = ast.parse(source), list[str]()
+    tree, mutable = ast.parse(source), list[str]()
     for node in tree.body:
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            found += [
-                ast.unparse(one) for one in targets if EMPTY.fullmatch(ast.unparse(node.value))
+            mutable += [
+                ast.unparse(target)
+                for target in targets
+                if EMPTY.fullmatch(ast.unparse(node.value))
             ]
     globals_ = (node for node in ast.walk(tree) if isinstance(node, ast.Global))
-    return [*found, *(name for node in globals_ for name in node.names)]
+    return [*mutable, *(name for node in globals_ for name in node.names)]
 
 
 def test_no_machine_path_is_committed():
@@ -147,7 +151,11 @@ READERS = {"meshes/part/reading/deck.py"}
 def parsed_texts(tree: ast.Module) -> list[str]:
     """Expressions that search or split a text written for persons, such as an error message."""
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-    return [one for scope in (tree, *functions) for one in parsed_in(list(ast.walk(scope)))]
+    return [
+        expression
+        for scope in (tree, *functions)
+        for expression in parsed_in(list(ast.walk(scope)))
+    ]
 
 
 def parsed_in(nodes: list[ast.AST]) -> list[str]:
@@ -160,22 +168,22 @@ def parsed_in(nodes: list[ast.AST]) -> list[str]:
                 names.add(name)
             case ast.comprehension(target=ast.Name(id=name), iter=ast.Attribute(attr="faults")):
                 names.add(name)
-    found = []
+    expressions = []
     for node in nodes:
         match node:
             case ast.Call(func=ast.Attribute(value=value, attr=method), args=args):
                 blanks = method == "split" and not args
                 bad = bool(TAKEN_APART.fullmatch(method)) and not blanks and is_text(value, names)
                 of_re = isinstance(value, ast.Name) and value.id == "re"
-                bad |= of_re and any(is_text(one, names) for one in args)
+                bad |= of_re and any(is_text(argument, names) for argument in args)
             case ast.Subscript(value=value):
                 bad = is_text(value, names)
             case ast.Compare(ops=[ast.In() | ast.NotIn()], comparators=[value]):
                 bad = is_text(value, names)
             case _:
                 bad = False
-        found += [ast.unparse(node)] if bad else []
-    return found
+        expressions += [ast.unparse(node)] if bad else []
+    return expressions
 
 
 def is_text(node: ast.expr, names: set[str]) -> bool:

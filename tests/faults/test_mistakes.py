@@ -66,8 +66,8 @@ def first_failure(nearest: tuple[str, ...], mistake: Mistake | None = None) -> s
         env |= {"PYTHONPATH": str(copy), "HOME": folder, "XDG_CACHE_HOME": folder}
         command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider"]
         try:
-            said = subprocess.run(
-                [*command, *(f"tests/{one}" for one in nearest)],
+            completed = subprocess.run(
+                [*command, *(f"tests/{path}" for path in nearest)],
                 check=False,
                 cwd=copy,
                 env=env,
@@ -78,26 +78,28 @@ def first_failure(nearest: tuple[str, ...], mistake: Mistake | None = None) -> s
         except subprocess.TimeoutExpired:
             return f"no end in {PATIENCE:g} s"
     # What cannot be collected has been noticed, too; anything else is no answer.
-    assert said.returncode in {0, 1, 2}, said.stdout[-2000:] + said.stderr[-2000:]
-    found = re.search(r"^(?:FAILED|ERROR) (.*?)(?: - |$)", said.stdout, re.MULTILINE)
-    assert (said.returncode == 0) is (found is None), said.stdout[-2000:]
-    return found and found[1]
+    assert completed.returncode in {0, 1, 2}, completed.stdout[-2000:] + completed.stderr[-2000:]
+    failure = re.search(r"^(?:FAILED|ERROR) (.*?)(?: - |$)", completed.stdout, re.MULTILINE)
+    assert (completed.returncode == 0) is (failure is None), completed.stdout[-2000:]
+    return failure and failure[1]
 
 
 def test_mistakes_quote_unique_lines():
     """Each mistake of mistakes.toml quotes a line that occurs once, and tests that exist."""
-    assert len({one.name for one in MISTAKES}) == len(MISTAKES) >= 70
-    assert {one.file.split("/")[0] for one in MISTAKES} == set(PACKAGES)
-    for one in MISTAKES:
-        source = (ROOT / one.file).read_text(encoding="utf-8")
-        assert source.count(one.text) == 1, f"{one.name}: {one.text!r} in {one.file}"
-        compile(source.replace(one.text, one.instead), one.file, "exec")
-        missing = [test for test in one.nearest if not (ROOT / "tests" / test).exists()]
-        assert not missing, one.name
+    assert len({mistake.name for mistake in MISTAKES}) == len(MISTAKES) >= 70
+    assert {mistake.file.split("/")[0] for mistake in MISTAKES} == set(PACKAGES)
+    for mistake in MISTAKES:
+        source = (ROOT / mistake.file).read_text(encoding="utf-8")
+        assert source.count(mistake.text) == 1, (
+            f"{mistake.name}: {mistake.text!r} in {mistake.file}"
+        )
+        compile(source.replace(mistake.text, mistake.instead), mistake.file, "exec")
+        missing = [test for test in mistake.nearest if not (ROOT / "tests" / test).exists()]
+        assert not missing, mistake.name
 
 
 @pytest.mark.faults
-@pytest.mark.parametrize("mistake", MISTAKES, ids=lambda one: one.name)
+@pytest.mark.parametrize("mistake", MISTAKES, ids=lambda mistake: mistake.name)
 def test_nearest_tests_fail_for_mistake(mistake):
     against = os.environ.get("FAULTS_AGAINST")
     nearest = (against,) if against else mistake.nearest
