@@ -1,14 +1,16 @@
 """Forces and stresses of a model under the loads of a robot file, with their half-widths.
 
-Input: a `Question`, or postures of a mechanism with a model. Output: `Forces`, with reactions,
+Input: a `Question`, or a robot in its postures with a model. Output: `Forces`, with reactions,
 section forces along legs and stresses for each pose and load. Rule: the half-width of a force is
 the change to a second mesh (more segments, other divisions of solids, or coarser CAD parts), scaled
 by the order of convergence.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
+from functools import partial
 from math import inf
+from typing import TypeAlias
 
 import numpy as np
 
@@ -20,7 +22,7 @@ from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from lumped.system.members import MemberForces
-from lumped.system.reactions import Reaction
+from validation.context import Context
 from validation.forces.record import Forces
 from validation.forces.results import ForcesUnderLoad, PoseForces
 from validation.forces.solids import solid_stresses
@@ -30,11 +32,19 @@ from validation.models.loads.forces import LoadForces, load_forces
 from validation.models.options import ModelName, ModelOptions
 from validation.models.reduced_parts import found_in, unknowns_of, with_unknowns
 from validation.models.robot_models import sectioned_legs
+from validation.parts.meshes import FINEST, MIDDLE
+from validation.references.model_ladder import with_elements
+from validation.references.responses import Model, PathForces, Responses
+from validation.references.robot_on_path import NOMINAL, Reading, RobotOnPath, robot_at
 from validation.solve.model_answers import checked
 from validation.solve.question import Question
 from validation.solve.uncertainty import mesh_policy, second_divisions
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.mesh_half_widths import MeshPolicy, half_widths_on
 
+# Levels of a mesh, rule for half-widths, and model and reading on each level.
+MeshStudy: TypeAlias = tuple[
+    Sequence[int], MeshPolicy | float, Callable[[int], tuple[Model, Reading]]
+]
 # Order of convergence of the forces with the number of segments, whose mass is lumped: that of the
 # layout with springs of half length at both ends, and that of the paper's layout.
 _HALF, _LITERAL = 2.0, 1.0
@@ -69,27 +79,40 @@ def forces(
         raise InputError("--vtu: writes one load in one pose; name them with --load and --pose")
     names = question.effective_options
     effective = {name: value for name, value in options.items() if name in names}
-    return forces_in(question.model, postures, question.options, effective, solids=solids)
+    robot = robot_at(Context(question.robot_file, "quick"), postures)
+    return forces_in(robot, question.model, question.options, effective, solids=solids)
 
 
 def forces_in(
+    robot: RobotOnPath,
     model: ModelName,
-    postures: Sequence[Posture],
     options: ModelOptions,
     shown_options: Mapping[str, object] | None = None,
     *,
     part_meshes: bool = True,
     solids: bool = False,
 ) -> Forces:
-    """Forces in postures of one mechanism under all of its loads.
+    """Forces in the postures of a robot under all of its loads.
 
     Half-widths include those of the meshes of CAD parts if `part_meshes`. With `solids`, stress
     fields of all bodies are included.
     """
-    mechanism = postures[0].mechanism
-    rows = load_forces(model, postures, options)
-    half_widths = _mesh_half_widths(model, postures, options, rows, part_meshes=part_meshes)
-    tool = mechanism.tool
+    mechanism, tool = robot.mechanism, robot.mechanism.tool
+    responses, solved_model = Responses(robot, strict=True), _force_model(model, options)
+    rows = responses.required_forces(solved_model, NOMINAL)
+
+    def half_widths_of(study: MeshStudy) -> Array:
+        levels, policy, at = study
+        return half_widths_on(
+            levels,
+            policy,
+            lambda level: responses.required_forces(*at(level)),
+            lambda first, second, _: _changes(rows, first, second),
+        )
+
+    studies = _mesh_studies(robot, solved_model, options, part_meshes=part_meshes)
+    half_widths = sum(map(half_widths_of, studies), np.zeros(1))
+    widths_of_all = np.broadcast_to(half_widths, (len(rows), len(mechanism.loads), _count(rows), 6))
     return Forces(
         mechanism.name,
         model,
@@ -111,7 +134,7 @@ def forces_in(
                     for load, result, width in zip(mechanism.loads, row, widths, strict=True)
                 },
             )
-            for posture, row, widths in zip(postures, rows, half_widths, strict=True)
+            for posture, row, widths in zip(robot.postures, rows, widths_of_all, strict=True)
         ),
     )
 
@@ -164,75 +187,91 @@ def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> Forc
     return ForcesUnderLoad(reactions, members, stresses, without)
 
 
-def _mesh_half_widths(
-    model: ModelName,
-    postures: Sequence[Posture],
-    options: ModelOptions,
-    rows: Sequence[Sequence[LoadForces | None]],
-    *,
-    part_meshes: bool,
-) -> list[list[Array]]:
-    """Half-widths of forces due to meshes, for each posture (outer list) and load (inner list).
+def _force_model(model: ModelName, options: ModelOptions) -> Model:
+    """Model whose forces depend on two fields of a reading: `elements` and `part_mesh`."""
+    return Model(
+        model,
+        forces=partial(_solved_forces, model, options),
+        static_fields=("elements", "part_mesh"),
+    )
 
-    Each array (N, N m) has a row of six for each joint, then for each leg. Infinite if the file of
-    a part is a mesh, which cannot be refined.
-    """
-    mechanism = postures[0].mechanism
-    zeros = [[np.zeros((_count(result), 6)) for result in row] for row in rows]
-    studies: list[tuple[Callable[[], Sequence[Sequence[LoadForces | None]]], MeshPolicy]] = []
-    if model == "segments":
-        finer = replace(options, elements=2 * options.elements)
+
+def _solved_forces(
+    model: ModelName, options: ModelOptions, robot: RobotOnPath, reading: Reading
+) -> PathForces:
+    """Forces by a model. Meshes of CAD parts have half as many unknowns per coarser level."""
+    postures: Sequence[Posture] = robot.postures
+    if reading.part_mesh != FINEST:
+        divisor = 2 ** (FINEST - reading.part_mesh)
+        parts = robot.mechanism.parts
+        unknowns = {name: unknowns_of(body) // divisor for name, body in parts.items()}
+        coarser = with_unknowns(robot.mechanism, unknowns)
+        postures = [replace(posture, mechanism=coarser) for posture in postures]
+    return load_forces(model, postures, with_elements(options, reading))
+
+
+def _mesh_studies(
+    robot: RobotOnPath, model: Model, options: ModelOptions, *, part_meshes: bool
+) -> Iterator[MeshStudy]:
+    """Studies of each kind of mesh that affects forces: segments, solid legs and CAD parts."""
+    mechanism = robot.mechanism
+    if model.name == "segments":
         order = _HALF if options.layout == "half" else _LITERAL
-        studies.append(
-            (lambda: load_forces(model, postures, finer), MeshPolicy.of_order(0.5, order))
+        policy = MeshPolicy.of_order(0.5, order)
+        yield (1, 2), policy, lambda factor: (model, replace(NOMINAL, elements=factor))
+    legs = [leg for _, leg, _ in sectioned_legs(mechanism, options)]
+    if model.name == "solid" and legs:
+        second = second_divisions(options, legs)
+        other = _force_model("solid", replace(options, divisions=second))
+        models = {options.divisions: model, second: other}
+        levels = sorted(models)
+        yield levels, mesh_policy(options, legs, second), lambda n: (models[n], NOMINAL)
+    if part_meshes and mechanism.parts and model.name != "simplified":
+        of_meshes = [found_in(body)[0].mesh is not None for body in mechanism.parts.values()]
+        yield (
+            (MIDDLE, FINEST),
+            inf if any(of_meshes) else MeshPolicy.of_order(_PART_RATIO, _PART_ORDER),
+            lambda level: (model, NOMINAL.on_mesh("part_mesh", level)),
         )
-    if model == "solid" and (legs := [leg for _, leg, _ in sectioned_legs(mechanism, options)]):
-        divisions = second_divisions(options, legs)
-        other = replace(options, divisions=divisions)
-        studies.append(
-            (lambda: load_forces(model, postures, other), mesh_policy(options, legs, divisions))
-        )
-    if part_meshes and mechanism.parts and model != "simplified":
-        if any(found_in(body)[0].mesh is not None for body in mechanism.parts.values()):
-            return [[np.full_like(zero, inf) for zero in row] for row in zeros]
-        unknowns = {name: unknowns_of(body) // 2 for name, body in mechanism.parts.items()}
-        coarser = with_unknowns(mechanism, unknowns)
-        others = [replace(posture, mechanism=coarser) for posture in postures]
-        studies.append(
-            (
-                lambda: load_forces(model, others, options),
-                MeshPolicy.of_order(_PART_RATIO, _PART_ORDER),
-            )
-        )
-    for solve, policy in studies:
-        for row, other_row, totals in zip(rows, solve(), zeros, strict=True):
-            for number, (result, compared) in enumerate(zip(row, other_row, strict=True)):
-                if result is not None and compared is not None:
-                    totals[number] += mesh_half_widths([_changes(result, compared)], policy)
-    return zeros
 
 
-def _count(result: LoadForces | None) -> int:
-    return 0 if result is None else len(result.reactions) + len(result.members)
+def _count(rows: PathForces) -> int:
+    """Number of joints and legs with forces. 0 if no load can be solved in any pose."""
+    results = (result for row in rows for result in row if result is not None)
+    return next((len(result.reactions) + len(result.members) for result in results), 0)
 
 
-def _changes(result: LoadForces, other: LoadForces) -> Array:
-    """Magnitudes (N, N m) of the changes of forces between two solutions, six in each row.
+def _changes(rows: PathForces, first: PathForces, second: PathForces) -> Array:
+    """Magnitudes (P×L×n×6, N and N m) of the changes of forces between two solutions.
 
-    First the wrench of each joint, then the largest change along each leg.
+    First the wrench of each joint, then the largest change along each leg, at the stations of the
+    solution `rows`. Zero if there is no solution. Shapes: P poses, L loads, n joints and legs.
     """
-    rows = [_change(*pair) for pair in zip(result.reactions, other.reactions, strict=True)]
-    rows += [_change_along(*pair) for pair in zip(result.members, other.members, strict=True)]
-    return np.nan_to_num(np.reshape(rows, (-1, 6)))
-
-
-def _change(first: Reaction, second: Reaction) -> Array:
-    return np.abs(first.wrench - second.wrench)
-
-
-def _change_along(first: MemberForces, second: MemberForces) -> Array:
-    columns = [
-        np.interp(first.stations, second.stations, second.forces[:, component])
-        for component in range(6)
+    count = _count(rows)
+    changes = [
+        np.zeros((count, 6))
+        if result is None or None in pair
+        else _changes_under_load(result, *pair)
+        for results, *pairs in zip(rows, first, second, strict=True)
+        for result, *pair in zip(results, *pairs, strict=True)
     ]
-    return np.asarray(np.abs(first.forces - np.column_stack(columns)).max(axis=0))
+    return np.reshape(changes, (len(rows), -1, count, 6))
+
+
+def _changes_under_load(result: LoadForces, first: LoadForces, second: LoadForces) -> Array:
+    changes = [
+        np.abs(one.wrench - other.wrench)
+        for one, other in zip(first.reactions, second.reactions, strict=True)
+    ]
+    changes += [
+        np.abs(_forces_at(stations, one) - _forces_at(stations, other)).max(axis=0)
+        for member, one, other in zip(result.members, first.members, second.members, strict=True)
+        for stations in [member.stations]
+    ]
+    return np.asarray(np.nan_to_num(np.reshape(changes, (-1, 6))))
+
+
+def _forces_at(stations: Array, member: MemberForces) -> Array:
+    """Forces and moments (s×6) of a leg at s stations along it."""
+    columns = [np.interp(stations, member.stations, column) for column in member.forces.T]
+    return np.asarray(np.column_stack(columns))

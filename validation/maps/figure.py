@@ -16,6 +16,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.kinematics.postures import shown_pose
+from lumped.mechanism.mechanism import Posture
 from validation.case import Skip
 from validation.context import Context, Preset
 from validation.drawing.chart import Chart, Column, Contours, Panel, few_ticks
@@ -32,7 +33,8 @@ from validation.maps.workspace import (
     workspace,
     worst_posture,
 )
-from validation.references.robot_on_path import coordinates
+from validation.references.responses import Responses
+from validation.references.robot_on_path import coordinates, path_postures, robot_at
 from validation.report.words import capital
 from validation.solids.solid_legs import SHARED_SOLIDS
 from validation.studies_and_figures import PATH, MapStudy, WorstValue
@@ -163,14 +165,22 @@ def workspace_maps(context: Context) -> WorkspaceMaps:
     space = workspace(mechanism, _MAX_POSES[context.preset])
     if len(space.postures) < _FEWEST_POSTURES:
         raise Skip("fewer than four poses of the grid can be reached; a map needs at least four")
+    on_path = [replace(posture, mechanism=mechanism) for posture in path_postures(context)]
+    responses = Responses(robot_at(context, on_path), strict=True)
     maps: list[Map] = []
-    for mapped in mapped_quantities(context, mechanism):
-        values = grid_values(space, mapped.solve)
-        if worst := worst_posture(space, values, mapped.solve, largest=mapped.largest):
+    for mapped in mapped_quantities(responses, context.robot_file.requirement):
+        solve = partial(_values_at, responses, mapped)
+        values = grid_values(space, solve)
+        if worst := worst_posture(space, values, solve, largest=mapped.largest):
             maps.append((mapped, values, worst))
     if not maps:
         raise Skip("the models have no solution at any pose of the grid")
     return WorkspaceMaps(space, tuple(maps))
+
+
+def _values_at(responses: Responses, mapped: MappedQuantity, postures: Sequence[Posture]) -> Array:
+    """Values of a mapped quantity in `postures`, which need not be on the path."""
+    return mapped.values(responses.at(postures))
 
 
 @figures.figure("mechanism.maps", "Maps over the workspace", effort=3.0)

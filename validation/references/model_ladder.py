@@ -111,7 +111,9 @@ def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
         body: solid_tip(robot.context, leg, reading.ends[body], mesh=reading.mesh)
         for body, leg in robot.legs.items()
     }
-    parts = solid_parts(robot.postures, robot.computed_count, reading.ends, reading.part_mesh)
+    parts = solid_parts(
+        robot.reduction_postures, robot.computed_count, reading.ends, reading.part_mesh
+    )
     return assembled(robot.postures, tips, parts, reading.masses)
 
 

@@ -8,13 +8,15 @@ while the other is solved. Readings with perturbed inputs or digits are solved f
 robot.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias, TypeVar
 
 from lumped.acceptance.quantities import Quantity
 from lumped.errors import ComputationError, InputError
+from lumped.mechanism.mechanism import Posture
 from validation.case import failure_reason
+from validation.models.loads.forces import LoadForces
 from validation.references.perturbations import congruent, perturbed_robot, scaled
 from validation.references.robot_on_path import Reading, RobotOnPath
 from validation.responses.statics_and_modes import PathModes, Statics, Unsolved
@@ -26,15 +28,19 @@ UNSOLVED = (InputError, ComputationError)
 
 H = TypeVar("H")
 Solve: TypeAlias = Callable[[RobotOnPath, Reading], H]
+# Forces in joints and legs in each pose (outer sequence) under each load (inner sequence). None if
+# the mechanism cannot move as the load requires.
+PathForces: TypeAlias = Sequence[Sequence[LoadForces | None]]
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Model of a robot: one function for its statics and one for its modes.
+    """Model of a robot: a function each for its statics, its modes and the forces in its bodies.
 
     `statics` is None if the model does not define statics. `modes` is None if it does not define
-    modes; the function returns None if nothing has mass. `static_fields` and `modal_fields` are the
-    fields of a reading on which each function depends. `undefined_reason`: reason why statics or
+    modes; the function returns None if nothing has mass. `forces` is None unless a study needs
+    forces. `static_fields` are the fields of a reading on which statics and forces depend,
+    `modal_fields` those on which modes depend. `undefined_reason`: reason why statics or
     modes are not defined. `rigid`: reason for zeros in the compliance. `computed_by`: names of the
     functions that compute it. `stand_in`: a cheaper model whose changes by uncertain inputs are
     applied to this one if the robot has solids. If it is None, this model is solved for each change
@@ -51,6 +57,7 @@ class Model:
     rigid: str = ""
     computed_by: tuple[str, ...] = ()
     stand_in: "Model | None" = None
+    forces: Solve[PathForces] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +77,15 @@ class Responses:
     _modes: dict[tuple[Model, Reading], PathModes | Unsolved | None] = field(
         default_factory=dict, repr=False
     )
+    _forces: dict[tuple[Model, Reading], PathForces] = field(default_factory=dict, repr=False)
     _robots: dict[Reading, RobotOnPath] = field(default_factory=dict, repr=False)
+
+    def at(self, postures: Sequence[Posture]) -> "Responses":
+        """Responses of the robot in other postures, of which none is solved yet.
+
+        Reduced bodies stay the same, so that single postures can be solved one after the other.
+        """
+        return Responses(self.robot.at(postures), self.perturb, self.strict)
 
     def perturbed(self, reading: Reading) -> RobotOnPath:
         """Robot with the changed inputs and the changed digit of `reading`.
@@ -137,6 +152,18 @@ class Responses:
         Raises ComputationError if the model does not define modes or they are unsolved.
         """
         return _required(model, self.modes(model, reading))
+
+    def required_forces(self, model: Model, reading: Reading) -> PathForces:
+        """Forces in joints and legs. Raises the errors of the model, and if it defines no forces.
+
+        The error for a model without forces is a ComputationError.
+        """
+        if model.forces is None:
+            return _required(model, None)
+        key = model, reading.restricted((*model.static_fields, *PERTURBATIONS))
+        if key not in self._forces:
+            self._forces[key] = model.forces(self.perturbed(reading), key[1])
+        return self._forces[key]
 
     def unsolved(self, model: Model, reading: Reading, quantity: Quantity) -> str:
         """Reason why a quantity of a model cannot be computed. "" if it can be computed."""

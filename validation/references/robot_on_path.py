@@ -137,7 +137,8 @@ class RobotOnPath:
 
     `legs` by body name; legs with equal prisms share one object. `printed`: each 6×6 of the robot
     file with half a unit of the last digit of its entries. Empty if digits are not a source of
-    uncertainty.
+    uncertainty. `path`: postures whose highest frequency is the cut-off of reduced bodies; empty if
+    these are `postures`.
     """
 
     context: Context
@@ -145,6 +146,16 @@ class RobotOnPath:
     legs: Mapping[str, Leg]
     holding: Holding
     printed: tuple[Printed, ...]
+    path: tuple[Posture, ...] = ()
+
+    def at(self, postures: Sequence[Posture]) -> "RobotOnPath":
+        """The robot in other postures, with the reduced bodies of this one."""
+        return replace(self, postures=tuple(postures), path=self.reduction_postures)
+
+    @property
+    def reduction_postures(self) -> tuple[Posture, ...]:
+        """Postures whose highest frequency is the cut-off of reduced bodies."""
+        return self.path or self.postures
 
     @property
     def mechanism(self) -> Mechanism:

@@ -14,11 +14,10 @@ from support.robots.robot_from_text import robot_of
 
 from lumped.acceptance.quantities import ANY_FORCE
 from lumped.errors import ComputationError, InputError
-from lumped.models.bodies import links, tip_compliances
+from lumped.models.bodies import tip_compliances
 from lumped.robot_file import load_robot
-from lumped.system.assembly import assembly
 from validation.adequacy.errors import ModelErrors
-from validation.adequacy.judged_models import judged_models, judged_models_of
+from validation.adequacy.judged_models import judged_models_of
 from validation.adequacy.robot_verdicts import static_subject
 from validation.catalogue import catalogue
 from validation.context import Context
@@ -27,7 +26,9 @@ from validation.maps.figure import _MAX_POSES, _panels, maps
 from validation.maps.quantities import _error
 from validation.maps.workspace import evenly, grid_values, workspace, worst_posture
 from validation.record_fields import plain_data
-from validation.references.robot_on_path import robot_on_path
+from validation.references.reference_parts import assembled
+from validation.references.responses import Model, Responses
+from validation.references.robot_on_path import NOMINAL, robot_at, robot_on_path
 from validation.run.outcome import Result, from_plain, plain
 from validation.run.records import run_record
 
@@ -191,14 +192,19 @@ def test_grid_errors_equal_verdict_errors(five_bar):
 
 def test_mapped_error_is_largest_of_references():
     """With two references, one with a softer rod, the map has the larger of both errors."""
-    robot = load_robot("five-bar").mechanism
+    context = Context(load_robot("five-bar"), "quick")
+    robot = context.robot_file.mechanism
     compliances = tip_compliances(robot)
     softer = compliances | {"rod1": 1.1 * compliances["rod1"]}
-    references = [assembly(robot, links(robot, tips)) for tips in (compliances, softer)]
-    model, postures = judged_models(robot)["links"], postures_of(robot, robot.poses[:2])
-    errors = _error(model, references[1:], postures)
+    references = [
+        (Model(name, statics=lambda at, _, springs=tips: assembled(at.postures, springs)), NOMINAL)
+        for name, tips in {"file": compliances, "softer": softer}.items()
+    ]
+    responses = Responses(robot_at(context, postures_of(robot, robot.poses[:2])), strict=True)
+    model = judged_models_of(responses.robot)["links"]
+    errors = _error(model, references[1:], responses)
     assert (errors > 0.1).all()
-    np.testing.assert_allclose(_error(model, references, postures), errors, rtol=1e-9)
+    np.testing.assert_allclose(_error(model, references, responses), errors, rtol=1e-9)
 
 
 def test_unreachable_poses_are_blank(five_bar, tmp_path, command):

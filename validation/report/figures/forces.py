@@ -14,6 +14,7 @@ from validation.drawing.figures import FigureGroup
 from validation.forces.analysis import forces_in
 from validation.kinematics.poses import postures_on_path
 from validation.models.options import ModelOptions
+from validation.references.robot_on_path import robot_at
 from validation.studies_and_figures import PATH, PlannedFigure
 
 # Parts condensed on their interfaces are exact in statics, whatever their number of interfaces.
@@ -33,7 +34,7 @@ def _forces(context: Context, load: str) -> Chart:
     mechanism = context.robot_file.mechanism
     loads = tuple(item for item in mechanism.loads if item.name == load)
     postures = postures_on_path(replace(mechanism, loads=loads), mechanism.poses)
-    result = forces_in("beam", postures, _OPTIONS, part_meshes=False)
+    result = forces_in(robot_at(context, postures), "beam", _OPTIONS, part_meshes=False)
     if all(pose.loads[load] is None for pose in result.poses):
         raise Skip("the mechanism cannot move as the load requires")
     return result.chart(load)
