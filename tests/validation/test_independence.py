@@ -135,18 +135,20 @@ SIDES = {
 
 def sides(case: Case):
     head = case.id.partition("[")[0]
-    own = MODEL_CODE[JUDGED[case.model].kind] if case.model in JUDGED else ()
+    model_code = MODEL_CODE[JUDGED[case.model].kind] if case.model in JUDGED else ()
     if head.startswith("mechanism.anchor"):
-        by = ritz.compliance if head.endswith("statics") else ritz.frequencies
-        return (*own, *(() if case.model.startswith("vjm") else ASSEMBLER)), (
+        ritz_solution = ritz.compliance if head.endswith("statics") else ritz.frequencies
+        return (*model_code, *(() if case.model.startswith("vjm") else ASSEMBLER)), (
             ritz.simplified_response,
-            by,
+            ritz_solution,
         )
     if head.startswith("decision.deflection"):
-        return own or ASSEMBLER, DOUBLED
+        return model_code or ASSEMBLER, DOUBLED
     if head.startswith("decision.frequency"):
-        return own or ASSEMBLER, (held_solid,)
-    return next((found for pattern, found in SIDES.items() if fnmatch(head, pattern)), None)
+        return model_code or ASSEMBLER, (held_solid,)
+    return next(
+        (both_sides for pattern, both_sides in SIDES.items() if fnmatch(head, pattern)), None
+    )
 
 
 @cache
@@ -155,57 +157,57 @@ def names(module: str) -> dict[str, ast.stmt | str]:
 
     The origin is "module:name" or the name of a module.
     """
-    found: dict[str, ast.stmt | str] = {}
+    origins: dict[str, ast.stmt | str] = {}
     for node in ast.parse(FILES[module].read_text(encoding="utf-8")).body:
         match node:
             case ast.FunctionDef(name=name) | ast.ClassDef(name=name):
-                found[name] = node
+                origins[name] = node
             case ast.Assign(targets=[ast.Name(id=name)]) | ast.AnnAssign(target=ast.Name(id=name)):
-                found[name] = node
+                origins[name] = node
             case ast.ImportFrom(module=of, names=aliases):
                 for alias in aliases:
                     inner = f"{of}.{alias.name}"
-                    found[alias.asname or alias.name] = (
+                    origins[alias.asname or alias.name] = (
                         inner if inner in FILES else f"{of}:{alias.name}"
                     )
-    return found
+    return origins
 
 
-def meant(module: str, name: str) -> str:
+def definition_of(module: str, name: str) -> str:
     """Place where a name used in a module is defined, "module:name".
 
     If the name is a module, its name. "" if the name is not one of this program.
     """
-    found = names(module).get(name, "") if module in FILES else ""
-    if not isinstance(found, str):
+    origin = names(module).get(name, "") if module in FILES else ""
+    if not isinstance(origin, str):
         return f"{module}:{name}"
-    return meant(*found.split(":")) if ":" in found else found
+    return definition_of(*origin.split(":")) if ":" in origin else origin
 
 
 @cache
 def uses(definition: str) -> frozenset[str]:
     """Definitions ("module:name") whose names occur in a definition."""
     module, _, name = definition.partition(":")
-    found = set()
+    used = set()
     for node in ast.walk(names(module)[name]):
         if isinstance(node, ast.Name):
-            found.add(meant(module, node.id))
+            used.add(definition_of(module, node.id))
         elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            found.add(meant(meant(module, node.value.id), node.attr))
-    return frozenset(one for one in found if ":" in one)
+            used.add(definition_of(definition_of(module, node.value.id), node.attr))
+    return frozenset(definition for definition in used if ":" in definition)
 
 
-def named(functions) -> set[str]:
-    return {f"{one.__module__}:{one.__name__}" for one in functions}
+def qualified_names(functions) -> set[str]:
+    return {f"{function.__module__}:{function.__name__}" for function in functions}
 
 
 def closure(definitions: set[str]) -> set[str]:
     """The definitions and all that they use, directly or through others."""
-    found, todo = set(), definitions
+    reached_definitions, todo = set(), definitions
     while todo:
-        found |= todo
-        todo = set().union(*map(uses, todo)) - found
-    return found
+        reached_definitions |= todo
+        todo = set().union(*map(uses, todo)) - reached_definitions
+    return reached_definitions
 
 
 def dotted(definition: str) -> str:
@@ -218,9 +220,11 @@ def shared(value, reference, also=()) -> set[str]:
     A definition that one side names directly is never a basic.
     """
     basics = tuple(map(dotted, (*BASICS, *also)))
-    both = closure(named(value)) & closure(named(reference))
-    by_name = both & (named(value) | named(reference))
-    return by_name | {one for one in both if not dotted(one).startswith(basics)}
+    both = closure(qualified_names(value)) & closure(qualified_names(reference))
+    by_name = both & (qualified_names(value) | qualified_names(reference))
+    return by_name | {
+        definition for definition in both if not dotted(definition).startswith(basics)
+    }
 
 
 def of_robot(path: str) -> list[Case]:
@@ -238,11 +242,13 @@ COMPARED = {key: both for key, case in CASES.items() if (both := sides(case)) is
 
 def roots(compute) -> set[str]:
     """Definitions that compute a case. A closure counts with the functions it holds."""
-    own = compute.func if isinstance(compute, partial) else compute
-    function = inspect.unwrap(compute if hasattr(compute, "__wrapped__") else own)
-    held = [cell.cell_contents for cell in function.__closure__ or ()]
-    found = {f"{function.__module__}:{function.__qualname__.partition('.')[0]}"}
-    return found.union(*(roots(one) for one in held if inspect.isfunction(one)))
+    function_of_case = compute.func if isinstance(compute, partial) else compute
+    function = inspect.unwrap(compute if hasattr(compute, "__wrapped__") else function_of_case)
+    closure_contents = [cell.cell_contents for cell in function.__closure__ or ()]
+    qualified = {f"{function.__module__}:{function.__qualname__.partition('.')[0]}"}
+    return qualified.union(
+        *(roots(content) for content in closure_contents if inspect.isfunction(content))
+    )
 
 
 def test_value_and_reference_are_independent():
@@ -255,19 +261,24 @@ def test_value_and_reference_are_independent():
 def test_comparison_depends_on_both_sides():
     """The case of a comparison uses all functions that are listed as its two sides."""
     for key, (value, reference) in COMPARED.items():
-        strange = named((*value, *reference)) - closure(roots(CASES[key].compute))
+        strange = qualified_names((*value, *reference)) - closure(roots(CASES[key].compute))
         assert not strange, key
 
 
 def test_reference_by_same_code_is_detected():
     """Common code is detected by name, through two modules, in an assembler, and in annotations."""
-    alike = {leg_matrices: beam_leg, robot_modes: beam_leg, swept: solved, rooted_body: RootedBody}
-    assert all(shared((one,), (other,)) for one, other in alike.items())
+    common_code = {
+        leg_matrices: beam_leg,
+        robot_modes: beam_leg,
+        swept: solved,
+        rooted_body: RootedBody,
+    }
+    assert all(shared((first,), (second,)) for first, second in common_code.items())
 
 
 def test_every_model_has_independent_check():
     by_ritz = {
         value for value, reference in COMPARED.values() if ritz.simplified_response in reference
     }
-    for model, own in MODEL_CODE.items():
-        assert any(set(own) <= set(value) for value in by_ritz if value != ASSEMBLER), model
+    for model, code in MODEL_CODE.items():
+        assert any(set(code) <= set(value) for value in by_ritz if value != ASSEMBLER), model

@@ -51,7 +51,7 @@ STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LEG = ConstantLeg(0.85, HollowRectangle(0.10, 0.16, 0.008), STEEL)
 
 
-def given(folder: Path) -> tuple[PartFile, tuple[Interface, ...]]:
+def file_and_interfaces(folder: Path) -> tuple[PartFile, tuple[Interface, ...]]:
     """Part file in the folder, and two interfaces of the part."""
     path = folder / "part.step"
     path.write_bytes(b"solid")
@@ -78,17 +78,17 @@ def varied(robot: str | Path) -> VariedRobot:
 )
 def test_cache_key_has_every_input_field(inputs):
     keys = {key_of(inputs): ""}
-    for place, changed in changed_leaves(inputs):
+    for path, changed in changed_leaves(inputs):
         key = key_of(changed)
-        assert key not in keys, (place, keys[key])
-        keys[key] = place
+        assert key not in keys, (path, keys[key])
+        keys[key] = path
     assert len(keys) > 5
 
 
 def test_cache_key_includes_source_code(monkeypatch):
     keys = set()
-    for one in "ab":
-        monkeypatch.setattr(CURVES, "program", lambda one=one: one)
+    for letter in "ab":
+        monkeypatch.setattr(CURVES, "program", lambda letter=letter: letter)
         monkeypatch.setattr(CURVES, "find", lambda key: keys.add(key) or {"number": np.ones(())})
         forget()
         computed([varied("five-bar")], lambda number: number, pytest.fail, "asking")
@@ -121,7 +121,7 @@ def digest_now() -> str:
 
 def part_keys(folder: Path) -> list[str]:
     """Keys of a mesh of a part and of the part's identification on it."""
-    file, interfaces = given(folder)
+    file, interfaces = file_and_interfaces(folder)
     (mesh,) = meshes.mesh_entries(file, interfaces, 1000, [0])
     return [mesh.key, identify.identified_entry(file, interfaces, STEEL, 1000, 6).key]
 
@@ -164,21 +164,24 @@ VIEWS = {"validation.tables", "validation.parts.identified_plot"}
 
 def test_part_key_includes_sources():
     """Sources: all modules imported, also indirectly, by those that compute cache entries."""
-    drawn = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))
-    files = drawn["modules"]()
+    drawing = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))
+    files = drawing["modules"]()
     for start, places in (
         ({"validation.parts.meshes"}, meshes.MESHING),
-        ({one.__name__ for one in (identify, reduced_parts, stepped_parts)}, meshes.COMPUTING),
+        (
+            {module.__name__ for module in (identify, reduced_parts, stepped_parts)},
+            meshes.COMPUTING,
+        ),
     ):
-        found, waiting = set(), list(start)
+        imported, waiting = set(), list(start)
         while waiting:
-            found.add(name := waiting.pop())
-            waiting += drawn["imports"](files[name], files) - found - VIEWS
-        digested = {path for place in places for path in sources._files(str(ROOT / place))}
-        for name in found:
+            imported.add(name := waiting.pop())
+            waiting += drawing["imports"](files[name], files) - imported - VIEWS
+        digested = {path for folder in places for path in sources._files(str(ROOT / folder))}
+        for name in imported:
             if str(files[name]) not in digested:
                 body = ast.parse(files[name].read_text(encoding="utf-8")).body
-                assert all(isinstance(one, ast.Expr) for one in body), name
+                assert all(isinstance(statement, ast.Expr) for statement in body), name
 
 
 def test_memo_key_has_all_arguments():
@@ -187,12 +190,15 @@ def test_memo_key_has_all_arguments():
         *((np.zeros(6),), (np.zeros((2, 3)),), (np.zeros((3, 2)),), (np.zeros(6, np.float32),)),
         *((changed_leaves,), (varied,), (Absolute(1.0),), (Relative(1.0),)),
     ]
-    calls = [(changed_leaves, given, {}) for given in arguments]
+    calls = [(changed_leaves, values, {}) for values in arguments]
     calls += [(varied, (), {}), *((changed_leaves, (), {name: 1}) for name in "ab")]
     assert len({memo_key(*call) for call in calls}) == len(calls)
     # What a leg is called is no difference to what is remembered of it.
-    for changed, alike in ((replace(LEG, name="leg2"), True), (replace(LEG, length=0.86), False)):
-        assert (memo_key(varied, (LEG,), {}) == memo_key(varied, (changed,), {})) == alike
+    for changed, are_equal in (
+        (replace(LEG, name="leg2"), True),
+        (replace(LEG, length=0.86), False),
+    ):
+        assert (memo_key(varied, (LEG,), {}) == memo_key(varied, (changed,), {})) == are_equal
         assert key_of(LEG) != key_of(changed)
     with pytest.raises(ValueError, match="only module-level functions"):
         memo_key(lambda: None, (), {})
@@ -201,26 +207,28 @@ def test_memo_key_has_all_arguments():
 
 
 def test_part_key_depends_on_every_input(tmp_path, monkeypatch):
-    file, interfaces = given(tmp_path)
-    said = [(interfaces, STEEL), (interfaces[::-1], STEEL)]
-    for place in (0, 1):
-        changed = [other for _, other in changed_leaves(said[0][place])]
-        said += [(one, STEEL) if place == 0 else (interfaces, one) for one in changed]
-    keys = [meshes.part_key(file, *one) for one in said]
-    keys.append(meshes.part_key(replace(file, unit="m"), *said[0]))
-    keys += [meshes.part_key(file, *said[0], *more) for more in ((1,), (2,), ("1",), (1, 2))]
-    keys.append(meshes.part_key(file, *said[0], sources=meshes.MESHING))
+    file, interfaces = file_and_interfaces(tmp_path)
+    inputs = [(interfaces, STEEL), (interfaces[::-1], STEEL)]
+    for position in (0, 1):
+        changed = [other for _, other in changed_leaves(inputs[0][position])]
+        inputs += [(value, STEEL) if position == 0 else (interfaces, value) for value in changed]
+    keys = [meshes.part_key(file, *pair) for pair in inputs]
+    keys.append(meshes.part_key(replace(file, unit="m"), *inputs[0]))
+    keys += [
+        meshes.part_key(file, *inputs[0], *options) for options in ((1,), (2,), ("1",), (1, 2))
+    ]
+    keys.append(meshes.part_key(file, *inputs[0], sources=meshes.MESHING))
     with monkeypatch.context() as patch:
         patch.setattr(sources, "version", lambda _library: "another")
         forget()
-        keys.append(meshes.part_key(file, *said[0]))
+        keys.append(meshes.part_key(file, *inputs[0]))
     forget()
     file.path.write_bytes(b"Solid")
-    keys.append(meshes.part_key(file, *said[0]))
+    keys.append(meshes.part_key(file, *inputs[0]))
     assert len(set(keys)) == len(keys) >= 30
 
 
-def asked_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterator[partial[Any]]:
+def calls_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterator[partial[Any]]:
     """Yield calls for all results of a part that are cached, with each option changed."""
     body, leg = (load_robot(robot).mechanism.parts[name] for robot, name in BODIES.items())
     lighter = replace(body, shape=replace(body.shape, material=replace(STEEL, rho=7000.0)))
@@ -231,10 +239,11 @@ def asked_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterato
             yield partial(identify.identify, file, interfaces, STEEL, count, modes)
     yield partial(identify.identify, file, interfaces, replace(STEEL, nu=0.29), 1000, 6)
     plain = {"highest": 800.0, "cutoff": 2000.0}
-    others = {"highest": 801.0, "cutoff": 2001.0, "level": 1, "hold": "average", "by": "free"}
-    yield from (partial(reduced_parts.reduced, one, **plain) for one in (body, lighter))
+    other_values = {"highest": 801.0, "cutoff": 2001.0, "level": 1, "hold": "average", "by": "free"}
+    yield from (partial(reduced_parts.reduced, part, **plain) for part in (body, lighter))
     yield from (
-        partial(reduced_parts.reduced, body, **plain | {name: others[name]}) for name in others
+        partial(reduced_parts.reduced, body, **plain | {name: other_values[name]})
+        for name in other_values
     )
     yield from (partial(stepped_parts.stepped, leg, pieces) for pieces in (10, 11))
 
@@ -247,14 +256,14 @@ def test_results_have_unique_keys(tmp_path, monkeypatch):
         raise InterruptedError
 
     keys: list[str] = []
-    part = given(tmp_path)
+    part = file_and_interfaces(tmp_path)
     monkeypatch.setattr(reduced_parts, "found_in", lambda _: part)
     monkeypatch.setattr(CacheEntry, "value", noted)
-    asked = list(asked_of_parts(*part))
-    for ask in asked:
+    calls = list(calls_of_parts(*part))
+    for ask in calls:
         with pytest.raises(InterruptedError):
             ask()
-    assert len(set(keys)) == len(keys) == len(asked)
+    assert len(set(keys)) == len(keys) == len(calls)
 
 
 def test_run_key_contains_all_options():
@@ -269,7 +278,9 @@ def test_run_key_contains_all_options():
     changed = [
         header | {name: other} for name in header for _, other in changed_leaves(header[name])
     ]
-    assert len({mark_of(one).run for one in (header, *changed)}) == 1 + len(changed)
+    assert len({mark_of(changed_header).run for changed_header in (header, *changed)}) == 1 + len(
+        changed
+    )
     assert mark_of(header | {"started": "later"}).run == mark_of(header).run
     needed = {"python", "numpy", "scipy", "gmsh", "scikit-fem", "rslab", "linear solver"}
     assert needed <= provenance.versions().keys()
@@ -279,13 +290,15 @@ def test_run_digest_depends_on_measurements():
     plain = Request(load_robot("ifw"), "quick", Path("out"), 1)
     changed = {"only": "leg*", "accept": ("x=0.1",), "vary": ("geometry.a=0.9:1:3",)}
     requests = [plain, *(replace(plain, **{name: other}) for name, other in changed.items())]
-    assert len({fingerprint(dict(one.options)) for one in requests}) == 4
+    assert len({fingerprint(dict(request.options)) for request in requests}) == 4
     values = (
         Measured(measured_quantity("x"), 1e-6, 1e-8, "rig", (0.3,), 100.0),
         Measured(measured_quantity("f1"), 80.0, 0.1, "rig"),
     )
-    others = [other for _, other in changed_leaves(values)]
-    assert len({digest(one) for one in (values, *others)}) == 1 + len(others)
+    other_measurements = [other for _, other in changed_leaves(values)]
+    assert len({digest(measurements) for measurements in (values, *other_measurements)}) == 1 + len(
+        other_measurements
+    )
 
 
 def with_part(folder: Path, change: bytes = b"") -> RobotFile:
@@ -299,18 +312,18 @@ def with_part(folder: Path, change: bytes = b"") -> RobotFile:
 
 @pytest.mark.usefixtures("coarse_parts")
 def test_robot_digest_covers_file_and_parts(tmp_path):
-    one, same = with_part(tmp_path / "one"), with_part(tmp_path / "same")
+    first, same = with_part(tmp_path / "one"), with_part(tmp_path / "same")
     other = with_part(tmp_path / "other", b"/* other */\n")
-    assert one.sha256 == same.sha256 != other.sha256
+    assert first.sha256 == same.sha256 != other.sha256
     assert load_robot("ifw").sha256 == hashlib.sha256(load_robot("ifw").text.encode()).hexdigest()
     # A part that was written again under a session, as long as before, is read again.
-    body, part = one.mechanism.parts["rocker"], tmp_path / "one" / "rocker.step"
+    body, part = first.mechanism.parts["rocker"], tmp_path / "one" / "rocker.step"
     before, _ = reduced_parts.found_in(body)
     assert reduced_parts.found_in(body)[0] is before
     part.write_text(part.read_text().replace("\n", " ", 1))
     assert reduced_parts.found_in(body)[0] is not before
     part.unlink()
-    assert load_robot(tmp_path / "one" / "robot.toml").sha256 != one.sha256
+    assert load_robot(tmp_path / "one" / "robot.toml").sha256 != first.sha256
 
 
 def test_plugin_computes_robots_once(tmp_path, monkeypatch):
@@ -323,8 +336,8 @@ def test_plugin_computes_robots_once(tmp_path, monkeypatch):
 
     monkeypatch.setattr(api, "adequacy", judge)
     robots = [with_part(tmp_path / name, b"/* b */\n" * (name == "b")) for name in "ab"]
-    known = {pytest_plugin._ASSESSMENTS: {}}
+    assessments = {pytest_plugin._ASSESSMENTS: {}}
     for robot, preset, accept in 2 * list(product(robots, PRESETS, (None, {"modes": 6}))):
-        config = SimpleNamespace(stash=known, getoption=lambda _, preset=preset: preset)
+        config = SimpleNamespace(stash=assessments, getoption=lambda _, preset=preset: preset)
         pytest_plugin._assessment(config, robot.source, accept)
-    assert len({fingerprint(one) for one in judged}) == len(judged) == 2 * len(PRESETS) * 2
+    assert len({fingerprint(request) for request in judged}) == len(judged) == 2 * len(PRESETS) * 2

@@ -4,5 +4,5 @@
 def only_message(printed):
     """The single message on stderr, without forecasts and progress of a busy machine."""
     *earlier, line = printed.splitlines()
-    assert all("about " in one or "elapsed" in one for one in earlier), earlier
+    assert all("about " in line or "elapsed" in line for line in earlier), earlier
     return line

@@ -164,22 +164,22 @@ FIG_5 = Figure("fig5", "Fig. 5", "Made up.", "The paper's statements", png=PIXEL
 
 
 @cache
-def drawn():
+def study_picture():
     """Figure of the study, drawn once for all tests of the page."""
     return study_figure(family_of([CONVERGENCE]))
 
 
-def measured(identifier, value, reference, *spreads, exact=True, **own):
+def measured(identifier, value, reference, *spreads, exact=True, **case_fields):
     """Outcome of a comparison with these fields of its case and its measurement."""
     names = ("allowances", "studies", "table")
-    of_measurement = {name: own.pop(name) for name in names if name in own}
+    of_measurement = {name: case_fields.pop(name) for name in names if name in case_fields}
     measurement = Measurement(value, reference, *spreads, exact=exact, **of_measurement)
-    return judge(case(identifier, **own), measurement, 0.1)
+    return judge(case(identifier, **case_fields), measurement, 0.1)
 
 
-def redeclared(outcome, **own):
+def redeclared(outcome, **case_fields):
     """Copy of the outcome with other fields of its case."""
-    return msgspec.structs.replace(outcome, case=replace(outcome.case, **own))
+    return msgspec.structs.replace(outcome, case=replace(outcome.case, **case_fields))
 
 
 def unmeasured(identifier, verdict, message):
@@ -236,7 +236,7 @@ def sample_report(
     `unjudged` contains failed assessments with their reasons.
     """
     outcomes = sample_outcomes() if outcomes is None else outcomes
-    figures = (drawn(), FIG_5) if figures is None else figures
+    figures = (study_picture(), FIG_5) if figures is None else figures
     contents = {figure.id: figure for figure in figures} | {ADEQUACY: matrix, MEASURED: measured}
     lost = dict.fromkeys(missing, "no OpenGL") | (unjudged or {})
     results = list(outcomes)

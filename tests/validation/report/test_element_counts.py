@@ -63,8 +63,8 @@ def test_smallest_count_is_an_upper_bound():
     """If the smallest computed number of elements suffices, fewer might suffice too."""
     first, second = rows(study((10, 12, 3), (0, 0, 0)))
     assert (first.needed, second.needed) == ("at most 10", "12")
-    (one, _) = rows(study((1, 1, 3), (0, 0, 0), x=(1, 20, 40)))
-    assert one.needed == "1"
+    (row, _) = rows(study((1, 1, 3), (0, 0, 0), x=(1, 20, 40)))
+    assert row.needed == "1"
 
 
 def test_error_is_empty_without_element_count():

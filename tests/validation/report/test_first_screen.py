@@ -125,33 +125,35 @@ def test_recommended_models_cover_all(seed):
             for q, quantity in enumerate(quantities)
         )
     )
-    left, chosen = adequate.copy(), []
-    while left.any():
-        best = int(left.sum(axis=1).argmax())
-        chosen.append((names[best], {quantities[q] for q in np.flatnonzero(left[best])}))
-        left[:, left[best]] = False
-    found = models_to_use(matrix)
-    assert [(model, {one.name for one in reasons}) for model, reasons in found] == chosen
+    uncovered, expected = adequate.copy(), []
+    while uncovered.any():
+        best = int(uncovered.sum(axis=1).argmax())
+        expected.append((names[best], {quantities[q] for q in np.flatnonzero(uncovered[best])}))
+        uncovered[:, uncovered[best]] = False
+    models = models_to_use(matrix)
+    assert [
+        (model, {quantity.name for quantity in reasons}) for model, reasons in models
+    ] == expected
 
 
 def test_inadequate_models_are_folded():
     """Rows of models without an adequate entry, and of a second beam theory, are folded."""
     theories = [entry(name, "x", 0.01) for name in ("beam", "beam-euler-bernoulli")]
-    lacking = [entry(name, "z", -1.0) for name in ("simplified", "links")]
+    inadequate = [entry(name, "z", -1.0) for name in ("simplified", "links")]
     useful = [entry("simplified", "x", 0.5), entry("links", "x", 0.01)]
     useful.append(entry("simplified", "order", 0.0))
-    rows = table_of(matrix_of(*theories, *lacking, *useful)).rows
+    rows = table_of(matrix_of(*theories, *inadequate, *useful)).rows
     assert {row.note.model for row in rows if row.folded} == {"beam-euler-bernoulli", "simplified"}
-    lacking = matrix_of(entry("simplified", "z", -1.0, along=-1.0), entry("beam", "z", 0.01))
+    inadequate = matrix_of(entry("simplified", "z", -1.0, along=-1.0), entry("beam", "z", 0.01))
     theory = matrix_of(entry("beam-euler-bernoulli", "f1", 0.01), entry("beam", "f1", 0.2))
-    for matrix, rely, shown in (
-        (lacking, (), ["beam"]),
-        (lacking, ("simplified",), ["simplified", "beam"]),
+    for matrix, rely, unfolded in (
+        (inadequate, (), ["beam"]),
+        (inadequate, ("simplified",), ["simplified", "beam"]),
         # A second theory that alone is adequate.
         (theory, (), ["beam-euler-bernoulli", "beam"]),
     ):
         rows = first_screen(matrix, plotted=False, rely=rely).table.rows
-        assert [row.note.model for row in rows if not row.folded] == shown
+        assert [row.note.model for row in rows if not row.folded] == unfolded
 
 
 def test_frequency_verdicts_state_assumption():
@@ -164,7 +166,10 @@ def test_frequency_verdicts_state_assumption():
     assert not conditions(sample_matrix(supposed=supposed))
     # Those of the model relied on are open, whatever is decided of another.
     both = matrix_of(entry("beam", "f1", 0.3), entry("segments", "f1"), supposed=supposed)
-    assert [conditions(both, [one]) for one in ("segments", "beam")] == ["", conditions(decided)]
+    assert [conditions(both, [model]) for model in ("segments", "beam")] == [
+        "",
+        conditions(decided),
+    ]
     assert conditions(decided) in unescape(render(sample_report(matrix=decided, figures=())))
     # Solids of such legs are of other legs: they help nobody.
     assert "solid" not in sentence(decided)
@@ -173,8 +178,8 @@ def test_frequency_verdicts_state_assumption():
 def test_tiny_half_width_is_hidden():
     small = [1e-9, 4e-4, 6e-4]
     table = table_of(matrix_of(*(entry(f"m{u}", "x", u, uncertainty=u) for u in small)))
-    found = [(plain(cell.text), plain(cell.spread)) for cell in table.cells]
-    assert found == [("0 %", ""), ("0.04 %", ""), ("below 0.12 %", "")]
+    texts = [(plain(cell.text), plain(cell.spread)) for cell in table.cells]
+    assert texts == [("0 %", ""), ("0.04 %", ""), ("below 0.12 %", "")]
     # Of readings that disagree on the order the worst is told: "−11 % ± 0.1 %" beside "?" was not.
     (order,) = table_of(matrix_of(entry("beam", "order", -0.11, verdict="undecided"))).cells
     assert (plain(order.text), order.spread) == ("−11 %", "at most")
@@ -187,43 +192,43 @@ def test_reference_row_has_reference_values():
     105 Hz with a half-width of 9.5 %.
     """
 
-    def own(expected, low, high):
+    def expected_fields(expected, low, high):
         return {"expected": expected, "expected_range": (low * expected, high * expected)}
 
     matrix = matrix_of(
         entry("beam", "x", 0.5, expected=9e-8),
-        entry("vjm", "x", 0.25, values=(1e-8, 2.5e-8, 2e-8), **own(1e-8, 0.992, 1.008)),
-        entry("vjm", "phi_x", 0.0, **own(3e-8, 1.0, 1.0)),
-        entry("beam", "f1", -0.2, **own(100.0, 0.95, 1.15)),
+        entry("vjm", "x", 0.25, values=(1e-8, 2.5e-8, 2e-8), **expected_fields(1e-8, 0.992, 1.008)),
+        entry("vjm", "phi_x", 0.0, **expected_fields(3e-8, 1.0, 1.0)),
+        entry("beam", "f1", -0.2, **expected_fields(100.0, 0.95, 1.15)),
         entry("beam", "order", 0.2, expected=100.0),
     )
-    assert [tuple(map(plain, one)) for one in table_of(matrix).robot] == [
+    assert [tuple(map(plain, cell)) for cell in table_of(matrix).robot] == [
         *(("20 µm", "± 0.8 %"), ("3 µrad", ""), ("105 Hz", "± 9.5 %"), ("", ""))
     ]
 
 
 def test_equal_remedies_share_a_line():
     matrix = sample_matrix()
-    *simple, off = lines = remedies_of(matrix, {entry.model for entry in matrix.entries})
+    *simple, last = lines = remedies_of(matrix, {entry.model for entry in matrix.entries})
     equivalent = "VJM on equivalent legs, segments and beams"
-    assert [(one.models, one.quantities, plain(one.without)) for one in lines] == [
+    assert [(line.models, line.quantities, plain(line.without)) for line in lines] == [
         ("The simplified model", "x and y", "87 to 100 % too stiff"),
         ("The simplified model", "z", "100 % too stiff"),
         (equivalent, "deflections and rotations", "15 to 17 % too stiff"),
     ]
-    assert off.remedy == "take the 6×6 with its couplings"
-    assert plain(off.with_remedy) == "0.1 %"
+    assert last.remedy == "take the 6×6 with its couplings"
+    assert plain(last.with_remedy) == "0.1 %"
     assert simple[1].causes == ("it knows no such motion",)
     # What is left of the error has a name, too.
     shares = {"couplings": 0.9, "feet": 0.06, "shear": 0.04}
-    beam = entry("beam", "x", 0.2, causes=tuple(Cause(*one, "") for one in shares.items()))
+    beam = entry("beam", "x", 0.2, causes=tuple(Cause(*cause, "") for cause in shares.items()))
     (line,) = remedies_of(matrix_of(beam), ["beam"])
     assert plain("; ".join(line.causes)) == "couplings: 90 %; feet: 6 %; all others: 4 %"
     # A model that is folded in the table has its lines folded, too; an unfinished run no figure.
     screen = first_screen(matrix, plotted=False)
     assert screen.errors is None
     assert first_screen(matrix, plotted=True).errors.svg
-    assert (screen.remedies, screen.other_remedies) == ((off,), tuple(simple))
+    assert (screen.remedies, screen.other_remedies) == ((last,), tuple(simple))
 
 
 def test_undecided_reasons_name_models():
@@ -248,8 +253,12 @@ def test_remedy_error_range_is_sorted():
     """Frequencies 8 % too low and 20 % too high, each with a sign."""
     causes = (Cause("shear", 1.0),)
     entries = tuple(
-        entry("beam", f"f{k}", error, causes=causes, remedy="use solid", error_with_remedy=left)
-        for k, (error, left) in enumerate(((0.2, -0.003), (-0.3, 0.04), (-0.08, -0.02)), start=1)
+        entry(
+            "beam", f"f{k}", error, causes=causes, remedy="use solid", error_with_remedy=remaining
+        )
+        for k, (error, remaining) in enumerate(
+            ((0.2, -0.003), (-0.3, 0.04), (-0.08, -0.02)), start=1
+        )
     )
     (line,) = remedies_of(matrix_of(*entries), ["beam"])
     assert plain(line.without) == "−8 to −30 %"
@@ -261,9 +270,11 @@ def test_legs_and_measurements_have_tables():
         entry(model, "z", size, measured=True, reference="measured: gauge")
         for model, size in (("vjm", 0.01), ("segments", -0.2))
     )
-    leg, own = (sample_matrix(robot=name, notes=()) for name in ("leg 1", "equivalent legs"))
+    leg, formulation = (
+        sample_matrix(robot=name, notes=()) for name in ("leg 1", "equivalent legs")
+    )
     report = sample_report(
-        matrix=sample_matrix(parts=(leg,), formulation=own),
+        matrix=sample_matrix(parts=(leg,), formulation=formulation),
         measured=matrix_of(*by_gauge, quantities=("z",), models=leg.models),
         figures=(Figure("leg1.picture", "A leg", "", "Leg 1", svg="<svg ></svg>"),),
     )
@@ -297,14 +308,14 @@ def test_matrix_has_inputs_and_probabilities():
     screen = first_screen(matrix_of(uncertain), plotted=False)
     (cell,) = screen.table.cells
     assert plain(cell.spread).endswith("97 % sure")
-    assert [plain(one) for one in screen.inputs] == [
+    assert [plain(row) for row in screen.inputs] == [
         *("leg1.material.E ±0.8 % (f1 by beams)", "platform.mass ±0.6 % (f1 by beams)")
     ]
-    said = {word: plain(text) for word, text in cell.sheet}
+    sheet = {word: plain(text) for word, text in cell.sheet}
     assert (
-        said["Shares of the uncertain inputs in the variance"]
+        sheet["Shares of the uncertain inputs in the variance"]
         == "leg1.material.E 64 %, platform.mass 36 %"
     )
-    assert said["Probability that the error is within the limit"] == "97 %"
+    assert sheet["Probability that the error is within the limit"] == "97 %"
     (cell,) = table_of(matrix_of(replace(uncertain, probability=1.0))).cells
     assert "sure" not in cell.spread

@@ -46,22 +46,22 @@ def drawn_outcomes(seed):
         for label, unit in QUANTITIES.items():
             reference = float(10.0 ** draw.uniform(-8.0, -5.0) if unit != "Hz" else 120.0)
             for model in MODELS:
-                own = {"kind": "agreement", "model": model, "label": label, "body": body}
-                own |= {"unit": unit, "tolerance": Relative(TOLERANCE)}
-                own |= {"elements": 20 if model in {"segments", "beam"} else 0}
+                fields = {"kind": "agreement", "model": model, "label": label, "body": body}
+                fields |= {"unit": unit, "tolerance": Relative(TOLERANCE)}
+                fields |= {"elements": 20 if model in {"segments", "beam"} else 0}
                 identifier = f"{body}.{model}.{label}"
                 if draw.random() < 0.2:
                     verdict = str(draw.choice(["skipped", "failed"]))
                     lost = unmeasured(identifier, verdict, f"reason {draw.integers(2)}")
-                    outcomes.append(redeclared(lost, **own))
+                    outcomes.append(redeclared(lost, **fields))
                     continue
                 # The sum of all amounts is what value and reference differ by.
                 parts = reference * draw.normal(size=len(CAUSES)) * draw.choice([1e-6, 0.02])
-                rest = reference * float(draw.choice([1e-4, 0.004, 0.03])) * draw.normal()
+                unexplained = reference * float(draw.choice([1e-4, 0.004, 0.03])) * draw.normal()
                 half = float(draw.choice([1e-6, 1e-3, 0.015]))
                 outcome = measured(
                     identifier,
-                    reference + float(parts.sum()) + rest,
+                    reference + float(parts.sum()) + unexplained,
                     reference,
                     half * reference,
                     exact=False,
@@ -69,7 +69,7 @@ def drawn_outcomes(seed):
                         Allowance(cause, float(part))
                         for cause, part in zip(CAUSES, parts, strict=True)
                     ),
-                    **own,
+                    **fields,
                 )
                 outcomes.append(outcome)
     return outcomes
@@ -80,8 +80,8 @@ DRAWN = [drawn_outcomes(seed) for seed in range(8)]
 
 def shares(text):
     """Numbers before percent signs in a text, divided by 100."""
-    found = re.findall(rf"({NUMBER})\N{{NO-BREAK SPACE}}%", text)
-    return [float(one.replace("−", "-")) / 100.0 for one in found]
+    percentages = re.findall(rf"({NUMBER})\N{{NO-BREAK SPACE}}%", text)
+    return [float(percentage.replace("−", "-")) / 100.0 for percentage in percentages]
 
 
 def read(share):
@@ -90,12 +90,14 @@ def read(share):
 
 
 def test_random_outcomes_have_every_verdict():
-    assert {one.verdict for outcomes in DRAWN for one in outcomes} == set(MARKS)
+    assert {outcome.verdict for outcomes in DRAWN for outcome in outcomes} == set(MARKS)
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_cells_match_their_comparisons(outcomes):
-    by_place = {(one.case.body, one.case.model, one.case.label): one for one in outcomes}
+    by_place = {
+        (outcome.case.body, outcome.case.model, outcome.case.label): outcome for outcome in outcomes
+    }
     tables = agreement_tables(outcomes)
     assert [table.subject for table in tables] == ["leg1", "leg2"]
     for table in tables:
@@ -115,10 +117,10 @@ def assert_cell(cell, outcome):
         assert (cell.text, cell.raw, cell.spread) == (outcome.message, "", "")
         return
     value, reference = measurement.value, measurement.reference
-    explained = [one.amount / reference for one in measurement.allowances]
+    explained = [allowance.amount / reference for allowance in measurement.allowances]
     assert shares(cell.text) == [read((value - reference) / reference - sum(explained))]
-    named = any(abs(share) >= SHOWN for share in explained)
-    assert shares(cell.raw) == ([read((value - reference) / reference)] if named else [])
+    has_causes = any(abs(share) >= SHOWN for share in explained)
+    assert shares(cell.raw) == ([read((value - reference) / reference)] if has_causes else [])
     half = measurement.value_uncertainty / reference
     assert cell.spread.startswith("± ") is bool(cell.spread)
     assert shares(cell.spread) == ([read(half)] if half >= SHOWN else [])
@@ -128,22 +130,26 @@ def assert_cell(cell, outcome):
 def test_solid_values_have_unit_and_prefix(outcomes):
     for table in agreement_tables(outcomes):
         for label, text in zip(table.quantities, table.solid, strict=True):
-            (known, *_) = [
-                one.measurement.reference
-                for one in outcomes
-                if one.case.body == table.subject and one.case.label == label and one.measurement
+            (first, *_) = [
+                outcome.measurement.reference
+                for outcome in outcomes
+                if outcome.case.body == table.subject
+                and outcome.case.label == label
+                and outcome.measurement
             ]
             digits, printed = text.split(" ")
             unit = QUANTITIES[label].replace(" ", "\N{NO-BREAK SPACE}")
             assert printed.endswith(unit)
             factor = PREFIXES[printed.removesuffix(unit)]
             assert 1.0 <= float(digits) < 1000.0
-            assert float(digits) * factor == pytest.approx(known, rel=6e-4)
+            assert float(digits) * factor == pytest.approx(first, rel=6e-4)
 
 
 def test_empty_quantity_has_no_column():
     """A quantity that no model was compared in has no column."""
-    outcomes = [one for one in DRAWN[0] if one.case.label != "f2" or not one.measurement]
+    outcomes = [
+        outcome for outcome in DRAWN[0] if outcome.case.label != "f2" or not outcome.measurement
+    ]
     for table in agreement_tables(outcomes):
         assert "f2" not in table.quantities
         assert all(len(cells) == len(table.quantities) for _, cells in table.rows)
@@ -160,17 +166,19 @@ def test_cause_rows_have_every_amount(outcomes):
             for label, text in zip(table.quantities, texts, strict=True)
         }
         for label in table.quantities:
-            own = [
-                one for one in outcomes if (one.case.body, one.case.label) == (table.subject, label)
+            compared = [
+                outcome
+                for outcome in outcomes
+                if (outcome.case.body, outcome.case.label) == (table.subject, label)
             ]
             for cause in CAUSES:
                 amounts = {
-                    round(allowance.amount / one.measurement.reference, 4)
-                    for one in own
-                    if one.measurement
-                    for allowance in one.measurement.allowances
+                    round(allowance.amount / outcome.measurement.reference, 4)
+                    for outcome in compared
+                    if outcome.measurement
+                    for allowance in outcome.measurement.allowances
                     if allowance.cause == cause
-                    and abs(allowance.amount) >= SHOWN * one.measurement.reference
+                    and abs(allowance.amount) >= SHOWN * outcome.measurement.reference
                 }
                 assert printed.get((cause, label), []) == pytest.approx(sorted(amounts), abs=1e-9)
 
@@ -179,54 +187,56 @@ def test_cause_rows_have_every_amount(outcomes):
 def test_explanations_name_quantities(outcomes):
     """Reasons for missing comparisons begin with the quantities that they concern."""
     for table in agreement_tables(outcomes):
-        own = [one for one in outcomes if one.case.body == table.subject]
+        compared = [outcome for outcome in outcomes if outcome.case.body == table.subject]
         reasons = {}
-        for one in own:
-            if one.measurement is None:
-                reasons.setdefault(one.message, {})[one.case.label] = None
-        assert table.missing == tuple(f"{', '.join(of)}: {why}" for why, of in reasons.items())
-        told = {}
+        for outcome in compared:
+            if outcome.measurement is None:
+                reasons.setdefault(outcome.message, {})[outcome.case.label] = None
+        assert table.missing == tuple(
+            f"{', '.join(quantities)}: {why}" for why, quantities in reasons.items()
+        )
+        explanations = {}
         for line in table.explanations:
             labels, _, text = line.partition(": ")
             for label in labels.split(", "):
-                told.setdefault(label, []).append(text)
-        for one in own:
-            counted = {
-                allowance.cause: allowance.amount / one.measurement.reference
-                for allowance in (one.measurement.allowances if one.measurement else ())
-                if abs(allowance.amount) >= SHOWN * one.measurement.reference
+                explanations.setdefault(label, []).append(text)
+        for outcome in compared:
+            shares_by_cause = {
+                allowance.cause: allowance.amount / outcome.measurement.reference
+                for allowance in (outcome.measurement.allowances if outcome.measurement else ())
+                if abs(allowance.amount) >= SHOWN * outcome.measurement.reference
             }
-            if not counted:
+            if not shares_by_cause:
                 continue
             lines = [
                 dict(
                     zip(re.findall(r"([a-z][a-z ]*[a-z]) [+−\d]", text), shares(text), strict=True)
                 )
-                for text in told[one.case.label]
+                for text in explanations[outcome.case.label]
             ]
-            assert {cause: read(share) for cause, share in counted.items()} in lines
+            assert {cause: read(share) for cause, share in shares_by_cause.items()} in lines
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_csv_matches_comparisons(outcomes):
     rows = list(csv.DictReader(io.StringIO(agreement_rows(outcomes).csv())))
     assert len(rows) == len(outcomes)
-    for row, one in zip(rows, outcomes, strict=True):
-        label = one.case.label.replace("φ", "phi_")
+    for row, outcome in zip(rows, outcomes, strict=True):
+        label = outcome.case.label.replace("φ", "phi_")
         assert (row["body"], row["model"], row["quantity"]) == (
-            one.case.body,
-            one.case.model,
+            outcome.case.body,
+            outcome.case.model,
             label,
         )
-        assert (row["unit"], row["verdict"]) == (one.case.unit, one.verdict)
+        assert (row["unit"], row["verdict"]) == (outcome.case.unit, outcome.verdict)
         numbers = list(row.values())[4:11]
-        if one.measurement is None:
+        if outcome.measurement is None:
             assert numbers == [""] * 7
             continue
-        value, reference = one.measurement.value, one.measurement.reference
-        explained = sum(part.amount for part in one.measurement.allowances)
+        value, reference = outcome.measurement.value, outcome.measurement.reference
+        explained = sum(part.amount for part in outcome.measurement.allowances)
         shares = (value - reference, explained, value - reference - explained)
-        half_width = one.measurement.value_uncertainty
+        half_width = outcome.measurement.value_uncertainty
         percentages = [100.0 * share / reference for share in (*shares, half_width)]
         # Percentages are rounded to six decimals.
         assert list(map(float, numbers)) == pytest.approx(
@@ -235,7 +245,7 @@ def test_csv_matches_comparisons(outcomes):
 
 
 def test_page_and_folder_have_comparison_csv():
-    outcomes = [redeclared(one, section=AGREEMENT, group="bodies") for one in DRAWN[0]]
+    outcomes = [redeclared(outcome, section=AGREEMENT, group="bodies") for outcome in DRAWN[0]]
     report = sample_report(outcomes=outcomes)
     markup = render(report)
     encoded = re.search(r'download="cross-validation\.csv" href="data:[^,]*base64,([^"]+)"', markup)
@@ -263,10 +273,10 @@ def assert_worst(sentence, agreed, kind=""):
     percent = r"([\d.]+)\N{NO-BREAK SPACE}%"
     parts = rf"(?:: {percent} ± {percent})?"
     pattern = rf"within {percent} \((\w+ of \w+){parts}\){kind}"
-    within, place, difference, spread = re.search(pattern, sentence).groups()
+    within, quantity, difference, spread = re.search(pattern, sentence).groups()
     worst = max(agreed, key=bound)
     assert float(within) / 100.0 == read(bound(worst))
-    assert place == f"{worst.case.label} of {worst.case.body}"
+    assert quantity == f"{worst.case.label} of {worst.case.body}"
     half = bound(worst) - relative(worst)
     assert (float(spread) / 100.0 if spread else 0.0) == read(half if half >= SHOWN else 0.0)
     if spread:
@@ -275,27 +285,29 @@ def assert_worst(sentence, agreed, kind=""):
 
 def assert_causes(sentence, agreed):
     """Assert that a sentence has the largest difference and the largest amount of each cause."""
-    whole = {
-        f"{one.case.label} of {one.case.body}": abs(one.measurement.difference)
-        / one.measurement.reference
-        for one in sorted(
-            agreed, key=lambda one: abs(one.measurement.difference) / one.measurement.reference
+    differences = {
+        f"{outcome.case.label} of {outcome.case.body}": abs(outcome.measurement.difference)
+        / outcome.measurement.reference
+        for outcome in sorted(
+            agreed,
+            key=lambda outcome: abs(outcome.measurement.difference) / outcome.measurement.reference,
         )
     }
-    largest = max(whole, key=whole.get)
+    largest = max(differences, key=differences.get)
     printed = re.search(r"reach ([\d.]+)\N{NO-BREAK SPACE}% \((\w+ of \w+)\)", sentence)
-    assert (float(printed[1]) / 100.0, printed[2]) == (read(whole[largest]), largest)
+    assert (float(printed[1]) / 100.0, printed[2]) == (read(differences[largest]), largest)
     for cause in CAUSES:
         amounts = {
-            f"{one.case.label} of {one.case.body}": abs(part.amount) / one.measurement.reference
-            for one in sorted(
+            f"{outcome.case.label} of {outcome.case.body}": abs(part.amount)
+            / outcome.measurement.reference
+            for outcome in sorted(
                 agreed,
-                key=lambda one: (
-                    abs(one.measurement.allowances[CAUSES.index(cause)].amount)
-                    / one.measurement.reference
+                key=lambda outcome: (
+                    abs(outcome.measurement.allowances[CAUSES.index(cause)].amount)
+                    / outcome.measurement.reference
                 ),
             )
-            for part in one.measurement.allowances
+            for part in outcome.measurement.allowances
             if part.cause == cause
         }
         largest = max(amounts, key=amounts.get)
@@ -306,17 +318,19 @@ def assert_causes(sentence, agreed):
 
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_summary_separates_statics(outcomes):
-    agreed = [one for one in outcomes if one.verdict == "agree"]
+    agreed = [outcome for outcome in outcomes if outcome.verdict == "agree"]
     sentence = agreement_sentence(agreed)
-    for kind, own in (
-        ("compliances", [one for one in agreed if one.case.unit != "Hz"]),
-        ("frequencies", [one for one in agreed if one.case.unit == "Hz"]),
+    for kind, outcomes_of_kind in (
+        ("compliances", [outcome for outcome in agreed if outcome.case.unit != "Hz"]),
+        ("frequencies", [outcome for outcome in agreed if outcome.case.unit == "Hz"]),
     ):
-        assert (kind in sentence) is bool(own)
-        if own:
-            assert_worst(sentence, own, f" in {kind}")
+        assert (kind in sentence) is bool(outcomes_of_kind)
+        if outcomes_of_kind:
+            assert_worst(sentence, outcomes_of_kind, f" in {kind}")
             models = [
-                name for model, name in IN_TEXT.items() if model in {o.case.model for o in own}
+                name
+                for model, name in IN_TEXT.items()
+                if model in {o.case.model for o in outcomes_of_kind}
             ]
             who = " and ".join(filter(None, (", ".join(models[:-1]), models[-1])))
             assert f"{who} within" in sentence or sentence.startswith(
@@ -326,25 +340,25 @@ def test_summary_separates_statics(outcomes):
 
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_summary_counts_decided_cases(outcomes):
-    decided = [one for one in outcomes if one.verdict in {"agree", "disagree"}]
+    decided = [outcome for outcome in outcomes if outcome.verdict in {"agree", "disagree"}]
     sentence = agreement_sentence(outcomes)
-    wrong = sum(one.verdict == "disagree" for one in decided)
+    wrong = sum(outcome.verdict == "disagree" for outcome in decided)
     assert wrong
     models = [name for model, name in IN_TEXT.items() if model in {o.case.model for o in decided}]
     who = f"{', '.join(models[:-1])} and {models[-1]}"
     assert f"{wrong} of {len(decided)} comparisons of {who} with solid FE" in sentence
-    agreed = [one for one in decided if one.verdict == "agree"]
+    agreed = [outcome for outcome in decided if outcome.verdict == "agree"]
     assert_worst(sentence, agreed)
     assert_causes(sentence, agreed)
     for verdict in ("undecided", "failed"):
-        count = sum(one.verdict == verdict for one in outcomes)
+        count = sum(outcome.verdict == verdict for outcome in outcomes)
         assert re.findall(rf"(\d+) {verdict}", sentence) == [str(count)] * bool(count)
 
 
 @pytest.mark.parametrize("verdict", ["undecided", "failed"])
 def test_summary_counts_undecided_cases(verdict):
-    own = {"kind": "agreement", "model": "beam", "tolerance": Relative(TOLERANCE)}
-    good = measured("good", 1.0001, 1.0, **own)
+    fields = {"kind": "agreement", "model": "beam", "tolerance": Relative(TOLERANCE)}
+    good = measured("good", 1.0001, 1.0, **fields)
     start = "Beam FE agree with solid FE of the same legs within 0.01"
     assert agreement_sentence([good]).startswith(start)
     other = msgspec.structs.replace(good, verdict=verdict)
@@ -359,9 +373,9 @@ def test_summary_counts_undecided_cases(verdict):
 def test_summary_uses_specified_elements():
     errors = {15: (0.002, 0.007), 0: (0.4,)}
     outcomes = [
-        redeclared(one, kind="convergence", elements=elements)
+        redeclared(outcome, kind="convergence", elements=elements)
         for elements, values in errors.items()
-        for one in (measured(f"{elements}.{value}", value, 0.01) for value in values)
+        for outcome in (measured(f"{elements}.{value}", value, 0.01) for value in values)
     ]
     sentence = convergence_sentence(outcomes)
     assert re.findall(r"([\d.]+)\N{NO-BREAK SPACE}%", sentence) == ["0.7"]

@@ -83,26 +83,28 @@ def agrees(case, solid, cell, amounts):
     number, unit = solid.split(" ")
     size = PREFIXES[unit.removesuffix(UNITS[case["unit"]])]
     percent = rf"({NUMBER})\N{{NO-BREAK SPACE}}%"
-    found = re.search(
+    cell_match = re.search(
         rf"^\s*(?:{percent}→\N{{NO-BREAK SPACE}})?{percent}\N{{NO-BREAK SPACE}}([✓✗?!])"
         rf"\s*(?:± {percent})?\s*$",
         cell,
     )
-    if found is None:
+    if cell_match is None:
         return False
-    whole, rest, mark, half = found.groups()
-    allowed = sum(one["amount"] for one in case["allowances"]) / reference
+    total, unexplained, mark, half = cell_match.groups()
+    allowed = sum(allowance["amount"] for allowance in case["allowances"]) / reference
     expected = [
-        (whole, (value - reference) / reference),
-        (rest, (value - reference) / reference - allowed),
+        (total, (value - reference) / reference),
+        (unexplained, (value - reference) / reference - allowed),
         (half, (case["numerical_uncertainty"] or 0.0) / reference),
     ]
-    shown = [abs(share(text) - number) < 5.1e-5 for text, number in expected if text is not None]
+    are_equal = [
+        abs(share(text) - number) < 5.1e-5 for text, number in expected if text is not None
+    ]
     # Amounts are rounded; those below half of the last digit are left out.
     listed = sum(share(text) for text in re.findall(percent, " ".join(amounts)))
-    right_causes = (whole is None and not listed) or abs(listed - allowed) < 5.1e-5 * len(CAUSES)
+    right_causes = (total is None and not listed) or abs(listed - allowed) < 5.1e-5 * len(CAUSES)
     right_solid = abs(float(number) * size / reference - 1.0) < 6e-4
-    return all(shown) and right_causes and right_solid and MARKS[mark] == case["verdict"]
+    return all(are_equal) and right_causes and right_solid and MARKS[mark] == case["verdict"]
 
 
 def share(text):

@@ -39,33 +39,35 @@ UNITS = {"x": "m/N", "y": "m/N", "z": "m/N", "any_force": "m/N"}
 UNITS |= dict.fromkeys(("phi_x", "phi_y", "phi_z"), "rad/(N m)")
 SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 NUMBER = r"[+−]?[\d.]+(?:\s×\s10[⁻⁰-⁹¹²³]+)?"
-# Errors are told with two digits, values with six, poses with four.
+# Printed digits: two of errors, six of values, four of poses.
 TWO, FOUR, SIX = 0.051, 6e-4, 6e-6
 # Of errors less than this is no error to anyone.
 NOTHING = 5e-5
 SUBJECTS = [subject(seed) for seed in (0, 1)]
 MATRICES = [
-    verdict_matrix(one, Requirement(deflection=0.05, frequency=0.05, modes=MODES, limits=LIMITS))
-    for one in SUBJECTS
+    verdict_matrix(
+        random_subject, Requirement(deflection=0.05, frequency=0.05, modes=MODES, limits=LIMITS)
+    )
+    for random_subject in SUBJECTS
 ]
 
 
 def numbers(text):
     """All numbers in a text, also with printed powers of ten; percentages divided by 100."""
-    found = []
+    values = []
     for match in re.finditer(rf"({NUMBER})(\s%)?", text):
         mantissa, _, power = re.sub(r"\s", "", match[1]).partition("×10")
         value = float(mantissa.replace("−", "-")) * 10.0 ** int(power.translate(SUPERSCRIPTS) or 0)
-        found.append(value / 100.0 if match[2] else value)
-    return found
+        values.append(value / 100.0 if match[2] else value)
+    return values
 
 
-def told(number, digits=TWO):
+def printed(number, digits=TWO):
     """Expected number in a text, with the tolerance of its printed `digits`."""
     return pytest.approx(number, rel=digits, abs=NOTHING if digits == TWO else 0.0)
 
 
-def known(cell):
+def number_or_none(cell):
     return float(cell) if cell else None
 
 
@@ -75,19 +77,24 @@ def close(value):
 
 def pose_of(matrix, text):
     """Index of the pose that a text contains."""
-    names = [f"{AXIS_LABELS[one.name]} = ({NUMBER}) {one.unit}" for one in matrix.coordinates]
+    names = [
+        f"{AXIS_LABELS[coordinate.name]} = ({NUMBER}) {coordinate.unit}"
+        for coordinate in matrix.coordinates
+    ]
     values = numbers(" ".join(re.search(", ".join(names), text).groups()))
-    (place,) = (
-        p for p, pose in enumerate(matrix.poses) if values == [told(one, FOUR) for one in pose]
+    (index,) = (
+        p
+        for p, pose in enumerate(matrix.poses)
+        if values == [printed(value, FOUR) for value in pose]
     )
-    return place
+    return index
 
 
 def unbroken(text):
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
-def assert_error_is_told(entry, text, spread):
+def assert_error_is_printed(entry, text, spread):
     """Assert that texts have an entry's error in the form that the guide prescribes.
 
     Range over the readings of the file, upper bound, or error with its half-width.
@@ -103,22 +110,22 @@ def assert_error_is_told(entry, text, spread):
         and (reach - abs(entry.error) >= 5e-4)
     ):
         assert (text[:6], spread) == ("below ", "")
-        assert numbers(text) == [told(reach)]
+        assert numbers(text) == [printed(reach)]
         return
     beyond = max(entry.error - entry.low, entry.high - entry.error) - entry.uncertainty
-    if beyond >= 5e-4 and (distance < 5e-4 or told(ends[0]) == ends[-1]):
+    if beyond >= 5e-4 and (distance < 5e-4 or printed(ends[0]) == ends[-1]):
         assert spread == ""
         ends_shown = numbers(re.sub(r"(?<=\d) to ", " % to ", text))
-        assert ends_shown == [told(entry.low), told(entry.high)]
+        assert ends_shown == [printed(entry.low), printed(entry.high)]
         return
-    assert numbers(spread) == ([told(half)] if half else [])
-    shown = numbers(re.sub(r"(?<=\d) to ", " % to ", text))
-    if len(shown) == 2:
-        assert shown == [told(ends[0]), told(ends[-1])]
+    assert numbers(spread) == ([printed(half)] if half else [])
+    printed_ends = numbers(re.sub(r"(?<=\d) to ", " % to ", text))
+    if len(printed_ends) == 2:
+        assert printed_ends == [printed(ends[0]), printed(ends[-1])]
     else:
-        assert shown == [told(entry.error)]
+        assert printed_ends == [printed(entry.error)]
         # Both ends read alike.
-        assert distance < 5e-4 or told(ends[0]) == ends[-1]
+        assert distance < 5e-4 or printed(ends[0]) == ends[-1]
 
 
 def test_printed_numbers_are_read_back():
@@ -128,61 +135,63 @@ def test_printed_numbers_are_read_back():
 @pytest.mark.parametrize("matrix", MATRICES)
 def test_cells_and_sheets_match_entries(matrix):
     """Cells of the matrix and their detail sheets have the numbers of the entries."""
-    shown = table_of(matrix)
+    table = table_of(matrix)
     cells = [
         (row.note.model, heading, cell)
-        for row in shown.rows
-        for heading, cell in zip(shown.headings, row.cells, strict=True)
+        for row in table.rows
+        for heading, cell in zip(table.headings, row.cells, strict=True)
         if cell
     ]
-    assert len({cell.anchor for cell in shown.cells}) == len(cells)
+    assert len({cell.anchor for cell in table.cells}) == len(cells)
     for entry, (model, heading, cell) in zip(matrix.entries, cells, strict=True):
         assert (model, heading) == (entry.model, entry.quantity.label)
         assert cell.mark == MARKS[entry.verdict]
         # Read back in the test of the API's line.
         assert cell.hint == entry_line(matrix, entry)
-        said = {word: text for word, text in cell.sheet if word != "Cause"}
-        assert matrix.poses[pose_of(matrix, said["Pose with the largest error"])] == entry.pose
-        assert said["Source"] == entry.reference
+        sheet = {word: text for word, text in cell.sheet if word != "Cause"}
+        assert matrix.poses[pose_of(matrix, sheet["Pose with the largest error"])] == entry.pose
+        assert sheet["Source"] == entry.reference
         if entry.error is None:
             assert cell.text == ("none" if entry.verdict == "inadequate" else "open")
-            assert "Error" not in said
+            assert "Error" not in sheet
             continue
-        assert_error_is_told(entry, cell.text, cell.spread)
-        assert numbers(said["Error"]) == [told(entry.error), told(entry.limit)]
-        assert ("accepted ± " in said["Error"]) is entry.signed
-        assert said["Error"].startswith("+") == (entry.signed and entry.error >= NOTHING)
-        assert numbers(said["Range of the error"]) == [told(entry.low), told(entry.high)]
+        assert_error_is_printed(entry, cell.text, cell.spread)
+        assert numbers(sheet["Error"]) == [printed(entry.error), printed(entry.limit)]
+        assert ("accepted ± " in sheet["Error"]) is entry.signed
+        assert sheet["Error"].startswith("+") == (entry.signed and entry.error >= NOTHING)
+        assert numbers(sheet["Range of the error"]) == [printed(entry.low), printed(entry.high)]
         readings = re.findall(
-            rf"({NUMBER} %) with (ends [a-z]+)", unbroken(said.get("Readings", ""))
+            rf"({NUMBER} %) with (ends [a-z]+)", unbroken(sheet.get("Readings", ""))
         )
         assert {name: numbers(error)[0] for error, name in readings} == {
-            name: told(error) for name, error in entry.readings.items()
+            name: printed(error) for name, error in entry.readings.items()
         }
-        assert numbers(said["Uncertainty"])[0] == told(entry.uncertainty)
+        assert numbers(sheet["Uncertainty"])[0] == printed(entry.uncertainty)
         detail = dict(
-            re.findall(r"([a-z][a-z ]*[a-z]) ([^a-z,)]*\s%)", said["Uncertainty"].partition("(")[2])
+            re.findall(
+                r"([a-z][a-z ]*[a-z]) ([^a-z,)]*\s%)", sheet["Uncertainty"].partition("(")[2]
+            )
         )
         assert {name: numbers(size)[0] for name, size in detail.items()} == {
-            name: told(size) for name, size in entry.uncertainties.items()
+            name: printed(size) for name, size in entry.uncertainties.items()
         }
         unit = UNITS.get(entry.quantity.name, "Hz")
         for word, number in (("Value", entry.value), ("Reference", entry.expected)):
-            assert re.search(rf"^{NUMBER} {re.escape(unit)}(, along the load)?$", said[word])
-            assert numbers(said[word])[0] == told(number, SIX)
-        along = [] if entry.along is None else [told(entry.along)]
-        assert numbers(said.get("Error of the component along the load", "")) == along
+            assert re.search(rf"^{NUMBER} {re.escape(unit)}(, along the load)?$", sheet[word])
+            assert numbers(sheet[word])[0] == printed(number, SIX)
+        along = [] if entry.along is None else [printed(entry.along)]
+        assert numbers(sheet.get("Error of the component along the load", "")) == along
         if entry.quantity.name == "any_force":
-            assert numbers(said["Force with the largest error"]) == pytest.approx(
+            assert numbers(sheet["Force with the largest error"]) == pytest.approx(
                 entry.force, rel=TWO, abs=0.006
             )
         causes = [text for word, text in cell.sheet if word == "Cause"]
         assert [(text.partition(":")[0], numbers(text)[0]) for text in causes] == [
-            (one.cause, told(one.share)) for one in entry.causes
+            (cause.cause, printed(cause.share)) for cause in entry.causes
         ]
         if entry.remedy:
-            assert said["Remedy"].startswith(f"{entry.remedy}: ")
-            assert numbers(said["Remedy"]) == [told(entry.error_with_remedy)]
+            assert sheet["Remedy"].startswith(f"{entry.remedy}: ")
+            assert numbers(sheet["Remedy"]) == [printed(entry.error_with_remedy)]
 
 
 @pytest.mark.parametrize("matrix", MATRICES)
@@ -198,16 +207,16 @@ def test_csv_lines_match_entries(matrix):
         )
         causes = re.findall(r"(?:^|; )(.*?) (-?[\d.e-]+)(?=;|$)", row.pop("causes"))
         assert {cause: float(share) for cause, share in causes} == {
-            one.cause: pytest.approx(one.share, rel=6e-3) for one in entry.causes
+            cause.cause: pytest.approx(cause.share, rel=6e-3) for cause in entry.causes
         }
-        force = [float(one) for one in row.pop("worst force").split()]
+        force = [float(component) for component in row.pop("worst force").split()]
         assert force == pytest.approx(entry.force, rel=6e-6)
         pose = [float(row.pop(name)) for name in ("x (m)", "phi_z (rad)")]
         assert pose == pytest.approx(entry.pose, rel=1e-9)
         assert row.pop("quantity") == entry.quantity.name
         for name, cell in row.items():
             value = getattr(entry, fields.get(name, name.replace(" ", "_")))
-            assert (cell if isinstance(value, str) else known(cell)) == close(value), name
+            assert (cell if isinstance(value, str) else number_or_none(cell)) == close(value), name
 
 
 @pytest.mark.parametrize("matrix", MATRICES)
@@ -218,20 +227,21 @@ def test_curves_match_their_tables(matrix):
     for panel in chart.panels:
         quantity = panel.title.removeprefix("force along ")
         quantity = {"worst direction of force": "any_force"}.get(quantity, quantity)
-        entries = [one for one in matrix.entries if one.quantity.name == quantity]
+        entries = [entry for entry in matrix.entries if entry.quantity.name == quantity]
         assert panel.y_label in ("relative error (%)", "")
         limit = 100.0 * entries[0].limit
         # Errors of whole displacements are never negative.
         assert panel.band == (-limit if entries[0].signed else 0.0, limit)
-        drawn = {one.label: one for one in panel.series}
+        curves = {series.label: series for series in panel.series}
         for entry in entries:
             if all(error is None for error in entry.errors):
-                assert entry.model not in drawn
+                assert entry.model not in curves
                 continue
-            series = drawn[entry.model]
+            series = curves[entry.model]
             # None is NaN.
             errors, lows, highs = (
-                100.0 * np.array(one, float) for one in (entry.errors, entry.lows, entry.highs)
+                100.0 * np.array(values, float)
+                for values in (entry.errors, entry.lows, entry.highs)
             )
             down, up = errors - lows, highs - errors
             np.testing.assert_allclose(series.y, errors)
@@ -244,45 +254,47 @@ def test_curves_match_their_tables(matrix):
     for p, (row, pose) in enumerate(zip(rows, matrix.poses, strict=True)):
         assert (float(row["x (m)"]), float(row["phi_z (rad)"])) == pytest.approx(pose)
         for entry in matrix.entries:
-            for what, errors in (
+            for column, errors in (
                 ("error", entry.errors),
                 ("lowest error", entry.lows),
                 ("highest error", entry.highs),
             ):
-                cell = row[f"{entry.model}: {what} of {entry.quantity}"]
-                assert known(cell) == close(errors[p])
+                cell = row[f"{entry.model}: {column} of {entry.quantity}"]
+                assert number_or_none(cell) == close(errors[p])
 
 
-def assert_causes_are_told(line, entries):
+def assert_causes_are_printed(line, entries):
     """Assert that a line has the shares of the two largest causes of the entries' errors.
 
     If a cause has the opposite sign, each cause has its effect on the error instead.
     """
-    interact = any(one.share < -0.02 for entry in entries for one in entry.causes)
-    told_of, others = {}, []
+    interact = any(cause.share < -0.02 for entry in entries for cause in entry.causes)
+    amounts, remainders = {}, []
     for entry in entries:
-        for one in entry.causes[:2]:
+        for cause in entry.causes[:2]:
             if interact:
-                told_of.setdefault(one.cause, []).append(one.share * entry.error)
-            elif one.share > 0.02:
-                told_of.setdefault(one.cause, []).append(min(one.share, 1.0))
-        others.append(sum(one.share for one in entry.causes[2:]))
-    if not interact and max(others) > 0.02:
-        told_of["all others"] = others
-    assert [text.partition(":")[0] for text in line.causes] == list(told_of)
+                amounts.setdefault(cause.cause, []).append(cause.share * entry.error)
+            elif cause.share > 0.02:
+                amounts.setdefault(cause.cause, []).append(min(cause.share, 1.0))
+        remainders.append(sum(cause.share for cause in entry.causes[2:]))
+    if not interact and max(remainders) > 0.02:
+        amounts["all others"] = remainders
+    assert [text.partition(":")[0] for text in line.causes] == list(amounts)
     assert line.causes[-1].endswith(" (they interact)") is interact
-    for shown, values in zip(line.causes, told_of.values(), strict=True):
-        ends = numbers(re.sub(r"(?<=\d) to ", " % to ", shown.partition(": ")[2]))
-        known = sorted(values, key=abs)
-        assert [ends[0], ends[-1]] == [told(known[0]), told(known[-1])], shown
+    for cause_text, values in zip(line.causes, amounts.values(), strict=True):
+        ends = numbers(re.sub(r"(?<=\d) to ", " % to ", cause_text.partition(": ")[2]))
+        by_size = sorted(values, key=abs)
+        assert [ends[0], ends[-1]] == [printed(by_size[0]), printed(by_size[-1])], cause_text
 
 
-def assert_sense_is_told(line, entries):
+def assert_sense_is_printed(line, entries):
     """Assert that a line has "too stiff" or "too soft" if errors along the load have one sign."""
     sense = {" too stiff": -1.0, " too soft": 1.0}
     (sign,) = [sign for end, sign in sense.items() if line.without.endswith(end)] or [0.0]
-    mostly = [one.along is not None and abs(one.along) >= 0.8 * one.error for one in entries]
-    due = not entries[0].signed and all(mostly) and {np.sign(one.along) for one in entries}
+    mostly = [
+        entry.along is not None and abs(entry.along) >= 0.8 * entry.error for entry in entries
+    ]
+    due = not entries[0].signed and all(mostly) and {np.sign(entry.along) for entry in entries}
     assert sign == (next(iter(due)) if due and len(due) == 1 else 0.0)
 
 
@@ -308,36 +320,38 @@ def counted_quantities(matrix, text):
 def test_remedy_line_has_range_of_errors():
     """Entries with the same two largest causes and the same remedy share a line."""
     for matrix in MATRICES:
-        off = [entry for entry in matrix.entries if entry.verdict == "inadequate"]
+        inadequate = [entry for entry in matrix.entries if entry.verdict == "inadequate"]
         groups = defaultdict(list)
-        for entry in off:
+        for entry in inadequate:
             foremost = frozenset(cause.cause for cause in entry.causes[:2])
             reason = "" if foremost else entry.reason
             groups[foremost, entry.remedy, reason, entry.signed].append(entry)
-        lines = remedies_of(matrix, {entry.model for entry in off})
+        lines = remedies_of(matrix, {entry.model for entry in inadequate})
         for line, ((foremost, remedy, reason, _), entries) in zip(
             lines, groups.items(), strict=True
         ):
             assert line.remedy == remedy
-            assert_sense_is_told(line, entries)
+            assert_sense_is_printed(line, entries)
             if foremost:
-                assert_causes_are_told(line, entries)
+                assert_causes_are_printed(line, entries)
             else:
                 assert line.causes == (reason,)
             assert counted_quantities(matrix, line.quantities) == len(
                 {entry.quantity for entry in entries}
             )
-            for shown, errors in (
-                (line.without, [one.error for one in entries]),
-                (line.with_remedy, [one.error_with_remedy for one in entries]),
+            for printed_range, errors in (
+                (line.without, [entry.error for entry in entries]),
+                (line.with_remedy, [entry.error_with_remedy for entry in entries]),
             ):
                 # "3.1 to 12 %": the percent sign stands for both.
-                ends = numbers(re.sub(r"(?<=\d) to ", " % to ", shown))
-                known = sorted((one for one in errors if one is not None), key=abs)
-                assert bool(ends) is bool(known), shown
-                if known:
+                ends = numbers(re.sub(r"(?<=\d) to ", " % to ", printed_range))
+                by_size = sorted((error for error in errors if error is not None), key=abs)
+                assert bool(ends) is bool(by_size), printed_range
+                if by_size:
                     # One number for all stands for the smallest and for the largest.
-                    assert [ends[0], ends[-1]] == [told(known[0]), told(known[-1])], shown
+                    assert [ends[0], ends[-1]] == [printed(by_size[0]), printed(by_size[-1])], (
+                        printed_range
+                    )
 
 
 def test_matrix_record_round_trip_keeps_keys():
@@ -357,27 +371,27 @@ def test_matrix_record_round_trip_keeps_keys():
 
 def test_api_line_matches_record():
     """One line of text per entry, and its record in results.json, have equal numbers."""
-    for own, matrix in zip(SUBJECTS, MATRICES, strict=True):
+    for random_subject, matrix in zip(SUBJECTS, MATRICES, strict=True):
         records = stored_entries(matrix)
-        found = api.Adequacy(matrix, Requirement(), own)
+        adequacy = api.Adequacy(matrix, Requirement(), random_subject)
         for record, entry in zip(records, matrix.entries, strict=True):
             for name in (
                 *("error", "uncertainty", "low", "high", "readings"),
                 *("limit", "verdict", "pose", "along", "remedy"),
             ):
                 assert getattr(record, name) == getattr(entry, name), name
-            line = found.told(entry)
+            line = adequacy.told(entry)
             assert line.startswith(f"{entry.model}, {entry.quantity}: {entry.verdict}")
             if entry.error is not None:
-                said, _, accepted = line.partition("; error ")[2].partition(" at ")
-                assert numbers(accepted.partition(";")[0])[-1] == told(entry.limit)
-                text, _, spread = said.partition(" ±")
-                assert_error_is_told(entry, text, spread)
+                error_text, _, accepted = line.partition("; error ")[2].partition(" at ")
+                assert numbers(accepted.partition(";")[0])[-1] == printed(entry.limit)
+                text, _, spread = error_text.partition(" ±")
+                assert_error_is_printed(entry, text, spread)
                 assert matrix.poses[pose_of(matrix, line)] == entry.pose
             along = re.search(rf"along the load(?: \(force along .*?\)\))? ({NUMBER} %)", line)
             assert bool(along) is (entry.along is not None)
             if along:
-                assert numbers(along[1]) == [told(entry.along)]
+                assert numbers(along[1]) == [printed(entry.along)]
             if entry.causes:
                 assert f"cause: {entry.causes[0].cause}" in line
             if entry.remedy:
@@ -392,46 +406,55 @@ def test_numbers_and_tolerances_are_formatted():
     for _ in range(60):
         value = float(rng.normal() * 10.0 ** rng.uniform(-7.0, 7.0))
         amount = float(10.0 ** rng.uniform(-4.0, 0.0))
-        for said, number, digits in (
+        for formatted, number, digits in (
             (text.number(value), value, 1e-4),
             (text.percent(-amount), -amount, 0.06),
             (text.share_text(amount), amount, 0.06),
             (text.tolerance(Absolute(amount), "µm"), amount, 6e-3),
             (text.tolerance(Relative(amount), "µm"), amount, 6e-3),
         ):
-            assert numbers(said) == [pytest.approx(number, rel=digits)], said
+            assert numbers(formatted) == [pytest.approx(number, rel=digits)], formatted
 
 
 def test_console_and_junit_verdicts_are_equal():
     values = (1.6, 2.19, 2.21, 1.79, 1.81, 2.0, 9.5)
     wrong = [True, False, True, True, False, False, True]
-    own = {"quantity": "deflection", "unit": "µm", "tolerance": Relative(0.1)}
-    outcomes = [measured(f"toy[{value}]", value, 2.0, **own) for value in values]
-    assert [outcome_line(one).startswith("disagree") for one in outcomes] == wrong
+    fields = {"quantity": "deflection", "unit": "µm", "tolerance": Relative(0.1)}
+    outcomes = [measured(f"toy[{value}]", value, 2.0, **fields) for value in values]
+    assert [outcome_line(outcome).startswith("disagree") for outcome in outcomes] == wrong
     line = outcome_line(outcomes[-1])
     assert "deflection 9.5 µm, should be 2 µm (tolerance 0.2 µm)" in line
     outcomes.append(unmeasured("broken", "failed", "it broke"))
     outcomes.append(unmeasured("left out", "skipped", "nothing to compare"))
-    outcomes.append(measured("open", 2.1, 2.0, 0.3, exact=False, **own))
+    outcomes.append(measured("open", 2.1, 2.0, 0.3, exact=False, **fields))
     assert outcomes[-1].verdict == "undecided"
-    results = {one.id: one for one in outcomes}
-    standing = standing_of([one.case for one in outcomes], results)
+    results = {outcome.id: outcome for outcome in outcomes}
+    standing = standing_of([outcome.case for outcome in outcomes], results)
     assert standing.sentence == (
         "3 of 9 comparisons agree, 4 disagree, 1 undecided, 1 failed, 1 skipped."
     )
     suite = ET.fromstring(junit_xml(outcomes, "toys")).find("testsuite")  # noqa: S314
     assert suite is not None
-    found = [[child.tag for child in one] for one in suite]
-    assert found == [*(["failure"] * one for one in wrong), ["error"], ["skipped"], ["skipped"]]
-    for one, case in zip(outcomes, suite, strict=True):
+    tags = [[child.tag for child in element] for element in suite]
+    assert tags == [
+        *(["failure"] * is_wrong for is_wrong in wrong),
+        ["error"],
+        ["skipped"],
+        ["skipped"],
+    ]
+    for outcome, case in zip(outcomes, suite, strict=True):
         assert (case.attrib["name"], float(case.attrib["time"])) == (
-            one.case.id,
-            pytest.approx(one.seconds, abs=5e-4),
+            outcome.case.id,
+            pytest.approx(outcome.seconds, abs=5e-4),
         )
         if (failure := case.find("failure")) is not None:
-            due = [one.measurement.value, one.measurement.reference, one.tolerance]
-            assert numbers(failure.attrib["message"]) == [told(due[0]), told(due[1]), told(due[2])]
-        elif one.measurement is None:
-            assert case[0].attrib["message"] == one.message
+            due = [outcome.measurement.value, outcome.measurement.reference, outcome.tolerance]
+            assert numbers(failure.attrib["message"]) == [
+                printed(due[0]),
+                printed(due[1]),
+                printed(due[2]),
+            ]
+        elif outcome.measurement is None:
+            assert case[0].attrib["message"] == outcome.message
     counts = {name: suite.attrib[name] for name in ("tests", "failures", "errors", "skipped")}
     assert counts == {"tests": "10", "failures": "4", "errors": "1", "skipped": "2"}

@@ -13,12 +13,12 @@ import pytest
 from support.pages.report_sample import (
     CONVERGENCE,
     PIXEL,
-    drawn,
     measured,
     never,
     redeclared,
     sample_outcomes,
     sample_report,
+    study_picture,
     unmeasured,
 )
 
@@ -80,8 +80,8 @@ def test_verdict_is_at_top_of_page(markup):
     banner = markup[markup.index('id="verdict"') : markup.index("</header>")]
     answer = re.search(r"<strong>([^<]*)</strong>", banner)[1]
     assert answer.startswith("Within the accepted errors, use vjm (deflections and rotations); ")
-    told = "3 of 5 comparisons agree, 1 disagree, 1 failed, 1 skipped, 1 figure failed."
-    assert told in banner
+    summary = "3 of 5 comparisons agree, 1 disagree, 1 failed, 1 skipped, 1 figure failed."
+    assert summary in banner
     # What does not agree is named where nobody overlooks it.
     assert 'href="#robot.beam-vjm.planar_x_0.4975"' in banner
 
@@ -108,30 +108,32 @@ def test_missing_matrix_has_reason_on_page():
 def test_worst_comparisons_come_first():
     report = sample_report()
     assert [outcome.verdict for outcome in report.bad] == ["disagree", "failed"]
-    found = {one.title: one for chapter in report.chapters for one in chapter.sections}
-    assert [outcome.case.id for outcome in found["The legs"].worst_first] == [
+    sections_by_title = {
+        section.title: section for chapter in report.chapters for section in chapter.sections
+    }
+    assert [outcome.case.id for outcome in sections_by_title["The legs"].worst_first] == [
         *("legs.failed", "legs.tight", "legs.agrees", "legs.skipped")
     ]
 
 
 def test_page_has_cases_and_provenance(markup):
     cases = len(sample_outcomes())
-    for shown in ("Timoshenko &amp; Gere, Table 1", "shear is in both models", ".never</code>"):
-        assert markup.count(shown) >= cases
-    for shown in (
+    for html in ("Timoshenko &amp; Gere, Table 1", "shear is in both models", ".never</code>"):
+        assert markup.count(html) >= cases
+    for html in (
         *("matrix is &lt;singular&gt;", "shear deformation", "CalculiX is not installed"),
         # Of the relative comparisons "Agrees barely" leaves most: (1.0095 − 1)/1 = 0.95 %.
         "comparisons agree, at most 0.95\u00a0% unexplained",
         *("the matrix is indefinite", "3.16e-07", "ab" * 32, "numpy 2.4.6", "no OpenGL"),
         "<dt>Self-test of this installation</dt><dd>passed on 2026-01-01</dd>",
     ):
-        assert shown in markup
+        assert html in markup
     links = re.findall(
         r'download="([^"]+)" href="data:text/csv;charset=utf-8;base64,([^"]+)"', markup
     )
     data = {name: base64.b64decode(content).decode() for name, content in links}
     assert data["fig5.csv"] == "x\n1\n"
-    assert data["study.elements.csv"] == drawn().data
+    assert data["study.elements.csv"] == study_picture().data
 
 
 def test_empty_and_interrupted_runs_have_page():
@@ -140,13 +142,13 @@ def test_empty_and_interrupted_runs_have_page():
     part = sample_report(unfinished=4)
     assert "4 not computed" in render(part)
     assert sample_report(outcomes=(), unfinished=1).verdict == "failed"
-    found = [section for chapter in part.chapters for section in chapter.sections]
-    assert not any(drawn for section in found for _, drawn in section.plots)
+    all_sections = [section for chapter in part.chapters for section in chapter.sections]
+    assert not any(picture for section in all_sections for _, picture in section.plots)
 
 
 def test_shared_study_is_shown_once():
     outcomes = [measured(f"legs.{n}", 1.0, 1.0, studies=(CONVERGENCE,)) for n in "ab"]
-    report = sample_report(outcomes=outcomes, figures=(drawn(),), matrix=None)
+    report = sample_report(outcomes=outcomes, figures=(study_picture(),), matrix=None)
     ((section,),) = (chapter.sections for chapter in report.chapters)
     ((family, _),) = section.plots
     assert family.computed_by == (f"{never.__module__}.never",)
@@ -158,44 +160,44 @@ def test_shared_study_is_shown_once():
 
 def test_only_equality_is_shown_in_percent():
     """The explained share of a difference is shown only for a claim that two values are equal."""
-    for more, share in (
+    for fields, share in (
         ({}, 0.005),
         ({"tolerance": Absolute(0.1)}, None),
         ({"relation": Relation.AT_MOST}, None),
     ):
         # A cause explains 0.01 of a difference of 0.02: half of it.
-        outcome = measured("a", 2.02, 2.0, allowances=(Allowance("warping", 0.01),), **more)
+        outcome = measured("a", 2.02, 2.0, allowances=(Allowance("warping", 0.01),), **fields)
         assert unexplained_share(outcome) == (share and pytest.approx(share))
 
 
 def test_budget_shows_causes_and_remainder():
     allowances = (Allowance("warping", -0.096),)
     outcome = measured("solid", 1.9, 2.0, 1e-4, exact=False, allowances=allowances)
-    whole, rest = budget_curves([(outcome, outcome.measurement)]).panels
+    total, remainder = budget_curves([(outcome, outcome.measurement)]).panels
     # In % of the reference, and of the tolerance of 1 % of it.
-    assert [(one.label, *one.y) for one in whole.bars] == [
+    assert [(bar.label, *bar.y) for bar in total.bars] == [
         *(("warping", pytest.approx(-4.8)), ("unexplained", pytest.approx(-0.2)))
     ]
-    assert whole.series[0].y == pytest.approx([-5.0])
-    assert rest.bars[0].y == rest.series[0].y == pytest.approx([-20.0])
-    assert rest.series[0].bars == pytest.approx([0.5])
-    assert rest.band == (-100.0, 100.0)
+    assert total.series[0].y == pytest.approx([-5.0])
+    assert remainder.bars[0].y == remainder.series[0].y == pytest.approx([-20.0])
+    assert remainder.series[0].bars == pytest.approx([0.5])
+    assert remainder.band == (-100.0, 100.0)
     figure = budget_figure("budget.leg1", "Leg 1", "budgets", [outcome])
     (row,) = csv.DictReader(io.StringIO(figure.data))
     assert row.pop("case") == "solid"
     # Of the reference 2: E = −0.1, explained −0.096, left −0.004, uncertainty 1e-4, tolerance 1 %.
-    named = ("difference", "warping", "unexplained", "numerical uncertainty", "tolerance")
-    shares = zip(named, (-5.0, -4.8, -0.2, 0.005, 1.0), strict=True)
+    labels = ("difference", "warping", "unexplained", "numerical uncertainty", "tolerance")
+    shares = zip(labels, (-5.0, -4.8, -0.2, 0.005, 1.0), strict=True)
     assert {name: float(value) for name, value in row.items()} == {
         f"{name} (% of the reference)": pytest.approx(share) for name, share in shares
     }
 
 
 def test_page_figures_are_written_to_files(markup):
-    shown = sample_report().shown
+    figures = sample_report().shown
     in_page = set(re.findall(r'<figure id="([^"]+)"', markup))
-    assert {text.anchor(figure.id) for figure in shown} == in_page
-    names = [name for figure in shown for name in figure.files]
+    assert {text.anchor(figure.id) for figure in figures} == in_page
+    names = [name for figure in figures for name in figure.files]
     assert len(names) == len(set(names))
     assert {"fig5.png", "fig5.csv", "study.elements.svg", "study.elements.csv"} <= set(names)
 
@@ -208,9 +210,12 @@ def test_failing_plot_affects_only_itself(monkeypatch):
 def test_chapter_order_is_fixed():
     names = ("crank", "The paper's statements", "Leg 2", "The mechanism over its path")
     names += ("The robot over its stroke",)
-    found = chapters_of([measured(n, 1.0, 1.0, section=n) for n in names], (), plotted=False)
-    told = [(one.title, one.folded, [section.title for section in one.sections]) for one in found]
-    assert told == [
+    chapters = chapters_of([measured(n, 1.0, 1.0, section=n) for n in names], (), plotted=False)
+    contents = [
+        (chapter.title, chapter.folded, [section.title for section in chapter.sections])
+        for chapter in chapters
+    ]
+    assert contents == [
         ("The robot", False, [names[3]]),
         (LEGS, True, ["crank", "Leg 2"]),
         ("The paper", True, [names[1], names[4]]),
@@ -220,7 +225,7 @@ def test_chapter_order_is_fixed():
 def test_page_has_scenes_and_names_missing_pictures():
     """The viewer code is in the page once, and only if the page has a scene."""
     scene = InteractiveScene("(a) mode 1", b"PK state")
-    one, two, left_out = (
+    first, second, left_out = (
         Figure(name, name, "", "The legs", data="x\n1\n", scenes=(scene,), **picture)
         for name, picture in (
             *(("one", {"png": PIXEL}), ("two", {"png": PIXEL})),
@@ -229,20 +234,20 @@ def test_page_has_scenes_and_names_missing_pictures():
     )
     assert set(left_out.files) == {"robot.modes.csv"}
     outcomes = (measured("nan", nan, 1.0),)
-    shown = render(sample_report(figures=(one, two, left_out), outcomes=outcomes, matrix=None))
-    assert shown.count(base64.b64encode(scene.state).decode()) == 3
-    assert shown.count("data-scene=") == 3
-    assert shown.count("const showScene =") == 1
-    assert "Picture left out: no usable OpenGL" in shown
-    assert "not a number" in shown
+    page = render(sample_report(figures=(first, second, left_out), outcomes=outcomes, matrix=None))
+    assert page.count(base64.b64encode(scene.state).decode()) == 3
+    assert page.count("data-scene=") == 3
+    assert page.count("const showScene =") == 1
+    assert "Picture left out: no usable OpenGL" in page
+    assert "not a number" in page
 
 
 def test_curve_data_have_curve_names_and_values():
-    rows = list(csv.DictReader(io.StringIO(drawn().data)))
-    named = {f"{name} (Hz)": values for name, values in CONVERGENCE.series.items()}
+    rows = list(csv.DictReader(io.StringIO(study_picture().data)))
+    columns = {f"{name} (Hz)": values for name, values in CONVERGENCE.series.items()}
     assert {name: tuple(float(row[name]) for row in rows) for name in rows[0]} == {
         CONVERGENCE.x_label: CONVERGENCE.x,
-        **named,
+        **columns,
     }
     record = study_record(CONVERGENCE)
     assert (record["x"], record["series"]) == (CONVERGENCE.x, CONVERGENCE.series)
@@ -256,8 +261,11 @@ def test_studies_of_a_family_share_axes():
         replace(CONVERGENCE, id=name, family="cross", family_title="cross", variant=name)
         for name in ("bending", "torsion")
     ]
-    found = families([measured("solid", 2.0, 2.0, studies=(*members, CONVERGENCE))])
-    assert [(one.id, one.title, [curve.label for curve in one.curves]) for one in found] == [
+    study_families = families([measured("solid", 2.0, 2.0, studies=(*members, CONVERGENCE))])
+    assert [
+        (family.id, family.title, [curve.label for curve in family.curves])
+        for family in study_families
+    ] == [
         ("cross", "Cross", ["bending"] * 2 + ["torsion"] * 2),
         (CONVERGENCE.id, CONVERGENCE.title, list(CONVERGENCE.series)),
     ]
@@ -265,10 +273,10 @@ def test_studies_of_a_family_share_axes():
 
 def test_plot_files_are_reproducible(blank_charts):
     blank_charts.undo()
-    first, again, second = (
+    first, repeated, second = (
         study_figure(family_of([replace(CONVERGENCE, id=name)])) for name in ("one", "one", "two")
     )
-    assert first.svg == again.svg
+    assert first.svg == repeated.svg
     assert first.svg.startswith("<svg")
     assert "<dc:date>" not in first.svg
     ids = [set(re.findall(r'id="([^"]+)"', text.inline_svg(f))) for f in (first, second)]

@@ -39,10 +39,10 @@ document.body.textContent = `found ${encodeURIComponent(JSON.stringify(found))} 
 LOOK = Path(__file__).with_name("looking.js").read_text("utf-8")
 
 
-def scene(title, away=None):
-    """A red box, three times as long as high, drawn `away` (m) along z from its place at rest."""
+def scene(title, height=None):
+    """A red box, three times as long as high, drawn `height` (m) along z from its place at rest."""
     shape = prism(rectangle(1.0, 1.0), np.array([-1.5, 1.5]))
-    motion = None if away is None else np.tile([0.0, 0.0, away], (len(shape.points), 1))
+    motion = None if height is None else np.tile([0.0, 0.0, height], (len(shape.points), 1))
     camera = np.array([0.3, -1.0, 0.4]), np.array([0.0, 0.0, 1.0])
     edges = Wire(shape.points, shape.edges, "#0000cc", 4.0, motion)
     body = DrawnBody(shape, "#cc2200", motion=motion)
@@ -59,22 +59,24 @@ def test_browser_shows_report_and_scenes(tmp_path):
     line = [EXECUTABLE, *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", page.as_uri()]
     done = subprocess.run(line, capture_output=True, text=True, check=True, timeout=120.0)
     assert "CONSOLE" not in done.stderr
-    (found,) = re.findall("found (.*) found", done.stdout)
-    told = json.loads(unquote(found))
-    assert "error" not in told, told
-    assert all(one.startswith(("file:", "data:")) for one in told["asked"])
-    assert set(told["images"]) == {True}
+    (encoded,) = re.findall("found (.*) found", done.stdout)
+    results = json.loads(unquote(encoded))
+    assert "error" not in results, results
+    assert all(address.startswith(("file:", "data:")) for address in results["asked"])
+    assert set(results["images"]) == {True}
     # Neither a phone nor a desktop shows anything beyond its edge.
-    assert all(found <= int(width) for width, found in told["widths"].items())
+    assert all(
+        width_of_content <= int(width) for width, width_of_content in results["widths"].items()
+    )
     # A phone shows the answer and all of the matrix at once, a desktop all of one of many columns.
-    assert np.less_equal(told["corners"]["390"], [390.0, 844.0]).all()
-    assert told["corners"]["1280"][0] <= 1280.0
+    assert np.less_equal(results["corners"]["390"], [390.0, 844.0]).all()
+    assert results["corners"]["1280"][0] <= 1280.0
     # Three times as long as high, the box covers at least a twentieth of its picture.
-    assert (told["before"], told["pressed"]) == (True, "true")
-    assert told["drawn"] > 0.05
+    assert (results["before"], results["pressed"]) == (True, "true")
+    assert results["drawn"] > 0.05
     # Until the scene is clicked the wheel scrolls the page, and dragging turns nothing.
-    assert (told["scrolls"], told["veiled"], told["scrollsBehind"]) == (True, 0.0, False)
-    assert min(told["turned"], told["zoomed"]) > 0.02
+    assert (results["scrolls"], results["veiled"], results["scrollsBehind"]) == (True, 0.0, False)
+    assert min(results["turned"], results["zoomed"]) > 0.02
     # One scene gives way to the next and is put away; what is displaced moves until it is stopped.
-    assert told["away"]
-    assert told["still"] == 0.0
+    assert results["away"]
+    assert results["still"] == 0.0

@@ -33,8 +33,8 @@ from validation.report.figures.adequacy import error_curves, measured_curves
 X = np.array([0.0, 1.0, 2.0])
 
 
-def series(label, values, quantity="deflection (µm)", **more):
-    return Series(label, X, np.array(values, dtype=float), quantity, **more)
+def series(label, values, quantity="deflection (µm)", **fields):
+    return Series(label, X, np.array(values, dtype=float), quantity, **fields)
 
 
 def test_differences_are_below_curves():
@@ -43,13 +43,13 @@ def test_differences_are_below_curves():
     panel = compared(Panel([series("a", [1, 2, 0]), series("b", [1.1, 1, 3]), *turned]), "a")
     assert compared(panel, "c").below == []
     with plot_style():
-        above, other, below, beside = drawn_chart(Chart([panel, panel], "x (m)", 2)).axes
+        above, other, below, second_below = drawn_chart(Chart([panel, panel], "x (m)", 2)).axes
     assert [len(axes.get_lines()) for axes in (above, other)] == [4, 4]
-    first, second, zero = (one.get_ydata() for one in below.get_lines())
+    first, second, zero = (line.get_ydata() for line in below.get_lines())
     np.testing.assert_allclose(first, [10.0, -50.0, np.nan], rtol=1e-12)
     np.testing.assert_allclose(second, [25.0, 0.0, np.nan], rtol=1e-12)
     assert set(np.atleast_1d(zero)) == {0.0}
-    assert (below.get_ylabel(), beside.get_ylabel()) == ("difference (%)", "")
+    assert (below.get_ylabel(), second_below.get_ylabel()) == ("difference (%)", "")
     assert (below.get_xlabel(), above.get_xlabel()) == ("x (m)", "")
 
 
@@ -69,26 +69,26 @@ def test_csv_has_abscissa_and_finite_curves():
 
 def test_equal_labels_share_a_legend_entry():
     first = Panel([*(series("a", [n, 2, 3]) for n in (1, 2)), series("b", [np.nan] * 3)], "first")
-    others = [*(series(name, [1, 2, 3]) for name in "ac"), series("d", [1, 1, 1], best=2)]
+    second_series = [*(series(name, [1, 2, 3]) for name in "ac"), series("d", [1, 1, 1], best=2)]
     with plot_style():
-        picture = drawn_chart(Chart(lettered([first, Panel(others, "2nd")]), "x (m)", 2))
+        picture = drawn_chart(Chart(lettered([first, Panel(second_series, "2nd")]), "x (m)", 2))
     (legend,) = picture.legends
     assert [text.get_text() for text in legend.get_texts()] == ["a", "c", "d"]
-    assert [one.get_title(loc="left") for one in picture.axes] == ["(a) first", "(b) 2nd"]
-    left, right = (axes.get_lines() for axes in picture.axes)
-    assert len(left) == 2
-    *lines, star = right
+    assert [axes.get_title(loc="left") for axes in picture.axes] == ["(a) first", "(b) 2nd"]
+    first_lines, second_lines = (axes.get_lines() for axes in picture.axes)
+    assert len(first_lines) == 2
+    *lines, star = second_lines
     assert [line.get_linewidth() for line in lines] == [3.0, 2.0, 1.0]
     assert (star.get_marker(), star.get_xydata().tolist()) == ("*", [[2.0, 1.0]])
 
 
 @pytest.mark.parametrize("names", [list(LOOKS), ["a much longer entry " * 3] * 9])
 def test_legend_shows_all_entries_above_axes(names):
-    named = [f"{name} {number}" for number, name in enumerate(names)]
+    labels = [f"{name} {number}" for number, name in enumerate(names)]
     with plot_style():
-        picture = drawn_chart(Chart([Panel([series(name, X) for name in named])], "x (m)", 1))
+        picture = drawn_chart(Chart([Panel([series(name, X) for name in labels])], "x (m)", 1))
     (legend,), (axes,) = picture.legends, picture.axes
-    assert [text.get_text() for text in legend.get_texts()] == named
+    assert [text.get_text() for text in legend.get_texts()] == labels
     box, below = legend.get_window_extent(), axes.get_tightbbox()
     assert box.x0 >= 0.0
     assert box.x1 <= picture.bbox.width
@@ -99,15 +99,19 @@ def test_legend_shows_all_entries_above_axes(names):
 def test_bars_stack_away_from_zero():
     bars = [Bars("shear", np.array([1.0, -2.0])), Bars("unexplained", np.array([-3.0, -4.0]))]
     point = Series("difference", X[:2], np.array([-2.0, -6.0]), bars=np.array([0.1, 0.2]))
-    more = {"names": ["upper", "lower\nin two lines"], "band": (-1.0, 1.0)}
-    lying = Panel([point], bars=bars, lying=True, band_label="tolerance", **more)
+    fields = {"names": ["upper", "lower\nin two lines"], "band": (-1.0, 1.0)}
+    lying = Panel([point], bars=bars, lying=True, band_label="tolerance", **fields)
     shares = [np.array([60.0, 3.0]), np.array([40.0, 97.0])]
-    standing = Panel(bars=[Bars(str(k), one) for k, one in enumerate(shares)], names=["f1", "f2"])
+    standing = Panel(
+        bars=[Bars(str(k), heights) for k, heights in enumerate(shares)], names=["f1", "f2"]
+    )
     with plot_style():
         picture = drawn_chart(Chart([lying, standing], "mode", 2))
     rows, columns = picture.axes
-    found = [(box.get_x(), box.get_width()) for box in rows.patches if box.get_width() != 2.0]
-    assert found == [(0.0, 1.0), (0.0, -2.0), (0.0, -3.0), (-2.0, -4.0)]
+    starts_and_widths = [
+        (box.get_x(), box.get_width()) for box in rows.patches if box.get_width() != 2.0
+    ]
+    assert starts_and_widths == [(0.0, 1.0), (0.0, -2.0), (0.0, -3.0), (-2.0, -4.0)]
     points = rows.get_lines()[0]
     assert points.get_xdata().tolist() == [-2.0, -6.0]
     np.testing.assert_allclose(points.get_ydata(), rows.get_yticks())
@@ -137,9 +141,9 @@ def test_percent_axis_has_tick_at_limit():
 
 
 def test_tick_labels_are_plain_numbers():
-    told = {0.0: "0", 0.0125: "0.0125", -1000.0: "-1000", 1250.0: "1250", 150000.0: "1.5 × 10⁵"}
-    told |= {1e-6: "10⁻⁶", 2e-6: "2 × 10⁻⁶", 500.0: "500"}
-    assert {value: short_number(value) for value in told} == told
+    expected = {0.0: "0", 0.0125: "0.0125", -1000.0: "-1000", 1250.0: "1250", 150000.0: "1.5 × 10⁵"}
+    expected |= {1e-6: "10⁻⁶", 2e-6: "2 × 10⁻⁶", 500.0: "500"}
+    assert {value: short_number(value) for value in expected} == expected
     with plot_style():
         picture = Figure()
         axes = picture.subplots()
@@ -147,8 +151,8 @@ def test_tick_labels_are_plain_numbers():
         power_ticks(axes.yaxis)
         picture.draw_without_rendering()
     ticks = zip(axes.get_yticks(), axes.yaxis.get_ticklabels(), strict=True)
-    shown = [label.get_text() for value, label in ticks if 0.8 <= value <= 7.0]
-    assert shown == ["1", "2", "5"]
+    texts = [label.get_text() for value, label in ticks if 0.8 <= value <= 7.0]
+    assert texts == ["1", "2", "5"]
 
 
 def test_every_line_has_a_marker():
@@ -171,16 +175,16 @@ def test_every_model_has_unique_line_style():
 
 def test_references_have_unique_styles():
     """References: solids, and legs known by a 6×6 and a mass, under each end condition."""
-    held = [(f"{one} as in the robot file",) for one in ("ends", "interfaces")]
-    held += [("ends rigid", "ends free"), ("interfaces rigid", "interfaces averaged")]
-    held.append(("ends and interfaces rigid", "ends and interfaces free"))
-    curves = [[f"solid, {name}" for name in names] for names in held]
-    curves += [[f"{name}, {MASSES[0]}" for name in names] for names in held]
+    references = [(f"{condition} as in the robot file",) for condition in ("ends", "interfaces")]
+    references += [("ends rigid", "ends free"), ("interfaces rigid", "interfaces averaged")]
+    references.append(("ends and interfaces rigid", "ends and interfaces free"))
+    curves = [[f"solid, {name}" for name in names] for names in references]
+    curves += [[f"{name}, {MASSES[0]}" for name in names] for names in references]
     for together in (*curves, ["solid", "solid, ends free"]):
-        found = [LOOKS[look_key(name)] for name in together]
-        assert all(a != b for a, b in combinations(found, 2))
+        styles = [LOOKS[look_key(name)] for name in together]
+        assert all(a != b for a, b in combinations(styles, 2))
     for robot in ("five-bar", "examples/tapered-biglide/robot.toml"):
-        assert tuple(holding(load_robot(robot).mechanism).alternatives) in held
+        assert tuple(holding(load_robot(robot).mechanism).alternatives) in references
 
 
 @pytest.mark.parametrize("declare", [error_curves, measured_curves])
@@ -193,18 +197,18 @@ def test_panels_and_legend_share_styles(declare):
     ]
     chart = declare(sample_matrix(quantities=tuple(quantities), entries=entries))
     with plot_style():
-        drawn = drawn_chart(chart)
-    for axes, panel, models in zip(drawn.axes, chart.panels, quantities.values(), strict=False):
-        known = {one.label: one.y for one in panel.series}
-        assert set(known) - {"measured"} == set(models)
+        picture = drawn_chart(chart)
+    for axes, panel, models in zip(picture.axes, chart.panels, quantities.values(), strict=False):
+        curves = {series.label: series.y for series in panel.series}
+        assert set(curves) - {"measured"} == set(models)
         lines = [line for line in axes.lines if line.get_label()[0] != "_"]
         assert {line.get_label(): list(line.get_ydata()) for line in lines} == {
-            name: list(values) for name, values in known.items()
+            name: list(values) for name, values in curves.items()
         }
         for line in lines:
             look = LOOKS[line.get_label()]
             assert (line.get_color(), line.get_marker()) == (look.colour, look.marker)
-    (legend,) = drawn.legends
+    (legend,) = picture.legends
     for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True):
         look = LOOKS[text.get_text()]
         assert (handle.get_color(), handle.get_marker()) == (look.colour, look.marker)

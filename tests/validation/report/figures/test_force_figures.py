@@ -40,15 +40,19 @@ def test_each_load_has_a_figure(robot):
 
 def test_figure_table_has_drive_torques(robot):
     cutting, _ = figures(robot.mechanism)
-    drawn = cutting.draw(Context(robot, "quick"))
-    found = fp.forces(robot, path=True, loads=["cutting"])
-    rows = list(csv.DictReader(io.StringIO(drawn.data)))
-    assert len(rows) == len(found.poses)
+    figure = cutting.draw(Context(robot, "quick"))
+    analysis = fp.forces(robot, path=True, loads=["cutting"])
+    rows = list(csv.DictReader(io.StringIO(figure.data)))
+    assert len(rows) == len(analysis.poses)
     for motor in ("motor1", "motor2"):
         due = [
-            next(one.drive for one in pose.loads["cutting"].reactions if one.joint == motor)
-            for pose in found.poses
+            next(
+                reaction.drive
+                for reaction in pose.loads["cutting"].reactions
+                if reaction.joint == motor
+            )
+            for pose in analysis.poses
         ]
         column = [float(row[f"{motor}: torque of the drive (N m)"]) for row in rows]
         np.testing.assert_allclose(column, due, rtol=1e-9)
-    assert "load cutting" in drawn.caption
+    assert "load cutting" in figure.caption

@@ -48,8 +48,8 @@ def table(figure):
 
 @cache
 def modes_of(name, model="beam", count=6):
-    (found,) = mechanism_modes(model, [reference_posture(load_robot(name).mechanism)], count)
-    return found
+    (solved_modes,) = mechanism_modes(model, [reference_posture(load_robot(name).mechanism)], count)
+    return solved_modes
 
 
 def carried(twist, arms):
@@ -61,9 +61,9 @@ def drawn_alike(fine, coarse, mode):
 
     Repeated modes are drawn as the combination that is closest to the fine model's.
     """
-    _, own = compared_points(fine.system, fine.modes.shapes[:, mode])
-    _, other = compared_points(coarse.system, pictures._matching_shape(fine, coarse, mode))
-    return np.linalg.norm(own - other) <= 0.02 * np.linalg.norm(own)
+    _, fine_points = compared_points(fine.system, fine.modes.shapes[:, mode])
+    _, coarse_points = compared_points(coarse.system, pictures._matching_shape(fine, coarse, mode))
+    return np.linalg.norm(fine_points - coarse_points) <= 0.02 * np.linalg.norm(fine_points)
 
 
 @pytest.mark.parametrize(
@@ -71,46 +71,46 @@ def drawn_alike(fine, coarse, mode):
 )
 def test_drawn_points_follow_tool(name):
     """The nearest drawn points move with the tool's twist. Modes are mass-normalised."""
-    found = modes_of(name)
-    system = found.system
+    solved_modes = modes_of(name)
+    system = solved_modes.system
     # Modes are mass-normalised; beams' own mass matrices differ by their shape functions.
-    kinetic = kinetic_energies(system, found.modes.shapes).sum(axis=0)
+    kinetic = kinetic_energies(system, solved_modes.modes.shapes).sum(axis=0)
     np.testing.assert_allclose(kinetic, 1.0, rtol=1e-3)
     tool = system.posture.mechanism.tool
-    place = interface_position(system.posture, Side(tool.body, tool.point))
-    for shape in found.modes.shapes.T:
+    point = interface_position(system.posture, Side(tool.body, tool.point))
+    for shape in solved_modes.modes.shapes.T:
         twist = system.tool @ shape
         nearest = []
-        for one in displaced_solids(system, shape):
-            arms = one.solid.surface.points - place
-            errors = np.linalg.norm(one.displacements - carried(twist, arms), axis=1)
+        for solid in displaced_solids(system, shape):
+            arms = solid.solid.surface.points - point
+            errors = np.linalg.norm(solid.displacements - carried(twist, arms), axis=1)
             near = np.linalg.norm(arms, axis=1) < 0.3
             nearest.append(errors[near].min(initial=np.inf))
-            if one.solid.name == tool.body and not one.deforms:
+            if solid.solid.name == tool.body and not solid.deforms:
                 assert errors.max() <= 1e-11 * np.abs(twist).max()
         assert min(nearest) <= 1e-12 * np.abs(twist).max()
 
 
 def test_drawn_leg_root_follows_interface():
     """Points at the leg's root move with its interface. Displacements are magnified, in colour."""
-    found = modes_of("delta")
-    system, shape = found.system, found.modes.shapes[:, 3]
-    legs = [one for one in displaced_solids(system, shape) if one.deforms]
+    solved_modes = modes_of("delta")
+    system, shape = solved_modes.system, solved_modes.modes.shapes[:, 3]
+    legs = [solid for solid in displaced_solids(system, shape) if solid.deforms]
     assert len(legs) == len(system.models)
     for leg in legs:
         points, frame = leg.solid.surface.points, system.posture.frames[leg.solid.name]
-        own = system.body_unknowns(leg.solid.name, shape[:, None])[:6, 0]
+        root_twist = system.body_unknowns(leg.solid.name, shape[:, None])[:6, 0]
         arms = points - frame.position
         root = np.abs(arms @ frame.rotation[:, 0]) < 1e-9
         assert root.sum() >= 4
-        expected = carried(np.kron(np.eye(2), frame.rotation) @ own, arms[root])
+        expected = carried(np.kron(np.eye(2), frame.rotation) @ root_twist, arms[root])
         np.testing.assert_allclose(
             leg.displacements[root], expected, atol=1e-12 * np.abs(shape).max()
         )
-        drawn = leg.body(factor=0.5, unit=1e-2)
-        assert drawn.motion == pytest.approx(0.5 * leg.displacements, abs=1e-14)
-        assert drawn.surface.points == pytest.approx(points + drawn.motion, abs=1e-14)
-        assert drawn.values == pytest.approx(1e2 * np.linalg.norm(leg.displacements, axis=1))
+        drawn_body = leg.body(factor=0.5, unit=1e-2)
+        assert drawn_body.motion == pytest.approx(0.5 * leg.displacements, abs=1e-14)
+        assert drawn_body.surface.points == pytest.approx(points + drawn_body.motion, abs=1e-14)
+        assert drawn_body.values == pytest.approx(1e2 * np.linalg.norm(leg.displacements, axis=1))
 
 
 def test_mode_pictures_of_segments_equal_beams():
@@ -149,10 +149,10 @@ def test_mode_pairs_are_at_middle_pose(five_bar, monkeypatch):
     """Made-up model with modes 1 and 2 exchanged and frequencies a tenth too high."""
     shapes = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 12, 4)))[0]
     frequencies = np.outer([1.0, 2.0, 3.0], [10.0, 20.0, 40.0, 80.0])
-    weights, seen = np.full(12, 1.0 / 12.0), np.ones((3, 4))
-    model = PathModes(1.1 * frequencies, shapes[:, :, [1, 0, 2, 3]], weights, seen)
-    own = PathModes(frequencies, shapes, weights, seen)
-    truth = reference("solid", {"": own})
+    weights, energy_shares = np.full(12, 1.0 / 12.0), np.ones((3, 4))
+    model = PathModes(1.1 * frequencies, shapes[:, :, [1, 0, 2, 3]], weights, energy_shares)
+    reference_modes = PathModes(frequencies, shapes, weights, energy_shares)
+    truth = reference("solid", {"": reference_modes})
     monkeypatch.setattr(modes, "robot_on_path", lambda _: None)
     monkeypatch.setattr(modes, "dynamic_reference", lambda _: truth)
     monkeypatch.setattr(modes, "modes_by_model", lambda *_: model)
@@ -174,40 +174,40 @@ def test_figure_has_load_deflections():
     values = {name: rng.uniform(1e-9, 1e-6, (3, 6)) for name in names}
     differences = {name: rng.uniform(-0.3, 0.3, (3, 6)) for name in names[:-1]}
     x = np.array([0.1, 0.2, 0.4])
-    found = Compared(values, differences, names[-1])
-    chart = curves.deflection_chart(found, x, "x (m)", {"x (m)": x.tolist()})
+    compared = Compared(values, differences, names[-1])
+    chart = curves.deflection_chart(compared, x, "x (m)", {"x (m)": x.tolist()})
     rows = list(csv.DictReader(io.StringIO(chart_table(chart))))
     columns = {name: [float(row[name]) for row in rows] for name in rows[0]}
     assert columns["x (m)"] == x.tolist()
-    for place, (panel, axis) in enumerate(zip(chart.panels, "xyzxyz", strict=True)):
-        scale, title = (1e9, f"along {axis} (µm)") if place < 3 else (1e8, f"about {axis} (µrad)")
+    for column, (panel, axis) in enumerate(zip(chart.panels, "xyzxyz", strict=True)):
+        scale, title = (1e9, f"along {axis} (µm)") if column < 3 else (1e8, f"about {axis} (µrad)")
         assert panel.title == title
-        below = {one.label: one for one in panel.below}
+        below = {curve.label: curve for curve in panel.below}
         assert below.keys() == differences.keys()
-        for name, one in below.items():
-            np.testing.assert_allclose(one.y, 100.0 * differences[name][:, place])
-            np.testing.assert_array_equal(one.x, x)
+        for name, curve in below.items():
+            np.testing.assert_allclose(curve.y, 100.0 * differences[name][:, column])
+            np.testing.assert_array_equal(curve.x, x)
         for name in names:
-            np.testing.assert_allclose(columns[f"{name}: {title}"], scale * values[name][:, place])
+            np.testing.assert_allclose(columns[f"{name}: {title}"], scale * values[name][:, column])
 
 
 @pytest.mark.exhaustive
 def test_part_is_drawn_solid_and_condensed(tmp_path):
     """The surface of a rigidly coupled bore moves with the twist of its interface."""
     crane = Context(load_robot(write_crane(tmp_path)), "quick")
-    found = finite_elements(crane, 4)
-    system, shape = found.system, found.modes.shapes[:, 1]
-    (arm,) = (one for one in displaced_solids(system, shape) if one.deforms)
+    solved_modes = finite_elements(crane, 4)
+    system, shape = solved_modes.system, solved_modes.modes.shapes[:, 1]
+    (arm,) = (solid for solid in displaced_solids(system, shape) if solid.deforms)
     for name, radius in (("A", 0.016), ("B", 0.010)):
-        place = interface_position(found.posture, Side("arm", name))
-        twist = system.motions.at("arm", name, place) @ shape[: system.outer]
-        arms = arm.solid.surface.points - place
+        point = interface_position(solved_modes.posture, Side("arm", name))
+        twist = system.motions.at("arm", name, point) @ shape[: system.outer]
+        arms = arm.solid.surface.points - point
         bore = np.abs(np.linalg.norm(arms[:, :2], axis=1) - radius) < 1e-6
         assert bore.sum() > 20
         # Its coarsest mesh has nodes of its own: displacements come from those around them.
-        off = np.abs(arm.displacements[bore] - carried(twist, arms[bore])).max()
-        assert off <= 0.02 * arm.sizes.max(), name
-    assert drawn_alike(found, segments(crane, 8), 0)
+        largest_error = np.abs(arm.displacements[bore] - carried(twist, arms[bore])).max()
+        assert largest_error <= 0.02 * arm.sizes.max(), name
+    assert drawn_alike(solved_modes, segments(crane, 8), 0)
     figure = pictures.mode_shapes(crane)
     assert "Parts as solids at the middle pose of the path" in figure.caption
     assert {row["body"] for row in table(figure)} == {"arm"}
@@ -221,10 +221,10 @@ def test_part_is_drawn_solid_and_condensed(tmp_path):
 def test_linear_fields_are_interpolated_exactly():
     rng = np.random.default_rng(5)
     nodes, points, gradient = rng.random((300, 3)), rng.random((40, 3)), rng.random((3, 3))
-    found = reduced_parts.interpolated(nodes, (nodes @ gradient + 2.0).reshape(-1, 1))(
+    interpolated = reduced_parts.interpolated(nodes, (nodes @ gradient + 2.0).reshape(-1, 1))(
         points
     ).toarray()
-    np.testing.assert_allclose(found.reshape(-1, 3), points @ gradient + 2.0, atol=1e-12)
+    np.testing.assert_allclose(interpolated.reshape(-1, 3), points @ gradient + 2.0, atol=1e-12)
     bent = np.sin(9.0 * nodes).reshape(-1, 1)
     at_nodes = reduced_parts.interpolated(nodes, bent)(nodes[:7]).toarray()
     np.testing.assert_array_equal(at_nodes, bent[:21])
@@ -253,30 +253,32 @@ def closed_forms():
 
     Euler–Bernoulli bending in both planes, four modes each, and Saint-Venant torsion.
     """
-    found = []
+    squared_frequencies = []
     for name, moment in (("along z", ALONG_Z), ("in the plane", ALONG_Y)):
         speed = np.sqrt(E * moment / (RHO * AREA)) / (2.0 * np.pi * LENGTH**2)
         roots = (1.8751041, 4.6940911, 7.8547574, 10.9955407)
-        found += [(root**2 * speed, name) for root in roots]
+        squared_frequencies += [(root**2 * speed, name) for root in roots]
     stiffness = E / (2.0 * (1.0 + NU)) * Rectangle(WIDTH, HEIGHT).torsion_constant
     speed = np.sqrt(stiffness / (RHO * (ALONG_Y + ALONG_Z)))
-    return [*found, (speed / (4.0 * LENGTH), "torsion")]
+    return [*squared_frequencies, (speed / (4.0 * LENGTH), "torsion")]
 
 
 @pytest.mark.parametrize("model", ["beam", "segments"])
 def test_cantilever_mode_names_are_correct(model):
-    (found,) = mechanism_modes(model, [reference_posture(described(BLADE))], 6)
-    names = mode_names(found.system, found.modes.shapes)
-    said = [names.name(mode) for mode in range(6)]
-    assert {"along z", "in the plane", "torsion"} <= set(said)
-    for mode, frequency in enumerate(found.modes.frequencies):
-        expected, name = min(closed_forms(), key=lambda one: abs(np.log(one[0] / frequency)))
+    (solved_modes,) = mechanism_modes(model, [reference_posture(described(BLADE))], 6)
+    names = mode_names(solved_modes.system, solved_modes.modes.shapes)
+    texts = [names.name(mode) for mode in range(6)]
+    assert {"along z", "in the plane", "torsion"} <= set(texts)
+    for mode, frequency in enumerate(solved_modes.modes.frequencies):
+        expected, name = min(
+            closed_forms(), key=lambda closed_form: abs(np.log(closed_form[0] / frequency))
+        )
         # Twenty segments and the slenderness of the blade leave less than 4 % in these modes.
         assert frequency == pytest.approx(expected, rel=0.04)
-        assert said[mode] == name
+        assert texts[mode] == name
         assert names.sentence(mode).startswith(f"Mode {mode + 1}, {name}: ")
     # A section that turns moves its mass along y and z as its second moments are.
-    turning = names.kinetic[:, said.index("torsion")]
+    turning = names.kinetic[:, texts.index("torsion")]
     share = ALONG_Z / (ALONG_Y + ALONG_Z)
     np.testing.assert_allclose(turning, [0.0, share, 1.0 - share], atol=1e-9)
-    np.testing.assert_allclose(names.kinetic[2, said.index("along z")], 1.0, atol=1e-3)
+    np.testing.assert_allclose(names.kinetic[2, texts.index("along z")], 1.0, atol=1e-3)

@@ -56,16 +56,22 @@ def volume(surface):
 )
 def test_prism_is_closed_and_faces_outwards(section, area):
     corners, bore = outlines(section)
-    whole = prism(corners, np.array([0.0, 0.4, 2.0]), bore)
-    turned = whole.placed(np.array([1.0, 2.0, 3.0]), np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]))
-    for surface, times in ((whole, 2.0), (turned, 2.0), (joined([whole, turned]), 4.0)):
+    hollow_prism = prism(corners, np.array([0.0, 0.4, 2.0]), bore)
+    turned = hollow_prism.placed(
+        np.array([1.0, 2.0, 3.0]), np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
+    )
+    for surface, times in (
+        (hollow_prism, 2.0),
+        (turned, 2.0),
+        (joined([hollow_prism, turned]), 4.0),
+    ):
         assert volume(surface) == pytest.approx(times * area, rel=1e-11)
 
 
 def test_rectangular_prism_has_twelve_edges():
-    whole = prism(outlines(Rectangle(width=0.2, height=0.4))[0], np.array([0.0, 1.0]))
+    solid_prism = prism(outlines(Rectangle(width=0.2, height=0.4))[0], np.array([0.0, 1.0]))
     # So are those of a box whose faces are given.
-    for surface in (whole, faceted(whole.points, whole.faces[:, None])):
+    for surface in (solid_prism, faceted(solid_prism.points, solid_prism.faces[:, None])):
         edges = np.unique(np.sort(surface.edges, axis=1), axis=0)
         lengths = np.linalg.norm(np.diff(surface.points[edges], axis=1)[:, 0], axis=1)
         twelve = [0.2] * 4 + [0.4] * 4 + [1.0] * 4
@@ -76,35 +82,42 @@ def test_rectangular_prism_has_twelve_edges():
 def test_bodies_and_joints_are_drawn_in_place(robot):
     """Legs reach from interface to interface. Slides are at their positions in the pose."""
     mechanism = load_robot(robot).mechanism
-    (at,) = postures_of(mechanism, mechanism.poses[1:2])
-    drawn = {one.name: one.surface.points for one in solids(at)}
-    assert len(solids(at)) == len(drawn)
+    (second_posture,) = postures_of(mechanism, mechanism.poses[1:2])
+    points_by_body = {solid.name: solid.surface.points for solid in solids(second_posture)}
+    assert len(solids(second_posture)) == len(points_by_body)
     for name, body in mechanism.bodies.items():
-        places = np.array([(at.frames[name] @ one).position for one in body.interfaces.values()])
+        places = np.array(
+            [
+                (second_posture.frames[name] @ interface).position
+                for interface in body.interfaces.values()
+            ]
+        )
         if name != "ground" and np.ptp(places, axis=0).any():
-            assert (places >= drawn[name].min(axis=0) - 1e-9).all(), name
-            assert (places <= drawn[name].max(axis=0) + 1e-9).all(), name
-    assert {joint.name for joint in mechanism.joints if joint.kind != "fixed"} <= set(drawn)
+            assert (places >= points_by_body[name].min(axis=0) - 1e-9).all(), name
+            assert (places <= points_by_body[name].max(axis=0) + 1e-9).all(), name
+    assert {joint.name for joint in mechanism.joints if joint.kind != "fixed"} <= set(
+        points_by_body
+    )
     slid = [joint for joint in mechanism.joints if joint.kind == "prismatic"]
     assert len(slid) == {"delta": 0, "ifw": 2}[robot]
     for joint in slid:
-        ends = [interface_position(at, side) for side in (joint.first, joint.second)]
+        ends = [interface_position(second_posture, side) for side in (joint.first, joint.second)]
         assert np.linalg.norm(ends[1] - ends[0]) > 0.01
-        np.testing.assert_allclose(drawn[joint.name].mean(axis=0), ends[1], atol=ROUNDING)
+        np.testing.assert_allclose(points_by_body[joint.name].mean(axis=0), ends[1], atol=ROUNDING)
 
 
 def test_magnification_is_round_and_bounded():
     factors = {1e-5: 1e4, 1.9e-5: 5e3, 2e-5: 5e3, 0.3: 0.2, 0.0: 1.0}
-    assert {one: readable_factor(one, target=0.1) for one in factors} == pytest.approx(factors)
+    assert {size: readable_factor(size, target=0.1) for size in factors} == pytest.approx(factors)
 
 
 def test_fitted_view_shows_all_points():
     points = np.array([[x, y, z] for x in (0.0, 2.0) for y in (0.0, 1.0) for z in (-0.2, 0.2)])
     view = fitted_view(points, np.array([1.0, -2.0, 0.7]), np.array([0, 0, 1.0]), (800, 600))
-    seen = view.pixels(points)
-    assert (seen.min(axis=0) >= -1e-6).all()
-    assert (seen.max(axis=0) <= [800.0, 600.0]).all()
-    used = np.ptp(seen, axis=0) / [800.0, 600.0]
+    pixels = view.pixels(points)
+    assert (pixels.min(axis=0) >= -1e-6).all()
+    assert (pixels.max(axis=0) <= [800.0, 600.0]).all()
+    used = np.ptp(pixels, axis=0) / [800.0, 600.0]
     # 7 % are left free on both sides of the tighter direction.
     assert used.max() == pytest.approx(0.86, rel=1e-9)
 
@@ -112,28 +125,28 @@ def test_fitted_view_shows_all_points():
 def test_browser_scene_equals_drawn_scene():
     """The scene for the browser has the same points, colours, motions and view as the picture."""
     cuboid = prism(rectangle(1.0, 1.0), np.array([-1.5, 1.5]))
-    away = np.tile([0.0, 0.0, 0.4], (8, 1))
-    body = DrawnBody(cuboid, values=np.linspace(2.0, 4.0, 8), motion=away)
+    motion = np.tile([0.0, 0.0, 0.4], (8, 1))
+    body = DrawnBody(cuboid, values=np.linspace(2.0, 4.0, 8), motion=motion)
     wire = Wire(cuboid.points, cuboid.edges, "#ff8000", 2.5)
     scene = Scene([body], ABOVE, title="(a) a box", limits=(2.0, 4.0), turned=[wire], motion="push")
-    shown = turnable(scene)
-    assert shown.state == turnable(scene).state
-    content = gzip.decompress(shown.state)
+    interactive = turnable(scene)
+    assert interactive.state == turnable(scene).state
+    content = gzip.decompress(interactive.state)
     start = 4 + int.from_bytes(content[:4], "little")
     header = json.loads(content[4:start])
 
-    def numbers(kind, at):
-        return np.frombuffer(content, kind, at[1], start + at[0])
+    def numbers(kind, entry):
+        return np.frombuffer(content, kind, entry[1], start + entry[0])
 
-    def lengths(at):
-        return (at["step"] * numbers("<i2", at["values"])).reshape(-1, 3)
+    def lengths(entry):
+        return (entry["step"] * numbers("<i2", entry["values"])).reshape(-1, 3)
 
     assert (header["title"], header["motion"]) == ("(a) a box", "push")
     np.testing.assert_allclose(header["camera"]["axes"], np.eye(3), atol=ROUNDING)
     first, second = header["parts"]
     for part in (first, second):
         np.testing.assert_allclose(lengths(part["points"]), cuboid.points, atol=1e-4)
-    np.testing.assert_allclose(lengths(first["motion"]), away, atol=1e-4)
+    np.testing.assert_allclose(lengths(first["motion"]), motion, atol=1e-4)
     assert "motion" not in second
     assert numbers("<u4", first["faces"]).reshape(-1, 4).tolist() == cuboid.faces.tolist()
     assert numbers("<u4", second["pairs"]).reshape(-1, 2).tolist() == cuboid.edges.tolist()
@@ -153,7 +166,7 @@ def test_box_is_drawn_at_its_projection():
     image = render(Scene([DrawnBody(small, "#800000")], ABOVE), view)
     assert image.shape == (160, 200, 3)
     # Pixels are counted from their corner, half a pixel before their middle.
-    down, right = (np.mean(one) + 0.5 for one in np.nonzero(image[:, :, 1] < 128))
+    down, right = (np.mean(indices) + 0.5 for indices in np.nonzero(image[:, :, 1] < 128))
     assert (right, down) == pytest.approx(view.pixels(middle[None])[0], abs=1.0)
 
 
@@ -163,12 +176,12 @@ def test_point_names_are_beside_points():
     wire = Wire(np.array([[-1.0, 0.0, 0.2], [1.0, 0.0, 0.2]]), np.array([[0, 1]]), "#D55E00", 2.5)
     names = [Label(name, np.zeros(3), "#0000ff") for name in ("one", "two")]
     with_names, without = (
-        np.asarray(Image.open(io.BytesIO(pictured([one]).png)).convert("RGB"), dtype=int)
+        np.asarray(Image.open(io.BytesIO(pictured([labelled]).png)).convert("RGB"), dtype=int)
         for labels in (names, ())
-        for one in [Scene([DrawnBody(cuboid)], ABOVE, [wire], labels=labels)]
+        for labelled in [Scene([DrawnBody(cuboid)], ABOVE, [wire], labels=labels)]
     )
     assert (np.abs(without - [213, 94, 0]).max(axis=2) <= 2).any()
-    blue, none = (one[..., 2] > one[..., 0] + 100 for one in (with_names, without))
+    blue, none = (image[..., 2] > image[..., 0] + 100 for image in (with_names, without))
     assert not none.any()
     # Both are read, each on a side of the point of its own.
     assert max(map(np.ptp, np.nonzero(blue))) > 60

@@ -31,27 +31,29 @@ POSES = np.array([[-0.2, 0.45], [0.0, 0.55], [0.2, 0.45]])
 def robot():
     mechanism = load_robot("five-bar").mechanism
     swing = Excitation("mill", np.array([1.0, 0.0, 0.0]), 10.0, 100.0, 2)
-    shown = replace(mechanism, excitations=(swing,))
-    return SimpleNamespace(mechanism=shown, postures=postures_of(mechanism, POSES), judged_count=2)
+    displayed = replace(mechanism, excitations=(swing,))
+    return SimpleNamespace(
+        mechanism=displayed, postures=postures_of(mechanism, POSES), judged_count=2
+    )
 
 
 def vibration(scale=1.0):
     """Made-up modes and responses at three poses, whose frequencies have the ratio 1 : 10 : 100."""
     frequencies = scale * np.outer([1.0, 10.0, 100.0], [1.0, 2.0])
-    samples, seen = np.zeros((3, 4, 2)), np.ones((3, 2))
+    samples, energy_shares = np.zeros((3, 4, 2)), np.ones((3, 2))
     receptances = [scale * SIZES + 0j]
-    return PathModes(frequencies, samples, np.ones(4), seen, receptances=receptances)
+    return PathModes(frequencies, samples, np.ones(4), energy_shares, receptances=receptances)
 
 
 def test_response_band_is_at_middle_pose(robot, monkeypatch):
-    known = {"rigid": vibration(1.0), "free": vibration(1.5)}
+    modes_by_ends = {"rigid": vibration(1.0), "free": vibration(1.5)}
     budgets = [meshes(receptances=[wide * LEFT_OPEN]) for wide in (1.0, 2.0)]
-    truth = reference("s", known, budgets)
+    truth = reference("s", modes_by_ends, budgets)
     monkeypatch.setattr(responses, "robot_on_path", lambda _: robot)
     monkeypatch.setattr(responses, "solved_modes", lambda _: {"beam": vibration(2.0)})
     monkeypatch.setattr(responses, "dynamic_reference", lambda _: truth)
-    shown = responses._response(Context(load_robot("five-bar"), "quick"), 0)
-    sizes = {one.label: one for one in shown.panels[0].series}
+    chart = responses._response(Context(load_robot("five-bar"), "quick"), 0)
+    sizes = {series.label: series for series in chart.panels[0].series}
     # In µm/N, of the second pose.
     assert sizes["beam"].y == pytest.approx([20.0, 40.0])
     assert sizes["solid"].y == pytest.approx([10.0, 20.0])
@@ -60,18 +62,18 @@ def test_response_band_is_at_middle_pose(robot, monkeypatch):
     low, high = sizes["solid"].interval
     assert low == pytest.approx([7.5, 17.5])
     assert high == pytest.approx([22.5, 37.5])
-    assert "with the tool at x = 0 m, y = 0.55 m" in shown.caption
+    assert "with the tool at x = 0 m, y = 0.55 m" in chart.caption
 
 
 def test_response_band_includes_all_readings(robot, monkeypatch):
     """The band covers the references for rigid and for free ends, with their half-widths."""
-    known = {"rigid": vibration(1.0), "free": vibration(3.0)}
-    truth = reference("s", known, [meshes(receptances=[np.full((3, 2), 0.4)])] * 2)
+    modes_by_ends = {"rigid": vibration(1.0), "free": vibration(3.0)}
+    truth = reference("s", modes_by_ends, [meshes(receptances=[np.full((3, 2), 0.4)])] * 2)
     monkeypatch.setattr(responses, "robot_on_path", lambda _: robot)
     monkeypatch.setattr(responses, "solved_modes", lambda _: {})
     monkeypatch.setattr(responses, "dynamic_reference", lambda _: truth)
-    shown = responses._response(Context(load_robot("five-bar"), "quick"), 0)
-    (solid,) = shown.panels[0].series
+    chart = responses._response(Context(load_robot("five-bar"), "quick"), 0)
+    (solid,) = chart.panels[0].series
     assert solid.interval == pytest.approx(np.array([[6.0, 12.0], [42.0, 84.0]]))
 
 
@@ -84,9 +86,9 @@ def test_mass_note_is_at_middle_pose(robot):
 
 
 def test_varied_robot_is_at_middle_pose(monkeypatch):
-    found = {"beam": np.arange(3.0)[:, None] + 1.0, "solid": np.arange(3.0)[:, None] + 10.0}
-    off = {"beam": np.arange(3.0)[:, None] / 10.0}
-    compared = Compared(found, off, "solid")
+    values = {"beam": np.arange(3.0)[:, None] + 1.0, "solid": np.arange(3.0)[:, None] + 10.0}
+    errors = {"beam": np.arange(3.0)[:, None] / 10.0}
+    compared = Compared(values, errors, "solid")
     robot_file = load_robot("five-bar")
     varied = curves.VariedRobot(robot_file, "quick", "a = 1", "frequency")
     monkeypatch.setattr(curves, "path_postures", lambda _: postures_of(robot_file.mechanism, POSES))
@@ -103,7 +105,7 @@ def measured_entry(poses):
 
     The model is uncertain by 4 % (numerics and inputs), the measurement by 3 %.
     """
-    many = (0.1,) * len(poses)
+    half_widths = (0.1,) * len(poses)
     return Entry(
         model="beam",
         quantity=quantity_of("z", measured=True),
@@ -118,7 +120,7 @@ def measured_entry(poses):
         value=1.1e-6,
         expected=1e-6,
         uncertainties={"numerics": 0.024, "inputs": 0.032, "measurement": 0.03},
-        errors=many,
+        errors=half_widths,
         lows=tuple(0.05 for _ in poses),
         highs=tuple(0.15 for _ in poses),
         measured=True,
@@ -131,7 +133,7 @@ def test_measured_bars_include_inputs():
     matrix = sample_matrix(entries=(measured_entry(pose),), quantities=("z",), poses=pose)
     chart = measured_curves(matrix)
     (panel,) = chart.panels
-    bars = {one.label: float(np.squeeze(one.bars)) for one in panel.series}
+    bars = {series.label: float(np.squeeze(series.bars)) for series in panel.series}
     # √(2.4² + 3.2²) % of the model's own.
     assert bars == pytest.approx({"measured": 0.03, "beam": 0.04})
     assert chart.table["95 % of numerics and inputs"] == pytest.approx([0.04])
@@ -145,7 +147,7 @@ def test_measured_path_has_full_intervals():
     poses = ((0.4,), (0.5,))
     matrix = sample_matrix(entries=(measured_entry(poses),), quantities=("z",), poses=poses)
     (panel,) = measured_curves(matrix).panels
-    beam = next(one for one in panel.series if one.label == "beam")
+    beam = next(series for series in panel.series if series.label == "beam")
     assert beam.y == pytest.approx([1.1, 1.1])
     assert beam.bars == pytest.approx(np.full((2, 2), 0.05))
 

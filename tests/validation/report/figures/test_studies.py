@@ -31,20 +31,20 @@ def test_convergence_is_in_percent():
     """f = 200 (1 − 1/n²) Hz is 4 % below its limit at n = 5. A limit ± 0.5 Hz has ± 0.25 %."""
     x = (5.0, 10.0, 20.0)
     values = tuple(200.0 * (1.0 - 1.0 / n**2) for n in x)
-    known = {"limits": {"f1": 200.0}, "uncertainties": {"f1": 0.5}, "orders": {"f1": 2.0}}
-    for own, deviations in (
-        (known, [-4.0, -1.0, -0.25]),
+    fields_of_study = {"limits": {"f1": 200.0}, "uncertainties": {"f1": 0.5}, "orders": {"f1": 2.0}}
+    for fields, deviations in (
+        (fields_of_study, [-4.0, -1.0, -0.25]),
         # From the finest value instead.
         ({}, [100.0 * (value / values[-1] - 1.0) for value in values]),
     ):
-        study = Study("s", "Study", "divisions", "f", "Hz", x, {"f1": values}, 2.0, **own)
+        study = Study("s", "Study", "divisions", "f", "Hz", x, {"f1": values}, 2.0, **fields)
         chart = study_curves(family_of([study]))
         deviation, decay = (panel.series[0] for panel in chart.panels)
         np.testing.assert_allclose(deviation.y, deviations, atol=1e-12)
-        shown = np.array(deviations)[np.array(deviations) != 0.0]
-        np.testing.assert_allclose(decay.y, np.abs(shown), atol=1e-12)
-        assert deviation.label == ("f1: order 2.00" if own else "f1: no order")
-        if own:
+        not_zero = np.array(deviations)[np.array(deviations) != 0.0]
+        np.testing.assert_allclose(decay.y, np.abs(not_zero), atol=1e-12)
+        assert deviation.label == ("f1: order 2.00" if fields else "f1: no order")
+        if fields:
             np.testing.assert_allclose(deviation.bars, [np.nan, np.nan, 0.25])
             # Below its value it ends before zero, which no logarithmic axis has.
             np.testing.assert_allclose(decay.bars[:, -1], [0.225, 0.25])

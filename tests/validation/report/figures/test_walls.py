@@ -19,7 +19,7 @@ SECTIONS = [
 ]
 
 
-@pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
 def test_end_triangles_fill_section(section):
     loops = section.centred_loops
     a, b, c = (np.vstack(loops)[end_triangles(loops)[:, k]] for k in range(3))
@@ -29,7 +29,7 @@ def test_end_triangles_fill_section(section):
     assert areas.sum() == pytest.approx(section.area, rel=1e-12)
 
 
-@pytest.mark.parametrize("section", SECTIONS, ids=lambda one: one.shape)
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
 def test_hollow_prism_surface_is_closed(section):
     """Volume by Gauss's theorem: a third of the sum of x·n dA with outward normals."""
     surface = walled(section.centred_loops, np.array([0.0, 0.3, 2.0]))
