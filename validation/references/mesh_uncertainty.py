@@ -181,26 +181,11 @@ def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
 
 
 def _first_changes(first: PathModes, second: PathModes, fine: PathModes) -> Array:
-    return mesh_frequency_changes(first, second, fine, MOST_MODES)
+    return frequency_changes(fine, first, MOST_MODES, second)
 
 
 def _all_changes(first: PathModes, second: PathModes, fine: PathModes) -> Array:
-    return mesh_frequency_changes(first, second, fine, fine.frequencies.shape[1])
-
-
-def mesh_frequency_changes(
-    coarse: PathModes, middle: PathModes, fine: PathModes, count: int
-) -> Array:
-    """Relative changes of `count` frequencies (P×count) from the coarse to the middle mesh.
-
-    The modes of each mesh are paired by shape with the modes `fine`. The result is the difference
-    of the two relative changes to the frequencies of `fine`. Shapes: P poses.
-    """
-    first, second = (
-        np.zeros(1) if modes is fine else frequency_changes(fine, modes, count)
-        for modes in (coarse, middle)
-    )
-    return np.asarray(np.abs(first - second))
+    return frequency_changes(fine, first, fine.frequencies.shape[1], second)
 
 
 def response_half_widths(

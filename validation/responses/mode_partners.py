@@ -94,46 +94,16 @@ def partners(
     )
 
 
-def amounts_by_shape(reference: PathModes, other: PathModes, amounts: Array, count: int) -> Array:
-    """Amount (p×count) for each of the reference's first modes, paired with its partner.
-
-    `amounts` (p×m×n, ≥ 0): a number, such as a change of frequency, for each pair of modes of both
-    models. A mode whose partner is certain has the amount of that pair; a mode without a partner
-    has NaN. Modes that mix have the sum over all of them: a perturbation determines the sum of the
-    squares of their changes, but not each change. Shapes: p poses, m modes of the reference, n
-    modes of `other`.
-    """
-    partner_amounts = np.full((len(amounts), count), np.nan)
-    poses = zip(
-        partner_amounts,
-        _sampled(reference, other),
-        reference.frequencies,
-        other.frequencies,
-        amounts,
-        strict=True,
-    )
-    for row, modes, frequencies, other_frequencies, amount in poses:
-        reference_modes, other_modes = (
-            np.flatnonzero(np.isfinite(values)) for values in (frequencies, other_frequencies)
-        )
-        pairs = pair_modes(*modes)
-        paired = np.flatnonzero(pairs.partner >= 0)
-        pair_amounts = np.zeros(len(reference_modes))
-        pair_amounts[paired] = amount[reference_modes[paired], other_modes[pairs.partner[paired]]]
-        sums = pair_amounts + (pairs.exchange >= _SHARED) @ pair_amounts
-        inside = paired[paired < count]
-        row[inside] = sums[inside]
-    return partner_amounts
-
-
 def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count: int) -> Array:
     """Share (p×count) of the mode of `other` that is the partner of a mode of the reference.
 
-    `shares` (p×n, ≥ 0): a number for each mode of `other`. The result, for the first `count` modes
-    of the reference, is NaN for a mode without a partner. Shapes: p poses, n modes of `other`.
+    `shares` (p×n, ≥ 0): a number for each mode of `other`, NaN if unknown. The result, for the
+    first `count` modes of the reference, is NaN for a mode without a partner. Modes that mix have
+    the sum over all of them, see `_sums`. Shapes: p poses, n modes of `other`.
     """
-    modes = reference.frequencies.shape[1]
-    return amounts_by_shape(reference, other, np.repeat(shares[:, None, :], modes, axis=1), count)
+    indices, mixed = _pairs(reference, other)
+    partner_shares = np.take_along_axis(shares, np.maximum(indices, 0), axis=1)
+    return _sums(partner_shares, indices >= 0, mixed)[:, :count]
 
 
 def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
@@ -156,13 +126,57 @@ def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
     return ranges
 
 
-def frequency_changes(fine: PathModes, coarse: PathModes, count: int) -> Array:
-    """Relative changes of the first frequencies from a coarse mesh to a fine one (p×count).
+def frequency_changes(
+    fine: PathModes, coarse: PathModes, count: int, middle: PathModes | None = None
+) -> Array:
+    """Relative changes of the first frequencies from a coarse mesh to a middle one (p×count, ≥ 0).
 
-    Modes are paired by shape. NaN for a mode that the coarse mesh does not have. Shapes: p poses.
+    They are relative to the frequencies of the `fine` mesh, which is also the middle one if this is
+    None. Modes of `coarse` and `middle` are paired by shape with those of `fine`. NaN for a mode
+    that one of them does not have. Shapes: p poses.
     """
-    changes = np.abs(coarse.frequencies[:, None, :] / fine.frequencies[:, :, None] - 1.0)
-    return amounts_by_shape(fine, coarse, changes, count)
+    changes, mixed = np.zeros_like(fine.frequencies), np.zeros((1, 1, 1), dtype=bool)
+    paired = np.isfinite(fine.frequencies)
+    for sign, modes in ((1.0, coarse), (-1.0, middle or fine)):
+        # A mesh does not differ from itself.
+        if modes is not fine:
+            indices, mixed_here = _pairs(fine, modes)
+            frequencies = np.take_along_axis(modes.frequencies, np.maximum(indices, 0), axis=1)
+            changes += sign * (frequencies / fine.frequencies - 1.0)
+            paired, mixed = paired & (indices >= 0), mixed | mixed_here
+    return _sums(np.abs(changes), paired, mixed)[:, :count]
+
+
+def _pairs(reference: PathModes, other: PathModes) -> tuple[IntArray, BoolArray]:
+    """Index of each reference mode's partner (p×m, −1 without one), and modes that mix (p×m×m).
+
+    Shapes: p poses, m modes of the reference.
+    """
+    poses, modes = reference.frequencies.shape
+    indices, mixed = np.full((poses, modes), -1), np.zeros((poses, modes, modes), dtype=bool)
+    for pose, sampled in enumerate(_sampled(reference, other)):
+        own_modes, other_modes = (
+            np.flatnonzero(np.isfinite(record.frequencies[pose])) for record in (reference, other)
+        )
+        pairs = pair_modes(*sampled)
+        paired = pairs.partner >= 0
+        indices[pose, own_modes[paired]] = other_modes[pairs.partner[paired]]
+        mixed[pose][np.ix_(own_modes, own_modes)] = pairs.exchange >= _SHARED
+    return indices, mixed
+
+
+def _sums(amounts: Array, paired: BoolArray, mixed: BoolArray) -> Array:
+    """Amount (p×m) of each mode, and of all modes that mix with it. NaN for modes without partner.
+
+    A perturbation determines the sum of the squares of the changes of modes that mix, but not each
+    change. An unknown amount (NaN) makes those of the modes that mix with it unknown, no others:
+    the last computed modes often have no partner, because only a part of a multiple frequency is
+    computed. `paired` (p×m): true for modes with a partner. `mixed` (p×m×m): true for two modes
+    that mix. Shapes: p poses, m modes.
+    """
+    amounts = np.where(paired, amounts, 0.0)
+    sums = amounts + np.where(mixed, amounts[:, None, :], 0.0).sum(axis=2)
+    return np.where(paired, sums, np.nan)
 
 
 def _sampled(reference: PathModes, model: PathModes) -> Iterator[tuple[SampledModes, SampledModes]]:

@@ -23,12 +23,11 @@ from meshes.section.section_blocks import element_count
 from validation.models.options import ModelOptions
 from validation.models.reduced_parts import ReducedPart, has_specified_couplings
 from validation.parts.meshes import LEVELS
-from validation.references.mesh_uncertainty import mesh_frequency_changes
 from validation.references.reference_parts import UNKNOWN, part_policy
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Reading
 from validation.references.uncertainty_sources import Perturbations, rounded_readings
-from validation.responses.mode_partners import partners
+from validation.responses.mode_partners import frequency_changes, partners
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF, formal_order, section_of
 from validation.solve.answer import HalfWidths, MeshUncertainty, PartUncertainty
@@ -166,7 +165,7 @@ def _half_widths(
             levels,
             policy,
             lambda level: responses.required_modes(*at(level)),
-            lambda first, second, _: mesh_frequency_changes(first, second, own, count),
+            lambda first, second, _: frequency_changes(own, first, count, second),
         )
         frequencies = _absolute(shares, own.frequencies)
     return solved.split(compliance, loads, frequencies)

@@ -17,7 +17,7 @@ from validation.adequacy.errors import first_largest
 from validation.adequacy.judgement import REST, verdict_matrix
 from validation.drawing.text import error_with_spread
 from validation.references.reference import Remedy, Step
-from validation.responses.mode_partners import frequency_changes, partners
+from validation.responses.mode_partners import frequency_changes, partners, shares_by_shape
 from validation.responses.statics_and_modes import PathModes, Statics
 
 AXES = np.eye(4)
@@ -195,6 +195,27 @@ def test_frequency_errors_are_between_equal_shapes(coarse, changes):
     fine = vibration([100.0, 102.0, 104.0, 200.0], *AXES)
     errors = frequency_changes(fine, coarse, 3)[0]
     assert errors == pytest.approx(changes, nan_ok=True)
+
+
+def test_mesh_change_spans_both_sides_of_fine_mesh():
+    """Coarse and middle mesh lie 1 % above and below the fine one: the change is 2 %, not 0."""
+    fine, coarse, middle = (vibration([f, 200.0], A, B) for f in (100.0, 101.0, 99.0))
+    assert frequency_changes(fine, coarse, 1, middle) == pytest.approx(np.array([[0.02]]))
+
+
+@pytest.mark.parametrize("angle", [0.0, 45.0, 90.0])
+def test_cut_pair_leaves_half_widths_of_other_modes(angle):
+    """The last computed mode is one of a pair of equal frequency: any direction in their plane.
+
+    Round-off chooses it for each mesh. At 90°, it has no partner on the other mesh.
+    """
+    angle = np.radians(angle)
+    fine = vibration([100.0, 150.0, 300.0], A, B, C)
+    last = np.cos(angle) * C + np.sin(angle) * D
+    coarse = vibration([101.0, 153.0, 309.0], A, B, last)
+    changes = frequency_changes(fine, coarse, 3)
+    assert np.isnan(changes[0, 2]) == (angle > np.radians(46.0))
+    assert shares_by_shape(fine, fine, changes, 2) == pytest.approx(np.array([[0.01, 0.02]]))
 
 
 @pytest.mark.parametrize(("common", "number"), [(0.4, -1), (0.6, 0)])
