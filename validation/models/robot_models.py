@@ -147,10 +147,14 @@ def answers(
 
 @dataclass(frozen=True, eq=False)
 class PostureModes:
-    """Lowest modes of a mechanism in one posture. Idle motions are omitted."""
+    """Compliance and lowest modes of a mechanism in one posture. Idle motions are omitted.
+
+    `compliance` (6×6, SI, base axes) at the loaded point.
+    """
 
     posture: Posture
     solution: Solved
+    compliance: Array
     modes: Modes
 
     @property
@@ -162,14 +166,6 @@ class PostureModes:
     def idle(self) -> int:
         """Number of mobilities that do not move the tool."""
         return self.solution.idle
-
-    @cached_property
-    def compliance(self) -> Array:
-        """6×6 compliance (SI, base axes) at the loaded point.
-
-        Raises ComputationError if the tool is free to move.
-        """
-        return compliance(self.solution)
 
     @cached_property
     def strain(self) -> Mapping[Portion, Array]:
@@ -213,15 +209,16 @@ def mechanism_modes(
         return list(modes_on_drives(postures, count))
     postures = released(postures, options)
 
-    def solve(highest: float) -> list[PostureModes]:
-        bodies = dynamic_bodies(model, mechanism, highest, options, part_mesh)
+    def solve(bodies: Mapping[str, BodyModel]) -> list[PostureModes]:
         solutions = list(modes_along(assembly(postures[0].mechanism, bodies), postures, count))
         if any(len(solution.modes.frequencies) < count for solution in solutions):
             raise too_few(mechanism.name, count)
         return solutions
 
+    if unreduced := unreduced_bodies(model, mechanism, options):
+        return solve(unreduced)
     return with_enough_modes(
-        solve,
+        lambda highest: solve(dynamic_bodies(model, mechanism, highest, options, part_mesh)),
         lambda solutions: np.array([solution.modes.frequencies for solution in solutions]),
         postures,
         count,
@@ -238,10 +235,15 @@ def modes_on_drives(postures: Sequence[Posture], count: int) -> Iterator[Posture
 def modes_along(
     prepared: Assembly, postures: Sequence[Posture], count: int
 ) -> Iterator[PostureModes]:
-    """Lowest `count` modes of an assembly in each posture. All modes if fewer move mass."""
+    """Lowest `count` modes of an assembly in each posture. All modes if fewer move mass.
+
+    Raises ComputationError if round-off dominates the compliance at the loaded point: frequencies
+    of such a system are as wrong as its compliance, and nothing in themselves shows it.
+    """
     for system in prepared.along(postures):
         solution = solved(system)
-        yield PostureModes(system.posture, solution, modes_with_mass(solution, count))
+        at_tool = compliance(solution)
+        yield PostureModes(system.posture, solution, at_tool, modes_with_mass(solution, count))
 
 
 def springs_of(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
@@ -310,10 +312,18 @@ def dynamic_bodies(
         return {
             name: filled(reduced(leg, leg_options)) for name, leg, leg_options in legs
         } | reduced_parts_of(mechanism, highest, options, part_mesh)
-    unreduced = bodies_of(mechanism, options, partial(leg_matrices, model))
-    if sum(body_model.size for body_model in unreduced.values()) <= FEW:
-        return unreduced
-    return bodies_of(mechanism, options, reduced)
+    unreduced = unreduced_bodies(model, mechanism, options)
+    return bodies_of(mechanism, options, reduced) if unreduced is None else unreduced
+
+
+def unreduced_bodies(
+    model: ModelName, mechanism: Mechanism, options: ModelOptions
+) -> dict[str, BodyModel] | None:
+    """Model of each body with all its modes. None if reduced models save time."""
+    if model == "solid":
+        return None
+    bodies = bodies_of(mechanism, options, partial(leg_matrices, model))
+    return bodies if sum(body_model.size for body_model in bodies.values()) <= FEW else None
 
 
 def reduced_parts_of(

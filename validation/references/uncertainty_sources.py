@@ -12,7 +12,6 @@ the effect of this rounding.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeVar
 
 import numpy as np
 
@@ -50,9 +49,8 @@ from validation.references.robot_on_path import Reading, RobotOnPath
 from validation.responses.displacement import sizes
 from validation.responses.mode_partners import shares_by_shape
 from validation.responses.statics_and_modes import PathModes, Statics
-from validation.uncertainty.combiners import Combiner, combined
+from validation.uncertainty.combiners import Combiner, half_widths_by
 
-H = TypeVar("H")
 # Element count for sensitivities to printed digits: an error of 1 % of a half-width is negligible.
 _FEW_ELEMENTS = ModelOptions(elements=8)
 # Smallest relative change of a displacement, due to the load's effect on the stiffness, that counts
@@ -91,30 +89,15 @@ class Perturbations:
 
     def __call__(self, responses: Responses, reading: Reading) -> SourceHalfWidths:
         """Half-widths of displacements, relative to the model's unperturbed displacements."""
-        solve = responses.required_statics
-        size = partial(_sizes, solve(self.model, reading))
-        return SourceHalfWidths(
-            self.half_widths(responses.robot, reading, solve, _flattened_statics, size)
+        solve = partial(responses.required_statics, self.model)
+        half_widths = half_widths_by(
+            reading,
+            self.readings(responses.robot, reading),
+            lambda perturbed: _flattened_statics(solve(perturbed)),
+            partial(_sizes, solve(reading)),
+            self.combiner,
         )
-
-    def half_widths(
-        self,
-        robot: RobotOnPath,
-        reading: Reading,
-        solve: Callable[[Model, Reading], H],
-        numbers: Callable[[H], Array],
-        size: Callable[[Array], Array],
-    ) -> Array:
-        """Half-widths of `numbers`, a function of the statics or modes that `solve` returns.
-
-        `size` returns the magnitudes of changes of the numbers, as for `combined`.
-        """
-        unperturbed = numbers(solve(self.model, reading))
-        changes = [
-            factor * (numbers(solve(self.model, perturbed)) - unperturbed)
-            for factor, perturbed in self.readings(robot, reading)
-        ]
-        return combined(np.array(changes), size, self.combiner)
+        return SourceHalfWidths(half_widths)
 
 
 def budget(rows: Sequence[SourceRow], responses: Responses, reading: Reading) -> Budget:
@@ -222,10 +205,11 @@ def _linearity(responses: Responses, _: Reading) -> SourceHalfWidths:
 def modes_by_digits(
     printed: Sequence[Printed], postures: tuple[Posture, ...], count: int, masses: Masses
 ) -> tuple[PathModes, Array]:
-    """Modes by beams and legs known by their 6×6, and half-widths due to digits (P×m, relative).
+    """Modes by beams and legs known by their 6×6, and frequency changes by each digit (R×P×m).
 
-    Half-widths combine the frequency changes by all digits of the `printed` 6×6, to first order.
-    `masses` is the mass distribution of the legs known by a 6×6. Shapes: P poses, m modes.
+    The changes are relative and of first order, each due to one of the R changes of the `printed`
+    6×6 by `roundings_of`. `masses` is the mass distribution of the legs known by a 6×6. Shapes: P
+    poses, m modes.
     """
     roundings = roundings_of(printed, postures)
     mechanism = postures[0].mechanism
@@ -266,11 +250,8 @@ def modes_by_digits(
                         compliance_change, system.wrenches(joint, shapes)
                     )
         # Rayleigh's quotient with unperturbed shapes is exact to first order; ½ from ω = √(ω²).
-        changes.append(
-            rounding.factor * 0.5 * (stiffness_changes / stiffness - mass_changes / mass)
-        )
-    half_widths = combined(np.array(changes), np.abs, Combiner.LINEAR_SUM)
-    return vibration, np.pad(half_widths, ((0, 0), (0, count - solved)))
+        changes.append(0.5 * (stiffness_changes / stiffness - mass_changes / mass))
+    return vibration, np.pad(np.array(changes), ((0, 0), (0, 0), (0, count - solved)))
 
 
 def _given_legs(mechanism: Mechanism) -> dict[str, GivenLeg]:
@@ -305,7 +286,7 @@ def _modal_meshes(responses: Responses, reading: Reading) -> SourceHalfWidths:
 def _modal_digits(responses: Responses, reading: Reading) -> SourceHalfWidths:
     """Half-widths of frequencies and harmonic responses due to printed digits."""
     robot, fine = responses.robot, responses.required_modes(SOLID, reading)
-    digits = _frequency_digit_half_widths(robot, fine, reading.masses)
+    digits = _frequency_digit_half_widths(robot, fine, reading)
     if not robot.mechanism.excitations:
         return SourceHalfWidths(frequencies=digits)
     peaks, receptances = _response_digit_half_widths(robot, fine, digits)
@@ -365,15 +346,22 @@ def _digit_half_widths(
     return shares[:, 0], shares[:, 1:] * (2.0 + np.abs(slopes))
 
 
-def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, masses: Masses) -> Array:
+def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, reading: Reading) -> Array:
     """Relative half-widths (P×K) of the judged frequencies of `fine` due to printed digits.
 
     Each mode of `fine`, the solid model, has the half-width of the beam mode of the same shape. A
     mode without such a partner has the largest half-width of all judged modes. Shapes: P poses, K
     judged frequencies.
     """
-    beams, share = robot.context.get(
-        modes_by_digits, robot.printed, robot.postures, robot.computed_count, masses
+    beams, changes = robot.context.get(
+        modes_by_digits, robot.printed, robot.postures, robot.computed_count, reading.masses
+    )
+    share = half_widths_by(
+        reading,
+        rounded_readings(robot, reading),
+        lambda rounded: np.zeros(1) if rounded.rounding is None else changes[rounded.rounding],
+        np.abs,
+        Combiner.LINEAR_SUM,
     )
     by_shape = shares_by_shape(fine, beams, share, robot.judged_count)
     largest = share[:, : robot.judged_count].max(axis=1, keepdims=True)

@@ -3,8 +3,9 @@
 Input: changes, one for each perturbation, and a `Combiner`. Output: one half-width.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from enum import Enum
+from typing import TypeVar
 
 import numpy as np
 import scipy
@@ -12,6 +13,7 @@ import scipy
 from lumped.arrays import Array
 from lumped.memo import memo
 
+R = TypeVar("R")
 # Binary logarithm of the number of Sobol' points: with 512, half-widths computed with two random
 # seeds differ by 1 to 2 %.
 _POWER = 9
@@ -47,6 +49,23 @@ def combined(changes: Array, size: Callable[[Array], Array], combiner: Combiner)
     if combiner is Combiner.LINEAR_SUM:
         return np.asarray(sizes.sum(axis=0))
     return np.asarray(np.sqrt(np.square(sizes).sum(axis=0)))
+
+
+def half_widths_by(
+    nominal: R,
+    perturbed: Iterable[tuple[float, R]],
+    numbers: Callable[[R], Array],
+    size: Callable[[Array], Array],
+    combiner: Combiner,
+) -> Array:
+    """Half-widths of `numbers`, a function of the inputs of a model, due to perturbed inputs.
+
+    `nominal`: inputs without a perturbation. `perturbed`: inputs with one perturbation each, and
+    the factor that multiplies the change that it causes. `size` is that of `combined`.
+    """
+    unperturbed = numbers(nominal)
+    changes = [factor * (numbers(inputs) - unperturbed) for factor, inputs in perturbed]
+    return combined(np.array(changes), size, combiner)
 
 
 def relative_sizes(changes: Array, values: Array) -> Array:
