@@ -78,10 +78,7 @@ def os_errors_as_store_errors(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         file_name = f" ({error.filename})" if isinstance(error.filename, str) else ""
-        raise StoreError(
-            f"cannot write {path}: {error.strerror or error}{file_name}; "
-            "what was finished before is kept"
-        ) from error
+        raise StoreError(f"cannot write {path}: {error.strerror or error}{file_name}") from error
 
 
 def write_whole(path: Path, content: bytes, temporary_folder: Path | None = None) -> None:

@@ -288,7 +288,7 @@ def run(
         vary=vary,
         strict=strict,
     )
-    go_on = f"continue with: {request.resume_command}"
+    go_on = f"what was finished is kept; continue with: {request.resume_command}"
     try:
         gathered = validate(request, catalogue)
     except StoreError as error:

@@ -58,7 +58,7 @@ _WORKER_TIMEOUT = 10.0
 _HEARTBEAT = 0.5
 # Largest accepted length (bytes) of a scheduler's first message; real ones have some hundred.
 _LONGEST_GREETING = 1 << 20
-_GONE = "--cluster {}: the scheduler is gone; what was finished is kept"
+_GONE = "--cluster {}: the scheduler is gone"
 _ADDRESS = re.compile(r"(?:tcp|tls)://(?P<host>\[[0-9a-fA-F:.]+\]|[\w.-]+):(?P<port>\d{1,5})")
 # Number of times that a call is sent again after the connection was lost, as Dask does for workers.
 _MOST_LOSSES = 3
@@ -205,10 +205,13 @@ class _SchedulerWatch:
 
 @contextmanager
 def _connection_errors(distributed: ModuleType, address: str) -> Iterator[None]:
-    """Context in which errors due to a lost scheduler are raised as ComputationError."""
+    """Context in which errors due to a lost scheduler are raised as ComputationError.
+
+    Dask raises OSError if a call needs a new connection and the scheduler does not answer.
+    """
     try:
         yield
-    except (distributed.client.FutureCancelledError, distributed.comm.CommClosedError) as error:
+    except (distributed.client.FutureCancelledError, OSError) as error:
         raise ComputationError(_GONE.format(address)) from error
 
 
@@ -399,9 +402,7 @@ class _SentCalls:
             return error
 
     def _failure(self, reason: str) -> ComputationError:
-        return ComputationError(
-            f"--cluster {self.watch.address}: {reason}; what was finished is kept"
-        )
+        return ComputationError(f"--cluster {self.watch.address}: {reason}")
 
     def cancel(self) -> None:
         """Cancel all calls that are not finished."""
@@ -440,6 +441,9 @@ def _require_same_program(client: Any, address: str) -> None:
     # A worker without this program answers with an error.
     answers = client.run(_worker_program, request=request_variables(), on_error="return")
     for worker_address, answer in sorted(answers.items()):
+        if isinstance(answer, OSError):
+            # The worker was lost before it answered.
+            continue
         if isinstance(answer, InputError):
             faults.append(f"--cluster {address}: worker {worker_address}: {answer}")
             continue

@@ -127,9 +127,7 @@ class ProcessExecutor(ABC):
         with closing(self.answers(groups)) as answers:
             for number, answer in answers:
                 if isinstance(answer, Crashed):
-                    raise ComputationError(
-                        f"{answer}; what was finished is kept: {self.advice}"
-                    ) from answer
+                    raise ComputationError(f"{answer}; {self.advice}") from answer
                 if isinstance(answer, InputError | ComputationError):
                     raise answer
                 yield number, answer

@@ -14,18 +14,27 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Thread, Timer
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.fakes import toy_catalogue as toys
 from support.fakes.cleared_memory import forget
-from support.fakes.toy_runs import ENVIRONMENT, content, wait_for
+from support.fakes.toy_runs import (
+    ENVIRONMENT,
+    content,
+    lines,
+    numbers,
+    run_in_this_process,
+    wait_for,
+)
 from support.robots.crane import write_meshed_crane
 
 from lumped.errors import ComputationError, InputError, ProgramError
 from lumped.robot_file import load_robot
 from meshes.part.reading import read
+from validation import cli
 from validation.context import Context
 from validation.models import reduced_parts
 from validation.parts.sent import value_by_worker
@@ -36,7 +45,7 @@ from validation.run import cluster as on_dask
 from validation.run import progress, runner
 from validation.run.cache import CacheEntry
 from validation.run.cluster import on_cluster
-from validation.run.folder import open_folder
+from validation.run.folder import RunFolder, open_folder
 from validation.run.outcome import plain
 from validation.solve import varied
 
@@ -203,6 +212,73 @@ def test_run_on_cluster_equals_local_run(tmp_path, workers):
     assert not records
     for line in ("Traceback", "Segmentation fault", "this belongs into the log"):
         assert line in log.read_text()
+
+
+# A scheduler with its only worker, which ends with its standard input.
+SCHEDULER = """
+from distributed import LocalCluster
+options = {"processes": False, "protocol": "tcp://", "host": "127.0.0.1", "dashboard_address": ""}
+with LocalCluster(1, threads_per_worker=1, **options) as cluster:
+    print(cluster.scheduler_address, flush=True)
+    input()
+"""
+
+
+@pytest.mark.usefixtures("blank_charts")
+def test_resumed_run_after_scheduler_death_is_equal(tmp_path, monkeypatch, capsys):
+    """Scheduler and worker are killed after the second result. One process computes the rest."""
+    monkeypatch.setattr(on_dask, "_WORKER_TIMEOUT", 0.2)
+    catalogue = SimpleNamespace(catalogue=toys.disagreeing)
+    monkeypatch.setitem(sys.modules, "validation.catalogue", catalogue)
+    words = ["run", "ifw", "--preset", "quick", "--quiet", "--jobs", "1", "--out"]
+    scheduler = subprocess.Popen(
+        [sys.executable, "-c", SCHEDULER],
+        env=ENVIRONMENT | {"XDG_CACHE_HOME": str(tmp_path)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+    keep, count = RunFolder.keep, 0
+
+    def keep_and_kill(folder, record, seconds):
+        nonlocal count
+        keep(folder, record, seconds)
+        count += 1
+        if count == 2:
+            scheduler.kill()
+            scheduler.wait()
+
+    address = scheduler.stdout.readline().strip()
+    with monkeypatch.context() as patch, scheduler:
+        patch.setattr(RunFolder, "keep", keep_and_kill)
+        assert cli.main([*words, str(tmp_path / "run"), "--cluster", address]) == 3
+    gone, how_to_go_on = capsys.readouterr().err.splitlines()
+    assert gone == f"flexproof: --cluster {address}: the scheduler is gone"
+    assert how_to_go_on.startswith("flexproof: what was finished is kept; continue with: ")
+    kept = lines(tmp_path / "run")
+    assert len(kept) == 2
+    assert cli.main([*words, str(tmp_path / "run"), "--resume"]) == 1
+    assert lines(tmp_path / "run")[:2] == kept
+    monkeypatch.setattr(runner, "run", run_in_this_process)
+    assert cli.main([*words, str(tmp_path / "undisturbed")]) == 1
+    assert numbers(tmp_path / "run") == numbers(tmp_path / "undisturbed")
+
+
+def test_scheduler_lost_at_program_check_is_reported(dask, monkeypatch):
+    """Dask's error if the scheduler dies between the connection and the check of all programs."""
+    distributed = pytest.importorskip("distributed")
+
+    def unanswered(*_, **__):
+        raise OSError("Timed out trying to connect to tcp://127.0.0.1:8786 after 10 s")
+
+    monkeypatch.setattr(distributed.Client, "run", unanswered)
+    gone = re.escape(f"--cluster {dask.scheduler_address}: the scheduler is gone")
+    with (
+        pytest.raises(ComputationError, match=f"{gone}$"),
+        on_cluster(dask.scheduler_address, silent),
+    ):
+        pass
 
 
 def test_stopped_run_ends_calls_on_workers(tmp_path, workers):
