@@ -10,15 +10,15 @@ from itertools import pairwise
 from typing import Literal, TypeAlias
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from lumped.arrays import Array
 from lumped.centre_line import CentreLine
 from lumped.errors import ComputationError
-from lumped.line_sections import FIELDS, NODES, TOGETHER, LineSections
+from lumped.line_sections import FIELDS, TOGETHER, LineSections
 from lumped.memo import memo
 from lumped.screws import move_compliance
 from lumped.sections import Section, symmetric_moments
+from lumped.tapers import NODES, TAPER, taper_flexibilities, taper_rates
 
 Theory: TypeAlias = Literal["euler-bernoulli", "timoshenko"]
 Ends: TypeAlias = Literal["rigid", "free"]
@@ -312,20 +312,28 @@ class Span:
         The columns are for bending about z and about y. I is the second moment of area, S the first
         moment of half the section. Zero for shapes without two axes of symmetry.
         """
-        if self.first == self.last or symmetric_moments(self.first) is None:
+        if not self.converges:
             return np.zeros((len(shares), 2))
-        coordinates = 2.0 * NODES - 1.0
-        arms = np.array([_lever_arms(self.section(share)) for share in NODES.tolist()])
-        fitted = chebyshev.chebfit(coordinates, np.log(arms), len(NODES) - 1)
-        slopes = chebyshev.chebval(2.0 * shares - 1.0, chebyshev.chebder(fitted)).T
-        return np.asarray(slopes * 2.0 / (self.end - self.start))
+        return taper_rates(self._sections, self.end - self.start, shares)
 
+    def taper_flexibilities(self, material: Material) -> Array:
+        """Columns `TAPER` (p×7) of `lumped.tapers` at the p `NODES` of the span.
 
-def _lever_arms(section: Section) -> tuple[float, float]:
-    """Lever arms I/S (m) in bending about z and about y, as in `Span.taper_rates`."""
-    if (moments := symmetric_moments(section)) is None:
-        raise TypeError(f"{section.shape}: no lever arms without two axes of symmetry")
-    return 2.0 * section.second_moment_z / moments.y, 2.0 * section.second_moment_y / moments.z
+        Zero for shapes without two axes of symmetry.
+        """
+        if not self.converges:
+            return np.zeros((len(NODES), len(TAPER)))
+        moduli = material.E, material.G, material.nu
+        return taper_flexibilities(self._sections, self.end - self.start, moduli)
+
+    @property
+    def converges(self) -> bool:
+        """True if the section varies and its shape has two axes of symmetry."""
+        return self.first != self.last and symmetric_moments(self.first) is not None
+
+    @property
+    def _sections(self) -> list[Section]:
+        return [self.section(share) for share in NODES.tolist()]
 
 
 @dataclass(frozen=True)
@@ -430,8 +438,8 @@ class LineLeg:
                 fourth = (moments.yyyy, moments.zzzz, moments.yyzz) if moments else (0.0,) * 3
                 rows.append([*constants, *(self.material.E * moment for moment in fourth)])
             constants_and_moments = np.broadcast_to(rows, (len(NODES), len(rows[0])))
-            rates = span.taper_rates(NODES) if inclined else np.zeros((len(NODES), 2))
-            values.append(np.hstack([constants_and_moments, rates]))
+            taper = span.taper_flexibilities(self.material)
+            values.append(np.hstack([constants_and_moments, taper if inclined else 0.0 * taper]))
         ends = np.array([self.spans[0].start, *(span.end for span in self.spans)])
         return LineSections(self.line, ends, np.array(values, dtype=float))
 

@@ -27,13 +27,12 @@ the shear flow d(M S/I)/ds, so that the forces that shear the section are
 
     Qy + λy Mz,   Qz − λz My
 
-(Bleich, Stahlhochbauten, 1932): none in a wedge that is loaded at its apex, as Michell found. An
-inclined fibre has the strain energy of a parallel one times 1/cos⁴ = 1 + 2(λy² y² + λz² z²) + …,
-which enters EA and EI by the moments of area, and the component of the shear stress along it adds
-2/3 λ ∫y⁴ dA/EI² between moment and shear force. These effects are computed for shapes with two axes
-of symmetry. They belong to Timoshenko's theory; that of Euler and Bernoulli takes fibres as
-parallel. In plane tapers, errors of bending and tension are of fourth order in the slope; torsion
-and the taper across the plane of bending leave errors of second order.
+(Bleich, Stahlhochbauten, 1932): none in a wedge that is loaded at its apex, as Michell found.
+Inclined fibres are softer than parallel ones, and shear stresses along them couple moment and shear
+force (`lumped.tapers`). These effects are computed for shapes with two axes of symmetry. They
+belong to Timoshenko's theory; that of Euler and Bernoulli takes fibres as parallel. In wedges,
+cones and pyramids, errors of bending and tension are of fourth order in the slope; torsion, and
+tapers that shrink in one direction more than in the other, leave errors of second order.
 """
 
 from dataclasses import dataclass
@@ -45,17 +44,16 @@ from numpy.polynomial import chebyshev, legendre
 from lumped.arrays import Array, IntArray
 from lumped.centre_line import CentreLine
 from lumped.screws import shift, skew, turn
+from lumped.tapers import NODES, TAPER
 
 # Constants of a section, by their names in `BeamProperties`.
 FIELDS = (
     *("EA", "EIy", "EIz", "GJ", "GAy", "GAz", "mu", "rho_J", "rho_Iy", "rho_Iz"),
     *("EIyz", "rho_Iyz", "shear_yz", "centre_y", "centre_z"),
 )
-# Further constants: E times ∫y⁴ dA, ∫z⁴ dA and ∫y²z² dA (N m⁴), and rates λy and λz (1/m) of the
-# taper. They are zero for shapes without two axes of symmetry.
-FURTHER = ("EIyyyy", "EIzzzz", "EIyyzz", "rate_y", "rate_z")
-# Fractions of a span at which sections are evaluated: 12, exact for polynomials of degree 11.
-NODES: Array = np.asarray(0.5 * (1.0 + chebyshev.chebpts1(12)))
+# Further constants: E times ∫y⁴ dA, ∫z⁴ dA and ∫y²z² dA (N m⁴), and those of the taper. They are
+# zero for shapes without two axes of symmetry.
+FURTHER = ("EIyyyy", "EIzzzz", "EIyyzz", *TAPER)
 # Gauss points per element. A taper 2 : 1 in one element has an error of 5.8^-24.
 GAUSS = 12
 # Distance, as a fraction of the line's length, below which two ends of spans count as one.
@@ -126,7 +124,7 @@ class SectionField:
 class LineSections:
     """Sections of a leg along its centre line.
 
-    `ends` (k+1 values, in m along the line) are the ends of the k spans. `values` (k×p×20) are the
+    `ends` (k+1 values, in m along the line) are the ends of the k spans. `values` (k×p×25) are the
     section constants named in `FIELDS` and `FURTHER`, at the p `NODES` of each span.
     """
 
@@ -136,7 +134,7 @@ class LineSections:
 
     @cached_property
     def _coefficients(self) -> Array:
-        """Chebyshev coefficients (k×p×20) of the section constants in each span.
+        """Chebyshev coefficients (k×p×25) of the section constants in each span.
 
         Infinite constants have one term.
         """
@@ -148,7 +146,7 @@ class LineSections:
         return np.asarray(coefficients)
 
     def constants(self, spans: IntArray, positions: Array) -> Array:
-        """Section constants (n×20: `FIELDS`, then `FURTHER`) at n `positions` (m along the line).
+        """Section constants (n×25: `FIELDS`, then `FURTHER`) at n `positions` (m along the line).
 
         `spans` (n) are the indices of the spans to which the positions belong.
         """
@@ -224,19 +222,10 @@ class LineSections:
             [[1.0 / rows["GAy"], rows["shear_yz"]], [rows["shear_yz"], 1.0 / rows["GAz"]]]
         )
         bending = np.stack([[rows["EIy"], -rows["EIyz"]], [-rows["EIyz"], rows["EIz"]]])
-        yyyy, zzzz, yyzz, rate_y, rate_z = (rows[name] for name in FURTHER)
-        # ∫ 2 slope² (1, z², y²) E dA.
-        inclined = 2.0 * np.array(
-            [
-                rate_y**2 * rows["EIz"] + rate_z**2 * rows["EIy"],
-                rate_y**2 * yyzz + rate_z**2 * zzzz,
-                rate_y**2 * yyyy + rate_z**2 * yyzz,
-            ]
-        )
-        EA, bending[0, 0], bending[1, 1] = (
-            rows[name] / (1.0 + part / rows[name])
-            for name, part in zip(("EA", "EIy", "EIz"), inclined, strict=True)
-        )
+        yyyy, zzzz, yyzz = (rows[name] for name in ("EIyyyy", "EIzzzz", "EIyyzz"))
+        EA = rows["EA"] / (1.0 + rows["softer"])
+        bending[0, 0] /= 1.0 + rows["softer_y"]
+        bending[1, 1] /= 1.0 + rows["softer_z"]
         squares = curvature_y**2, curvature_z**2
         bending[0, 0] += squares[0] * yyzz + squares[1] * zzzz
         bending[1, 1] += squares[0] * yyyy + squares[1] * yyzz
@@ -245,9 +234,9 @@ class LineSections:
         local[:, 0, 0], local[:, 3, 3] = 1.0 / EA, 1.0 / rows["GJ"]
         local[:, 1:3, 1:3] = np.moveaxis(shear, -1, 0)
         local[:, 4:, 4:] = np.linalg.inv(np.moveaxis(bending, -1, 0))
-        # Shear stresses along fibres in tension: ∫ 2 slope y τ dA, where ∫ y² τ dA = Q ∫y⁴ dA/3I.
-        local[:, 1, 5] = local[:, 5, 1] = -2.0 / 3.0 * rate_y * yyyy / rows["EIz"] ** 2
-        local[:, 2, 4] = local[:, 4, 2] = 2.0 / 3.0 * rate_z * zzzz / rows["EIy"] ** 2
+        # σ = −Mz y/Iz and σ = My z/Iy.
+        local[:, 1, 5] = local[:, 5, 1] = -rows["cross_y"]
+        local[:, 2, 4] = local[:, 4, 2] = rows["cross_z"]
         rigid = tuple(bool(row) for row in (np.diagonal(local, axis1=1, axis2=2) == 0.0).any(0))
         stiffness = np.zeros_like(local)
         elastic = np.flatnonzero(~np.array(rigid))

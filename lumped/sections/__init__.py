@@ -26,7 +26,11 @@ from lumped.sections.shapes import (
     Tube,
     rectangle_torsion_constant,
 )
-from lumped.sections.symmetric_moments import SymmetricMoments, symmetric_moments
+from lumped.sections.symmetric_moments import (
+    SymmetricMoments,
+    flexure_moments,
+    symmetric_moments,
+)
 
 SHAPES: dict[str, type[Section]] = {
     cls.shape: cls
@@ -72,6 +76,7 @@ __all__ = [
     "Tube",
     "distances_to_edges",
     "distances_to_segments",
+    "flexure_moments",
     "is_inside",
     "partition_edges",
     "rectangle_torsion_constant",

@@ -1,7 +1,7 @@
-"""First and fourth moments of area of shapes with two axes of symmetry.
+"""Moments of area, and of shear stresses, of shapes with two axes of symmetry.
 
-Tapered legs need both. Bars whose radius of curvature is of the order of their thickness need the
-fourth moments.
+Tapered legs need all of them. Bars whose radius of curvature is of the order of their thickness
+need the fourth moments of area.
 """
 
 from math import pi
@@ -41,6 +41,56 @@ def symmetric_moments(section: Section) -> SymmetricMoments | None:
         case Tube():
             return _difference(_of_circle(section.diameter), _of_circle(section.inner_diameter))
     return None
+
+
+def flexure_moments(section: Section, poisson_shear_ratio: float) -> tuple[float, float]:
+    """Products (m⁶) of Iz with ∫yz τxz dA for a unit force Qy, and of Iy with ∫yz τxy dA for Qz.
+
+    These are the shear stresses across the force in Saint-Venant's flexure: those of circles and
+    tubes are exact for the ratio νG/E = `poisson_shear_ratio`, those of flanges follow from
+    equilibrium with the bending stress. A rectangle has none for ν = 0, and small ones otherwise.
+    Zero for a shape without two axes of symmetry.
+    """
+    match section:
+        case HollowRectangle():
+            y, z = section.width - section.thickness, section.height - section.thickness
+            inner = section.inner
+            return (
+                _of_flanges(z, section.width, inner.width),
+                _of_flanges(y, section.height, inner.height),
+            )
+        case ISection():
+            # Between the tips of the flanges and the web, τ = Q z (width/2 − |y|)/I.
+            inside = section.height - 2.0 * section.flange
+            return 0.0, section.width**3 / 24.0 * (section.height**3 - inside**3) / 12.0
+        case Circle():
+            moment = _of_annulus(0.5 * section.diameter, 0.0, poisson_shear_ratio)
+            return moment, moment
+        case Tube():
+            radii = 0.5 * section.diameter, 0.5 * section.inner_diameter
+            moment = _of_annulus(*radii, poisson_shear_ratio)
+            return moment, moment
+    return 0.0, 0.0
+
+
+def _of_flanges(across: float, outside: float, inside: float) -> float:
+    """Product of I and ∫yz τ dA of a unit force on a box: τ = −y z/I between its webs' middles.
+
+    `across` is the distance of these middle lines, `outside` and `inside` those of the faces of
+    both flanges (m).
+    """
+    return -(across**3) / 12.0 * (outside**3 - inside**3) / 12.0
+
+
+def _of_annulus(a: float, b: float, poisson_shear_ratio: float) -> float:
+    """Product of I and ∫yz τ dA of a unit force on a ring of radii a > b (A. E. H. Love, ch. XV).
+
+    With n = νG/E: τr = (3 − 2n)(a² + b² − a²b²/r² − r²) sin α/8I, τα = ((3 − 2n)(a² + b² + a²b²/r²)
+    − (1 − 6n) r²) cos α/8I, and yz (τr cos α − τα sin α) is integrated.
+    """
+    solid = (1.0 + 2.0 * poisson_shear_ratio) / 4.0 * pi * (a**6 - b**6) / 24.0
+    ring = (3.0 - 2.0 * poisson_shear_ratio) * pi / 32.0 * (a * b) ** 2 * (a**2 - b**2)
+    return -(solid + ring)
 
 
 def _of_rectangle(width: float, height: float) -> SymmetricMoments:

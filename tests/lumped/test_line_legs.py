@@ -45,8 +45,8 @@ def test_cone_compliance_is_exact():
 
     Because fibres converge, tension is 1 + s² times ∫ 1/EA and bending 1 + 4/3 s² times ∫ u²/EI
     (averages of 2 slope² over the section). Shear is due to the force Q r₂/r that is not carried
-    by inclined fibres; shear and bending are coupled by −4/3 r'/πEr³. Twist as in Roark's
-    Formulas, tapered beams.
+    by inclined fibres; shear and bending are coupled by −4/3 r'/πEr³ times (3 + 2ν)/4(1 + ν), with
+    the shear stresses across the force. Twist as in Roark's Formulas, tapered beams.
     """
     root, tip = 0.12, 0.05
     leg = straight((0.0, Circle(root)), (LENGTH, Circle(tip)))
@@ -57,7 +57,7 @@ def test_cone_compliance_is_exact():
     inertia = np.pi * root**4 / 64.0
     bending = LENGTH**3 / (3.0 * E * inertia) * root / tip * (1.0 + 4.0 / 3.0 * slope**2)
     shear = r2**2 / (kappa * G * np.pi) * (r2**-3 - r1**-3) / (3.0 * slope)
-    coupling = 8.0 / 3.0 * slope * r2 / (np.pi * E)
+    coupling = 8.0 / 3.0 * slope * r2 / (np.pi * E) * (3.0 + 2.0 * nu) / (4.0 + 4.0 * nu)
     coupling *= LENGTH**2 * (2.0 * r2 + r1) / (6.0 * r2**2 * r1**3)
     cubes = root**2 + root * tip + tip**2
     twist = 32.0 * LENGTH * cubes / (3.0 * np.pi * G * (root * tip) ** 3)

@@ -10,7 +10,7 @@ import pytest
 from support.robots.paper_legs import STEEL
 
 from fem.sections.nonuniform_torsion import wave_frequency
-from fem.sections.saint_venant import section_quadrature
+from fem.sections.saint_venant import saint_venant, section_quadrature
 from fem.sections.section_constants import beam_properties, held_contraction, section_constants
 from fem.sections.waveguide import assembled, elasticity, strains, torsion_wave
 from lumped.errors import ComputationError
@@ -21,6 +21,7 @@ from lumped.sections import (
     ISection,
     Rectangle,
     Tube,
+    flexure_moments,
     rectangle_torsion_constant,
 )
 from meshes.section.section_mesh import SectionMesh, section_mesh
@@ -34,6 +35,31 @@ def test_torsion_constant_has_twice_the_element_order():
     errors = [section_constants(mesh, 0.0).torsion_constant / exact - 1.0 for mesh in meshes]
     assert errors[0] > errors[1] > 0.0
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.6)
+
+
+@pytest.mark.parametrize(
+    ("section", "accuracy"),
+    [
+        (Circle(0.1), 2e-3),
+        (Tube(0.1, 0.03), 2e-3),
+        # Thin walls: the shear flow turns at the corners.
+        (HollowRectangle(0.1, 0.08, 0.004), 0.02),
+        (ISection(0.05, 0.10, 0.006, 0.006), 0.02),
+    ],
+)
+def test_flexure_moments_equal_finite_elements(section, accuracy):
+    """∫yz τ dA of the shear stress across a unit force, in units of ∫y²z² dA/I, for ν = 0.3."""
+    ratio = 0.3 / 2.6
+    solution = saint_venant(section_mesh(section, 8), ratio)
+    quad = solution.quadrature
+    y, z = quad.points
+    stresses = solution.flexure_stress[0, 1], solution.flexure_stress[1, 0]
+    moments = [
+        quad.integral(y * z * stress) * inertia
+        for stress, inertia in zip(stresses, np.diag(solution.moments), strict=True)
+    ]
+    scale = quad.integral((y * z) ** 2)
+    assert flexure_moments(section, ratio) == pytest.approx(moments, abs=accuracy * scale)
 
 
 def test_ellipse_constants_equal_closed_form():

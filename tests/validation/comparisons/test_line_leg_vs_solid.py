@@ -151,8 +151,9 @@ def test_wall_modes_are_no_partners_of_beam_modes():
     beam = computed_elements(leg, None, 20)
     expected = clamped_modes(beam, 4).frequencies
     paired = line_frequencies(leg, 1, "free", beam, 4)
-    # Bending of the first two, by 0.2 %; the walls make the next two softer and stiffer.
-    assert paired[:2] == pytest.approx(expected[:2], rel=3e-3)
+    # Inertia bends the walls as well, by 0.5 % of the first two; the walls make the next two softer
+    # and stiffer.
+    assert paired[:2] == pytest.approx(0.996 * expected[:2], rel=2e-3)
     assert paired[2:] == pytest.approx(expected[2:], rel=0.15)
     ascending = clamped_solid(leg, 1, "free").modes(4).frequencies
     assert (ascending[2:] < 0.8 * expected[2:]).all()
