@@ -167,6 +167,11 @@ class PostureModes:
         """Number of mobilities that do not move the tool."""
         return self.solution.idle
 
+    def first(self, count: int) -> "PostureModes":
+        """Solution with the first `count` modes only."""
+        frequencies, shapes = self.modes.frequencies[:count], self.modes.shapes[:, :count]
+        return replace(self, modes=Modes(frequencies, shapes))
+
     @cached_property
     def strain(self) -> Mapping[Portion, Array]:
         """Share of each mode's strain energy in each drive, body and elastic part of a joint.
@@ -193,10 +198,12 @@ def mechanism_modes(
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
     part_mesh: PartMeshing = FINE_PARTS,
+    spare: int = 0,
 ) -> list[PostureModes]:
     """Lowest `count` modes of one mechanism in each posture. `simplified` may have fewer.
 
-    `part_mesh`: mesh and coupling of CAD parts as solids.
+    `part_mesh`: mesh and coupling of CAD parts as solids. `spare`: number of further modes, as far
+    as they exist, for which the cut-off frequency of the reduction is not raised.
 
     Raises InputError for a static model, and ComputationError if the tool is free to move or fewer
     than `count` modes move mass.
@@ -210,7 +217,8 @@ def mechanism_modes(
     postures = released(postures, options)
 
     def solve(bodies: Mapping[str, BodyModel]) -> list[PostureModes]:
-        solutions = list(modes_along(assembly(postures[0].mechanism, bodies), postures, count))
+        prepared = assembly(postures[0].mechanism, bodies)
+        solutions = list(modes_along(prepared, postures, count + spare))
         if any(len(solution.modes.frequencies) < count for solution in solutions):
             raise too_few(mechanism.name, count)
         return solutions
@@ -219,7 +227,7 @@ def mechanism_modes(
         return solve(unreduced)
     return with_enough_modes(
         lambda highest: solve(dynamic_bodies(model, mechanism, highest, options, part_mesh)),
-        lambda solutions: np.array([solution.modes.frequencies for solution in solutions]),
+        lambda solutions: np.array([solution.modes.frequencies[:count] for solution in solutions]),
         postures,
         count,
         options,

@@ -82,10 +82,5 @@ def scaled(reference: PathModes, nominal: PathModes, perturbed: PathModes) -> Pa
     ratio = np.take_along_axis(changes, partner_indices, 1)
     with np.errstate(invalid="ignore"):
         peaks = reference.peaks * (perturbed.peaks / nominal.peaks)
-    return replace(
-        reference,
-        frequencies=reference.frequencies[:, :count] * ratio,
-        samples=reference.samples[:, :, :count],
-        energy_shares=reference.energy_shares[:, :count],
-        peaks=peaks,
-    )
+    first = reference.first(count)
+    return replace(first, frequencies=first.frequencies * ratio, peaks=peaks)

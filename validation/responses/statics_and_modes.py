@@ -5,7 +5,7 @@ could not be computed.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -91,6 +91,15 @@ class PathModes:
         """Modes without shapes, which are not compared with other modes (P×m frequencies)."""
         samples = np.zeros((len(frequencies), 0, frequencies.shape[1]))
         return cls(frequencies, samples, np.zeros(0), np.ones_like(frequencies))
+
+    def first(self, count: int) -> "PathModes":
+        """Record of the first `count` modes only."""
+        return replace(
+            self,
+            frequencies=self.frequencies[:, :count],
+            samples=self.samples[:, :, :count],
+            energy_shares=self.energy_shares[:, :count],
+        )
 
     def at(self, pose: int) -> SampledModes:
         """Modes that the model has in the pose with this index."""

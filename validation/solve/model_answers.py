@@ -48,7 +48,7 @@ from validation.solve.cost import (
     solid_cost,
 )
 from validation.solve.question import OF_ELEMENTS, Question
-from validation.solve.solved_model import SolvedModes, solved_model
+from validation.solve.solved_model import solved_model
 from validation.solve.uncertainty import (
     SolvedQuestion,
     extrapolated,
@@ -211,7 +211,7 @@ def _answers(meshed: _Meshed) -> list[Answer]:
     solved = meshed.solved
     question, statics, modes = solved.question, solved.statics, solved.modes
     digits = of_digits(solved)
-    postures = modes.postures if isinstance(modes, SolvedModes) else ()
+    postures = modes.postures if modes else ()
     pairs = _pairs(solved) if question.against else ()
     loads = _load_fields(solved)
     return [
@@ -250,7 +250,8 @@ def _load_fields(solved: SolvedQuestion) -> list[dict[str, Any]]:
     pressures = resultants(question.mechanism)
     # Frequencies under load are computed for beams only: other models have another stiffness inside
     # the legs than the beams of this computation.
-    stability = stabilities(model, postures, options, solved.count if model == "beam" else 0)
+    beam_modes = solved.frequencies.shape[1] if model == "beam" else 0
+    stability = stabilities(model, postures, options, beam_modes)
     forces = load_forces(model, postures, options)
     return [
         {
@@ -281,11 +282,12 @@ def _pairs(solved: SolvedQuestion) -> list[PairedModes]:
     against = question.against
     if against is None or modes is None:
         return []
-    other = solved_model(replace(question, model=against, modes=solved.count + _EXTRA_MODES))
+    count = modes.count + _EXTRA_MODES
+    other = solved_model(replace(question, model=against, modes=count))
     other_modes = solved.responses.required_modes(other, solved.reading)
-    pairing = partners(modes, other_modes, solved.count)
+    pairing = partners(modes.first(modes.count), other_modes.first(count), modes.count)
     return [
-        PairedModes(against, tuple(_pair(pairing, pose, mode) for mode in range(solved.count)))
+        PairedModes(against, tuple(_pair(pairing, pose, mode) for mode in range(modes.count)))
         for pose in range(len(modes.frequencies))
     ]
 

@@ -8,9 +8,11 @@ solids. If modes are requested, statics use the systems of the modes.
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
+from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
 from lumped.legs import GivenLeg, Leg
 from lumped.mechanism.mechanism import Mechanism
@@ -37,6 +39,12 @@ from validation.references.robot_on_path import Reading, RobotOnPath
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.solve.question import Question
 
+# Number of solved modes of solids beyond those of the answer. The robot may have a mode of nearly
+# the same frequency for each leg and direction.
+_SPARE = 6
+# Ratio of frequencies up to which spare modes are candidates for partners of the last mode of the
+# answer. The mesh can change the order of modes that are so close.
+_CLOSE = 1.01
 # Cut-off frequency (Hz) for the reduction of CAD parts if no modes are requested. It lies below all
 # their modes.
 _LOWEST = 1e-3
@@ -44,8 +52,16 @@ _LOWEST = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class SolvedModes(PathModes):
-    """Modes of a robot with the solution of each pose, which has strain energies and damping."""
+    """Modes of an answer, and those of nearly the same frequency as its last mode.
 
+    The latter are candidates for partners of the modes on another mesh: of modes of equal
+    frequency, any combination is a mode, so that a part of them has no counterpart.
+
+    `count`: number of modes of the answer. `postures`: solution of a robot in each pose with these
+    modes, from which strain energies and damping follow. () for a body alone.
+    """
+
+    count: int = 0
     postures: Sequence[PostureModes] = ()
 
 
@@ -57,7 +73,7 @@ class _Solver:
     """
 
     question: Question
-    solved: dict[tuple[RobotOnPath, Reading], PathModes | None] = field(default_factory=dict)
+    solved: dict[tuple[RobotOnPath, Reading], SolvedModes | None] = field(default_factory=dict)
 
     def statics(self, robot: RobotOnPath, reading: Reading) -> Statics:
         """Compliance and displacements under the loads of the robot file."""
@@ -68,7 +84,7 @@ class _Solver:
             return Statics(leg_compliance(model, leg, options)[None], np.zeros((1, 0, 6)), [None])
         solid_parts = model == "solid" and mechanism.parts
         modes = self.modes(robot, reading) if question.count else None
-        if isinstance(modes, SolvedModes):
+        if modes is not None:
             solutions = modes.postures
             bodies = solutions[0].system.models
             return Statics(
@@ -86,7 +102,7 @@ class _Solver:
         solved = swept(assembly(mechanism, bodies), postures, 0)
         return Statics(solved.compliances, displacements_of(bodies, postures), solved.idle)
 
-    def modes(self, robot: RobotOnPath, reading: Reading) -> PathModes | None:
+    def modes(self, robot: RobotOnPath, reading: Reading) -> SolvedModes | None:
         """Modes, as many as requested. If no number is requested, six, or all if there are fewer.
 
         None if nothing has mass.
@@ -96,7 +112,7 @@ class _Solver:
             self.solved[key] = self._modes(robot, reading)
         return self.solved[key]
 
-    def _modes(self, robot: RobotOnPath, reading: Reading) -> PathModes | None:
+    def _modes(self, robot: RobotOnPath, reading: Reading) -> SolvedModes | None:
         question = self.question
         if question.modes is not None:
             return self._first_modes(robot, reading, question.modes)
@@ -105,26 +121,39 @@ class _Solver:
                 return self._first_modes(robot, reading, count)
         return None
 
-    def _first_modes(self, robot: RobotOnPath, reading: Reading, count: int) -> PathModes:
+    def _first_modes(self, robot: RobotOnPath, reading: Reading, count: int) -> SolvedModes:
         """First `count` modes. They are sampled if they are compared with modes of other models."""
         question, model, options = self.question, self.question.model, self.question.options
+        spare = _SPARE if model == "solid" else 0
+        solutions: Sequence[PostureModes] = ()
         if question.alone is not None:
             leg, options = leg_alone(question.alone, robot.mechanism, options)
-            return leg_modes(model, leg, count, options, free=question.free)
-        part_mesh = _part_mesh(robot, reading)
-        postures = mechanism_modes(model, robot.postures, count, options, part_mesh)
-        if model == "solid" or question.against:
-            sampled = vibration_of(samples_of(robot.mechanism), postures, count)
+            solve = partial(leg_modes, model, leg, options=options, free=question.free)
+            try:
+                modes = solve(count + spare)
+            except FewerModesError:
+                modes = solve(count)
+            modes = modes.first(_close(modes.frequencies[0], count))
         else:
-            frequencies = [posture.modes.frequencies for posture in postures]
-            missing = [np.full(count - len(values), np.nan) for values in frequencies]
-            sampled = PathModes.unsampled(np.array([*map(np.append, frequencies, missing)]))
+            part_mesh = _part_mesh(robot, reading)
+            solutions = mechanism_modes(model, robot.postures, count, options, part_mesh, spare)
+            frequencies = [solution.modes.frequencies for solution in solutions]
+            close = [_close(values, count) for values in frequencies]
+            count, width = min(count, max(map(len, frequencies))), max(close)
+            if model == "solid" or question.against:
+                candidates = map(PostureModes.first, solutions, close)
+                modes = vibration_of(samples_of(robot.mechanism), candidates, width)
+            else:
+                missing = [np.full(width - len(values), np.nan) for values in frequencies]
+                modes = PathModes.unsampled(np.array([*map(np.append, frequencies, missing)]))
+            solutions = [solution.first(count) for solution in solutions]
         return SolvedModes(
-            sampled.frequencies,
-            sampled.samples,
-            sampled.weights,
-            sampled.energy_shares,
-            postures=postures,
+            modes.frequencies,
+            modes.samples,
+            modes.weights,
+            modes.energy_shares,
+            count=count,
+            postures=solutions,
         )
 
 
@@ -139,6 +168,12 @@ def solved_model(question: Question) -> Model:
         static_fields=fields,
         modal_fields=fields,
     )
+
+
+def _close(frequencies: Array, count: int) -> int:
+    """Number of modes up to the last one of nearly the same frequency (Hz) as mode `count`."""
+    limit = _CLOSE * frequencies[:count].max(initial=0.0)
+    return int(np.sum(frequencies <= limit))
 
 
 def _part_mesh(robot: RobotOnPath, reading: Reading) -> PartMeshing:

@@ -30,7 +30,7 @@ from validation.references.reference_parts import UNKNOWN, part_policy
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Reading
 from validation.responses.mode_partners import frequency_changes, partners
-from validation.responses.statics_and_modes import PathModes, Statics
+from validation.responses.statics_and_modes import Statics
 from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF, formal_order, section_of
 from validation.solve.answer import HalfWidths, MeshUncertainty, PartUncertainty
 from validation.solve.question import OF_ELEMENTS, Question
@@ -83,16 +83,16 @@ class SolvedQuestion:
         return self.responses.known_statics(self.model(), self.reading)
 
     @property
-    def modes(self) -> PathModes | None:
+    def modes(self) -> SolvedModes | None:
         """Modes in all poses. None if none are requested or nothing has mass."""
-        return self.responses.known_modes(self.model(), self.reading)
+        modes = self.responses.known_modes(self.model(), self.reading)
+        return modes if isinstance(modes, SolvedModes) else None
 
     @property
-    def count(self) -> int:
-        """Number of solved modes."""
-        if self.modes is None:
-            return 0
-        return int((~np.isnan(self.modes.frequencies)).sum(axis=1).max())
+    def frequencies(self) -> Array:
+        """Frequencies (P×m, Hz) of the m modes of the answer in P poses. NaN for missing ones."""
+        modes = self.modes
+        return np.zeros((self.poses, 0)) if modes is None else modes.frequencies[:, : modes.count]
 
     @property
     def loads(self) -> list[str]:
@@ -164,14 +164,14 @@ def _half_widths(
         compliance = of_statics(diagonals, np.abs(diagonals(statics)))
         loads = of_statics(_displacements, _lengths(_displacements(statics)))
     if modes is not None:
-        own, count = modes, modes.frequencies.shape[1]
+        own, count = modes, modes.count
         shares = half_widths_on(
             levels,
             policy,
             lambda level: responses.required_modes(*at(level)),
             lambda first, second, _: frequency_changes(own, first, count, second),
         )
-        frequencies = _absolute(shares, own.frequencies)
+        frequencies = _absolute(shares, solved.frequencies)
     return solved.split(compliance, loads, frequencies)
 
 
@@ -216,10 +216,10 @@ def of_parts(solved: SolvedQuestion) -> list[PartUncertainty]:
     if question.model != "solid" or question.alone is not None or not mechanism.parts:
         return []
     bounds, solids = np.zeros((solved.poses, 0)), {}
-    if isinstance(modes, SolvedModes):
+    if modes is not None:
         bodies = modes.postures[0].system.models
         solids = {name: body for name, body in bodies.items() if isinstance(body, ReducedPart)}
-        by_pose = [frequency_bounds(at.system, solids, solved.count) for at in modes.postures]
+        by_pose = [frequency_bounds(at.system, solids, modes.count) for at in modes.postures]
         bounds = np.array([bound.upper - bound.lower for bound in by_pose])
     widths = _half_widths(
         solved,
@@ -257,7 +257,7 @@ def _brackets(solved: SolvedQuestion) -> list[HalfWidths]:
     frequencies = np.zeros((solved.poses, 0))
     if modes is not None:
         free_modes = responses.required_modes(solved.model(), averaged)
-        frequencies = partners(modes, free_modes, solved.count).frequency - modes.frequencies
+        frequencies = partners(modes, free_modes, modes.count).frequency - solved.frequencies
     change = free - rigid
     return solved.split(diagonals(change), _displacements(change), frequencies)
 
@@ -278,11 +278,11 @@ def of_digits(solved: SolvedQuestion) -> list[HalfWidths] | None:
         question = replace(question, model="beam")
     if question.model in OF_ELEMENTS:
         options = {**options, "elements": min(question.options.elements, _FEW_ELEMENTS)}
-    numbers = partial(_diagonals_and_frequencies, replace(question, given=options), solved.count)
+    count = solved.frequencies.shape[1]
+    numbers = partial(_diagonals_and_frequencies, replace(question, given=options), count)
     nominal = numbers(robot.postures)
     perturbed = [(rounding.factor, numbers(rounding.postures)) for rounding in robot.roundings]
-    statics, modes = solved.statics, solved.modes
-    compliance, frequencies = np.zeros((2, solved.poses, 0))
+    statics, compliance = solved.statics, np.zeros((solved.poses, 0))
 
     def shares(columns: slice, combiner: Combiner) -> Array:
         size = partial(relative_sizes, values=nominal[:, columns])
@@ -291,10 +291,8 @@ def of_digits(solved: SolvedQuestion) -> list[HalfWidths] | None:
     if statics is not None:
         compliance = diagonals(statics)
         compliance = np.abs(compliance) * shares(slice(0, 6), Combiner.PROBABILITY)
-    if modes is not None:
-        first = compliance.shape[1]
-        frequencies = modes.frequencies * shares(slice(first, None), Combiner.LINEAR_SUM)
-        frequencies = np.nan_to_num(frequencies)
+    shares_of_modes = shares(slice(compliance.shape[1], None), Combiner.LINEAR_SUM)
+    frequencies = np.nan_to_num(solved.frequencies * shares_of_modes)
     if not (compliance.any() or frequencies.any()):
         return None
     return [HalfWidths(*of_pose) for of_pose in zip(compliance, frequencies, strict=True)]
@@ -374,7 +372,7 @@ def extrapolated(
     """
     statics, modes, options = solved.statics, solved.modes, solved.question.options
     compliances = np.zeros((solved.poses, 0, 0)) if statics is None else statics.compliances.copy()
-    frequencies = np.zeros((solved.poses, 0)) if modes is None else modes.frequencies.copy()
+    frequencies = solved.frequencies.copy()
     legs = [sectioned_leg(leg, options.equivalent) for leg in solved.legs]
     divisions = sorted(solved.models)
     if (
@@ -394,7 +392,7 @@ def extrapolated(
         numbers = [compliance[upper] for compliance in on_mesh], frequencies
         if modes is not None:
             other_modes = solved.responses.required_modes(model, solved.reading)
-            numbers = numbers[0], partners(modes, other_modes, solved.count).frequency
+            numbers = numbers[0], partners(modes, other_modes, modes.count).frequency
         values_by_mesh.append(np.hstack(numbers))
     results = []
     for pose, (values, of_two) in enumerate(

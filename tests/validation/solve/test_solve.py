@@ -24,6 +24,7 @@ from lumped.mechanism.load import Load
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from lumped.system import solution
 from lumped.system.joint_motion import Portion
 from meshes.section.section_mesh import section_mesh
 from validation import cli
@@ -32,7 +33,6 @@ from validation.models import leg_models
 from validation.models.options import ModelOptions
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import robot_at
-from validation.responses.statics_and_modes import PathModes
 from validation.solve.answer import (
     Answer,
     HalfWidths,
@@ -46,6 +46,7 @@ from validation.solve.answer_text import as_text
 from validation.solve.cost import Cost, require_affordable, solid_cost
 from validation.solve.model_answers import solve
 from validation.solve.question import Question
+from validation.solve.solved_model import SolvedModes
 from validation.solve.uncertainty import SolvedQuestion, of_prisms, second_divisions
 
 
@@ -196,8 +197,8 @@ def test_mesh_change_follows_mode_shape():
     robot = robot_at(Context(question.robot_file, "quick"), question.postures())
 
     def model(frequencies, shapes):
-        modes = PathModes(np.array([frequencies]), shapes[None], np.ones(2), np.ones((1, 2)))
-        return Model("solid", modes=lambda *_: modes)
+        record = np.array([frequencies]), shapes[None], np.ones(2), np.ones((1, 2))
+        return Model("solid", modes=lambda *_: SolvedModes(*record, count=2))
 
     legs = [ConstantLeg(1.0, Rectangle(0.1, 0.1), Material.isotropic(2.1e11, 0.3, 7850.0))]
     coarse, fine = model([101.5, 102.0], np.eye(2)[:, ::-1]), model([100.0, 101.0], np.eye(2))
@@ -209,7 +210,35 @@ def test_mesh_change_follows_mode_shape():
     assert 3.0 / (2.0**4 - 1.0) < factor < 3.0 / (2.0**1.4 - 1.0)
 
 
-def test_statics_and_modes_share_factorisation(monkeypatch):
+def test_half_of_mode_pair_has_half_width(tmp_path):
+    """The first mode of a square bar is one of a pair: on each mesh another direction of bending.
+
+    If each mesh had one mode, round-off would decide whether the shapes agree.
+    """
+    square = "width = 0.05, height = 0.05"
+    robot_file = robot_of(ONE_ARM.replace("width = 0.06, height = 0.04", square), tmp_path)
+    one, two = (
+        solve(Question(robot_file, "solid", {"divisions": 2}, count, body="arm")).answers[0]
+        for count in (1, 2)
+    )
+    assert len(one.frequencies) == 1
+    assert one.frequencies[0] == pytest.approx(two.frequencies[1], rel=1e-6)
+    assert one.uncertainty.frequencies == pytest.approx(two.uncertainty.frequencies[:1], rel=1e-3)
+
+
+def test_statics_and_modes_share_system(monkeypatch):
+    """A robot of beams in one pose is factorised once, for its compliance and its frequencies."""
+    factorised, systems = solution.factorised, []
+    monkeypatch.setattr(
+        solution, "factorised", lambda matrix: systems.append(matrix) or factorised(matrix)
+    )
+    (answer,) = solve(Question(load_robot("five-bar"), "beam", {"elements": 4}, 2)).answers
+    assert np.diag(answer.compliance).all()
+    assert len(answer.frequencies) == 2
+    assert len(systems) == 1
+
+
+def test_statics_and_modes_share_solid(monkeypatch):
     leg = ConstantLeg(0.2137, Rectangle(0.03, 0.02), Material.isotropic(2.1e11, 0.3, 7850.0))
     held_solid, calls = leg_models.held_solid, []
     monkeypatch.setattr(
