@@ -55,7 +55,7 @@ class _Raised:
     error: Exception
 
 
-class Answer(NamedTuple):
+class CallAnswer(NamedTuple):
     """The value of a call or its error, and the remarks made during the computation."""
 
     value: object
@@ -149,10 +149,10 @@ class Process:
             # `receive` reports the end of the process.
             return True
 
-    def receive(self) -> Answer:
+    def receive(self) -> CallAnswer:
         """Answer to the earliest call not yet answered. Raises Crashed if the process ended."""
         try:
-            answer: Answer = self.connection.recv()
+            answer: CallAnswer = self.connection.recv()
         except (EOFError, ConnectionError):
             raise Crashed(f"the computing process {self._cause_of_end()}") from None
         return answer
@@ -244,7 +244,7 @@ def _answered(content: bytes, persistent: list[object]) -> bytes:
         if question.persistent:
             persistent.append(value)
             value = None
-        return pickle.dumps(Answer(value, remarks))
+        return pickle.dumps(CallAnswer(value, remarks))
     except (InputError, ComputationError) as error:
         raised = _Raised(error)
     except MemoryError:
@@ -252,7 +252,7 @@ def _answered(content: bytes, persistent: list[object]) -> bytes:
     except Exception as error:  # noqa: BLE001  any error is passed to the caller
         traceback.print_exc()
         raised = _Raised(program_error(error))
-    return pickle.dumps(Answer(raised, remarks))
+    return pickle.dumps(CallAnswer(raised, remarks))
 
 
 def _receive(connection: Connection, questions: SimpleQueue[bytes]) -> None:

@@ -279,13 +279,12 @@ def converge(
     loaded = _loaded(robot)
     with _arguments_named():
         return convergence(
-            loaded.mechanism,
+            loaded,
             model=model,
             body=body,
             elements=elements,
             divisions=divisions,
             theory=theory,
-            limits=loaded.agreement,
         )
 
 

@@ -17,13 +17,13 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr
 
 from fem.couplings.coupled_solid import CoupledSolid
-from fem.solvers.backends.host_memory import require_memory
+from fem.solvers.backends.cudss import space_of
+from fem.solvers.backends.factor_checks import require_memory
 from fem.solvers.backends.protocol import HOST, Space
 from fem.solvers.certificate import Pencil, count_below, pencil
 from fem.solvers.factor import Inertia, RenewableFactor
 from fem.solvers.inverse import inverse
 from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
-from fem.solvers.spaces import space_of
 from lumped.arrays import Array, IntArray, fix_signs
 from lumped.dense.statics import balanced_flexibility
 from lumped.errors import ComputationError

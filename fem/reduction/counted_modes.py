@@ -16,8 +16,8 @@ from scipy.linalg import eigh
 from scipy.linalg.lapack import dpstrf
 
 from fem.reduction.held import VibratingBody
+from fem.solvers.backends.cudss import space_of
 from fem.solvers.block_lanczos import NotConvergedError, block_lanczos, modes_below
-from fem.solvers.spaces import space_of
 from lumped.arrays import fix_signs
 from lumped.dense.modes import Modes
 from lumped.errors import ComputationError

@@ -13,9 +13,9 @@ import numpy as np
 from scipy.linalg import cholesky, eigh, solve_triangular
 
 from fem.bodies.rooted import RootedBody
+from fem.solvers.backends.cudss import space_of
 from fem.solvers.backends.protocol import HOST, Space
 from fem.solvers.factor import Inertia
-from fem.solvers.spaces import space_of
 from lumped.arrays import Array, SparseMatrix, fix_signs
 from lumped.dense.modes import Modes
 

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from fem.machine import available_memory
-from fem.solvers.backends.petsc.iteration import Check, GamgIteration, IndefiniteError
+from fem.solvers.backends.petsc.iteration import GamgIteration, IndefiniteError, SolutionCheck
 from fem.solvers.backends.protocol import HOST, Space
 from fem.solvers.factor import Inverse, NotPositiveDefiniteError, RenewableFactor, Symbolic
 from lumped.arrays import Array
@@ -53,7 +53,7 @@ class RenewableIteration(RenewableFactor):
         return _GamgInverse(iteration, self.part)
 
     @property
-    def checks(self) -> tuple[Check, ...]:
+    def checks(self) -> tuple[SolutionCheck, ...]:
         """Errors of the last solutions, one for each right-hand side."""
         numeric = vars(self).get("numeric")
         return numeric.iteration.checks if isinstance(numeric, _GamgInverse) else ()

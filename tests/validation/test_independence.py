@@ -86,7 +86,6 @@ WITHIN = {
         "fem.reduction",
         "fem.solvers.backends",
         "fem.solvers.block_lanczos",
-        "fem.solvers.spaces",
     )
 }
 # What solves a mechanism of bodies, and what beside it is each model's own.

@@ -28,7 +28,6 @@ from validation.console.typed import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from lumped.mechanism.mechanism import Mechanism
     from lumped.robot_file import RobotFile
     from validation.comparisons.convergence_study import ConvergenceStudy
     from validation.run.provisions import Provisions
@@ -107,7 +106,6 @@ def converge(
         elements=_counts("--elements", elements),
         divisions=_counts("--divisions", divisions),
         theory=theory,
-        limits=robot_file.agreement,
     )
     with requested_executor(cluster) as executor:
         if cluster is not None and robot_file.mechanism.parts:
@@ -115,7 +113,7 @@ def converge(
             sent = partial(_study_of_parts, study_of, provisions(robot_file), robot_file)
             (study,) = in_order(executor, [sent])
         else:
-            study = study_of(robot_file.mechanism, executor=executor)
+            study = study_of(robot_file, executor=executor)
     missed = study.missed(quantity, within)
     write_results(study.json() if json else study.text(quantity))
     if csv is not None:
@@ -126,12 +124,12 @@ def converge(
 
 
 def _study_of_parts(
-    study_of: "Callable[[Mechanism], ConvergenceStudy]",
+    study_of: "Callable[[RobotFile], ConvergenceStudy]",
     sent: "Provisions",
     robot_file: "RobotFile",
 ) -> "ConvergenceStudy":
     """Convergence study on another machine, to which the files of the CAD parts are `sent`."""
-    return study_of(sent.unpack(robot_file).mechanism)
+    return study_of(sent.unpack(robot_file))
 
 
 def _counts(option: str, typed: str | None) -> tuple[int, ...] | None:

@@ -13,6 +13,7 @@ from lumped.acceptance.requirement import AgreementLimits
 from lumped.legs import NoBeamTheoryError
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
+from lumped.robot_file import RobotFile
 from meshes.part.slices import NotPrismaticError
 from validation.case import Absolute, Elsewhere, Measurement, Relation, Skip
 from validation.case_group import CaseGroup
@@ -52,23 +53,22 @@ def study_of(context: Context, body: str) -> ConvergenceStudy:
     Raises Skip, with the reason, if beam theory does not apply to a leg or a CAD part has no
     prismatic sections. Any other exception is an error of the program and is passed on.
     """
-    robot_file = context.robot_file
-    study = context.get(_study, robot_file.mechanism, body, robot_file.agreement)
+    study = context.get(_study, context.robot_file, body)
     if isinstance(study, str):
         raise Skip(study)
     return study
 
 
-def _study(mechanism: Mechanism, body: str, limits: AgreementLimits) -> ConvergenceStudy | str:
+def _study(robot_file: RobotFile, body: str) -> ConvergenceStudy | str:
     """Convergence study, or a text with the reason why beams do not apply.
 
     By Timoshenko's theory; for prismatic legs also by that of Euler and Bernoulli.
     """
     try:
-        study = convergence(mechanism, body=body or None, limits=limits)
-        if body not in legs_of(mechanism):
+        study = convergence(robot_file, body=body or None)
+        if body not in legs_of(robot_file.mechanism):
             return study
-        without_shear = convergence(mechanism, body=body, theory="euler-bernoulli", limits=limits)
+        without_shear = convergence(robot_file, body=body, theory="euler-bernoulli")
     except (NoBeamTheoryError, NotPrismaticError) as error:
         return f"no beam elements for this leg: {error}"
     return replace(study, series=(*study.series, *without_shear.series))

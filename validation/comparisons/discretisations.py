@@ -51,6 +51,11 @@ class Discretisation:
             parts="stepped",
         )
 
+    @property
+    def count(self) -> int:
+        """Element count, or divisions for a solid."""
+        return self.divisions if self.model == "solid" else self.elements
+
     def with_count(self, count: int) -> "Discretisation":
         """Copy with another element count, or with other divisions for a solid."""
         if self.model == "solid":

@@ -1,15 +1,17 @@
 """Convergence studies of legs and robots over the element count, by segments and beam elements.
 
-Input: a leg or a posture of a robot, and element counts. Output: a `ConvergenceStudy` of four
-frequencies and three deflections. Rule: a prismatic leg, clamped at its root, is compared with the
-exact cantilever of the same theory: Huang's frequencies (`fem.beams.beam_theory`) and its tip
-compliance in closed form. A robot has no closed solution; its limit is that of the beam elements, f
-= f80 + (f80 − f40)/15 for fourth order in 1/n.
+Input: `Responses` of a robot in one posture, and element counts. Output: a `ConvergenceStudy` of
+four frequencies and three deflections of the robot or of a leg. Rule: a prismatic leg, clamped at
+its root, is compared with the exact cantilever of the same theory: Huang's frequencies
+(`fem.beams.beam_theory`) and its tip compliance in closed form. A robot has no closed solution; its
+limit is that of the beam elements, f = f80 + (f80 − f40)/15 for fourth order in 1/n.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from math import ceil
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
@@ -20,9 +22,10 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, SectionedLeg, Theory, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Posture
+from lumped.memo import memo
 from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.system.assembly import assembly
-from lumped.system.solution import compliance, modes, solved
+from lumped.system.solution import Solved, compliance, modes, solved
 from validation.comparisons.convergence_series import (
     TARGETS,
     ConvergenceSeries,
@@ -34,10 +37,14 @@ from validation.comparisons.discretisations import FORMULATIONS, Discretisation
 from validation.models.leg_models import leg_matrices, reduced_leg
 from validation.models.options import BEAM_ORDER, ModelOptions
 from validation.models.robot_models import bodies_of, highest_frequency
-from validation.run.executor import Executor, in_order, in_turn
+from validation.references.responses import Model, Responses
+from validation.references.robot_on_path import NOMINAL, Reading, RobotOnPath
+from validation.responses.statics_and_modes import PathModes, Statics
+from validation.run.executor import Executor, in_turn
 from validation.uncertainty.grid_convergence import richardson
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
+H = TypeVar("H")
 # Elements per leg: nearly equal steps on a logarithmic axis, with ratios of 2:1 for half-widths.
 COUNTS = (1, 2, 3, 5, 8, 10, 15, 20, 30, 40, 80)
 MODES = 4
@@ -53,33 +60,83 @@ _STILL = 1e-13
 # Counts from which the limit of a robot is extrapolated.
 _LIMIT_COUNTS = (40, 80)
 
-Evaluate = Callable[[Discretisation], Array]
+# Function that returns limits (q) of the values by a beam theory, and their half-widths (q).
+Limits: TypeAlias = Callable[[Theory], tuple[Array, Array]]
+
+
+@dataclass(frozen=True, eq=False)
+class Discretised:
+    """Values of a leg or robot by any formulation, element count or mesh.
+
+    `statics` and `modes` solve it by a formulation. `models`: model of each formulation, in which
+    the element count is the factor `elements` of a reading.
+    """
+
+    responses: Responses
+    statics: Callable[[Discretisation, RobotOnPath], Statics]
+    modes: Callable[[Discretisation, RobotOnPath], PathModes]
+    models: dict[Discretisation, Model] = field(default_factory=dict)
+
+    def values(self, discretisation: Discretisation) -> Array:
+        """Frequencies (4, Hz) and deflections (3, m/N) by a formulation with its count."""
+        request = self._request(discretisation)
+        compliance = self.responses.required_statics(*request).compliances[0]
+        frequencies = self.responses.required_modes(*request).frequencies[0]
+        return np.concatenate([frequencies, np.diag(compliance)[: len(DEFLECTIONS)]])
+
+    def solve_ahead(self, discretisations: Sequence[Discretisation], executor: Executor) -> None:
+        """Solve formulations, each with its count, by an executor."""
+        self.responses.solve_ahead(list(map(self._request, discretisations)), executor)
+
+    def _request(self, discretisation: Discretisation) -> tuple[Model, Reading]:
+        formulation = discretisation.with_count(1)
+        if formulation not in self.models:
+            self.models[formulation] = Model(
+                formulation.label,
+                statics=partial(_with_elements, self.statics, formulation),
+                modes=partial(_with_elements, self.modes, formulation),
+                static_fields=("elements",),
+                modal_fields=("elements",),
+            )
+        return self.models[formulation], replace(NOMINAL, elements=discretisation.count)
+
+
+def _with_elements(
+    solve: Callable[[Discretisation, RobotOnPath], H],
+    formulation: Discretisation,
+    robot: RobotOnPath,
+    reading: Reading,
+) -> H:
+    return solve(formulation.with_count(reading.elements), robot)
 
 
 def leg_convergence(
-    robot: str,
+    responses: Responses,
     name: str,
     leg: SectionedLeg | SteppedLeg,
     discretisations: Sequence[Discretisation] = FORMULATIONS,
     counts: Sequence[int] = COUNTS,
     executor: Executor = in_turn,
 ) -> ConvergenceStudy:
-    """Convergence study of one leg with its root clamped.
+    """Convergence study of one leg of a robot with its root clamped.
 
     A leg of varying section has no closed solution; its limit is that of the beam elements.
     Raises InputError if a formulation allows none of the `counts`.
     """
-    evaluate = partial(leg_values, leg)
+    discretised = Discretised(responses, partial(_leg_statics, leg), partial(_leg_modes, leg))
     if isinstance(leg, ConstantLeg):
-        limits = partial(_cantilever, leg)
+        limits: Limits = partial(_cantilever, leg)
         reference = "exact cantilever of the same theory (Huang 1961)"
     else:
-        limits, reference = partial(_beam_limit, evaluate), _EXTRAPOLATED
-    return _study(robot, name, {}, evaluate, limits, reference, discretisations, counts, executor)
+        limits, reference = partial(_beam_limit, discretised), _EXTRAPOLATED
+    study = convergence_study(responses, name, {}, reference)
+    return replace(
+        study, series=_all_series(discretised, limits, discretisations, counts, executor)
+    )
 
 
 def robot_convergence(
-    posture: Posture,
+    responses: Responses,
     discretisations: Sequence[Discretisation] = FORMULATIONS,
     counts: Sequence[int] = COUNTS,
     executor: Executor = in_turn,
@@ -89,67 +146,56 @@ def robot_convergence(
     Raises InputError for a robot without legs, or if a formulation allows none of the `counts`.
     Raises ComputationError if the tool is free to move or fewer than four modes move mass.
     """
-    mechanism = posture.mechanism
+    mechanism, postures = responses.robot.mechanism, responses.robot.postures
     if not (legs_of(mechanism) or mechanism.parts):
         raise InputError(f"{mechanism.name}: no leg of this robot can be divided into elements")
-    evaluate = partial(_robot_values, posture, highest_frequency([posture], MODES))
-    limits = partial(_beam_limit, evaluate)
-    pose = dict(zip(mechanism.tool.moves, posture.pose.tolist(), strict=True))
-    return _study(
-        mechanism.name,
-        "",
-        pose,
-        evaluate,
-        limits,
-        _EXTRAPOLATED,
-        discretisations,
-        counts,
-        executor,
+    highest = highest_frequency(postures, MODES)
+    discretised = Discretised(
+        responses, partial(_robot_statics, highest), partial(_robot_modes, highest)
+    )
+    limits = partial(_beam_limit, discretised)
+    pose = dict(zip(mechanism.tool.moves, postures[0].pose.tolist(), strict=True))
+    study = convergence_study(responses, "", pose, _EXTRAPOLATED)
+    return replace(
+        study, series=_all_series(discretised, limits, discretisations, counts, executor)
     )
 
 
 _EXTRAPOLATED = "limit of the beam elements, extrapolated from 40 and 80 elements"
 
 
-def _study(
-    robot: str,
-    subject: str,
-    pose: Mapping[str, float],
-    evaluate: Evaluate,
-    limits: Callable[[Theory], tuple[Array, Array]],
-    reference: str,
-    discretisations: Sequence[Discretisation],
-    counts: Sequence[int],
-    executor: Executor,
+def convergence_study(
+    responses: Responses, subject: str, pose: Mapping[str, float], reference: str
 ) -> ConvergenceStudy:
-    """Convergence study. The executor calls `evaluate` for each formulation and element count."""
-    counts_by_row = [_checked_counts(discretisation, counts) for discretisation in discretisations]
-    values = iter(
-        in_order(
-            executor,
-            [
-                partial(evaluate, discretisation.with_count(count))
-                for discretisation, row in zip(discretisations, counts_by_row, strict=True)
-                for count in row
-            ],
-        )
-    )
+    """Study without series, of the leg `subject`, or of the whole robot if it is ""."""
     return ConvergenceStudy(
-        robot=robot,
+        robot=responses.robot.mechanism.name,
         subject=subject,
         pose=pose,
         quantities=QUANTITIES,
         units=UNITS,
         reference=reference,
-        series=tuple(
-            _series(
-                discretisation,
-                evaluate,
-                *limits(discretisation.theory),
-                {count: next(values) for count in row},
-            )
-            for discretisation, row in zip(discretisations, counts_by_row, strict=True)
-        ),
+        series=(),
+    )
+
+
+def _all_series(
+    discretised: Discretised,
+    limits: Limits,
+    discretisations: Sequence[Discretisation],
+    counts: Sequence[int],
+    executor: Executor,
+) -> tuple[ConvergenceSeries, ...]:
+    """Series of each formulation. The executor solves each formulation and element count."""
+    counts_by_row = [_checked_counts(discretisation, counts) for discretisation in discretisations]
+    rows = list(zip(discretisations, counts_by_row, strict=True))
+    discretised.solve_ahead(
+        [discretisation.with_count(count) for discretisation, row in rows for count in row],
+        executor,
+    )
+    return tuple(
+        _series(discretisation, discretised, *limits(discretisation.theory), row)
+        for discretisation, row in rows
     )
 
 
@@ -171,23 +217,21 @@ def _checked_counts(discretisation: Discretisation, counts: Sequence[int]) -> tu
 
 def _series(
     discretisation: Discretisation,
-    evaluate: Evaluate,
+    discretised: Discretised,
     limits: Array,
     limit_half_widths: Array,
-    values_by_count: dict[int, Array],
+    counts: tuple[int, ...],
 ) -> ConvergenceSeries:
-    """Convergence series of values by ascending element count.
+    """Convergence series over ascending element counts.
 
     Further counts are evaluated to find the smallest ones that meet each of `TARGETS`.
     """
-    counts = tuple(values_by_count)
 
     def errors(count: int) -> Array:
-        if count not in values_by_count:
-            values_by_count[count] = evaluate(discretisation.with_count(count))
-        return np.abs(relative_errors(values_by_count[count], limits))
+        values = discretised.values(discretisation.with_count(count))
+        return np.abs(relative_errors(values, limits))
 
-    values = np.array([values_by_count[count] for count in counts])
+    values = np.array([discretised.values(discretisation.with_count(n)) for n in counts])
     columns = range(len(limits))
     needed = [[_smallest_count(counts, errors, k, target) for k in columns] for target in TARGETS]
     return ConvergenceSeries(
@@ -230,22 +274,49 @@ def _smallest_count(
     return below
 
 
-def leg_values(leg: SectionedLeg | SteppedLeg, discretisation: Discretisation) -> Array:
-    """Frequencies (4, Hz) and tip compliances (3, m/N) of one leg with its root clamped."""
+def one_pose_statics(compliance: Array) -> Statics:
+    """Statics of a body or robot in one pose without loads, from its compliance (6×6, SI)."""
+    return Statics(compliance[None], np.zeros((1, 0, 6)))
+
+
+def _leg_statics(
+    leg: SectionedLeg | SteppedLeg, discretisation: Discretisation, _: RobotOnPath
+) -> Statics:
     matrices = leg_matrices(discretisation.model, leg, discretisation.options)
-    return _values(clamped_modes(matrices, MODES).frequencies, tip_compliance_of(matrices))
+    return one_pose_statics(tip_compliance_of(matrices))
+
+
+def _leg_modes(
+    leg: SectionedLeg | SteppedLeg, discretisation: Discretisation, _: RobotOnPath
+) -> PathModes:
+    matrices = leg_matrices(discretisation.model, leg, discretisation.options)
+    return PathModes.unsampled(clamped_modes(matrices, MODES).frequencies[None])
 
 
 def _cantilever(leg: ConstantLeg, theory: Theory) -> tuple[Array, Array]:
     """Exact frequencies (Hz) and tip compliances (m/N) of the cantilever. Half-widths are zero."""
     properties = leg.properties(theory)
     exact_modes = cantilever_frequencies(properties, leg.length, MODES)
-    frequencies = np.array([mode.frequency for mode in exact_modes])
-    values = _values(frequencies, tip_compliance(properties, leg.length))
+    deflections = np.diag(tip_compliance(properties, leg.length))[: len(DEFLECTIONS)]
+    values = np.array([*(mode.frequency for mode in exact_modes), *deflections])
     return values, np.zeros(len(values))
 
 
-def _robot_values(posture: Posture, highest: float, discretisation: Discretisation) -> Array:
+def _robot_statics(highest: float, discretisation: Discretisation, robot: RobotOnPath) -> Statics:
+    tool = compliance(_solved_robot(robot.postures[0], highest, discretisation))
+    deflections = np.einsum("ii->i", tool)[: len(DEFLECTIONS)]
+    deflections[deflections <= _STILL * deflections.max()] = 0.0
+    return one_pose_statics(tool)
+
+
+def _robot_modes(highest: float, discretisation: Discretisation, robot: RobotOnPath) -> PathModes:
+    solution = _solved_robot(robot.postures[0], highest, discretisation)
+    return PathModes.unsampled(modes(solution, MODES).frequencies[None])
+
+
+# In memory, since statics and modes have the same bodies.
+@memo(1)
+def _solved_robot(posture: Posture, highest: float, discretisation: Discretisation) -> Solved:
     def matrices(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
         if discretisation.elements <= _WHOLE:
             return leg_matrices(discretisation.model, leg, options)
@@ -253,24 +324,16 @@ def _robot_values(posture: Posture, highest: float, discretisation: Discretisati
 
     mechanism = posture.mechanism
     bodies = bodies_of(mechanism, discretisation.options, matrices)
-    solution = solved(assembly(mechanism, bodies).at(posture))
-    values = _values(modes(solution, MODES).frequencies, compliance(solution))
-    deflections = values[MODES:]
-    deflections[deflections <= _STILL * deflections.max()] = 0.0
-    return values
+    return solved(assembly(mechanism, bodies).at(posture))
 
 
-def _beam_limit(evaluate: Evaluate, theory: Theory) -> tuple[Array, Array]:
+def _beam_limit(discretised: Discretised, theory: Theory) -> tuple[Array, Array]:
     """Richardson's limit of the beam elements, and its half-widths.
 
     These are three times the error of the highest element count.
     """
     beams = Discretisation("beam", theory=theory)
-    coarse, fine = (evaluate(beams.with_count(count)) for count in _LIMIT_COUNTS)
+    coarse, fine = (discretised.values(beams.with_count(count)) for count in _LIMIT_COUNTS)
     limits = richardson(coarse, fine, _LIMIT_COUNTS[1] / _LIMIT_COUNTS[0], BEAM_ORDER)
     errors = np.abs(relative_errors(fine, limits))
     return limits, mesh_half_widths([errors], MeshPolicy.to_limit())
-
-
-def _values(frequencies: Array, tip: Array) -> Array:
-    return np.concatenate([frequencies, np.diag(tip)[: len(DEFLECTIONS)]])

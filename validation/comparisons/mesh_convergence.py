@@ -8,19 +8,29 @@ half-width.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
+from fem.bodies.rooted import RootedBody
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import SectionedLeg
 from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import Discretisation
-from validation.comparisons.element_convergence import DEFLECTIONS, MODES, QUANTITIES, UNITS
+from validation.comparisons.element_convergence import (
+    MODES,
+    Discretised,
+    convergence_study,
+    one_pose_statics,
+)
 from validation.models.leg_models import clamped_solid
-from validation.run.executor import Executor, in_order, in_turn
+from validation.references.responses import Responses
+from validation.references.robot_on_path import RobotOnPath
+from validation.responses.statics_and_modes import PathModes, Statics
+from validation.run.executor import Executor, in_turn
 from validation.solids.solid_legs import ROUND_OFF, formal_order
 from validation.uncertainty.grid_convergence import analyse, richardson
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
@@ -32,14 +42,14 @@ _FEWEST_FOR_ORDER = 4
 
 
 def leg_mesh_convergence(
-    robot: str,
+    responses: Responses,
     name: str,
     leg: SectionedLeg,
     discretisations: Sequence[Discretisation] = SOLIDS,
     divisions: Sequence[int] = DIVISIONS,
     executor: Executor = in_turn,
 ) -> ConvergenceStudy:
-    """Convergence study of one leg as a solid with its root clamped.
+    """Convergence study of one leg of a robot as a solid with its root clamped.
 
     Raises InputError for fewer than two meshes or a section that cannot be meshed.
     """
@@ -49,25 +59,15 @@ def leg_mesh_convergence(
             f"divisions = {','.join(map(str, divisions))}: must be two or more different "
             "whole numbers, each at least 1"
         )
-    values = in_order(
-        executor,
-        [
-            partial(_values, leg, discretisation.with_count(count))
-            for discretisation in discretisations
-            for count in counts
-        ],
-    )
-    values_by_row = np.reshape(values, (len(discretisations), len(counts), -1))
-    return ConvergenceStudy(
-        robot=robot,
-        subject=name,
-        pose={},
-        quantities=QUANTITIES,
-        units=UNITS,
-        reference="limit extrapolated from the finest meshes",
+    discretised = Discretised(responses, partial(_statics, leg), partial(_modes, leg))
+    meshes = [[solid.with_count(count) for count in counts] for solid in discretisations]
+    discretised.solve_ahead([mesh for row in meshes for mesh in row], executor)
+    study = convergence_study(responses, name, {}, "limit extrapolated from the finest meshes")
+    return replace(
+        study,
         series=tuple(
-            _series(leg, discretisation, counts, row)
-            for discretisation, row in zip(discretisations, values_by_row, strict=True)
+            _series(leg, solid, counts, np.array(list(map(discretised.values, row))))
+            for solid, row in zip(discretisations, meshes, strict=True)
         ),
         refined="divisions",
     )
@@ -100,10 +100,16 @@ def _series(
     )
 
 
-def _values(leg: SectionedLeg, discretisation: Discretisation) -> Array:
-    body = clamped_solid(leg, discretisation.divisions, discretisation.ends)
-    deflections = np.diag(body.compliance)[: len(DEFLECTIONS)]
-    return np.concatenate([body.modes(MODES).frequencies, deflections])
+def _statics(leg: SectionedLeg, discretisation: Discretisation, _: RobotOnPath) -> Statics:
+    return one_pose_statics(_solid(leg, discretisation).compliance)
+
+
+def _modes(leg: SectionedLeg, discretisation: Discretisation, _: RobotOnPath) -> PathModes:
+    return PathModes.unsampled(_solid(leg, discretisation).modes(MODES).frequencies[None])
+
+
+def _solid(leg: SectionedLeg, discretisation: Discretisation) -> RootedBody:
+    return clamped_solid(leg, discretisation.divisions, discretisation.ends)
 
 
 def _limits(counts: tuple[int, ...], values: Array, formal: float) -> tuple[Array, Array, Array]:

@@ -1,6 +1,6 @@
 """Convergence study that a user requests by command or Python, of a robot or one of its legs.
 
-Input: a mechanism and the options of the request. Output: a `ConvergenceStudy`. Raises InputError
+Input: a robot file and the options of the request. Output: a `ConvergenceStudy`. Raises InputError
 with all faults of the options.
 """
 
@@ -8,45 +8,52 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from fem.beams.stepped import SteppedLeg
-from lumped.acceptance.requirement import DEFAULT_LIMITS, MOST_ELEMENTS, AgreementLimits
+from lumped.acceptance.requirement import MOST_ELEMENTS
 from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
 from lumped.legs import SectionedLeg, Theory
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
+from lumped.robot_file import RobotFile
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import EULER_BERNOULLI, FORMULATIONS, RefinedModel
 from validation.comparisons.element_convergence import COUNTS, leg_convergence, robot_convergence
 from validation.comparisons.mesh_convergence import DIVISIONS, leg_mesh_convergence
+from validation.context import Context
 from validation.models.reduced_parts import is_leg
 from validation.models.stepped_parts import PIECES, stepped
+from validation.references.responses import Responses
+from validation.references.robot_on_path import robot_at
 from validation.run.executor import Executor, in_turn
 
 
 def convergence(
-    mechanism: Mechanism,
+    robot_file: RobotFile,
     *,
     model: RefinedModel | None = None,
     body: str | None = None,
     elements: Sequence[int] | None = None,
     divisions: Sequence[int] | None = None,
     theory: Theory | None = None,
-    limits: AgreementLimits = DEFAULT_LIMITS,
     executor: Executor = in_turn,
 ) -> ConvergenceStudy:
     """Convergence study of the robot in the middle of its path, or of the leg `body`.
 
     `model` None: segments in both layouts, and beam elements. `theory` None: Timoshenko's.
-    `elements` None: the counts of `element_convergence.COUNTS` and that of `limits`. `executor`
-    computes the counts or meshes. Raises InputError with all faults of the arguments.
+    `elements` None: the counts of `element_convergence.COUNTS` and that of the robot file's limits.
+    `executor` computes the counts or meshes. Raises InputError with all faults of the arguments.
     """
+    mechanism, limits = robot_file.mechanism, robot_file.agreement
     if faults := _faults(mechanism, model, body, elements, divisions, theory):
         raise InputError(faults)
+    # A leg alone has no pose.
+    at = middle_posture(mechanism) if body is None else reference_posture(mechanism)
+    responses = Responses(robot_at(Context(robot_file), [at]), strict=True)
     if model == "solid" or divisions is not None:
         leg = legs_of(mechanism)[str(body)]
         study = leg_mesh_convergence(
-            mechanism.name,
+            responses,
             str(body),
             sectioned_leg(leg),
             divisions=divisions or DIVISIONS,
@@ -73,10 +80,10 @@ def convergence(
                 "stepped CAD part"
             )
     if body is None:
-        study = robot_convergence(middle_posture(mechanism), discretisations, counts, executor)
+        study = robot_convergence(responses, discretisations, counts, executor)
     else:
         leg_alone = _leg(mechanism, body)
-        study = leg_convergence(mechanism.name, body, leg_alone, discretisations, counts, executor)
+        study = leg_convergence(responses, body, leg_alone, discretisations, counts, executor)
     return replace(study, agreement=limits)
 
 

@@ -5,7 +5,6 @@ frequencies on the finest of three meshes. Rule: the six rigid-body motions are 
 are those due to the meshes; there are no interfaces that could add to them.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
@@ -161,20 +160,10 @@ def _free_modes(part: PartFile, material: Material, unknowns: int, modes: int) -
         "centre": properties.centre,
         "inertia": properties.inertia,
         "frequencies": certified.frequencies,
-        "frequency_refinement": _refinement(frequencies),
+        "frequency_refinement": refinement_uncertainty(frequencies),
         "counted": certified.count,
         "counted_below": float(np.sqrt(certified.shift) / (2.0 * np.pi)),
         "unknowns": tuple(counts),
         "elements": len(mesh.cells),
         "straightened": mesh.straightened,
     }
-
-
-def _refinement(frequencies: Sequence[Array]) -> Array:
-    """Half-widths (Hz) on the finest mesh, from `frequencies` on coarse to fine meshes.
-
-    NaN if there is one mesh only.
-    """
-    if len(frequencies) < len(LEVELS):
-        return np.full_like(frequencies[-1], np.nan)
-    return refinement_uncertainty(*frequencies)

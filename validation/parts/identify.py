@@ -343,7 +343,7 @@ def _identification(
     # Frees memory before the samples are computed.
     del meshed
     rows, volumes = spread_over(finest)
-    refinement = _refinement([*(answer for _, answer in coarser), fine])
+    on_meshes = [*(answer for _, answer in coarser), fine]
     pressed, pressures = as_columns(fine.unit_pressures)
     return {
         "density": material.rho,
@@ -354,8 +354,8 @@ def _identification(
         "mass": fine.mass,
         "compliance": fine.compliance,
         "frequencies": fine.frequencies,
-        "compliance_refinement": refinement[0],
-        "frequency_refinement": refinement[1],
+        "compliance_refinement": compliance_uncertainty([part.compliance for part in on_meshes]),
+        "frequency_refinement": refinement_uncertainty([part.frequencies for part in on_meshes]),
         **_bracket(**bounds),
         **_count(fine),
         "unknowns": (*(count for count, _ in coarser), finest.unknowns),
@@ -412,18 +412,3 @@ def _bracket(rigid: MeshAnswer, average: MeshAnswer) -> dict[str, Array]:
         "compliance_bracket": average.compliance - rigid.compliance,
         "frequency_bracket": average.frequencies - rigid.frequencies,
     }
-
-
-def _refinement(answers: Sequence[MeshAnswer]) -> tuple[Array, Array]:
-    """Half-widths of compliance and of frequencies, from results on coarse to fine meshes.
-
-    NaN if there is one mesh only.
-    """
-    if len(answers) < 3:
-        (only,) = answers
-        return np.full_like(only.compliance, np.nan), np.full_like(only.frequencies, np.nan)
-    coarse, middle, fine = answers
-    return (
-        compliance_uncertainty(coarse.compliance, middle.compliance, fine.compliance),
-        refinement_uncertainty(coarse.frequencies, middle.frequencies, fine.frequencies),
-    )

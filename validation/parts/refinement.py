@@ -12,6 +12,9 @@ first than on finer meshes. With the larger safety factor, the half-widths conta
 least 95 % of random parts (tests/validation/parts/test_refinement.py, calibration).
 """
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 
 from lumped.arrays import Array
@@ -25,20 +28,25 @@ _ROUND_OFF = 1e-9
 TETRAHEDRA = MeshPolicy(RATIO, orders=(1.0, 2.0), safety=1.5, round_off=_ROUND_OFF)
 
 
-def refinement_uncertainty(
-    coarse: Array, middle: Array, fine: Array, scale: Array | None = None
-) -> Array:
+def refinement_uncertainty(values: Sequence[Array], scale: Array | None = None) -> Array:
     """Half-widths of values on the finest mesh, in their unit and shape.
 
-    Changes are relative to `scale` (same shape as the values), or to the values if it is None. A
-    number with scale 0 has half-width 0. NaN stays NaN.
+    `values` on a coarse, a middle and a fine mesh, or on one mesh that cannot be refined, which has
+    half-widths NaN. Changes are relative to `scale` (same shape as the values), or to the values if
+    it is None. A number with scale 0 has half-width 0. NaN stays NaN.
     """
+    *coarser, fine = values
+    if not coarser:
+        return np.full_like(fine, np.nan)
     size = np.abs(fine) if scale is None else scale
-    changes = [relative_sizes(change, size) for change in (middle - coarse, fine - middle)]
+    changes = [relative_sizes(second - first, size) for first, second in pairwise(values)]
     return np.asarray(mesh_half_widths(changes, TETRAHEDRA) * size)
 
 
-def compliance_uncertainty(coarse: Array, middle: Array, fine: Array) -> Array:
-    """Half-widths (k×k) of a compliance matrix on the finest mesh, relative to √(cᵢᵢ cⱼⱼ)."""
-    root = np.sqrt(np.diag(fine))
-    return refinement_uncertainty(coarse, middle, fine, np.outer(root, root))
+def compliance_uncertainty(compliances: Sequence[Array]) -> Array:
+    """Half-widths (k×k) of a compliance matrix on the finest mesh, relative to √(cᵢᵢ cⱼⱼ).
+
+    `compliances` (k×k each) on three meshes or on one, as for `refinement_uncertainty`.
+    """
+    root = np.sqrt(np.diag(compliances[-1]))
+    return refinement_uncertainty(compliances, np.outer(root, root))

@@ -10,6 +10,7 @@ robot.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, TypeAlias, TypeVar
 
 from lumped.acceptance.quantities import Quantity
@@ -20,6 +21,7 @@ from validation.models.loads.forces import LoadForces
 from validation.references.perturbations import congruent, perturbed_robot, scaled
 from validation.references.robot_on_path import Reading, RobotOnPath
 from validation.responses.statics_and_modes import PathModes, Statics, Unsolved
+from validation.run.executor import Executor, in_order
 
 # Fields of a reading that change the robot itself, and therefore affect all models.
 PERTURBATIONS = ("factors", "rounding")
@@ -129,6 +131,21 @@ class Responses:
         """Statics or modes of a model: those from which the quantity is computed."""
         return (self.statics if quantity.static else self.modes)(model, reading)
 
+    def solve_ahead(self, requests: Sequence[tuple[Model, Reading]], executor: Executor) -> None:
+        """Solve and store statics and modes of models under readings, by an executor.
+
+        The readings must not be perturbed. Errors are raised.
+        """
+        solved_by = Responses(self.robot, self.perturb, strict=True)
+        calls = [partial(_both, solved_by, *request) for request in requests]
+        for (model, reading), (statics, modes) in zip(
+            requests, in_order(executor, calls), strict=True
+        ):
+            self._statics[model, reading.restricted((*model.static_fields, *PERTURBATIONS))] = (
+                statics
+            )
+            self._modes[model, reading.restricted((*model.modal_fields, *PERTURBATIONS))] = modes
+
     def known_statics(self, model: Model, reading: Reading) -> Statics | None:
         """Statics of a model. None if the model does not define them or they are unsolved."""
         solution = self.statics(model, reading)
@@ -212,6 +229,10 @@ class Responses:
                 if isinstance(solution, Unsolved) and solution.fault
             )
         )
+
+
+def _both(responses: Responses, model: Model, reading: Reading) -> tuple[Statics, PathModes]:
+    return responses.required_statics(model, reading), responses.required_modes(model, reading)
 
 
 def _required(model: Model, solution: H | Unsolved | None) -> H:

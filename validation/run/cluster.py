@@ -28,7 +28,7 @@ from fem.extras import require_extra
 from fem.solvers.backends.choice import solver_name
 from lumped.errors import ComputationError, InputError
 from lumped.solver_request import request_variables
-from meshes.processes import Answer, Crashed
+from meshes.processes import CallAnswer, Crashed
 from validation.console.streams import write_message
 from validation.run.cluster_worker import (
     Conditions,
@@ -394,7 +394,7 @@ class _SentCalls:
             raise self._failure(reason) from reply.answer
         if isinstance(reply.answer, Unable):
             raise self._failure(f"worker {reply.worker}: {reply.answer}") from reply.answer
-        if not isinstance(reply.answer, Answer):
+        if not isinstance(reply.answer, CallAnswer):
             return reply.answer
         try:
             return reply.answer.result()

@@ -21,7 +21,7 @@ from fem.solvers.backends.choice import solver_name
 from lumped.errors import ComputationError, InputError
 from lumped.files import read_regular
 from lumped.memo import memo
-from meshes.processes import Answer, Crashed
+from meshes.processes import CallAnswer, Crashed
 from validation.run.cache import CACHE_VARIABLE, cache_folder
 from validation.run.executor import Call, Interpreter
 from validation.run.provenance import versions
@@ -47,7 +47,7 @@ class Reply(NamedTuple):
     `worker` and `name` are address and name of the Dask worker, `log` the output of its process.
     """
 
-    answer: Answer | ComputationError
+    answer: CallAnswer | ComputationError
     worker: str
     name: str
     log: bytes
@@ -192,7 +192,7 @@ def _begin(interpreter: Interpreter, conditions: Conditions, wanted: Callable[[]
         raise Unable(f"a process ended before it began to compute: {error}") from error
 
 
-def _next_answer(interpreter: Interpreter, wanted: Callable[[], bool]) -> Answer:
+def _next_answer(interpreter: Interpreter, wanted: Callable[[], bool]) -> CallAnswer:
     while not interpreter.process.has_answer():
         if not wanted():
             raise Unable("the call was cancelled")

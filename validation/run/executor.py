@@ -20,7 +20,7 @@ from typing import Any, ClassVar, TypeAlias, TypeVar
 from fem.machine import ONE_BLAS_THREAD
 from lumped.errors import ComputationError, InputError
 from lumped.files import read_regular
-from meshes.processes import Answer, Crashed, Process
+from meshes.processes import CallAnswer, Crashed, Process
 
 # Call without arguments that can be pickled.
 Work: TypeAlias = Callable[[], Any]
@@ -91,7 +91,7 @@ class Interpreter:
         self.log_from = _size(self.log)
         self.process.ask(call)
 
-    def receive(self) -> Answer:
+    def receive(self) -> CallAnswer:
         """Answer to the earliest request. Raises Crashed or OutOfMemoryCrash.
 
         OutOfMemoryCrash is raised if the log contains OpenBLAS's message on lack of memory.

@@ -104,7 +104,7 @@ def outcome(benchmark: Benchmark) -> BenchmarkOutcome:
 
 
 @dataclass(frozen=True)
-class Cluster:
+class ModeCluster:
     """Modes from number `first` to `last` (from 1) with a common frequency, `target` (Hz)."""
 
     first: int
@@ -142,12 +142,12 @@ DEEP = ConstantLeg(10.0, Rectangle(2.0, 2.0), Material.isotropic(2e11, 0.3, 8000
 # Modes with target frequencies, and the relative error of beam theory at their wavelength. A test
 # computes these errors from the exact waves of the prism.
 FV5_MODES = (
-    (Cluster(1, 2, 42.650, "bending 1"), 1.1453e-3),
-    (Cluster(3, 3, 71.20, "torsion 1"), -9.4e-6),
-    (Cluster(4, 4, 125.00, "tension 1"), -7.444e-4),
-    (Cluster(5, 6, 148.15, "bending 2"), 3.4304e-3),
-    (Cluster(7, 7, 213.61, "torsion 2"), -8.827e-5),
-    (Cluster(8, 9, 283.47, "bending 3"), 5.5726e-3),
+    (ModeCluster(1, 2, 42.650, "bending 1"), 1.1453e-3),
+    (ModeCluster(3, 3, 71.20, "torsion 1"), -9.4e-6),
+    (ModeCluster(4, 4, 125.00, "tension 1"), -7.444e-4),
+    (ModeCluster(5, 6, 148.15, "bending 2"), 3.4304e-3),
+    (ModeCluster(7, 7, 213.61, "torsion 2"), -8.827e-5),
+    (ModeCluster(8, 9, 283.47, "bending 3"), 5.5726e-3),
 )
 # J/(b h³) of rectangles b × h.
 TORSION_CONSTANTS = {

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from fem.extras import missing_message
 from fem.machine import threads
-from fem.solvers.backends.accuracy import is_accurate
-from fem.solvers.backends.protocol import DeviceError
+from fem.solvers.backends.factor_checks import is_accurate
+from fem.solvers.backends.protocol import HOST, DeviceError, Space
 from lumped.arrays import Array, SparseMatrix
 
 # Number of right-hand sides solved together. The deterministic mode of the library solves one at a
@@ -144,6 +144,11 @@ class DeviceSpace:
 def space() -> DeviceSpace:
     """Memory of the graphics card."""
     return DeviceSpace()
+
+
+def space_of(array: Any) -> Space:
+    """Memory in which an array is stored, of the host or card. Computations are done there."""
+    return HOST if type(array) is np.ndarray else space()
 
 
 @cache

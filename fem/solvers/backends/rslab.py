@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fem.machine import threads
-from fem.solvers.backends.host_memory import require_memory
+from fem.solvers.backends.factor_checks import require_memory
 from fem.solvers.backends.protocol import HOST
 from lumped.arrays import Array, SparseMatrix
 

@@ -13,8 +13,7 @@ import numpy as np
 import scipy
 from scipy.sparse import csc_array
 
-from fem.solvers.backends.accuracy import is_accurate
-from fem.solvers.backends.host_memory import require_memory
+from fem.solvers.backends.factor_checks import is_accurate, require_memory
 from fem.solvers.backends.protocol import HOST
 from lumped.arrays import Array, SparseMatrix
 

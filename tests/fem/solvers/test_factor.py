@@ -119,7 +119,7 @@ def test_memory_is_checked_before_factoring(short_leg, monkeypatch):
     # The factor needs at least the memory of the lower triangle of K.
     assert 8 * short_leg[0].nnz / 2 < symbolic.peak_bytes < 1e9
     monkeypatch.setattr(
-        "fem.solvers.backends.host_memory.available_memory", lambda: symbolic.peak_bytes - 1
+        "fem.solvers.backends.factor_checks.available_memory", lambda: symbolic.peak_bytes - 1
     )
     with pytest.raises(ComputationError, match=r"leg 2: factorising \d+ unknowns needs about"):
         symbolic.factorise("leg 2")

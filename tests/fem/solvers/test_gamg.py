@@ -116,7 +116,7 @@ def little_memory(gamg, monkeypatch):
     """Request PETSc on a machine with less memory than any factor needs."""
     assert gamg
     monkeypatch.setenv(VARIABLE, "petsc")
-    for module in ("inverse", "backends.host_memory"):
+    for module in ("inverse", "backends.factor_checks"):
         monkeypatch.setattr(f"fem.solvers.{module}.available_memory", lambda: 1000)
 
 

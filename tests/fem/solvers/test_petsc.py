@@ -141,7 +141,7 @@ def test_petsc_memory_is_checked_before_factoring(ranks, monkeypatch):
     assert ranks
     symbolic = analyse(diags_array([np.full(20_000, 2.0)], offsets=[0], format="csr"))
     assert 20_000 * 16 < symbolic.peak_bytes < 1e9
-    function_name = "fem.solvers.backends.host_memory.available_memory"
+    function_name = "fem.solvers.backends.factor_checks.available_memory"
     monkeypatch.setattr(function_name, lambda: symbolic.peak_bytes - 1)
     with pytest.raises(ComputationError, match="leg 2: factorising 20000 unknowns needs about"):
         symbolic.factorise("leg 2")

@@ -1,9 +1,14 @@
 """Models and references with prescribed responses."""
 
+from types import SimpleNamespace
+
 from validation.references.reference import Interpretation, Reference, Source, SourceHalfWidths
-from validation.references.responses import Model
+from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Reading
 from validation.responses.statics_and_modes import Statics
+
+# Responses of models that do not depend on a robot, such as those of a leg alone.
+NO_ROBOT = Responses(SimpleNamespace(mechanism=SimpleNamespace(name="")), strict=True)
 
 
 def reading(name):

@@ -19,7 +19,7 @@ from lumped.sections import Rectangle
 from validation.models.options import ModelOptions
 from validation.models.robot_models import answers
 from validation.selftest import benchmarks as own
-from validation.selftest.benchmarks import Benchmark, Cluster, KnownNumber
+from validation.selftest.benchmarks import Benchmark, KnownNumber, ModeCluster
 
 FV2 = "NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3 (1990), Test FV2"
 TEST_71 = (
@@ -33,14 +33,14 @@ ARMS = 8
 SLENDER = ConstantLeg(10.0, Rectangle(0.125, 0.125), Material.isotropic(2e11, 0.3, 8000.0))
 FV5_CLUSTERS = tuple(cluster for cluster, *_ in own.FV5_MODES)
 TEST_71_CLUSTERS = tuple(
-    Cluster(k, k, target, f"bending {k}")
+    ModeCluster(k, k, target, f"bending {k}")
     for k, target in enumerate((1.010, 6.327, 17.716, 34.717, 57.390, 85.730), start=1)
 )
 FV2_CLUSTERS = (
-    Cluster(1, 1, 11.336, "arms pinned at both ends"),
-    Cluster(2, 8, 17.709, "arms pinned and clamped"),
-    Cluster(9, 9, 45.345, "arms pinned at both ends, second"),
-    Cluster(10, 16, 57.390, "arms pinned and clamped, second"),
+    ModeCluster(1, 1, 11.336, "arms pinned at both ends"),
+    ModeCluster(2, 8, 17.709, "arms pinned and clamped"),
+    ModeCluster(9, 9, 45.345, "arms pinned at both ends, second"),
+    ModeCluster(10, 16, 57.390, "arms pinned and clamped, second"),
 )
 
 

@@ -44,7 +44,7 @@ def leg1_study():
 def verdict_with(study, identifier):
     """Verdict of the case `identifier` on leg 1, judged by `study` instead of its own study."""
     context = Context(BIGLIDE)
-    key = memo_key(convergence_cases._study, (BIGLIDE.mechanism, "leg1", DEFAULT_LIMITS), {})
+    key = memo_key(convergence_cases._study, (BIGLIDE, "leg1"), {})
     context._memo[key] = study
     case = next(
         case for case in cases(bodies=("leg1",), limits=DEFAULT_LIMITS) if case.id == identifier

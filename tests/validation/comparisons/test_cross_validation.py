@@ -69,7 +69,7 @@ def measurement(value, explained=0.0, half_width=0.0, reference=200.0):
 
 @pytest.fixture(scope="module")
 def studies():
-    return {"arm": convergence(load_robot("ifw").mechanism, body="leg1", elements=[5, 10, 20, 40])}
+    return {"arm": convergence(load_robot("ifw"), body="leg1", elements=[5, 10, 20, 40])}
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy
+from support.fakes.toy_responses import NO_ROBOT
 from support.robots.robot_from_text import robot_of
 
 from lumped.equivalent_leg import equivalent_leg
@@ -27,7 +28,7 @@ from validation.comparisons.convergence_series import (
     relative_errors,
 )
 from validation.comparisons.discretisations import FORMULATIONS, Discretisation
-from validation.comparisons.element_convergence import leg_convergence, robot_convergence
+from validation.comparisons.element_convergence import leg_convergence
 from validation.comparisons.requested import convergence, middle_posture
 from validation.models.leg_models import leg_matrices
 from validation.models.robot_models import bodies_of
@@ -39,12 +40,12 @@ BIGLIDE = load_robot("ifw")
 
 @pytest.fixture(scope="module")
 def leg1():
-    return convergence(BIGLIDE.mechanism, body="leg1")
+    return convergence(BIGLIDE, body="leg1")
 
 
 @pytest.fixture(scope="module")
 def whole_robot():
-    return convergence(BIGLIDE.mechanism)
+    return convergence(BIGLIDE)
 
 
 @pytest.mark.parametrize(
@@ -100,7 +101,7 @@ def test_literal_layout_has_known_error():
     """5.2 % at 20 elements against Euler–Bernoulli's cantilever (physics of §3.2 as printed)."""
     leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
     discretisation = replace(LITERAL, theory="euler-bernoulli")
-    study = leg_convergence("ifw", "leg1", leg, [discretisation], [20])
+    study = leg_convergence(NO_ROBOT, "leg1", leg, [discretisation], [20])
     assert study.series[0].errors[0, 1] == pytest.approx(5.2e-2, abs=5e-4)
     # L² √(EI/μ) 1.875104²/2π: f2 is 186.8 Hz without rotary inertia.
     assert study.series[0].limits[1] == pytest.approx(186.8, abs=0.05)
@@ -113,7 +114,7 @@ def test_euler_bernoulli_has_formal_orders(index):
     f1 to f4 have order 2 by segments, 1 in their literal layout, and 4 by beam elements.
     Deflections are exact except in the literal layout.
     """
-    study = convergence(BIGLIDE.mechanism, body="leg1", theory="euler-bernoulli")
+    study = convergence(BIGLIDE, body="leg1", theory="euler-bernoulli")
     series = study.series[index]
     np.testing.assert_allclose(series.orders[:4], series.formal_order, atol=0.1)
     assert series.exact[4:].all() == (series.discretisation.layout == "half")
@@ -208,7 +209,7 @@ def test_needed_counts_are_smallest(leg1, layout, quantity):
             assert abs(series.errors[-1, column]) > target
             continue
         study = leg_convergence(
-            "", "", leg, [series.discretisation], [int(needed) - 1, int(needed)]
+            NO_ROBOT, "", leg, [series.discretisation], [int(needed) - 1, int(needed)]
         )
         sizes = np.abs(study.series[0].errors[:, column])
         assert sizes[0] > target >= sizes[-1]
@@ -231,7 +232,7 @@ def random_leg(seed):
     "seed", [*range(4), *(pytest.param(seed, marks=EXHAUSTIVE) for seed in range(4, 10))]
 )
 def test_random_legs_have_formal_order(seed):
-    study = leg_convergence("", f"random {seed}", random_leg(seed))
+    study = leg_convergence(NO_ROBOT, f"random {seed}", random_leg(seed))
     for series, tolerance in zip(study.series, (0.05, 0.1, 0.1), strict=True):
         np.testing.assert_allclose(series.orders[:4], series.formal_order, atol=tolerance)
         require_true_half_widths(series)
@@ -263,8 +264,7 @@ def require_true_half_widths(series):
     ],
 )
 def test_robots_have_formal_orders(robot):
-    mechanism = load_robot(robot).mechanism
-    study = robot_convergence(middle_posture(mechanism))
+    study = convergence(load_robot(robot))
     require_true_half_widths(study.of("segments", "literal"))
     for series, tolerance in ((study.of("segments"), 0.05), (study.of("beam"), 0.1)):
         orders = series.orders[:4]
@@ -281,7 +281,7 @@ def test_robots_have_formal_orders(robot):
 def test_stepped_part_has_second_order(body):
     """Each of ten prismatic pieces has a whole number of segments, one to eight."""
     path = Path(__file__).parents[3] / "examples" / "tapered-biglide" / "robot.toml"
-    study = convergence(load_robot(path).mechanism, body=body)
+    study = convergence(load_robot(path), body=body)
     series = study.of("segments")
     assert series.counts == (10, 20, 30, 40, 80)
     np.testing.assert_allclose(series.orders[:4], 2.0, atol=0.05)
@@ -377,7 +377,7 @@ moves = []
 
 def test_zero_deflection_is_exact(tmp_path):
     """Along x and y the slide supports the tool: no deflection. Along z the rod has L/EA."""
-    study = convergence(robot_of(GUIDED, tmp_path).mechanism)
+    study = convergence(robot_of(GUIDED, tmp_path))
     across = [study.column("x"), study.column("y")]
     for series in study.series:
         assert (series.values[:, across] == 0.0).all()

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.fakes.toy_responses import NO_ROBOT
 
 from fem.multibody import require_beams
 from lumped.acceptance.requirement import DEFAULT_LIMITS
@@ -94,7 +95,7 @@ def test_bent_arm_models_have_equal_statics(model):
 
 
 def test_tapered_elements_have_formal_orders():
-    study = leg_convergence("arm", "arm", LEG, counts=(5, 10, 20, 40))
+    study = leg_convergence(NO_ROBOT, "arm", LEG, counts=(5, 10, 20, 40))
     assert study.of("segments").orders[:4] == pytest.approx(2.0, abs=0.1)
     # Two smooth parts share the elements, rounded up: the ratio of sizes is not quite 2.
     beams = study.of("beam")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.fakes.toy_responses import NO_ROBOT
 
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material, tip_compliance
@@ -15,7 +16,7 @@ FREE = Discretisation("solid", ends="free")
 
 @pytest.fixture(scope="module")
 def study():
-    return leg_mesh_convergence("", "leg", LEG, divisions=(1, 2, 3, 4))
+    return leg_mesh_convergence(NO_ROBOT, "leg", LEG, divisions=(1, 2, 3, 4))
 
 
 def test_solid_limit_is_timoshenko_beam(study):
@@ -49,8 +50,8 @@ def test_needed_divisions_are_smallest(study):
 
 
 def test_half_width_contains_doubled_mesh():
-    coarse = leg_mesh_convergence("", "leg", LEG, [FREE], (1, 2)).series[0]
-    fine = leg_mesh_convergence("", "leg", LEG, [FREE], (2, 4)).series[0]
+    coarse = leg_mesh_convergence(NO_ROBOT, "leg", LEG, [FREE], (1, 2)).series[0]
+    fine = leg_mesh_convergence(NO_ROBOT, "leg", LEG, [FREE], (2, 4)).series[0]
     assert (np.abs(fine.values[-1] / coarse.values[-1] - 1.0) <= coarse.half_widths[-1]).all()
 
 
@@ -74,11 +75,11 @@ def random_leg(seed):
 @pytest.mark.parametrize("seed", range(4))
 def test_random_free_legs_have_fourth_order(seed):
     """Quadratic elements: eigenvalues and energies as h⁴ (Strang and Fix 1973, chapters 1, 6)."""
-    orders = leg_mesh_convergence("", "leg", random_leg(seed), [FREE]).series[0].orders
+    orders = leg_mesh_convergence(NO_ROBOT, "leg", random_leg(seed), [FREE]).series[0].orders
     # f1 and f2 bend; y and z are deflections in bending. Four meshes of up to four divisions.
     assert orders[[0, 1, 5, 6]] == pytest.approx(4.0, abs=0.15)
 
 
 def test_single_mesh_is_refused():
     with pytest.raises(InputError, match="two or more different"):
-        leg_mesh_convergence("", "leg", LEG, divisions=(3, 3))
+        leg_mesh_convergence(NO_ROBOT, "leg", LEG, divisions=(3, 3))

@@ -234,8 +234,8 @@ def test_half_width_has_meshes_and_couplings(folder, shaft):
 
     compliances, frequencies = zip(*(results(mesh, "average") for mesh in meshes), strict=True)
     half_widths = shaft["uncertainty"], shaft["frequency_uncertainty"]
-    assert half_widths[0] == pytest.approx(compliance_uncertainty(*compliances), rel=1e-4)
-    assert half_widths[1] == pytest.approx(refinement_uncertainty(*frequencies), rel=1e-4)
+    assert half_widths[0] == pytest.approx(compliance_uncertainty(compliances), rel=1e-4)
+    assert half_widths[1] == pytest.approx(refinement_uncertainty(frequencies), rel=1e-4)
     # Averaged less rigid: averaged faces are more compliant, with lower frequencies.
     compliance, frequency = results(meshes[-1], "rigid")
     bracket = compliances[-1] - compliance

@@ -15,7 +15,7 @@ H = np.array([RATIO**2, RATIO, 1.0])
 @pytest.mark.parametrize(("order", "width"), [(1.0, 1.5), (1.42, 1.5), (2.0, 1.5), (4.0, 9.0)])
 def test_half_width_covers_series_of_known_order(order, width):
     values = 2.0 + np.outer(0.01 * H**order, [0.3, -0.1])
-    half_widths = refinement_uncertainty(*values)
+    half_widths = refinement_uncertainty(values)
     # Orders above two are not believed, so that the half-width is then wider than necessary.
     assert half_widths / np.abs(values[-1] - 2.0) == pytest.approx([width, width], rel=1e-5)
 
@@ -24,16 +24,16 @@ def test_half_width_uses_common_order():
     """All values share one order, so that a small last step by chance gives no small half-width."""
     # The second number hardly changed in the last step by chance. The first gives the order.
     values = np.array([[1.04, 2.2], [1.02, 2.1], [1.01, 2.0999]])
-    assert refinement_uncertainty(*values)[1] > 0.05
+    assert refinement_uncertainty(values)[1] > 0.05
     # Without convergence the order is one.
-    diverging = refinement_uncertainty(*values[::-1])
+    diverging = refinement_uncertainty(values[::-1])
     assert diverging == pytest.approx(1.5 * np.array([0.02, 0.1]) / (RATIO - 1.0), rel=1e-6)
 
 
 def test_compliance_half_width_uses_diagonal():
     fine = np.diag([1e-8, 1e-6])
     change = np.array([[1e-10, 1e-10], [1e-10, 1e-8]])
-    half_widths = compliance_uncertainty(fine + 2.0 * change, fine + change, fine)
+    half_widths = compliance_uncertainty([fine + 2.0 * change, fine + change, fine])
     assert half_widths == pytest.approx(1.5 * change / (RATIO - 1.0), rel=1e-4)
 
 

@@ -29,8 +29,7 @@ from weakref import finalize
 import numpy as np
 from scipy.sparse import csr_array
 
-from fem.solvers.backends.accuracy import is_accurate
-from fem.solvers.backends.host_memory import require_memory
+from fem.solvers.backends.factor_checks import is_accurate, require_memory
 from fem.solvers.backends.protocol import HOST
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError, InputError

@@ -32,7 +32,7 @@ class IndefiniteError(Exception):
     """Error: conjugate gradients met a direction without positive energy."""
 
 
-class Check(NamedTuple):
+class SolutionCheck(NamedTuple):
     """Accuracy of the solution for one right-hand side.
 
     `energy` is the residual in the norm of the preconditioner, relative to the energy norm of the
@@ -71,7 +71,7 @@ class GamgIteration:
         finalize(self, self._server.discard, self._name).atexit = False
         orthonormal, _ = np.linalg.qr(motions[self._order])
         self._server.precondition(self._name, _permuted(lower, self._order), orthonormal, part)
-        self.checks: tuple[Check, ...] = ()
+        self.checks: tuple[SolutionCheck, ...] = ()
 
     def solve(self, columns: Array) -> Array:
         """Solutions (n×k) for the right-hand sides `columns` (n×k).
@@ -79,7 +79,7 @@ class GamgIteration:
         Raises IndefiniteError, and ComputationError if a solution does not converge.
         """
         ordered, answer = self._server.solve(self._name, columns[self._order], self._part)
-        self.checks = tuple(Check(*check) for check in answer["checks"])
+        self.checks = tuple(SolutionCheck(*check) for check in answer["checks"])
         for check in self.checks:
             if check.reason in _INDEFINITE:
                 raise IndefiniteError
@@ -90,7 +90,7 @@ class GamgIteration:
         return solution
 
 
-def _why_not(check: Check) -> str:
+def _why_not(check: SolutionCheck) -> str:
     return (
         f"conjugate gradients with GAMG end after {check.iterations} iterations with a relative "
         f"error of {max(check.energy, check.balance):.1e} in energy norm, {_ENERGY:g} is allowed; "
