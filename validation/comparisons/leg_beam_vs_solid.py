@@ -16,14 +16,12 @@ from dataclasses import replace
 import numpy as np
 
 from fem.beams.beam_theory import Kind
-from lumped.acceptance.quantities import AXIS_LABELS, DIAGONAL_UNITS
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, Ends, tip_compliance
 from lumped.sections import Rectangle
 from meshes.section.section_blocks import WALL_ASPECT
-from validation.case import Allowance, Measurement, Relative, Skip
-from validation.case_group import CaseGroup, numbered
+from validation.case import Allowance, Measurement, Skip
 from validation.cases.leg_theory import (
     DISTORTION_SOURCE,
     STATICS,
@@ -38,7 +36,16 @@ from validation.cases.leg_theory import (
     frequencies_by_kind,
     why_no_beam,
 )
-from validation.comparisons.element_convergence import MODES
+from validation.comparisons.agreement_cases import (
+    DISTORTION,
+    FORMULA,
+    FORMULA_SOURCE,
+    HELD_FACES,
+    agreement_group,
+    compliance_cases,
+    frequency_cases,
+    limited,
+)
 from validation.comparisons.section_formulas import leg_formula_band
 from validation.context import Context
 from validation.models.leg_models import constant_leg_of, leg_compliance, leg_frequencies
@@ -53,9 +60,7 @@ from validation.solids.solid_legs import (
     static_divisions,
 )
 from validation.solids.solid_size import why_shapeless
-from validation.studies_and_figures import AGREEMENT
 
-HELD_FACES = "held end faces"
 HELD_SOURCE = (
     "solids with free and with held end faces, at most twice the effect of fields that "
     "decay from held faces (fem.couplings.end_effects)"
@@ -65,52 +70,26 @@ HELD_SOURCE = (
 # that for order 1, since waves become shorter.
 _STRAINED = {"tension": (0, 0), "torsion": (3, 3), "bending y": (2, 2), "bending z": (1, 1)}
 _GROWTH = {"tension": 1, "torsion": 1, "bending y": 2, "bending z": 2}
-DISTORTION = "distortion of the section"
-FORMULA = "section constants by formula"
-FORMULA_SOURCE = "finite elements on the section, within the known error of textbook formulas"
-# Index on the diagonal of the tip compliance, and unit, of the tip motion under each unit load.
-MOTIONS = {
-    AXIS_LABELS[name]: (entry, unit) for entry, (name, unit) in enumerate(DIAGONAL_UNITS.items())
-}
 # Static models use the equivalent prism of a 6×6, as the solid does.
 _OPTIONS = ModelOptions(legs="equivalent")
-STATIC_MODELS: tuple[ModelName, ...] = ("vjm", "links", "segments", "beam")
-DYNAMIC_MODELS: tuple[ModelName, ...] = ("segments", "beam")
 
 # Fraction of the length over which a strip bends as a plate near its ends.
 _SHORT = 0.1
 # Index of torsion in the tip compliance.
 _TORSION = 3
 
-cases = CaseGroup(
-    over={"body": lambda legs: legs},
-    kind="agreement",
-    reference_kind="independent-solver",
-    section=AGREEMENT,
-    subject="leg",
-    effort=0.05,
-    elements=lambda model, limits: limits.elements if model in DYNAMIC_MODELS else 0,
-)
+cases = agreement_group(over={"body": lambda legs: legs}, subject="leg", effort=0.05)
+_CITATION = "the same leg meshed with quadratic hexahedra"
 
 
-@cases.case(
-    "{body}.agrees[{model}-solid-{motion}]",
-    "{body}: compliance {motion} by {model} equals that of the solid leg",
-    over={
-        "model": STATIC_MODELS,
-        "motion, entry, unit": [
-            (name, *entry_and_unit) for name, entry_and_unit in MOTIONS.items()
-        ],
-    },
+@compliance_cases(
+    cases,
+    "{body}",
+    "{body}",
+    "that of the solid leg",
     quantity="displacement of the tip, {motion}, under a unit load, root clamped",
-    label="{motion}",
-    citation="the same leg meshed with quadratic hexahedra",
+    citation=_CITATION,
     group="{body}.solid",
-    tolerance=lambda limits: Relative(limits.compliance),
-    tolerance_reason=(
-        "[agree] compliance (default 0.1 %): in statics beam theory is exact after "
-        "subtraction of its named differences from the solid"
-    ),
 )
 def _motion(
     context: Context, body: str, model: ModelName, entry: int, limits: AgreementLimits
@@ -154,17 +133,14 @@ def _motion(
     )
 
 
-@cases.case(
-    "{body}.agrees[{model}-solid-f{mode}]",
-    "{body}: f{mode} by {model} equals that of the solid leg",
-    over={"model": DYNAMIC_MODELS, "index, mode": numbered(MODES)},
+@frequency_cases(
+    cases,
+    "{body}",
+    "{body}",
+    "that of the solid leg",
     quantity="natural frequency {mode}, clamped-free, paired by shape",
-    label="f{mode}",
-    unit="Hz",
-    citation="the same leg meshed with quadratic hexahedra",
+    citation=_CITATION,
     group="{body}.modes",
-    tolerance=lambda limits: Relative(limits.frequency),
-    tolerance_reason="[agree] frequency (default 1 %), the accuracy of 20 elements per leg",
 )
 def _frequency(
     context: Context, body: str, model: ModelName, index: int, limits: AgreementLimits
@@ -270,12 +246,6 @@ def frequency_band(leg: ConstantLeg, divisions: int, kinds: tuple[tuple[Kind, in
     deformation and the order of each mode.
     """
     return frequencies_by_kind(leg_formula_band(leg, divisions), leg.length, kinds)
-
-
-def limited(difference: float, band: tuple[float, float], uncertainty: float) -> float:
-    """Nearest number to `difference` in `band`, extended to zero and widened by `uncertainty`."""
-    low, high = min(0.0, *band) - uncertainty, max(0.0, *band) + uncertainty
-    return min(max(difference, low), high)
 
 
 def _options(limits: AgreementLimits) -> ModelOptions:

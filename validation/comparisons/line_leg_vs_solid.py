@@ -19,17 +19,16 @@ from lumped.legs import Ends, LineLeg
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import clamped_modes, legs_of
 from validation.case import Allowance, Measurement, Relative, Skip
-from validation.case_group import CaseGroup, numbered
-from validation.comparisons.element_convergence import MODES
-from validation.comparisons.leg_beam_vs_solid import (
-    DYNAMIC_MODELS,
+from validation.comparisons.agreement_cases import (
     FORMULA,
     FORMULA_SOURCE,
     HELD_FACES,
-    MOTIONS,
-    STATIC_MODELS,
+    agreement_group,
+    compliance_cases,
+    frequency_cases,
     limited,
 )
+from validation.comparisons.element_convergence import MODES
 from validation.comparisons.section_formulas import leg_formula_band
 from validation.context import Context
 from validation.models.leg_models import leg_compliance, leg_frequencies
@@ -44,7 +43,6 @@ from validation.references.reference_legs import (
 )
 from validation.solids.solid_legs import ELEMENTS, formal_order, line_frequencies
 from validation.solids.solid_size import too_large, why_shapeless
-from validation.studies_and_figures import AGREEMENT
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 _HELD_SOURCE = "the same solid with ends free to warp and contract"
@@ -70,16 +68,10 @@ def _line_legs(mechanism: Mechanism) -> list[tuple[str, float]]:
     return [(name, neglected(leg)) for name, leg in legs if isinstance(leg, LineLeg)]
 
 
-cases = CaseGroup(
-    over={"body, neglected": _line_legs},
-    kind="agreement",
-    reference_kind="independent-solver",
-    section=AGREEMENT,
-    subject="leg",
-    group="{body}.line",
-    effort=1.0,
-    elements=lambda model, limits: limits.elements if model in DYNAMIC_MODELS else 0,
+cases = agreement_group(
+    over={"body, neglected": _line_legs}, subject="leg", group="{body}.line", effort=1.0
 )
+_CITATION = "the same leg along its line meshed with quadratic hexahedra"
 
 
 def _leg(context: Context, body: str) -> LineLeg:
@@ -96,18 +88,13 @@ def _options(limits: AgreementLimits) -> ModelOptions:
     return ModelOptions(elements=limits.elements)
 
 
-@cases.case(
-    "{body}.agrees[{model}-solid-{motion}]",
-    "{body}: compliance {motion} by {model} equals that of the solid leg",
-    over={
-        "model": STATIC_MODELS,
-        "motion, entry, unit": [
-            (name, *entry_and_unit) for name, entry_and_unit in MOTIONS.items()
-        ],
-    },
+@compliance_cases(
+    cases,
+    "{body}",
+    "{body}",
+    "that of the solid leg",
     quantity="displacement of the tip, {motion}, under a unit load, root clamped",
-    label="{motion}",
-    citation="the same leg along its line meshed with quadratic hexahedra",
+    citation=_CITATION,
     tolerance=lambda limits, neglected: Relative(limits.compliance + neglected),
     tolerance_reason=f"[agree] compliance (default 0.1 %), {_NEGLECTED}",
 )
@@ -165,14 +152,13 @@ def _formula_tips(leg: LineLeg) -> tuple[Array, Array]:
     return soft.tip_compliance, stiff.tip_compliance
 
 
-@cases.case(
-    "{body}.agrees[{model}-solid-f{mode}]",
-    "{body}: f{mode} by {model} equals that of the solid leg",
-    over={"model": DYNAMIC_MODELS, "index, mode": numbered(MODES)},
+@frequency_cases(
+    cases,
+    "{body}",
+    "{body}",
+    "that of the solid leg",
     quantity="natural frequency {mode}, clamped-free, paired by shape",
-    label="f{mode}",
-    unit="Hz",
-    citation="the same leg along its line meshed with quadratic hexahedra",
+    citation=_CITATION,
     tolerance=lambda limits, neglected: Relative(limits.frequency + neglected),
     tolerance_reason=f"[agree] frequency (default 1 %), {_NEGLECTED}",
 )

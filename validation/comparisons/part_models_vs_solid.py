@@ -25,9 +25,9 @@ from lumped.models.bodies import clamped_modes, tip_compliance_of
 from lumped.screws import turn, turn_matrix
 from validation.case import Elsewhere, Measurement, Relation, Relative, UnjudgedValue
 from validation.case_group import CaseGroup
+from validation.comparisons.agreement_cases import MOTIONS
 from validation.comparisons.discretisations import Discretisation, RefinedModel
 from validation.comparisons.element_convergence import MODES
-from validation.comparisons.leg_beam_vs_solid import MOTIONS
 from validation.context import Context
 from validation.models.leg_models import leg_matrices
 from validation.models.reduced_parts import identified, is_leg, leg_axes

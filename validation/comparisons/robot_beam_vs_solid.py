@@ -32,22 +32,20 @@ from lumped.models.bodies import legs_of, links, on_equivalent_legs
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
 from meshes.section.section_mesh import section_mesh
-from validation.case import Allowance, Measurement, Relative, Skip
-from validation.case_group import CaseGroup, numbered
+from validation.case import Allowance, Measurement, Skip
 from validation.cases.leg_waves import NO_WAVES, WAVES_SOURCE, wave_changes, waves_of
-from validation.comparisons.element_convergence import MODES
-from validation.comparisons.leg_beam_vs_solid import (
+from validation.comparisons.agreement_cases import (
     DISTORTION,
-    DYNAMIC_MODELS,
     FORMULA,
     FORMULA_SOURCE,
     HELD_FACES,
-    MOTIONS,
-    STATIC_MODELS,
-    is_strip,
+    agreement_group,
+    compliance_cases,
+    frequency_cases,
     limited,
-    rigid_end_share,
 )
+from validation.comparisons.element_convergence import MODES
+from validation.comparisons.leg_beam_vs_solid import is_strip, rigid_end_share
 from validation.comparisons.section_formulas import leg_formula_band, mesh_formula_band
 from validation.context import Context, Preset
 from validation.models.leg_models import filled
@@ -91,7 +89,6 @@ from validation.solids.solid_legs import (
     mesh_pair,
 )
 from validation.solids.solid_size import too_large, why_shapeless
-from validation.studies_and_figures import AGREEMENT
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 # Remedies for an undecided comparison: if rigid end faces are the cause, and if meshes are.
@@ -116,14 +113,7 @@ HELD_SOURCE = (
 # Row indices of the meshes in `RobotStatics` and `RobotModes`.
 _COARSE, _FINE = 0, 1
 
-cases = CaseGroup(
-    kind="agreement",
-    reference_kind="independent-solver",
-    section=AGREEMENT,
-    group=SHARED_SOLIDS,
-    effort=0.5,
-    elements=lambda model, limits: limits.elements if model in DYNAMIC_MODELS else 0,
-)
+cases = agreement_group(group=SHARED_SOLIDS, effort=0.5)
 
 
 # Function that returns the tip compliance (6×6, SI, leg axes) of a named leg on a mesh.
@@ -271,23 +261,13 @@ def _computed_tip(leg: ConstantLeg, divisions: int) -> Array:
     return tip_compliance(computed_properties(leg, divisions), leg.length)
 
 
-@cases.case(
-    "robot.agrees[{model}-solid-{motion}]",
-    "Robot: compliance {motion} by {model} equals that with solid legs",
-    over={
-        "model": STATIC_MODELS,
-        "motion, entry, unit": [
-            (name, *entry_and_unit) for name, entry_and_unit in MOTIONS.items()
-        ],
-    },
+@compliance_cases(
+    cases,
+    "robot",
+    "Robot",
+    "that with solid legs",
     quantity="displacement of the tool, {motion}, under a unit load, middle pose of the path",
-    label="{motion}",
     citation="the same legs meshed with quadratic hexahedra",
-    tolerance=lambda limits: Relative(limits.compliance),
-    tolerance_reason=(
-        "[agree] compliance (default 0.1 %): in statics beam theory is exact after "
-        "subtraction of its named differences from the solid"
-    ),
 )
 def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLimits) -> Measurement:
     _require_prisms(context.robot_file.mechanism)
@@ -460,17 +440,14 @@ def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidM
             )
 
 
-@cases.case(
-    "robot.agrees[{model}-solid-f{mode}]",
-    "Robot: f{mode} by {model} equals that with solid legs",
-    over={"model": DYNAMIC_MODELS, "index, mode": numbered(MODES)},
+@frequency_cases(
+    cases,
+    "robot",
+    "Robot",
+    "that with solid legs",
     quantity="natural frequency {mode}, middle pose of the path, modes paired by shape",
-    label="f{mode}",
-    unit="Hz",
     citation="the same legs meshed with quadratic hexahedra, reduced to their ends",
     figure="mechanism.mode-shapes",
-    tolerance=lambda limits: Relative(limits.frequency),
-    tolerance_reason="[agree] frequency (default 1 %), the accuracy of 20 elements per leg",
 )
 def _frequency(
     context: Context, model: ModelName, index: int, limits: AgreementLimits

@@ -14,7 +14,8 @@ from lumped.robot_file import load_robot
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from validation.case import Allowance, Relative, Skip
 from validation.comparisons import leg_beam_vs_solid
-from validation.comparisons.leg_beam_vs_solid import FORMULA, HELD_FACES, MOTIONS, cases
+from validation.comparisons.agreement_cases import FORMULA, HELD_FACES, MOTIONS
+from validation.comparisons.leg_beam_vs_solid import cases
 from validation.context import Context
 from validation.models.leg_models import constant_leg_of
 from validation.models.options import ModelOptions

@@ -1,0 +1,97 @@
+"""Declarations of the cases that compare models with solids, for single legs and the robot.
+
+Input: a `CaseGroup` with the texts of a leg or of the robot. Output: decorators that declare a case
+for each model and motion, or for each model and mode. The named causes of a difference and their
+limits are common to all.
+"""
+
+from collections.abc import Callable
+from typing import Unpack
+
+from lumped.acceptance.quantities import AXIS_LABELS, DIAGONAL_UNITS
+from validation.case import Relative
+from validation.case_group import CaseFields, CaseGroup, Compute, Over, numbered
+from validation.comparisons.element_convergence import MODES
+from validation.models.options import ModelName
+from validation.studies_and_figures import AGREEMENT
+
+# Named causes of a difference, for which allowances are made.
+HELD_FACES = "held end faces"
+DISTORTION = "distortion of the section"
+FORMULA = "section constants by formula"
+FORMULA_SOURCE = "finite elements on the section, within the known error of textbook formulas"
+# Index on the diagonal of the tip compliance, and unit, of the tip motion under each unit load.
+MOTIONS = {
+    AXIS_LABELS[name]: (entry, unit) for entry, (name, unit) in enumerate(DIAGONAL_UNITS.items())
+}
+STATIC_MODELS: tuple[ModelName, ...] = ("vjm", "links", "segments", "beam")
+DYNAMIC_MODELS: tuple[ModelName, ...] = ("segments", "beam")
+
+
+def agreement_group(*, over: Over | None = None, **fields: Unpack[CaseFields]) -> CaseGroup:
+    """Group of cases that compare models with solids, with these `fields` in common.
+
+    `over`: values of the parameters of the whole group, as for `CaseGroup`.
+    """
+    common: CaseFields = {
+        "kind": "agreement",
+        "reference_kind": "independent-solver",
+        "section": AGREEMENT,
+        "elements": lambda model, limits: limits.elements if model in DYNAMIC_MODELS else 0,
+        **fields,
+    }
+    return CaseGroup(over=over, **common)
+
+
+def compliance_cases(
+    cases: CaseGroup, identifier: str, heading: str, solid: str, **fields: Unpack[CaseFields]
+) -> Callable[[Compute], Compute]:
+    """Decorator that declares a case for each static model and each motion in a group.
+
+    `identifier` and `heading` name the leg or robot in the id and in the title, and `solid` the
+    reference in the title.
+    """
+    common: CaseFields = {
+        "label": "{motion}",
+        "tolerance": lambda limits: Relative(limits.compliance),
+        "tolerance_reason": (
+            "[agree] compliance (default 0.1 %): in statics beam theory is exact after "
+            "subtraction of its named differences from the solid"
+        ),
+        **fields,
+    }
+    motions = [(name, *entry_and_unit) for name, entry_and_unit in MOTIONS.items()]
+    return cases.case(
+        f"{identifier}.agrees[{{model}}-solid-{{motion}}]",
+        f"{heading}: compliance {{motion}} by {{model}} equals {solid}",
+        over={"model": STATIC_MODELS, "motion, entry, unit": motions},
+        **common,
+    )
+
+
+def frequency_cases(
+    cases: CaseGroup, identifier: str, heading: str, solid: str, **fields: Unpack[CaseFields]
+) -> Callable[[Compute], Compute]:
+    """Decorator that declares a case for each dynamic model and each mode in a group.
+
+    Arguments as for `compliance_cases`.
+    """
+    common: CaseFields = {
+        "label": "f{mode}",
+        "unit": "Hz",
+        "tolerance": lambda limits: Relative(limits.frequency),
+        "tolerance_reason": "[agree] frequency (default 1 %), the accuracy of 20 elements per leg",
+        **fields,
+    }
+    return cases.case(
+        f"{identifier}.agrees[{{model}}-solid-f{{mode}}]",
+        f"{heading}: f{{mode}} by {{model}} equals {solid}",
+        over={"model": DYNAMIC_MODELS, "index, mode": numbered(MODES)},
+        **common,
+    )
+
+
+def limited(difference: float, band: tuple[float, float], uncertainty: float) -> float:
+    """Nearest number to `difference` in `band`, extended to zero and widened by `uncertainty`."""
+    low, high = min(0.0, *band) - uncertainty, max(0.0, *band) + uncertainty
+    return min(max(difference, low), high)
