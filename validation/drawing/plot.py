@@ -192,9 +192,10 @@ def _draw_bars(axes: Axes, panel: Panel, positions: Array, fills: Mapping[str, s
         else:
             container = axes.bar(positions, bars.y, 0.86, start, **look)
             numbers = [f"{value:.0f}" if few and value >= _LABELLED else "" for value in bars.y]
-            dark = sum(int(fills[bars.label][k : k + 2], 16) for k in (1, 3, 5)) < 400
-            ink = "white" if dark else "black"
-            axes.bar_label(container, numbers, label_type="center", fontsize=8.5, color=ink)
+            if any(numbers):
+                dark = sum(int(fills[bars.label][k : k + 2], 16) for k in (1, 3, 5)) < 400
+                ink = "white" if dark else "black"
+                axes.bar_label(container, numbers, label_type="center", fontsize=8.5, color=ink)
         for positive, end in ends.items():
             ends[positive] = end + np.where((bars.y >= 0.0) == positive, bars.y, 0.0)
     if not panel.lying:

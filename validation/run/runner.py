@@ -18,6 +18,7 @@ from time import perf_counter
 from types import FrameType
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from fem.machine import search_cycles_rarely
 from lumped.errors import InputError
 from lumped.text import did_you_mean
 from validation.case import OUT_OF_MEMORY, Case, Skip, failure_reason
@@ -178,6 +179,7 @@ class _Assigned:
 
 
 def _begin(catalogue: Catalogue, context: Context, sent: Provisions | None) -> _Assigned:
+    search_cycles_rarely()
     if sent is not None:
         context = replace(context, robot_file=sent.unpack(context.robot_file))
     return _Assigned({task.id: task for task in catalogue(context.robot_file)}, context)

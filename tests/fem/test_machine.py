@@ -1,0 +1,25 @@
+"""Settings of a process that computes."""
+
+import gc
+
+import pytest
+
+from fem.machine import search_cycles_rarely
+
+
+@pytest.fixture
+def thresholds():
+    before = gc.get_threshold()
+    yield
+    gc.set_threshold(*before)
+
+
+@pytest.mark.usefixtures("thresholds")
+def test_small_figure_needs_no_search_for_cycles():
+    """A chart consists of some ten thousand objects that refer to each other."""
+    search_cycles_rarely()
+    gc.collect()
+    before = gc.get_stats()[0]["collections"]
+    objects = [[] for _ in range(10_000)]
+    assert gc.get_stats()[0]["collections"] == before
+    assert len(objects) == 10_000
