@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import scipy
-from scipy.linalg import eig, eigh, eigvalsh, svd
+from scipy.linalg import eig, eigh, eigvalsh, lu_factor, lu_solve
 
 from fem.couplings.section_fields import saint_venant_states
 from fem.couplings.wave_stiffness import PrismWaves, beam_wave
@@ -30,6 +30,9 @@ _ACCURACY = 1e-10
 # relative size of the first step, and relative step that ends the search: γ² of long waves in
 # slender legs is accurate to 1e-8.
 _SECANTS, _FIRST, _CONVERGED = 20, 1e-4, 1e-7
+# Steps of inverse iteration for the forces that border the matrix. The frequency does not depend on
+# them, but the steps of its search do; after eight, the forces change by round-off only.
+_INVERSE_STEPS = 8
 # Relative distance from the estimate beyond which a frequency belongs to another mode.
 _ANOTHER = 0.1
 
@@ -166,21 +169,12 @@ def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
     ComputationError if there is none near the estimate.
     """
     first = 2.0 * np.pi * near
-    matrix, _ = _boundary(kind, length, first)
-    forces = svd(matrix)[0][:, -1:]
-    unit = np.zeros(len(matrix) + 1, complex)
-    unit[-1] = 1.0
-
-    def determinant(omega: float) -> complex:
-        matrix, tip = _boundary(kind, length, omega)
-        # Residual of the boundary conditions along `forces` for a unit motion of the tip.
-        bordered = np.block([[matrix, forces], [tip[None], np.zeros((1, 1))]])
-        return complex(np.linalg.solve(bordered, unit)[-1])
-
+    boundary = _boundary(kind, length, first)
+    forces = _unbalanced_forces(boundary[0])
     before, omega = first, first * (1.0 + _FIRST)
-    value = determinant(before)
+    value = _implicit_determinant(*boundary, forces)
     for _ in range(_SECANTS):
-        last, value = value, determinant(omega)
+        last, value = value, _implicit_determinant(*_boundary(kind, length, omega), forces)
         if value == last:
             break
         step = (value * (omega - before) / (value - last)).real
@@ -192,6 +186,27 @@ def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
     raise ComputationError(
         f"waves: no {kind.fields.name} of a leg with free ends near {near:.4g} Hz"
     )
+
+
+def _unbalanced_forces(matrix: Array) -> Array:
+    """Column of unit norm that is nearly a left null vector of `matrix` close to a frequency.
+
+    It is the result of two steps of inverse iteration with `matrix` and its adjoint.
+    """
+    factor = lu_factor(matrix)
+    forces = np.linspace(1.0, 2.0, len(matrix)).astype(complex)
+    for _ in range(_INVERSE_STEPS):
+        forces = lu_solve(factor, lu_solve(factor, forces), trans=2)
+        forces /= np.linalg.norm(forces)
+    return forces[:, None]
+
+
+def _implicit_determinant(matrix: Array, tip: Array, forces: Array) -> complex:
+    """Residual of the boundary conditions along `forces` for a unit motion of the tip."""
+    bordered = np.block([[matrix, forces], [tip[None], np.zeros((1, 1))]])
+    unit = np.zeros(len(bordered), complex)
+    unit[-1] = 1.0
+    return complex(np.linalg.solve(bordered, unit)[-1])
 
 
 def _boundary(kind: PrismWaves, length: float, omega: float) -> tuple[Array, Array]:
