@@ -132,12 +132,10 @@ def answers(
         return _swept(
             assembly(released_mechanism, static_bodies(model, mechanism, options)), postures, 0
         )
-    return with_enough_modes(
-        lambda highest: _swept(
-            assembly(released_mechanism, dynamic_bodies(model, mechanism, highest, options)),
-            postures,
-            count,
-        ),
+    return with_dynamic_bodies(
+        model,
+        mechanism,
+        lambda bodies: _swept(assembly(released_mechanism, bodies), postures, count),
         lambda results: np.array([result.frequencies for result in results]),
         postures,
         count,
@@ -223,14 +221,15 @@ def mechanism_modes(
             raise too_few(mechanism.name, count)
         return solutions
 
-    if unreduced := unreduced_bodies(model, mechanism, options):
-        return solve(unreduced)
-    return with_enough_modes(
-        lambda highest: solve(dynamic_bodies(model, mechanism, highest, options, part_mesh)),
+    return with_dynamic_bodies(
+        model,
+        mechanism,
+        solve,
         lambda solutions: np.array([solution.modes.frequencies[:count] for solution in solutions]),
         postures,
         count,
         options,
+        part_mesh,
     )
 
 
@@ -284,6 +283,33 @@ def with_enough_modes(
     return solution
 
 
+def with_dynamic_bodies(
+    model: ModelName,
+    mechanism: Mechanism,
+    solve: Callable[[Mapping[str, BodyModel]], T],
+    frequencies: Callable[[T], Array],
+    postures: Sequence[Posture],
+    count: int,
+    options: ModelOptions = DEFAULT_OPTIONS,
+    part_mesh: PartMeshing = FINE_PARTS,
+) -> T:
+    """Solution by `solve` with models of the bodies of `mechanism`, accurate for `count` modes.
+
+    Bodies that are not reduced have all their modes, and are solved once. If bodies are reduced,
+    `solve` is repeated as in `with_enough_modes`, until the `frequencies` of its solution lie below
+    the limit of the reduction. `part_mesh`: mesh and coupling of CAD parts as solids.
+    """
+    if unreduced := _unreduced_bodies(model, mechanism, options):
+        return solve(unreduced)
+    return with_enough_modes(
+        lambda highest: solve(dynamic_bodies(model, mechanism, highest, options, part_mesh)),
+        frequencies,
+        postures,
+        count,
+        options,
+    )
+
+
 def static_bodies(
     model: ModelName, mechanism: Mechanism, options: ModelOptions = DEFAULT_OPTIONS
 ) -> dict[str, BodyModel]:
@@ -320,11 +346,11 @@ def dynamic_bodies(
         return {
             name: filled(reduced(leg, leg_options)) for name, leg, leg_options in legs
         } | reduced_parts_of(mechanism, highest, options, part_mesh)
-    unreduced = unreduced_bodies(model, mechanism, options)
+    unreduced = _unreduced_bodies(model, mechanism, options)
     return bodies_of(mechanism, options, reduced) if unreduced is None else unreduced
 
 
-def unreduced_bodies(
+def _unreduced_bodies(
     model: ModelName, mechanism: Mechanism, options: ModelOptions
 ) -> dict[str, BodyModel] | None:
     """Model of each body with all its modes. None if reduced models save time."""

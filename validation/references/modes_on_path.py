@@ -7,7 +7,7 @@ to their ends with all modes up to a cut-off frequency. The cut-off frequency is
 requested modes lie below it.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import NamedTuple
 
@@ -29,9 +29,9 @@ from validation.models.options import ModelName, ModelOptions
 from validation.models.robot_models import (
     CUTOFF,
     PostureModes,
-    dynamic_bodies,
     modes_along,
     modes_on_drives,
+    with_dynamic_bodies,
     with_enough_modes,
 )
 from validation.references.mode_samples import Samples, samples_of
@@ -174,12 +174,13 @@ def model_vibration(
     mechanism = postures[0].mechanism
     samples = samples_of(mechanism)
 
-    def solve(highest: float) -> PathModes:
-        bodies = dynamic_bodies(model, mechanism, highest, options)
+    def solve(bodies: Mapping[str, BodyModel]) -> PathModes:
         posture_modes = modes_along(assembly(mechanism, bodies), postures, count)
         return vibration_of(samples, posture_modes, count)
 
-    return with_enough_modes(solve, _solved_frequencies, postures, count)
+    return with_dynamic_bodies(
+        model, mechanism, solve, _solved_frequencies, postures, count, options
+    )
 
 
 def built_vibration(

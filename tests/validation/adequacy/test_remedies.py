@@ -77,7 +77,7 @@ def refusing(monkeypatch, module, function, refused=lambda _: True):
 
 def test_unsolved_model_keeps_other_verdicts(monkeypatch, arm, sound):
     refusing(monkeypatch, model_ladder, "answers", lambda model: model == "segments")
-    refusing(monkeypatch, modes_on_path, "dynamic_bodies", lambda model: model == "segments")
+    refusing(monkeypatch, modes_on_path, "with_dynamic_bodies", lambda model: model == "segments")
     matrix = robot_adequacy(Context(arm, "quick"))
     for entry, sound_entry in zip(matrix.entries, sound.entries, strict=True):
         if entry.model.startswith("segments"):

@@ -13,7 +13,14 @@ from lumped.models.serial_chains import NoChainError
 from lumped.robot_file import load_robot
 from lumped.system.joint_motion import Portion
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
-from validation.models.robot_models import answers, dynamic_bodies, mechanism_modes, sectioned_legs
+from validation.models.robot_models import (
+    answers,
+    dynamic_bodies,
+    highest_frequency,
+    mechanism_modes,
+    sectioned_legs,
+    with_dynamic_bodies,
+)
 
 EULER_BERNOULLI = ModelOptions(theory="euler-bernoulli")
 # One third of a turn about z, of twists.
@@ -62,6 +69,24 @@ def test_equal_bodies_are_reduced_once():
     shapes = {id(body.centreline) for body in bodies.values()}
     sections = {(leg.section, round(leg.length, 9)) for leg in legs_of(mechanism).values()}
     assert len(shapes) == len(sections)
+
+
+@pytest.mark.parametrize(("elements", "solutions"), [(10, 1), (80, 2)])
+def test_only_reduced_bodies_are_solved_again(elements, solutions):
+    """A frequency above the estimate needs more modes of reduced bodies; others have all modes."""
+    mechanism = load_robot("ifw").mechanism
+    at, options = [reference_posture(mechanism)], ModelOptions(elements=elements)
+    above = 1.01 * highest_frequency(at, 2, options)
+    sizes = []
+
+    def solve(bodies):
+        sizes.append(sum(body.size for body in bodies.values()))
+        return above
+
+    with_dynamic_bodies("beam", mechanism, solve, np.array, at, 2, options)
+    assert len(sizes) == solutions
+    # Two legs of quadratic elements, with six unknowns at each node.
+    assert (sizes[0] == 2 * 6 * (2 * elements + 1)) == (solutions == 1)
 
 
 def test_printed_release_is_at_leg_tip():
