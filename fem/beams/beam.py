@@ -101,6 +101,8 @@ class _Entries(NamedTuple):
     columns: IntArray
 
 
+# The beams of legs known by their 6×6 are needed again for each distribution of the mass.
+@memo(64)
 def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMatrices:
     """Free leg of `length` (m) consisting of `elements` beam elements of equal length.
 

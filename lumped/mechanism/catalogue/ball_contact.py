@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 from scipy.special import ellipe, ellipk
 
 from lumped.arrays import Array
@@ -98,7 +98,7 @@ class BallBearing:
             load = self.contact_constant * max(approach(angle), 0.0) ** 1.5
             return float(self.balls * load * np.sin(angle) - preload)
 
-        angle = float(brentq(excess, self.angle, _STEEPEST, xtol=1e-15, rtol=1e-14))
+        angle = float(scipy.optimize.brentq(excess, self.angle, _STEEPEST, xtol=1e-15, rtol=1e-14))
         return angle, approach(angle)
 
     def stiffness(self, preload: float, sign: float, position: float) -> Array:
@@ -165,7 +165,7 @@ def ellipse_ratio(difference: float) -> float:
         value = ((ratio**2 + 1.0) * second - 2.0 * first) / ((ratio**2 - 1.0) * second)
         return float(value - difference)
 
-    return float(brentq(excess, 1.0 + 1e-7, _LONGEST, xtol=1e-12, rtol=1e-14))
+    return float(scipy.optimize.brentq(excess, 1.0 + 1e-7, _LONGEST, xtol=1e-12, rtol=1e-14))
 
 
 def bearing_stiffness(
