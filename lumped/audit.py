@@ -12,10 +12,9 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.robot_file import RobotFile, as_printed
-from lumped.robot_file.evidence import Correction
 from lumped.robot_file.mechanism.pattern import written_out
 from lumped.robot_file.rules.matrices import asymmetries, is_positive_definite, smallest_eigenvalue
-from lumped.robot_file.rules.tables import length_unit_of
+from lumped.robot_file.rules.tables.robots import Correction, length_unit_of
 
 Kind: TypeAlias = Literal["computed", "read"]
 Severity: TypeAlias = Literal["error", "warning", "note"]

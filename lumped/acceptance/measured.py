@@ -10,9 +10,8 @@ Names of the quantities and the units of their values:
   response (m/N), frequency of the peak (Hz), and magnitude at one frequency (m/N).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -107,19 +106,28 @@ class Measured:
         return self.quantity.kind is QuantityKind.COMPLIANCE
 
 
-def measured_value(table: Mapping[str, Any], place: str, responses: Sequence[str] = ()) -> Measured:
-    """Measured value from a table [[measured]] whose keys have been checked.
+def measured_value(
+    name: str,
+    place: str,
+    responses: Sequence[str] = (),
+    *,
+    value: float,
+    uncertainty: float,
+    source: str,
+    pose: tuple[float, ...] = (),
+    load: float = 1.0,
+) -> Measured:
+    """Measured value of the quantity `name`, with the fields of `Measured`.
 
-    `place` is the location of the table in messages. `responses` are the names of the values of
+    `place` is the location of the value in messages. `responses` are the names of the values of
     harmonic responses that the robot file defines. Raises InputError with one line per fault.
     """
-    name = table["quantity"]
     if (quantity := measured_quantity(name, responses)) is None:
         raise InputError(f"{place}.quantity = {shown(name)}: must be one of {_names(responses)}")
-    value = Measured(**{**table, "quantity": quantity})
-    if faults := _value_faults(value, place):
+    measured = Measured(quantity, value, uncertainty, source, pose, load)
+    if faults := _value_faults(measured, place):
         raise InputError(faults)
-    return value
+    return measured
 
 
 def _names(responses: Sequence[str]) -> str:

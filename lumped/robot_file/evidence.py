@@ -1,37 +1,33 @@
 """Tables of a robot file for accepted errors, measured values, uncertain inputs and misprints."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from lumped.acceptance.measured import Measured, measured_value, pose_faults
-from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.acceptance.requirement import MODEL_KINDS, Requirement
 from lumped.errors import InputError
 from lumped.mechanism.length_unit import METRE, UnitOfLength
 from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file.hammer import hammer_faults
+from lumped.robot_file.mechanism.relations import named_twice
 from lumped.robot_file.places import value_at
 from lumped.robot_file.reading import number_or_text, table_rows
-from lumped.robot_file.rules.relations import named_twice
 from lumped.robot_file.rules.rule import is_finite_number
-from lumped.robot_file.rules.tables import ACCEPT, MEASURED, MEASURED_VALUES
+from lumped.robot_file.rules.tables.requests import (
+    ACCEPT,
+    MEASURED,
+    MEASURED_VALUES,
+    AcceptEntry,
+    MeasuredEntry,
+)
+from lumped.robot_file.rules.tables.robots import BiglideEntry, Correction, RobotEntry
 from lumped.text import shown
 
 # Tables that do not describe the robot. Their numbers cannot be uncertain inputs.
 OF_NO_ROBOT = {"schema", "accept", "agree", "path", "hammer"}
 _COLUMNS = ("quantity", "pose", "value", "uncertainty", "source")
-
-
-@dataclass(frozen=True)
-class Correction:
-    """A misprint at `key`: value `printed` in the source, value `used` in the file, `reason`."""
-
-    key: str
-    printed: float
-    used: float
-    reason: str
 
 
 def read_measured(
@@ -53,16 +49,31 @@ def read_measured(
         table = {name: _value(name, cells[name]) for name in _COLUMNS}
         if cells.get("load"):
             table["load"] = _value("load", cells["load"])
-        if row_faults := rules.faults_within(table, f"{location}."):
+        row_faults, read = rules.checked_within(table, f"{location}.")
+        if row_faults:
             faults += row_faults
             continue
         try:
-            values.append(measured_value(rules.read(table), location, responses))
+            values.append(measured_of(rules.entry(read), location, responses))
         except InputError as error:
             faults += error.faults
     if faults:
         raise InputError(faults)
     return tuple(values)
+
+
+def measured_of(entry: MeasuredEntry, location: str, responses: Sequence[str]) -> Measured:
+    """Measured value from an entry. Raises InputError like `measured_value`."""
+    return measured_value(
+        entry.quantity,
+        location,
+        responses,
+        value=entry.value,
+        uncertainty=entry.uncertainty,
+        source=entry.source,
+        pose=entry.pose,
+        load=entry.load,
+    )
 
 
 def _value(name: str, text: str) -> Any:
@@ -74,18 +85,13 @@ def _value(name: str, text: str) -> Any:
     return number_or_text(text)
 
 
-def requirement_of(accept: Mapping[str, Any] | None, robot: Mechanism) -> Requirement:
+def requirement_of(accept: AcceptEntry | None, robot: Mechanism) -> Requirement:
     """Limits of the table [accept] for the models of a robot. Defaults if `accept` is None."""
     requirement = Requirement(
         loads=tuple(load.name for load in robot.loads),
         responses=robot.judged_responses,
     )
-    if accept is None:
-        return requirement
-    names = [quantity.name for quantity in UNIT_LOADS]
-    limits = {name: accept[name] for name in names if accept[name] is not None}
-    general = {name: value for name, value in accept.items() if name not in names}
-    return replace(requirement, **general, limits=limits)
+    return requirement if accept is None else replace(requirement, **vars(accept))
 
 
 def with_options(
@@ -131,36 +137,42 @@ def times(value: Any, factor: float) -> Any:
     return [times(entry, factor) for entry in value] if isinstance(value, list) else factor * value
 
 
-def evidence_faults(
-    tables: Mapping[str, Any], read: Mapping[str, Any], robot: Mechanism
-) -> list[str]:
-    """Faults of corrections, measured values, modal test and uncertain inputs, one line each."""
+def corrections_of(entry: RobotEntry) -> tuple[Correction, ...]:
+    """Misprints in the source of the data of a robot file. Only schema 1 has them."""
+    return entry.corrections if isinstance(entry, BiglideEntry) else ()
+
+
+def evidence_faults(tables: Mapping[str, Any], entry: RobotEntry, robot: Mechanism) -> list[str]:
+    """Faults of corrections, measured values, modal test and uncertain inputs, one line each.
+
+    `entry` is made of the `tables` of the file.
+    """
     faults: list[str] = []
-    for number, table in enumerate(read.get("corrections", ()), start=1):
-        faults += _correction_faults(tables, f"corrections[{number}]", Correction(**table))
-    for number, table in enumerate(read["measured"], start=1):
+    for number, correction in enumerate(corrections_of(entry), start=1):
+        faults += _correction_faults(tables, f"corrections[{number}]", correction)
+    for number, measured in enumerate(entry.measured, start=1):
         location = f"measured[{number}]"
         try:
-            value = measured_value(table, location, robot.judged_responses)
+            value = measured_of(measured, location, robot.judged_responses)
         except InputError as error:
             faults += error.faults
         else:
             faults += pose_faults(robot, value, location)
-    if read["hammer"] is not None:
-        faults += hammer_faults(read["hammer"], robot)
-    keys = [table["key"] for table in read["input_uncertainty"]]
-    rely = (read["accept"] or {}).get("rely", ())
+    if entry.hammer is not None:
+        faults += hammer_faults(entry.hammer, robot)
+    keys = [uncertain.key for uncertain in entry.input_uncertainty]
+    rely = entry.accept.rely if entry.accept is not None else ()
     repeated = (
         named_twice(keys, "input_uncertainty[{}].key"),
         named_twice(rely, "accept.rely[{}]"),
     )
     faults += [f"{fault}; must be named once" for table in repeated for fault in table]
     return faults + [
-        f"input_uncertainty[{number}].key = {shown(table['key'])}: must name a number or a matrix "
+        f"input_uncertainty[{number}].key = {shown(key)}: must name a number or a matrix "
         'of the robot in this file, like "leg1.length" or "foot.compliance"'
-        for number, table in enumerate(read["input_uncertainty"], start=1)
-        if table["key"].partition(".")[0].strip() in OF_NO_ROBOT
-        or not _are_numbers(_value_or_none(tables, table["key"]))
+        for number, key in enumerate(keys, start=1)
+        if key.partition(".")[0].strip() in OF_NO_ROBOT
+        or not _are_numbers(_value_or_none(tables, key))
     ]
 
 

@@ -1,7 +1,7 @@
 """Geometry of a modal test (table [hammer]): nodes of a universal file as points of bodies."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +11,8 @@ from lumped.mechanism.body import Frame
 from lumped.mechanism.mechanism import GROUND, Mechanism
 from lumped.mechanism.placing import axes_along
 from lumped.models.bodies import legs_of
-from lumped.robot_file.rules.relations import NO_DIRECTION
+from lumped.robot_file.rules.rule import NO_DIRECTION
+from lumped.robot_file.rules.tables.requests import HammerEntry, NodeEntry
 from lumped.text import shown
 
 
@@ -43,23 +44,22 @@ class Hammer(NamedTuple):
         )
 
 
-def hammer_of(read: Mapping[str, Any], robot: Mechanism) -> Hammer:
-    """Modal test described by a table [hammer] without faults."""
+def hammer_of(entry: HammerEntry, robot: Mechanism) -> Hammer:
+    """Modal test described by an entry without faults."""
     nodes = {
-        int(number): (node["body"], Frame(_position(node, robot), axes_along(node["x"], node["y"])))
-        for number, node in read["nodes"].items()
+        int(number): (node.body, Frame(_position(node, robot), axes_along(node.x, node.y)))
+        for number, node in entry.nodes.items()
     }
-    numbers = {name: read[name] for name in ("uncertainty", "calibration", "averages")}
-    return Hammer(_pose(read, robot), nodes=nodes, **numbers)
+    return Hammer(_pose(entry, robot), entry.uncertainty, entry.calibration, entry.averages, nodes)
 
 
-def hammer_faults(read: Mapping[str, Any], robot: Mechanism) -> Iterator[str]:
+def hammer_faults(entry: HammerEntry, robot: Mechanism) -> Iterator[str]:
     """Faults of a table [hammer] whose keys have been checked, one line each."""
-    yield from place_faults(robot, _pose(read, robot), "hammer")
+    yield from place_faults(robot, _pose(entry, robot), "hammer")
     legs, bodies = legs_of(robot), dict(robot.bodies)
     bodies.pop(GROUND, None)
-    for number, node in read["nodes"].items():
-        key, name, location = f"hammer.nodes.{number}", node["body"], node["at"]
+    for number, node in entry.nodes.items():
+        key, name, location = f"hammer.nodes.{number}", node.body, node.at
         if name not in bodies:
             yield f"{key}.body = {shown(name)}: must be one of {', '.join(bodies)}"
         elif isinstance(location, str) and location not in bodies[name].interfaces:
@@ -67,16 +67,16 @@ def hammer_faults(read: Mapping[str, Any], robot: Mechanism) -> Iterator[str]:
             yield f"{key}.at = {shown(location)}: must be a point of {name} ({points}) or [x, y, z]"
         elif name in legs and not 0 <= round(_position(node, robot)[0] / legs[name].length, 9) <= 1:
             yield f"{key}.at = {shown(location)}: must lie between the ends of {name}"
-        if np.linalg.norm(np.cross(node["x"], node["y"])) < NO_DIRECTION:
-            yield f"{key}.y = {list(node['y'])}: must not lie along {key}.x"
+        if np.linalg.norm(np.cross(node.x, node.y)) < NO_DIRECTION:
+            yield f"{key}.y = {list(node.y)}: must not lie along {key}.x"
 
 
-def _pose(read: Mapping[str, Any], robot: Mechanism) -> tuple[float, ...]:
-    return tuple(robot.reference_pose.tolist()) if read["pose"] is None else read["pose"]
+def _pose(entry: HammerEntry, robot: Mechanism) -> tuple[float, ...]:
+    return tuple(robot.reference_pose.tolist()) if entry.pose is None else entry.pose
 
 
-def _position(node: Mapping[str, Any], robot: Mechanism) -> Array:
-    body = robot.bodies[node["body"]]
-    if isinstance(node["at"], str):
-        return body.interfaces[node["at"]].position
-    return (robot.reference[body.name].inverse() @ Frame(np.array(node["at"]))).position
+def _position(node: NodeEntry, robot: Mechanism) -> Array:
+    body = robot.bodies[node.body]
+    if isinstance(node.at, str):
+        return body.interfaces[node.at].position
+    return (robot.reference[body.name].inverse() @ Frame(np.array(node.at))).position

@@ -9,18 +9,19 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-from lumped.acceptance.measured import Measured, measured_value, pose_faults
+from lumped.acceptance.measured import Measured, pose_faults
 from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits, Requirement
 from lumped.errors import InputError, write_error
 from lumped.files import read_ordinary, require_ordinary
 from lumped.mechanism.body import Part
 from lumped.mechanism.mechanism import Mechanism
 from lumped.memo import memo
-from lumped.robot_file.biglide import biglide_faults, biglide_of
+from lumped.robot_file.biglide import biglide_entry, biglide_of
 from lumped.robot_file.evidence import (
     OF_NO_ROBOT,
-    Correction,
+    corrections_of,
     evidence_faults,
+    measured_of,
     read_measured,
     requirement_of,
     times,
@@ -42,7 +43,14 @@ from lumped.robot_file.reading import (
     tables_of,
 )
 from lumped.robot_file.rules.published import key_comments
-from lumped.robot_file.rules.tables import is_mechanism, rules_of
+from lumped.robot_file.rules.tables.requests import HammerEntry
+from lumped.robot_file.rules.tables.robots import (
+    Correction,
+    MechanismEntry,
+    RobotEntry,
+    is_mechanism,
+    rules_of,
+)
 from lumped.robot_file.written import toml_of
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.text import did_you_mean, visible
@@ -63,11 +71,14 @@ class RobotFile:
 
     `source` is the path as typed or, if `built_in`, the name of the robot. `text` is the text of
     the file and `sha256` the hexadecimal digest of the file and of the files to which it refers.
+    `schema` is the format of the file: 2 for a mechanism of named bodies and joints, 1 for the
+    biglide.
     `corrections` are misprints in the source of the data. `requirement` limits the errors of the
     robot's models, `measured` are measured values, `agreement` limits the differences between
-    formulations. `supposed` is a relative standard uncertainty of all moduli, lengths and
-    stiffnesses, which is used if the file does not specify any uncertainty. `changes` are numbers
-    or matrices that replace those of the text, by key.
+    formulations. `stated` are the relative standard uncertainties in the file: pairs (key,
+    uncertainty). `supposed` is that of all moduli, lengths and stiffnesses, which is used if the
+    file does not state any. `changes` are numbers or matrices that replace those of the text, by
+    key. `modal_test` is the table [hammer], if there is one.
     """
 
     mechanism: Mechanism
@@ -75,17 +86,15 @@ class RobotFile:
     built_in: bool
     text: str
     sha256: str
+    schema: int
     corrections: tuple[Correction, ...]
     requirement: Requirement = field(default_factory=Requirement)
     measured: tuple[Measured, ...] = ()
     agreement: AgreementLimits = DEFAULT_LIMITS
+    stated: tuple[tuple[str, float], ...] = ()
     supposed: float | None = None
     changes: Mapping[str, Any] = field(default_factory=dict, hash=False)
-
-    @property
-    def schema(self) -> int:
-        """Format of the file: 2 for a mechanism of named bodies and joints, 1 for the biglide."""
-        return int(self.tables.get("schema", 2))
+    modal_test: HammerEntry | None = field(default=None, hash=False)
 
     @property
     def name(self) -> str:
@@ -95,19 +104,16 @@ class RobotFile:
     @property
     def hammer(self) -> Hammer | None:
         """Geometry of a modal test. None if the file has no table [hammer]."""
-        tables = self.tables
-        read = rules_of(tables).read(tables)["hammer"]
-        return hammer_of(read, self.mechanism) if read else None
+        return None if self.modal_test is None else hammer_of(self.modal_test, self.mechanism)
 
     @property
     def uncertain_inputs(self) -> dict[str, float]:
         """Relative standard uncertainties of numbers and matrices in the file, by key."""
-        tables = self.tables
-        read = rules_of(tables).read(tables)
-        stated = {entry["key"]: entry["relative"] for entry in read["input_uncertainty"]}
-        if stated or self.supposed is None:
-            return stated
-        robot_tables = {name: table for name, table in tables.items() if name not in OF_NO_ROBOT}
+        if self.stated or self.supposed is None:
+            return dict(self.stated)
+        robot_tables = {
+            name: table for name, table in self.tables.items() if name not in OF_NO_ROBOT
+        }
         return dict.fromkeys(keys_named(robot_tables, _RARELY_KNOWN), self.supposed)
 
     def with_factors(self, relative_changes: Mapping[str, float]) -> Mechanism:
@@ -222,26 +228,27 @@ def _described(source: str, content: bytes, *, built_in: bool = False) -> RobotF
     tables = parsed(text, source)
     folder = Path() if built_in else Path(source).parent
     try:
-        mechanism, read = described_by(tables, folder)
+        mechanism, entry = described_by(tables, folder)
     except InputError as error:
         raise InputError(visible(f"{source}: {fault}") for fault in error.faults) from None
-    loads = read["loads"]
     parts = [body.shape.file for body in mechanism.bodies.values() if isinstance(body.shape, Part)]
+    wrenches = [folder / load.file for load in entry.loads if load.file]
     return RobotFile(
         mechanism=mechanism,
         source=source,
         built_in=built_in,
         text=text,
-        sha256=_digest(
-            content, [*parts, *(folder / load["file"] for load in loads if load["file"])]
-        ),
-        corrections=tuple(Correction(**table) for table in read.get("corrections", ())),
-        requirement=requirement_of(read["accept"], mechanism),
+        sha256=_digest(content, [*parts, *wrenches]),
+        schema=entry.schema,
+        corrections=corrections_of(entry),
+        requirement=requirement_of(entry.accept, mechanism),
         measured=tuple(
-            measured_value(table, "measured", mechanism.judged_responses)
-            for table in read["measured"]
+            measured_of(measured, "measured", mechanism.judged_responses)
+            for measured in entry.measured
         ),
-        agreement=AgreementLimits(**read["agree"]) if read["agree"] else DEFAULT_LIMITS,
+        agreement=entry.agree or DEFAULT_LIMITS,
+        stated=tuple((uncertain.key, uncertain.relative) for uncertain in entry.input_uncertainty),
+        modal_test=entry.hammer,
     )
 
 
@@ -277,44 +284,49 @@ def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
         raise write_error(path, error) from error
 
 
-def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, dict[str, Any]]:
-    """Mechanism described by tables of schema 1 or 2, and the tables with a value for every key.
+def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, RobotEntry]:
+    """Mechanism described by tables of schema 1 or 2, and the entry made of the tables.
 
     Paths of files are relative to `folder`. Raises InputError with one line per fault.
     """
-    written, rules = tables, rules_of(tables)
-    any_robot = is_mechanism(tables)
-    if any_robot and has_patterns(tables):
-        # Copies can only be made of entries without faults.
-        if faults := rules.faults_within(tables) or pattern_faults(tables):
-            raise InputError(faults)
-        written = written_out(tables)
-    described = draft(written) if any_robot else None
-    faults = biglide_faults(tables) if described is None else description_faults(written, described)
-    if faults:
-        raise InputError(faults)
-    read = rules.read(written)
-    if described is None:
-        mechanism = biglide_of(read)
-    else:
-        mechanism = mechanism_of(described, read["name"], folder)
-    damping = read["damping"]["ratio"] if read["damping"] else 0.0
+    entry, mechanism = _built(tables, folder)
+    damping = entry.damping.ratio if entry.damping else 0.0
     complete = replace(mechanism, damping=damping)
     faults = [
-        *load_faults(read["loads"], complete, folder),
-        *response_faults(read["responses"], complete),
+        *load_faults(entry.loads, complete, folder),
+        *response_faults(entry.responses, complete),
     ]
     if not faults:
-        loads = loads_of(read["loads"], complete, folder)
+        loads = loads_of(entry.loads, complete, folder)
         complete = replace(
-            complete, loads=loads, excitations=excitations_of(read["responses"], complete)
+            complete, loads=loads, excitations=excitations_of(entry.responses, complete)
         )
     # The complete robot is checked, because its postures are memoised for later computations.
+    any_robot = isinstance(entry, MechanismEntry)
     if faults := (motion_faults(complete) if any_robot else []) or faults:
         raise InputError(faults)
-    if faults := evidence_faults(tables, read, complete):
+    if faults := evidence_faults(tables, entry, complete):
         raise InputError(faults)
-    return complete, read
+    return complete, entry
+
+
+def _built(tables: Mapping[str, Any], folder: Path) -> tuple[RobotEntry, Mechanism]:
+    """Entry of a robot file, and its mechanism without damping, loads and excitations."""
+    if not is_mechanism(tables):
+        faults, biglide = biglide_entry(tables)
+        if biglide is None:
+            raise InputError(faults)
+        return biglide, biglide_of(biglide)
+    if has_patterns(tables):
+        # Copies can only be made of entries without faults.
+        if faults := rules_of(tables).faults_within(tables) or pattern_faults(tables):
+            raise InputError(faults)
+        tables = written_out(tables)
+    described = draft(tables)
+    faults = description_faults(described)
+    if faults or described.entry is None:
+        raise InputError(faults)
+    return described.entry, mechanism_of(described, described.entry, folder)
 
 
 def _built_in(name: str) -> bytes:

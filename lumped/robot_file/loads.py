@@ -6,7 +6,6 @@ A CSV file can contain a wrench for each pose of the path.
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,98 +18,115 @@ from lumped.mechanism.load import AppliedLine, Excitation, LineLoad, Load, Press
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism
 from lumped.models.bodies import legs_of
 from lumped.robot_file.mechanism.build import selection_of
+from lumped.robot_file.mechanism.relations import interface_faults, named_twice
 from lumped.robot_file.reading import TableRow, number_or_text, table_rows
-from lumped.robot_file.rules.relations import NO_DIRECTION, interface_faults, named_twice
-from lumped.robot_file.rules.rule import Number
-from lumped.robot_file.rules.tables import COORDINATE, FORCE, MOST_POSES
+from lumped.robot_file.rules.rule import NO_DIRECTION, Number
+from lumped.robot_file.rules.tables.requests import (
+    FORCE,
+    LineEntry,
+    LoadEntry,
+    PressureEntry,
+    ResponseEntry,
+)
+from lumped.robot_file.rules.tables.values import COORDINATE, MOST_POSES, Triple
 from lumped.text import did_you_mean, shown
 
 # Smallest speed (m/s) and acceleration (m/s²). Squares of smaller numbers are round-off.
 _SMALLEST = 1e-12
-_LOAD_KEYS = ("wrench", "gravity", "acceleration", "speed")
-_KINDS = (*_LOAD_KEYS, "file", "lines", "pressures")
+_KINDS = ("wrench", "gravity", "acceleration", "speed", "file", "lines", "pressures")
 _COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 _NUMBER = "pose"
 # Excess over the length of a leg that is rounding of its points.
 _ROUND_OFF = 1e-9
 
 
-def loads_of(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Path) -> tuple[Load, ...]:
-    """Loads described by tables without faults. Paths of files are relative to `folder`."""
+def loads_of(entries: Sequence[LoadEntry], robot: Mechanism, folder: Path) -> tuple[Load, ...]:
+    """Loads of a robot from entries without faults. Paths of files are relative to `folder`."""
     return tuple(
         Load(
-            table["name"],
-            _body_of(table, robot) or robot.tool.body,
-            table["at"] or robot.tool.point,
-            **{key: np.array(table[key]) for key in _LOAD_KEYS if table[key] is not None},
-            path_wrenches=_wrenches_over(folder / table["file"], robot) if table["file"] else None,
-            lines=tuple(_line_of(line, robot) for line in table["lines"] or ()),
+            entry.name,
+            _body_of(entry.at, entry.body, robot) or robot.tool.body,
+            entry.at or robot.tool.point,
+            **{
+                name: np.array(vector)
+                for name, vector in (
+                    ("wrench", entry.wrench),
+                    ("gravity", entry.gravity),
+                    ("acceleration", entry.acceleration),
+                    ("speed", entry.speed),
+                )
+                if vector is not None
+            },
+            path_wrenches=_wrenches_over(folder / entry.file, robot) if entry.file else None,
+            lines=tuple(_line_of(line, robot) for line in entry.lines or ()),
             pressures=tuple(
-                Pressure(on_faces["body"], selection_of(on_faces), on_faces["pressure"])
-                for on_faces in table["pressures"] or ()
+                Pressure(on_faces.body, selection_of(on_faces), on_faces.pressure)
+                for on_faces in entry.pressures or ()
             ),
         )
-        for table in read
+        for entry in entries
     )
 
 
-def load_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism, folder: Path) -> Iterator[str]:
+def load_faults(entries: Sequence[LoadEntry], robot: Mechanism, folder: Path) -> Iterator[str]:
     """Faults of tables [[loads]] whose keys have been checked, one line each."""
-    yield from _names_twice(read, "loads")
-    for number, table in enumerate(read, start=1):
+    yield from _names_twice(entries, "loads")
+    for number, entry in enumerate(entries, start=1):
         key = f"loads[{number}]"
-        if all(table[key_name] is None for key_name in _KINDS):
+        if all(getattr(entry, kind) is None for kind in _KINDS):
             yield f"{key}: has no load; must have one of {', '.join(_KINDS)}"
-        for line_number, line in enumerate(table["lines"] or (), start=1):
+        for line_number, line in enumerate(entry.lines or (), start=1):
             yield from _line_faults(line, f"{key}.lines[{line_number}]", robot)
-        for pressure_number, on_faces in enumerate(table["pressures"] or (), start=1):
+        for pressure_number, on_faces in enumerate(entry.pressures or (), start=1):
             yield from _pressure_faults(on_faces, f"{key}.pressures[{pressure_number}]", robot)
-        if table["file"] is not None:
-            if table["wrench"] is not None:
+        if entry.file is not None:
+            if entry.wrench is not None:
                 yield f"{key}.wrench: must be left out, because a file of wrenches is given"
             faults = collect_faults(
-                lambda file: _wrenches_over(folder / file, robot), [table["file"]]
+                lambda file: _wrenches_over(folder / file, robot), [entry.file]
             )[1]
             yield from (f"{key}.file: {fault}" for fault in faults)
-        for key_name in ("at", "body"):
-            if table[key_name] is not None and table["wrench"] is None and table["file"] is None:
+        for key_name, value in (("at", entry.at), ("body", entry.body)):
+            if value is not None and entry.wrench is None and entry.file is None:
                 yield f"{key}.{key_name}: must be left out if no wrench acts there"
-        yield from _point_faults(table, key, "at", robot)
-        for key_name in ("acceleration", "speed"):
-            for axis, value in zip(MOVES, table[key_name] or (), strict=False):
-                if value and axis not in robot.tool.moves:
-                    yield (
-                        f"{key}.{key_name} = {list(table[key_name])}: the tool does not move "
-                        f"along {axis}; must be 0 there"
-                    )
-                elif 0.0 < abs(value) < _SMALLEST:
-                    required = f"must be 0 or at least {_SMALLEST:g} in size along {axis}"
-                    yield f"{key}.{key_name} = {list(table[key_name])}: {required}"
+        yield from _point_faults(entry.at, entry.body, key, "at", robot)
+        yield from _motion_faults(entry.acceleration, f"{key}.acceleration", robot)
+        yield from _motion_faults(entry.speed, f"{key}.speed", robot)
 
 
-def _line_of(table: Mapping[str, Any], robot: Mechanism) -> AppliedLine:
-    """Load along a leg from a table without faults."""
-    length = float(legs_of(robot)[table["leg"]].length)
-    first = np.array(table["wrench"])
-    last = first if table["end_wrench"] is None else np.array(table["end_wrench"])
-    start, stop = table["from"] or 0.0, length if table["to"] is None else table["to"]
+def _motion_faults(vector: Triple | None, key: str, robot: Mechanism) -> Iterator[str]:
+    """Faults of an acceleration or a speed of the tool."""
+    for axis, value in zip(MOVES, vector or (), strict=False):
+        typed = f"{key} = {list(vector or ())}"
+        if value and axis not in robot.tool.moves:
+            yield f"{typed}: the tool does not move along {axis}; must be 0 there"
+        elif 0.0 < abs(value) < _SMALLEST:
+            yield f"{typed}: must be 0 or at least {_SMALLEST:g} in size along {axis}"
+
+
+def _line_of(line: LineEntry, robot: Mechanism) -> AppliedLine:
+    """Load along a leg from an entry without faults."""
+    length = float(legs_of(robot)[line.leg].length)
+    first = np.array(line.wrench)
+    last = first if line.end_wrench is None else np.array(line.end_wrench)
+    start, stop = line.from_ or 0.0, length if line.to is None else line.to
     return AppliedLine(
-        table["leg"], LineLoad(start, min(stop, length), first, last), table["axes"] == "base"
+        line.leg, LineLoad(start, min(stop, length), first, last), line.axes == "base"
     )
 
 
-def _line_faults(table: Mapping[str, Any], key: str, robot: Mechanism) -> Iterator[str]:
+def _line_faults(line: LineEntry, key: str, robot: Mechanism) -> Iterator[str]:
     """Faults of a load along a leg."""
     legs = legs_of(robot)
-    leg = legs.get(table["leg"])
+    leg = legs.get(line.leg)
     if leg is None:
-        advice = did_you_mean(table["leg"], legs, otherwise=f": {', '.join(legs) or 'none'}")
+        advice = did_you_mean(line.leg, legs, otherwise=f": {', '.join(legs) or 'none'}")
         yield (
-            f"{key}.leg = {shown(table['leg'])}: must be a leg of constant section, or with a "
+            f"{key}.leg = {shown(line.leg)}: must be a leg of constant section, or with a "
             f"6×6{advice}"
         )
         return
-    start, stop = table["from"] or 0.0, leg.length if table["to"] is None else table["to"]
+    start, stop = line.from_ or 0.0, leg.length if line.to is None else line.to
     lengths = robot.lengths
     if stop > leg.length * (1.0 + _ROUND_OFF):
         yield (
@@ -121,73 +137,73 @@ def _line_faults(table: Mapping[str, Any], key: str, robot: Mechanism) -> Iterat
         yield f"{key}.from = {lengths.of(start)!r}: must be below {lengths.shown(stop)}, its end"
 
 
-def _pressure_faults(table: Mapping[str, Any], key: str, robot: Mechanism) -> Iterator[str]:
+def _pressure_faults(entry: PressureEntry, key: str, robot: Mechanism) -> Iterator[str]:
     """Faults of a pressure on faces of a part."""
-    name, parts = table["body"], robot.parts
+    name, parts = entry.body, robot.parts
     if name not in parts:
         body = robot.bodies.get(name)
         instead = "wrench" if body is not None and isinstance(body.shape, Rigid) else "lines"
         reason = "" if body is None else f"; this body has no faces, load it by {instead}"
         advice = did_you_mean(name, parts, otherwise=f": {', '.join(parts) or 'none'}")
         yield f"{key}.body = {shown(name)}: must be a CAD part (step or mesh){advice}{reason}"
-    yield from interface_faults(dict(table), key)
+    yield from interface_faults(entry, key)
 
 
 def _point_faults(
-    table: Mapping[str, Any], key: str, point_key: str, robot: Mechanism
+    point: str | None, owner: str | None, key: str, point_key: str, robot: Mechanism
 ) -> Iterator[str]:
-    """Faults of a point under `point_key`, and of the `body` to which the point belongs."""
-    name, owner = table[point_key], table["body"]
-    if name is None:
+    """Faults of a point in a table at `key`, and of the body `owner` to which the point belongs."""
+    if point is None:
         if owner is not None:
             yield (
                 f"{key}.body: must be left out without `{point_key}`, because it names the "
                 "body of that point"
             )
-    elif _body_of(table, robot, point_key) is None:
+    elif _body_of(point, owner, robot) is None:
         bodies = robot.bodies if owner is None else {owner: None}
         points = dict.fromkeys(
             p for body in bodies if body in robot.bodies for p in robot.bodies[body].interfaces
         )
-        advice = did_you_mean(name, points, otherwise=f": {', '.join(points) or 'none'}")
-        yield f"{key}.{point_key} = {shown(name)}: must be a point of {owner or 'a body'}{advice}"
+        advice = did_you_mean(point, points, otherwise=f": {', '.join(points) or 'none'}")
+        yield f"{key}.{point_key} = {shown(point)}: must be a point of {owner or 'a body'}{advice}"
 
 
-def _body_of(table: Mapping[str, Any], robot: Mechanism, point_key: str = "at") -> str | None:
-    """Name of the body that has the point of a table. None if no body has such a point.
+def _body_of(point: str | None, owner: str | None, robot: Mechanism) -> str | None:
+    """Name of the body that has a point, the tool's if None. None if no body has such a point.
 
-    The body is the one named in the table, otherwise the body of the tool, otherwise the first body
-    in the file that has the point.
+    The body is `owner`, or otherwise the body of the tool, otherwise the first body in the file
+    that has the point.
     """
     first = (robot.tool.body, *(name for name in robot.bodies if name != GROUND))
-    names = first if table["body"] is None else (table["body"],)
-    point = table[point_key] or robot.tool.point
-    interfaces = {name: robot.bodies[name].interfaces for name in names if name in robot.bodies}
-    return next((name for name, points in interfaces.items() if point in points), None)
+    names = first if owner is None else (owner,)
+    name = point or robot.tool.point
+    interfaces = {body: robot.bodies[body].interfaces for body in names if body in robot.bodies}
+    return next((body for body, points in interfaces.items() if name in points), None)
 
 
-def excitations_of(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> tuple[Excitation, ...]:
-    """Excitations described by tables without faults."""
+def excitations_of(entries: Sequence[ResponseEntry], robot: Mechanism) -> tuple[Excitation, ...]:
+    """Excitations of a robot from entries without faults."""
     excitations = []
-    for table in read:
-        force, motion = _force_of(table), _motion_of(table)
-        loaded = None if force["at"] is None else (_body_of(force, robot) or "", force["at"])
+    for entry in entries:
+        motion = entry.motion
+        loaded = None
+        if entry.point is not None:
+            loaded = _body_of(entry.point, entry.body, robot) or "", entry.point
         moved_point = loaded
-        if motion["point"] is not None:
-            moved_point = _body_of(motion, robot, "point") or "", motion["point"]
+        if motion.point is not None:
+            moved_point = _body_of(motion.point, motion.body, robot) or "", motion.point
         tool = robot.tool.body, robot.tool.point
-        direction = motion["direction"]
         excitations.append(
             Excitation(
-                table["name"],
-                _unit(table["direction"]),
-                table["from"],
-                table["to"],
-                table["count"],
-                at=_frequency_of(table),
+                entry.name,
+                _unit(entry.direction),
+                entry.from_,
+                entry.to,
+                entry.count,
+                at=entry.judged_frequency,
                 loaded=None if loaded == tool else loaded,
                 moved=None if moved_point == tool else moved_point,
-                moved_direction=None if direction is None else _unit(direction),
+                moved_direction=None if motion.direction is None else _unit(motion.direction),
             )
         )
     return tuple(excitations)
@@ -198,67 +214,39 @@ def _unit(direction: Sequence[float]) -> Array:
     return np.asarray(vector / np.linalg.norm(vector))
 
 
-def _force_of(table: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Point and body on which the force of a response acts.
-
-    The key `at` is a point, or a frequency if it is a number.
-    """
-    point = table["at"] if isinstance(table["at"], str) else None
-    return {"at": point, "body": table["body"]}
-
-
-def _motion_of(table: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Point, body and direction of the displacement of a response."""
-    motion = table["of"]
-    return (
-        motion
-        if isinstance(motion, Mapping)
-        else {"point": motion, "body": None, "direction": None}
-    )
-
-
-def _frequency_of(table: Mapping[str, Any]) -> float | None:
-    """Frequency (Hz) at which a response is judged, besides its peak."""
-    number = table["at"] if isinstance(table["at"], float) else None
-    return number if table["frequency"] is None else table["frequency"]
-
-
-def response_faults(read: Sequence[Mapping[str, Any]], robot: Mechanism) -> Iterator[str]:
+def response_faults(entries: Sequence[ResponseEntry], robot: Mechanism) -> Iterator[str]:
     """Faults of tables [[responses]] whose keys have been checked, one line each."""
-    yield from _names_twice(read, "responses")
-    for number, table in enumerate(read, start=1):
-        key = f"responses[{number}]"
-        if table["name"] == TEST_RESPONSE:
-            yield f"{key}.name = {shown(table['name'])}: must differ; modal tests have this name"
-        directions = {
-            "direction": table["direction"],
-            "of.direction": _motion_of(table)["direction"],
-        }
+    yield from _names_twice(entries, "responses")
+    for number, entry in enumerate(entries, start=1):
+        key, motion = f"responses[{number}]", entry.motion
+        if entry.name == TEST_RESPONSE:
+            yield f"{key}.name = {shown(entry.name)}: must differ; modal tests have this name"
+        directions = {"direction": entry.direction, "of.direction": motion.direction}
         for name, direction in directions.items():
             if direction is not None and np.linalg.norm(direction) < NO_DIRECTION:
                 yield f"{key}.{name} = {list(direction)}: must not be zero"
-        yield from _point_faults(_force_of(table), key, "at", robot)
-        if isinstance(table["of"], str):
-            yield from _point_faults({"of": table["of"], "body": None}, key, "of", robot)
-        elif table["of"] is not None:
-            yield from _point_faults(table["of"], f"{key}.of", "point", robot)
-        frequency = _frequency_of(table)
-        name = "at" if table["frequency"] is None else "frequency"
-        if isinstance(table["at"], float) and table["frequency"] is not None:
-            yield f"{key}.at = {table['at']!r}: must be a point, because {key}.frequency is given"
-        if table["to"] <= table["from"]:
-            yield f"{key}.to = {table['to']!r}: must be above {key}.from, {table['from']!r} Hz"
-        elif frequency is not None and not table["from"] <= frequency <= table["to"]:
+        yield from _point_faults(entry.point, entry.body, key, "at", robot)
+        location = (key, "of") if isinstance(entry.of, str) else (f"{key}.of", "point")
+        yield from _point_faults(motion.point, motion.body, *location, robot)
+        frequency = entry.judged_frequency
+        name = "at" if entry.frequency is None else "frequency"
+        if isinstance(entry.at, float) and entry.frequency is not None:
+            yield f"{key}.at = {entry.at!r}: must be a point, because {key}.frequency is given"
+        if entry.to <= entry.from_:
+            yield f"{key}.to = {entry.to!r}: must be above {key}.from, {entry.from_!r} Hz"
+        elif frequency is not None and not entry.from_ <= frequency <= entry.to:
             yield f"{key}.{name} = {frequency!r}: must be between {key}.from and {key}.to"
-    if read and not robot.is_damped:
+    if entries and not robot.is_damped:
         yield (
             "responses: nothing damps them, their peaks have no bound; must have [damping] ratio, "
             "or loss of a material, a joint or a drive, or damping of a joint or a drive"
         )
 
 
-def _names_twice(read: Sequence[Mapping[str, Any]], array_name: str) -> Iterator[str]:
-    for fault in named_twice([table["name"] for table in read], f"{array_name}[{{}}].name"):
+def _names_twice(
+    entries: Sequence[LoadEntry] | Sequence[ResponseEntry], array_name: str
+) -> Iterator[str]:
+    for fault in named_twice([entry.name for entry in entries], f"{array_name}[{{}}].name"):
         yield f"{fault}; must be named once"
 
 

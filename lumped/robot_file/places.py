@@ -11,7 +11,7 @@ from typing import Any
 from lumped.mechanism.mechanism import LENGTHS
 from lumped.robot_file.rules.matrices import SquareMatrix
 from lumped.robot_file.rules.rule import Number, Several, is_finite_number
-from lumped.robot_file.rules.tables import length_unit_of, rules_of
+from lumped.robot_file.rules.tables.robots import length_unit_of, rules_of
 
 # A name with indices after it.
 _STEP = re.compile(r"([\w-]+)(?:\[([1-9]\d*(?:\s*,\s*[1-9]\d*)?)\])?")

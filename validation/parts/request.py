@@ -16,8 +16,9 @@ from lumped.legs import Material
 from lumped.mechanism.body import Body, PartInterface
 from lumped.robot_file import RobotFile
 from lumped.robot_file.mechanism.build import interface_of, isotropic_of
-from lumped.robot_file.rules.relations import interface_faults, material_faults
-from lumped.robot_file.rules.tables import INTERFACE, MATERIAL
+from lumped.robot_file.mechanism.relations import interface_faults, material_faults
+from lumped.robot_file.rules.tables.bodies import INTERFACE
+from lumped.robot_file.rules.tables.sections import MATERIAL
 
 FEWEST_UNKNOWNS, MOST_UNKNOWNS = 1000, 10_000_000
 # More modes than any mesh that fits into memory can resolve.
@@ -68,12 +69,13 @@ def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[
                 faults.append(f"{key}: must be a table, for example {_EXAMPLE}")
                 continue
             table_faults = INTERFACE.faults_within(table, f"{key}.")
-            values = {} if table_faults else INTERFACE.read(table)
-            table_faults = table_faults or [*interface_faults(values, key)]
             if not table_faults:
-                interfaces[name] = interface_of(values)
-                if values["point"] is not None:
-                    points[name] = np.array(values["point"])
+                entry = INTERFACE.read(table)
+                table_faults = [*interface_faults(entry, key)]
+            if not table_faults:
+                interfaces[name] = interface_of(entry)
+                if entry.point is not None:
+                    points[name] = np.array(entry.point)
             faults += table_faults
     if not texts:
         faults.append(f"--interface: missing; add one, for example {_EXAMPLE!r}")
@@ -92,11 +94,12 @@ def material_of(text: str) -> Material:
     table = tables["material"]
     if not isinstance(table, dict) or len(tables) > 1:
         raise InputError(f"--material: must be a table, for example {example}")
-    faults = MATERIAL.faults_within(table, "--material ")
-    values = {} if faults else MATERIAL.read(table)
-    if faults := faults or [*material_faults(values, "--material ")]:
+    if faults := MATERIAL.faults_within(table, "--material "):
         raise InputError(faults)
-    return isotropic_of(values)
+    material = MATERIAL.read(table)
+    if faults := [*material_faults(material, "--material ")]:
+        raise InputError(faults)
+    return isotropic_of(material)
 
 
 def _table(text: str, option: str, example: str) -> dict[str, Any]:

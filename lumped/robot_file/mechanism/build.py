@@ -1,12 +1,8 @@
-"""Legs (schema 1 and 2) and mechanisms (schema 2) from tables without faults.
-
-A table has a value for every key. The value is None if the key is omitted.
-"""
+"""Legs (schema 1 and 2) and mechanisms (schema 2) from entries without faults."""
 
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,10 +10,8 @@ from lumped.arrays import Array
 from lumped.legs import ConstantLeg, GivenLeg, Leg, LineLeg, Material
 from lumped.mechanism.body import (
     Body,
-    ByCylinder,
     ByFaces,
     ByName,
-    ByPlane,
     Frame,
     Part,
     PartInterface,
@@ -34,18 +28,31 @@ from lumped.mechanism.catalogue.ball_guide import BallGuide, guide_compliance
 from lumped.mechanism.catalogue.ball_nut import PRELOADED, WITH_PLAY, BallNut
 from lumped.mechanism.catalogue.directions import joint_axes, joint_matrix
 from lumped.mechanism.joint import BallScrew, Drive, Joint, Side
-from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
+from lumped.mechanism.mechanism import GROUND, Mechanism
 from lumped.mechanism.placing import axes_along, place_leg, place_rigid_body
-from lumped.robot_file.mechanism.draft import Draft
-from lumped.robot_file.rules.relations import Entry
-from lumped.robot_file.rules.several_materials import CompositeTable, LaminateTable
+from lumped.robot_file.mechanism.draft import BodyDraft, Draft, JointDraft, LegDraft
+from lumped.robot_file.rules.tables.bodies import InterfaceEntry
+from lumped.robot_file.rules.tables.joints import (
+    AlongDirections,
+    BearingEntry,
+    DriveEntry,
+    GuideEntry,
+    NutEntry,
+    ScrewEntry,
+)
+from lumped.robot_file.rules.tables.requests import PressureEntry
+from lumped.robot_file.rules.tables.robots import MechanismEntry, PathEntry
+from lumped.robot_file.rules.tables.sections import CompositeParts, LaminateWall, MaterialEntry
+from lumped.robot_file.rules.tables.values import Place, Spring, given
 from lumped.screws import turn_matrix
 
 
-def mechanism_of(description: Draft, name: str, folder: Path) -> Mechanism:
-    """Mechanism of a draft without faults. Paths of files are relative to `folder`."""
-    tool: Entry = description.tool or {}
-    joints = tuple(_joint(description, name) for name in description.joints)
+def mechanism_of(description: Draft, entry: MechanismEntry, folder: Path) -> Mechanism:
+    """Mechanism of a robot file, `entry`, and its draft, both without faults.
+
+    Paths of files are relative to `folder`.
+    """
+    joints = tuple(_joint(joint, name) for name, joint in description.joints.items())
     sides = [side for joint in joints for side in (joint.first, joint.second)]
     base = dict.fromkeys(side.point for side in sides if side.body == GROUND)
     placed = [
@@ -53,231 +60,216 @@ def mechanism_of(description: Draft, name: str, folder: Path) -> Mechanism:
         *(_body(description, name, folder) for name in description.bodies),
     ]
     mechanism = Mechanism(
-        name=name,
+        name=entry.name,
         bodies={body.name: body for body, _ in placed},
         joints=joints,
-        tool=Tool(**tool),
+        tool=entry.tool,
         reference={body.name: frame for body, frame in placed},
-        poses=np.zeros((0, len(tool["moves"]))),
+        poses=np.zeros((0, len(entry.tool.moves))),
         lengths=description.unit,
     )
-    if description.path is None:
+    if entry.path is None:
         return replace(mechanism, poses=mechanism.reference_pose[None])
-    return replace(mechanism, poses=_poses(description.path), grid=_grid(description.path))
+    grid = _grid(entry.path)
+    return replace(mechanism, poses=_poses(entry.path, grid), grid=grid)
 
 
 def _body(description: Draft, name: str, folder: Path) -> tuple[Body, Frame]:
-    table = description.bodies[name]
-    if table["kind"] == "part":
-        return _part(description, name, table, folder)
-    if table["kind"] == "rigid body":
-        return _rigid(description, name, table)
-    up = None if table["up"] is None else np.array(table["up"])
-    body, frame = place_leg(
-        name, leg_of(table, name), table["interface_points"], description.points, up
-    )
-    return replace(body, loss=loss_of(table)), frame
+    body = description.bodies[name]
+    if body.kind == "part":
+        return _part(description, name, body, folder)
+    if body.kind == "rigid body":
+        return _rigid(description, name, body)
+    up = None if body.entry.up is None else np.array(body.entry.up)
+    ends = given(body.entry.from_), given(body.entry.to)
+    leg, frame = place_leg(name, leg_of(body, name), ends, description.points, up)
+    return replace(leg, loss=loss_of(body)), frame
 
 
-def _point(description: Draft, place: Any) -> Array:
+def _point(description: Draft, place: Place) -> Array:
     """Position (3, in m) of a point given by its name or its coordinates."""
     return description.points[place] if isinstance(place, str) else np.array(place)
 
 
-def _part(description: Draft, name: str, table: Entry, folder: Path) -> tuple[Body, Frame]:
-    placement, frame = table["place"], Frame()
+def _part(description: Draft, name: str, body: BodyDraft, folder: Path) -> tuple[Body, Frame]:
+    entry, placement, frame = body.entry, body.entry.place, Frame()
     if placement is not None:
-        frame = Frame(
-            _point(description, placement["at"]), axes_along(placement["x"], placement["y"])
-        )
+        frame = Frame(_point(description, placement.at), axes_along(placement.x, placement.y))
     shape = Part(
-        file=folder / (table["step"] or table["mesh"]),
-        material=isotropic_of(table["material"]),
-        interfaces={point: interface_of(entry) for point, entry in table["interfaces"].items()},
-        unit=table["unit"],
+        file=folder / given(entry.step or entry.mesh),
+        material=isotropic_of(given(body.material)),
+        interfaces={point: interface_of(table) for point, table in given(entry.interfaces).items()},
+        unit=entry.unit,
     )
     file_frame = frame.inverse()
     interfaces = {
         point: Frame((file_frame @ Frame(description.points[point])).position)
         for point in shape.interfaces
     }
-    return Body(name, shape, interfaces, loss_of(table)), frame
+    return Body(name, shape, interfaces, loss_of(body)), frame
 
 
-def _rigid(description: Draft, name: str, table: Entry) -> tuple[Body, Frame]:
-    origin = description.points[table["points"][0]]
-    centre = origin if table["centre"] is None else _point(description, table["centre"])
-    inertia = np.zeros((3, 3)) if table["inertia"] is None else table["inertia"]
-    shape = Rigid(table["mass"] or 0.0, centre - origin, inertia)
-    return place_rigid_body(name, table["points"], description.points, shape)
+def _rigid(description: Draft, name: str, body: BodyDraft) -> tuple[Body, Frame]:
+    entry, points = body.entry, given(body.interface_points)
+    origin = description.points[points[0]]
+    centre = origin if entry.centre is None else _point(description, entry.centre)
+    inertia = np.zeros((3, 3)) if entry.inertia is None else entry.inertia
+    shape = Rigid(entry.mass or 0.0, centre - origin, inertia)
+    return place_rigid_body(name, points, description.points, shape)
 
 
-def _joint(description: Draft, name: str) -> Joint:
-    table = description.joints[name]
-    first, second = map(Side, table["between"], table["points"])
+def _joint(joint: JointDraft, name: str) -> Joint:
+    entry = joint.entry
+    first, second = map(Side, entry.between, joint.points)
     # The direction between two points is more accurate than one typed with six digits.
-    directions = table["directions"] if table["vector"] is None else table["vector"]
+    directions = joint.directions if joint.vector is None else joint.vector
     axes = np.reshape(directions, (-1, 3))
-    drive = table["drive"]
-    if drive is not None:
-        screw = None if drive["screw"] is None else _screw(drive["screw"])
-        stiffness = None if drive["stiffness"] == "rigid" else drive["stiffness"]
-        stiffness = stiffness if screw is None else float(screw.stiffness(0.0))
-        inertia = (drive["inertia"] or 0.0) * (drive["ratio"] or 1.0) ** 2
-        drive = Drive(
-            stiffness, drive["simplified"], drive["loss"], inertia, drive["damping"], screw
-        )
     unit = axes / np.linalg.norm(axes, axis=1)[:, None]
-    kind, up = table["type"], None if table["up"] is None else np.array(table["up"])
+    kind, up = entry.type, None if entry.up is None else np.array(entry.up)
     own_axes = joint_axes(kind, unit, up)
-    compliance, damping = table["compliance"], None
-    if table["stiffness"] is not None:
-        compliance = joint_matrix(kind, own_axes, _compliances(table["stiffness"]))
-    if table["bearing"] is not None:
-        compliance = turn_matrix(_bearing_compliance(table["bearing"]), own_axes)
-    if table["guide"] is not None:
-        compliance = turn_matrix(_guide_compliance(table["guide"]), own_axes)
-    if table["damping"] is not None:
-        damping = joint_matrix(kind, own_axes, _present(table["damping"]))
-    return Joint(name, kind, first, second, unit, drive, compliance, table["loss"], damping)
+    compliance, damping = entry.compliance, None
+    if entry.stiffness is not None:
+        compliance = joint_matrix(kind, own_axes, _compliances(entry.stiffness))
+    if entry.bearing is not None:
+        compliance = turn_matrix(_bearing_compliance(entry.bearing), own_axes)
+    if entry.guide is not None:
+        compliance = turn_matrix(_guide_compliance(entry.guide), own_axes)
+    if entry.damping is not None:
+        damping = joint_matrix(kind, own_axes, entry.damping)
+    drive = None if entry.drive is None else _drive(entry.drive)
+    return Joint(name, kind, first, second, unit, drive, compliance, entry.loss, damping)
 
 
-def _bearing_compliance(table: Entry) -> Array:
+def _drive(entry: DriveEntry) -> Drive:
+    screw = None if entry.screw is None else _screw(entry.screw)
+    stiffness = None if entry.stiffness == "rigid" else entry.stiffness
+    stiffness = stiffness if screw is None else float(screw.stiffness(0.0))
+    inertia = (entry.inertia or 0.0) * (entry.ratio or 1.0) ** 2
+    return Drive(stiffness, entry.simplified, entry.loss, inertia, entry.damping, screw)
+
+
+def _bearing_compliance(entry: BearingEntry) -> Array:
     """Compliance (6×6, x along the shaft) of a preloaded ball bearing."""
-    if table["size"] is not None:
-        bearing = bearing_of_size(table["size"])
+    if entry.size is not None:
+        bearing = bearing_of_size(entry.size)
     else:
         bearing = BallBearing(
-            balls=table["balls"],
-            ball_diameter=table["ball_diameter"],
-            pitch_diameter=table["pitch_diameter"],
-            angle=float(np.radians(table["contact_angle"] or 0.0)),
-            inner=table["inner_groove"] or 0.52,
-            outer=table["outer_groove"] or 0.53,
+            balls=given(entry.balls),
+            ball_diameter=given(entry.ball_diameter),
+            pitch_diameter=given(entry.pitch_diameter),
+            angle=float(np.radians(entry.contact_angle or 0.0)),
+            inner=entry.inner_groove or 0.52,
+            outer=entry.outer_groove or 0.53,
         )
     return bearing_compliance(
         bearing_stiffness(
-            bearing,
-            table["preload"],
-            table["rows"],
-            table["arrangement"],
-            table["distance"] or 0.0,
+            bearing, entry.preload, entry.rows, entry.arrangement, entry.distance or 0.0
         )
     )
 
 
-def _guide_compliance(table: Entry) -> Array:
+def _guide_compliance(entry: GuideEntry) -> Array:
     """Compliance (6×6, x along the rail, z normal to it) of a profile rail guide."""
     guide = BallGuide(
-        balls=table["balls"],
-        ball_diameter=table["ball_diameter"],
-        spacing=table["spacing"],
-        width=table["width"],
-        height=table["height"],
-        angle=float(np.radians(table["contact_angle"])),
-        groove=table["groove"],
-        lines=table["lines"],
+        balls=entry.balls,
+        ball_diameter=entry.ball_diameter,
+        spacing=entry.spacing,
+        width=entry.width,
+        height=entry.height,
+        angle=float(np.radians(entry.contact_angle)),
+        groove=entry.groove,
+        lines=entry.lines,
     )
-    return guide_compliance(guide.stiffness(table["preload"]))
+    return guide_compliance(guide.stiffness(entry.preload))
 
 
-def _screw(table: Entry) -> BallScrew:
-    stiffnesses = table["bearing"], _nut_stiffness(table["nut"])
+def _screw(entry: ScrewEntry) -> BallScrew:
+    stiffnesses = entry.bearing, _nut_stiffness(entry.nut)
     bearing, nut = (0.0 if stiffness == "rigid" else 1.0 / stiffness for stiffness in stiffnesses)
     return BallScrew(
-        axial=table["E"] * np.pi * table["diameter"] ** 2 / 4.0,
-        length=table["length"],
-        sign=1.0 if table["positive"] == "longer" else -1.0,
-        span=table["span"],
+        axial=entry.E * np.pi * entry.diameter**2 / 4.0,
+        length=entry.length,
+        sign=1.0 if entry.positive == "longer" else -1.0,
+        span=entry.span,
         bearing=bearing,
         nut=nut,
     )
 
 
-def _nut_stiffness(nut: Any) -> Any:
+def _nut_stiffness(nut: Spring | NutEntry) -> Spring:
     """Axial stiffness (N/m) of the nut of a ball screw, or "rigid"."""
-    if not isinstance(nut, dict):
+    if not isinstance(nut, NutEntry):
         return nut
-    preload, share = nut["preload"], nut["share"]
-    default = WITH_PLAY if preload is None else PRELOADED
-    ball_nut = BallNut(nut["rigidity"], nut["load_rating"], default if share is None else share)
-    return ball_nut.stiffness(nut["load"] if preload is None else preload)
+    default = WITH_PLAY if nut.preload is None else PRELOADED
+    ball_nut = BallNut(nut.rigidity, nut.load_rating, default if nut.share is None else nut.share)
+    return ball_nut.stiffness(given(nut.load) if nut.preload is None else nut.preload)
 
 
-def _compliances(stiffnesses: Entry) -> dict[str, float]:
+def _compliances(stiffnesses: AlongDirections) -> dict[str, float]:
     """Compliance along each direction of a joint, from its stiffness. Zero if rigid."""
-    present = _present(stiffnesses)
-    return {name: 0.0 if value == "rigid" else 1.0 / value for name, value in present.items()}
+    return {name: 0.0 if value == "rigid" else 1.0 / value for name, value in stiffnesses.items()}
 
 
-def _present(table: Entry) -> Entry:
-    return {name: value for name, value in table.items() if value is not None}
+def _poses(path: PathEntry, grid: tuple[Array, ...]) -> Array:
+    if path.poses is not None:
+        return np.array(path.poses, dtype=float).reshape(len(path.poses), -1)
+    if path.counts is not None:
+        return np.array(list(product(*grid)))
+    return np.linspace(given(path.from_), given(path.to), given(path.count))
 
 
-def _poses(path: Entry) -> Array:
-    if path["poses"] is not None:
-        return np.array(path["poses"], dtype=float).reshape(len(path["poses"]), -1)
-    if path["counts"] is None:
-        return np.linspace(path["from"], path["to"], path["count"])
-    return np.array(list(product(*_grid(path))))
-
-
-def _grid(path: Entry) -> tuple[Array, ...]:
+def _grid(path: PathEntry) -> tuple[Array, ...]:
     """Values along each move of the tool. Empty if the poses do not form a grid."""
-    if path["counts"] is None:
+    if path.counts is None:
         return ()
-    steps = zip(path["from"], path["to"], path["counts"], strict=True)
+    steps = zip(given(path.from_), given(path.to), path.counts, strict=True)
     return tuple(np.linspace(*step) for step in steps)
 
 
-def leg_of(table: Entry, name: str) -> Leg:
-    """Leg described by a table of schema 1 or 2."""
-    length, section, material_table, mass = (
-        table[key] for key in ("length", "section", "material", "mass")
-    )
-    if table["compliance"] is not None:
-        mass_properties = table["inertia"], table["mass_centre"]
-        return GivenLeg(length, mass, table["compliance"], *mass_properties, name)
-    if isinstance(section, CompositeTable | LaminateTable):
+def leg_of(leg: LegDraft, name: str) -> Leg:
+    """Leg of schema 1 or 2 from a draft without faults."""
+    entry, section, length, mass = leg.entry, leg.section, given(leg.length), leg.entry.mass
+    if entry.compliance is not None:
+        mass_properties = entry.inertia, entry.mass_centre
+        return GivenLeg(length, given(mass), entry.compliance, *mass_properties, name)
+    if isinstance(section, CompositeParts | LaminateWall):
         mean = Material(*section.section.mean_material)
-        return ConstantLeg(length, section.section, mean, table["ends"], name)
-    density = 1.0 if material_table["rho"] is None else material_table["rho"]
-    material = isotropic_of(material_table | {"rho": density})
-    if material_table["G"] is not None:
-        material = replace(material, G=material_table["G"])
-    line = table.get("line")
-    leg = (
-        ConstantLeg(length, section, material, table["ends"], name)
-        if line is None or line.line is None or line.stations is None
-        else LineLeg(line.line, line.stations, material, table["ends"], name)
-    )
+        return ConstantLeg(length, section.section, mean, entry.ends, name)
+    table = given(leg.material)
+    density = 1.0 if table.rho is None else table.rho
+    material = isotropic_of(replace(table, rho=density))
+    if table.G is not None:
+        material = replace(material, G=table.G)
+    line = leg.line
+    if line is not None and line.line is not None and line.stations is not None:
+        made: ConstantLeg | LineLeg = LineLeg(line.line, line.stations, material, entry.ends, name)
+    else:
+        made = ConstantLeg(length, given(section), material, entry.ends, name)
     if mass is None:
-        return leg
-    return replace(leg, material=replace(material, rho=mass * density / leg.mass))
+        return made
+    return replace(made, material=replace(material, rho=mass * density / made.mass))
 
 
-def loss_of(table: Entry) -> float:
+def loss_of(leg: LegDraft) -> float:
     """Loss factor of a leg or part: that of its material or, for a compliance, the key `loss`."""
-    loss = table["loss"] if table["material"] is None else table["material"]["loss"]
+    loss = leg.entry.loss if leg.material is None else leg.material.loss
     return loss or 0.0
 
 
-def isotropic_of(material: Entry) -> Material:
-    """Isotropic material described by a table."""
-    return Material.isotropic(material["E"], material["nu"], material["rho"])
+def isotropic_of(entry: MaterialEntry) -> Material:
+    """Isotropic material with a density."""
+    return Material.isotropic(entry.E, entry.nu, given(entry.rho))
 
 
-def interface_of(table: Entry) -> PartInterface:
-    """Interface of a part described by a table."""
-    return PartInterface(selection_of(table), table["coupling"])
+def interface_of(entry: InterfaceEntry) -> PartInterface:
+    """Interface of a part."""
+    return PartInterface(selection_of(entry), entry.coupling)
 
 
-def selection_of(table: Entry) -> Selection:
-    """Selection of faces of a part described by a table."""
-    if table["faces"] is not None:
-        return ByFaces(table["faces"])
-    if table["name"] is not None:
-        return ByName(table["name"])
-    if table["cylinder"] is not None:
-        return ByCylinder(**table["cylinder"])
-    return ByPlane(**table["plane"])
+def selection_of(entry: InterfaceEntry | PressureEntry) -> Selection:
+    """Faces of a part that an entry selects."""
+    if entry.faces is not None:
+        return ByFaces(entry.faces)
+    if entry.name is not None:
+        return ByName(entry.name)
+    return entry.cylinder or given(entry.plane)

@@ -3,8 +3,7 @@
 Closing the loops of the mechanism shows drives that do not fix the tool, and poses out of reach.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -25,9 +24,14 @@ from lumped.mechanism.kinematics.postures import (
 )
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.robot_file.mechanism.draft import Draft
-from lumped.robot_file.rules.relations import body_faults, joint_faults, path_faults, tool_faults
+from lumped.robot_file.mechanism.relations import (
+    body_faults,
+    joint_faults,
+    path_faults,
+    tool_faults,
+)
 from lumped.robot_file.rules.rule import Text
-from lumped.robot_file.rules.tables import MECHANISM, rules_of
+from lumped.robot_file.rules.tables.robots import MECHANISM, MechanismEntry
 from lumped.text import counted, unknown_name
 
 # Number of poses of a path that are checked when a file is read. Others are checked when needed.
@@ -38,27 +42,23 @@ _DIAGNOSED = 60
 _NO_SHARE = 1e-9
 
 
-def description_faults(tables: Mapping[str, Any], description: Draft) -> list[str]:
+def description_faults(description: Draft) -> list[str]:
     """Faults of keys, of relations between keys and of names; if there are none, of the topology.
 
-    `description` is the draft of the tables.
+    `description` is the draft of a robot file.
     """
-    faults = rules_of(tables).faults_within(tables)
-    for relations, entries in (
-        (body_faults, description.bodies.values()),
-        (joint_faults, description.joints.values()),
-        (tool_faults, [description.tool] if description.tool else []),
-        (path_faults, [description.path] if description.path else []),
-    ):
-        faults += [fault for entry in entries for fault in relations(entry)]
+    faults = list(description.faults)
+    faults += [fault for body in description.bodies.values() for fault in body_faults(body)]
+    faults += [fault for joint in description.joints.values() for fault in joint_faults(joint)]
+    if description.tool is not None:
+        faults += tool_faults(description.tool)
+        if description.path is not None:
+            faults += path_faults(description.path, description.tool.moves)
     faults += [*_unknown_names(description), *_missing_interfaces(description)]
-    if faults:
+    if faults or description.entry is None:
         return faults
     # The topology is defined only if all joints are valid.
-    loaded = {load.get("at") for load in tables.get("loads", ())}
-    for response in tables.get("responses", ()):
-        motion = response.get("of")
-        loaded |= {response.get("at"), motion["point"] if isinstance(motion, dict) else motion}
+    loaded = set(_loaded_points(description.entry))
     return [
         *_unconnected_bodies(description),
         *_idle_interfaces(description, loaded),
@@ -66,22 +66,35 @@ def description_faults(tables: Mapping[str, Any], description: Draft) -> list[st
     ]
 
 
+def _loaded_points(entry: MechanismEntry) -> Iterator[str | None]:
+    """Points on which loads and harmonic forces act, or whose displacement is computed."""
+    for load in entry.loads:
+        yield load.at
+    for response in entry.responses:
+        yield response.point
+        yield response.motion.point
+
+
 def _unknown_names(description: Draft) -> Iterator[str]:
     """Faults of names that refer to an entry which does not exist."""
-    entries_of = {
-        "bodies": description.bodies,
-        "joints": description.joints,
-        "tool": description.tool or {},
-    }
-    for table, entries in entries_of.items():
-        for key, name, among in _references(table, entries):
-            known_names = description.names[among] + ((GROUND,) if among == "bodies" else ())
-            if name not in known_names:
-                yield unknown_name(key, name, known_names, f"the name of one of [{among}]")
+    references = [*_references(description)]
+    if description.tool is not None:
+        references += _names_within("tool", description.tool)
+    for key, name, among in references:
+        known_names = description.names[among] + ((GROUND,) if among == "bodies" else ())
+        if name not in known_names:
+            yield unknown_name(key, name, known_names, f"the name of one of [{among}]")
 
 
-def _references(table: str, entries: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Location of each reference in a table's entries, and name and table of the entry meant."""
+def _references(description: Draft) -> Iterator[tuple[str, str, str]]:
+    """Location of each reference in bodies and joints, and name and table of the entry meant."""
+    bodies = {name: body.entry for name, body in description.bodies.items()}
+    joints = {name: joint.entry for name, joint in description.joints.items()}
+    yield from _names_within("bodies", bodies)
+    yield from _names_within("joints", joints)
+
+
+def _names_within(table: str, entries: object) -> Iterator[tuple[str, str, str]]:
     for key, rule, value in MECHANISM.keys[table].kind.within(entries, table):
         if isinstance(rule, Text) and rule.among:
             yield key, value, rule.among
@@ -90,16 +103,16 @@ def _references(table: str, entries: Mapping[str, Any]) -> Iterator[tuple[str, s
 def _missing_interfaces(description: Draft) -> Iterator[str]:
     """Faults of joints and of the tool at a point that their body does not have."""
     references = [
-        (f"{joint['key']}.at" + (f"[{i}]" if joint["at"] == joint["points"] else ""), body, point)
+        (f"{joint.key}.at" + (f"[{i}]" if joint.entry.at == joint.points else ""), body, point)
         for joint in description.joints.values()
-        if not joint["repeated_point"]
-        for i, (body, point) in enumerate(zip(joint["between"], joint["points"], strict=True), 1)
+        if not joint.repeated_point
+        for i, (body, point) in enumerate(zip(joint.entry.between, joint.points, strict=True), 1)
     ]
-    if description.tool is not None:
-        references.append(("tool.point", description.tool["body"], description.tool["point"]))
+    if (tool := description.tool) is not None:
+        references.append(("tool.point", tool.body, tool.point))
     for key, body, point in references:
         interface_points = (
-            description.bodies[body]["interface_points"]
+            description.bodies[body].interface_points
             if body in description.bodies and body != GROUND
             else None
         )
@@ -111,7 +124,7 @@ def _missing_interfaces(description: Draft) -> Iterator[str]:
 
 def _unconnected_bodies(description: Draft) -> Iterator[str]:
     """Faults of bodies that are not connected to ground by joints."""
-    pairs = [joint["between"] for joint in description.joints.values()]
+    pairs = [joint.entry.between for joint in description.joints.values()]
     connected: set[str] = set()
     new = {GROUND}
     while new:
@@ -126,13 +139,13 @@ def _idle_interfaces(description: Draft, loaded: Collection[str | None]) -> Iter
     used = {
         interface
         for joint in description.joints.values()
-        for interface in zip(joint["between"], joint["points"], strict=True)
+        for interface in zip(joint.entry.between, joint.points, strict=True)
     }
     if description.tool is not None:
-        used.add((description.tool["body"], description.tool["point"]))
+        used.add((description.tool.body, description.tool.point))
     joined = {body for body, _ in used}
     for name, body in description.bodies.items():
-        for point in body["interface_points"] or ():
+        for point in body.interface_points or ():
             if name in joined and (name, point) not in used and point not in loaded:
                 yield (
                     f'bodies.{name}: no joint holds it at "{point}"; must be joined there, '
@@ -141,11 +154,7 @@ def _idle_interfaces(description: Draft, loaded: Collection[str | None]) -> Iter
 
 
 def _idle_points(description: Draft, loaded: Collection[str | None]) -> Iterator[str]:
-    used = {
-        name
-        for table, entries in (("bodies", description.bodies), ("joints", description.joints))
-        for _, name, _ in _references(table, entries)
-    }
+    used = {name for _, name, among in _references(description) if among == "points"}
     for point in description.points:
         if point not in used and point not in loaded:
             yield f"points.{point}: used by no body and no joint; must be used or left out"

@@ -6,9 +6,8 @@ points before and after it.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +17,9 @@ from lumped.errors import InputError
 from lumped.line_sections import TOGETHER
 from lumped.mechanism.length_unit import UnitOfLength
 from lumped.mechanism.placing import default_up, leg_frame
-from lumped.robot_file.rules.several_materials import CompositeTable, LaminateTable
+from lumped.robot_file.rules.tables.bodies import ArcEntry, BodyEntry
+from lumped.robot_file.rules.tables.sections import CompositeParts, LaminateWall
+from lumped.robot_file.rules.tables.values import Place
 from lumped.sections import Polygon, Section, SectionProperties, symmetric_moments
 from lumped.text import shown
 
@@ -54,12 +55,13 @@ class _Stop:
 
 
 def leg_line(
-    body: Mapping[str, Any], points: Mapping[str, Array], key: str, unit: UnitOfLength
+    body: BodyEntry, points: Mapping[str, Array], key: str, unit: UnitOfLength
 ) -> LegLine | None:
     """Line of a leg with `through` or `sections`. None for a prism or if points have faults."""
-    if body["through"] is None and body["sections"] is None:
+    names = [name for name in ("through", "sections") if getattr(body, name) is not None]
+    if not names:
         return None
-    if faults := _misplaced_keys(body, key):
+    if faults := _misplaced_keys(body, names, key):
         return LegLine(None, None, tuple(faults))
     stops = _stops(body, points, key)
     if stops is None:
@@ -86,13 +88,12 @@ def leg_line(
     return LegLine(line, None if faults else stations, tuple(faults))
 
 
-def _misplaced_keys(body: Mapping[str, Any], key: str) -> list[str]:
-    """Faults of `through` and `sections` if another key of the leg excludes them."""
-    names = [name for name in ("through", "sections") if body[name] is not None]
-    if body["compliance"] is not None:
+def _misplaced_keys(body: BodyEntry, names: Sequence[str], key: str) -> list[str]:
+    """Faults of the keys `names` of a line if another key of the leg excludes them."""
+    if body.compliance is not None:
         reason = f"must be left out, because {key}.compliance is that of the whole leg"
         return [f"{key}.{name}: {reason}" for name in names]
-    if isinstance(body["section"], CompositeTable | LaminateTable):
+    if isinstance(body.section, CompositeParts | LaminateWall):
         reason = (
             f"must be left out beside {key}.section, whose several materials belong to straight "
             "legs of one section"
@@ -101,8 +102,8 @@ def _misplaced_keys(body: Mapping[str, Any], key: str) -> list[str]:
     return []
 
 
-def _up(body: Mapping[str, Any]) -> Array | None:
-    return None if body["up"] is None else np.array(body["up"])
+def _up(body: BodyEntry) -> Array | None:
+    return None if body.up is None else np.array(body.up)
 
 
 def _triple(vector: Array) -> Point:
@@ -110,23 +111,26 @@ def _triple(vector: Array) -> Point:
     return x, y, z
 
 
-def _stops(body: Mapping[str, Any], points: Mapping[str, Array], key: str) -> list[_Stop] | None:
+def _stops(body: BodyEntry, points: Mapping[str, Array], key: str) -> list[_Stop] | None:
     """Points of the line from root to tip. None if a name is unknown (reported elsewhere)."""
-    stops = []
-    entries = [(f"{key}.from", body["from"])]
-    entries += [(f"{key}.through[{n}]", point) for n, point in enumerate(body["through"] or (), 1)]
-    entries.append((f"{key}.to", body["to"]))
-    for location, entry in entries:
-        on_arc = isinstance(entry, dict)
-        point = entry["arc"] if on_arc else entry
-        if isinstance(point, str) and point not in points:
-            return None
-        if point is None:
-            return None
-        position = points[point] if isinstance(point, str) else np.array(point)
-        name = point if isinstance(point, str) else ""
-        stops.append(_Stop(f"{location}.arc" if on_arc else location, name, position, on_arc))
-    return stops
+    through = enumerate(body.through or (), start=1)
+    stops = [
+        _stop(f"{key}.from", body.from_, points),
+        *(_stop(f"{key}.through[{number}]", point, points) for number, point in through),
+        _stop(f"{key}.to", body.to, points),
+    ]
+    known_stops = [stop for stop in stops if stop is not None]
+    return known_stops if len(known_stops) == len(stops) else None
+
+
+def _stop(key: str, entry: Place | ArcEntry | None, points: Mapping[str, Array]) -> _Stop | None:
+    """Point of the line. None if it is left out or its name is unknown."""
+    if isinstance(entry, ArcEntry):
+        stop = _stop(f"{key}.arc", entry.arc, points)
+        return None if stop is None else replace(stop, on_arc=True)
+    if isinstance(entry, str):
+        return _Stop(key, entry, points[entry]) if entry in points else None
+    return None if entry is None else _Stop(key, "", np.array(entry))
 
 
 def _stop_faults(stops: Sequence[_Stop], unit: UnitOfLength) -> list[str]:
@@ -183,15 +187,16 @@ def _named_positions(stops: Sequence[_Stop], line: CentreLine) -> dict[str, floa
 
 
 def _stations(
-    body: Mapping[str, Any], line: CentreLine, names: Mapping[str, float], key: str
+    body: BodyEntry, line: CentreLine, names: Mapping[str, float], key: str
 ) -> tuple[tuple[tuple[float, Section], ...] | None, list[str]]:
-    if body["sections"] is None:
-        section = body["section"]
-        constant = None if section is None else ((0.0, section), (line.length, section))
-        return constant, []
+    if body.sections is None:
+        section = body.section
+        if section is None or isinstance(section, CompositeParts | LaminateWall):
+            return None, []
+        return ((0.0, section), (line.length, section)), []
     faults = []
     positions = []
-    for number, (station, _) in enumerate(body["sections"], start=1):
+    for number, (station, _) in enumerate(body.sections, start=1):
         if isinstance(station, str) and station not in names:
             faults.append(
                 f"{key}.sections[{number}].at = {shown(station)}: must be a corner or an end of "
@@ -203,16 +208,15 @@ def _stations(
         return None, faults
     slack = TOGETHER * line.length
     last = len(positions)
-    for number, expected, fraction in ((1, 0.0, "0"), (last, line.length, "1")):
+    ends = ((1, 0.0, "0", body.from_, "begins"), (last, line.length, "1", body.to, "ends"))
+    for number, expected, fraction, end, verb in ends:
         if abs(positions[number - 1] - expected) > slack:
-            end = "from" if fraction == "0" else "to"
             faults.append(
-                f"{key}.sections[{number}].at = {shown(body['sections'][number - 1][0])}: must be "
-                f'{fraction} or "{body[end]}", where the line '
-                f"{'begins' if fraction == '0' else 'ends'}"
+                f"{key}.sections[{number}].at = {shown(body.sections[number - 1].at)}: must be "
+                f'{fraction} or "{end}", where the line {verb}'
             )
     faults += [
-        f"{key}.sections[{number}].at = {shown(body['sections'][number - 1][0])}: must not come "
+        f"{key}.sections[{number}].at = {shown(body.sections[number - 1].at)}: must not come "
         "before the section above it; stations go from root to tip"
         for number, (first, second) in enumerate(pairwise(positions), start=2)
         if second < first - slack
@@ -227,7 +231,7 @@ def _stations(
     if faults:
         return None, faults
     positions[0], positions[-1] = 0.0, line.length
-    sections = [section for _, section in body["sections"]]
+    sections = [section for _, section in body.sections]
     return tuple(zip(positions, sections, strict=True)), []
 
 
@@ -243,7 +247,7 @@ def _arc_faults(stops: Sequence[_Stop], line: CentreLine, unit: UnitOfLength) ->
     ]
 
 
-def _up_faults(body: Mapping[str, Any], line: CentreLine, rotation: Array, key: str) -> list[str]:
+def _up_faults(body: BodyEntry, line: CentreLine, rotation: Array, key: str) -> list[str]:
     if line.smallest_sine >= SMALLEST_SINE:
         return []
     points = np.concatenate([piece.at(np.linspace(0.0, 1.0, 9))[0] for piece in line.pieces])
@@ -252,10 +256,10 @@ def _up_faults(body: Mapping[str, Any], line: CentreLine, rotation: Array, key: 
     example = [float(f"{x:.4g}") for x in np.where(np.abs(normal) < _ROUNDING, 0.0, normal)]
     reason = (
         "missing; the default, [0, 0, 1], lies along the line somewhere"
-        if body["up"] is None
+        if body.up is None
         else "lies along the line somewhere"
     )
-    value = "" if body["up"] is None else f" = {list(body['up'])}"
+    value = "" if body.up is None else f" = {list(body.up)}"
     return [
         f"{key}.up{value}: {reason}; must be a direction along which the line does not run, "
         f"{example} say"

@@ -15,9 +15,8 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError, collect_faults
 from lumped.mechanism.placing import default_up
-from lumped.robot_file.rules.relations import NO_DIRECTION
-from lumped.robot_file.rules.rule import Text
-from lumped.robot_file.rules.tables import rules_of
+from lumped.robot_file.rules.rule import NO_DIRECTION, Text
+from lumped.robot_file.rules.tables.robots import rules_of
 from lumped.screws import rotation_about, turn_matrix
 from lumped.text import shown, unknown_name
 
@@ -68,8 +67,8 @@ class _Pattern:
 
     def misses(self, tables: Tables, point: str) -> bool:
         """True if a point has known coordinates and does not lie on the axis of the pattern."""
-        position = tables["points"].get(point)
-        if not isinstance(position, list):
+        position = _coordinates(tables, point)
+        if position is None:
             return False
         arm = np.array(position) - np.array(self.through)
         far = np.linalg.norm(np.cross(self.about, arm))
@@ -108,8 +107,12 @@ def pattern_faults(tables: Tables) -> list[str]:
 
 
 def written_out(tables: Tables) -> Tables:
-    """Tables in which each copy of an entry with a pattern is an entry of its own."""
-    if not has_patterns(tables):
+    """Tables in which each copy of an entry with a pattern is an entry of its own.
+
+    All points are lists of coordinates.
+    """
+    points = tables.get("points", {}).values()
+    if not has_patterns(tables) and not any(isinstance(point, dict) for point in points):
         return tables
     patterns = dict(_pattern(tables, entry) for entry in _repeated(tables))
     new = {name: table for name, table in tables.items() if name != "patterns"}
@@ -118,7 +121,8 @@ def written_out(tables: Tables) -> Tables:
         for name, entry in tables[table].items():
             pattern = patterns.get((table, name))
             if pattern is None:
-                new[table][name] = entry
+                is_point = table == "points" and isinstance(entry, dict)
+                new[table][name] = entry["at"] if is_point else entry
                 continue
             for number in range(1, pattern.count + 1):
                 copy = _copied(tables, patterns, (table, name), number)
@@ -149,14 +153,22 @@ def _pattern(tables: Tables, of: Key) -> tuple[Key, _Pattern]:
     axis = np.eye(3)["xyz".index(about)] if isinstance(about, str) else np.array(about, float)
     if np.linalg.norm(axis) < NO_DIRECTION:
         raise InputError(f"{key}.about = {list(about)}: must not be zero, it is a direction")
-    position = tables["points"].get(through) if isinstance(through, str) else through
-    if not isinstance(position, list):
+    position = _coordinates(tables, through) if isinstance(through, str) else through
+    if position is None:
         raise InputError(
             f"{key}.through = {shown(through)}: must be the name of a point without a pattern, or "
             "[x, y, z]"
         )
     unit = tuple((axis / np.linalg.norm(axis)).tolist())
     return of, _Pattern(unit, tuple(map(float, position)), pattern["count"])
+
+
+def _coordinates(tables: Tables, point: str) -> list[float] | None:
+    """Coordinates of a point. None if there is no such point, or if it has a pattern."""
+    entry = tables["points"].get(point)
+    if isinstance(entry, dict):
+        entry = None if _PATTERN in entry else entry["at"]
+    return entry if isinstance(entry, list) else None
 
 
 def _references(tables: Tables, table: str, name: str) -> Iterator[tuple[str, str, str]]:

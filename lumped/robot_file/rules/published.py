@@ -7,7 +7,7 @@ from typing import Any
 
 from lumped.mechanism.length_unit import LENGTH_UNITS, UnitOfLength
 from lumped.robot_file.rules.rule import Either, Named, Rule, Several, TableRule
-from lumped.robot_file.rules.tables import BIGLIDE, MECHANISM, rules_of
+from lumped.robot_file.rules.tables.robots import BIGLIDE, MECHANISM, rules_of
 
 _WIDTH = 100
 

@@ -1,12 +1,13 @@
 """Rules for the values of a robot file: allowed values, faults, conversion, and JSON schema."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields, replace
+from keyword import iskeyword
 from math import isfinite
 from operator import ge, gt, le, lt
 from re import fullmatch
-from typing import Any, ClassVar, Self, TypeGuard
+from typing import Any, ClassVar, Self, TypeGuard, get_type_hints
 
 from lumped.mechanism.length_unit import COORDINATES, METRE, POWERS, UnitOfLength
 from lumped.mechanism.mechanism import LENGTHS
@@ -15,6 +16,8 @@ from lumped.text import cut, did_you_mean, shown
 # Number of unknown keys in a table for which a similar key is suggested. The search takes time.
 _LARGEST_SUGGESTION_COUNT = 50
 _LONGEST_KEY = 40
+# Length of a direction vector below which it counts as zero: its square would be round-off.
+NO_DIRECTION = 1e-9
 
 
 def is_finite_number(entry: object) -> TypeGuard[float]:
@@ -33,7 +36,10 @@ def too_many(key: str, count: int, most: int) -> str:
 
 
 class Rule(ABC):
-    """Rule for a value. `written` are the Python types of allowed values as read from TOML."""
+    """Rule for a value.
+
+    `written` are the Python types of allowed values, both as parsed from TOML and as read.
+    """
 
     written: ClassVar[tuple[type, ...]] = ()
 
@@ -60,8 +66,16 @@ class Rule(ABC):
         """Value converted to the form that computations need."""
         return value
 
+    def checked(self, value: object, key: str) -> tuple[list[str], Any]:
+        """Faults of a value, and the value as read. The value is None if it has faults."""
+        faults = self.faults(value, key)
+        return faults, None if faults else self.read(value)
+
     def within(self, value: Any, key: str) -> Iterator[tuple[str, "Rule", Any]]:
-        """Yield key, rule and value for a value without faults, and for all values within it."""
+        """Yield key, rule and value for a value without faults, and for all values within it.
+
+        The value can be as parsed from TOML or as read.
+        """
         yield key, self, value
 
     def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:  # noqa: ARG002
@@ -351,16 +365,23 @@ class Named(Rule):
         }
 
     def faults(self, value: object, key: str) -> list[str]:
+        return self.checked(value, key)[0]
+
+    def checked(self, value: object, key: str) -> tuple[list[str], dict[str, Any]]:
+        """Faults of all entries, and the entries without faults as read."""
         if not isinstance(value, dict):
-            return [self.refused(value, key)]
+            return [self.refused(value, key)], {}
         if len(value) > self.most:
-            return [too_many(key, len(value), self.most)]
-        faults = []
+            return [too_many(key, len(value), self.most)], {}
+        faults, entries = [], {}
         for entry_name, entry in value.items():
             if self.name.faults(entry_name, ""):
                 faults.append(f"{key}.{entry_name}: a name must be {self.name.allowed}")
-            faults += self.kind.faults(entry, f"{key}.{entry_name}")
-        return faults
+            entry_faults, entry_read = self.kind.checked(entry, f"{key}.{entry_name}")
+            faults += entry_faults
+            if not entry_faults:
+                entries[entry_name] = entry_read
+        return faults, entries
 
     def read(self, value: Any) -> dict[str, Any]:
         return {name: self.kind.read(entry) for name, entry in value.items()}
@@ -395,15 +416,65 @@ def needed(name: str, kind: Rule, meaning: str) -> Key:
     return Key(name, kind, meaning, required=True)
 
 
-class TableRule(Rule):
-    """Rule for a table: its keys, and the rule for the value of each."""
+@dataclass(frozen=True)
+class Value:
+    """Annotation of a field of an entry: rule, meaning and `owners` of its key, see `Key`."""
 
-    written = (dict,)
+    kind: Rule
+    meaning: str
+    owners: tuple[str, ...] = ()
+
+
+def field_of(name: str) -> str:
+    """Field of an entry that contains the value of a key.
+
+    It has the name of the key. An underscore follows if that is a keyword of Python.
+    """
+    return f"{name}_" if iskeyword(name) else name
+
+
+def table_of(entry: type) -> "TableRule":
+    """Rule for a table that is read into the dataclass `entry`.
+
+    Each field, annotated with its `Value`, declares a key. A field without a default is required.
+    """
+    hints, keys = get_type_hints(entry, include_extras=True), []
+    for field in fields(entry):
+        (value,) = hints[field.name].__metadata__
+        default = field.default if field.default_factory is MISSING else field.default_factory()
+        required = default is MISSING
+        name = field.name.removesuffix("_")
+        keys.append(
+            Key(
+                name,
+                value.kind,
+                value.meaning,
+                None if required else default,
+                value.owners,
+                required,
+            )
+        )
+    return TableRule(entry, *keys)
+
+
+class TableRule(Rule):
+    """Rule for a table: its keys, and the rule for the value of each.
+
+    `record` makes the record into which the table is read. Its arguments are the values of all
+    keys, under the names of `field_of`.
+    """
+
     allowed = "a table"
     many = "tables"
 
-    def __init__(self, *keys: Key) -> None:
+    def __init__(self, record: Callable[..., Any], *keys: Key) -> None:
+        self.record = record
         self.keys = {key.name: key for key in keys}
+
+    @property
+    def written(self) -> tuple[type, ...]:  # type: ignore[override]
+        """Types of a table as parsed from TOML and as read."""
+        return (dict, self.record) if isinstance(self.record, type) else (dict,)
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -428,6 +499,16 @@ class TableRule(Rule):
 
     def faults_within(self, table: Mapping[str, object], path: str = "") -> list[str]:
         """Faults of the entries of a table. `path` (such as "leg1.") precedes each key."""
+        return self.checked_within(table, path)[0]
+
+    def checked_within(
+        self, table: Mapping[str, object], path: str = ""
+    ) -> tuple[list[str], dict[str, Any]]:
+        """Faults of the entries of a table, and the values of keys without faults by name.
+
+        A table of named entries contains those entries that have no faults. The values of keys
+        that are left out are missing.
+        """
         unknown = [name for name in table if name not in self.keys]
         faults = []
         for i, name in enumerate(unknown):
@@ -438,24 +519,38 @@ class TableRule(Rule):
                 else ""
             )
             faults.append(f"{path}{cut(name, _LONGEST_KEY)}: unknown key{advice}")
+        values = {}
         for name, key in self.keys.items():
             if name in table:
-                faults += key.kind.faults(table[name], path + name)
+                value_faults, values[name] = key.kind.checked(table[name], path + name)
+                faults += value_faults
             elif key.required:
                 faults.append(f"{path + name}: missing; must be {key.kind.allowed}")
-        return faults
+        return faults, values
 
-    def read(self, value: Any) -> dict[str, Any]:
-        return {
-            name: key.kind.read(value[name]) if name in value else key.default
-            for name, key in self.keys.items()
-        }
+    def checked(self, value: object, key: str) -> tuple[list[str], Any]:
+        if not isinstance(value, dict):
+            return [self.refused(value, key)], None
+        faults, values = self.checked_within(value, f"{key}.")
+        return faults, None if faults else self.entry(values)
+
+    def read(self, value: Any) -> Any:
+        return self.entry(
+            {name: key.kind.read(value[name]) for name, key in self.keys.items() if name in value}
+        )
+
+    def entry(self, values: Mapping[str, Any]) -> Any:
+        """Record of a table from the values of its keys, with defaults for those left out."""
+        return self.record(
+            **{field_of(name): values.get(name, key.default) for name, key in self.keys.items()}
+        )
 
     def within(self, value: Any, key: str) -> Iterator[tuple[str, Rule, Any]]:
         for name, rule in self.keys.items():
-            if value.get(name) is not None:
-                yield from rule.kind.within(value[name], f"{key}.{name}" if key else name)
+            inner = value.get(name) if isinstance(value, dict) else getattr(value, field_of(name))
+            if inner is not None:
+                yield from rule.kind.within(inner, f"{key}.{name}" if key else name)
 
     def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:
         keys = (replace(key, kind=key.kind.in_unit(unit, moves)) for key in self.keys.values())
-        return type(self)(*keys)
+        return type(self)(self.record, *keys)

@@ -29,7 +29,7 @@ from lumped.robot_file.load import described_by
 from lumped.robot_file.mechanism.build import interface_of
 from lumped.robot_file.reading import decimal_tables, printed_compliances
 from lumped.robot_file.rules.published import json_schema
-from lumped.robot_file.rules.tables import INTERFACE
+from lumped.robot_file.rules.tables.bodies import INTERFACE
 from lumped.sections import HollowRectangle
 from validation import cli
 

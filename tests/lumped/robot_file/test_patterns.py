@@ -8,6 +8,8 @@ import pytest
 
 from lumped.audit import audit
 from lumped.errors import InputError
+from lumped.mechanism.mechanism import GROUND
+from lumped.memo import fingerprint
 from lumped.robot_file import load_robot, robot_of
 from lumped.robot_file.mechanism.pattern import written_out
 from lumped.robot_file.variation import variations_of, varied
@@ -142,6 +144,25 @@ def test_varied_number_applies_to_all_copies():
     ((_, robot),) = varied(loaded, variations_of(loaded, [f"{key}=0.4:0.4:1"]))
     radii = [np.hypot(*robot.mechanism.reference[f"bar{n}"].position[:2]) for n in (1, 2, 3)]
     assert radii == pytest.approx([0.4] * 3, rel=1e-14)
+
+
+def test_point_without_pattern_may_be_a_table():
+    """A table { at = … } without a pattern is the point itself, also as the centre of a pattern."""
+    tables = deepcopy(TABLES)
+    tables["points"]["O"] = {"at": [0.0, 0.0, 0.0]}
+    tables["points"]["P"] = {"at": tables["points"]["P"]}
+    tables["patterns"]["legs"]["through"] = "O"
+    tables["bodies"]["frame"] = {"points": ["O"]}
+    tables["joints"]["frame"] = {"type": "fixed", "between": ["ground", "frame"], "at": "O"}
+    robot, expected = robot_of(tables).mechanism, robot_of(TABLES).mechanism
+    for name, body in expected.bodies.items():
+        assert name == GROUND or fingerprint(robot.bodies[name]) == fingerprint(body), name
+    assert fingerprint(robot.joints[:-1]) == fingerprint(expected.joints)
+    plain = load_robot("five-bar")
+    points = {name: {"at": point} for name, point in plain.tables["points"].items()}
+    as_tables = robot_of({**plain.tables, "points": points})
+    assert fingerprint(as_tables.mechanism) == fingerprint(plain.mechanism)
+    assert audit(as_tables) == audit(plain)
 
 
 HALF = {"about": [0.0, 0.0, 2.0], "count": 2, "through": [1.0, 0.0, 0.0]}

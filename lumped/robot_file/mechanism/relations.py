@@ -1,27 +1,40 @@
 """Rules for the relations between the keys of one entry of a robot file.
 
-An entry contains its keys and the derived values listed in `Draft`. Each fault is a line that
-begins with the key.
+Each fault is a line that begins with the key.
 """
 
 from collections.abc import Iterator, Sequence
 from math import pi, prod
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from lumped.mechanism.catalogue.directions import DIRECTIONS, NEED_UP
 from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE, JointKind
 from lumped.mechanism.length_unit import METRE, UnitOfLength
-from lumped.mechanism.mechanism import GROUND
-from lumped.robot_file.rules.rule import too_many
-from lumped.robot_file.rules.several_materials import CompositeTable, LaminateTable
-from lumped.robot_file.rules.tables import BODY, MOST_POSES
+from lumped.mechanism.mechanism import GROUND, Tool
+from lumped.robot_file.mechanism.draft import BodyDraft, JointDraft, LegDraft
+from lumped.robot_file.rules.rule import NO_DIRECTION, field_of, too_many
+from lumped.robot_file.rules.tables.bodies import BODY, BodyEntry, InterfaceEntry
+from lumped.robot_file.rules.tables.joints import (
+    AlongDirections,
+    BearingEntry,
+    DriveEntry,
+    GuideEntry,
+    NutEntry,
+    ScrewEntry,
+)
+from lumped.robot_file.rules.tables.requests import PressureEntry
+from lumped.robot_file.rules.tables.robots import PathEntry
+from lumped.robot_file.rules.tables.sections import (
+    CompositeParts,
+    LaminateWall,
+    MaterialEntry,
+    OwnMaterials,
+)
+from lumped.robot_file.rules.tables.values import MOST_POSES
 from lumped.sections import Composite, Polygon
 from lumped.text import counted, shown
-
-# A table without faults, with a value for every key. The value is None if the key is omitted.
-Entry: TypeAlias = dict[str, Any]
 
 # Distance (m) below which two points of a leg coincide.
 _TOGETHER = 1e-6
@@ -33,23 +46,16 @@ _ALONG_LEG = 1e-6
 _SMALLEST_BENDING_SHARE = 1e-3
 # Kinds of joints whose two points may be apart along the axis.
 _EXTENDED = ("prismatic", "cylindrical")
-# Length of a direction vector below which it counts as zero: its square would be round-off.
-NO_DIRECTION = 1e-9
 
 
-def leg_faults(leg: Entry) -> Iterator[str]:
+def leg_faults(leg: LegDraft) -> Iterator[str]:
     """Faults of a leg of schema 1 or 2."""
-    key, mass, material = leg["key"], leg["mass"], leg["material"]
-    compliance, length = leg["compliance"], leg["length"]
-    unit: UnitOfLength = leg["lengths"]
-    if isinstance(leg["section"], CompositeTable | LaminateTable):
-        yield from _own_material_faults(leg)
+    key, entry, length, unit = leg.key, leg.entry, leg.length, leg.unit
+    mass, material, compliance = entry.mass, leg.material, entry.compliance
+    if isinstance(leg.section, CompositeParts | LaminateWall):
+        yield from _own_material_faults(leg, leg.section)
         return
-    present_keys = [
-        name
-        for name in ("compliance", "section", "sections", "material")
-        if leg.get(name) is not None
-    ]
+    present_keys = _present_keys(entry, "compliance", "section", "sections", "material")
     if present_keys not in (["compliance"], ["section", "material"], ["sections", "material"]):
         reason = (
             f"has {' and '.join(present_keys)}"
@@ -57,17 +63,17 @@ def leg_faults(leg: Entry) -> Iterator[str]:
             else "neither compliance nor section"
         )
         yield f"{key}: {reason}; must have either compliance and mass, or section and material"
-    elif leg["ends"] is not None and compliance is not None:
+    elif entry.ends is not None and compliance is not None:
         yield f"{key}.ends: must be left out, because {key}.compliance includes the ends"
-    elif leg["loss"] is not None and material is not None:
+    elif entry.loss is not None and entry.material is not None:
         yield f"{key}.loss: must be left out, because {key}.material has a loss factor"
     if mass == 0.0:
         yield f"{key}.mass = 0.0: must be above 0 kg for a leg"
     elif compliance is not None:
         if mass is None:
             yield f"{key}.mass: missing; must be given with {key}.compliance, a number above 0 kg"
-    elif isinstance(material, dict) and (material["rho"] is None) == (mass is None):
-        density = f"{leg.get('material_key', f'{key}.material')}.rho"
+    elif material is not None and (material.rho is None) == (mass is None):
+        density = f"{leg.material_key}.rho"
         yield (
             f"{density}: missing; must be a density in kg/m³, unless {key}.mass in kg is given"
             if mass is None
@@ -76,8 +82,10 @@ def leg_faults(leg: Entry) -> Iterator[str]:
         )
     if length is None or length < _TOGETHER:
         return
-    yield from _size_faults(leg["section"], length, key, unit)
-    for i, j in ((2, 6), (3, 5)) if compliance is not None else ():
+    yield from _size_faults(leg.section, length, key, unit)
+    if compliance is None:
+        return
+    for i, j in ((2, 6), (3, 5)):
         deflection, rotation = float(compliance[i - 1, i - 1]), float(compliance[j - 1, j - 1])
         if deflection > (largest := rotation * length**2 / _SMALLEST_BENDING_SHARE):
             yield (
@@ -88,21 +96,20 @@ def leg_faults(leg: Entry) -> Iterator[str]:
             )
 
 
-def _own_material_faults(leg: Entry) -> Iterator[str]:
+def _own_material_faults(leg: LegDraft, section: OwnMaterials) -> Iterator[str]:
     """Faults of a leg whose section has materials of its own."""
-    key, section = leg["key"], leg["section"]
+    key, length = leg.key, leg.length
     reasons = {
         "compliance": "does not belong to a leg with a section",
         "material": "must be left out, because parts or layers of the section have materials",
         "mass": "must be left out, because the materials of the section have densities",
     }
-    for name in _present_keys(leg, *reasons):
+    for name in _present_keys(leg.entry, *reasons):
         yield f"{key}.{name}: {reasons[name]}"
     faults = list(section.material_faults(f"{key}.section"))
     yield from faults
-    length = leg["length"]
     if not faults and length is not None and length >= _TOGETHER:
-        yield from _size_faults(section.section, length, key, leg["lengths"])
+        yield from _size_faults(section.section, length, key, leg.unit)
 
 
 def _doubt(unit: UnitOfLength) -> str:
@@ -127,9 +134,9 @@ def _size_faults(section: Any, length: float, key: str, unit: UnitOfLength) -> I
             )
 
 
-def body_faults(body: Entry) -> Iterator[str]:
+def body_faults(body: BodyDraft) -> Iterator[str]:
     """Faults of a body of schema 2: a leg, a rigid body or a part."""
-    key, kind = body["key"], body["kind"]
+    key, kind = body.key, body.kind
     if key == f"bodies.{GROUND}":
         yield f"{key}: ground is the name of the base; must have another name"
     if kind is None:
@@ -139,106 +146,115 @@ def body_faults(body: Entry) -> Iterator[str]:
         )
         return
     allowed_keys = [name for name, rule in BODY.keys.items() if kind in rule.owners]
-    for name in _present_keys(body, *BODY.keys):
+    for name in _present_keys(body.entry, *BODY.keys):
         if name not in allowed_keys:
             names = ", ".join(allowed_keys)
             yield f"{key}.{name}: does not belong to a {kind}; its keys are {names}"
-    yield from {"leg": _placed_leg, "rigid body": _rigid_body, "part": _part}[kind](body, key)
+    match kind:
+        case "leg":
+            yield from _placed_leg(body)
+        case "rigid body":
+            yield from _rigid_body(body.entry, key)
+        case "part":
+            yield from _part(body)
 
 
-def _placed_leg(leg: Entry, key: str) -> Iterator[str]:
+def _placed_leg(leg: BodyDraft) -> Iterator[str]:
+    key, entry, length, up = leg.key, leg.entry, leg.length, leg.entry.up
     for end in ("from", "to"):
-        if leg[end] is None:
+        if not _present_keys(entry, end):
             yield f"{key}.{end}: missing; must be the name of a point"
-    length, up = leg["length"], leg["up"]
     if length is not None and length < _TOGETHER:
         yield (
-            f'{key}.to = "{leg["to"]}": must be apart from "{leg["from"]}", where the leg begins '
-            f"(they are {leg['lengths'].shown(length, 3)} apart)"
+            f'{key}.to = "{entry.to}": must be apart from "{entry.from_}", where the leg begins '
+            f"(they are {leg.unit.shown(length, 3)} apart)"
         )
-    elif length is not None and up is not None and _parallel(up, leg["vector"], _ALONG_LEG):
+    elif length is not None and up is not None and _parallel(up, leg.vector, _ALONG_LEG):
         yield f"{key}.up = {list(up)}: must be a direction that does not lie along the leg"
     yield from leg_faults(leg)
-    if leg["line"] is not None:
-        yield from leg["line"].faults
+    if leg.line is not None:
+        yield from leg.line.faults
 
 
-def _rigid_body(body: Entry, key: str) -> Iterator[str]:
-    if not body["points"]:
+def _rigid_body(body: BodyEntry, key: str) -> Iterator[str]:
+    points = body.points or ()
+    if not points:
         yield f"{key}.points = []: must name at least one point"
-    yield from named_twice(body["points"], f"{key}.points[{{}}]")
-    if body["mass"] and body["centre"] is None:
+    yield from named_twice(points, f"{key}.points[{{}}]")
+    if body.mass and body.centre is None:
         yield f"{key}.centre: missing; must be a point's name or [x, y, z], given with {key}.mass"
-    for name in () if body["mass"] else _present_keys(body, "centre", "inertia"):
+    for name in () if body.mass else _present_keys(body, "centre", "inertia"):
         yield f"{key}.mass: missing; must be above 0 kg, given with {key}.{name}"
 
 
-def _part(part: Entry, key: str) -> Iterator[str]:
-    if part["step"] and part["mesh"]:
+def _part(body: BodyDraft) -> Iterator[str]:
+    part, key = body.entry, body.key
+    if part.step and part.mesh:
         yield f"{key}.mesh: given with {key}.step; a part is read from one file"
-    if part["material"] is None:
+    if part.material is None:
         yield f"{key}.material: missing; must be a name of [materials] or a table"
-    if isinstance(part["material"], dict):
-        yield from material_faults(part["material"], f"{key}.material.")
-    if not part["interfaces"]:
+    if body.material is not None:
+        yield from material_faults(body.material, f"{key}.material.")
+    if not part.interfaces:
         yield f"{key}.interfaces: missing; must name the points at which the part is held"
-    for point, interface in (part["interfaces"] or {}).items():
+    for point, interface in (part.interfaces or {}).items():
         interface_key = f"{key}.interfaces.{point}"
         yield from interface_faults(interface, interface_key)
-        if interface["point"] is not None:
+        if interface.point is not None:
             yield (
                 f"{interface_key}.point: does not belong here; the reference point is that of "
                 "[points]"
             )
-    placement = part["place"]
-    if placement and _parallel(placement["x"], placement["y"], 0.0):
-        yield f"{key}.place.y = {list(placement['y'])}: must not lie along {key}.place.x"
+    placement = part.place
+    if placement and _parallel(placement.x, placement.y, 0.0):
+        yield f"{key}.place.y = {list(placement.y)}: must not lie along {key}.place.x"
 
 
-def material_faults(material: Entry, path: str) -> Iterator[str]:
+def material_faults(material: MaterialEntry, path: str) -> Iterator[str]:
     """Faults of the material of a part. `path` precedes each key."""
-    if material["rho"] is None:
+    if material.rho is None:
         yield f"{path}rho: missing; a part's mass follows from its density"
-    if material["G"] is not None:
+    if material.G is not None:
         yield f"{path}G: does not belong to a part; its material is isotropic"
 
 
-def interface_faults(interface: Entry, key: str) -> Iterator[str]:
-    """Error message for an interface that selects its faces in no way or in several ways."""
+def interface_faults(entry: InterfaceEntry | PressureEntry, key: str) -> Iterator[str]:
+    """Error message for an entry that selects its faces in no way or in several ways."""
     choices = ("faces", "name", "cylinder", "plane")
-    present_keys = _present_keys(interface, *choices)
+    present_keys = _present_keys(entry, *choices)
     if len(present_keys) != 1:
         reason = f"has {' and '.join(present_keys)}" if present_keys else "does not say which faces"
         yield f"{key}: {reason}; must have one of {', '.join(choices)}"
 
 
-def joint_faults(joint: Entry) -> Iterator[str]:
+def joint_faults(joint: JointDraft) -> Iterator[str]:
     """Faults of a joint of schema 2."""
-    key, kind, points = joint["key"], joint["type"], joint["at"]
-    first, second = joint["between"]
+    key, entry, kind, points = joint.key, joint.entry, joint.entry.type, joint.entry.at
+    first, second = entry.between
     if first == second:
         yield f'{key}.between: "{first}" twice; must be two different bodies'
-    if joint["loss"] and not _present_keys(joint, "compliance", "stiffness", "bearing", "guide"):
+    if entry.loss and not _present_keys(entry, "compliance", "stiffness", "bearing", "guide"):
         yield (
             f"{key}.loss: must be left out without {key}.compliance or {key}.stiffness, to which "
             "it belongs"
         )
     yield from _direction_faults(joint)
-    yield from _drive_faults(joint["drive"], f"{key}.drive", kind) if joint["drive"] else ()
-    if joint["repeated_point"]:
+    if entry.drive is not None:
+        yield from _drive_faults(entry.drive, f"{key}.drive", kind)
+    if joint.repeated_point:
         yield f"{key}.at = {list(points)}: must be two different points, or one name"
     elif not isinstance(points, str) and kind not in _EXTENDED:
         yield (
             f"{key}.at = {list(points)}: only {' and '.join(_EXTENDED)} joints may name two "
             "points; must be one point of both bodies"
         )
-    axis_key, vector, directions = joint["axis_key"], joint["vector"], joint["directions"]
-    for name in _present_keys(joint, "axis", "axes"):
+    axis_key, vector, directions = joint.axis_key, joint.vector, joint.directions
+    for name in _present_keys(entry, "axis", "axes"):
         if name != axis_key:
             instead = f"must have {axis_key}" if axis_key else "must have none"
             yield f"{key}.{name}: does not belong to a {kind} joint; {instead}"
-    slides = vector is not None and kind in _EXTENDED
-    if axis_key and not directions and not slides:
+    slide = vector if kind in _EXTENDED else None
+    if axis_key and not directions and slide is None:
         allowed = "a direction [x, y, z]" if axis_key == "axis" else "two directions"
         yield f"{key}.{axis_key}: missing; must be {allowed}"
     for direction in directions:
@@ -250,89 +266,87 @@ def joint_faults(joint: Entry) -> Iterator[str]:
             f"{key}.axes = {list(map(list, directions))}: must not be parallel; "
             "a universal joint turns about two directions"
         )
-    if slides and directions and not _parallel(directions[0], vector, SMALLEST_SINE):
-        distance = joint["lengths"].shown(float(np.linalg.norm(vector)), 3)
+    if slide is not None and directions and not _parallel(directions[0], slide, SMALLEST_SINE):
+        distance = joint.unit.shown(float(np.linalg.norm(slide)), 3)
         yield (
             f"{key}.axis = {list(directions[0])}: must point from {points[0]} to {points[1]} or "
             f"back, which are {distance} apart; or be left out"
         )
 
 
-def _direction_faults(joint: Entry) -> Iterator[str]:
+def _direction_faults(joint: JointDraft) -> Iterator[str]:
     """Faults of values along directions of a joint, and of `up`, on which the directions depend."""
-    key, kind, stiffness, damping = (joint[k] for k in ("key", "type", "stiffness", "damping"))
+    key, entry, kind = joint.key, joint.entry, joint.entry.type
+    stiffness, damping = entry.stiffness, entry.damping
     directions = DIRECTIONS[kind]
     fixed_directions = [name for name, direction in directions.items() if not direction.free]
     if stiffness is not None:
-        if joint["compliance"] is not None:
+        if entry.compliance is not None:
             yield f"{key}.stiffness: must be left out, because {key}.compliance replaces it"
         yield from _strange_directions(stiffness, fixed_directions, f"{key}.stiffness", kind)
         for name in fixed_directions:
-            if stiffness[name] is None:
+            if name not in stiffness:
                 unit = "N m/rad" if directions[name].turns else "N/m"
                 yield f'{key}.stiffness.{name}: missing; must be a number in {unit}, or "rigid"'
     if damping is not None:
         yield from _strange_directions(damping, list(directions), f"{key}.damping", kind)
-        for name in (
-            _present_keys(damping, *fixed_directions) if joint["compliance"] is None else ()
-        ):
-            if stiffness is None or stiffness[name] == "rigid":
+        for name in fixed_directions if entry.compliance is None else ():
+            if name in damping and (stiffness is None or stiffness.get(name) == "rigid"):
                 yield (
                     f"{key}.damping.{name}: the joint is rigid there, a dashpot has no effect; "
                     "must be left out, or the direction be given a stiffness"
                 )
-    if joint["bearing"] is not None:
-        yield from _bearing_faults(joint, joint["bearing"])
-    if joint["guide"] is not None:
-        yield from _guide_faults(joint, joint["guide"])
+    if entry.bearing is not None:
+        yield from _bearing_faults(joint, entry.bearing)
+    if entry.guide is not None:
+        yield from _guide_faults(joint, entry.guide)
     yield from _up_faults(joint)
 
 
-def _guide_faults(joint: Entry, guide: Entry) -> Iterator[str]:
+def _guide_faults(joint: JointDraft, guide: GuideEntry) -> Iterator[str]:
     """Faults of a profile rail guide."""
-    key = f"{joint['key']}.guide"
-    if joint["type"] != "prismatic":
-        yield f"{key}: does not belong to a {joint['type']} joint; must be a prismatic one"
-    for name in _present_keys(joint, "compliance", "stiffness"):
-        yield f"{key}: must be left out if {joint['key']}.{name} is given, which it determines"
-    if guide["spacing"] < guide["ball_diameter"]:
+    key, entry = f"{joint.key}.guide", joint.entry
+    if entry.type != "prismatic":
+        yield f"{key}: does not belong to a {entry.type} joint; must be a prismatic one"
+    for name in _present_keys(entry, "compliance", "stiffness"):
+        yield f"{key}: must be left out if {joint.key}.{name} is given, which it determines"
+    if guide.spacing < guide.ball_diameter:
         yield f"{key}.spacing: must be at least the diameter of the balls"
-    if joint["up"] is None:
-        yield f"{joint['key']}.up: missing; must be the direction of the normal of {key}"
+    if entry.up is None:
+        yield f"{joint.key}.up: missing; must be the direction of the normal of {key}"
 
 
-def _bearing_faults(joint: Entry, bearing: Entry) -> Iterator[str]:
+def _bearing_faults(joint: JointDraft, bearing: BearingEntry) -> Iterator[str]:
     """Faults of a ball bearing."""
-    key = f"{joint['key']}.bearing"
-    if joint["type"] != "revolute":
-        yield f"{key}: does not belong to a {joint['type']} joint; must be a revolute one"
-    for name in _present_keys(joint, "compliance", "stiffness"):
-        yield f"{key}: must be left out if {joint['key']}.{name} is given, which it determines"
+    key, entry = f"{joint.key}.bearing", joint.entry
+    if entry.type != "revolute":
+        yield f"{key}: does not belong to a {entry.type} joint; must be a revolute one"
+    for name in _present_keys(entry, "compliance", "stiffness"):
+        yield f"{key}: must be left out if {joint.key}.{name} is given, which it determines"
     inside = ("balls", "ball_diameter", "pitch_diameter")
     groove_keys = ("contact_angle", "inner_groove", "outer_groove")
-    if bearing["size"] is not None:
-        for name in _present_keys(bearing, *inside, *groove_keys):
+    present_keys = _present_keys(bearing, *inside, *groove_keys)
+    if bearing.size is not None:
+        for name in present_keys:
             yield f"{key}.{name}: must be left out, because {key}.size determines it"
     else:
-        missing = [name for name in inside if bearing[name] is None]
-        for name in missing:
-            yield f"{key}.{name}: missing; must be given, or {key}.size"
-        if not missing and bearing["balls"] * bearing["ball_diameter"] > (
-            pi * bearing["pitch_diameter"]
-        ):
-            yield f"{key}.balls = {bearing['balls']}: do not fit into their circle"
-    if (bearing["rows"] > 1) != (bearing["distance"] is not None):
+        for name in inside:
+            if name not in present_keys:
+                yield f"{key}.{name}: missing; must be given, or {key}.size"
+        balls, ball, pitch = bearing.balls, bearing.ball_diameter, bearing.pitch_diameter
+        if balls and ball and pitch and balls * ball > pi * pitch:
+            yield f"{key}.balls = {balls}: do not fit into their circle"
+    if (bearing.rows > 1) != (bearing.distance is not None):
         yield f"{key}.distance: must be given for several rows, and left out for one"
 
 
 def _strange_directions(
-    numbers: Entry, directions: Sequence[str], key: str, kind: str
+    numbers: AlongDirections, directions: Sequence[str], key: str, kind: str
 ) -> Iterator[str]:
     """Faults of values for directions that a kind of joint does not have."""
-    present_keys = _present_keys(numbers, *numbers)
-    if not present_keys:
+    if not numbers:
         yield f"{key}: has no number; must have one of {', '.join(directions)}"
-    for name in present_keys:
+    for name in numbers:
         if name not in directions:
             yield (
                 f"{key}.{name}: does not belong to a {kind} joint; its directions are "
@@ -340,15 +354,15 @@ def _strange_directions(
             )
 
 
-def _up_faults(joint: Entry) -> Iterator[str]:
+def _up_faults(joint: JointDraft) -> Iterator[str]:
     """Faults of the direction `up` of a joint."""
-    key, kind, up = joint["key"], joint["type"], joint["up"]
-    numbers = {name: joint[name] for name in ("stiffness", "damping") if joint[name] is not None}
-    directed = bool(numbers) or joint["guide"] is not None
+    key, entry, kind, up = joint.key, joint.entry, joint.entry.type, joint.entry.up
+    numbers = [table for table in (entry.stiffness, entry.damping) if table is not None]
+    directed = bool(numbers) or entry.guide is not None
     unequal = [
         (first, second)
         for first, second in NEED_UP.get(kind, ())
-        if any(table[first] != table[second] for table in numbers.values())
+        if any(table.get(first) != table.get(second) for table in numbers)
     ]
     if up is None:
         for first, second in unequal[:1]:
@@ -358,7 +372,7 @@ def _up_faults(joint: Entry) -> Iterator[str]:
                 "differ"
             )
         return
-    axis = joint["vector"] if joint["vector"] is not None else [*joint["directions"], None][0]
+    axis = joint.vector if joint.vector is not None else next(iter(joint.directions), None)
     if kind not in NEED_UP:
         yield f"{key}.up: does not belong to a {kind} joint, which is equal all around its axis"
     elif not directed:
@@ -372,78 +386,81 @@ def _up_faults(joint: Entry) -> Iterator[str]:
         yield f"{key}.up = {list(up)}: must be a direction that does not lie along the slide"
 
 
-def _drive_faults(drive: Entry, key: str, kind: JointKind) -> Iterator[str]:
+def _drive_faults(drive: DriveEntry, key: str, kind: JointKind) -> Iterator[str]:
     """Faults of a drive: its joint, its stiffness, and keys that have no effect."""
     if FREEDOMS[kind] != 1:
         yield (
             f"{key}: a {kind} joint has {FREEDOMS[kind] or 'no'} free motions; "
             "must be a revolute or a prismatic one"
         )
-    screw = drive["screw"]
-    if screw is None and drive["stiffness"] is None:
+    if drive.screw is not None:
+        yield from _screw_faults(drive, drive.screw, f"{key}.screw", kind)
+    elif drive.stiffness is None:
         yield f'{key}.stiffness: missing; must be a number in N/m or N m/rad, or "rigid"'
-    elif screw is not None:
-        yield from _screw_faults(drive, screw, f"{key}.screw", kind)
-    if drive.get("ratio") is not None and drive["inertia"] is None:
+    if drive.ratio is not None and drive.inertia is None:
         yield f"{key}.ratio: must be left out without `inertia`, which it multiplies"
-    rigid = drive.get("stiffness") == "rigid" and drive["simplified"] is None
-    if rigid and drive["inertia"] is not None:
+    rigid = drive.stiffness == "rigid" and drive.simplified is None
+    if rigid and drive.inertia is not None:
         yield (
             f"{key}.inertia: the rotor of a rigid drive stands still; "
             "must be left out, or the drive be given a stiffness"
         )
-    if rigid and drive["damping"]:
+    if rigid and drive.damping:
         yield (
             f"{key}.damping: a rigid drive does not move; must be left out, or the drive be given "
             "a stiffness"
         )
 
 
-def _screw_faults(drive: Entry, screw: Entry, key: str, kind: str) -> Iterator[str]:
+def _screw_faults(drive: DriveEntry, screw: ScrewEntry, key: str, kind: str) -> Iterator[str]:
     """Faults of a ball screw."""
-    if drive["stiffness"] is not None:
+    if drive.stiffness is not None:
         yield f"{key}: must be left out if a stiffness is given, which it determines"
     if kind != "prismatic":
         yield f"{key}: does not belong to a {kind} joint; must be a prismatic one"
-    if screw["span"] is not None and screw["span"] <= screw["length"]:
+    if screw.span is not None and screw.span <= screw.length:
         yield f"{key}.span: must be above the length to the nut"
-    nut = screw["nut"]
-    if isinstance(nut, dict) and len(load_keys := _present_keys(nut, "preload", "load")) != 1:
+    nut = screw.nut
+    if isinstance(nut, NutEntry) and len(load_keys := _present_keys(nut, "preload", "load")) != 1:
         reason = "has preload and load" if load_keys else "has no load"
         yield f"{key}.nut: {reason}; must have one of preload, load (with play)"
 
 
-def tool_faults(tool: Entry) -> Iterator[str]:
+def tool_faults(tool: Tool) -> Iterator[str]:
     """Faults of the table [tool]."""
-    if tool["body"] == GROUND:
+    if tool.body == GROUND:
         yield f'tool.body = "{GROUND}": must be a body that moves'
-    yield from named_twice(tool["moves"], "tool.moves[{}]")
+    yield from named_twice(tool.moves, "tool.moves[{}]")
 
 
-def path_faults(path: Entry) -> Iterator[str]:
+def path_faults(path: PathEntry, moves: Sequence[str]) -> Iterator[str]:
     """Faults of the table [path] for the `moves` of the tool."""
-    moves, present_keys = path["moves"], _present_keys(path, "from", "to", "count", "counts")
-    if path["poses"] is not None:
+    present_keys = _present_keys(path, "from", "to", "count", "counts")
+    if path.poses is not None:
         yield from (
             f"path.{name}: must be left out, because path.poses is given" for name in present_keys
         )
-        if not path["poses"]:
+        if not path.poses:
             yield "path.poses = []: must hold at least one pose"
-        lists = {f"poses[{i}]": pose for i, pose in enumerate(path["poses"], start=1)}
+        lists = {f"poses[{i}]": pose for i, pose in enumerate(path.poses, start=1)}
     else:
         for name in ("from", "to"):
             if name not in present_keys:
                 numbers = f"{counted(len(moves), 'number')} ({', '.join(moves)})"
                 yield f"path.{name}: missing; must be a pose, {numbers}"
-        if ("count" in present_keys) == ("counts" in present_keys):
+        if (path.count is None) == (path.counts is None):
             yield (
                 "path.count: must be given for a line (how many poses), or path.counts for a grid "
                 "(how many along each move), and only one of them"
             )
-        poses = prod(path["counts"] or ())
+        poses = prod(path.counts or ())
         if poses > MOST_POSES:
-            yield too_many(f"path.counts = {list(path['counts'])}", poses, MOST_POSES)
-        lists = {name: path[name] for name in present_keys if name != "count"}
+            yield too_many(f"path.counts = {list(path.counts or ())}", poses, MOST_POSES)
+        lists = {
+            name: values
+            for name, values in (("from", path.from_), ("to", path.to), ("counts", path.counts))
+            if values is not None
+        }
     required = (
         f"one for each of tool.moves ({', '.join(moves)})" if moves else "none: no tool.moves"
     )
@@ -452,8 +469,9 @@ def path_faults(path: Entry) -> Iterator[str]:
             yield f"path.{name}: {counted(len(values), 'number')}; must be {len(moves)}, {required}"
 
 
-def _present_keys(entry: Entry, *names: str) -> list[str]:
-    return [name for name in names if entry[name] is not None]
+def _present_keys(entry: object, *names: str) -> list[str]:
+    """Those of the keys `names` that an entry has with a value."""
+    return [name for name in names if getattr(entry, field_of(name), None) is not None]
 
 
 def named_twice(names: Sequence[str], key: str) -> Iterator[str]:
