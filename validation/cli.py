@@ -20,7 +20,6 @@ from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from fem.extras import require_extra
 from fem.machine import TO_COMPUTE, TO_READ, require_room, usable_cores
-from fem.solvers.backends.request import request_solver
 from lumped.errors import EXHAUSTED, ComputationError, InputError, ProgramError, remarks_to
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.solver_request import HOSTS_VARIABLE, RANKS_VARIABLE, VARIABLE
@@ -31,14 +30,15 @@ from validation.console.docs import docs
 from validation.console.extras import extras
 from validation.console.streams import write_messages, write_results
 from validation.console.typed import (
+    DEFAULT_MODEL,
+    DEFAULT_SOLVER,
     AsJson,
     Force,
-    HostFile,
+    ModelChoices,
     PathArgument,
     ProcessCount,
-    RankCount,
     RobotName,
-    SolverName,
+    SolverChoice,
     WholeNumber,
     require_distinct,
     require_writable,
@@ -199,9 +199,7 @@ def run(
     strict: bool = False,
     measured: PathArgument | None = None,
     vary: tuple[str, ...] = (),
-    solver: SolverName = None,
-    ranks: RankCount = None,
-    hosts: HostFile = None,
+    solver: SolverChoice = DEFAULT_SOLVER,
     quiet: bool = False,
 ) -> int:
     """Validate a robot's lumped models and write a report.
@@ -265,7 +263,7 @@ def run(
     from validation.validate import Request, validate  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
-    request_solver(solver, ranks, hosts)
+    solver.request()
     if quiet:
         os.environ[streams.QUIET] = "1"
     if cluster is not None:
@@ -351,15 +349,10 @@ def solve(
     leg: WholeNumber | None = None,
     body: str | None = None,
     modes: WholeNumber | None = None,
-    legs: Literal["given", "equivalent"] | None = None,
-    theory: Literal["euler-bernoulli", "timoshenko"] | None = None,
-    elements: WholeNumber | None = None,
+    options: ModelChoices = DEFAULT_MODEL,
     release: Literal["condensed", "printed"] | None = None,
     layout: Literal["half", "literal"] | None = None,
     ends: Literal["rigid", "free", "free-free"] | None = None,
-    divisions: WholeNumber | None = None,
-    equivalent: Literal["stiffness", "compliance"] | None = None,
-    parts: Literal["equivalent", "stepped", "condensed"] | None = None,
     reduction: Literal["fixed", "free"] | None = None,
     accuracy: float | None = None,
     against: Literal["simplified", "segments", "beam", "solid"] | None = None,
@@ -371,9 +364,7 @@ def solve(
     cluster: str | None = None,
     csv: PathArgument | None = None,
     picture: PathArgument | None = None,
-    solver: SolverName = None,
-    ranks: RankCount = None,
-    hosts: HostFile = None,
+    solver: SolverChoice = DEFAULT_SOLVER,
     force: Force = False,
     json: AsJson = False,
 ) -> int:
@@ -394,12 +385,6 @@ def solve(
         One body of a mechanism alone, clamped at its first point.
     modes
         Number of natural frequencies; 6 if left out.
-    legs
-        vjm, links: each leg's own compliance, or that of its equivalent constant-section leg.
-    theory
-        Beam theory of segments, beam, and of prisms in vjm and links.
-    elements
-        Segments or beam elements per leg.
     release
         segments: revolute joints that turn freely, or eq. (25) as printed.
     layout
@@ -408,13 +393,6 @@ def solve(
     ends
         solid: end faces kept plane and rigid, or free to warp. free-free: with --body,
         natural frequencies of the unsupported body without its six rigid-body motions.
-    divisions
-        solid: quadratic elements across the smaller side of the section.
-    equivalent
-        Matrix whose diagonal the equivalent leg shares with the 6×6 of a leg.
-    parts
-        segments, beam: CAD parts as legs of one equivalent section, as legs of ten prismatic pieces
-        with the part's own sections, or condensed to their interfaces, mass included.
     reduction
         solid: CAD parts by their modes with all interfaces fixed (Craig and Bampton), or free
         (MacNeal, Rubin).
@@ -458,26 +436,16 @@ def solve(
     from validation.solve.question import Question, split_ends  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
-    request_solver(solver, ranks, hosts)
+    solver.request()
     if cluster is not None:
         require_extra("cluster", "--cluster")
     require_writable(csv, ".csv", force=force)
     require_writable(picture, ".png", force=force)
     require_distinct(csv, picture)
     robot_file = load_robot(robot)
-    choices = {
-        "legs": legs,
-        "theory": theory,
-        "elements": elements,
-        "release": release,
-        "layout": layout,
-        "ends": ends,
-        "divisions": divisions,
-        "equivalent": equivalent,
-        "parts": parts,
-        "reduction": reduction,
-    }
-    given, free = split_ends(model, {n: value for n, value in choices.items() if value is not None})
+    given, free = split_ends(
+        model, options.given(release=release, layout=layout, ends=ends, reduction=reduction)
+    )
     question = Question(
         robot_file,
         model,

@@ -9,17 +9,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from fem.solvers.backends.request import request_solver
 from lumped.errors import InputError
 from validation.console.streams import write_messages, write_results
 from validation.console.typed import (
+    DEFAULT_SOLVER,
     AsJson,
     Force,
-    HostFile,
     PathArgument,
-    RankCount,
     RobotName,
-    SolverName,
+    SolverChoice,
     require_distinct,
     require_writable,
     write,
@@ -49,9 +47,7 @@ def converge(
     json: AsJson = False,
     csv: PathArgument | None = None,
     picture: PathArgument | None = None,
-    solver: SolverName = None,
-    ranks: RankCount = None,
-    hosts: HostFile = None,
+    solver: SolverChoice = DEFAULT_SOLVER,
     cluster: str | None = None,
     force: Force = False,
 ) -> int:
@@ -89,7 +85,7 @@ def converge(
     from validation.run.executor import in_order  # noqa: PLC0415
     from validation.run.provisions import provisions  # noqa: PLC0415
 
-    request_solver(solver, ranks, hosts)
+    solver.request()
     require_writable(csv, ".csv", force=force)
     kind = _picture_kind(picture)
     require_writable(picture, kind, force=force)

@@ -1,20 +1,22 @@
 """Types of command-line arguments, and checked paths of result files.
 
-Input: texts from the command line. Output: whole numbers and paths. Rule: a path is checked before
-the computation and written after it. An existing file is replaced if it is an unchanged earlier
-result (`validation.console.marks`), or with `--force`; another file only by one of the same suffix,
-so that a table never replaces a robot file or a CAD file.
+Input: texts from the command line. Output: whole numbers, options and paths. Rule: a path is
+checked before the computation and written after it. An existing file is replaced if it is an
+unchanged earlier result (`validation.console.marks`), or with `--force`; another file only by one
+of the same suffix, so that a table never replaces a robot file or a CAD file.
 """
 
 import os
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from errno import ENAMETOOLONG
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
 from cyclopts import Parameter, Token
 
+from fem.solvers.backends.request import request_solver
 from lumped.errors import InputError, write_error
 from lumped.files import write_whole
 from validation.console.marks import is_marked, with_mark
@@ -56,36 +58,6 @@ LengthUnit: TypeAlias = Literal["m", "mm", "cm", "inch"]
 PathArgument: TypeAlias = Annotated[Path, Parameter(converter=_path)]
 WholeNumber: TypeAlias = Annotated[int, Parameter(converter=_whole_number)]
 ProcessCount: TypeAlias = Annotated[int | None, Parameter(converter=_process_count)]
-SolverName: TypeAlias = Annotated[
-    Literal["auto", "rslab", "cudss", "petsc", "gamg"] | None,
-    Parameter(
-        help=(
-            "Library that factorises large systems: rslab; cudss, on a graphics card (needs "
-            "the extra gpu); petsc, MUMPS in separate processes (needs Debian's "
-            "python3-petsc4py), with multigrid for statics beyond the memory; gamg, like petsc "
-            "with multigrid for the statics of all solids; or auto, which uses the card for large "
-            "systems. Default: FLEXPROOF_SOLVER, otherwise auto."
-        )
-    ),
-]
-RankCount: TypeAlias = Annotated[
-    WholeNumber | None,
-    Parameter(
-        help=(
-            "Number of MPI processes for --solver petsc or gamg. Default: FLEXPROOF_RANKS, "
-            "otherwise one per host."
-        )
-    ),
-]
-HostFile: TypeAlias = Annotated[
-    Path | None,
-    Parameter(
-        help=(
-            "Hostfile of mpiexec with the machines for --solver petsc or gamg, this one first. "
-            "Default: FLEXPROOF_HOSTS, otherwise this machine alone."
-        )
-    ),
-]
 RobotName: TypeAlias = Annotated[str, Parameter(help="Name of a built-in robot, or a robot file.")]
 AsJson: TypeAlias = Annotated[bool, Parameter(help="Print JSON instead of text.")]
 Force: TypeAlias = Annotated[
@@ -94,6 +66,74 @@ Force: TypeAlias = Annotated[
         help="Replace an existing file of the same kind, even if it was not written by flexproof."
     ),
 ]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class SolverChoice:
+    """Options of a command for the library that factorises large systems.
+
+    Attributes
+    ----------
+    solver
+        Library that factorises large systems: rslab; cudss, on a graphics card (needs the extra
+        gpu); petsc, MUMPS in separate processes (needs Debian's python3-petsc4py), with multigrid
+        for statics beyond the memory; gamg, like petsc with multigrid for the statics of all
+        solids; or auto, which uses the card for large systems. Default: FLEXPROOF_SOLVER,
+        otherwise auto.
+    ranks
+        Number of MPI processes for --solver petsc or gamg. Default: FLEXPROOF_RANKS, otherwise one
+        per host.
+    hosts
+        Hostfile of mpiexec with the machines for --solver petsc or gamg, this one first. Default:
+        FLEXPROOF_HOSTS, otherwise this machine alone.
+    """
+
+    solver: Literal["auto", "rslab", "cudss", "petsc", "gamg"] | None = None
+    ranks: WholeNumber | None = None
+    hosts: Path | None = None
+
+    def request(self) -> None:
+        """Request the library for this process and for those that it starts."""
+        request_solver(self.solver, self.ranks, self.hosts)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class ModelChoices:
+    """Options of a command for the model that it solves.
+
+    Attributes
+    ----------
+    legs
+        vjm, links: each leg's own compliance, or that of its equivalent constant-section leg.
+    theory
+        Beam theory of segments, beam, and of prisms in vjm and links.
+    elements
+        Segments or beam elements per leg.
+    divisions
+        solid: quadratic elements across the smaller side of the section.
+    equivalent
+        Matrix whose diagonal the equivalent leg shares with the 6×6 of a leg.
+    parts
+        segments, beam: CAD parts as legs of one equivalent section, as legs of ten prismatic pieces
+        with the part's own sections, or condensed to their interfaces, mass included.
+    """
+
+    legs: Literal["given", "equivalent"] | None = None
+    theory: Literal["euler-bernoulli", "timoshenko"] | None = None
+    elements: WholeNumber | None = None
+    divisions: WholeNumber | None = None
+    equivalent: Literal["stiffness", "compliance"] | None = None
+    parts: Literal["equivalent", "stepped", "condensed"] | None = None
+
+    def given(self, **further: object) -> dict[str, object]:
+        """Options that were given, by name. `further` options are None if they were not given."""
+        choices = {**vars(self), **further}
+        return {name: value for name, value in choices.items() if value is not None}
+
+
+DEFAULT_SOLVER, DEFAULT_MODEL = SolverChoice(), ModelChoices()
 
 
 def require_writable(path: Path | None, kind: str, *, force: bool = False) -> None:

@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from cyclopts import Parameter
 
-from fem.solvers.backends.request import request_solver
 from lumped.errors import InputError
 from validation.console.typed import (
+    DEFAULT_SOLVER,
     Force,
-    HostFile,
     PathArgument,
-    RankCount,
     RobotName,
-    SolverName,
+    SolverChoice,
     WholeNumber,
     require_writable,
     write,
@@ -40,9 +38,7 @@ def export(
     pose: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     body: str | None = None,
     modes: WholeNumber = 20,
-    solver: SolverName = None,
-    ranks: RankCount = None,
-    hosts: HostFile = None,
+    solver: SolverChoice = DEFAULT_SOLVER,
     out: PathArgument | None = None,
     force: Force = False,
 ) -> int:
@@ -66,7 +62,7 @@ def export(
         File to write. Default: a file in this folder, named after robot and body, with the ending
         of its kind. The state space may be .npz or .mat.
     """
-    request_solver(solver, ranks, hosts)
+    solver.request()
     write_export(robot, to, pose=pose, body=body, modes=modes, out=out, force=force)
     return 0
 

@@ -9,17 +9,16 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from fem.machine import TO_COMPUTE, require_room
-from fem.solvers.backends.request import request_solver
 from validation.console.streams import write_results
 from validation.console.typed import (
+    DEFAULT_MODEL,
+    DEFAULT_SOLVER,
     AsJson,
     Force,
-    HostFile,
+    ModelChoices,
     PathArgument,
-    RankCount,
     RobotName,
-    SolverName,
-    WholeNumber,
+    SolverChoice,
     require_distinct,
     require_writable,
     write,
@@ -36,19 +35,12 @@ def forces(
     load: tuple[str, ...] = (),
     pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True)] = (),
     path: bool = False,
-    legs: Literal["given", "equivalent"] | None = None,
-    theory: Literal["euler-bernoulli", "timoshenko"] | None = None,
-    elements: WholeNumber | None = None,
+    options: ModelChoices = DEFAULT_MODEL,
     ends: Literal["rigid", "free"] | None = None,
-    divisions: WholeNumber | None = None,
-    equivalent: Literal["stiffness", "compliance"] | None = None,
-    parts: Literal["equivalent", "stepped", "condensed"] | None = None,
     csv: PathArgument | None = None,
     picture: PathArgument | None = None,
     vtu: PathArgument | None = None,
-    solver: SolverName = None,
-    ranks: RankCount = None,
-    hosts: HostFile = None,
+    solver: SolverChoice = DEFAULT_SOLVER,
     force: Force = False,
     json: AsJson = False,
 ) -> int:
@@ -65,21 +57,8 @@ def forces(
         posture if left out. May be repeated.
     path
         All poses of [path] in the robot file.
-    legs
-        vjm, links: each leg's own compliance, or that of its equivalent constant-section leg.
-    theory
-        Beam theory of segments, beam, and of prisms in vjm and links.
-    elements
-        Segments or beam elements per leg.
     ends
         solid: end faces kept plane and rigid, or free to warp.
-    divisions
-        solid: quadratic elements across the smaller side of the section.
-    equivalent
-        Matrix whose diagonal the equivalent leg shares with the 6×6 of a leg.
-    parts
-        segments, beam: CAD parts as legs of one equivalent section, as legs of ten prismatic
-        pieces, or condensed to their interfaces.
     csv
         Also write all numbers into this CSV file.
     picture
@@ -96,23 +75,13 @@ def forces(
     from validation.solve.question import Question  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
-    request_solver(solver, ranks, hosts)
+    solver.request()
     require_writable(csv, ".csv", force=force)
     require_writable(picture, ".png", force=force)
     require_writable(vtu, ".vtu", force=force)
     require_distinct(csv, picture, vtu)
     robot_file = load_robot(robot)
-    choices = {
-        "legs": legs,
-        "theory": theory,
-        "elements": elements,
-        "ends": ends,
-        "divisions": divisions,
-        "equivalent": equivalent,
-        "parts": parts,
-    }
-    given = {name: value for name, value in choices.items() if value is not None}
-    question = Question(robot_file, model, given, poses=pose)
+    question = Question(robot_file, model, options.given(ends=ends), poses=pose)
     with stage(f"forces by the {model} model"):
         result = computed(question, load, on_path=path, solids=vtu is not None)
     write_results(result.json() if json else as_text(result))

@@ -8,9 +8,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from fem.machine import TO_COMPUTE, require_room
-from fem.solvers.backends.request import request_solver
 from validation.console.streams import write_results
-from validation.console.typed import HostFile, RankCount, SolverName
+from validation.console.typed import DEFAULT_SOLVER, SolverChoice
 
 if TYPE_CHECKING:
     from validation.selftest.benchmarks import BenchmarkOutcome
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 _ROW = "  {:<62} {:>16} {:>13} {:>11} {:>11}  {}"
 
 
-def selftest(*, solver: SolverName = None, ranks: RankCount = None, hosts: HostFile = None) -> int:
+def selftest(*, solver: SolverChoice = DEFAULT_SOLVER) -> int:
     """Solve published benchmarks on this machine, to test its solvers, meshers and programs.
 
     Exit code 1 if a number differs or cannot be computed. Reports of runs contain the date and the
@@ -29,7 +28,7 @@ def selftest(*, solver: SolverName = None, ranks: RankCount = None, hosts: HostF
     from validation.selftest.benchmarks import benchmarks, outcome  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
-    request_solver(solver, ranks, hosts)
+    solver.request()
     start = perf_counter()
     write_results(_ROW.format("", "known", "here", "difference", "explained", ""))
     outcomes = []

@@ -9,17 +9,15 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from fem.solvers.backends.request import request_solver
 from lumped.errors import InputError
 from validation.console.streams import write_messages, write_results
 from validation.console.typed import (
+    DEFAULT_SOLVER,
     AsJson,
     Force,
-    HostFile,
     LengthUnit,
     PathArgument,
-    RankCount,
-    SolverName,
+    SolverChoice,
     WholeNumber,
     require_writable,
     write,
@@ -89,9 +87,7 @@ def identify(
     unknowns: WholeNumber | None = None,
     modes: WholeNumber | None = None,
     accuracy: float | None = None,
-    solver: SolverName = None,
-    ranks: RankCount = None,
-    hosts: HostFile = None,
+    solver: SolverChoice = DEFAULT_SOLVER,
     cluster: str | None = None,
     out: PathArgument | None = None,
     force: Force = False,
@@ -141,7 +137,7 @@ def identify(
     from validation.run.cluster import requested_executor  # noqa: PLC0415
     from validation.uncertainty.refinement import accuracy_faults, refined  # noqa: PLC0415
 
-    request_solver(solver, ranks, hosts)
+    solver.request()
     require_writable(out, ".npz", force=force)
     faults = [] if accuracy is None else accuracy_faults(accuracy)
     faults += request.faults_of_numbers(unknowns, modes)

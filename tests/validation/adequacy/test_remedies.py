@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from json import dumps
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -234,7 +235,8 @@ def options_taken(remedy_text, *words):
     options = dict(re.findall(r"--(\w+) (\S+)", remedy_text))
     typed = [word for name, value in options.items() for word in (f"--{name}", value)]
     _, bound, _ = cli.app.parse_args([*words, *typed], exit_on_error=False, print_error=False)
-    assert {name: str(bound.arguments[name]) for name in options} == options
+    arguments = {**bound.arguments, **vars(bound.arguments.get("options", SimpleNamespace()))}
+    assert {name: str(arguments[name]) for name in options} == options
     return options
 
 
