@@ -24,48 +24,48 @@ free ends (g = 0). Slices far thinner than the section's size h lose digits, bec
 shear between the faces, ~1/l, and stretching in their planes, ~l: the error is at most (h/l)² times
 the round-off.
 
-A piece is its own mirror image: with s (−1 for axial v, +1 for v in the face) and Q = diag(−1, 1,
-1, 1, −1, −1) for twists, S_tip,tip = s S_root,root s, S_root,tip s is symmetric, and H_tip = −Q
-H_root s. At the middle of two equal pieces, axial and in-face deformations are therefore uncoupled.
+A piece is its own image under a reversal of the leg (`fem.sections.reversal`), as a rule its mirror
+image: with s (−1 for odd v, which are axial, +1 for even v, in the face) and Q = diag(−1, 1, 1, 1,
+−1, −1) for twists, S_tip,tip = s S_root,root s, S_root,tip s is symmetric, and H_tip = −Q H_root s.
+At the middle of two equal pieces, odd and even deformations are therefore uncoupled. A wall of
+inclined fibres is its own image after half a turn about y, with Q = diag(−1, 1, −1, −1, 1, −1).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, qr, solve_triangular
-from scipy.sparse import diags_array
 
 from fem.bodies.solid import Ends, solid_leg
 from fem.couplings.grips import rigid_motions, saint_venant_loads
 from fem.sections.composite import wrench_states
 from fem.sections.moduli import leg_moduli
-from lumped.arrays import Array, IntArray, SparseMatrix
+from fem.sections.reversal import Reversal, reversal_of
+from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import ConstantLeg
 from lumped.screws import shift
-from lumped.sections import Laminate
 from meshes.prism import extrude
 from meshes.section.section_mesh import SectionMesh, require_leg
 from meshes.solid_mesh import SolidMesh
-
-_TWIST_MIRROR = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True, eq=False)
 class _FaceDeformations:
     """Deformations N (m×k, k = m − 6) of a face, on which Saint-Venant's loads do no work.
 
-    The columns `fields` are orthonormal. The first `axial` of them are along x, the others within
-    the face.
+    They are orthonormal. The first are combinations `odd` (n×i) of the odd fields of `reversal`,
+    the others combinations `even` (n×j) of its even fields.
     """
 
-    fields: Array
-    axial: int
+    reversal: Reversal
+    odd: Array
+    even: Array
 
     @property
     def mirror(self) -> Array:
-        """Signs s (k values) of the deformations under a mirroring at a plane x = constant."""
-        return np.repeat([-1.0, 1.0], [self.axial, self.fields.shape[1] - self.axial])
+        """Signs s (k values) of the deformations under a reversal of the leg."""
+        return np.repeat([-1.0, 1.0], [self.odd.shape[1], self.even.shape[1]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +74,8 @@ class CondensedPiece:
 
     There are k deformations v per face. `compliance` is C (6×6, SI), with wrench and relative twist
     at the middle of the piece. `twists` is the part of H for the root (6×k). `own` is the block
-    S_root,root (k×k, in N/m), `across` is S_root,tip s (k×k, symmetric). `mirror` s (k) gives the
-    blocks of the tip from these.
+    S_root,root (k×k, in N/m), `across` is S_root,tip s (k×k, symmetric). `mirror` s (k) and
+    `twist_mirror` Q (6) give the blocks of the tip from these.
     """
 
     length: float
@@ -84,11 +84,12 @@ class CondensedPiece:
     own: Array
     across: Array
     mirror: Array
+    twist_mirror: Array
 
     @property
     def tip_twists(self) -> Array:
         """Relative twist (6×k) of the ends for unit deformations of the tip, with zero wrench."""
-        return np.asarray(-_TWIST_MIRROR[:, None] * self.twists * self.mirror)
+        return np.asarray(-self.twist_mirror[:, None] * self.twists * self.mirror)
 
     @property
     def tip_own(self) -> Array:
@@ -110,10 +111,6 @@ def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> Conden
     """
     with naming(leg.name):
         require_leg(leg.section, leg.length, 1)
-        if isinstance(leg.section, Laminate):
-            raise InputError(
-                "halves of a wall of inclined fibres are not mirror images; no doubling"
-            )
         if slices < 1:
             raise InputError(f"slices = {slices}: must be at least 1")
         mesh = extrude(section, np.array([0.0, leg.length / slices]))
@@ -165,13 +162,14 @@ def joined(first: CondensedPiece, second: CondensedPiece) -> CondensedPiece:
         own=first.own - to_root.T @ to_root,
         across=(across + across.T) / 2.0,
         mirror=first.mirror,
+        twist_mirror=first.twist_mirror,
     )
 
 
 def doubled(piece: CondensedPiece) -> CondensedPiece:
     """Join two equal pieces: the result of `joined(piece, piece)` with half the work, by symmetry.
 
-    Axial and in-face deformations v of the middle face are uncoupled. With Y = L⁻¹ S_tip,root, M =
+    Odd and even deformations v of the middle face are uncoupled. With Y = L⁻¹ S_tip,root, M =
     LLᵀ, the sum of YᵢᵀYᵢ over both kinds of deformation is subtracted from S_root,root, and their
     difference is S_root,tip s.
     """
@@ -194,46 +192,51 @@ def doubled(piece: CondensedPiece) -> CondensedPiece:
         across -= sign * lost
         compliance += to_wrench.T @ to_wrench
         twists -= to_wrench.T @ to_root
-    return CondensedPiece(2.0 * piece.length, compliance, twists, root_block, across, piece.mirror)
+    return replace(
+        piece,
+        length=2.0 * piece.length,
+        compliance=compliance,
+        twists=twists,
+        own=root_block,
+        across=across,
+    )
 
 
 def _face_deformations(mesh: SolidMesh, leg: ConstantLeg) -> _FaceDeformations:
-    points = mesh.nodes[mesh.root.nodes]
-    if moduli := leg_moduli(leg, mesh.root.mesh):
-        loads = wrench_states(mesh.root.mesh, moduli).tractions
+    face = mesh.root.mesh
+    moduli = leg_moduli(leg, face)
+    if moduli:
+        loads = wrench_states(face, moduli).tractions
     else:
+        points = mesh.nodes[mesh.root.nodes]
         loads = saint_venant_loads(mesh.root, points, np.zeros(3), leg.material)
-    along = np.arange(0, len(loads), 3)
-    within = np.setdiff1d(np.arange(len(loads)), along)
-    # Fx, My and Mz have axial tractions. Fy, Fz and Mx have tractions within the face.
-    axial = _complement(loads, along, np.array([0, 4, 5]))
-    in_face = _complement(loads, within, np.array([1, 2, 3]))
-    return _FaceDeformations(np.hstack([axial, in_face]), axial.shape[1])
+    reversal = reversal_of(face.nodes, moduli or leg.material)
+    # Wrenches whose twists change sign, Fx, My and Mz as a rule, have odd tractions.
+    odd, even = (
+        _complement(basis.T @ loads[:, reversal.twists == sign])
+        for basis, sign in ((reversal.odd, -1.0), (reversal.even, 1.0))
+    )
+    return _FaceDeformations(reversal, odd, even)
 
 
-def _complement(loads: Array, rows: IntArray, wrenches: IntArray) -> Array:
-    """Orthonormal displacements (m × (number of rows − 3)) on which three of the loads do no work.
-
-    `wrenches` are the columns of these three in `loads` (m×6). Only the unknowns `rows` are not
-    zero.
-    """
-    basis, _ = qr(loads[np.ix_(rows, wrenches)])
-    columns = np.zeros((len(loads), len(rows) - 3))
-    columns[rows] = basis[:, 3:]
-    return columns
+def _complement(loads: Array) -> Array:
+    """Orthonormal displacements (n×(n − w)) on which w loads (n×w) do no work."""
+    basis, _ = qr(loads)
+    return np.asarray(basis[:, loads.shape[1] :])
 
 
 def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> CondensedPiece:
     """One slice of a leg in the mixed form, condensed to its two faces.
 
     Deformations of the tip that mirror those of the root (+) are not coupled with those of opposite
-    sign (−): S is split into own ± across. With +, the nodes in the middle plane move within this
-    plane, and the relative twist has only the components conjugate to Fx, My and Mz. With −, these
-    nodes move along the leg. Each is averaged over both ends, because round-off in K would
-    otherwise resist rigid motions.
+    sign (−): S is split into own ± across. With +, the nodes in the middle plane have even motions,
+    within this plane as a rule, and the relative twist has only the components that a reversal
+    changes, conjugate to Fx, My and Mz. With −, their motions are odd. Each is averaged over both
+    ends, because round-off in K would otherwise resist rigid motions.
     """
     K = solid_leg(leg, mesh).stiffness
-    m = len(face.fields)
+    reversal = face.reversal
+    m = 3 * len(reversal.images)
     root, tip = slice(0, m), slice(K.shape[0] - m, None)
     between = np.arange(m, K.shape[0] - m)
     middle = np.array([mesh.length / 2.0, 0.0, 0.0])
@@ -242,11 +245,10 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> Conden
     at_tip = 0.5 * rigid_motions(mesh.nodes[mesh.tip.nodes], middle)
     of_twist = K[:, root] @ at_root + K[:, tip] @ at_tip
     twist = at_root.T @ of_twist[root] + at_tip.T @ of_twist[tip]
-    flip = diags_array(np.where(np.arange(m) % 3 == 0, -1.0, 1.0), format="csr")
-    compliance, twists, halves = np.zeros((6, 6)), np.zeros((6, face.fields.shape[1])), []
-    for sign in (1.0, -1.0):
-        kind = between[(between % 3 == 0) == (sign < 0.0)]
-        components = np.flatnonzero(sign * _TWIST_MIRROR < 0.0)
+    flip = reversal.matrix
+    compliance, twists, halves = np.zeros((6, 6)), np.zeros((6, len(face.mirror))), []
+    for sign, moving in ((1.0, reversal.even), (-1.0, reversal.odd)):
+        components = np.flatnonzero(sign * reversal.twists < 0.0)
         columns_of_faces = (K[:, root] + sign * (K[:, tip] @ flip)).tocsr()
         ends = ((columns_of_faces[root] + sign * (flip @ columns_of_faces[tip])) / 2.0).tocsr()
         S = _by_deformations(_by_deformations(ends, face).T, face)
@@ -254,10 +256,13 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> Conden
         to_root = _by_deformations(
             (of_twist[root] + sign * (flip @ of_twist[tip]))[:, components].T, face
         )
-        if kind.size:
-            factor = _cholesky(K[kind][:, kind].toarray(), "slice, plane of nodes in its middle")
-            v = solve_triangular(factor, _by_deformations(columns_of_faces[kind], face), lower=True)
-            w = solve_triangular(factor, of_twist[np.ix_(kind, components)], lower=True)
+        if between.size:
+            middle_plane = (moving.T @ K[between][:, between] @ moving).toarray()
+            factor = _cholesky(middle_plane, "slice, plane of nodes in its middle")
+            of_faces = _by_deformations((moving.T @ columns_of_faces[between]).tocsr(), face)
+            v = solve_triangular(factor, of_faces, lower=True)
+            of_twists = moving.T @ of_twist[np.ix_(between, components)]
+            w = solve_triangular(factor, of_twists, lower=True)
             S, q, to_root = S - v.T @ v / 2.0, q - w.T @ w, to_root - w.T @ v
         factor = _cholesky(q, "slice with rigid faces")
         coupling = solve_triangular(factor, to_root, lower=True)
@@ -273,17 +278,14 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> Conden
         own=halves[0] + halves[1],
         across=halves[0] - halves[1],
         mirror=face.mirror,
+        twist_mirror=reversal.twists,
     )
 
 
 def _by_deformations(matrix: Array | SparseMatrix, face: _FaceDeformations) -> Array:
-    """Product of `matrix` (one column per unknown of a face) with the deformations N of the face.
-
-    N has no axial components in in-face deformations and vice versa.
-    """
-    along = np.arange(len(face.fields)) % 3 == 0
-    axial, in_face = face.fields[along, : face.axial], face.fields[~along, face.axial :]
-    return np.hstack([matrix[:, along] @ axial, matrix[:, ~along] @ in_face])
+    """Product of `matrix` (one column per unknown of a face) with the face's deformations N."""
+    odd, even = matrix @ face.reversal.odd, matrix @ face.reversal.even
+    return np.hstack([odd @ face.odd, even @ face.even])
 
 
 def _deformation_stiffness(piece: CondensedPiece) -> Array:

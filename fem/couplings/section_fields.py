@@ -4,7 +4,8 @@ They satisfy E₀u″ + Gu′ − E₂u + ω²Mu = 0 (semi-analytical finite ele
 displacements u of a section and the derivative ′ along the prism. G couples axial (p) with in-plane
 (q) displacements only, G = [0 B; −Bᵀ 0], E₀ = [A 0; 0 D] and E₂ − ω²M = [C 0; 0 F]. With p′ = γp,
 the squares of the exponents in e^{γx} are therefore the eigenvalues of a problem of size 3N, [C 0;
-Bᵀ F] (p′, q) = γ² [A B; 0 D] (p′, q).
+Bᵀ F] (p′, q) = γ² [A B; 0 D] (p′, q). In a wall of inclined fibres, p and q are the fields that are
+odd and even under half a turn about y (`fem.sections.reversal`), and the same follows.
 
 For sections symmetric about y and z this is split into four problems of a quarter of the size:
 tension, torsion, bending z and bending y. With one axis of symmetry there are two: tension with
@@ -16,19 +17,17 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
-import scipy
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, hstack
 
 from fem.couplings.grips import rigid_motions
 from fem.sections.moduli import Moduli
+from fem.sections.reversal import images_of, reversal_of
 from fem.sections.saint_venant import section_quadrature
 from fem.sections.waveguide import assembled, cell_matrices, elasticity, mass_matrix
-from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.arrays import Array, IntArray
 from lumped.legs import Material
 from meshes.section.section_mesh import SectionMesh, require_one_material
 
-# Largest distance between a node and the mirror image of another, relative to the section's size.
-_SAME_PLACE = 1e-6
 # Largest difference of an entry of a matrix from its mirror image, relative to the largest entry.
 # Nodes have their mirror images to 1e-9 of the size, thin cells to 1e-6 of theirs.
 _SAME_VALUE = 1e-5
@@ -62,8 +61,9 @@ _UNSTRAINED, _DEFLECTIONS = (0, 1, 2, 3), (1, 2)
 class SectionFields:
     """Matrices (n×n) of one symmetry, with ∫ ε·σ dA = u′E₀u′ + 2u′E₁u + uE₂u.
 
-    The first `axial` unknowns are u_x. `mass` is the mass matrix per length. `rigid` (n×m) are the
-    rigid motions about the centroid of a section that have this symmetry, `twists` their indices.
+    The first `axial` unknowns are u_x, or the odd fields if fibres are inclined. `mass` is the mass
+    matrix per length. `rigid` (n×m) are the rigid motions about the centroid of a section that have
+    this symmetry, `twists` their indices.
     `name` describes the kinds of deformation.
     """
 
@@ -127,7 +127,7 @@ def section_fields(mesh: SectionMesh, material: Material | Moduli) -> list[Secti
     With two axes of symmetry these are "tension", "torsion", "bending y" and "bending z". With less
     symmetry the kinds of deformation that are coupled form one entry. Rigid motions are about the
     centroid, in a section of several materials about the origin of its mesh. Planes normal to the
-    prism must be planes of symmetry of its materials.
+    prism must be planes of symmetry of its materials, or `material.inclined` True.
     """
     quad = section_quadrature(mesh)
     if isinstance(material, Moduli):
@@ -142,19 +142,13 @@ def section_fields(mesh: SectionMesh, material: Material | Moduli) -> list[Secti
         centred = mesh.nodes - quad.centroid
     points = np.column_stack([np.zeros(len(centred)), centred])
     motions = rigid_motions(points, np.zeros(3))
-    mirrors = [
-        None if (images := _mirror(centred, signs)) is None else (axis, images)
-        for axis, signs in enumerate(((-1.0, 1.0), (1.0, -1.0)))
-    ]
-    present = [
-        mirror
-        for mirror in mirrors
-        if mirror is not None
-        and (isinstance(material, Material) or _is_mirrored((E0, E2, mass), *mirror))
-    ]
+    reversal = reversal_of(centred, material)
+    symmetries = _symmetries(centred, material, (E0, E2, mass))
     fields_by_symmetry = []
-    for kinds in _coupled_kinds([axis for axis, _ in present]):
-        basis, axial = _symmetric(len(centred), present, kinds[0].parity)
+    for kinds in _coupled_kinds([axes for axes, _ in symmetries]):
+        mirrors = [(images, _signs(axes, kinds[0].parity)) for axes, images in symmetries]
+        odd, even = (reversal.basis(sign, mirrors) for sign in (-1.0, 1.0))
+        basis, axial = csr_array(hstack([odd, even])), odd.shape[1]
         e0, e1, e2, m = (basis.T @ (basis.T @ matrix.T).T for matrix in (E0, E1, E2, mass))
         twists = tuple(twist for kind in kinds for twist in kind.twists)
         name = " with ".join(kind.name for kind in kinds)
@@ -163,72 +157,52 @@ def section_fields(mesh: SectionMesh, material: Material | Moduli) -> list[Secti
     return fields_by_symmetry
 
 
-def _coupled_kinds(axes: Sequence[int]) -> list[list[_Class]]:
-    """Groups of kinds of deformation that have the same parity under reversal of the given axes."""
-    groups: dict[tuple[int, ...], list[_Class]] = {}
+def _symmetries(
+    nodes: Array, material: Material | Moduli, matrices: Sequence[Array]
+) -> list[tuple[tuple[int, ...], IntArray]]:
+    """Symmetries of a section: axes (0 for y, 1 for z) that are reversed, and images of its nodes.
+
+    They are reversals of y and of z, or of both at once if fibres are inclined. The nodes may be
+    symmetric although the materials are not; `matrices` (3N×3N) must be, too.
+    """
+    inclined = isinstance(material, Moduli) and material.inclined
+    symmetries: list[tuple[tuple[int, ...], IntArray]] = []
+    for axes in ((0, 1),) if inclined else ((0,), (1,)):
+        images = images_of(nodes, (-1.0 if 0 in axes else 1.0, -1.0 if 1 in axes else 1.0))
+        if images is not None and (
+            isinstance(material, Material) or _is_mirrored(matrices, axes, images)
+        ):
+            symmetries.append((axes, images))
+    return symmetries
+
+
+def _coupled_kinds(reversed_axes: Sequence[tuple[int, ...]]) -> list[list[_Class]]:
+    """Groups of kinds of deformation that have the same signs under reversal of the given axes."""
+    groups: dict[tuple[float, ...], list[_Class]] = {}
     for kind in _CLASSES:
-        groups.setdefault(tuple(kind.parity[axis] for axis in axes), []).append(kind)
+        signs = tuple(_signs(axes, kind.parity)[0] for axes in reversed_axes)
+        groups.setdefault(signs, []).append(kind)
     return list(groups.values())
 
 
-def _symmetric(
-    count: int, mirrors: Sequence[tuple[int, IntArray]], parity: tuple[int, int]
-) -> tuple[SparseMatrix, int]:
-    """Orthonormal basis (3N×n) of the fields of one symmetry, and the number of axial fields.
+def _signs(axes: Sequence[int], parity: tuple[int, int]) -> list[float]:
+    """Signs of u_x, u_y and u_z at the image of a node under the reversal of `axes`.
 
-    The axial fields come first.
+    u_y has the opposite parity of u_x under y → −y, and u_z under z → −z.
     """
-    parts = []
-    for component in range(3):
-        # u_y has the opposite parity of u_x under y → −y, and u_z under z → −z.
-        signed = [
-            (images, parity[axis] * (-1 if component == axis + 1 else 1))
-            for axis, images in mirrors
-        ]
-        parts.append(_orbits(count, signed, component))
-    return csr_array(np.hstack(parts)), parts[0].shape[1]
+    along = float(np.prod([parity[axis] for axis in axes]))
+    return [along, *(-along if axis in axes else along for axis in (0, 1))]
 
 
-def _mirror(nodes: Array, signs: tuple[float, float]) -> IntArray | None:
-    """Index (N) of the node at the mirror image of each node. None if the mesh is not symmetric."""
-    size = float(np.ptp(nodes, axis=0).max())
-    distance, partner = scipy.spatial.cKDTree(nodes).query(nodes * np.array(signs))
-    if distance.max() > _SAME_PLACE * size:
-        return None
-    return np.asarray(partner)
-
-
-def _is_mirrored(matrices: Sequence[Array], axis: int, images: IntArray) -> bool:
-    """True if matrices (3N×3N) do not change as y (`axis` 0) or z (1) is reversed.
-
-    The nodes of a mesh may be symmetric although its materials are not.
-    """
-    signs = np.tile(np.where(np.arange(3) == axis + 1, -1.0, 1.0), len(images))
+def _is_mirrored(matrices: Sequence[Array], axes: Sequence[int], images: IntArray) -> bool:
+    """True if matrices (3N×3N) do not change as y (0) or z (1), or both, are reversed (`axes`)."""
+    signs = np.tile(_signs(axes, (1, 1)), len(images))
     places = (3 * images[:, None] + np.arange(3)).ravel()
     return all(
         np.abs(signs[:, None] * matrix[np.ix_(places, places)] * signs - matrix).max()
         <= _SAME_VALUE * np.abs(matrix).max()
         for matrix in matrices
     )
-
-
-def _orbits(count: int, mirrors: Sequence[tuple[IntArray, int]], component: int) -> Array:
-    """Normalised sums (3N×n) over the mirror images of each node, with signs by symmetry."""
-    images, weights = np.arange(count)[None], np.ones(1)
-    for mirror, sign in mirrors:
-        images = np.vstack([images, mirror[images]])
-        weights = np.concatenate([weights, sign * weights])
-    representatives = np.flatnonzero(images.min(axis=0) == np.arange(count))
-    columns = np.zeros((3 * count, len(representatives)))
-    for image, weight in zip(images, weights, strict=True):
-        np.add.at(
-            columns,
-            (3 * image[representatives] + component, np.arange(len(representatives))),
-            weight,
-        )
-    norms = np.linalg.norm(columns, axis=0)
-    # Nodes on an axis of antisymmetry do not move.
-    return np.asarray(columns[:, norms > 0.5] / norms[norms > 0.5])
 
 
 def _polynomial(fields: SectionFields, unstrained: int, degree: int) -> list[Array]:

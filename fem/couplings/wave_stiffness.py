@@ -15,6 +15,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from fem.couplings.section_fields import SectionFields, saint_venant_states, section_fields
+from fem.sections.moduli import Moduli
 from lumped.arrays import Array, IntArray
 from lumped.errors import ComputationError, InputError
 from lumped.legs import Material
@@ -65,7 +66,7 @@ class PrismWaves:
         return float(np.sqrt(-beam_wave(self, omega, -1.0)[0]))
 
 
-def prism_waves(mesh: SectionMesh, material: Material) -> tuple[PrismWaves, ...]:
+def prism_waves(mesh: SectionMesh, material: Material | Moduli) -> tuple[PrismWaves, ...]:
     """Waves of tension, torsion, bending z and bending y of a section.
 
     Raises InputError if the section is not symmetric about both axes.

@@ -22,11 +22,13 @@ class Moduli:
     """Elasticity and density of the M cells of a section mesh.
 
     `at`: function of the numbers of m cells, and of Q points in each cell (m×Q×2; y and z in
-    metres). It returns elasticity matrices (m×Q×6×6, Pa). `densities` (M, kg/m³).
+    metres). It returns elasticity matrices (m×Q×6×6, Pa). `densities` (M, kg/m³). `inclined`: True
+    if planes across the leg are not planes of symmetry, because fibres are inclined to its axis.
     """
 
     at: Callable[[IntArray, Array], Array]
     densities: Array
+    inclined: bool = False
 
     def on(self, quad: SectionQuadrature) -> Array:
         """Elasticity matrices (M×Q×6×6) at the quadrature points."""
@@ -52,6 +54,8 @@ def part_moduli(mesh: SectionMesh, materials: Sequence[Material]) -> Moduli:
 
 # Pairs of axes of the six strains. The last three are shear angles, twice the tensor's components.
 _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+# Signs of these strains in the axes of a wall after a mirroring at a plane across it.
+_MIRRORED = np.array([1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
 # Distance from the diagonal at a corner of a box, relative to the size of the box, up to which a
 # point belongs to both walls.
 _ON_DIAGONAL = 1e-9
@@ -94,12 +98,18 @@ def in_wall(layer: Layer) -> Array:
     return turned(layer_elasticity(layer), np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
 
 
-def laminate_moduli(mesh: SectionMesh, laminate: Laminate) -> Moduli:
-    """Moduli of a wall of layers. The `regions` of the mesh are numbers of layers."""
+def laminate_moduli(mesh: SectionMesh, laminate: Laminate, *, mirrored: bool = False) -> Moduli:
+    """Moduli of a wall of layers. The `regions` of the mesh are numbers of layers.
+
+    If `mirrored`, each layer has the mean of its moduli and those of its mirror image, at −angle.
+    """
     regions = mesh.regions
     if regions is None:
         raise ValueError("the mesh of a laminate has its layers as regions")
-    walls = np.array([in_wall(layer) for layer in laminate.layers])[regions]
+    matrices = np.array([in_wall(layer) for layer in laminate.layers])
+    if mirrored:
+        matrices *= np.outer(_MIRRORED, _MIRRORED) > 0.0
+    walls = matrices[regions]
     densities = np.array([layer.rho for layer in laminate.layers])[regions]
 
     def at(chosen: IntArray, points: Array) -> Array:
@@ -108,7 +118,7 @@ def laminate_moduli(mesh: SectionMesh, laminate: Laminate) -> Moduli:
             return _box_moduli(of_walls, points, laminate.extent)
         return turned(of_walls, _wall_axes(points))
 
-    return Moduli(at, densities)
+    return Moduli(at, densities, inclined=not mirrored)
 
 
 def _box_moduli(walls: Array, points: Array, extent: tuple[float, float]) -> Array:
@@ -144,6 +154,19 @@ def leg_moduli(leg: SectionedLeg, mesh: SectionMesh) -> Moduli | None:
     if materials := part_materials(leg):
         return part_moduli(mesh, materials)
     return None
+
+
+def mirrored_moduli(leg: SectionedLeg, mesh: SectionMesh) -> Moduli | None:
+    """Moduli of a leg of several materials for theories of sections that are mirror images.
+
+    They are those of `leg_moduli`, but in a wall of inclined fibres each layer has the mean of its
+    moduli and those of its mirror image. In a balanced layup the layers at −θ and +θ force each
+    other to be strained like that. What layers at different radii leave of the couplings changes
+    frequencies and torsion by the square of thickness over radius. None for legs of one material.
+    """
+    if isinstance(leg, ConstantLeg) and isinstance(leg.section, Laminate):
+        return laminate_moduli(mesh, leg.section, mirrored=True)
+    return leg_moduli(leg, mesh)
 
 
 def part_materials(leg: SectionedLeg) -> tuple[Material, ...]:

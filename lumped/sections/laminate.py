@@ -19,7 +19,7 @@ stiffness follows from the shear flow.
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from math import cos, radians, sin
+from math import cos, pi, radians, sin
 from typing import ClassVar
 
 import numpy as np
@@ -128,6 +128,11 @@ class Laminate(Section):
     def _of_shells(self, name: str) -> Array:
         return np.array([getattr(shell, name) for shell in self.shells])
 
+    @property
+    def thicknesses(self) -> Array:
+        """Thicknesses (m) of the layers."""
+        return self._of_layers("thickness")
+
     def _of_layers(self, name: str) -> Array:
         return np.array([getattr(layer, name) for layer in self.layers])
 
@@ -167,9 +172,43 @@ class Laminate(Section):
         return along_y / shear_stiffness, along_z / shear_stiffness
 
     @property
+    def tensions(self) -> Array:
+        """Axial stresses (Pa, one per layer) for a unit axial strain with free circumference."""
+        contraction = self.mean_material[2]
+        return np.array(
+            [layer.stiffness[0, 0] - contraction * layer.stiffness[0, 1] for layer in self.layers]
+        )
+
+    @property
+    def _shears(self) -> Array:
+        """Shear moduli (Pa, one per layer) along the circumference."""
+        return np.array([layer.stiffness[2, 2] for layer in self.layers])
+
+    @property
+    def shear_ratio(self) -> float:
+        """Largest shear modulus along the wall over the smallest one across it."""
+        return float(self._shears.max() / self._of_layers("G12").min())
+
+    @property
+    def lone_tensions(self) -> Array:
+        """Axial stresses (Pa, one per layer) for a unit strain of layers that are not bonded."""
+        return np.array([1.0 / np.linalg.inv(layer.stiffness)[0, 0] for layer in self.layers])
+
+    @property
+    def hoop_stresses(self) -> Array:
+        """Stresses (Pa, one per layer) along the circumference for a unit axial strain.
+
+        Their resultant is zero. They are zero if all layers have the same stiffness.
+        """
+        contraction = self.mean_material[2]
+        return np.array(
+            [layer.stiffness[0, 1] - contraction * layer.stiffness[1, 1] for layer in self.layers]
+        )
+
+    @property
     def wall(self) -> Array:
         """A (3×3, in N/m) of the wall: forces per width from strains."""
-        return self._sum(self._of_layers("thickness"))
+        return self._sum(self.thicknesses)
 
     def faults(self, unit: str = "m") -> list[str]:
         faults = [
@@ -214,7 +253,7 @@ class LaminateTube(Laminate):
 
     @property
     def shells(self) -> tuple[Section, ...]:
-        thicknesses = self._of_layers("thickness").tolist()
+        thicknesses = self.thicknesses.tolist()
         outer = self.diameter - 2.0 * (self.thickness - np.cumsum(thicknesses))
         return tuple(Tube(d, t) for d, t in zip(outer.tolist(), thicknesses, strict=True))
 
@@ -224,8 +263,14 @@ class LaminateTube(Laminate):
 
     @property
     def shear_stiffnesses(self) -> tuple[float, float]:
-        # Flow V sin φ/πr on a circumference of 2πr: κ = ½.
-        half = 0.5 * float(self._sum(self._of_shells("area"))[2, 2])
+        # Bending stresses at the radius r = Σ E ∫r³dr/Σ E ∫r²dr have the flow V sin φ/πr, which
+        # strains a circumference of radius R = Σ G ∫r dr/Σ Gt: V²/∮ q² ds/Gt = π Gt R (r/R)².
+        outer = self._of_shells("diameter") / 2.0
+        inner = outer - self.thicknesses
+        third, second = (float(self.tensions @ ((outer**n - inner**n) / n)) for n in (4, 3))
+        shear = float(self._sum(self._of_shells("area"))[2, 2])
+        middle = shear / (2.0 * pi * float(self.wall[2, 2]))
+        half = 0.5 * shear * (third / second / middle) ** 2
         return half, half
 
 
@@ -243,7 +288,7 @@ class LaminateBox(Laminate):
 
     @property
     def shells(self) -> tuple[Section, ...]:
-        thicknesses = self._of_layers("thickness").tolist()
+        thicknesses = self.thicknesses.tolist()
         less = 2.0 * (self.thickness - np.cumsum(thicknesses))
         return tuple(
             HollowRectangle(self.width - inside, self.height - inside, t)
@@ -262,9 +307,19 @@ class LaminateBox(Laminate):
 
     @property
     def shear_stiffnesses(self) -> tuple[float, float]:
-        b, h = self._middle
-        shear = float(self.wall[2, 2])
+        # Bending stresses lie at the line (b, h) of the wall that E weights, shear strains at that
+        # of G: the flow of the first strains the perimeter of the second.
+        (b, h), (of_b, of_h) = (self._line(weights) for weights in (self.tensions, self._shears))
+        shear = float(self.wall[2, 2]) * (b + h) / (of_b + of_h)
         return shear * _box_shear_length(h, b), shear * _box_shear_length(b, h)
+
+    def _line(self, moduli: Array) -> tuple[float, float]:
+        """Width and height (m) of the line in the wall that `moduli` (one per layer) weight."""
+        outer_sides = np.cumsum(self.thicknesses[::-1])[::-1]
+        depths = outer_sides - 0.5 * self.thicknesses
+        weights = moduli * self.thicknesses
+        twice = 2.0 * float(weights @ depths / weights.sum())
+        return self.width - twice, self.height - twice
 
 
 def _box_shear_length(flange: float, web: float) -> float:

@@ -360,18 +360,21 @@ def _rings(diameters: Sequence[float], quarter: int, across: int) -> Blocks:
 
 
 def _tube_of_layers(section: LaminateTube, divisions: int) -> Blocks:
-    """Blocks of each run of equal layers of a tube, with one element across it."""
+    """Blocks of each run of equal layers of a tube.
+
+    Every ring of elements is a ring of blocks: only on edges of blocks are nodes on arcs, and a
+    chord of a long element is farther from its arc than a layer is thick.
+    """
     numbers, depths = _layer_runs(section)
-    quarter = _quarter(section.diameter, section.thickness, divisions)
-    blocks = _rings((section.diameter - 2.0 * depths).tolist(), quarter, 1)
-    return replace(blocks, regions=tuple(np.repeat(numbers, 4).tolist()))
+    across = _across_run(divisions)
+    steps = np.repeat(np.diff(depths) / across, across)
+    rings = section.diameter - 2.0 * np.concatenate([[0.0], np.cumsum(steps)])
+    blocks = _rings(rings.tolist(), _quarter(section.diameter, section.thickness, divisions), 1)
+    return replace(blocks, regions=tuple(np.repeat(numbers, 4 * across).tolist()))
 
 
 def _box_of_layers(section: LaminateBox, divisions: int) -> Blocks:
-    """Blocks of each run of equal layers of a box, with one element across it.
-
-    The layers have sharp corners.
-    """
+    """Blocks of each run of equal layers of a box. The layers have sharp corners."""
     numbers, depths = _layer_runs(section)
     side, thickness, count = min(section.extent), section.thickness, len(numbers)
     lines, counts = [], []
@@ -379,12 +382,18 @@ def _box_of_layers(section: LaminateBox, divisions: int) -> Blocks:
         half = 0.5 * size - depths
         lines.append([*(-half).tolist(), *half[::-1].tolist()])
         along = _along(size - 2.0 * thickness, thickness, side, divisions)
-        counts.append([*[1] * count, along, *[1] * count])
+        across = [_across_run(divisions)] * count
+        counts.append([*across, along, *across])
     # Number of the ring, from the outside, of each strip; the hollow has the number of rings.
     rings = np.array([*range(count), count, *reversed(range(count))])
     owners = np.minimum(rings[:, None], rings)
     blocks = _grid(lines[0], lines[1], counts[0], counts[1], (owners < count).tolist())
     return replace(blocks, regions=tuple(np.array(numbers)[owners[owners < count]].tolist()))
+
+
+def _across_run(divisions: int) -> int:
+    """Number of elements across a run of equal layers: one up to four divisions."""
+    return ceil(divisions / 4)
 
 
 def _layer_runs(section: Laminate) -> tuple[list[int], Array]:

@@ -258,8 +258,7 @@ def require_section(section: Section, divisions: Divisions) -> None:
     """
     if not section.has_outline:
         raise InputError(
-            f"{section.shape}: solids need a section with an outline and isotropic materials, such "
-            "as a polygon"
+            f"{section.shape}: solids need a section with an outline, such as a polygon"
         )
     faults = section.faults() + _division_faults(section, divisions)
     if faults:

@@ -76,6 +76,7 @@ BASICS = {
     "fem.sections.section_constants:poisson_shear_ratio": "νG/E for those tractions",
     "fem.sections.composite": "those tractions in sections of several materials",
     "fem.sections.moduli": "materials of a section's parts, as data",
+    "fem.sections.reversal": "symmetry of a section's mesh",
     "fem.sections.waveguide:elasticity": "those tractions in sections of several materials",
     "fem.sections.waveguide:cell_matrices": "those tractions in sections of several materials",
     "fem.sections.waveguide:strains": "those tractions in sections of several materials",

@@ -23,6 +23,7 @@ from fem.bodies.solid import Ends
 from fem.couplings.wave_cantilever import beam_frequency, cut_off, prism_frequency, wave_frequency
 from fem.couplings.wave_stiffness import PrismWaves, prism_waves
 from fem.sections import nonuniform_torsion
+from fem.sections.moduli import mirrored_moduli
 from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
 from lumped.errors import ComputationError
@@ -382,7 +383,8 @@ def why_no_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
 @memo(16)
 def _waves(leg: ConstantLeg, divisions: int) -> dict[str, PrismWaves]:
     """Waves of 3-D elasticity along a leg, by kind of deformation."""
-    waves = prism_waves(face_mesh(leg, divisions), leg.material)
+    mesh = face_mesh(leg, divisions)
+    waves = prism_waves(mesh, mirrored_moduli(leg, mesh) or leg.material)
     return {kind.fields.name: kind for kind in waves}
 
 
@@ -401,7 +403,7 @@ def distortion(leg: ConstantLeg, divisions: tuple[int, ...], mode: CantileverFre
 def _distorted(leg: ConstantLeg, divisions: int, mode: CantileverFrequency) -> float:
     waves = _waves(leg, divisions)[mode.kind]
     beam = beam_frequency(waves, leg.length, mode.order)
-    if mode.kind == "torsion":
+    if mode.kind == "torsion" and leg.section.is_uniform:
         estimate = beam * _warping_waves(leg, mode.order)
     else:
         estimate = wave_frequency(waves, leg.length, mode.order, beam)

@@ -24,6 +24,7 @@ from scipy.linalg import eigh
 from fem.couplings.wave_cantilever import saint_venant_beam
 from fem.couplings.wave_stiffness import PrismWaves, prism_waves
 from fem.reduction.superelement import ENDS, Superelement
+from fem.sections.moduli import mirrored_moduli
 from lumped.arrays import Array, IntArray, dense
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
@@ -63,9 +64,8 @@ def waves_of(legs: Mapping[str, ConstantLeg], divisions: Mapping[str, int]) -> W
     for name, leg in legs.items():
         key = leg.section, leg.material, divisions[name]
         if key not in waves_by_section:
-            waves_by_section[key] = prism_waves(
-                section_mesh(leg.section, divisions[name]), leg.material
-            )
+            mesh = section_mesh(leg.section, divisions[name])
+            waves_by_section[key] = prism_waves(mesh, mirrored_moduli(leg, mesh) or leg.material)
         waves_by_leg[name] = waves_by_section[key]
     return waves_by_leg
 

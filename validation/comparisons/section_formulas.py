@@ -33,6 +33,22 @@ composite
         smallest and the largest: the flexibility in shear is within both (minimum of complementary
         energy).
 
+laminate
+        Layers are sections of their own with common strains, in a wall of thickness t. If they
+        have different stiffnesses, tension and bending leave stresses σ along the circumference,
+        whose resultant is zero. In a tube of middle radius r they work on the differences of the
+        circumferential strain, up to (1 + c) t/2r of the axial strain, with the wall's ratio of
+        contraction c: a relative error of s (1 + c) t/2r with s = Σ |σ| t/Et. Radial stresses,
+        and the couplings that layers of inclined fibres keep at different radii, are of second
+        order in t/r. The wall is softer in shear across than along it, by the ratio g of the
+        largest to the smallest shear modulus: relative errors are at most (t/r)² for EA and EI,
+        (1 + g)/4 times that for GJ and g times that for shear.
+        At the corners of a box, a share c = 2t/(b + h) of the area, layers end on others: they
+        are free from common strains, or have a stress s along the axis. EA and EI are in error by
+        c (d + s), with the share d by which layers on their own are less stiff than together, and
+        by c². J and κ are in error as those of a box, to either side and times g.
+        The factors hold for layups of carbon fibres up to E1/E2 = 53, and of glass.
+
 Cowper's coefficient follows from a mean displacement. The beam with computed section constants has
 the coefficient by strain energy (`fem.sections.section_constants`). Both are known from finite
 elements. Their difference is one of definition, not an inaccuracy.
@@ -47,7 +63,14 @@ import numpy as np
 from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.legs import BeamProperties, ConstantLeg
 from lumped.memo import memo
-from lumped.sections import Composite, HollowRectangle, ISection, OutlinedSection
+from lumped.sections import (
+    Composite,
+    HollowRectangle,
+    ISection,
+    Laminate,
+    LaminateTube,
+    OutlinedSection,
+)
 from meshes.section.section_mesh import SectionMesh
 from validation.solids.solid_legs import face_mesh, mesh_constants, mesh_properties
 
@@ -63,6 +86,8 @@ class Limits(NamedTuple):
 
 
 _EXACT = Limits(1.0, 1.0)
+# Largest relative error that is accepted as that of a formula.
+_LARGEST_ERROR = 0.5
 
 
 @memo(16)
@@ -78,6 +103,8 @@ def mesh_formula_band(leg: ConstantLeg, mesh: SectionMesh) -> Band:
     """Softest and stiffest beam that correct formulas allow, from exact constants on `mesh`."""
     if isinstance(leg.section, Composite):
         return composite_band(leg.section, mesh_properties(leg, mesh))
+    if isinstance(leg.section, Laminate):
+        return laminate_band(leg.section, mesh_properties(leg, mesh))
     return formula_band(leg, mesh_constants(leg, mesh))
 
 
@@ -127,6 +154,42 @@ def _held_share(section: Composite, shares: Sequence[float]) -> float:
     bulk = areas * E / (2.0 * (1.0 + nu) * (1.0 - 2.0 * nu))
     mean = (bulk @ nu) / bulk.sum()
     return float(1.0 + 4.0 * (bulk @ (nu - mean) ** 2) / (areas @ E))
+
+
+def laminate_band(section: Laminate, exact: BeamProperties) -> Band:
+    """Softest and stiffest beam by classical laminate theory for thin walls of layers.
+
+    `exact` has section constants by finite elements.
+    """
+    errors = laminate_errors(section)
+
+    def bound(sign: float) -> BeamProperties:
+        changed = {name: getattr(exact, name) * (1.0 + sign * errors[name]) for name in errors}
+        return replace(exact, **changed)
+
+    return bound(-1.0), bound(1.0)
+
+
+def laminate_errors(section: Laminate) -> dict[str, float]:
+    """Largest relative errors, by name, of the section constants of a wall of layers."""
+    thickness, thicknesses = section.thickness, section.thicknesses
+    tension = float(section.tensions @ thicknesses)
+    hoop = float(np.abs(section.hoop_stresses) @ thicknesses) / tension
+    ratio = section.shear_ratio
+    b, h = (size - thickness for size in section.extent)
+    if isinstance(section, LaminateTube):
+        slope = 2.0 * thickness / b
+        contraction = abs(section.mean_material[2])
+        stretch = hoop * (1.0 + contraction) * 0.5 * slope + slope**2
+        twist, shear = 0.25 * (1.0 + ratio) * slope**2, (ratio * slope**2,) * 2
+    else:
+        corners = 2.0 * thickness / (b + h)
+        alone = 1.0 - float(section.lone_tensions @ thicknesses) / tension
+        stretch = corners * (alone + hoop) + corners**2
+        twist, shear = ratio * corners, (ratio * thickness / b, ratio * thickness / h)
+    errors = dict.fromkeys(("EA", "EIy", "EIz"), stretch)
+    errors |= {"GJ": twist, "GAy": shear[0], "GAz": shear[1]}
+    return {name: min(error, _LARGEST_ERROR) for name, error in errors.items()}
 
 
 def formula_band(leg: ConstantLeg, constants: SectionConstants) -> Band:

@@ -23,7 +23,7 @@ from fem.bodies.solid import Ends, clamped_leg, section_twists, solid_leg, solid
 from fem.couplings.end_effects import restrained_compliance
 from fem.reduction.superelement import HeldLeg, held_solid_leg
 from fem.sections.composite import composite_properties, composite_rod
-from fem.sections.moduli import leg_moduli, part_materials
+from fem.sections.moduli import leg_moduli, mirrored_moduli, part_materials
 from fem.sections.nonuniform_torsion import WarpingRod, warping_rod
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array, SparseMatrix
@@ -36,6 +36,8 @@ from lumped.sections import (
     Composite,
     HollowRectangle,
     ISection,
+    Laminate,
+    LaminateBox,
     OutlinedSection,
     Rectangle,
     Section,
@@ -68,6 +70,9 @@ from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 # Method, ch. 8).
 FORMAL_ORDER = 4.0
 CORNER_ORDER = 4.0 / 3.0
+# Order for rigid faces at which layers of fibres end, as where several materials meet
+# (`corner_order`).
+_LAYER_EDGE_ORDER = 1.0
 # Relative round-off of compliances and frequencies. Smaller changes are not convergence.
 ROUND_OFF = 1e-9
 GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
@@ -172,9 +177,12 @@ def section_of(leg: SectionedLeg) -> Section:
 
 def formal_order(leg: SectionedLeg, ends: Ends) -> float:
     """Lowest order with which a leg's compliances and frequencies converge."""
-    corners = corner_order(section_of(leg))
+    section = section_of(leg)
+    corners = corner_order(section)
     if ends == "free":
         return corners
+    if isinstance(section, Laminate):
+        return _LAYER_EDGE_ORDER
     materials = part_materials(leg) or (leg.material,)
     return min(corners, *(edge_order(material.nu) for material in materials))
 
@@ -182,11 +190,11 @@ def formal_order(leg: SectionedLeg, ends: Ends) -> float:
 def corner_order(section: Section) -> float:
     """Lowest order of convergence of energies that the corners of a section cause.
 
-    It is 2π/α, with the largest inward angle α of the section's corners. For a composite it is
-    taken as 1: where edges of several materials meet, the order is above 1, except for extreme
-    ratios of moduli.
+    It is 2π/α, with the largest inward angle α of the section's corners. For a composite and for a
+    box of fibre layers it is taken as 1: where edges of several materials meet, the order is above
+    1, except for extreme ratios of moduli.
     """
-    if isinstance(section, Composite):
+    if isinstance(section, Composite | LaminateBox):
         return 1.0
     if isinstance(section, OutlinedSection):
         return min(FORMAL_ORDER, 2.0 * np.pi / section.largest_angle)
@@ -318,7 +326,7 @@ def mesh_properties(leg: ConstantLeg, mesh: SectionMesh) -> BeamProperties:
 def computed_rod(leg: ConstantLeg, divisions: int) -> WarpingRod:
     """Torsion with warping of a leg, with section constants by finite elements."""
     mesh = face_mesh(leg, divisions)
-    if moduli := leg_moduli(leg, mesh):
+    if moduli := mirrored_moduli(leg, mesh):
         return composite_rod(mesh, moduli)
     return warping_rod(mesh_constants(leg, mesh), leg.material)
 

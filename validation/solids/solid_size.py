@@ -11,7 +11,6 @@ from math import ceil
 from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Leg, LineLeg, SectionedLeg
-from lumped.sections import Laminate
 from lumped.text import counted
 from meshes.loft import mesh_section, why_no_loft
 from meshes.section.section_blocks import element_length, section_blocks, sides_of
@@ -51,15 +50,14 @@ def why_shapeless(legs: Sequence[Leg]) -> str:
     names = dict.fromkeys(
         f"{leg.name or 'a leg'} ({leg.section.shape})"
         for leg in legs
-        if isinstance(leg, ConstantLeg)
-        and (isinstance(leg.section, Laminate) or not leg.section.has_outline)
+        if isinstance(leg, ConstantLeg) and not leg.section.has_outline
     )
     if not names:
         lofts = (why_no_loft(leg) for leg in legs if isinstance(leg, LineLeg))
         return next(filter(None, lofts), "")
     return (
-        f"{', '.join(names)}: runs compare solids of outlines of isotropic materials alone, so "
-        "that there is none to compare with"
+        f"{', '.join(names)}: a section by its constants has no outline that could be meshed, so "
+        "that there is no solid to compare with"
     )
 
 

@@ -66,13 +66,15 @@ def test_constants_give_no_verdict(tmp_path):
     (leg,) = legs_of(robot_file.mechanism).values()
     reason = why_shapeless([leg])
     assert reason.startswith(
-        "arm (properties): runs compare solids of outlines of isotropic materials alone"
+        "arm (properties): a section by its constants has no outline that could be meshed"
     )
     assert why_shapeless([leg, leg]) == reason
     with pytest.raises(InputError, match="properties: solids need a section with an outline"):
         clamped_solid(leg, 2, "rigid")
     context = Context(robot_file, "quick")
-    with pytest.raises(Skip, match="runs compare solids of outlines of isotropic materials alone"):
+    with pytest.raises(
+        Skip, match="a section by its constants has no outline that could be meshed"
+    ):
         compliances(context, "arm", "free")
     matrix = robot_adequacy(context)
     of_beams = [entry for entry in matrix.entries if entry.model in {"vjm", "beam", "segments"}]

@@ -1,0 +1,117 @@
+"""Symmetry of a prism under a reversal of its axis, x → −x.
+
+A prism of materials whose planes across the axis are planes of symmetry is its own mirror image.
+Fibres that are inclined to the axis have no such planes, but a wall of fibres that is equal all
+around its section is its own image after half a turn about y. Either reversal P turns displacements
+of a section into others, and P² = 1. The operators E₀ and E₂ of the prism (`fem.couplings
+.section_fields`) do not couple the fields Pu = −u ("odd") with the fields Pu = u ("even"), and E₁
+couples nothing else.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+from scipy.sparse import csr_array
+
+from fem.sections.moduli import Moduli
+from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.legs import Material
+
+# Largest distance between a node and the image of another, relative to the section's size.
+_SAME_PLACE = 1e-6
+# Signs of displacements and rotations (x y z φx φy φz) of a reversed section.
+_MIRROR = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
+_HALF_TURN = np.array([-1.0, 1.0, -1.0, -1.0, 1.0, -1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Reversal:
+    """Reversal of a prism with N nodes in its section.
+
+    `images` (N) are the indices of the nodes at the places to which nodes are moved, `twists` (6)
+    the signs of a twist (x y z φx φy φz) of the section.
+    """
+
+    images: IntArray
+    twists: Array
+
+    @property
+    def matrix(self) -> SparseMatrix:
+        """P (csr 3N×3N): displacements of the reversed section from those of the section."""
+        unknowns = np.arange(3 * len(self.images))
+        rows = 3 * self.images[unknowns // 3] + unknowns % 3
+        signs = self.twists[unknowns % 3]
+        return csr_array((signs, (rows, unknowns)), shape=(len(rows),) * 2)
+
+    @cached_property
+    def odd(self) -> SparseMatrix:
+        """Orthonormal basis (csr 3N×n) of the fields that the reversal turns into −1 times them."""
+        return self.basis(-1.0)
+
+    @cached_property
+    def even(self) -> SparseMatrix:
+        """Orthonormal basis (csr 3N×n) of the fields that the reversal does not change."""
+        return self.basis(1.0)
+
+    def basis(
+        self, sign: float, mirrors: Sequence[tuple[IntArray, Sequence[float]]] = ()
+    ) -> SparseMatrix:
+        """Orthonormal basis (csr 3N×n) of the fields that the reversal multiplies by `sign`.
+
+        `mirrors` are further symmetries of the fields: images of the nodes, and the sign of each
+        component of the displacement at the image.
+        """
+        parts = []
+        for component in range(3):
+            own = sign * float(self.twists[component])
+            symmetries = [(images, signs[component]) for images, signs in mirrors]
+            parts.append(_orbits([*symmetries, (self.images, own)], component))
+        return csr_array(np.hstack(parts))
+
+
+def reversal_of(nodes: Array, material: Material | Moduli) -> Reversal:
+    """Reversal of a prism with `nodes` (N×2; y, z in m) in its section.
+
+    Raises ValueError for inclined fibres in a section that is not symmetric about y.
+    """
+    if not isinstance(material, Moduli) or not material.inclined:
+        return Reversal(np.arange(len(nodes)), _MIRROR)
+    images = images_of(nodes, (1.0, -1.0))
+    if images is None:
+        raise ValueError("a section of inclined fibres must have nodes symmetric about y")
+    return Reversal(images, _HALF_TURN)
+
+
+def images_of(nodes: Array, signs: tuple[float, float]) -> IntArray | None:
+    """Index (N) of the node at the image of each node. None if the mesh is not symmetric.
+
+    `nodes` are N×2 (y, z), and images have y and z multiplied by `signs`.
+    """
+    size = float(np.ptp(nodes, axis=0).max())
+    distance, partner = scipy.spatial.cKDTree(nodes).query(nodes * np.array(signs))
+    if distance.max() > _SAME_PLACE * size:
+        return None
+    return np.asarray(partner)
+
+
+def _orbits(symmetries: Sequence[tuple[IntArray, float]], component: int) -> Array:
+    """Normalised sums (3N×n) over the images of each node, with signs by symmetry."""
+    count = len(symmetries[0][0])
+    images, weights = np.arange(count)[None], np.ones(1)
+    for mirror, sign in symmetries:
+        images = np.vstack([images, mirror[images]])
+        weights = np.concatenate([weights, sign * weights])
+    representatives = np.flatnonzero(images.min(axis=0) == np.arange(count))
+    columns = np.zeros((3 * count, len(representatives)))
+    for image, weight in zip(images, weights, strict=True):
+        np.add.at(
+            columns,
+            (3 * image[representatives] + component, np.arange(len(representatives))),
+            weight,
+        )
+    norms = np.linalg.norm(columns, axis=0)
+    # Nodes on an axis of antisymmetry do not move.
+    return np.asarray(columns[:, norms > 0.5] / norms[norms > 0.5])

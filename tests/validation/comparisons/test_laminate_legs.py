@@ -1,0 +1,94 @@
+"""Legs of fibre layers in a run: solids of orthotropic layers judge beams by laminate theory."""
+
+import pytest
+from support.robots.paper_robot_variants import file_of, variant_of_ifw
+
+from lumped.acceptance.requirement import DEFAULT_LIMITS
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import LaminateBox, LaminateTube, Layer
+from validation.comparisons import leg_beam_vs_solid
+from validation.comparisons.leg_beam_vs_solid import FORMULA, HELD_FACES, MOTIONS
+from validation.comparisons.section_formulas import laminate_errors
+from validation.context import Context
+from validation.models.leg_models import leg_compliance
+from validation.run.outcome import judge
+from validation.solids.solid_legs import computed_properties
+
+# T300/5208 carbon and epoxy (S. W. Tsai, H. T. Hahn, Introduction to Composite Materials, 1980,
+# table 1.7), and a fibre of high modulus: Pa.
+CARBON = {"E1": 181e9, "E2": 10.3e9, "G12": 7.17e9, "nu12": 0.28, "rho": 1600.0}
+STIFF = {"E1": 340e9, "E2": 6.4e9, "G12": 3.9e9, "nu12": 0.3, "rho": 1600.0}
+
+
+def layers(*angles, thickness, ply=CARBON):
+    return tuple(Layer(**ply, thickness=thickness, angle=angle) for angle in angles)
+
+
+def leg_of(section, length=0.3):
+    return ConstantLeg(length, section, Material(*section.mean_material))
+
+
+@pytest.fixture
+def agreement(monkeypatch):
+    """Function of a leg and of a factor on its beam: verdicts of all motions, by motion.
+
+    Both meshes of the solid have the coarsest section mesh.
+    """
+    monkeypatch.setattr(leg_beam_vs_solid, "most_unknowns", lambda *_: 400)
+    monkeypatch.setattr(leg_beam_vs_solid, "STATICS", {"quick": 400})
+
+    def verdicts(leg, factor=1.0):
+        def compliances(*arguments):
+            return factor * leg_compliance(*arguments)
+
+        monkeypatch.setattr(leg_beam_vs_solid, "leg_compliance", compliances)
+        context = Context(file_of(variant_of_ifw(leg1=leg)), "quick")
+        cases = {
+            case.id: case for case in leg_beam_vs_solid.cases(legs=("leg1",), limits=DEFAULT_LIMITS)
+        }
+        outcomes = {}
+        for motion in MOTIONS:
+            case = cases[f"leg1.agrees[beam-solid-{motion}]"]
+            measurement = case.measure(context)
+            outcomes[motion] = judge(case, measurement, 0.0).verdict, measurement
+        return outcomes
+
+    return verdicts
+
+
+def test_laminate_leg_agrees_with_orthotropic_solid(agreement):
+    """Held faces stiffen tension by 2.5 %, laminate theory is 0.5 % too stiff in torsion."""
+    weave = leg_of(LaminateTube(layers(45, -45, thickness=1.5e-3), 0.06))
+    outcomes = agreement(weave)
+    assert {verdict for verdict, _ in outcomes.values()} == {"agree"}
+    causes = {
+        motion: {one.cause: one.amount / found.reference for one in found.allowances}
+        for motion, (_, found) in outcomes.items()
+    }
+    assert causes["x"][HELD_FACES] == pytest.approx(0.024, abs=0.002)
+    assert causes["φx"][FORMULA] == pytest.approx(-0.0046, abs=5e-4)
+    wrong = agreement(weave, 1.02)
+    assert {wrong[motion][0] for motion in ("x", "y", "z", "φy", "φz")} == {"disagree"}
+
+
+def test_unidirectional_leg_is_exact(agreement):
+    """E1 A, E1 I and G12 J are exact. Twelve parabolas for a circle leave 3e-4."""
+    outcomes = agreement(leg_of(LaminateTube(layers(0, thickness=3e-3), 0.06)))
+    for motion in ("x", "φx", "φy"):
+        verdict, found = outcomes[motion]
+        held = sum(one.amount for one in found.allowances if one.cause == HELD_FACES)
+        assert verdict == "agree"
+        assert found.value - held == pytest.approx(found.reference, rel=5e-4)
+
+
+@pytest.mark.parametrize("ply", [CARBON, STIFF], ids=["carbon", "stiff"])
+@pytest.mark.parametrize("angles", [(45, -45), (60, -60, 0), (0, 0, 75, -75)], ids=str)
+def test_thin_wall_errors_are_bounds(ply, angles):
+    """Laminate theory is within its bounds of the section by finite elements, in tube and box."""
+    wall = layers(*angles, thickness=3e-3 / len(angles), ply=ply)
+    for section in (LaminateTube(wall, 0.06), LaminateBox(wall, 0.06, 0.04)):
+        leg = leg_of(section)
+        by_theory, computed = leg.timoshenko, computed_properties(leg, 2)
+        for name, bound in laminate_errors(section).items():
+            error = getattr(by_theory, name) / getattr(computed, name) - 1.0
+            assert abs(error) < bound, name
