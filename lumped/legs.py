@@ -12,9 +12,9 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.centre_line import CentreLine
+from lumped.centre_line import CentreLine, LinePiece
 from lumped.errors import ComputationError
-from lumped.line_sections import FIELDS, TOGETHER, LineSections
+from lumped.line_sections import FIELDS, FURTHER, TOGETHER, LineSections
 from lumped.memo import memo
 from lumped.screws import move_compliance
 from lumped.sections import Section, symmetric_moments
@@ -76,6 +76,11 @@ class BeamProperties:
     the centroid, and that of the centre of mass (`mass_y`, `mass_z`). Forces through the shear
     centre do not twist the leg. The centroid is that of the stiffness. Rotary inertias are taken
     about this centroid.
+
+    Helical fibres couple unlike deformations: `twist_x` is the rate of twist per axial force, and
+    `turn_y` and `turn_z` are the rates of φy and φz per shear force along y and along z (1/(N m)).
+    EA, GJ, EI and κGA are then stiffnesses with all other stress resultants zero. These couplings
+    are available for a centroid that is shear centre and centre of mass, too.
     """
 
     EA: float
@@ -95,6 +100,14 @@ class BeamProperties:
     centre_z: float = 0.0
     mass_y: float = 0.0
     mass_z: float = 0.0
+    twist_x: float = 0.0
+    turn_y: float = 0.0
+    turn_z: float = 0.0
+
+    @property
+    def is_helical(self) -> bool:
+        """True if tension twists the leg, or if a shear force bends it across its direction."""
+        return bool(self.twist_x or self.turn_y or self.turn_z)
 
     @property
     def couples_bending(self) -> bool:
@@ -110,6 +123,13 @@ class BeamProperties:
     def is_eccentric(self) -> bool:
         """True if the centre of mass differs from the centroid."""
         return bool(self.mass_y or self.mass_z)
+
+    @property
+    def couplings(self) -> dict[tuple[int, int], float]:
+        """Entries (row, column) of the section's 6×6 flexibility that helical fibres cause."""
+        if not self.is_helical:
+            return {}
+        return {(0, 3): self.twist_x, (1, 4): self.turn_y, (2, 5): self.turn_z}
 
     @property
     def section_mass(self) -> Array:
@@ -157,9 +177,8 @@ class BeamProperties:
 
     def as_euler_bernoulli(self) -> "BeamProperties":
         """Copy of the properties without shear deformation and rotary inertia of bending."""
-        return replace(
-            self, GAy=np.inf, GAz=np.inf, shear_yz=0.0, rho_Iy=0.0, rho_Iz=0.0, rho_Iyz=0.0
-        )
+        rigid = replace(self, GAy=np.inf, GAz=np.inf, shear_yz=0.0, turn_y=0.0, turn_z=0.0)
+        return replace(rigid, rho_Iy=0.0, rho_Iz=0.0, rho_Iyz=0.0)
 
     def piece_compliance(self, length: float) -> Array:
         """6×6 compliance (SI, leg axes) of a piece of `length` l (m), referred to its middle.
@@ -188,6 +207,10 @@ class BeamProperties:
             # φz = dv/dx for the deflection v along y, φy = −dw/dx for the deflection w along z.
             signs = np.array([[1.0, -1.0], [-1.0, 1.0]])
             compliance[4:, 4:] = length * signs * flexibility[::-1, ::-1]
+        # Shear forces are constant along the piece, and bending is odd about its middle, so that
+        # couplings are those of the section.
+        for (row, column), coupling in self.couplings.items():
+            compliance[row, column] = compliance[column, row] = length * coupling
         if self.couples_torsion:
             from_shear_centre = np.linalg.inv(self.to_shear_centre)
             compliance = from_shear_centre @ compliance @ from_shear_centre.T
@@ -238,6 +261,7 @@ class ConstantLeg:
         product, (centre_y, centre_z) = section.product_moment, section.shear_centre
         inertia_y, inertia_z, inertia_yz = section.inertia_moments
         mass_y, mass_z = section.mass_centre
+        twist_x, turn_y, turn_z = section.couplings
         coupling = section.shear_coupling(material.shear_nu) / (material.G * area)
         return BeamProperties(
             EA=material.E * area,
@@ -257,6 +281,9 @@ class ConstantLeg:
             centre_z=centre_z,
             mass_y=mass_y,
             mass_z=mass_z,
+            twist_x=twist_x,
+            turn_y=turn_y,
+            turn_z=turn_z,
         )
 
     def properties(self, theory: Theory) -> BeamProperties:
@@ -461,6 +488,17 @@ def tip_compliance(properties: BeamProperties, length: float) -> Array:
     of symmetry: c22 = L³/3EIz + L/κGA, c26 = L²/2EIz, c35 = −L²/2EIy.
     """
     return move_compliance(properties.piece_compliance(length), np.array([length / 2.0, 0.0, 0.0]))
+
+
+def prism_sections(properties: BeamProperties, length: float) -> LineSections:
+    """Sections of a prism of `length` (m) along its centre line.
+
+    The centre of mass must be the centroid.
+    """
+    line = CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), (0.0, 0.0, 1.0))
+    constants = [*(getattr(properties, name) for name in FIELDS), *[0.0] * len(FURTHER)]
+    values = np.tile(constants, (1, len(NODES), 1))
+    return LineSections(line, np.array([0.0, length]), values)
 
 
 def is_bent(leg: Leg) -> bool:

@@ -49,7 +49,7 @@ from lumped.tapers import NODES, TAPER
 # Constants of a section, by their names in `BeamProperties`.
 FIELDS = (
     *("EA", "EIy", "EIz", "GJ", "GAy", "GAz", "mu", "rho_J", "rho_Iy", "rho_Iz"),
-    *("EIyz", "rho_Iyz", "shear_yz", "centre_y", "centre_z"),
+    *("EIyz", "rho_Iyz", "shear_yz", "centre_y", "centre_z", "twist_x", "turn_y", "turn_z"),
 )
 # Further constants: E times ∫y⁴ dA, ∫z⁴ dA and ∫y²z² dA (N m⁴), and those of the taper. They are
 # zero for shapes without two axes of symmetry.
@@ -124,7 +124,7 @@ class SectionField:
 class LineSections:
     """Sections of a leg along its centre line.
 
-    `ends` (k+1 values, in m along the line) are the ends of the k spans. `values` (k×p×25) are the
+    `ends` (k+1 values, in m along the line) are the ends of the k spans. `values` (k×p×28) are the
     section constants named in `FIELDS` and `FURTHER`, at the p `NODES` of each span.
     """
 
@@ -134,7 +134,7 @@ class LineSections:
 
     @cached_property
     def _coefficients(self) -> Array:
-        """Chebyshev coefficients (k×p×25) of the section constants in each span.
+        """Chebyshev coefficients (k×p×28) of the section constants in each span.
 
         Infinite constants have one term.
         """
@@ -146,7 +146,7 @@ class LineSections:
         return np.asarray(coefficients)
 
     def constants(self, spans: IntArray, positions: Array) -> Array:
-        """Section constants (n×25: `FIELDS`, then `FURTHER`) at n `positions` (m along the line).
+        """Section constants (n×28: `FIELDS`, then `FURTHER`) at n `positions` (m along the line).
 
         `spans` (n) are the indices of the spans to which the positions belong.
         """
@@ -234,6 +234,8 @@ class LineSections:
         local[:, 0, 0], local[:, 3, 3] = 1.0 / EA, 1.0 / rows["GJ"]
         local[:, 1:3, 1:3] = np.moveaxis(shear, -1, 0)
         local[:, 4:, 4:] = np.linalg.inv(np.moveaxis(bending, -1, 0))
+        for row, column, name in ((0, 3, "twist_x"), (1, 4, "turn_y"), (2, 5, "turn_z")):
+            local[:, row, column] = local[:, column, row] = rows[name]
         # σ = −Mz y/Iz and σ = My z/Iy.
         local[:, 1, 5] = local[:, 5, 1] = -rows["cross_y"]
         local[:, 2, 4] = local[:, 4, 2] = rows["cross_z"]

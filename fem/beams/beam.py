@@ -28,6 +28,9 @@ shear strains and by ρIyz θyθz. The deflections v_s and w_s that are associat
 shear are those of the shear centre (y_s, z_s), which a torque does not move. The displacements of
 the centre of mass (y_m, z_m) are u + z_m φy − y_m φz, v_s − (z_m − z_s) φx and w_s + (y_m − y_s) φx
 along the whole element. The nodes have the twists of the centroid.
+
+Helical fibres couple shear with bending, so that the shear strain varies along an element. Such
+legs have the elements of `fem.beams.line_beam`, by the force method, and the same unknowns.
 """
 
 from collections.abc import Callable, Sequence
@@ -49,17 +52,16 @@ from skfem.element import DiscreteField
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefLine
 
+from fem.beams.line_beam import ROUNDING, line_beam
 from fem.sections.nonuniform_torsion import WarpingRod, line_products
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import InputError
-from lumped.legs import BeamProperties, Ends
+from lumped.legs import BeamProperties, Ends, prism_sections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 
 # Degree of the quadrature: exact for the product of two cubics, the highest degree in the mass.
 _INTEGRATION_ORDER = 6
-# Tolerance for positions at the ends of the leg, relative to its length.
-ROUNDING = 1e-8
 # A section does not warp if its shear stiffness against warping is below this fraction of G I_p, as
 # for round sections.
 _NO_WARPING = 1e-4
@@ -117,6 +119,8 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
     # All elements have the same matrices, so that one element is integrated.
     mesh = MeshLine(np.array([0.0, length / elements]))
     p = properties
+    if p.is_helical:
+        return replace(line_beam(prism_sections(p, length), elements), line=None)
     GAy, GAz, GAyz = _shear_stiffnesses(p)
     # Rotary inertia about the shear centre. The centre of mass is `arm_y` and `arm_z` away from it.
     arm_y, arm_z = p.mass_y - p.centre_y, p.mass_z - p.centre_z
@@ -383,10 +387,10 @@ def warping_beam_leg(
 
     The unknowns are those of `beam_leg`, followed by the warping intensity χ (1/m) at the nodes and
     inside the elements. If `ends` is "rigid", χ is zero at both end faces. Round sections have no
-    χ.
+    χ, and neither have walls of helical fibres.
     """
     leg = beam_leg(properties, length, elements)
-    if rod.shear <= _NO_WARPING * rod.twist:
+    if properties.is_helical or rod.shear <= _NO_WARPING * rod.twist:
         return leg
     return with_warping(leg, rod, elements, ends)
 

@@ -15,7 +15,7 @@ is used with all deflections and rotations.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from heapq import merge
 from itertools import count as naturals
 from itertools import islice
@@ -74,7 +74,7 @@ def cantilever_frequencies(
 
 def kinds_of(properties: BeamProperties) -> tuple[Kind, ...]:
     """Kinds of deformation that vibrate independently of each other."""
-    if properties.is_eccentric:
+    if properties.is_eccentric or properties.is_helical:
         return ("coupled",)
     if properties.couples_bending or properties.couples_torsion:
         return "tension", "coupled"
@@ -279,7 +279,8 @@ class _Coupled:
     """State equations of bending in both planes with torsion, dimensionless.
 
     The n displacements are v_s and w_s of the shear centre, the twist φx, the rotations θ of the
-    section in bending along y and along z, and u if the centre of mass is offset from the centroid.
+    section in bending along y and along z, and u if the centre of mass is offset from the centroid
+    or fibres are helical.
     Forces are conjugate to these.
     `flexibility` and `mass` are n×n. `unit_squared` is the unit of ω².
     """
@@ -292,7 +293,7 @@ class _Coupled:
 def _coupled(p: BeamProperties, size: float) -> _Coupled:
     """Dimensionless state equations: lengths in units of `size` (m), ω² in EI/(μ size⁴)."""
     EI, mu = max(p.EIy, p.EIz), p.mu
-    count = 6 if p.is_eccentric else 5
+    count = 6 if p.is_eccentric or p.is_helical else 5
     flexibility = np.zeros((count, count))
     flexibility[:2, :2] = p.shear_flexibility * EI / size**2
     flexibility[2, 2] = EI / p.GJ
@@ -305,8 +306,12 @@ def _coupled(p: BeamProperties, size: float) -> _Coupled:
     own_polar = p.rho_J - mu * (p.mass_y**2 + p.mass_z**2)
     mass[2, 2] = own_polar / (mu * size**2) + arm @ arm
     mass[3:5, 3:5] = p.rotary_inertia / (mu * size**2)
-    if p.is_eccentric:
+    if count == 6:
         flexibility[5, 5] = EI / (p.EA * size**2)
+        flexibility[2, 5] = flexibility[5, 2] = p.twist_x * EI / size
+        # θ of the deflection along y is φz, that of the deflection along z is −φy.
+        flexibility[0, 4] = flexibility[4, 0] = -p.turn_y * EI / size
+        flexibility[1, 3] = flexibility[3, 1] = p.turn_z * EI / size
         mass[5, 5] = 1.0
         # u + z_m φy − y_m φz; φy turns against θ of the deflection along z.
         mass[3, 5] = mass[5, 3] = p.section_mass[0, 5] / (mu * size)
@@ -341,8 +346,14 @@ def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
 
     A lower bound of that frequency is used: |v_m|² ≤ 2|v_s|² + 2 r² φx², with the distance r of the
     shear centre from the centre of mass, separates bending and torsion, and tension is separated
-    alike. Bending is bounded with the smaller stiffness and the larger inertia of both planes.
+    alike. Bending is bounded with the smaller stiffness and the larger inertia of both planes. Two
+    coupled strains have at most twice the flexibility that they have without coupling.
     """
+    if p.is_helical:
+        doubled = {
+            name: 0.5 * getattr(p, name) for name in ("EA", "EIy", "EIz", "GJ", "GAy", "GAz")
+        }
+        p = replace(p, **doubled, twist_x=0.0, turn_y=0.0, turn_z=0.0)
     bending = np.linalg.eigvalsh(p.bending)[0]
     eccentric = p.mu * (p.mass_y**2 + p.mass_z**2)
     shear, rotary = (

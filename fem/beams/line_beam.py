@@ -19,12 +19,14 @@ element. In prisms the element is that of `fem.beams.beam`.
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 
-from fem.beams.beam import ROUNDING
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import InputError
 from lumped.line_sections import LineSections, cumulative, gauss_points, interpolation
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift
+
+# Tolerance for positions at the ends of the leg, relative to its length.
+ROUNDING = 1e-8
 
 
 def line_beam(sections: LineSections, elements: int) -> LegMatrices:

@@ -80,11 +80,14 @@ def wrench_states(mesh: SectionMesh, moduli: Moduli) -> WrenchStates:
     )
 
 
-def composite_properties(mesh: SectionMesh, moduli: Moduli) -> BeamProperties:
+def composite_properties(
+    mesh: SectionMesh, moduli: Moduli, *, helical: bool = False
+) -> BeamProperties:
     """Timoshenko beam of a section of several materials, along the origin of its mesh.
 
     EA and EI contain the mutual restraint of parts of different Poisson's ratios. The coupling of
-    tension and bending by this restraint, of second order in the difference, is left out.
+    tension and bending by this restraint, of second order in the difference, is left out. Couplings
+    of tension with torsion and of shear with bending are left out unless `helical`.
     """
     compliance = wrench_states(mesh, moduli).compliance
     GJ = 1.0 / compliance[3, 3]
@@ -128,6 +131,9 @@ def composite_properties(mesh: SectionMesh, moduli: Moduli) -> BeamProperties:
         centre_z=float(centre[1]),
         mass_y=float(offset[0]),
         mass_z=float(offset[1]),
+        twist_x=float(compliance[0, 3]) if helical else 0.0,
+        turn_y=float(compliance[1, 4]) if helical else 0.0,
+        turn_z=float(compliance[2, 5]) if helical else 0.0,
     )
 
 

@@ -157,7 +157,7 @@ def _body_masses(masses: Array, centres: Array, points: Array) -> Array:
 def _spring(properties: BeamProperties, piece: float) -> Array:
     """6×6 stiffness of a spring for a piece of length `piece` (m), referred to the middle."""
     compliance = properties.piece_compliance(piece)
-    if properties.couples_bending or properties.couples_torsion:
+    if properties.couples_bending or properties.couples_torsion or properties.is_helical:
         stiffness = np.linalg.inv(compliance)
         return np.asarray(0.5 * (stiffness + stiffness.T))
     return np.diag(1.0 / np.diag(compliance))

@@ -5,16 +5,25 @@ axis. Its reduced stiffness Q̄(θ) acts on the strains (εx, εs, γxs) along t
 (R. M. Jones, Mechanics of Composite Materials, §2.6, eqs 2.84-2.85). All layers of a wall have the
 same strains. The wall carries no stress along its circumference, so that with the sums A = Σ Q̄ t
 
-    E t = A11 − A12²/A22        G t = A66
+    E t = 1/a11        G t = A66        a = A⁻¹
 
-are its stiffnesses in tension and shear. The layup must be balanced, A16 = A26 = 0: otherwise
-tension and twist are coupled, which the models do not have. Layers at +θ and −θ lie at different
-radii; the coupling that this leaves is of the order of the wall's thickness over its radius, and is
-left out.
+are its stiffnesses in tension and shear. In a balanced layup A16 = A26 = 0 and 1/a11 = A11 −
+A12²/A22. Layers at +θ and −θ lie at different radii; the coupling of tension and shear that this
+leaves is of the order of the wall's thickness over its radius, and is left out.
 
 EA and EI, and GJ of a tube, are sums over the layers, each taken as a section of its own. The sums
 are exact if all layers have the same stiffness. GJ of a box follows from Bredt's formula. Shear
 stiffness follows from the shear flow.
+
+An unbalanced layup couples tension and shear of the wall, by a16: tension twists the leg, and a
+shear force bends it across its direction. With the axial force n and the flow q per width, which
+follow from equilibrium alone in a single cell, the complementary energy is
+
+    ½ ∮ (a11 n² + 2 a16 n q + a66 q²) ds,   q = T/2Ω + …,   n = N/P + My z/Iy − Mz y/Iz
+
+(L. W. Rehfield, A. R. Atilgan, D. H. Hodges, J. Am. Helicopter Soc. 35 (1990) 42, derive the same
+couplings), with the perimeter P, the enclosed area Ω and the moments Iy, Iz of the middle line. EA,
+GJ, EI and κGA are then stiffnesses with all other stress resultants zero.
 """
 
 from abc import abstractmethod
@@ -121,7 +130,7 @@ class Laminate(Section):
         return (
             _tension(sums) / float(areas.sum()),
             float(sums[2, 2] / areas.sum()),
-            float(sums[0, 1] / sums[1, 1]),
+            -float(self._unit_strains[1]),
             float(self._of_layers("rho") @ areas / areas.sum()),
         )
 
@@ -174,10 +183,7 @@ class Laminate(Section):
     @property
     def tensions(self) -> Array:
         """Axial stresses (Pa, one per layer) for a unit axial strain with free circumference."""
-        contraction = self.mean_material[2]
-        return np.array(
-            [layer.stiffness[0, 0] - contraction * layer.stiffness[0, 1] for layer in self.layers]
-        )
+        return np.array([layer.stiffness[0] @ self._unit_strains for layer in self.layers])
 
     @property
     def _shears(self) -> Array:
@@ -200,10 +206,13 @@ class Laminate(Section):
 
         Their resultant is zero. They are zero if all layers have the same stiffness.
         """
-        contraction = self.mean_material[2]
-        return np.array(
-            [layer.stiffness[0, 1] - contraction * layer.stiffness[1, 1] for layer in self.layers]
-        )
+        return np.array([layer.stiffness[1] @ self._unit_strains for layer in self.layers])
+
+    @property
+    def _unit_strains(self) -> Array:
+        """Strains (εx, εs, γxs) of the wall under tension alone, with εx = 1."""
+        flexibility = np.linalg.inv(self._sum(self._of_shells("area")))
+        return np.asarray(flexibility[:, 0] / flexibility[0, 0])
 
     @property
     def wall(self) -> Array:
@@ -226,18 +235,40 @@ class Laminate(Section):
                 f"walls; must be at most a tenth of the smaller side, {_THICKEST * smaller:.4g} "
                 f"{unit}"
             ]
+        return []
+
+    @property
+    def is_balanced(self) -> bool:
+        """True if tension does not shear the wall: as much thickness at −θ as at +θ."""
         wall = self.wall
-        if np.abs(wall[:2, 2]).max() <= _BALANCED * wall[2, 2]:
-            return []
-        return [
-            "layers: not balanced, so that tension twists the leg, which no model has; must have "
-            "as much thickness at -θ as at +θ for each angle θ between 0 and 90 degrees"
-        ]
+        return bool(np.abs(wall[:2, 2]).max() <= _BALANCED * wall[2, 2])
+
+    @property
+    def couplings(self) -> tuple[float, float, float]:
+        if self.is_balanced:
+            return 0.0, 0.0, 0.0
+        twist, turn = self._unit_couplings
+        coupling = float(np.linalg.inv(self.wall)[0, 2])
+        return coupling * twist, coupling * turn, coupling * turn
+
+    @property
+    @abstractmethod
+    def _unit_couplings(self) -> tuple[float, float]:
+        """∮ n q ds (1/m²) of unit loads on the middle line: of N and T, and of Qy and My.
+
+        That of Qz and Mz equals the second one.
+        """
+
+    @property
+    def _free_shear(self) -> float:
+        """Shear stiffness A66 without axial force, 1/a66, over that without axial strain."""
+        wall = self.wall
+        return 1.0 / float(np.linalg.inv(wall)[2, 2] * wall[2, 2])
 
 
 def _tension(sums: Array) -> float:
     """Stiffness in tension along the axis, with free circumference, from `sums` (3×3) of Q̄."""
-    return float(sums[0, 0] - sums[0, 1] ** 2 / sums[1, 1])
+    return float(1.0 / np.linalg.inv(sums)[0, 0])
 
 
 @dataclass(frozen=True)
@@ -259,7 +290,13 @@ class LaminateTube(Laminate):
 
     @property
     def torsion_stiffness(self) -> float:
-        return float(self._sum(self._of_shells("torsion_constant"))[2, 2])
+        return self._free_shear * float(self._sum(self._of_shells("torsion_constant"))[2, 2])
+
+    @property
+    def _unit_couplings(self) -> tuple[float, float]:
+        radius = 0.5 * (self.diameter - self.thickness)
+        # n = N/2πr and q = T/2πr²; n = My sin φ/πr² and q = −Qy sin φ/πr.
+        return 1.0 / (2.0 * pi * radius**2), -1.0 / (pi * radius**2)
 
     @property
     def shear_stiffnesses(self) -> tuple[float, float]:
@@ -270,7 +307,7 @@ class LaminateTube(Laminate):
         third, second = (float(self.tensions @ ((outer**n - inner**n) / n)) for n in (4, 3))
         shear = float(self._sum(self._of_shells("area"))[2, 2])
         middle = shear / (2.0 * pi * float(self.wall[2, 2]))
-        half = 0.5 * shear * (third / second / middle) ** 2
+        half = 0.5 * self._free_shear * shear * (third / second / middle) ** 2
         return half, half
 
 
@@ -303,14 +340,23 @@ class LaminateBox(Laminate):
     @property
     def torsion_stiffness(self) -> float:
         b, h = self._middle
-        return float(2.0 * (b * h) ** 2 / (b + h) * self.wall[2, 2])
+        return float(2.0 * (b * h) ** 2 / (b + h) * self._free_shear * self.wall[2, 2])
+
+    @property
+    def _unit_couplings(self) -> tuple[float, float]:
+        b, h = self._middle
+        # Of Qy: −q Iz is b h/4 + b²/8 − y²/2 at the top and z b/2 at the sides, positive from y to
+        # z.
+        first = (b * h / 2.0) ** 2 + b * h**3 / 12.0 + h * b**3 / 12.0
+        moments = (b**2 * h / 2.0 + b**3 / 6.0) * (h**2 * b / 2.0 + h**3 / 6.0)
+        return 1.0 / (2.0 * b * h), -first / moments
 
     @property
     def shear_stiffnesses(self) -> tuple[float, float]:
         # Bending stresses lie at the line (b, h) of the wall that E weights, shear strains at that
         # of G: the flow of the first strains the perimeter of the second.
         (b, h), (of_b, of_h) = (self._line(weights) for weights in (self.tensions, self._shears))
-        shear = float(self.wall[2, 2]) * (b + h) / (of_b + of_h)
+        shear = self._free_shear * float(self.wall[2, 2]) * (b + h) / (of_b + of_h)
         return shear * _box_shear_length(h, b), shear * _box_shear_length(b, h)
 
     def _line(self, moduli: Array) -> tuple[float, float]:

@@ -93,6 +93,15 @@ class Section(ABC):
         return 0.0
 
     @property
+    def couplings(self) -> tuple[float, float, float]:
+        """Strains per load that couple unlike deformations, zero for all but helical fibres.
+
+        Rate of twist (rad/m) per axial force (N), and rates of φy and φz (rad/m) per shear force
+        (N) along y and along z: 1/(N m).
+        """
+        return 0.0, 0.0, 0.0
+
+    @property
     def inertia_moments(self) -> tuple[float, float, float]:
         """∫z² dA, ∫y² dA, ∫yz dA (m⁴) about the centroid, weighted by density over mean density."""
         return self.second_moment_y, self.second_moment_z, self.product_moment

@@ -57,6 +57,7 @@ BASICS = {
     "lumped.line_sections": "data of legs along lines, which solids and polynomials integrate anew",
     "lumped.memo": "results kept for equal arguments",
     "lumped.sections": "data of legs: textbook constants, which fem.sections computes anew",
+    "lumped.tapers": "data of legs along lines, as lumped.line_sections",
     "lumped.text": "messages",
     "lumped.screws": "moving and turning twists",
     "lumped.mechanism.body": "data of a mechanism",

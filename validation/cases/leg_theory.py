@@ -94,7 +94,10 @@ DISTORTION = (
 DISTORTION_SOURCE = (
     "all fields of 3-D elasticity on the section's mesh (fem.couplings.wave_cantilever)"
 )
-
+HELICAL = (
+    "waves of 3-D elasticity are available only for balanced layups of fibres, whose tension does "
+    "not twist the leg"
+)
 
 cases = CaseGroup(
     over={"body": lambda legs: legs},
@@ -359,6 +362,8 @@ def why_no_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
             "waves of 3-D elasticity are available only for sections that are symmetric "
             f"about y and z, not for a {leg.section.shape}"
         )
+    if any(leg.section.couplings):
+        return HELICAL
     width, height = leg.section.extent
     depth = {"bending y": height, "bending z": width}.get(mode.kind, max(width, height))
     heights_per_wave = 2.0 * np.pi / _wave_number(leg, mode.order) / depth

@@ -88,6 +88,11 @@ def ritz_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
         (-beam.EIyz, slopes[5], slopes[4]),
         *((shear[i, j], shears[i], shears[j]) for i in range(2) for j in range(2)),
     ]
+    if beam.is_helical:
+        strains = (slopes[0], *shears, *slopes[3:])
+        terms = [
+            (k, strains[i], strains[j]) for (i, j), k in np.ndenumerate(_helical_stiffness(beam))
+        ]
     inertias = (beam.mu, beam.mu, beam.mu, beam.rho_J, beam.rho_Iy, beam.rho_Iz)
     products = [(m, f, f) for m, f in zip(inertias, q, strict=True)]
     # Coupling terms of the kinetic energy. A mass at (y, z) of the section moves by
@@ -108,6 +113,28 @@ def ritz_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
         root=ends[:, 0],
         tip=ends[:, 1],
     )
+
+
+def _helical_stiffness(beam: BeamProperties) -> Array:
+    """Stiffness (6×6) of a section whose fibres couple stretch and twist, shear and bending.
+
+    The order is that of a twist. Shear without flexibility has no stiffness here, since its strains
+    are zero.
+    """
+    stiffness = np.zeros((6, 6))
+    pairs = (
+        ((0, 3), beam.EA, beam.GJ, beam.twist_x),
+        ((1, 4), beam.GAy, beam.EIy, beam.turn_y),
+        ((2, 5), beam.GAz, beam.EIz, beam.turn_z),
+    )
+    for (i, j), first, second, coupling in pairs:
+        if np.isinf(first):
+            stiffness[j, j] = second
+            continue
+        determinant = 1.0 / (first * second) - coupling**2
+        stiffness[i, i], stiffness[j, j] = 1.0 / (second * determinant), 1.0 / (first * determinant)
+        stiffness[i, j] = stiffness[j, i] = -coupling / determinant
+    return stiffness
 
 
 def fields(beam: BeamProperties, length: float, points: Array, degree: int) -> tuple[Array, Array]:

@@ -33,6 +33,7 @@ from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, solved
 from meshes.section.section_mesh import section_mesh
 from validation.case import Allowance, Measurement, Skip
+from validation.cases.leg_theory import HELICAL
 from validation.cases.leg_waves import NO_WAVES, WAVES_SOURCE, wave_changes, waves_of
 from validation.comparisons.agreement_cases import (
     DISTORTION,
@@ -427,6 +428,8 @@ def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidM
                 f"{leg.name}: waves of 3-D elasticity are available only for sections "
                 f"that are symmetric about y and z, not for a {leg.section.shape}"
             )
+        if any(leg.section.couplings):
+            raise Skip(f"{leg.name}: {HELICAL}")
         if decay_of_warping(leg, number) > _WARPING * leg.length:
             raise Skip(
                 f"{leg.name}: open section; its warping extends over more than a fifth of "

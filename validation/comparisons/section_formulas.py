@@ -56,6 +56,7 @@ elements. Their difference is one of definition, not an inaccuracy.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import sqrt
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -164,8 +165,18 @@ def laminate_band(section: Laminate, exact: BeamProperties) -> Band:
     errors = laminate_errors(section)
 
     def bound(sign: float) -> BeamProperties:
-        changed = {name: getattr(exact, name) * (1.0 + sign * errors[name]) for name in errors}
-        return replace(exact, **changed)
+        factors = {name: 1.0 + sign * error for name, error in errors.items()}
+        changed = {name: getattr(exact, name) * factor for name, factor in factors.items()}
+        # Each coupling keeps its share of the geometric mean of both flexibilities.
+        couplings = {
+            name: getattr(exact, name) / sqrt(factors[first] * factors[second])
+            for name, first, second in (
+                ("twist_x", "EA", "GJ"),
+                ("turn_y", "GAy", "EIy"),
+                ("turn_z", "GAz", "EIz"),
+            )
+        }
+        return replace(exact, **changed, **couplings)
 
     return bound(-1.0), bound(1.0)
 

@@ -190,17 +190,19 @@ def computed_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIO
 def warping_spring(context: Context, leg: Leg, ends: Ends) -> Array:
     """6×6 tip compliance (SI, leg axes) of a beam with computed section constants and end warping.
 
-    Torsion is non-uniform, with restrained warping, if the ends are rigid. If they are free, it is
-    Saint-Venant's.
+    Torsion is non-uniform, with restrained warping, if the ends are rigid. If they are free, and in
+    walls of helical fibres, it is Saint-Venant's.
     """
     spring = computed_spring(context, leg)
     if isinstance(leg, ConstantLeg) and ends == "rigid":
         beam = context.get(computed_properties, leg, SECTION_DIVISIONS)
+        if beam.is_helical:
+            return spring
         # Motion of the tip's centroid if the tip turns by 1 rad about its shear centre.
         motion = np.array([0.0, beam.centre_z, -beam.centre_y, 1.0, 0.0, 0.0])
         rod = context.get(computed_rod, leg, SECTION_DIVISIONS)
-        twist = held_torsion_compliance(rod, leg.length)
-        spring = spring + (twist - leg.length / beam.GJ) * np.outer(motion, motion)
+        change = held_torsion_compliance(rod, leg.length) - leg.length / (rod.twist - rod.shear)
+        spring = spring + change * np.outer(motion, motion)
     return spring
 
 

@@ -318,7 +318,7 @@ def computed_properties(leg: ConstantLeg, divisions: int) -> BeamProperties:
 def mesh_properties(leg: ConstantLeg, mesh: SectionMesh) -> BeamProperties:
     """Timoshenko beam with section constants computed on this mesh of the leg's section."""
     if moduli := leg_moduli(leg, mesh):
-        return composite_properties(mesh, moduli)
+        return composite_properties(mesh, moduli, helical=any(leg.section.couplings))
     return beam_properties(mesh_constants(leg, mesh), leg.material)
 
 

@@ -7,7 +7,7 @@ from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import LaminateBox, LaminateTube, Layer
 from validation.comparisons import leg_beam_vs_solid
-from validation.comparisons.leg_beam_vs_solid import FORMULA, HELD_FACES, MOTIONS
+from validation.comparisons.agreement_cases import FORMULA, HELD_FACES, MOTIONS
 from validation.comparisons.section_formulas import laminate_errors
 from validation.context import Context
 from validation.models.leg_models import leg_compliance
