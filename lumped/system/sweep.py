@@ -1,28 +1,30 @@
 """Statics and natural frequencies of one mechanism in many postures.
 
 Craig–Bampton reduction decouples the stiffness of the interfaces (e) of a body from that of its
-inside (i): K = diag(K_e, Λ). The stiffness of the mechanism thus consists of that of the nodes,
-which is factorised for each posture, and of Λ. With the stiffness of the nodes K_e = L Lᵀ the
-inverse squares 1/ω² are the eigenvalues of
+inside (i): K = diag(K_e, Λ). A body that is not reduced is decoupled with all its unknowns, which
+changes no result, by u_i = −K_ii⁻¹ K_ie u_e + L_ii⁻ᵀ q with K_ii = L_ii L_iiᵀ and Λ = 1. The
+stiffness of the mechanism thus consists of that of the nodes, which is factorised for each posture,
+and of Λ. With the stiffness of the nodes K_e = L Lᵀ the inverse squares 1/ω² are the eigenvalues of
 
     [ L⁻¹ M_ee L⁻ᵀ        L⁻¹ M_ei Λ^(−½)  ]
     [ sym.           Λ^(−½) M_ii Λ^(−½) ]
 
 whose last block does not depend on the posture. All postures are solved together. A posture is
-solved individually (`lumped.system.solution`) if a body is not reduced, if there is an idle motion,
-or if the stiffness may be singular.
+solved individually (`lumped.system.solution`) if the matrices of a body are sparse, if there is an
+idle motion, or if the stiffness may be singular.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import block_diag
+from scipy.linalg import LinAlgError, block_diag, cho_solve, cholesky, solve_triangular
 from scipy.sparse import issparse
 
 from lumped.arrays import Array
 from lumped.dense.statics import balanced_flexibility
 from lumped.errors import ComputationError
+from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import Assembly, NodeMatrices, System
 from lumped.system.joint_motion import UnevenError
@@ -51,10 +53,10 @@ def swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> Swept:
     Raises ComputationError, with the posture in its message, under the conditions of `solved`,
     `compliance` and `modes`.
     """
-    inside = _inner_matrices(prepared)
+    decoupled = _decoupled(prepared)
     results: list[Swept] = []
     for batch in _batches(prepared, postures):
-        together = None if inside is None else _together(prepared, inside, batch, count)
+        together = None if decoupled is None else _together(*decoupled, batch, count)
         if together:
             results.append(together)
         else:
@@ -78,21 +80,43 @@ class _InnerMatrices:
     borders: dict[str, Array]
 
 
-def _inner_matrices(prepared: Assembly) -> _InnerMatrices | None:
-    """Matrices of the internal unknowns of all bodies. None if a body is not reduced."""
-    masses, borders = [np.zeros((0, 0))], {}
+def _decoupled(prepared: Assembly) -> tuple[Assembly, _InnerMatrices] | None:
+    """Assembly of bodies whose stiffness is diag(K_e, Λ), and the matrices of their inside.
+
+    None if a body has sparse matrices, or a stiffness that is not positive definite inside.
+    """
+    models, masses, borders = {}, [np.zeros((0, 0))], {}
     for name, model in prepared.models.items():
-        stiffness, mass, ends = model.stiffness, model.mass, 6 * len(model.interfaces)
-        if issparse(stiffness) or issparse(mass):
+        if issparse(model.stiffness) or issparse(model.mass):
             return None
-        inner_stiffnesses = np.diag(stiffness)[ends:]
-        uncoupled = not stiffness[:ends, ends:].any() and (inner_stiffnesses > 0.0).all()
-        if not (uncoupled and np.count_nonzero(stiffness[ends:, ends:]) == len(inner_stiffnesses)):
+        try:
+            models[name] = decoupled = _decoupled_body(model)
+        except LinAlgError:
             return None
-        unit = 1.0 / np.sqrt(inner_stiffnesses)
-        masses.append(mass[ends:, ends:] * unit[:, None] * unit)
-        borders[name] = mass[:ends, ends:] * unit
-    return _InnerMatrices(block_diag(*masses), borders)
+        ends = 6 * len(model.interfaces)
+        unit = 1.0 / np.sqrt(np.diag(decoupled.stiffness)[ends:])
+        masses.append(decoupled.mass[ends:, ends:] * unit[:, None] * unit)
+        borders[name] = decoupled.mass[:ends, ends:] * unit
+    return replace(prepared, models=models), _InnerMatrices(block_diag(*masses), borders)
+
+
+def _decoupled_body(model: BodyModel) -> BodyModel:
+    """Body with the same motions whose stiffness is diag(K_e, Λ), with Λ > 0 diagonal.
+
+    Raises LinAlgError if the stiffness inside the body is not positive definite.
+    """
+    stiffness, mass, ends = model.stiffness, model.mass, 6 * len(model.interfaces)
+    inner, coupling = stiffness[ends:, ends:], stiffness[:ends, ends:]
+    values = np.diag(inner)
+    if (values > 0.0).all() and not coupling.any() and np.count_nonzero(inner) == len(values):
+        return model
+    lower = cholesky(inner, lower=True)
+    shapes = np.eye(len(stiffness))
+    shapes[ends:, :ends] = -cho_solve((lower, True), coupling.T)
+    shapes[ends:, ends:] = solve_triangular(lower, np.eye(len(inner)), lower=True, trans="T")
+    at_ends = stiffness[:ends, :ends] + coupling @ shapes[ends:, :ends]
+    decoupled_stiffness = block_diag(0.5 * (at_ends + at_ends.T), np.eye(len(inner)))
+    return replace(model, stiffness=decoupled_stiffness, mass=shapes.T @ mass @ shapes)
 
 
 def _batches(prepared: Assembly, postures: Sequence[Posture]) -> Iterator[Sequence[Posture]]:
