@@ -34,19 +34,16 @@ from validation.case import Allowance, Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.context import Context, Preset
 from validation.models.leg_models import constant_leg_of
+from validation.solids.leg_meshes import face_mesh, formal_order, modal_divisions, static_divisions
 from validation.solids.solid_legs import (
     GRIDS_FOR_ORDER,
     Refinement,
     SolidModes,
     computed_properties,
-    face_mesh,
     face_restraint,
-    formal_order,
     leg_constants,
-    modal_divisions,
     solid_compliances,
     solid_frequencies,
-    static_divisions,
 )
 from validation.solids.solid_size import larger_preset, why_shapeless
 

@@ -51,14 +51,8 @@ from validation.context import Context
 from validation.models.leg_models import constant_leg_of, leg_compliance, leg_frequencies
 from validation.models.options import ModelName, ModelOptions
 from validation.references.reference_legs import SECTION_DIVISIONS, most_unknowns
-from validation.solids.solid_legs import (
-    Refinement,
-    doubled_tips,
-    formal_order,
-    has_meshes,
-    mesh_pair,
-    static_divisions,
-)
+from validation.solids.leg_meshes import formal_order, has_meshes, mesh_pair, static_divisions
+from validation.solids.solid_legs import Refinement, doubled_tips
 from validation.solids.solid_size import why_shapeless
 
 HELD_SOURCE = (

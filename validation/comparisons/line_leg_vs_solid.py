@@ -41,7 +41,8 @@ from validation.references.reference_legs import (
     slowest,
     solid_leg,
 )
-from validation.solids.solid_legs import ELEMENTS, formal_order, line_frequencies
+from validation.solids.leg_meshes import formal_order
+from validation.solids.solid_legs import ELEMENTS, line_frequencies
 from validation.solids.solid_size import too_large, why_shapeless
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 

@@ -25,14 +25,8 @@ from validation.cases.leg_theory import ENTRIES, beam_mode_count, compliances, f
 from validation.context import Context
 from validation.models.leg_models import constant_leg_of
 from validation.models.options import Ends
-from validation.solids.solid_legs import (
-    GRIDS_FOR_ORDER,
-    ROUND_OFF,
-    Refinement,
-    SolidModes,
-    doubled_unknowns,
-    formal_order,
-)
+from validation.solids.leg_meshes import doubled_unknowns, formal_order
+from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF, Refinement, SolidModes
 from validation.studies_and_figures import MESHES, Study
 from validation.uncertainty.grid_convergence import Convergence, richardson
 

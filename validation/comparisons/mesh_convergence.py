@@ -31,7 +31,8 @@ from validation.references.responses import Responses
 from validation.references.robot_on_path import RobotOnPath
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.run.executor import Executor, in_turn
-from validation.solids.solid_legs import ROUND_OFF, formal_order
+from validation.solids.leg_meshes import formal_order
+from validation.solids.solid_legs import ROUND_OFF
 from validation.uncertainty.grid_convergence import analyse, richardson
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 

@@ -76,18 +76,15 @@ from validation.references.robot_on_path import (
 )
 from validation.responses.mode_partners import partners
 from validation.responses.statics_and_modes import PathModes
+from validation.solids.leg_meshes import COARSEST_WALLS, FORMAL_ORDER, has_meshes, mesh_pair
 from validation.solids.solid_legs import (
-    COARSEST_WALLS,
     ELEMENTS,
-    FORMAL_ORDER,
     SHARED_SOLIDS,
     computed_beam,
     computed_properties,
     decay_of_warping,
     doubled_tips,
     face_restraint,
-    has_meshes,
-    mesh_pair,
 )
 from validation.solids.solid_size import too_large, why_shapeless
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths

@@ -73,7 +73,8 @@ from lumped.sections import (
     OutlinedSection,
 )
 from meshes.section.section_mesh import SectionMesh
-from validation.solids.solid_legs import face_mesh, mesh_constants, mesh_properties
+from validation.solids.leg_meshes import face_mesh
+from validation.solids.solid_legs import mesh_constants, mesh_properties
 
 # Softest and stiffest beam.
 Band: TypeAlias = tuple[BeamProperties, BeamProperties]

@@ -49,7 +49,7 @@ from validation.references.reference_parts import assembled, solid_parts
 from validation.references.responses import Model
 from validation.references.robot_on_path import Reading, RobotOnPath, Springs
 from validation.responses.statics_and_modes import PathModes, Statics
-from validation.solids.solid_legs import COARSEST_WALLS
+from validation.solids.leg_meshes import COARSEST_WALLS
 
 # Function that returns the 6×6 tip compliance (SI, leg axes) of a leg with the given end condition.
 Spring: TypeAlias = Callable[[RobotOnPath, Leg, Ends], Array]

@@ -39,14 +39,8 @@ from validation.references.reference_legs import SECTION_DIVISIONS, computed_ele
 from validation.references.reference_parts import Bodies, condensed_parts, solid_parts
 from validation.references.robot_on_path import Holds, Reading, RobotOnPath, known_legs
 from validation.responses.statics_and_modes import PathModes
-from validation.solids.solid_legs import (
-    COARSEST_WALLS,
-    DIVISIONS,
-    ELEMENTS,
-    WALL_DIVISIONS,
-    divisions_across,
-    held_solid,
-)
+from validation.solids.leg_meshes import COARSEST_WALLS, DIVISIONS, WALL_DIVISIONS, divisions_across
+from validation.solids.solid_legs import ELEMENTS, held_solid
 
 Build = Callable[[Leg, Ends, float], LegMatrices]
 

@@ -34,19 +34,16 @@ from lumped.sections import Rectangle
 from validation.context import Context, Preset
 from validation.models.leg_models import clamped_solid
 from validation.references.reference import finer_by
-from validation.solids.solid_legs import (
+from validation.solids.leg_meshes import (
     COARSEST_WALLS,
     DIVISIONS,
     WALL_DIVISIONS,
-    TwoMeshes,
-    computed_properties,
-    computed_rod,
     has_meshes,
     mesh_pair,
     section_of,
     static_divisions,
-    two_meshes,
 )
+from validation.solids.solid_legs import TwoMeshes, computed_properties, computed_rod, two_meshes
 from validation.solids.solid_size import larger_preset, why_shapeless
 from validation.uncertainty.mesh_half_widths import MeshPolicy
 

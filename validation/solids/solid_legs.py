@@ -1,19 +1,15 @@
 """Legs as solids on geometrically similar meshes, and as beams with computed section constants.
 
-Input: a leg of constant section and limits on unknowns. Output: tip compliances (6×6, SI, leg axes)
-and frequencies on each mesh, with numerical uncertainty. Rule: compliances and frequencies converge
-with order 4 in the element size, except for singular stresses at the edges of rigid faces and at
-inward corners of sections, which have lower known orders.
+Input: a leg of constant section and the divisions of its meshes (`leg_meshes`). Output: tip
+compliances (6×6, SI, leg axes) and frequencies on each mesh, with numerical uncertainty from the
+known orders of convergence.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import takewhile
-from math import ceil
 from time import process_time
 
 import numpy as np
-import scipy
 from scipy.sparse import block_diag, diags_array
 
 from fem.beams.beam import beam_leg
@@ -23,30 +19,17 @@ from fem.bodies.solid import Ends, clamped_leg, section_twists, solid_leg, solid
 from fem.couplings.end_effects import restrained_compliance
 from fem.reduction.superelement import HeldLeg, held_solid_leg
 from fem.sections.composite import composite_properties, composite_rod
-from fem.sections.moduli import leg_moduli, mirrored_moduli, part_materials
+from fem.sections.moduli import leg_moduli, mirrored_moduli
 from fem.sections.nonuniform_torsion import WarpingRod, warping_rod
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array, SparseMatrix
-from lumped.errors import InputError, naming
+from lumped.errors import naming
 from lumped.legs import BeamProperties, ConstantLeg, LineLeg, SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.models.bodies import clamped_modes
-from lumped.sections import (
-    Composite,
-    HollowRectangle,
-    ISection,
-    Laminate,
-    LaminateBox,
-    OutlinedSection,
-    Rectangle,
-    Section,
-)
-from meshes.loft import mesh_section
 from meshes.prism import hexahedra
-from meshes.section.section_blocks import Divisions, element_length, side_ratio
 from meshes.section.section_mesh import SectionMesh, section_mesh
-from validation.context import Preset
 from validation.responses.mode_pairing import (
     Pairs,
     SampledModes,
@@ -54,6 +37,15 @@ from validation.responses.mode_pairing import (
     centreline_weights,
     pair_modes,
     sampled_modes,
+)
+from validation.solids.leg_meshes import (
+    FORMAL_ORDER,
+    face_mesh,
+    formal_order,
+    mesh_pair,
+    section_counts,
+    slices,
+    static_slices,
 )
 from validation.uncertainty.grid_convergence import (
     Convergence,
@@ -63,27 +55,10 @@ from validation.uncertainty.grid_convergence import (
 )
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
-# Order for quadratic elements: energies, and with them compliances and frequencies, converge with
-# h⁴. Singular stresses at the edges of a rigid face (`edge_order`) and at inward corners converge
-# more slowly. The corner's order is that of the shear flow about a right angle, r^(−1/3), λ = 2/3,
-# in torsion and flexure of walled sections (G. Strang, G. J. Fix, An Analysis of the Finite Element
-# Method, ch. 8).
-FORMAL_ORDER = 4.0
-CORNER_ORDER = 4.0 / 3.0
-# Order for rigid faces at which layers of fibres end, as where several materials meet
-# (`corner_order`).
-_LAYER_EDGE_ORDER = 1.0
 # Relative round-off of compliances and frequencies. Smaller changes are not convergence.
 ROUND_OFF = 1e-9
-GRIDS_FOR_ORDER, _FEWEST_GRIDS = 4, 2
-# Divisions of successive meshes. Curved and thin-walled sections keep their proportions only if
-# divisions are doubled, from four on.
-_RECTANGLE_LADDER = (1, 2, 3, 4, 6, 8, 12)
-COARSEST_WALLS = 4
-_DOUBLING_LADDER = (COARSEST_WALLS, 8, 16, 32)
-# Factor on the number of slices: rigid faces of a box (ν = 0.3) have an error of 0.8 % without it
-# and of 6e-5 with it.
-_THINNER = 16
+# Number of meshes from which on an order is observed.
+GRIDS_FOR_ORDER = 4
 # Additional modes, so that each beam mode has its partner among them even if the modes of solid and
 # beam are in different order.
 _SPARE_MODES = 6
@@ -91,12 +66,6 @@ _STATIONS = 24
 _ENDS: tuple[Ends, Ends] = ("rigid", "free")
 # Group of tasks that share the cached results of the robot's solids.
 SHARED_SOLIDS = "robot.solid.modes"
-# Divisions of rectangles, and of walls, for modes of legs; the next coarser mesh gives the
-# numerical uncertainty. Up to four divisions, walls have one element across: half as many divisions
-# change only the element length. The error of the section mesh is contained in the section
-# constants of the beam, too.
-DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 3, "fine": 4}
-WALL_DIVISIONS: dict[Preset, int] = {"quick": 2, "standard": 4, "fine": 8}
 # Element count of the beams with which solids are compared.
 ELEMENTS = 20
 
@@ -168,133 +137,6 @@ class SolidModes:
     mac: Array
     unknowns: tuple[int, ...]
     seconds: tuple[float, ...]
-
-
-def section_of(leg: SectionedLeg) -> Section:
-    """Section of a leg that is meshed: that of a prism, or the middle one of a varying section."""
-    return mesh_section(leg) if isinstance(leg, LineLeg) else leg.section
-
-
-def formal_order(leg: SectionedLeg, ends: Ends) -> float:
-    """Lowest order with which a leg's compliances and frequencies converge."""
-    section = section_of(leg)
-    corners = corner_order(section)
-    if ends == "free":
-        return corners
-    if isinstance(section, Laminate):
-        return _LAYER_EDGE_ORDER
-    materials = part_materials(leg) or (leg.material,)
-    return min(corners, *(edge_order(material.nu) for material in materials))
-
-
-def corner_order(section: Section) -> float:
-    """Lowest order of convergence of energies that the corners of a section cause.
-
-    It is 2π/α, with the largest inward angle α of the section's corners. For a composite and for a
-    box of fibre layers it is taken as 1: where edges of several materials meet, the order is above
-    1, except for extreme ratios of moduli.
-    """
-    if isinstance(section, Composite | LaminateBox):
-        return 1.0
-    if isinstance(section, OutlinedSection):
-        return min(FORMAL_ORDER, 2.0 * np.pi / section.largest_angle)
-    return CORNER_ORDER if isinstance(section, HollowRectangle | ISection) else FORMAL_ORDER
-
-
-def edge_order(nu: float) -> float:
-    """Order 2 Re λ of energies, for stresses r^(λ − 1) where a free side meets a rigid face at 90°.
-
-    λ is a root of sin²(λπ/2) = (4 (1 − ν)² − λ²)/(3 − 4ν), plane strain (M. L. Williams, J. Appl.
-    Mech. 19 (1952) 526): 0.71 for ν = 0.3, 1.04 ± 0.58i for ν = −0.9, where the face restrains
-    stretching. With ν = 0 nothing is restrained.
-    """
-    if nu == 0.0:
-        return FORMAL_ORDER
-
-    def misfit(exponent: complex) -> complex:
-        free = (4.0 * (1.0 - nu) ** 2 - exponent**2) / (3.0 - 4.0 * nu)
-        return complex(np.sin(0.5 * np.pi * exponent) ** 2 - free)
-
-    if nu < 0.0:
-        return 2.0 * float(scipy.optimize.newton(misfit, 1.05 + 0.3j).real)
-    # λ = 1 is a root as well, that of a uniform stress.
-    if misfit(1.0 - 1e-9).real <= 0.0:
-        return 2.0
-    return 2.0 * float(
-        scipy.optimize.brentq(lambda exponent: misfit(exponent).real, 0.25, 1.0 - 1e-9)
-    )
-
-
-def static_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions of successive meshes with at most `most` unknowns per section, for doubling.
-
-    () if fewer than two meshes are that small.
-    """
-    return _ladder(leg, most, lambda _: 1)
-
-
-def modal_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions of successive solid meshes with at most `most` unknowns, for frequencies.
-
-    () if fewer than two meshes are that small.
-    """
-    return _ladder(leg, most, lambda divisions: 2 * slices(leg, divisions) + 1)
-
-
-def _ladder(leg: ConstantLeg, most: int, layers: Callable[[int], int]) -> tuple[int, ...]:
-    def affordable(divisions: int) -> bool:
-        return 3 * len(face_mesh(leg, divisions).nodes) * layers(divisions) <= most
-
-    steps = _RECTANGLE_LADDER if isinstance(leg.section, Rectangle) else _DOUBLING_LADDER
-    meshes = tuple(takewhile(affordable, steps))
-    return meshes if len(meshes) >= _FEWEST_GRIDS else ()
-
-
-def divisions_across(leg: SectionedLeg, rectangle: int, walls: int) -> int:
-    """Divisions of a rectangle's smaller side, or of the walls and rims of other sections."""
-    return rectangle if isinstance(section_of(leg), Rectangle) else walls
-
-
-def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
-    """Element counts of the section mesh, all inversely proportional to the element size.
-
-    Only geometrically similar meshes show an order. For a rectangle both counts are multiples of
-    `divisions`; other sections keep their proportions if divisions are doubled.
-    """
-    section = leg.section
-    if not isinstance(section, Rectangle):
-        return divisions
-    along = divisions * max(1, round(side_ratio(section)))
-    return (divisions, along) if section.width <= section.height else (along, divisions)
-
-
-def slices(leg: ConstantLeg, divisions: int) -> int:
-    """Number of slices along the leg, each as long as a rectangle's elements are wide.
-
-    For other sections, whose divisions start at four, slices are four times as long: walls need
-    divisions across, not along.
-    """
-    along = max(2, ceil(leg.length / element_length(leg.section, 1)))
-    return divisions * along if isinstance(leg.section, Rectangle) else divisions * along // 4
-
-
-def static_slices(leg: ConstantLeg, divisions: int) -> int:
-    """Number of slices along the leg for the doubling method, whose cost grows with its logarithm.
-
-    Slices are so thin that stresses at a rigid face decay over many slices. Only the error of the
-    section mesh then remains.
-    """
-    return _THINNER * slices(leg, divisions)
-
-
-def face_mesh(leg: ConstantLeg, divisions: int) -> SectionMesh:
-    """Section mesh of a leg's solid with this number of divisions."""
-    return section_mesh(leg.section, section_counts(leg, divisions))
-
-
-def doubled_unknowns(leg: ConstantLeg, divisions: int) -> int:
-    """Number of unknowns of the mesh that the doubling method condenses to the ends."""
-    return 3 * len(face_mesh(leg, divisions).nodes) * (2 * static_slices(leg, divisions) + 1)
 
 
 def leg_constants(leg: ConstantLeg, divisions: int) -> SectionConstants:
@@ -479,34 +321,3 @@ def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
             face_restraint(leg, fine[0]),
             fine[1] / coarse[1],
         )
-
-
-def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Divisions across the section and slices along it, of a coarse and a fine mesh.
-
-    These are the two finest whose section meshes have at most `most` unknowns. If only one section
-    mesh of thin walls is that small, both solids have it, and the coarser solid has half as many
-    slices along the leg. The error of the section mesh is then in the section constants of the beam
-    as well. Raises InputError if not even one is small enough.
-    """
-    meshes = static_divisions(leg, most)
-    if meshes:
-        coarse, fine = meshes[-2:]
-        return (coarse, static_slices(leg, coarse)), (fine, static_slices(leg, fine))
-    if (unknowns := _coarsest_unknowns(leg)) > most:
-        raise InputError(
-            f"the coarsest section mesh of its {leg.section.shape} has {unknowns} "
-            f"unknowns; at most {most} are allowed",
-            part=leg.name or "leg",
-        )
-    along = static_slices(leg, COARSEST_WALLS)
-    return (COARSEST_WALLS, along), (COARSEST_WALLS, 2 * along)
-
-
-def has_meshes(leg: ConstantLeg, most: int) -> bool:
-    """True if a leg has a `mesh_pair` with at most `most` unknowns per section mesh."""
-    return bool(static_divisions(leg, most)) or _coarsest_unknowns(leg) <= most
-
-
-def _coarsest_unknowns(leg: ConstantLeg) -> int:
-    return 3 * len(face_mesh(leg, COARSEST_WALLS).nodes)

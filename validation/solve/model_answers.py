@@ -27,7 +27,7 @@ from validation.models.robot_models import PostureModes, sectioned_legs
 from validation.references.responses import Responses
 from validation.references.robot_on_path import robot_at
 from validation.responses.mode_partners import Partners, partners
-from validation.solids.solid_legs import formal_order
+from validation.solids.leg_meshes import formal_order
 from validation.solve.answer import (
     Answer,
     HalfWidths,

@@ -31,7 +31,8 @@ from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Reading
 from validation.responses.mode_partners import frequency_changes, partners
 from validation.responses.statics_and_modes import Statics
-from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF, formal_order, section_of
+from validation.solids.leg_meshes import formal_order, section_of
+from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF
 from validation.solve.answer import HalfWidths, MeshUncertainty, PartUncertainty
 from validation.solve.question import OF_ELEMENTS, Question
 from validation.solve.solved_model import SolvedModes, leg_alone, solved_model

@@ -21,7 +21,8 @@ from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg, Material
 from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from meshes.section.section_mesh import section_mesh
-from validation.solids.solid_legs import computed_properties, face_mesh, solid_frequencies
+from validation.solids.leg_meshes import face_mesh
+from validation.solids.solid_legs import computed_properties, solid_frequencies
 
 ALUMINIUM = Material.isotropic(7.0e10, 0.33, 2700.0)
 SCARA_ARM = ConstantLeg(0.35, HollowRectangle(0.12, 0.09, 0.006), ALUMINIUM)

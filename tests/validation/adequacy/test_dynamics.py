@@ -54,7 +54,7 @@ from validation.references.responses import Responses
 from validation.references.robot_on_path import robot_at, robot_on_path
 from validation.references.static_reference import static_reference
 from validation.responses.mode_partners import frequency_changes
-from validation.solids.solid_legs import COARSEST_WALLS
+from validation.solids.leg_meshes import COARSEST_WALLS
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 FLANGED = ConstantLeg(

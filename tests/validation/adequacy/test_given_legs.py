@@ -28,7 +28,8 @@ from validation.references.modes_on_path import built_vibration
 from validation.references.reference import Reference, Subject
 from validation.references.responses import Responses
 from validation.references.robot_on_path import robot_at
-from validation.solids.solid_legs import COARSEST_WALLS, divisions_across, held_solid
+from validation.solids.leg_meshes import COARSEST_WALLS, divisions_across
+from validation.solids.solid_legs import held_solid
 
 MODES = 6
 # Relative. The shapes by which the inside follows the ends are others with each stiffness inside,

@@ -41,7 +41,7 @@ from validation.references.responses import Responses
 from validation.references.robot_on_path import holding, known_legs, masses_instruction
 from validation.references.static_reference import STATIC_STEPS
 from validation.responses.statics_and_modes import Statics
-from validation.solids.solid_legs import COARSEST_WALLS
+from validation.solids.leg_meshes import COARSEST_WALLS
 from validation.solids.solid_size import larger_preset
 from validation.solve.question import OPTIONS
 from validation.verdicts import Coordinate

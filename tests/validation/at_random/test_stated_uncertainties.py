@@ -14,10 +14,9 @@ from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.run.outcome import judge
+from validation.solids.leg_meshes import edge_order, formal_order
 from validation.solids.solid_legs import (
     Refinement,
-    edge_order,
-    formal_order,
     leg_constants,
     solid_compliances,
     solid_frequencies,

@@ -29,7 +29,7 @@ from validation.references.model_ladder import model_statics
 from validation.references.modes_on_path import vibration_of
 from validation.references.robot_on_path import robot_at
 from validation.responses.mode_partners import partners
-from validation.solids.solid_legs import (
+from validation.solids.leg_meshes import (
     COARSEST_WALLS,
     section_counts,
     static_divisions,

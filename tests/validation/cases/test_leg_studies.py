@@ -26,16 +26,15 @@ from validation.comparisons import mesh_cases
 from validation.comparisons.section_formulas import leg_formula_band
 from validation.context import Context
 from validation.run.outcome import judge
+from validation.solids.leg_meshes import face_mesh, static_slices
 from validation.solids.solid_legs import (
     ELEMENTS,
     Refinement,
     computed_beam,
     computed_properties,
     doubled_tips,
-    face_mesh,
     held_solid,
     solid_frequencies,
-    static_slices,
 )
 
 # With elements across the smaller side or the walls.

@@ -21,7 +21,8 @@ from validation.references.robot_on_path import distinct_legs
 from validation.report.figures.meshes import mesh_curves
 from validation.report.figures.studies import families, study_figure
 from validation.run.outcome import judge
-from validation.solids.solid_legs import Refinement, formal_order, solid_compliances
+from validation.solids.leg_meshes import formal_order
+from validation.solids.solid_legs import Refinement, solid_compliances
 
 BIGLIDE = load_robot("ifw")
 STEEL = Material(E=2.1e11, G=2.1e11 / 2.6, nu=0.3, rho=7850.0)

@@ -8,7 +8,7 @@ from validation.context import Context
 from validation.references import mesh_uncertainty
 from validation.references.reference_legs import SECTION_DIVISIONS, SLOWEST_ORDER
 from validation.references.robot_on_path import robot_on_path
-from validation.solids.solid_legs import COARSEST_WALLS
+from validation.solids.leg_meshes import COARSEST_WALLS
 from validation.uncertainty.mesh_half_widths import UNPROVEN, half_widths_on
 
 
