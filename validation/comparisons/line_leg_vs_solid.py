@@ -2,24 +2,38 @@
 
 Input: a straight leg whose section varies, or an arc. Output: a verdict for each model on tip
 motions and frequencies. The solid is the same taper or arc in quadratic hexahedra, with the end
-condition of the robot file. Two causes of a difference are computed separately: held end faces, by
-the same solid with free ends, and the textbook's section constants along the line. The remainder is
-the difference from the solid with free ends, whose numbers converge with the order of its elements.
+condition of the robot file. Three causes of a difference are computed separately: held end faces,
+by the same solid with free ends; distortion of the section, by walls that converge in torsion
+(`fem.beams.box_distortion`) and in vibration (`line_distortion`); and the textbook's section
+constants along the line. The remainder is the difference between the solid with free ends and a
+beam with section constants computed on the solid's mesh. It converges with the order of its
+elements.
 
 Beam theory itself neglects the square of the slope of a taper's faces (torsion, tapers across the
 plane of bending, sections without two axes of symmetry) and the square of half the height over the
 radius of an arc. These are added to the tolerances of [agree].
 """
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
+from fem.beams.box_distortion import distortion_work
+from fem.beams.line_beam import line_beam
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array
-from lumped.legs import Ends, LineLeg
+from lumped.legs import BeamProperties, ConstantLeg, Ends, LineLeg
+from lumped.line_sections import LineSections
+from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism
+from lumped.memo import memo
 from lumped.models.bodies import clamped_modes, legs_of
+from meshes.loft import mesh_section, stretched
+from meshes.section.section_mesh import SectionMesh, section_mesh
 from validation.case import Allowance, Measurement, Relative, Skip
 from validation.comparisons.agreement_cases import (
+    DISTORTION,
     FORMULA,
     FORMULA_SOURCE,
     HELD_FACES,
@@ -29,24 +43,26 @@ from validation.comparisons.agreement_cases import (
     limited,
 )
 from validation.comparisons.element_convergence import MODES
-from validation.comparisons.section_formulas import leg_formula_band
+from validation.comparisons.line_distortion import frequency_change
+from validation.comparisons.section_formulas import mesh_formula_band
 from validation.context import Context
 from validation.models.leg_models import leg_compliance, leg_frequencies
 from validation.models.options import ModelName, ModelOptions
 from validation.references.reference_legs import (
-    SECTION_DIVISIONS,
-    computed_elements,
-    computed_sections,
     line_divisions,
     slowest,
     solid_leg,
 )
 from validation.solids.leg_meshes import formal_order
-from validation.solids.solid_legs import ELEMENTS, line_frequencies
+from validation.solids.solid_legs import ELEMENTS, line_frequencies, mesh_properties
 from validation.solids.solid_size import too_large, why_shapeless
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 _HELD_SOURCE = "the same solid with ends free to warp and contract"
+_WALLS_SOURCE = "walls that converge push against each other (fem.beams.box_distortion)"
+_WAVES_SOURCE = "waves of 3-D elasticity in prisms of the leg's sections at its frequency"
+# Index of torsion in the tip compliance.
+_TORSION = 3
 _NEGLECTED = (
     "and the squares of a taper's slope and of half the height over an arc's radius, which beam "
     "theory neglects"
@@ -108,12 +124,16 @@ def _motion(
     diagonal = entry, entry
     fine, coarse = meshes.fine[ends][diagonal], meshes.coarse[ends][diagonal]
     restraint = meshes.restrained[diagonal] if ends == "rigid" else 0.0
-    computed = context.get(_computed_tip, leg)[diagonal]
+    divisions = line_divisions(context.meshes, leg)
+    on_coarse, computed = (context.get(computed_tip, leg, n)[diagonal] for n in divisions)
     theory = leg.sections("timoshenko").tip_compliance[diagonal]
-    soft, stiff = (bound[diagonal] for bound in context.get(_formula_tips, leg))
+    soft, stiff = (bound[diagonal] for bound in context.get(_formula_tips, leg, divisions[1]))
     formula = limited(
-        float(theory - computed), (float(stiff - computed), float(soft - computed)), 0.0
+        float(theory - computed),
+        (float(stiff - computed), float(soft - computed)),
+        _free_half_width(leg, on_coarse, computed, meshes.ratio),
     )
+    walls = context.get(_wall_distortion, leg) if entry == _TORSION else 0.0
     return Measurement(
         float(leg_compliance(model, leg, _options(limits))[diagonal]),
         float(fine),
@@ -121,10 +141,14 @@ def _motion(
             mesh_half_widths([np.abs(np.array(fine - coarse))], slowest(meshes.ratio))
         ),
         judged_uncertainty=_free_half_width(
-            leg, meshes.coarse["free"][diagonal], meshes.fine["free"][diagonal], meshes.ratio
+            leg,
+            meshes.coarse["free"][diagonal] - on_coarse,
+            meshes.fine["free"][diagonal] - computed,
+            meshes.ratio,
         ),
         allowances=(
             Allowance(HELD_FACES, -float(restraint), _HELD_SOURCE),
+            Allowance(DISTORTION, -walls, _WALLS_SOURCE),
             Allowance(FORMULA, formula, FORMULA_SOURCE),
         ),
     )
@@ -139,18 +163,44 @@ def _free_half_width(leg: LineLeg, coarse: float, fine: float, ratio: float) -> 
     return float(mesh_half_widths([np.abs(np.array(fine - coarse))], policy))
 
 
-def _computed_tip(leg: LineLeg) -> Array:
+def _on_solid_mesh(leg: LineLeg, divisions: int) -> Callable[[ConstantLeg], SectionMesh]:
+    """Function from a prism with one of a leg's sections to the mesh of it in the leg's solid."""
+    reference = mesh_section(leg)
+    face = section_mesh(reference, divisions)
+    return lambda prism: replace(face, nodes=stretched(face.nodes, reference, prism.section))
+
+
+def _computed(leg: LineLeg, divisions: int) -> LineSections:
+    """Sections along a leg with constants by finite elements, on the mesh of its solid.
+
+    Beam and solid then share the errors of one section mesh.
+    """
+    mesh = _on_solid_mesh(leg, divisions)
+
+    def properties(prism: ConstantLeg) -> BeamProperties:
+        return mesh_properties(prism, mesh(prism))
+
+    return leg.sections_by(properties)
+
+
+def computed_tip(leg: LineLeg, divisions: int) -> Array:
     """Tip compliance (6×6, SI) of the beam with section constants by finite elements."""
-    return computed_sections(leg).tip_compliance
+    return _computed(leg, divisions).tip_compliance
 
 
-def _formula_tips(leg: LineLeg) -> tuple[Array, Array]:
+def _formula_tips(leg: LineLeg, divisions: int) -> tuple[Array, Array]:
     """Tip compliances (6×6, SI) of the softest and stiffest beam by correct textbook formulas."""
+    mesh = _on_solid_mesh(leg, divisions)
     soft, stiff = (
-        leg.sections_by(lambda prism: leg_formula_band(prism, SECTION_DIVISIONS)[side])  # noqa: B023
+        leg.sections_by(lambda prism: mesh_formula_band(prism, mesh(prism))[side])  # noqa: B023
         for side in (0, 1)
     )
     return soft.tip_compliance, stiff.tip_compliance
+
+
+def _wall_distortion(leg: LineLeg) -> float:
+    """Rotation of the tip (rad/(N m)) under a torque, by walls that push against each other."""
+    return distortion_work(leg, np.ones_like)
 
 
 @frequency_cases(
@@ -175,7 +225,8 @@ def _frequency(
     )
     if np.isnan([coarse, fine, coarse_free, free]).any():
         raise Skip(f"no mode of the solid has the shape of mode {index + 1} of the beam")
-    computed = context.get(_computed_frequencies, leg)[index]
+    on_coarse, computed = (context.get(_computed_frequencies, leg, n)[index] for n in meshes)
+    change = context.get(_distortion, leg, meshes[1], index)
     theory = leg_frequencies("beam", leg, index + 1, ModelOptions(elements=ELEMENTS))[index]
     value = leg_frequencies(model, leg, index + 1, _options(limits))[index]
     return Measurement(
@@ -184,19 +235,30 @@ def _frequency(
         reference_uncertainty=float(
             mesh_half_widths([np.abs(np.array(fine - coarse))], slowest(meshes[1] / meshes[0]))
         ),
-        judged_uncertainty=_free_half_width(leg, coarse_free, free, meshes[1] / meshes[0]),
+        judged_uncertainty=_free_half_width(
+            leg, coarse_free - on_coarse, free - computed, meshes[1] / meshes[0]
+        ),
         allowances=(
             Allowance(HELD_FACES, float(free - fine), _HELD_SOURCE),
+            Allowance(DISTORTION, -float(computed) * change, _WAVES_SOURCE),
             Allowance(FORMULA, float(theory - computed), FORMULA_SOURCE),
         ),
     )
 
 
 def _solid_frequencies(leg: LineLeg, divisions: int, ends: Ends) -> Array:
-    beam = computed_elements(leg, None, ELEMENTS)
-    return line_frequencies(leg, divisions, ends, beam, MODES)
+    return line_frequencies(leg, divisions, ends, _computed_beam(leg, divisions), MODES)
 
 
-def _computed_frequencies(leg: LineLeg) -> Array:
+def _computed_frequencies(leg: LineLeg, divisions: int) -> Array:
     """Frequencies (Hz) of beam elements with section constants by finite elements."""
-    return clamped_modes(computed_elements(leg, None, ELEMENTS), MODES).frequencies
+    return clamped_modes(_computed_beam(leg, divisions), MODES).frequencies
+
+
+def _distortion(leg: LineLeg, divisions: int, index: int) -> float:
+    return frequency_change(leg, _computed_beam(leg, divisions), index)
+
+
+@memo(8)
+def _computed_beam(leg: LineLeg, divisions: int) -> LegMatrices:
+    return line_beam(_computed(leg, divisions), ELEMENTS)

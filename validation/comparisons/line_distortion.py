@@ -1,0 +1,124 @@
+"""Distortion of the section in vibrating legs along a line: relative change of a beam frequency.
+
+Input: a straight leg of tubes or I-sections, and one of its modes as a beam.
+Output: the relative change of the frequency because inertia bends the walls (waves of 3-D
+elasticity), and because walls that converge distort the section in torsion. Rule: no theory of
+waves holds for a taper, but the first effect is local. It is computed for cantilever prisms that
+have the section at one position of the leg each, and a length with which they vibrate at the
+frequency of the leg in a mode of the same kind and order. The mean over the leg is weighted by
+kinetic energy: two positions give it exactly for changes of second degree along the leg.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.polynomial import legendre
+
+from fem.beams.beam_theory import CantileverFrequency, Kind, frequency_of_kind
+from fem.beams.box_distortion import distortion_work
+from lumped.arrays import Array
+from lumped.legs import ConstantLeg, LineLeg
+from lumped.mechanism.body_model import LegMatrices
+from lumped.models.bodies import clamped_modes
+from lumped.sections import HollowRectangle, ISection, Tube
+from validation.case import Skip
+from validation.cases.leg_theory import WAVE_DIVISIONS, distortion, why_no_beam
+
+# Sections with walls and two axes of symmetry. In those without walls, the change of frequencies
+# that beam theory describes is below 0.1 %.
+_WALLED = HollowRectangle | ISection | Tube
+# Kinds of deformation by the largest translation or rotation of sections: about x, y, z.
+_KINDS: tuple[Kind, ...] = ("tension", "bending z", "bending y", "torsion")
+# Gauss points along a leg for energies of modes, a number exact for all modes that are compared.
+_POINTS = 24
+# Shortest and longest prism, relative to the leg.
+_SHORTEST, _LONGEST = 0.1, 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Mode:
+    """Mode of a leg as a beam: kind and order, frequency (Hz), and samples along the leg.
+
+    `positions` (n, m along the line) with `weights` (n, m), twists (n×6) and kinetic energy per
+    length (n), in any unit.
+    """
+
+    kind: CantileverFrequency
+    positions: Array
+    weights: Array
+    twists: Array
+    energies: Array
+
+
+def frequency_change(leg: LineLeg, beam: LegMatrices, index: int) -> float:
+    """Relative change of frequency `index` (from 0) of the clamped `beam` due to distortion.
+
+    Zero for a leg that is bent or has no walls, and for walled sections without two axes of
+    symmetry, of which the waves are not computed. Raises Skip if the mode lies above the
+    frequencies at which beam theory applies to the section.
+    """
+    walled = all(isinstance(section, _WALLED) for _, section in leg.stations)
+    if not (leg.line.is_straight and walled):
+        return 0.0
+    mode = _mode(leg, beam, index)
+    shares = mode.weights * mode.energies
+    shares /= shares.sum()
+    mean = float(shares @ mode.positions)
+    deviation = float(np.sqrt(shares @ (mode.positions - mean) ** 2))
+    low, high = max(0.0, mean - deviation), min(leg.length, mean + deviation)
+    changes = [_prism_change(leg, position, mode.kind) for position in (low, high)]
+    return float(np.mean(changes)) + _torsional_change(leg, mode)
+
+
+def _mode(leg: LineLeg, beam: LegMatrices, index: int) -> _Mode:
+    modes = clamped_modes(beam, index + 1)
+    points, weights = legendre.leggauss(_POINTS)
+    positions = 0.5 * leg.length * (points + 1.0)
+    shapes = (beam.centreline(positions) @ modes.shapes).reshape(_POINTS, 6, -1)
+    along = leg.sections("timoshenko")
+    masses = along.at(along.span_at(positions), positions).mass
+    energies = np.einsum("nim,nij,njm->nm", shapes, masses, shapes)
+    own = np.einsum("n,nim,nii->im", weights, shapes**2, masses)[: len(_KINDS)]
+    kinds = [_KINDS[row] for row in np.argmax(own, axis=0)]
+    kind = CantileverFrequency(float(modes.frequencies[index]), kinds[index], kinds.count(
+        kinds[index]
+    ))  # fmt: skip
+    return _Mode(
+        kind, positions, 0.5 * leg.length * weights, shapes[..., index], energies[:, index]
+    )
+
+
+def _prism_change(leg: LineLeg, position: float, mode: CantileverFrequency) -> float:
+    """Relative change of a frequency by 3-D waves, with the section at one position of the leg."""
+    section, material = leg.section_at(position), leg.material
+
+    def excess(length: float) -> float:
+        prism = ConstantLeg(length, section, material)
+        return frequency_of_kind(prism.timoshenko, length, mode.kind, mode.order) - mode.frequency
+
+    bounds = _SHORTEST * leg.length, _LONGEST * leg.length
+    prism = ConstantLeg(float(scipy.optimize.brentq(excess, *bounds)), section, material)
+    if reason := why_no_beam(prism, mode):
+        raise Skip(f"{mode.kind} mode {mode.order}, at {position:.4g} m: {reason}")
+    return float(distortion(prism, (WAVE_DIVISIONS,), mode)[0])
+
+
+def _torsional_change(leg: LineLeg, mode: _Mode) -> float:
+    """Relative change of a torsional frequency by walls that converge (Rayleigh's quotient).
+
+    The torque is the inertia of the part of the leg beyond. Zero for other modes.
+    """
+    if mode.kind.kind != "torsion":
+        return 0.0
+    along = leg.sections("timoshenko")
+    field = along.at(along.span_at(mode.positions), mode.positions)
+    inertia = legendre.Legendre.fit(
+        mode.positions, field.mass[:, 3, 3] * mode.twists[:, 3], _POINTS - 1, [0.0, leg.length]
+    ).integ()
+
+    def torques(positions: Array) -> Array:
+        return np.asarray(inertia(leg.length) - inertia(positions))
+
+    strain = mode.weights @ (torques(mode.positions) ** 2 * field.flexibility[:, 3, 3])
+    return float((1.0 + distortion_work(leg, torques) / strain) ** -0.5 - 1.0)
