@@ -7,7 +7,7 @@ results.
 """
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from lumped.arrays import Array, IntArray
 from lumped.legs import Material
@@ -67,4 +67,4 @@ def away_from(nodes: Array, singular: IntArray, distance: float) -> Array:
     """
     if not len(singular):
         return np.ones(len(nodes), dtype=bool)
-    return np.asarray(cKDTree(nodes[singular]).query(nodes)[0] > distance)
+    return np.asarray(scipy.spatial.cKDTree(nodes[singular]).query(nodes)[0] > distance)

@@ -23,7 +23,6 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 import scipy
-from scipy.special import ellipe, ellipk
 
 from lumped.arrays import Array
 from lumped.screws import shift
@@ -143,8 +142,8 @@ def hertz_constant(curvatures: Sequence[float]) -> float:
     total = float(sum(curvatures))
     ratio = ellipse_ratio(curvature_difference(curvatures))
     parameter = 1.0 - ratio**-2
-    approach = 2.0 * ellipk(parameter) / np.pi
-    approach *= (np.pi / (2.0 * ratio**2 * ellipe(parameter))) ** (1.0 / 3.0)
+    approach = 2.0 * scipy.special.ellipk(parameter) / np.pi
+    approach *= (np.pi / (2.0 * ratio**2 * scipy.special.ellipe(parameter))) ** (1.0 / 3.0)
     compliance = approach * (3.0 * (1.0 - _NU**2) / (_E * total)) ** (2.0 / 3.0) * total / 2.0
     return float(compliance**-1.5)
 
@@ -161,7 +160,7 @@ def ellipse_ratio(difference: float) -> float:
         return 1.0
 
     def excess(ratio: float) -> float:
-        first, second = ellipk(1.0 - ratio**-2), ellipe(1.0 - ratio**-2)
+        first, second = scipy.special.ellipk(1.0 - ratio**-2), scipy.special.ellipe(1.0 - ratio**-2)
         value = ((ratio**2 + 1.0) * second - 2.0 * first) / ((ratio**2 - 1.0) * second)
         return float(value - difference)
 
