@@ -78,11 +78,7 @@ class _Meshed:
     @property
     def largest_half_width(self) -> float:
         """Largest relative half-width, due to meshes, over all numbers and poses."""
-        statics, names = self.solved.statics, self.solved.loads
-        loads = [
-            dict(zip(names, displacements, strict=True))
-            for displacements in (statics.load_displacements if statics and names else ())
-        ]
+        loads = self.solved.displacements
         shares = [
             share
             for half_widths in (self.prisms, self.parts)
@@ -90,7 +86,7 @@ class _Meshed:
             for share in (
                 *np.abs(of_pose.compliance / np.diag(self.compliances[pose])),
                 *(of_pose.frequencies / self.frequencies[pose]),
-                *of_pose.shares_of_loads(loads[pose] if loads else {}).values(),
+                *of_pose.shares_of_loads(loads[pose]).values(),
             )
         ]
         return float(np.max(shares, initial=0.0))
@@ -130,10 +126,8 @@ def solve(question: Question) -> Solution:
                 question.accuracy,
             )
         question, answers = meshed.solved.question, _answers(meshed)
-    options = asdict(question.options)
-    effective = {
-        name: value for name, value in options.items() if name in question.effective_options
-    }
+    names = question.effective_options
+    effective = {name: value for name, value in asdict(question.options).items() if name in names}
     tool = question.mechanism.tool
     moves = tuple(f"{move} ({UNITS_OF_MOVES[move]})" for move in tool.moves)
     return Solution(
@@ -150,11 +144,16 @@ def _solved(question: Question) -> SolvedQuestion:
 
 
 def _meshed(solved: SolvedQuestion) -> _Meshed:
-    """Solved question with half-widths of its meshes."""
-    prisms = of_prisms(solved, partial(_is_affordable, solved.question))
-    compliances, frequencies, half_widths = extrapolated(solved, prisms)
+    """Solved question with half-widths of its meshes, which only solids have."""
+    compliances, frequencies = solved.compliances, solved.frequencies
+    prisms: Sequence[MeshUncertainty] = ()
+    parts: Sequence[PartUncertainty] = ()
+    if solved.question.model == "solid":
+        prisms = of_prisms(solved, partial(_is_affordable, solved.question))
+        compliances, frequencies, prisms = extrapolated(solved, prisms)
+        parts = of_parts(solved)
     existing = [values[~np.isnan(values)] for values in frequencies]
-    return _Meshed(solved, compliances, existing, half_widths, of_parts(solved))
+    return _Meshed(solved, compliances, existing, prisms, parts)
 
 
 def _is_affordable(question: Question, divisions: int) -> bool:
@@ -235,15 +234,20 @@ def _answers(meshed: _Meshed) -> list[Answer]:
 def _modal_fields(modes: PostureModes) -> dict[str, Any]:
     """Fields of an answer with strain energies and, if the robot is damped, responses."""
     fields: dict[str, Any] = {"strain": modes.strain}
-    if len(modes.modes.frequencies) and modes.posture.mechanism.is_damped:
-        fields |= {"responses": modes.responses, "damped": _damped(modes)}
+    count = len(modes.modes.frequencies)
+    if count and modes.posture.mechanism.is_damped:
+        damped = modes.damped
+        # With dashpots, fewer motions can oscillate.
+        oscillating = np.flatnonzero(np.isfinite(damped.frequencies))[:count]
+        of_modes = damped.frequencies[oscillating], damped.losses[oscillating]
+        fields |= {"responses": modes.responses, "damped": of_modes}
     return fields
 
 
 def _load_fields(solved: SolvedQuestion) -> list[dict[str, Any]]:
     """Fields of each answer with displacements, stability and reactions under the loads."""
-    question, statics, names = solved.question, solved.statics, solved.loads
-    if not names or statics is None:
+    question, names = solved.question, solved.loads
+    if not names:
         return []
     model, postures, options = question.model, solved.responses.robot.postures, question.options
     bent, loads = bent_legs(question.mechanism), question.mechanism.loads
@@ -255,7 +259,7 @@ def _load_fields(solved: SolvedQuestion) -> list[dict[str, Any]]:
     forces = load_forces(model, postures, options)
     return [
         {
-            "loads": dict(zip(names, displacements, strict=True)),
+            "loads": displacements,
             # Buckling of bent legs is not computed.
             "stability": {}
             if bent
@@ -271,7 +275,7 @@ def _load_fields(solved: SolvedQuestion) -> list[dict[str, Any]]:
             },
         }
         for displacements, stability_of_pose, forces_of_pose in zip(
-            statics.load_displacements, stability, forces, strict=True
+            solved.displacements, stability, forces, strict=True
         )
     ]
 
@@ -306,14 +310,6 @@ def _pair(pairing: Partners, pose: int, mode: int) -> ModePair:
         open=(low, high) if high > low else None,
         undecided=bool(pairing.undecided[pose, mode]),
     )
-
-
-def _damped(modes: PostureModes) -> tuple[Array, Array]:
-    """Frequencies (Hz) and loss factors of complex modes."""
-    # With dashpots, fewer motions can oscillate.
-    count = len(modes.modes.frequencies)
-    oscillating = np.flatnonzero(np.isfinite(modes.damped.frequencies))[:count]
-    return modes.damped.frequencies[oscillating], modes.damped.losses[oscillating]
 
 
 def _free_part_answer(question: Question, name: str) -> Answer:

@@ -5,10 +5,10 @@ Rule: the fields `part_mesh` and `ends` of a reading select mesh and coupling of
 solids. If modes are requested, statics use the systems of the modes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -65,109 +65,97 @@ class SolvedModes(PathModes):
     postures: Sequence[PostureModes] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class _Solver:
-    """Statics and modes of a question's model. They come from the same systems if it has both.
-
-    `solved`: modes that are solved already, by robot and reading.
-    """
-
-    question: Question
-    solved: dict[tuple[RobotOnPath, Reading], SolvedModes | None] = field(default_factory=dict)
-
-    def statics(self, robot: RobotOnPath, reading: Reading) -> Statics:
-        """Compliance and displacements under the loads of the robot file."""
-        question, mechanism, postures = self.question, robot.mechanism, robot.postures
-        model, options = question.model, question.options
-        if question.alone is not None:
-            leg, options = leg_alone(question.alone, mechanism, options)
-            return Statics(leg_compliance(model, leg, options)[None], np.zeros((1, 0, 6)), [None])
-        solid_parts = model == "solid" and mechanism.parts
-        modes = self.modes(robot, reading) if question.count else None
-        if modes is not None:
-            solutions = modes.postures
-            bodies = solutions[0].system.models
-            return Statics(
-                np.array([solution.compliance for solution in solutions]),
-                displacements_of(bodies, postures)
-                if solid_parts
-                else displacements(model, postures, options),
-                [solution.idle for solution in solutions],
-            )
-        part_mesh = _part_mesh(robot, reading)
-        if not solid_parts or part_mesh == FINE_PARTS:
-            return model_statics(postures, model, options)
-        bodies = static_bodies(model, mechanism, options)
-        bodies |= reduced_parts_of(mechanism, _LOWEST, options, part_mesh)
-        solved = swept(assembly(mechanism, bodies), postures, 0)
-        return Statics(solved.compliances, displacements_of(bodies, postures), solved.idle)
-
-    def modes(self, robot: RobotOnPath, reading: Reading) -> SolvedModes | None:
-        """Modes, as many as requested. If no number is requested, six, or all if there are fewer.
-
-        None if nothing has mass.
-        """
-        key = robot, reading
-        if key not in self.solved:
-            self.solved[key] = self._modes(robot, reading)
-        return self.solved[key]
-
-    def _modes(self, robot: RobotOnPath, reading: Reading) -> SolvedModes | None:
-        question = self.question
-        if question.modes is not None:
-            return self._first_modes(robot, reading, question.modes)
-        for count in range(question.count, 0, -1):
-            with suppress(FewerModesError):
-                return self._first_modes(robot, reading, count)
-        return None
-
-    def _first_modes(self, robot: RobotOnPath, reading: Reading, count: int) -> SolvedModes:
-        """First `count` modes. They are sampled if they are compared with modes of other models."""
-        question, model, options = self.question, self.question.model, self.question.options
-        spare = _SPARE if model == "solid" else 0
-        solutions: Sequence[PostureModes] = ()
-        if question.alone is not None:
-            leg, options = leg_alone(question.alone, robot.mechanism, options)
-            solve = partial(leg_modes, model, leg, options=options, free=question.free)
-            try:
-                modes = solve(count + spare)
-            except FewerModesError:
-                modes = solve(count)
-            modes = modes.first(_close(modes.frequencies[0], count))
-        else:
-            part_mesh = _part_mesh(robot, reading)
-            solutions = mechanism_modes(model, robot.postures, count, options, part_mesh, spare)
-            frequencies = [solution.modes.frequencies for solution in solutions]
-            close = [_close(values, count) for values in frequencies]
-            count, width = min(count, max(map(len, frequencies))), max(close)
-            if model == "solid" or question.against:
-                candidates = map(PostureModes.first, solutions, close)
-                modes = vibration_of(samples_of(robot.mechanism), candidates, width)
-            else:
-                missing = [np.full(width - len(values), np.nan) for values in frequencies]
-                modes = PathModes.unsampled(np.array([*map(np.append, frequencies, missing)]))
-            solutions = [solution.first(count) for solution in solutions]
-        return SolvedModes(
-            modes.frequencies,
-            modes.samples,
-            modes.weights,
-            modes.energy_shares,
-            count=count,
-            postures=solutions,
-        )
-
-
 def solved_model(question: Question) -> Model:
     """Model of a question. A free body has no statics, and a static model no modes."""
     fields = ("part_mesh", "ends") if question.model == "solid" else ()
-    solver = _Solver(question)
+    modes = cache(partial(_modes, question))
     return Model(
         question.model,
-        statics=None if question.free else solver.statics,
-        modes=solver.modes if question.count else None,
+        statics=None if question.free else partial(_statics, question, modes),
+        modes=modes if question.count else None,
         static_fields=fields,
         modal_fields=fields,
     )
+
+
+def _statics(
+    question: Question,
+    modes_of: Callable[[RobotOnPath, Reading], SolvedModes | None],
+    robot: RobotOnPath,
+    reading: Reading,
+) -> Statics:
+    """Compliance and displacements under the loads of the robot file.
+
+    `modes_of` returns the modes, from whose systems the compliance follows if there are any.
+    """
+    mechanism, postures = robot.mechanism, robot.postures
+    model, options = question.model, question.options
+    if question.alone is not None:
+        leg, options = leg_alone(question.alone, mechanism, options)
+        return Statics(leg_compliance(model, leg, options)[None], np.zeros((1, 0, 6)), [None])
+    solid_parts = model == "solid" and mechanism.parts
+    modes = modes_of(robot, reading) if question.count else None
+    if modes is not None:
+        solutions = modes.postures
+        bodies = solutions[0].system.models
+        return Statics(
+            np.array([solution.compliance for solution in solutions]),
+            displacements_of(bodies, postures)
+            if solid_parts
+            else displacements(model, postures, options),
+            [solution.idle for solution in solutions],
+        )
+    part_mesh = _part_mesh(robot, reading)
+    if not solid_parts or part_mesh == FINE_PARTS:
+        return model_statics(postures, model, options)
+    bodies = static_bodies(model, mechanism, options)
+    bodies |= reduced_parts_of(mechanism, _LOWEST, options, part_mesh)
+    solved = swept(assembly(mechanism, bodies), postures, 0)
+    return Statics(solved.compliances, displacements_of(bodies, postures), solved.idle)
+
+
+def _modes(question: Question, robot: RobotOnPath, reading: Reading) -> SolvedModes | None:
+    """Modes, as many as requested. If no number is requested, six, or all if there are fewer.
+
+    None if nothing has mass.
+    """
+    if question.modes is not None:
+        return _first_modes(question, robot, reading, question.modes)
+    for count in range(question.count, 0, -1):
+        with suppress(FewerModesError):
+            return _first_modes(question, robot, reading, count)
+    return None
+
+
+def _first_modes(
+    question: Question, robot: RobotOnPath, reading: Reading, count: int
+) -> SolvedModes:
+    """First `count` modes. They are sampled if they are compared with modes of other models."""
+    model, options = question.model, question.options
+    spare = _SPARE if model == "solid" else 0
+    solutions: Sequence[PostureModes] = ()
+    if question.alone is not None:
+        leg, options = leg_alone(question.alone, robot.mechanism, options)
+        solve = partial(leg_modes, model, leg, options=options, free=question.free)
+        try:
+            modes = solve(count + spare)
+        except FewerModesError:
+            modes = solve(count)
+        modes = modes.first(_close(modes.frequencies[0], count))
+    else:
+        part_mesh = _part_mesh(robot, reading)
+        solutions = mechanism_modes(model, robot.postures, count, options, part_mesh, spare)
+        frequencies = [solution.modes.frequencies for solution in solutions]
+        if model == "solid" or question.against:
+            close = [_close(values, count) for values in frequencies]
+            candidates = map(PostureModes.first, solutions, close)
+            modes = vibration_of(samples_of(robot.mechanism), candidates, max(close))
+            solutions = [solution.first(count) for solution in solutions]
+        else:
+            missing = [np.full(count - len(values), np.nan) for values in frequencies]
+            modes = PathModes.unsampled(np.array([*map(np.append, frequencies, missing)]))
+        count = min(count, max(map(len, frequencies)))
+    return SolvedModes(**vars(modes), count=count, postures=solutions)
 
 
 def _close(frequencies: Array, count: int) -> int:

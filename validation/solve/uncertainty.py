@@ -24,7 +24,7 @@ from meshes.section.section_blocks import element_count
 from validation.models.leg_models import leg_compliance, leg_modes
 from validation.models.options import ModelOptions
 from validation.models.reduced_parts import ReducedPart, has_specified_couplings
-from validation.models.robot_models import answers
+from validation.models.robot_models import answers, mechanism_modes
 from validation.parts.meshes import LEVELS
 from validation.references.reference_parts import UNKNOWN, part_policy
 from validation.references.responses import Model, Responses
@@ -81,13 +81,20 @@ class SolvedQuestion:
     @property
     def statics(self) -> Statics | None:
         """Statics in all poses. None for a free body."""
-        return self.responses.known_statics(self.model(), self.reading)
+        statics = self.responses.statics(self.model(), self.reading)
+        return statics if isinstance(statics, Statics) else None
 
     @property
     def modes(self) -> SolvedModes | None:
         """Modes in all poses. None if none are requested or nothing has mass."""
-        modes = self.responses.known_modes(self.model(), self.reading)
+        modes = self.responses.modes(self.model(), self.reading)
         return modes if isinstance(modes, SolvedModes) else None
+
+    @property
+    def compliances(self) -> Array:
+        """Compliances (P×6×6, SI) in P poses. P×0×0 for a free body."""
+        statics = self.statics
+        return np.zeros((self.poses, 0, 0)) if statics is None else statics.compliances
 
     @property
     def frequencies(self) -> Array:
@@ -102,39 +109,38 @@ class SolvedQuestion:
             return []
         return [load.name for load in self.question.mechanism.loads]
 
+    def by_load(self, displacements: Array) -> list[dict[str, Array]]:
+        """Displacements (P×6L) under L loads in each of P poses, by name of the load."""
+        rows = displacements.reshape(self.poses, -1, 6)
+        return [dict(zip(self.loads, of_pose, strict=True)) for of_pose in rows]
+
+    @property
+    def displacements(self) -> list[dict[str, Array]]:
+        """Displacements (6, m and rad) under each load in each pose, by name of the load."""
+        statics = self.statics
+        return self.by_load(np.zeros(0) if statics is None else statics.load_displacements)
+
     def split(self, compliance: Array, loads: Array, frequencies: Array) -> list[HalfWidths]:
         """Half-widths as one record for each pose, from arrays for all poses (P×6, P×6L and P×m).
 
         Shapes: P poses, L loads, m modes.
         """
-        displacements = loads.reshape(len(loads), -1, 6)
-        return [
-            HalfWidths(*of_pose, loads=dict(zip(self.loads, by_load, strict=True)))
-            for *of_pose, by_load in zip(compliance, frequencies, displacements, strict=True)
-        ]
+        rows = zip(compliance, frequencies, self.by_load(loads), strict=True)
+        return [HalfWidths(*of_pose, loads=by_load) for *of_pose, by_load in rows]
 
 
 def diagonals(statics: Statics) -> Array:
-    """Compliance (P×6, SI) along and about each axis.
-
-    Shapes: P poses.
-    """
+    """Compliance (P×6, SI) along and about each axis in P poses."""
     return np.diagonal(statics.compliances, axis1=1, axis2=2)
 
 
 def _displacements(statics: Statics) -> Array:
-    """Displacements (P×6L) under all loads.
-
-    Shapes: P poses, L loads.
-    """
+    """Displacements (P×6L) under L loads in P poses."""
     return statics.load_displacements.reshape(len(statics.load_displacements), -1)
 
 
 def _lengths(displacements: Array) -> Array:
-    """Lengths of the translation and rotation vectors (P×6L), repeated for each component.
-
-    Shapes: P poses, L loads.
-    """
+    """Lengths of the translations and rotations (P×6L), repeated for each component."""
     sizes = np.linalg.norm(displacements.reshape(len(displacements), -1, 3), axis=2)
     return np.repeat(sizes, 3, axis=1)
 
@@ -307,9 +313,11 @@ def _diagonals_and_frequencies(
     Without compliances for a free body. Infinite and missing frequencies are zero.
     """
     model, options = question.model, question.options
-    if question.alone is None:
-        solved = answers(model, postures, count, options)
-        rows = [np.append(np.diag(pose.compliance), pose.frequencies) for pose in solved]
+    if question.alone is None and count:
+        solutions = mechanism_modes(model, postures, count, options)
+        rows = [np.append(np.diag(pose.compliance), pose.modes.frequencies) for pose in solutions]
+    elif question.alone is None:
+        rows = [np.diag(pose.compliance) for pose in answers(model, postures, 0, options)]
     else:
         leg, options = leg_alone(question.alone, postures[0].mechanism, options)
         numbers = np.zeros(0)
@@ -372,8 +380,7 @@ def extrapolated(
     partner on one of the meshes is not extrapolated.
     """
     statics, modes, options = solved.statics, solved.modes, solved.question.options
-    compliances = np.zeros((solved.poses, 0, 0)) if statics is None else statics.compliances.copy()
-    frequencies = solved.frequencies.copy()
+    compliances, frequencies = solved.compliances.copy(), solved.frequencies.copy()
     legs = [sectioned_leg(leg, options.equivalent) for leg in solved.legs]
     divisions = sorted(solved.models)
     if (
