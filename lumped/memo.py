@@ -1,8 +1,8 @@
 """Memoised values of pure functions within a process, and fingerprints as keys of stored values."""
 
-from collections.abc import Callable, Iterable, MutableMapping
+from collections.abc import Callable, Iterable, MutableMapping, Sequence
 from dataclasses import Field, fields, is_dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from hashlib import blake2b
 from pathlib import PurePath
 from typing import Any, ParamSpec, Protocol, TypeVar, cast
@@ -42,7 +42,8 @@ def forget() -> None:
 def fingerprint(value: object) -> str:
     """Hash of plain data: numbers, texts, paths, arrays, records with all fields, and collections.
 
-    Equal data have equal hashes in every process. Raises TypeError for other types.
+    A function is hashed by its name, a partial of it also by its arguments. Equal data have equal
+    hashes in every process. Raises TypeError for other types.
     """
     return _hashed(value, fields)
 
@@ -84,9 +85,10 @@ def _feed(
             update(f"path {value};".encode())
         case None | bool() | int() | float() | complex() | str() | bytes() | np.generic():
             update(f"{type(value).__name__} {value!r};".encode())
-        case tuple() | list():
-            update(f"sequence {len(value)} ".encode())
-            for item in value:
+        case tuple() | list() | partial():
+            items = _items(value)
+            update(f"sequence {len(items)} ".encode())
+            for item in items:
                 _feed(update, item, select_fields, digests_by_id)
         case dict():
             update(f"mapping {len(value)} ".encode())
@@ -109,6 +111,13 @@ def _feed(
             update(f"function {value.__module__}.{value.__qualname__};".encode())
         case _:
             raise TypeError(f"{type(value).__name__} cannot be hashed; must be plain data")
+
+
+def _items(value: Any) -> Sequence[Any]:
+    """Items of a sequence; of a partial its function and arguments, after a mark."""
+    if isinstance(value, partial):
+        return "partial", value.func, value.args, value.keywords
+    return cast("Sequence[Any]", value)
 
 
 def _record(

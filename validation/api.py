@@ -41,6 +41,7 @@ from validation.adequacy.robot_verdicts import judged_robot
 from validation.case import Skip
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import RefinedModel
+from validation.comparisons.element_convergence import storing
 from validation.comparisons.requested import convergence
 from validation.console.arguments import checked, faults_of
 from validation.console.typed import MOST_PROCESSES, LengthUnit
@@ -72,6 +73,7 @@ from validation.python.measured import MeasuredComparison
 from validation.references.reference import Subject
 from validation.report.table import entry_line, matrix_table, table_of
 from validation.report.words import sentence
+from validation.run.executor import in_turn
 from validation.solve.answer import Solution
 from validation.solve.model_answers import solve as answered
 from validation.solve.question import Question, split_ends
@@ -285,6 +287,7 @@ def converge(
             elements=elements,
             divisions=divisions,
             theory=theory,
+            executor=storing(in_turn, loaded.mechanism),
         )
 
 

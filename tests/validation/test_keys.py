@@ -32,12 +32,14 @@ from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
 from validation import api, pytest_plugin
 from validation.case import Absolute, Relative
+from validation.comparisons.element_convergence import storing
 from validation.context import PRESETS, memo_key
 from validation.models import reduced_parts, stepped_parts
 from validation.models.options import ModelOptions
 from validation.parts import identify, meshes
-from validation.run import provenance, sources
+from validation.run import provenance, sources, stored_results
 from validation.run.cache import CacheEntry, key_of
+from validation.run.executor import in_turn
 from validation.run.folder import mark_of
 from validation.validate import Request
 from validation.variations import curves as CURVES  # noqa: N812
@@ -89,11 +91,35 @@ def test_cache_key_includes_source_code(monkeypatch):
     keys = set()
     for letter in "ab":
         monkeypatch.setattr(CURVES, "program", lambda letter=letter: letter)
-        monkeypatch.setattr(CURVES, "find", lambda key: keys.add(key) or {"number": np.ones(())})
+        monkeypatch.setattr(
+            stored_results, "find", lambda key: keys.add(key) or {"number": np.ones(())}
+        )
         forget()
         computed([varied("five-bar")], lambda number: number, pytest.fail, "asking")
     forget()
     assert len(keys) == 2
+
+
+def test_convergence_study_is_read_from_cache(tmp_path, monkeypatch):
+    """All element counts, those of the search for the smallest ones and those of the limit."""
+    monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "cache"))
+    study_of = partial(api.converge, "five-bar", "segments", elements=[5, 10])
+    computed_study = study_of()
+    forget()
+    monkeypatch.setattr(api, "in_turn", lambda calls: pytest.fail(f"{len(calls)} computed"))
+    assert study_of().json() == computed_study.json()
+    for changes in ({"elements": [5, 11]}, {"theory": "euler-bernoulli"}, {"body": "rod1"}):
+        with pytest.raises(pytest.fail.Exception):
+            study_of(**changes)
+
+
+def test_convergence_key_includes_part_file(tmp_path):
+    shutil.copytree(ROCKER.parent, tmp_path / "rocker")
+    mechanism = load_robot(tmp_path / "rocker" / "robot.toml").mechanism
+    inputs = storing(in_turn, mechanism).inputs
+    with (tmp_path / "rocker" / "rocker.step").open("a") as file:
+        file.write("\n")
+    assert storing(in_turn, mechanism).inputs != inputs
 
 
 def test_source_digest_includes_every_file(tmp_path, monkeypatch):

@@ -79,7 +79,10 @@ def converge(
         Address of a Dask scheduler (tcp://host:port) whose workers compute the counts or meshes.
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
-    from validation.comparisons.element_convergence import QUANTITIES  # noqa: PLC0415
+    from validation.comparisons.element_convergence import (  # noqa: PLC0415
+        QUANTITIES,
+        storing,
+    )
     from validation.comparisons.requested import convergence  # noqa: PLC0415
     from validation.run.cluster import requested_executor  # noqa: PLC0415
     from validation.run.executor import in_order  # noqa: PLC0415
@@ -109,7 +112,7 @@ def converge(
             sent = partial(_study_of_parts, study_of, provisions(robot_file), robot_file)
             (study,) = in_order(executor, [sent])
         else:
-            study = study_of(robot_file, executor=executor)
+            study = study_of(robot_file, executor=storing(executor, robot_file.mechanism))
     missed = study.missed(quantity, within)
     write_results(study.json() if json else study.text(quantity))
     if csv is not None:

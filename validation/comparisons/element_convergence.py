@@ -21,7 +21,7 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, SectionedLeg, Theory, tip_compliance
 from lumped.mechanism.body_model import LegMatrices
-from lumped.mechanism.mechanism import Posture
+from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.memo import memo
 from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.system.assembly import assembly
@@ -40,7 +40,9 @@ from validation.models.robot_models import bodies_of, highest_frequency
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import NOMINAL, Reading, RobotOnPath
 from validation.responses.statics_and_modes import PathModes, Statics
+from validation.run.cache import Arrays
 from validation.run.executor import Executor, in_turn
+from validation.run.stored_results import StoringExecutor, part_digests
 from validation.uncertainty.grid_convergence import richardson
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
@@ -68,25 +70,32 @@ Limits: TypeAlias = Callable[[Theory], tuple[Array, Array]]
 class Discretised:
     """Values of a leg or robot by any formulation, element count or mesh.
 
-    `statics` and `modes` solve it by a formulation. `models`: model of each formulation, in which
-    the element count is the factor `elements` of a reading.
+    `statics` and `modes` solve it by a formulation, called by `executor`. `models`: model of each
+    formulation, in which the element count is the factor `elements` of a reading. `solved`:
+    formulations with their counts that are solved.
     """
 
     responses: Responses
     statics: Callable[[Discretisation, RobotOnPath], Statics]
     modes: Callable[[Discretisation, RobotOnPath], PathModes]
+    executor: Executor
     models: dict[Discretisation, Model] = field(default_factory=dict)
+    solved: set[Discretisation] = field(default_factory=set)
 
     def values(self, discretisation: Discretisation) -> Array:
         """Frequencies (4, Hz) and deflections (3, m/N) by a formulation with its count."""
+        self.solve_ahead([discretisation])
         request = self._request(discretisation)
         compliance = self.responses.required_statics(*request).compliances[0]
         frequencies = self.responses.required_modes(*request).frequencies[0]
         return np.concatenate([frequencies, np.diag(compliance)[: len(DEFLECTIONS)]])
 
-    def solve_ahead(self, discretisations: Sequence[Discretisation], executor: Executor) -> None:
-        """Solve formulations, each with its count, by an executor."""
-        self.responses.solve_ahead(list(map(self._request, discretisations)), executor)
+    def solve_ahead(self, discretisations: Sequence[Discretisation]) -> None:
+        """Solve all formulations, each with its count, at once. Solved ones are left out."""
+        missing = [one for one in dict.fromkeys(discretisations) if one not in self.solved]
+        if missing:
+            self.responses.solve_ahead(list(map(self._request, missing)), self.executor)
+            self.solved.update(missing)
 
     def _request(self, discretisation: Discretisation) -> tuple[Model, Reading]:
         formulation = discretisation.with_count(1)
@@ -99,6 +108,26 @@ class Discretised:
                 modal_fields=("elements",),
             )
         return self.models[formulation], replace(NOMINAL, elements=discretisation.count)
+
+
+def storing(executor: Executor, mechanism: Mechanism) -> StoringExecutor[tuple[Statics, PathModes]]:
+    """Executor that solves formulations of a mechanism or of its legs unless they are stored."""
+    names = ("compliances", "load_displacements", "frequencies")
+    return StoringExecutor(executor, part_digests(mechanism), names, _arrays, _statics_and_modes)
+
+
+def _arrays(solution: tuple[Statics, PathModes]) -> dict[str, Array]:
+    statics, modes = solution
+    return {
+        "compliances": statics.compliances,
+        "load_displacements": statics.load_displacements,
+        "frequencies": modes.frequencies,
+    }
+
+
+def _statics_and_modes(arrays: Arrays) -> tuple[Statics, PathModes]:
+    statics = Statics(arrays["compliances"], arrays["load_displacements"])
+    return statics, PathModes.unsampled(arrays["frequencies"])
 
 
 def _with_elements(
@@ -123,16 +152,16 @@ def leg_convergence(
     A leg of varying section has no closed solution; its limit is that of the beam elements.
     Raises InputError if a formulation allows none of the `counts`.
     """
-    discretised = Discretised(responses, partial(_leg_statics, leg), partial(_leg_modes, leg))
+    discretised = Discretised(
+        responses, partial(_leg_statics, leg), partial(_leg_modes, leg), executor
+    )
     if isinstance(leg, ConstantLeg):
         limits: Limits = partial(_cantilever, leg)
         reference = "exact cantilever of the same theory (Huang 1961)"
     else:
         limits, reference = partial(_beam_limit, discretised), _EXTRAPOLATED
     study = convergence_study(responses, name, {}, reference)
-    return replace(
-        study, series=_all_series(discretised, limits, discretisations, counts, executor)
-    )
+    return replace(study, series=_all_series(discretised, limits, discretisations, counts))
 
 
 def robot_convergence(
@@ -151,14 +180,12 @@ def robot_convergence(
         raise InputError(f"{mechanism.name}: no leg of this robot can be divided into elements")
     highest = highest_frequency(postures, MODES)
     discretised = Discretised(
-        responses, partial(_robot_statics, highest), partial(_robot_modes, highest)
+        responses, partial(_robot_statics, highest), partial(_robot_modes, highest), executor
     )
     limits = partial(_beam_limit, discretised)
     pose = dict(zip(mechanism.tool.moves, postures[0].pose.tolist(), strict=True))
     study = convergence_study(responses, "", pose, _EXTRAPOLATED)
-    return replace(
-        study, series=_all_series(discretised, limits, discretisations, counts, executor)
-    )
+    return replace(study, series=_all_series(discretised, limits, discretisations, counts))
 
 
 _EXTRAPOLATED = "limit of the beam elements, extrapolated from 40 and 80 elements"
@@ -184,14 +211,12 @@ def _all_series(
     limits: Limits,
     discretisations: Sequence[Discretisation],
     counts: Sequence[int],
-    executor: Executor,
 ) -> tuple[ConvergenceSeries, ...]:
-    """Series of each formulation. The executor solves each formulation and element count."""
+    """Series of each formulation. All formulations and element counts are solved at once."""
     counts_by_row = [_checked_counts(discretisation, counts) for discretisation in discretisations]
     rows = list(zip(discretisations, counts_by_row, strict=True))
     discretised.solve_ahead(
-        [discretisation.with_count(count) for discretisation, row in rows for count in row],
-        executor,
+        [discretisation.with_count(count) for discretisation, row in rows for count in row]
     )
     return tuple(
         _series(discretisation, discretised, *limits(discretisation.theory), row)
@@ -333,6 +358,7 @@ def _beam_limit(discretised: Discretised, theory: Theory) -> tuple[Array, Array]
     These are three times the error of the highest element count.
     """
     beams = Discretisation("beam", theory=theory)
+    discretised.solve_ahead([beams.with_count(count) for count in _LIMIT_COUNTS])
     coarse, fine = (discretised.values(beams.with_count(count)) for count in _LIMIT_COUNTS)
     limits = richardson(coarse, fine, _LIMIT_COUNTS[1] / _LIMIT_COUNTS[0], BEAM_ORDER)
     errors = np.abs(relative_errors(fine, limits))

@@ -60,9 +60,9 @@ def leg_mesh_convergence(
             f"divisions = {','.join(map(str, divisions))}: must be two or more different "
             "whole numbers, each at least 1"
         )
-    discretised = Discretised(responses, partial(_statics, leg), partial(_modes, leg))
+    discretised = Discretised(responses, partial(_statics, leg), partial(_modes, leg), executor)
     meshes = [[solid.with_count(count) for count in counts] for solid in discretisations]
-    discretised.solve_ahead([mesh for row in meshes for mesh in row], executor)
+    discretised.solve_ahead([mesh for row in meshes for mesh in row])
     study = convergence_study(responses, name, {}, "limit extrapolated from the finest meshes")
     return replace(
         study,

@@ -113,7 +113,7 @@ def on_cluster(address: str, notify: Callable[[str], object]) -> Iterator["Clust
         if cluster is not None and client.status == "running":
             # An error here must not replace an error of the run.
             with suppress(Exception):
-                client.run(end_idle, list(cluster.keys), wait=False)
+                client.run(end_idle, list(cluster.shared), wait=False)
         # Do not wait for a scheduler that has ended. On a busy machine, the thread that closes the
         # client can start after this timeout; all results, or the error of a call, have arrived.
         with suppress(TimeoutError):
@@ -227,8 +227,9 @@ class Cluster(ProcessExecutor):
     watch: "_SchedulerWatch"
     log: Path = Path(os.devnull)
     begin: Work | None = None
-    # Keys of the `Conditions` of all processes that this run began.
-    keys: set[str] = field(default_factory=set)
+    # Dask futures of the `Conditions` of all processes that this run began, by key. Workers keep
+    # the value of a future as long as it is referenced.
+    shared: dict[str, Any] = field(default_factory=dict)
     advice = "continue with more memory for each worker, or a coarser mesh"
 
     def beginning(self, log: Path, begin: Work) -> "Cluster":
@@ -250,8 +251,7 @@ class Cluster(ProcessExecutor):
         """
         content = b"" if self.begin is None else pickle.dumps(self.begin)
         conditions = Conditions(content, program(solver_name()), request_variables())
-        self.keys.add(conditions.key)
-        sent = _SentCalls(self.distributed, self.watch, conditions)
+        sent = _SentCalls(self.distributed, self.watch, conditions, self.shared)
         queue = deque(deque(group) for group in groups)
         # If each group is a single call, a worker gets one call more than it has threads. It then
         # need not wait for this process.
@@ -295,27 +295,32 @@ class _SentCalls:
     """Calls that are computed on the cluster, each the first of its group."""
 
     def __init__(
-        self, distributed: ModuleType, watch: "_SchedulerWatch", conditions: Conditions
+        self,
+        distributed: ModuleType,
+        watch: "_SchedulerWatch",
+        conditions: Conditions,
+        shared: dict[str, Any],
     ) -> None:
         self.distributed, self.watch = distributed, watch
-        self.conditions = conditions
-        self._shared = self._shared_conditions()
+        self.conditions, self.shared = conditions, shared
+        self._share_conditions()
         # Number of times that the first call of a group was lost with the connection, by name.
         self._losses: Counter[Hashable] = Counter()
         # Calls of the group and future by key.
         self.todo: dict[str, tuple[deque[tuple[Any, Call]], Any]] = {}
         self._finished: SimpleQueue[tuple[str, Any]] = SimpleQueue()
 
-    def _shared_conditions(self) -> Any:
-        """Dask future of the run's `Conditions`.
+    def _share_conditions(self) -> None:
+        """Submit the run's `Conditions` as a task, whose future becomes an entry of `shared`.
 
         Dask sends the value of a task to each worker once, and computes it again if it is lost.
         """
         with warnings.catch_warnings():
             # A large task is intended here.
             warnings.simplefilter("ignore", UserWarning)
-            key = f"flexproof-{self.conditions.key}"
-            return self.watch.client.submit(_itself, self.conditions, key=key)
+            key = self.conditions.key
+            future = self.watch.client.submit(_itself, self.conditions, key=f"flexproof-{key}")
+            self.shared[key] = future
 
     def send(self, calls: deque[tuple[Any, Call]], worker: str | None = None) -> None:
         """Submit the first of the calls.
@@ -326,7 +331,7 @@ class _SentCalls:
             compute,
             calls[0][1],
             str(id(calls)),
-            self._shared,
+            self.shared[self.conditions.key],
             pure=False,
             workers=worker and [worker],
             allow_other_workers=worker is not None,
@@ -383,7 +388,7 @@ class _SentCalls:
             sleep(_HEARTBEAT)
             self.watch.has_workers()
         # The future of the conditions was lost as well.
-        self._shared = self._shared_conditions()
+        self._share_conditions()
         self.send(calls)
         return None
 

@@ -8,8 +8,9 @@ are stored in the cache and not computed again.
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import partial
 from inspect import signature
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -27,9 +28,10 @@ from validation.adequacy.posture_errors import (
 )
 from validation.context import BUILT_IN, Context, Preset
 from validation.references.robot_on_path import RobotOnPath, path_postures, robot_at
-from validation.run.cache import Arrays, find, keep, key_of
-from validation.run.executor import Executor, in_turn
+from validation.run.cache import Arrays, find, key_of
+from validation.run.executor import Executor, Finished, Work, in_turn
 from validation.run.sources import program
+from validation.run.stored_results import stored_arrays
 from validation.variations.decision import OBJECTIVES, Decision, Objective
 
 T = TypeVar("T")
@@ -191,29 +193,35 @@ def computed(
     the progress bar, which appears if stderr is a terminal. Raises the exception of the first unit
     that fails.
     """
+    names = tuple(signature(kind).parameters)
     keys = [key_of(program(), unit) for unit in units]
-    work = dict(zip(keys, units, strict=True))
-    names = set(signature(kind).parameters)
-    stored = {key: arrays for key in work if (arrays := find(key)) and set(arrays) == names}
-    missing = [key for key in work if key not in stored]
+    tasks = {key: partial(_arrays, unit, names) for key, unit in zip(keys, units, strict=True)}
+    arrays = stored_arrays(tasks, names, partial(_shown, executor, task))
+    # Numbers are stored as arrays without dimensions.
+    return [kind(**{name: array[()] for name, array in arrays[key].items()}) for key in keys]
+
+
+def _arrays(unit: Unit[T], names: Sequence[str]) -> dict[str, Any]:
+    """Fields `names` of the unit's result."""
+    result = unit.compute()
+    return {name: getattr(result, name) for name in names}
+
+
+def _shown(executor: Executor, task: str, calls: Sequence[Work]) -> Finished:
+    """Results of the calls by the executor, with a progress bar."""
     from rich.console import Console  # noqa: PLC0415  few runs have variations
     from rich.progress import track  # noqa: PLC0415
 
     console = Console(stderr=True)
-    if missing:
-        with closing(executor([work[key].compute for key in missing])) as finished:
-            for number, result in track(
-                finished,
-                f"  {task}",
-                total=len(missing),
-                console=console,
-                transient=True,
-                disable=not console.is_terminal,
-            ):
-                arrays = {name: getattr(result, name) for name in names}
-                stored[missing[number]] = keep(missing[number], arrays)
-    # Numbers are stored as arrays without dimensions.
-    return [kind(**{name: array[()] for name, array in stored[key].items()}) for key in keys]
+    with closing(executor(calls)) as finished:
+        yield from track(
+            finished,
+            f"  {task}",
+            total=len(calls),
+            console=console,
+            transient=True,
+            disable=not console.is_terminal,
+        )
 
 
 def stored_robots(robot_file: RobotFile, variation: Variation, preset: Preset) -> dict[str, Arrays]:

@@ -136,7 +136,8 @@ def workers(dask):
     [
         ("solve five-bar --model beam --modes 2 --vary tool.mass=1:2:2", 2),
         ("solve five-bar --model vjm", 1),
-        ("converge five-bar --body rod1 --model beam --elements 5,10", 2),
+        # Two further counts are needed to find the smallest ones below each error.
+        ("converge five-bar --body rod1 --model beam --elements 5,10", 4),
     ],
 )
 def test_command_on_cluster_equals_local_one(
