@@ -16,7 +16,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, is_bent
+from lumped.legs import ConstantLeg, LineLeg, is_bent
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import legs_of
@@ -177,7 +177,7 @@ def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> Forc
         shape = mechanism.bodies[member.leg].shape
         reason = reason_without_stress(shape)
         stress = None
-        if not reason and isinstance(shape, ConstantLeg):
+        if not reason and isinstance(shape, ConstantLeg | LineLeg):
             stress = member_stress(shape, member)
             reason = "" if stress else "its forces are statically indeterminate"
         if stress is None:
