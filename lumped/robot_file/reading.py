@@ -10,7 +10,7 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from decimal import Decimal
+from decimal import Decimal, InvalidOperation
 from io import StringIO
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -111,17 +111,38 @@ def parsed(text: str, source: str) -> Mapping[str, Any]:
 
 @memo(16)
 def tables_of(text: str) -> Mapping[str, Any]:
-    """Tables of a TOML text without faults. They must not be changed.
-
-    The text is parsed once per process.
-    """
-    return tomllib.loads(text)
+    """Tables of a TOML text without faults. They must not be changed."""
+    tables: Mapping[str, Any] = _in_floats(decimal_tables(text))
+    return tables
 
 
 @memo(16)
 def decimal_tables(text: str) -> Mapping[str, Any]:
-    """Tables of a TOML text without faults, with numbers as printed. They must not be changed."""
-    return tomllib.loads(text, parse_float=Decimal)
+    """Tables of a TOML text without faults, with numbers as printed. They must not be changed.
+
+    The text is parsed once per process.
+    """
+    return tomllib.loads(text, parse_float=_as_printed)
+
+
+def _as_printed(number: str) -> Decimal | float:
+    """Number with its digits. A float (zero or infinite) if Decimal has no such exponent."""
+    try:
+        return Decimal(number)
+    except InvalidOperation:
+        return float(number)
+
+
+def _in_floats(value: Any) -> Any:
+    """Copy of parsed TOML in which floats replace numbers as printed."""
+    match value:
+        case Decimal():
+            return float(value)
+        case dict():
+            return {name: _in_floats(entry) for name, entry in value.items()}
+        case list():
+            return [_in_floats(entry) for entry in value]
+    return value
 
 
 def printed_compliances(tables: Mapping[str, Any]) -> Iterator[Printed]:

@@ -121,6 +121,13 @@ def test_rounding_half_width_is_half_unit_of_digit():
     assert (len(printed), of_designer.half.any()) == (3, False)
 
 
+def test_number_below_all_floats_is_exact_zero():
+    entries = {"c11": "1.67e-10", "c12": "1e-99999999999999999999"}
+    (foot,) = printed_compliances(decimal_tables(f"[foot]\ncompliance = {rows(**entries)}\n"))
+    assert foot.compliance[0].tolist() == [1.67e-10, 0.0, 0.0, 0.0, 0.0, 0.0]
+    assert foot.half[0].tolist() == [0.5e-12, 0.0, 0.0, 0.0, 0.0, 0.0]
+
+
 def faults_of(tables):
     with pytest.raises(InputError) as refused:
         described_by(tables, Path())
@@ -460,7 +467,11 @@ def test_robot_file_is_parsed_once(tmp_path, monkeypatch):
         f"{load_robot('five-bar').text}\n# a text of its own\n", encoding="utf-8"
     )
     parse, draft = reading.tomllib.loads, load.draft
-    monkeypatch.setattr(reading.tomllib, "loads", lambda text: calls.append("parse") or parse(text))
+    monkeypatch.setattr(
+        reading.tomllib,
+        "loads",
+        lambda text, **kinds: calls.append("parse") or parse(text, **kinds),
+    )
     monkeypatch.setattr(load, "draft", lambda tables: calls.append("draft") or draft(tables))
     robot = load_robot(tmp_path / "robot.toml")
     assert calls == ["parse", "draft"]
@@ -469,6 +480,7 @@ def test_robot_file_is_parsed_once(tmp_path, monkeypatch):
     heavier = robot.with_values({"tool.mass": 7.0})
     robot.with_factors({"tool.mass": 0.1})
     assert replace(robot, supposed=0.05).uncertain_inputs
+    assert robot.printed_compliances == heavier.printed_compliances == ()
     assert calls == ["parse", *3 * ["draft"]]
     # Robots with other values share the parsed tables, which stay unchanged.
     assert heavier.tables is robot.tables
