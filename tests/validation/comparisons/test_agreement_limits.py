@@ -48,17 +48,17 @@ def test_element_count_of_robot_file_is_judged(mine):
 
 def test_element_count_changes_compared_model():
     """With one beam element instead of 20, f1 of leg 1 is 0.48 % high (consistent mass)."""
-    context, found = Context(load_robot("ifw"), "quick"), {}
+    context, frequencies = Context(load_robot("ifw"), "quick"), {}
     for elements in (1, 20):
         limits = AgreementLimits(elements=elements)
         (case,) = (
-            one
-            for one in cases(legs=("leg1",), limits=limits)
-            if one.id == "leg1.agrees[beam-solid-f1]"
+            candidate
+            for candidate in cases(legs=("leg1",), limits=limits)
+            if candidate.id == "leg1.agrees[beam-solid-f1]"
         )
-        found[elements] = case.measure(context).value
+        frequencies[elements] = case.measure(context).value
     # A cantilever of one cubic element: 3.5327 for 3.5160 (Euler–Bernoulli, shear changes little).
-    assert found[1] / found[20] == pytest.approx(3.5327 / 3.5160, abs=3e-4)
+    assert frequencies[1] / frequencies[20] == pytest.approx(3.5327 / 3.5160, abs=3e-4)
 
 
 def test_agree_ends_select_solid():
@@ -69,9 +69,9 @@ def test_agree_ends_select_solid():
     context, differences = Context(load_robot("ifw"), "quick"), {}
     for ends in ("as given", "free"):
         (case,) = (
-            one
-            for one in cases(legs=("leg1",), limits=AgreementLimits(ends=ends))
-            if one.id == "leg1.agrees[vjm-solid-φx]"
+            candidate
+            for candidate in cases(legs=("leg1",), limits=AgreementLimits(ends=ends))
+            if candidate.id == "leg1.agrees[vjm-solid-φx]"
         )
         outcome = judge(case, case.measure(context), 0.0)
         assert outcome.verdict == "agree"
@@ -99,9 +99,9 @@ def test_new_limit_rejudges_stored_results(mine, tmp_path, capsys):
 def test_converge_uses_limits_of_robot_file(mine, capsys):
     for agree, code in (("", 0), ("elements = 8", 0), ("elements = 8\nconvergence = 0.0004", 1)):
         counts = ["--model", "segments", "--elements", "4,8,20"]
-        found = main(["converge", mine(agree), "--body", "leg1", *counts])
+        exit_code = main(["converge", mine(agree), "--body", "leg1", *counts])
         streams = capsys.readouterr()
-        assert found == code
+        assert exit_code == code
         assert ("f1: the error reaches 0.055 % with 8 elements or more" in streams.err) is bool(
             code
         )

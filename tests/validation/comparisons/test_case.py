@@ -31,8 +31,8 @@ INTERFACE = {
 EQUAL = toy_catalogue.case("toy.equal[x=1]", toy_catalogue.agrees)
 
 
-def exact(*values, **more):
-    return Measurement(float(sum(values)), 1.0, exact=True, **more)
+def exact(*values, **fields):
+    return Measurement(float(sum(values)), 1.0, exact=True, **fields)
 
 
 @pytest.mark.parametrize("relation", list(Relation))
@@ -45,7 +45,7 @@ def test_non_finite_value_never_agrees(relation, value, reference):
 
 
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("make", "message"),
     [
         *(
             (lambda kind=kind, amount=amount: kind(amount), "positive and finite")
@@ -58,8 +58,8 @@ def test_non_finite_value_never_agrees(relation, value, reference):
         (lambda: exact(1.0, value_uncertainty=0.1), "exact up to round-off"),
     ],
 )
-def test_invalid_tolerance_or_source_is_refused(make, said):
-    with pytest.raises(ValueError, match=said):
+def test_invalid_tolerance_or_source_is_refused(make, message):
+    with pytest.raises(ValueError, match=message):
         make()
 
 
@@ -69,7 +69,7 @@ def test_undecided_comparison_has_remedy(uncertainty):
     outcome = judge(EQUAL, measured, 0.0)
     assert outcome.verdict == "undecided"
     assert outcome.message.endswith(
-        "so nothing is decided: refine the models until "
+        "so there is no verdict: refine the models until "
         "the numerical uncertainty is below the tolerance"
     )
     rounded = replace(measured, decides="no finer model narrows it")
@@ -89,32 +89,38 @@ def test_random_verdicts_follow_rule():
         limit = share * reference
         reference *= (-1.0) ** (number // 3)
         parts = (rng.uniform(-0.2, 0.2, 2) * reference).tolist()
-        left = float(rng.uniform(-2.5, 2.5) * limit)
-        own, other, judged = (rng.uniform(0.0, 0.9, 3) * limit).tolist()
+        unexplained = float(rng.uniform(-2.5, 2.5) * limit)
+        value_half_width, reference_half_width, judged = (rng.uniform(0.0, 0.9, 3) * limit).tolist()
         relation = list(Relation)[number % 3]
         measured = Measurement(
-            reference + sum(parts) + left,
+            reference + sum(parts) + unexplained,
             reference,
-            own if number % 5 else None,
-            other,
+            value_half_width if number % 5 else None,
+            reference_half_width,
             judged if number % 2 else None,
             tuple(Allowance("made up", part) for part in parts),
         )
-        spread = judged if number % 2 else hypot(own if number % 5 else 0.0, other)
-        wrong = {"equal": abs(left), "at most": left, "at least": -left}[relation.value]
-        wanted = "agree" if wrong <= limit else "disagree"
+        spread = (
+            judged
+            if number % 2
+            else hypot(value_half_width if number % 5 else 0.0, reference_half_width)
+        )
+        wrong = {"equal": abs(unexplained), "at most": unexplained, "at least": -unexplained}[
+            relation.value
+        ]
+        expected = "agree" if wrong <= limit else "disagree"
         if spread > limit and wrong - limit <= spread:
-            wanted = "undecided"
+            expected = "undecided"
         outcome = judge(replace(EQUAL, tolerance=Relative(share), relation=relation), measured, 0.0)
-        assert outcome.verdict == wanted
+        assert outcome.verdict == expected
         assert outcome.share == pytest.approx(wrong / limit, abs=1e-9)
-        assert wanted != "agree" or perturbed(outcome, 4.5) == "disagree"
+        assert expected != "agree" or perturbed(outcome, 4.5) == "disagree"
         (record,) = written(outcome)["cases"]
         assert (record["value"], record["reference"]) == (measured.value, reference)
-        assert record["error"] == pytest.approx(sum(parts) + left)
-        assert record["unexplained"] == pytest.approx(left, abs=1e-12)
-        assert record["value_uncertainty"] == (own if number % 5 else None)
-        assert record["reference_uncertainty"] == other
+        assert record["error"] == pytest.approx(sum(parts) + unexplained)
+        assert record["unexplained"] == pytest.approx(unexplained, abs=1e-12)
+        assert record["value_uncertainty"] == (value_half_width if number % 5 else None)
+        assert record["reference_uncertainty"] == reference_half_width
         assert record["numerical_uncertainty"] == pytest.approx(spread)
         assert record["tolerance"] == pytest.approx(limit)
         assert not record["exact"]
@@ -133,12 +139,12 @@ def test_json_record_has_only_finite_numbers():
         judge(other, exact(1.0), 0.0),
         outcome_of(lost, "failed", 0.0, "no licence"),
     )
-    unknown, known, failed = written(*outcomes)["cases"]
-    assert set(unknown) == set(known) == set(failed) >= INTERFACE
-    assert unknown["table"] == {"x": [None, 1.0], "name": ["a", "b"]}
+    not_finite, finite, failed = written(*outcomes)["cases"]
+    assert set(not_finite) == set(finite) == set(failed) >= INTERFACE
+    assert not_finite["table"] == {"x": [None, 1.0], "name": ["a", "b"]}
     numbers = ("value", "error", "numerical_uncertainty")
-    assert [unknown[name] for name in numbers] == [None, None, None]
-    assert (known["exact"], known["numerical_uncertainty"]) == (True, None)
+    assert [not_finite[name] for name in numbers] == [None, None, None]
+    assert (finite["exact"], finite["numerical_uncertainty"]) == (True, None)
     numbers = (*numbers, "reference", "unexplained", "exact", "tolerance", "value_uncertainty")
     assert {failed[name] for name in numbers} == {None}
     assert (failed["table"], failed["allowances"], failed["message"]) == ({}, [], "no licence")
@@ -150,14 +156,14 @@ def test_comparison_round_trips():
     Tolerances are stored as absolute values, and an infinite half-width as null.
     """
     allowed = replace(EQUAL, tolerance=Relative(0.05), model="beam", relation=Relation.AT_MOST)
-    there = Elsewhere("x = 0.2 m", 1.1, 1.0, 0.01)
+    other_pose = Elsewhere("x = 0.2 m", 1.1, 1.0, 0.01)
     measurement = Measurement(
         *(1.1, 1.0, 0.01, 0.02),
         allowances=(Allowance("shear", 0.06, "Timoshenko"),),
         notes=("a note",),
         table={"x": (nan, 1.0)},
         pose=(0.3,),
-        elsewhere=(there,),
+        elsewhere=(other_pose,),
         shown=(UnjudgedValue("beam", "f1", "Hz", 2.0, 1.0),),
     )
     outcomes = (
@@ -169,8 +175,8 @@ def test_comparison_round_trips():
     assert read_back[0].tolerance == pytest.approx(0.05)
     assert isnan(read_back[1].measurement.numerical_uncertainty)
     assert read_back[2].measurement is None
-    again = written(*read_back)["cases"]
-    assert again == written(*outcomes)["cases"]
+    rewritten = written(*read_back)["cases"]
+    assert rewritten == written(*outcomes)["cases"]
     # What a worker sends has everything.
     assert from_plain(allowed, to_builtins(outcomes[0])).case == allowed.declaration
 
@@ -200,8 +206,8 @@ def test_file_of_earlier_version_is_read(exact_as_written):
 )
 def test_case_verdict_is_worst_over_poses(value, uncertainty, expected):
     # 2.5 % of what the reference is there, not of the 1.0 in the measurement's own place.
-    there = Elsewhere("x = 0.2 m", value, 2.0, uncertainty)
-    measured = exact(1.0, elsewhere=(Elsewhere("x = 0", 3.0, 3.0), there))
+    other_pose = Elsewhere("x = 0.2 m", value, 2.0, uncertainty)
+    measured = exact(1.0, elsewhere=(Elsewhere("x = 0", 3.0, 3.0), other_pose))
     outcome = judge(replace(EQUAL, tolerance=Relative(0.025)), measured, 0.0)
     assert outcome.verdict == expected
     assert ("x = 0.2 m" in outcome.message) is (expected != "agree")
@@ -240,7 +246,7 @@ def test_case_fields_have_priorities():
         tolerance=lambda size: Absolute(2.0 * size),
         effort=3.0,
     )
-    def named(context, leg, size, index):
+    def case_of_leg(context, leg, size, index):
         return exact(context, leg, size, 0.01 * index)
 
     family = cases.family(group="of {leg}")
@@ -250,18 +256,18 @@ def test_case_fields_have_priorities():
         return exact(context)
 
     family.case("leg{leg}.one", "One", over={"model": ("own",)}, model="")(last)
-    found = cases(modes={"beam": 2, "rigid": 1})
+    listed = cases(modes={"beam": 2, "rigid": 1})
     names = ("beam.1", "beam.2", "rigid.1", "one", "last")
-    assert [case.id for case in found] == [f"leg{leg}.{name}" for leg in (1, 2) for name in names]
-    assert [case.title for case in found[1:3]] == ["Leg 1: beam, 1.2", "Leg 1: rigid, 2.5"]
-    assert [case.tolerance.amount for case in found[:5]] == [2.5, 2.5, 5.0, 0.5, 0.5]
-    assert [case.effort for case in found[2:4]] == [3.0, 0.1]
-    assert [case.model for case in found[:5]] == ["beam", "beam", "rigid", "", "none"]
-    assert [case.group for case in found[5:]] == [*["all"] * 3, "of 2", "all"]
-    assert found[9].unit == "2 m"
+    assert [case.id for case in listed] == [f"leg{leg}.{name}" for leg in (1, 2) for name in names]
+    assert [case.title for case in listed[1:3]] == ["Leg 1: beam, 1.2", "Leg 1: rigid, 2.5"]
+    assert [case.tolerance.amount for case in listed[:5]] == [2.5, 2.5, 5.0, 0.5, 0.5]
+    assert [case.effort for case in listed[2:4]] == [3.0, 0.1]
+    assert [case.model for case in listed[:5]] == ["beam", "beam", "rigid", "", "none"]
+    assert [case.group for case in listed[5:]] == [*["all"] * 3, "of 2", "all"]
+    assert listed[9].unit == "2 m"
     # 100 + leg + size + index; what names no parameter is given none.
-    assert [case.compute(100.0).value for case in found[:4]] == [102.25, 102.26, 103.5, 100.0]
-    assert found[4].compute is last
+    assert [case.compute(100.0).value for case in listed[:4]] == [102.25, 102.26, 103.5, 100.0]
+    assert listed[4].compute is last
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,9 @@ from validation.comparisons.checks import agreement_text, checks, convergence_ch
 
 pytest_plugins = ["pytester"]
 # An environment set up before the plugin was there knows it by its module alone.
-_KNOWN = any(one.value == pytest_plugin.__name__ for one in entry_points(group="pytest11"))
+_KNOWN = any(
+    entry_point.value == pytest_plugin.__name__ for entry_point in entry_points(group="pytest11")
+)
 PLUGIN_OPTIONS = () if _KNOWN else ("-p", pytest_plugin.__name__)
 FILE = ("--flexproof", "mine.toml", "--flexproof-preset", "quick")
 
@@ -27,13 +29,13 @@ def items(pytester):
     It returns (outcome, message) by name of the item.
     """
 
-    def run(agree, chosen, *options):
+    def run(agree, expression, *options):
         text = f"{load_robot('ifw').text}\n[agree]\n{agree}\n"
         (pytester.path / "mine.toml").write_text(text, encoding="utf-8")
-        done = pytester.inline_run(
-            "-p", "no:cacheprovider", *PLUGIN_OPTIONS, *FILE, "-k", chosen, *options
+        completed = pytester.inline_run(
+            "-p", "no:cacheprovider", *PLUGIN_OPTIONS, *FILE, "-k", expression, *options
         )
-        reports = [r for r in done.getreports("pytest_runtest_logreport") if r.when == "call"]
+        reports = [r for r in completed.getreports("pytest_runtest_logreport") if r.when == "call"]
         return {r.nodeid.rpartition("::")[2]: (r.outcome, str(r.longrepr)) for r in reports}
 
     return run
@@ -58,44 +60,46 @@ def test_pytest_items_apply_limit_and_share_study(items, monkeypatch):
     """Segments of leg 1 at 20 elements: f1 0.0089 % off, f3 0.123 %."""
     studies, original = [], convergence_cases.convergence
 
-    def counted(mechanism, **options):
+    def recorded(mechanism, **options):
         studies.append(options)
         return original(mechanism, **options)
 
-    monkeypatch.setattr(convergence_cases, "convergence", counted)
-    found = items("convergence = 0.0005", "converged and leg1-segments")
-    outcomes = {name: outcome for name, (outcome, _) in found.items()}
+    monkeypatch.setattr(convergence_cases, "convergence", recorded)
+    results = items("convergence = 0.0005", "converged and leg1-segments")
+    outcomes = {name: outcome for name, (outcome, _) in results.items()}
     assert len(outcomes) == 7
     assert outcomes.pop("converged[leg1-segments-f3-20]") == "failed"
     assert outcomes["converged[leg1-segments-f1-20]"] == "passed"
-    message = found["converged[leg1-segments-f3-20]"][1]
+    message = results["converged[leg1-segments-f3-20]"][1]
     assert message.startswith("leg1, f3 by segments with 20 elements or more: disagree\n")
     assert "difference   −0.12 % (allowed 0.05 %)" in message
     assert "Traceback" not in message
     # One by each theory, for seven items.
-    assert [one.get("theory") for one in studies] == [None, "euler-bernoulli"]
+    assert [options.get("theory") for options in studies] == [None, "euler-bernoulli"]
 
 
 def test_pytest_item_of_leg_agrees_with_solid(items):
     """Torsion of leg 1 differs by 1.47 %, all but 0.01 % of it by rigid end faces."""
-    chosen = "leg1-vjm-solid-phi_x"
-    assert items("", chosen) == {f"agrees[{chosen}]": ("passed", "None")}
+    name = "leg1-vjm-solid-phi_x"
+    assert items("", name) == {f"agrees[{name}]": ("passed", "None")}
 
 
 def test_pytest_items_run_on_two_workers(pytester):
     (pytester.path / "mine.toml").write_text(load_robot("ifw").text, encoding="utf-8")
-    chosen = ("-k", "converged and leg1 and f1", "-n", "2")
-    done = pytester.runpytest_subprocess("-p", "no:cacheprovider", *PLUGIN_OPTIONS, *FILE, *chosen)
-    done.assert_outcomes(passed=2)
+    options = ("-k", "converged and leg1 and f1", "-n", "2")
+    completed = pytester.runpytest_subprocess(
+        "-p", "no:cacheprovider", *PLUGIN_OPTIONS, *FILE, *options
+    )
+    completed.assert_outcomes(passed=2)
 
 
 def test_missing_comparison_is_skipped(pytester):
     write_crane(pytester.path)
-    done = pytester.inline_run(
+    completed = pytester.inline_run(
         *("-p", "no:cacheprovider", *PLUGIN_OPTIONS, "--flexproof", "robot.toml"),
         *("-k", "agrees and beam-solid-f1"),
     )
-    (report,) = [r for r in done.getreports("pytest_runtest_logreport") if r.when == "call"]
+    (report,) = [r for r in completed.getreports("pytest_runtest_logreport") if r.when == "call"]
     assert report.outcome == "skipped"
     assert "arm: a CAD part is not a leg of constant section" in str(report.longrepr)
 
@@ -103,9 +107,9 @@ def test_missing_comparison_is_skipped(pytester):
 def test_agreement_text_has_every_number():
     """A difference of 1.5 %, 1.45 % of it explained: the remaining 0.05 % meet a limit of 0.1 %."""
     allowances = (Allowance("held end faces", 2.9),)
-    own = {"model": "beam", "label": "φx", "body": "leg1", "unit": "Hz"}
-    own |= {"allowances": allowances, "tolerance": Relative(0.001)}
-    text = agreement_text(measured("beam", 203.0, 200.0, 0.02, exact=False, **own))
+    fields = {"model": "beam", "label": "φx", "body": "leg1", "unit": "Hz"}
+    fields |= {"allowances": allowances, "tolerance": Relative(0.001)}
+    text = agreement_text(measured("beam", 203.0, 200.0, 0.02, exact=False, **fields))
     assert text.splitlines()[0] == "leg1, phi_x, beam compared with solid FE: agree"
     for line in (
         "value        203 Hz",

@@ -110,7 +110,7 @@ def test_figure_shows_errors_in_percent(leg1):
         remarks = [text.get_text() for text in axes.texts]
         orders, stated = remarks[: len(leg1.series)], remarks[len(leg1.series) :]
         assert sorted(orders) == sorted(series.behaviour(column) for series in leg1.series)
-        errors = sorted(100.0 * abs(one.errors[2, column]) for one in leg1.series)
+        errors = sorted(100.0 * abs(series.errors[2, column]) for series in leg1.series)
         np.testing.assert_allclose(sorted(map(number_in, stated)), errors, rtol=0.1)
 
 
@@ -137,8 +137,8 @@ def test_order_label_is_at_finest_error(leg1):
 )
 def test_exceeded_limit_exits_with_1(capsys, within, code):
     arguments = ("ifw", "--body", "leg1", "--elements", "20,40", "--quantity", "f2")
-    found, _, err = run(capsys, *arguments, "--within", within)
-    assert found == code
+    exit_code, _, err = run(capsys, *arguments, "--within", within)
+    assert exit_code == code
     assert ("segments, half-length" in err) == (code == 1)
     assert "beam" not in err
 

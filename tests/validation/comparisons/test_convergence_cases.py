@@ -54,7 +54,9 @@ def verdict_with(study, identifier):
 
 def with_series(study, model, change):
     """Copy of a study, with `change` applied to the series of a model."""
-    series = tuple(change(one) if one is study.of(model) else one for one in study.series)
+    series = tuple(
+        change(member) if member is study.of(model) else member for member in study.series
+    )
     return replace(study, series=series)
 
 
@@ -64,20 +66,20 @@ def test_distinct_legs_and_robot_are_studied():
     assert len(subjects(load_robot("delta").mechanism)) == 3
 
 
-@pytest.mark.parametrize("what", ["order", "20", "half-width"])
+@pytest.mark.parametrize("subject", ["order", "20", "half-width"])
 @pytest.mark.parametrize("model", ["segments", "beam"])
-def test_leg_of_paper_converges(model, what):
-    assert verdict_with(leg1_study(), f"leg1.converged[{model}-{what}]") == "agree"
+def test_leg_of_paper_converges(model, subject):
+    assert verdict_with(leg1_study(), f"leg1.converged[{model}-{subject}]") == "agree"
 
 
-@pytest.mark.parametrize("what", ["order", "20"])
-def test_literal_layout_disagrees(what):
+@pytest.mark.parametrize("subject", ["order", "20"])
+def test_literal_layout_disagrees(subject):
     """Order 1.0 instead of 2.0, and an error of 5.1 % at 20 elements."""
     study = leg1_study()
     literal = study.of("segments", "literal")
     wrong = replace(literal, discretisation=FORMULATIONS[0], formal_order=2.0)
     mixed = replace(study, series=(wrong, *study.series[1:]))
-    assert verdict_with(mixed, f"leg1.converged[segments-{what}]") == "disagree"
+    assert verdict_with(mixed, f"leg1.converged[segments-{subject}]") == "disagree"
 
 
 def test_one_quantity_beyond_limit_disagrees():
@@ -158,13 +160,13 @@ def test_program_error_in_study_is_failure(monkeypatch):
         raise ComputationError("leg1: its matrices are lost in rounding")
 
     monkeypatch.setattr(element_convergence, "leg_matrices", broken)
-    assert {type(one) for one in outcomes_of(BIGLIDE, "leg1")} == {ComputationError}
+    assert {type(outcome) for outcome in outcomes_of(BIGLIDE, "leg1")} == {ComputationError}
 
     def refused(*_):
         raise InputError("elements = 20: not a number of elements")
 
     monkeypatch.setattr(element_convergence, "leg_matrices", refused)
-    assert {type(one) for one in outcomes_of(BIGLIDE, "leg1")} == {InputError}
+    assert {type(outcome) for outcome in outcomes_of(BIGLIDE, "leg1")} == {InputError}
 
 
 @pytest.mark.parametrize("body", ["arm", ""])
@@ -176,8 +178,8 @@ def test_leg_without_beam_theory_is_skipped(tmp_path, body):
     ).replace("nu = 0.0", "nu = -0.9")
     robot = robot_of(wide + PATH, tmp_path)
     skips = list(outcomes_of(robot, body))
-    assert {type(one) for one in skips} == {Skip}
-    assert all("shear stiffness" in str(one) for one in skips)
+    assert {type(skip) for skip in skips} == {Skip}
+    assert all("shear stiffness" in str(skip) for skip in skips)
 
 
 @pytest.mark.usefixtures("coarse_parts")
@@ -186,8 +188,8 @@ def test_part_without_prisms_is_skipped(tmp_path):
     write_overlapping_crane(tmp_path)
     robot = load_robot(tmp_path / "robot.toml")
     skips = list(outcomes_of(robot, "arm"))
-    assert {type(one) for one in skips} == {Skip}
-    assert all("interfaces overlap" in str(one) for one in skips)
+    assert {type(skip) for skip in skips} == {Skip}
+    assert all("interfaces overlap" in str(skip) for skip in skips)
 
 
 def test_figure_shows_every_leg_and_robot():
@@ -209,26 +211,30 @@ def test_figure_shows_every_leg_and_robot():
         for quantity in ("f1", "f2", "f3", "f4", "x", "y", "z")
     }
     for body in ("leg1", ""):
-        own = study_of(context, body)
+        body_study = study_of(context, body)
         for study, (k, quantity) in zip(
-            plain_data(own.studies()), enumerate(own.quantities), strict=True
+            plain_data(body_study.studies()), enumerate(body_study.quantities), strict=True
         ):
             assert study["id"] == f"convergence.{body or 'robot'}.{quantity}"
-            for series in own.series:
+            for series in body_study.series:
                 # Of the finest value, in the unit of the study.
                 width, value = series.half_widths[-1, k], series.values[-1, k]
                 label = series.discretisation.label
                 assert study["uncertainty"][label] == pytest.approx(width * value, rel=1e-12)
                 assert study["limit"][label] == series.limits[k]
                 assert (label in study["order"]) is bool(np.isfinite(series.orders[k]))
-    study = next(one for one in plain_data(figure.studies) if one["id"] == "convergence.leg1.f2")
+    study = next(
+        candidate
+        for candidate in plain_data(figure.studies)
+        if candidate["id"] == "convergence.leg1.f2"
+    )
     values = study["series"]["segments, half-length end springs"]
-    at = study["x"].index(20)
-    assert values[at] == pytest.approx(181.822, abs=6e-4)
+    index = study["x"].index(20)
+    assert values[index] == pytest.approx(181.822, abs=6e-4)
     assert study["series"]["segments, springs between elements only"][0] is None
     # The paper's layout without shear is 5.2 % above its own limit in the second plane.
     without_shear = "segments, springs between elements only, Euler–Bernoulli"
-    ratio = study["series"][without_shear][at] / study["limit"][without_shear]
+    ratio = study["series"][without_shear][index] / study["limit"][without_shear]
     assert ratio == pytest.approx(1.052, abs=5e-4)
     assert study["theory"][without_shear] == "euler-bernoulli"
     # The data of the figure are errors in percent over the element count.
@@ -243,8 +249,10 @@ SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-"
 
 def plain_order(counts, errors):
     """Slope of log |e| over log 1/n, fitted to the three finest errors above 1e-8 with n ≥ 5."""
-    kept = [(n, abs(e)) for n, e in zip(counts, errors, strict=True) if n >= 5 and abs(e) > 1e-8]
-    x, y = np.log([n for n, _ in kept[-3:]]), np.log([e for _, e in kept[-3:]])
+    resolved = [
+        (n, abs(e)) for n, e in zip(counts, errors, strict=True) if n >= 5 and abs(e) > 1e-8
+    ]
+    x, y = np.log([n for n, _ in resolved[-3:]]), np.log([e for _, e in resolved[-3:]])
     return -float(np.sum((x - x.mean()) * (y - y.mean())) / np.sum((x - x.mean()) ** 2))
 
 
@@ -252,17 +260,25 @@ def test_leg_figure_matches_its_study():
     """Curves of f1 in JSON, CSV, page and caption have the same numbers, orders and counts."""
     figure = figure_of(Context(BIGLIDE))
     rows = list(csv.DictReader(io.StringIO(figure.data)))
-    study = next(one for one in plain_data(figure.studies) if one["id"] == "convergence.leg1.f1")
+    study = next(
+        candidate
+        for candidate in plain_data(figure.studies)
+        if candidate["id"] == "convergence.leg1.f1"
+    )
     caption = figure.caption.replace("\N{NO-BREAK SPACE}", " ").partition("leg1: ")[2]
-    assert set(study["series"]) == {one.label for one in (*FORMULATIONS, *EULER_BERNOULLI)}
+    assert set(study["series"]) == {
+        formulation.label for formulation in (*FORMULATIONS, *EULER_BERNOULLI)
+    }
     for label, values in study["series"].items():
-        known = [(n, v) for n, v in zip(study["x"], values, strict=True) if v is not None]
-        errors = {n: value / study["limit"][label] - 1.0 for n, value in known}
+        solved = [(n, v) for n, v in zip(study["x"], values, strict=True) if v is not None]
+        errors = {n: value / study["limit"][label] - 1.0 for n, value in solved}
         column = f"leg1: f1: {label}, error (%)"
-        read = {int(float(row["elements per leg"])): row[column] for row in rows if row[column]}
-        assert set(read) == set(errors)
+        errors_in_csv = {
+            int(float(row["elements per leg"])): row[column] for row in rows if row[column]
+        }
+        assert set(errors_in_csv) == set(errors)
         for count, error in errors.items():
-            assert float(read[count]) == pytest.approx(100.0 * error, rel=1e-9, abs=1e-12)
+            assert float(errors_in_csv[count]) == pytest.approx(100.0 * error, rel=1e-9, abs=1e-12)
         order = plain_order(list(errors), list(errors.values()))
         assert study["order"][label] == pytest.approx(order, rel=1e-9)
         needed = study["needed"][label]
@@ -272,14 +288,18 @@ def test_leg_figure_matches_its_study():
             coarser = [n for n, error in errors.items() if abs(error) > float(target)]
             assert max(coarser, default=0) < (count or np.inf)
         if theory_of(label) == "timoshenko":
-            said = re.search(rf"{re.escape(label)} {PERCENT} \(([^)]*)\)", caption)
-            told = said[1].replace(" ", "").replace("×10", "e").translate(SUPERSCRIPTS)
-            assert 0.01 * float(told) == pytest.approx(errors[20], rel=0.06)
-            assert said[2].split(", ") == [str(n or "over 80") for n in needed.values()]
+            caption_entry = re.search(rf"{re.escape(label)} {PERCENT} \(([^)]*)\)", caption)
+            percent = caption_entry[1].replace(" ", "").replace("×10", "e").translate(SUPERSCRIPTS)
+            assert 0.01 * float(percent) == pytest.approx(errors[20], rel=0.06)
+            assert caption_entry[2].split(", ") == [str(n or "over 80") for n in needed.values()]
 
 
 def theory_of(label):
-    return "euler-bernoulli" if label in {one.label for one in EULER_BERNOULLI} else "timoshenko"
+    return (
+        "euler-bernoulli"
+        if label in {formulation.label for formulation in EULER_BERNOULLI}
+        else "timoshenko"
+    )
 
 
 def test_run_has_convergence_verdicts(tmp_path, capsys):
@@ -299,9 +319,9 @@ def test_run_has_convergence_verdicts(tmp_path, capsys):
     document = json.loads((tmp_path / "run" / "results.json").read_text())
     assert code == 0
     assert {case["id"] for case in document["cases"]} == {
-        f"robot.converged[{model}-{what}]"
+        f"robot.converged[{model}-{subject}]"
         for model in ("segments", "beam")
-        for what in ("order", "20", "half-width")
+        for subject in ("order", "20", "half-width")
     }
     for case in document["cases"]:
         assert case["kind"] == "convergence"

@@ -165,9 +165,9 @@ def test_pandas_is_optional(crossed, monkeypatch):
 def test_plot_has_unexplained_and_tolerance(crossed):
     figure = crossed.plot()
     arm, robot = figure.axes
-    assert [one.get_title(loc="left") for one in (arm, robot)] == ["arm", "toy, whole robot"]
-    whole = [line for line in arm.get_lines() if line.get_label() == "total difference"]
-    assert [line.get_ydata()[0] for line in whole] == pytest.approx([1.0, 3.0])
+    assert [axes.get_title(loc="left") for axes in (arm, robot)] == ["arm", "toy, whole robot"]
+    total_lines = [line for line in arm.get_lines() if line.get_label() == "total difference"]
+    assert [line.get_ydata()[0] for line in total_lines] == pytest.approx([1.0, 3.0])
     bars = {container.get_label(): container for container in arm.containers}
     assert list(bars["beam, unexplained"].lines[0].get_ydata()) == pytest.approx([0.1])
     (segment,) = bars["beam, unexplained"].lines[2][0].get_segments()

@@ -156,12 +156,12 @@ def test_robot_equals_independent_values(whole_robot):
     half, literal, beam = (
         whole_robot.of(*names) for names in (("segments",), ("segments", "literal"), ("beam",))
     )
-    at = half.counts.index(20)
+    index = half.counts.index(20)
     assert half.limits[0] == pytest.approx(112.396, abs=6e-4)
     assert half.limits[3] == pytest.approx(353.2, abs=0.06)
-    assert half.errors[at, 0] == pytest.approx(5.0e-6, rel=0.02)
+    assert half.errors[index, 0] == pytest.approx(5.0e-6, rel=0.02)
     assert literal.errors[literal.counts.index(20), 0] == pytest.approx(9.71e-3, rel=1e-3)
-    assert beam.errors[at, 0] == pytest.approx(5e-9, rel=0.1)
+    assert beam.errors[index, 0] == pytest.approx(5e-9, rel=0.1)
     np.testing.assert_allclose(half.orders[:4], 2.0, atol=0.05)
     np.testing.assert_allclose(beam.orders[:4], 4.0, atol=0.1)
     assert literal.orders[0] == pytest.approx(1.0, abs=0.01)
@@ -172,10 +172,10 @@ def test_sign_change_of_error_has_no_order(whole_robot):
     series, column = whole_robot.of("segments", "literal"), whole_robot.column("f4")
     assert np.isnan(series.orders[column])
     assert series.behaviour(column) == "not monotone"
-    at = series.counts.index(10)
+    index = series.counts.index(10)
     # The error at ten elements is small by accident; the largest from there on counts.
-    assert abs(series.errors[at, column]) == pytest.approx(1.98e-4, rel=0.01)
-    assert series.largest_errors[at, column] == pytest.approx(4.96e-4, rel=0.01)
+    assert abs(series.errors[index, column]) == pytest.approx(1.98e-4, rel=0.01)
+    assert series.largest_errors[index, column] == pytest.approx(4.96e-4, rel=0.01)
 
 
 def test_reduced_robot_equals_full_one(whole_robot):
@@ -269,9 +269,9 @@ def test_robots_have_formal_orders(robot):
     for series, tolerance in ((study.of("segments"), 0.05), (study.of("beam"), 0.1)):
         orders = series.orders[:4]
         # Frequencies so low that even few beam elements are exact to round-off show no order.
-        shown = orders[~np.isnan(orders)]
-        assert len(shown) >= 3
-        np.testing.assert_allclose(shown, series.formal_order, atol=tolerance)
+        finite_orders = orders[~np.isnan(orders)]
+        assert len(finite_orders) >= 3
+        np.testing.assert_allclose(finite_orders, series.formal_order, atol=tolerance)
         require_true_half_widths(series)
 
 
@@ -285,7 +285,7 @@ def test_stepped_part_has_second_order(body):
     series = study.of("segments")
     assert series.counts == (10, 20, 30, 40, 80)
     np.testing.assert_allclose(series.orders[:4], 2.0, atol=0.05)
-    assert [one.discretisation.layout for one in study.series] == ["half", "half"]
+    assert [series.discretisation.layout for series in study.series] == ["half", "half"]
 
 
 def test_fitted_order_is_log_slope():

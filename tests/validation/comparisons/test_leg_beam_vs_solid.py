@@ -47,9 +47,9 @@ def test_torsion_differs_by_rigid_faces(model):
     measurement = outcome.measurement
     assert outcome.verdict == "agree"
     assert measurement.reference / measurement.value - 1.0 == pytest.approx(-0.18, abs=0.01)
-    held, formula = measurement.allowances
-    assert (held.cause, formula.cause) == (HELD_FACES, FORMULA)
-    assert held.amount == pytest.approx(measurement.difference, rel=0.01)
+    rigid_faces, formula = measurement.allowances
+    assert (rigid_faces.cause, formula.cause) == (HELD_FACES, FORMULA)
+    assert rigid_faces.amount == pytest.approx(measurement.difference, rel=0.01)
     assert abs(measurement.unexplained) < 1e-3 * measurement.reference
 
 
@@ -77,7 +77,9 @@ def test_literal_layout_disagrees_with_solid(monkeypatch):
 def test_rectangle_constants_match_formula():
     """Solid rectangle without lateral contraction: formula and finite elements agree to 0.1 %."""
     outcome = outcome_of("leg1.agrees[vjm-solid-y]")
-    formula = next(one for one in outcome.measurement.allowances if one.cause == FORMULA)
+    formula = next(
+        allowance for allowance in outcome.measurement.allowances if allowance.cause == FORMULA
+    )
     assert abs(formula.amount) < 1e-3 * outcome.measurement.reference
 
 
@@ -121,9 +123,9 @@ def steel_arm(request, tmp_path_factory):
 def vjm_verdict(context, motion):
     """Verdict on the VJM's compliance (in closed form) for a motion such as φx."""
     (case,) = (
-        one
-        for one in cases(legs=("arm",), limits=DEFAULT_LIMITS)
-        if (one.model, one.label) == ("vjm", motion)
+        candidate
+        for candidate in cases(legs=("arm",), limits=DEFAULT_LIMITS)
+        if (candidate.model, candidate.label) == ("vjm", motion)
     )
     return judge(case, case.measure(context), 0.0).verdict
 
@@ -144,7 +146,9 @@ def test_quick_preset_uses_one_wall_mesh(steel_arm, monkeypatch):
         MOTIONS, "agree"
     )
     right = shape.torsion_constant
-    monkeypatch.setattr(shape, "torsion_constant", property(lambda one: 1.1 * right.fget(one)))
+    monkeypatch.setattr(
+        shape, "torsion_constant", property(lambda section: 1.1 * right.fget(section))
+    )
     monkeypatch.delitem(constant_leg_of(quick, "arm").__dict__, "timoshenko")
     assert vjm_verdict(quick, "φx") == "disagree"
 
@@ -178,7 +182,7 @@ def test_wrong_formula_disagrees(steel_arm, monkeypatch, mistake):
 
 
 def scaled(section, coefficients, factor, nu):
-    return tuple(factor * one for one in coefficients(section, nu))
+    return tuple(factor * coefficient for coefficient in coefficients(section, nu))
 
 
 def torsion_of(folder, ends):
@@ -191,15 +195,19 @@ def torsion_of(folder, ends):
 
 
 def test_free_ends_have_no_face_allowance(tmp_path):
-    free, unsaid = (torsion_of(tmp_path, ends) for ends in ('ends = "free"', ""))
-    assert [one.amount for one in free.allowances if one.cause == HELD_FACES] == [0.0]
-    (held,) = (one.amount for one in unsaid.allowances if one.cause == HELD_FACES)
-    assert free.value == unsaid.value
-    assert free.reference - unsaid.reference == pytest.approx(held, rel=1e-2)
-    assert held > 2e-3 * unsaid.reference
+    free, unspecified = (torsion_of(tmp_path, ends) for ends in ('ends = "free"', ""))
+    assert [allowance.amount for allowance in free.allowances if allowance.cause == HELD_FACES] == [
+        0.0
+    ]
+    (amount,) = (
+        allowance.amount for allowance in unspecified.allowances if allowance.cause == HELD_FACES
+    )
+    assert free.value == unspecified.value
+    assert free.reference - unspecified.reference == pytest.approx(amount, rel=1e-2)
+    assert amount > 2e-3 * unspecified.reference
 
 
-def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
+def agreeing(model, label, value, reference, *allowances, body="leg1", **fields):
     return measured(
         f"{body}.{model}.{label}",
         value,
@@ -213,7 +221,7 @@ def agreeing(model, label, value, reference, *allowances, body="leg1", **more):
         unit="m/N",
         elements=0 if model == "vjm" else 20,
         tolerance=Relative(0.001),
-        **more,
+        **fields,
     )
 
 
@@ -263,8 +271,8 @@ def test_convergence_summary_has_largest_error():
     outcomes = [
         measured(f"c{value}", value, 0.01, tolerance=Relative(0.5)) for value in (0.002, 0.007)
     ]
-    told = [redeclared(one, kind="convergence", elements=20) for one in outcomes]
-    assert convergence_sentence(told) == "20 elements: at most 0.7\N{NO-BREAK SPACE}%."
+    convergences = [redeclared(outcome, kind="convergence", elements=20) for outcome in outcomes]
+    assert convergence_sentence(convergences) == "20 elements: at most 0.7\N{NO-BREAK SPACE}%."
     assert convergence_sentence(outcomes) == ""
 
 
@@ -272,6 +280,6 @@ def test_thin_strip_torsion_is_skipped(tmp_path):
     """A leaf of 0.5 by 20 mm: mesh cells 20 times as long as thick leave J uncertain by 0.5 %."""
     leaf = '{ shape = "rectangle", width = 0.0005, height = 0.02 }'
     text = SOUND.replace(HOLLOW, leaf)
-    case = {one.id: one for one in cases(legs=("leg1",), limits=DEFAULT_LIMITS)}
+    case = {candidate.id: candidate for candidate in cases(legs=("leg1",), limits=DEFAULT_LIMITS)}
     with pytest.raises(Skip, match="thin strip: the section mesh is too coarse at the short sides"):
         case["leg1.agrees[vjm-solid-φx]"].measure(Context(robot_of(text, tmp_path), "quick"))

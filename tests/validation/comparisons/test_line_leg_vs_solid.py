@@ -151,8 +151,8 @@ def test_wall_modes_are_no_partners_of_beam_modes():
     Pairing in ascending order would compare beam mode 3 with a wall mode, more than half off.
     """
     walls = [
-        {"at": at, "shape": "hollow-rectangle", "width": w, "height": h, "thickness": 0.004}
-        for at, w, h in ((0.0, 0.1, 0.08), (1.0, 0.06, 0.05))
+        {"at": station, "shape": "hollow-rectangle", "width": w, "height": h, "thickness": 0.004}
+        for station, w, h in ((0.0, 0.1, 0.08), (1.0, 0.06, 0.05))
     ]
     body = {**boom().tables["bodies"]["boom"], "sections": walls}
     points = {"A": [0.0, 0.0, 0.0], "B": [0.4, 0.0, 0.0]}

@@ -39,20 +39,20 @@ def outcomes():
 
 
 def outcome(identifier):
-    return next(one for one in outcomes() if one.case.id == identifier)
+    return next(candidate for candidate in outcomes() if candidate.case.id == identifier)
 
 
 def test_mesh_cases_of_leg_agree():
-    assert {one.case.id for one in outcomes()} == {
+    assert {result.case.id for result in outcomes()} == {
         "refinement.leg1.solid.order[c22]",
         "refinement.leg1.solid.order[c44]",
         "refinement.leg1.solid-held.order[c22]",
-        *(f"leg1.converged[solid-{held}-half-width]" for held in ("free", "held")),
-        *(f"leg1.converged[solid-{held}-f1]" for held in ("free", "held")),
-        *(f"leg1.converged[tetrahedra-{held}-f1]" for held in ("free", "held")),
+        *(f"leg1.converged[solid-{ends}-half-width]" for ends in ("free", "held")),
+        *(f"leg1.converged[solid-{ends}-f1]" for ends in ("free", "held")),
+        *(f"leg1.converged[tetrahedra-{ends}-f1]" for ends in ("free", "held")),
     }
-    assert {one.case.kind for one in outcomes()} == {"convergence"}
-    assert {one.verdict for one in outcomes()} == {"agree"}
+    assert {result.case.kind for result in outcomes()} == {"convergence"}
+    assert {result.verdict for result in outcomes()} == {"agree"}
 
 
 def test_mesh_limits_equal_cantilever():
@@ -97,13 +97,13 @@ def test_random_solids_have_formal_order(seed):
     is a mesh twice as fine.
     """
     leg = random_leg(seed)
-    found = solid_compliances(leg, (1, 2, 3, 4))
+    compliances = solid_compliances(leg, (1, 2, 3, 4))
     for entry in (1, 2):
-        assert found["free"].at(entry, entry).observed_order == pytest.approx(4.0, abs=0.3)
-        held = found["rigid"].at(entry, entry)
-        assert held.orders[-1] == pytest.approx(formal_order(leg, "rigid"), abs=0.5)
+        assert compliances["free"].at(entry, entry).observed_order == pytest.approx(4.0, abs=0.3)
+        with_rigid_ends = compliances["rigid"].at(entry, entry)
+        assert with_rigid_ends.orders[-1] == pytest.approx(formal_order(leg, "rigid"), abs=0.5)
     doubled = solid_compliances(leg, (1, 2, 4))
-    for refinements in (found, doubled):
+    for refinements in (compliances, doubled):
         for refinement in refinements.values():
             assert (half_width_shares(refinement) <= 1.0).all()
 
@@ -128,7 +128,7 @@ def test_caption_names_command_for_orders():
     )
     caption = mesh_curves(family.studies).caption
     assert command + "orders of f1 to f4: flexproof converge " in caption
-    doubled = [one for one in family.studies if len(one.x) >= 4]
+    doubled = [study for study in family.studies if len(study.x) >= 4]
     assert doubled
     assert "flexproof converge" not in mesh_curves(doubled).caption
 
@@ -136,26 +136,32 @@ def test_caption_names_command_for_orders():
 def test_mesh_figure_has_errors_and_orders():
     """Panels, curves and CSV data of the figure equal the studies of the cases."""
     (family,) = families(outcomes())
-    shown = mesh_curves(family.studies)
-    panels = {panel.title: panel for panel in shown.panels}
+    figure = mesh_curves(family.studies)
+    panels = {panel.title: panel for panel in figure.panels}
     assert set(panels) == {"deflection along y", "torsion", "f1", "CPU time"}
     rows = list(csv.DictReader(io.StringIO(study_figure(family).data)))
     for study in family.studies:
         (name,) = study.series
-        own = [row for row in rows if (row["quantity"], row["mesh"]) == (study.panel, name)]
-        assert [float(row["unknowns"]) for row in own] == list(study.x)
-        np.testing.assert_array_equal([float(row["value"]) for row in own], study.series[name])
+        study_rows = [row for row in rows if (row["quantity"], row["mesh"]) == (study.panel, name)]
+        assert [float(row["unknowns"]) for row in study_rows] == list(study.x)
+        np.testing.assert_array_equal(
+            [float(row["value"]) for row in study_rows], study.series[name]
+        )
         if study.limits:
             limit = f"{study.panel}, {name}: {number(study.limits[name], 6)} ± "
-            assert f"{limit}{number(study.uncertainties[name], 2)} {study.unit}, " in shown.caption
-        curve = next(one for one in panels[study.panel].series if one.look == name)
+            assert f"{limit}{number(study.uncertainties[name], 2)} {study.unit}, " in figure.caption
+        curve = next(
+            candidate for candidate in panels[study.panel].series if candidate.look == name
+        )
         np.testing.assert_array_equal(curve.x, study.x)
         if study.panel == "CPU time":
-            assert {row["error (%)"] for row in own} == {""}
+            assert {row["error (%)"] for row in study_rows} == {""}
             np.testing.assert_array_equal(curve.y, study.series[name])
             continue
         errors = [100.0 * (value / study.limits[name] - 1.0) for value in study.series[name]]
-        np.testing.assert_allclose([float(row["error (%)"]) for row in own], errors, atol=1e-12)
+        np.testing.assert_allclose(
+            [float(row["error (%)"]) for row in study_rows], errors, atol=1e-12
+        )
         np.testing.assert_allclose(curve.y, np.abs(errors), atol=1e-12)
         assert f"(formal order {study.formal_order:.3g})" in curve.label
         notes = [note.text for note in panels[study.panel].notes]

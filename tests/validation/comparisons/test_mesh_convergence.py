@@ -21,7 +21,9 @@ def study():
 
 def test_solid_limit_is_timoshenko_beam(study):
     """With ν = 0 and ends free to warp, beam theory is exact in bending and tension."""
-    series = next(one for one in study.series if one.discretisation.ends == "free")
+    series = next(
+        candidate for candidate in study.series if candidate.discretisation.ends == "free"
+    )
     expected = np.diag(tip_compliance(LEG.timoshenko, LEG.length))[:3]
     errors = np.abs(series.limits[4:] / expected - 1.0)
     # Shear of a rectangle with ν = 0: κ = 5/6 is exact.
@@ -34,19 +36,19 @@ def test_needed_divisions_are_smallest(study):
 
     0 if the finest mesh misses it.
     """
-    found = set()
+    all_needed = set()
     for series in study.series:
         sizes = np.abs(series.values / series.limits - 1.0)
         for target, row in zip((0.01, 0.001, 0.0001), series.needed, strict=True):
             for needed, errors in zip(row, sizes.T, strict=True):
                 due = [
                     count
-                    for place, count in enumerate(series.counts)
-                    if (errors[place:] <= target).all()
+                    for index, count in enumerate(series.counts)
+                    if (errors[index:] <= target).all()
                 ]
                 assert needed == (due[0] if due else 0)
-                found.add(needed)
-    assert len(found) >= 3
+                all_needed.add(needed)
+    assert len(all_needed) >= 3
 
 
 def test_half_width_contains_doubled_mesh():

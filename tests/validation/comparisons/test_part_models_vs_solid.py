@@ -31,7 +31,7 @@ from validation.run.outcome import judge
 pytestmark = pytest.mark.usefixtures("coarse_parts")
 E, RHO, LENGTH, SIDE = 2.1e11, 7850.0, 0.3, 0.02
 AREA, SECOND_MOMENT = SIDE**2, SIDE**4 / 12.0
-AT = {name: place for place, name in enumerate(QUANTITIES)}
+AT = {name: index for index, name in enumerate(QUANTITIES)}
 
 
 @pytest.fixture(scope="module")
@@ -87,11 +87,13 @@ def test_part_table_has_no_verdicts(tmp_path):
     cells = [cell for _, row in table.rows for cell in row]
     assert len(cells) == 3 * len(QUANTITIES)
     assert all(cell.verdict is None and not cell.mark for cell in cells)
-    by_place = {(one.model, one.label): one for one in outcome.measurement.shown}
+    by_place = {
+        (unjudged.model, unjudged.label): unjudged for unjudged in outcome.measurement.shown
+    }
     stepped = by_place["beam-stepped", "y"]
     assert stepped.share != 0.0
-    shown = table.rows[1][1][AT["y"]].text.replace("−", "-").split("\N{NO-BREAK SPACE}")[0]
-    assert float(shown) == pytest.approx(100.0 * stepped.share, abs=5e-3)
+    text = table.rows[1][1][AT["y"]].text.replace("−", "-").split("\N{NO-BREAK SPACE}")[0]
+    assert float(text) == pytest.approx(100.0 * stepped.share, abs=5e-3)
     rows = {row[1:3]: row for row in agreement_rows([outcome]).rows}
     row = rows[stepped.model, "y"]
     assert (row[0], *row[3:6]) == (outcome.case.body, "m/N", stepped.value, stepped.reference)

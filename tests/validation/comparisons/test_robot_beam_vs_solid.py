@@ -40,7 +40,10 @@ def outcome_of(name, identifier):
 def shares(outcome):
     """Explained differences by cause, relative to the reference value."""
     measurement = outcome.measurement
-    return {one.cause: one.amount / measurement.reference for one in measurement.allowances}
+    return {
+        allowance.cause: allowance.amount / measurement.reference
+        for allowance in measurement.allowances
+    }
 
 
 def test_robot_case_ids_are_stable():
@@ -122,7 +125,10 @@ def test_too_few_elements_disagree():
 def changed(context, function, change):
     """Copy of the context with `change` applied to the stored results of `function`."""
     name = f"{function.__module__}.{function.__qualname__} "
-    memo = {key: change(one) if key.startswith(name) else one for key, one in context._memo.items()}
+    memo = {
+        key: change(value) if key.startswith(name) else value
+        for key, value in context._memo.items()
+    }
     return replace(context, _memo=memo)
 
 
