@@ -40,8 +40,8 @@ def test_uncertainties_add_as_squares():
 
 def test_input_uncertainties_propagate_to_first_order():
     # y = a·b² with relative uncertainties 1 % and 2 %: √(1² + (2·2)²) % to first order.
-    found = propagated([(0.99, 1.01), (0.98**2, 1.02**2)])
-    assert found == pytest.approx(hypot(0.01, 0.04))
+    propagated_uncertainty = propagated([(0.99, 1.01), (0.98**2, 1.02**2)])
+    assert propagated_uncertainty == pytest.approx(hypot(0.01, 0.04))
     assert propagated([]) == 0.0
 
 
@@ -60,56 +60,56 @@ def test_measured_values_are_references():
     robot_file = load_robot("biglide")
     robot = robot_file.mechanism
     (x,), (first,) = robot.reference_pose, robot.poses[0]
-    given = Measured(measured_quantity("z"), 1.0, 1.0, "gauge", (x,), LOAD)
+    measurement = Measured(measured_quantity("z"), 1.0, 1.0, "gauge", (x,), LOAD)
     predictions = Predictions.of(Context(robot_file, "quick"))
-    truth = predictions.value("vjm", given)
-    good = replace(given, value=truth, uncertainty=1e-3 * truth)
+    truth = predictions.value("vjm", measurement)
+    good = replace(measurement, value=truth, uncertainty=1e-3 * truth)
     wrong = replace(good, value=1.2 * truth, pose=(first,))
     of_leg = Measured(measured_quantity("leg1.c33"), 0.9, 1e-3, "stand")
 
-    def matrix_of(*ones):
-        return measured_matrix(Context(replace(robot_file, measured=ones), "quick"))
+    def matrix_of(*measurements):
+        return measured_matrix(Context(replace(robot_file, measured=measurements), "quick"))
 
     entry = matrix_of(good).entry("vjm", "z")
     assert (entry.verdict, entry.reference, entry.pose) == ("adequate", "measured: gauge", (x,))
     assert (entry.error, entry.uncertainty) == (0.0, pytest.approx(1.959964e-3))
     # Of several with one verdict in one pose the farthest off decides, in whatever order.
     farther = replace(good, value=truth / 0.98)
-    for ones in ((good, farther), (farther, good)):
-        entry = matrix_of(*ones).entry("vjm", "z")
+    for pair in ((good, farther), (farther, good)):
+        entry = matrix_of(*pair).entry("vjm", "z")
         assert (entry.verdict, entry.error) == ("adequate", pytest.approx(-0.02))
         assert entry.errors == (entry.error,)
     # The worst of several poses decides; a leg's entry has none.
-    more = matrix_of(good, wrong, of_leg)
-    assert more.poses == ((first,), (x,))
-    entry = more.entry("vjm", "z")
+    matrix = matrix_of(good, wrong, of_leg)
+    assert matrix.poses == ((first,), (x,))
+    entry = matrix.entry("vjm", "z")
     assert (entry.verdict, entry.pose) == ("inadequate", (first,))
-    there = predictions.value("vjm", wrong)
-    assert entry.errors == pytest.approx([there / wrong.value - 1.0, 0.0])
+    predicted = predictions.value("vjm", wrong)
+    assert entry.errors == pytest.approx([predicted / wrong.value - 1.0, 0.0])
     # Every pose has its own interval, of 95 %: the gauge alone is uncertain.
-    halves = [1.959964 * 1e-3 * truth / abs(one.value) for one in (wrong, good)]
+    halves = [1.959964 * 1e-3 * truth / abs(measured.value) for measured in (wrong, good)]
     assert entry.lows == pytest.approx(np.subtract(entry.errors, halves), rel=1e-6)
     assert entry.highs == pytest.approx(np.add(entry.errors, halves), rel=1e-6)
-    assert entry.values == pytest.approx([there, truth])
+    assert entry.values == pytest.approx([predicted, truth])
     assert (entry.low, entry.high) == (entry.lows[0], entry.highs[0])
-    entry = more.entry("beam", "leg1.c33")
+    entry = matrix.entry("beam", "leg1.c33")
     assert (entry.pose, entry.errors) == ((), (None, None))
-    assert more.entry("simplified", "leg1.c33") is None
-    assert chart_svg(measured_curves(more))
-    assert "leg1.c33" in sentence(more)
+    assert matrix.entry("simplified", "leg1.c33") is None
+    assert chart_svg(measured_curves(matrix))
+    assert "leg1.c33" in sentence(matrix)
 
 
 def test_measured_leg_compliances_are_plotted():
     """Compliance entries of a leg belong to no pose, even if the robot has several poses."""
     biglide = load_robot("biglide")
-    ones = tuple(
+    measurements = tuple(
         Measured(measured_quantity(f"leg1.{name}"), 1e-6, 1e-8, "stand") for name in ("c22", "c33")
     )
-    matrix = measured_matrix(Context(replace(biglide, measured=ones), "quick"))
+    matrix = measured_matrix(Context(replace(biglide, measured=measurements), "quick"))
     chart = measured_curves(matrix)
     assert [panel.title for panel in chart.panels] == ["leg1.c22", "leg1.c33"]
     for panel, quantity in zip(chart.panels, matrix.quantities, strict=True):
-        values = {one.label: one.y[0] for one in panel.series}
+        values = {curve.label: curve.y[0] for curve in panel.series}
         entry = matrix.entry("beam", quantity.name)
         assert values["beam"] == pytest.approx(entry.value / 1e-6, rel=1e-12)
     assert chart_svg(chart)
@@ -118,21 +118,21 @@ def test_measured_leg_compliances_are_plotted():
 def test_unsolved_value_affects_one_entry(monkeypatch):
     robot_file = load_robot("five-bar")
     robot = robot_file.mechanism
-    first, last = (tuple(map(float, robot.poses[place])) for place in (0, -1))
-    ones = tuple(
+    first, last = (tuple(map(float, robot.poses[index])) for index in (0, -1))
+    measurements = tuple(
         Measured(measured_quantity("x"), 1e-6, 1e-9, "gauge", pose) for pose in (first, last)
     )
 
     value = Predictions.value
 
-    def refusing(self, model, one, *reading):
-        if model == "simplified" or (model == "beam" and one.pose == last):
+    def refusing(self, model, measured, *reading):
+        if model == "simplified" or (model == "beam" and measured.pose == last):
             raise ComputationError("the drives do not hold the tool")
-        return value(self, model, one, *reading)
+        return value(self, model, measured, *reading)
 
     monkeypatch.setattr(Predictions, "value", refusing)
     requirement = replace(robot_file.requirement, deflection=0.99)
-    robot_file = replace(robot_file, measured=ones, requirement=requirement)
+    robot_file = replace(robot_file, measured=measurements, requirement=requirement)
     matrix = measured_matrix(Context(robot_file, "quick"))
     entry = matrix.entry("simplified", "x")
     assert (entry.verdict, entry.error, entry.pose) == ("undecided", None, first)
@@ -149,16 +149,18 @@ def test_unsolved_value_affects_one_entry(monkeypatch):
 def test_program_error_affects_one_value(monkeypatch, capsys):
     robot_file = load_robot("five-bar")
     pose = tuple(map(float, robot_file.mechanism.poses[0]))
-    ones = tuple(Measured(measured_quantity(axis), 1e-6, 1e-9, "gauge", pose) for axis in "xy")
+    measurements = tuple(
+        Measured(measured_quantity(axis), 1e-6, 1e-9, "gauge", pose) for axis in "xy"
+    )
 
     value = Predictions.value
 
-    def faulty(self, model, one, *reading):
-        if (model, one.quantity.name) == ("beam", "x"):
+    def faulty(self, model, measured, *reading):
+        if (model, measured.quantity.name) == ("beam", "x"):
             return 1 / 0
-        return value(self, model, one, *reading)
+        return value(self, model, measured, *reading)
 
-    robot_file = replace(robot_file, measured=ones)
+    robot_file = replace(robot_file, measured=measurements)
     due = measured_matrix(Context(robot_file, "quick"))
     monkeypatch.setattr(Predictions, "value", faulty)
     matrix = measured_matrix(Context(robot_file, "quick"))
@@ -167,29 +169,31 @@ def test_program_error_affects_one_value(monkeypatch, capsys):
     assert "ZeroDivisionError: division by zero" in lost.reason
     assert matrix.faults == ("beam",)
     assert due.faults == ()
-    others = [one for one in due.entries if (one.model, one.quantity.name) != ("beam", "x")]
-    assert [one for one in matrix.entries if one is not lost] == others
+    other_entries = [
+        entry for entry in due.entries if (entry.model, entry.quantity.name) != ("beam", "x")
+    ]
+    assert [entry for entry in matrix.entries if entry is not lost] == other_entries
     assert "return 1 / 0" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("lacking", ["inputs", "elements"])
-def test_value_lost_by_input_is_undecided(monkeypatch, tmp_path, lacking):
+@pytest.mark.parametrize("missing", ["inputs", "elements"])
+def test_value_lost_by_input_is_undecided(monkeypatch, tmp_path, missing):
     """A missing value counted as zero would give a half-width of zero or of 67 %."""
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     predictions = Predictions.of(Context(robot_file, "quick"))
-    (f1,) = (one for one in robot_file.measured if one.quantity.name == "f1")
-    one = replace(f1, value=predictions.value("beam", f1), uncertainty=1e-3)
+    (f1,) = (measured for measured in robot_file.measured if measured.quantity.name == "f1")
+    exact_f1 = replace(f1, value=predictions.value("beam", f1), uncertainty=1e-3)
     value = Predictions.value
 
-    def without(self, model, one, reading=NOMINAL):
-        changed = reading.factors if lacking == "inputs" else reading.elements != 1
-        return None if changed else value(self, model, one, reading)
+    def without(self, model, measured, reading=NOMINAL):
+        changed = reading.factors if missing == "inputs" else reading.elements != 1
+        return None if changed else value(self, model, measured, reading)
 
     monkeypatch.setattr(Predictions, "value", without)
-    matrix = measured_matrix(Context(replace(robot_file, measured=(one,)), "quick"))
+    matrix = measured_matrix(Context(replace(robot_file, measured=(exact_f1,)), "quick"))
     entry = matrix.entry("beam", "f1")
     assert (entry.verdict, entry.error) == ("undecided", None)
-    changed = "joints.motor1.drive.stiffness" if lacking == "inputs" else "40 elements"
+    changed = "joints.motor1.drive.stiffness" if missing == "inputs" else "40 elements"
     assert changed in entry.reason
     assert "uncertainty unknown: the model has no solution with " in entry.reason
     assert matrix.faults == ()
@@ -246,9 +250,9 @@ relative = 0.1
 
 def test_predictions_are_at_pose_of_measurement(tmp_path):
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
-    at = postures_of(robot_file.mechanism, np.array([[0.1, 0.525]]))
+    measured_postures = postures_of(robot_file.mechanism, np.array([[0.1, 0.525]]))
     matrix = measured_matrix(Context(robot_file, "quick"))
-    (beam,) = answers("beam", at, 1)
+    (beam,) = answers("beam", measured_postures, 1)
     entry = matrix.entry("beam", "z")
     assert entry.value == pytest.approx(200.0 * beam.compliance[2, 2], rel=1e-12)
     assert entry.pose == (0.1, 0.525)
@@ -259,20 +263,22 @@ def test_predictions_are_at_pose_of_measurement(tmp_path):
     assert matrix.entry("vjm", "f1") is None
     # Second order: twenty segments leave 4/3 of what twice as many change.
     coarse, fine = (
-        answers("segments", at, 1, ModelOptions(elements=number))[0].frequencies[0]
+        answers("segments", measured_postures, 1, ModelOptions(elements=number))[0].frequencies[0]
         for number in (20, 40)
     )
-    left = matrix.entry("segments", "f1").uncertainties["numerics"]
-    assert left == pytest.approx(4.0 / 3.0 * abs(coarse - fine) / 62.0, rel=1e-6)
+    numerics = matrix.entry("segments", "f1").uncertainties["numerics"]
+    assert numerics == pytest.approx(4.0 / 3.0 * abs(coarse - fine) / 62.0, rel=1e-6)
     # The drive turns the first frequency by what solving both robots says, in every model.
     ((key, share),) = robot_file.uncertain_inputs.items()
-    robots = [robot_file.with_factors({key: way * share}) for way in (-1, 1)]
+    robots = [robot_file.with_factors({key: sign * share}) for sign in (-1, 1)]
     low, high = (
-        answers("simplified", postures_of(robot, at[0].pose[None]), 1)[0].frequencies[0]
+        answers("simplified", postures_of(robot, measured_postures[0].pose[None]), 1)[
+            0
+        ].frequencies[0]
         for robot in robots
     )
-    found = matrix.entry("simplified", "f1").uncertainties["inputs"]
-    assert found == pytest.approx(1.959964 * 0.5 * (high - low) / 62.0)
+    inputs = matrix.entry("simplified", "f1").uncertainties["inputs"]
+    assert inputs == pytest.approx(1.959964 * 0.5 * (high - low) / 62.0)
     assert chart_svg(measured_curves(matrix))
     assert "adequacy.measured" in {task.id for task in catalogue(robot_file)}
 
@@ -285,36 +291,36 @@ def test_predictions_equal_values_of_models():
     exact = tip_compliance(leg.timoshenko, leg.length)
     pose = tuple(mechanism.poses[0])
 
-    def told(quantity, model, *where):
-        one = Measured(measured_quantity(quantity), 1.0, 1.0, "gauge", *where)
-        return predictions.value(model, one)
+    def predicted(quantity, model, *where):
+        measured = Measured(measured_quantity(quantity), 1.0, 1.0, "gauge", *where)
+        return predictions.value(model, measured)
 
     for i, j in np.ndindex(6, 6):
         for model in ("vjm", "beam"):
-            found = told(f"rod1.c{i + 1}{j + 1}", model)
-            assert found == pytest.approx(exact[i, j], rel=1e-9, abs=1e-18)
-    once, twice = (told("y", "links", pose, load) for load in (30.0, 60.0))
+            entry = predicted(f"rod1.c{i + 1}{j + 1}", model)
+            assert entry == pytest.approx(exact[i, j], rel=1e-9, abs=1e-18)
+    once, twice = (predicted("y", "links", pose, load) for load in (30.0, 60.0))
     assert twice == pytest.approx(2.0 * once, rel=1e-12)
     (beam,) = answers("beam", postures_of(mechanism, np.array([pose])), 4)
-    assert told("f3", "beam", pose) == pytest.approx(beam.frequencies[2], rel=1e-6)
+    assert predicted("f3", "beam", pose) == pytest.approx(beam.frequencies[2], rel=1e-6)
     # Virtual joints that branch have no number.
     delta = load_robot("delta")
     pose = tuple(delta.mechanism.poses[0])
-    one = Measured(measured_quantity("z"), 1e-6, 1e-8, "gauge", pose, 1.0)
-    assert Predictions.of(Context(delta, "quick")).value("vjm", one) is None
+    branching = Measured(measured_quantity("z"), 1e-6, 1e-8, "gauge", pose, 1.0)
+    assert Predictions.of(Context(delta, "quick")).value("vjm", branching) is None
 
 
 def test_program_error_in_model_is_reported(monkeypatch, capsys):
     robot_file = load_robot("five-bar")
     pose = tuple(map(float, robot_file.mechanism.poses[0]))
-    one = Measured(measured_quantity("x"), 1e-6, 1e-9, "gauge", pose)
+    measured = Measured(measured_quantity("x"), 1e-6, 1e-9, "gauge", pose)
     model_statics = model_ladder.model_statics
 
     def faulty(postures, model, options):
         return 1 / 0 if model == "links" else model_statics(postures, model, options)
 
     monkeypatch.setattr(model_ladder, "model_statics", faulty)
-    matrix = measured_matrix(Context(replace(robot_file, measured=(one,)), "quick"))
+    matrix = measured_matrix(Context(replace(robot_file, measured=(measured,)), "quick"))
     assert matrix.faults == ("links",)
     assert "ZeroDivisionError" in matrix.entry("links", "x").reason
     assert matrix.entry("vjm", "x").value > 0.0
