@@ -220,11 +220,11 @@ def test_exported_deck_runs_in_calculix(folder, tmp_path):
     text = (folder / "mechanism.inp").read_text(encoding="utf-8")
     # Statics only: test_other_solvers.py compares modes of such decks.
     (tmp_path / "deck.inp").write_text(text[: text.rindex("*STEP")], encoding="utf-8")
-    done = subprocess.run(
+    completed = subprocess.run(
         [program, "deck"], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
     )
-    assert done.returncode == 0, done.stdout[-2000:]
-    assert "*ERROR" not in done.stdout
+    assert completed.returncode == 0, completed.stdout[-2000:]
+    assert "*ERROR" not in completed.stdout
 
 
 def test_state_space_has_modes_and_statics(robot):
@@ -318,8 +318,8 @@ def test_nastran_deck_has_matrices(crank):
 def test_exudyn_script_prints_frequencies(robot, tmp_path):
     pytest.importorskip("exudyn", reason="EXUDYN (extra exudyn) is not installed")
     script = tmp_path / "robot.py"
-    named = replace(robot.matrices, name='end""" + 1 / 0 \\N{')
-    script.write_bytes(as_exudyn(named))
+    renamed = replace(robot.matrices, name='end""" + 1 / 0 \\N{')
+    script.write_bytes(as_exudyn(renamed))
     line = [sys.executable, str(script)]
     output = subprocess.run(line, capture_output=True, text=True, check=True, timeout=120).stdout
     frequencies = np.array(literal_eval(output.splitlines()[-1]))[:COUNT]
@@ -331,11 +331,11 @@ def test_robot_with_few_modes_exports_all(tmp_path, monkeypatch, command):
     """The gantry has three modes, fewer than the default of twenty."""
     monkeypatch.chdir(tmp_path)
     Path("gantry.toml").write_text(GANTRY)
-    command.told("export", "gantry.toml", "--to", "npz")
+    command.output("export", "gantry.toml", "--to", "npz")
     expected = np.sort(np.sqrt(np.divide(STIFFNESSES, MASSES))) / (2.0 * np.pi)
     assert np.load("gantry.npz")["frequencies"] == pytest.approx(expected, rel=1e-9)
     Path("arm.toml").write_text(ONE_ARM.replace("0.5, 0.0]", "0.1, 0.0]"))
-    command.told("export", "arm.toml", "--to", "simscape", "--body", "arm", "--modes", 1)
+    command.output("export", "arm.toml", "--to", "simscape", "--body", "arm", "--modes", 1)
     assert "stiffness" in loadmat("arm.arm.mat")
 
 
@@ -349,7 +349,7 @@ def test_time_estimate_counts_solids_once(tmp_path, monkeypatch, command):
     for number, words in enumerate(
         (["five-bar"], ["five-bar", "--body", "crank1"], ["five-bar", "--body", "rod1"])
     ):
-        command.told("export", *words, "--to", "npz", "--out", tmp_path / f"{number}.npz")
+        command.output("export", *words, "--to", "npz", "--out", tmp_path / f"{number}.npz")
     assert 0.0 < seconds[0] == pytest.approx(sum(seconds[1:]))
-    command.told("export", "ifw", "--to", "npz", "--out", tmp_path / "ifw.npz")
+    command.output("export", "ifw", "--to", "npz", "--out", tmp_path / "ifw.npz")
     assert seconds[-1] == 0.0

@@ -114,10 +114,10 @@ def test_deck_has_one_point_per_unknown(body):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_npz_needs_no_pickle_for_names(name, reduced):
-    named = replace(reduced, name=name)
-    arrays = np.load(io.BytesIO(as_npz(named)), allow_pickle=False)
+    renamed = replace(reduced, name=name)
+    arrays = np.load(io.BytesIO(as_npz(renamed)), allow_pickle=False)
     assert str(arrays["about"]).startswith(f"{name}: ")
-    (about,) = loadmat(io.BytesIO(as_simscape(named)))["about"]
+    (about,) = loadmat(io.BytesIO(as_simscape(renamed)))["about"]
     assert about.startswith(f"{name}: ")
 
 
@@ -141,11 +141,11 @@ def test_spreadsheet_formulas_are_escaped():
 
 def test_face_names_keep_json_valid(tmp_path, command):
     part = read_part(ROCKER)
-    named = replace(part.faces[0], name="\x85\x9b\u202e\U000e0001\"</script>'")
-    part = replace(part, faces=(named, *part.faces[1:]))
+    renamed = replace(part.faces[0], name="\x85\x9b\u202e\U000e0001\"</script>'")
+    part = replace(part, faces=(renamed, *part.faces[1:]))
     # On terminals unprintable characters are escaped in a form that JSON does not allow.
     assert face_list.as_json(part).isascii()
-    assert json.loads(face_list.as_json(part))["faces"][0]["name"] == named.name
+    assert json.loads(face_list.as_json(part))["faces"][0]["name"] == renamed.name
     robot = tmp_path / "robot.toml"
     robot.write_text(GANTRY.replace('"gantry"', '"\\u200b\\U000e0001"'), encoding="utf-8")
     assert command.json("kinematics", robot)["robot"] == "\u200b\U000e0001"
