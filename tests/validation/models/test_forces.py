@@ -55,9 +55,9 @@ def under(mechanism, *, model="beam", pose=(), **load):
     """Posture, and reactions by joint name, under one load at the loaded point."""
     tool = mechanism.tool
     robot = replace(mechanism, loads=(Load("load", tool.body, tool.point, **load),))
-    at = posture(robot, np.array(pose)) if len(pose) else reference_posture(robot)
-    ((forces,),) = load_forces(model, [at])
-    return at, {one.joint: one for one in forces.reactions}
+    loaded_posture = posture(robot, np.array(pose)) if len(pose) else reference_posture(robot)
+    ((forces,),) = load_forces(model, [loaded_posture])
+    return loaded_posture, {reaction.joint: reaction for reaction in forces.reactions}
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam", "solid"])
@@ -67,11 +67,11 @@ def test_cantilever_reaction_balances_loads(model):
     _, reactions = under(described(CANTILEVER), model=model, wrench=wrench, **WEIGHT)
     weight = Q * L
     due = [-5.0, -7.0, 11.0 + weight, -13.0, -11.0 * L - weight * L / 2.0, -7.0 * L]
-    found = reactions["clamp"]
+    clamp = reactions["clamp"]
     # Masses of solids are integrated on meshes of straight cells: exact for rectangles.
-    np.testing.assert_allclose(found.wrench, due, rtol=1e-9, atol=1e-9 * weight * L)
-    assert (found.half_width <= 1e-9 * weight * L).all()
-    assert found.drive is None
+    np.testing.assert_allclose(clamp.wrench, due, rtol=1e-9, atol=1e-9 * weight * L)
+    assert (clamp.half_width <= 1e-9 * weight * L).all()
+    assert clamp.drive is None
 
 
 @pytest.mark.parametrize("model", ["links", "beam"])
@@ -92,25 +92,25 @@ def test_propped_reaction_is_three_eighths():
     robot = replace(robot, loads=(Load("weight", "left", "M", **WEIGHT),))
     euler = ModelOptions(theory="euler-bernoulli")
     ((forces,),) = load_forces("links", [reference_posture(robot)], euler)
-    found = {one.joint: one.wrench for one in forces.reactions}
-    np.testing.assert_allclose(found["b"][2], 3.0 * Q * L / 8.0, rtol=1e-9)
-    np.testing.assert_allclose(found["b"][3:], 0.0, atol=1e-9 * Q * L)
-    np.testing.assert_allclose(found["a"][2], 5.0 * Q * L / 8.0, rtol=1e-9)
-    np.testing.assert_allclose(found["a"][4], -Q * L**2 / 8.0, rtol=1e-9)
+    wrenches = {reaction.joint: reaction.wrench for reaction in forces.reactions}
+    np.testing.assert_allclose(wrenches["b"][2], 3.0 * Q * L / 8.0, rtol=1e-9)
+    np.testing.assert_allclose(wrenches["b"][3:], 0.0, atol=1e-9 * Q * L)
+    np.testing.assert_allclose(wrenches["a"][2], 5.0 * Q * L / 8.0, rtol=1e-9)
+    np.testing.assert_allclose(wrenches["a"][4], -Q * L**2 / 8.0, rtol=1e-9)
 
 
 def test_triangle_bars_are_in_equilibrium():
     """At the pin, 4/5 N₁ = F_x and 3/5 N₁ + N₂ = F_y: N₁ = 5/4 F_x, N₂ = F_y − 3/4 F_x."""
     force = np.array([120.0, -50.0, 0.0, 0.0, 0.0, 0.0])
-    at, reactions = under(described(TRIANGLE), wrench=force)
+    loaded_posture, reactions = under(described(TRIANGLE), wrench=force)
     tension, column = 1.25 * 120.0, -50.0 - 0.75 * 120.0
     # The ground pulls each bar backwards; the axis of the pin is z.
     for joint, due in (("a", [-0.8 * tension, -0.6 * tension]), ("b", [0.0, -column])):
-        found = in_base_axes(at, at.mechanism.joints, reactions[joint])
-        np.testing.assert_allclose(found, [*due, 0.0, 0.0, 0.0, 0.0], atol=1e-7)
+        wrench = in_base_axes(loaded_posture, loaded_posture.mechanism.joints, reactions[joint])
+        np.testing.assert_allclose(wrench, [*due, 0.0, 0.0, 0.0, 0.0], atol=1e-7)
     # The long bar's end carries the force of the tool too: the pin takes the column's force alone.
-    found = in_base_axes(at, at.mechanism.joints, reactions["p"])
-    np.testing.assert_allclose(found[:2], [0.0, column], atol=1e-7)
+    wrench = in_base_axes(loaded_posture, loaded_posture.mechanism.joints, reactions["p"])
+    np.testing.assert_allclose(wrench[:2], [0.0, column], atol=1e-7)
 
 
 def test_parallel_drives_share_by_stiffness():
@@ -129,20 +129,22 @@ def test_parallel_drives_share_by_stiffness():
     np.testing.assert_allclose(reactions["far"].wrench, along, atol=1e-7)
 
 
-def in_base_axes(at, joints, reaction):
+def in_base_axes(loaded_posture, joints, reaction):
     """Wrench (6) of a joint on its second body in base axes."""
-    (joint,) = (one for one in joints if one.name == reaction.joint)
-    return (joint_axes(at, joint) @ reaction.wrench.reshape(2, 3).T).T.ravel()
+    (joint,) = (candidate for candidate in joints if candidate.name == reaction.joint)
+    return (joint_axes(loaded_posture, joint) @ reaction.wrench.reshape(2, 3).T).T.ravel()
 
 
-def equilibrium(at, reactions, load, *, uniform=True):
+def equilibrium(loaded_posture, reactions, load, *, uniform=True):
     """Largest resultant (N) on a body, and largest force (N). Moments are divided by the size.
 
     If `uniform`, legs known by their 6×6 have their mass along the leg, as equivalent legs do;
     otherwise they have the mass centres of the file.
     """
-    mechanism, tool = at.mechanism, at.mechanism.tool
-    motions = accelerations(at, load.speed, load.acceleration) if load.moves_tool else {}
+    mechanism, tool = loaded_posture.mechanism, loaded_posture.mechanism.tool
+    motions = (
+        accelerations(loaded_posture, load.speed, load.acceleration) if load.moves_tool else {}
+    )
     unit = np.array([1.0] * 3 + [1.0 / mechanism.size] * 3)
     resultants = {name: np.zeros(6) for name in mechanism.bodies}
     largest = 0.0
@@ -152,16 +154,16 @@ def equilibrium(at, reactions, load, *, uniform=True):
         resultants[body] += unit * np.append(wrench[:3], moment)
 
     for joint in mechanism.joints:
-        wrench = in_base_axes(at, [joint], reactions[joint.name])
+        wrench = in_base_axes(loaded_posture, [joint], reactions[joint.name])
         largest = max(largest, np.abs(unit * wrench).max())
-        position = interface_position(at, joint.first)
+        position = interface_position(loaded_posture, joint.first)
         act(joint.second.body, wrench, position)
         act(joint.first.body, -wrench, position)
         # No work on passive motions.
-        passive = free_twists(at, joint)[:, int(joint.drive is not None) :]
+        passive = free_twists(loaded_posture, joint)[:, int(joint.drive is not None) :]
         assert (np.abs(passive.T @ wrench) <= 1e-8 * (1.0 + np.abs(wrench).max())).all()
     for name, body in mechanism.bodies.items():
-        frame, shape = at.frames[name], body.shape
+        frame, shape = loaded_posture.frames[name], body.shape
         if name == GROUND or not getattr(shape, "mass", 0.0):
             continue
         centre = leg_centre(shape, uniform=uniform)
@@ -174,21 +176,21 @@ def equilibrium(at, reactions, load, *, uniform=True):
             spin = motions[name].angular_velocity
             moment -= np.cross(spin, turned @ spin)
         act(name, np.append(force, moment), frame.position + arm)
-    position = interface_position(at, Side(tool.body, tool.point))
+    position = interface_position(loaded_posture, Side(tool.body, tool.point))
     force = tool.mass * load.gravity
     if motions:
-        arm = position - at.frames[tool.body].position
+        arm = position - loaded_posture.frames[tool.body].position
         force = force - tool.mass * motions[tool.body].acceleration_at(arm)
     act(tool.body, load.wrench + np.append(force, np.zeros(3)), position)
     del resultants[GROUND]
-    return max(np.abs(one).max() for one in resultants.values()), largest
+    return max(np.abs(resultant).max() for resultant in resultants.values()), largest
 
 
 def leg_centre(shape, *, uniform):
     if isinstance(shape, Rigid):
         return shape.centre
-    given = None if uniform else getattr(shape, "mass_centre", None)
-    return np.array([given or shape.length / 2.0, 0.0, 0.0])
+    mass_centre = None if uniform else getattr(shape, "mass_centre", None)
+    return np.array([mass_centre or shape.length / 2.0, 0.0, 0.0])
 
 
 def leg_inertia(shape):
@@ -207,11 +209,13 @@ def test_built_in_robots_are_in_equilibrium(robot, model):
     """Forces of joints, tool and weight sum to zero, as do their moments."""
     mechanism = load_robot(robot).mechanism
     wrench = np.array([100.0, 50.0, -30.0, 1.0, 2.0, 3.0])
-    at, reactions = under(mechanism, model=model, wrench=wrench, gravity=GRAVITY)
+    loaded_posture, reactions = under(mechanism, model=model, wrench=wrench, gravity=GRAVITY)
     uniform = model not in ("vjm", "links")
-    resultant, largest = equilibrium(at, reactions, at.mechanism.loads[0], uniform=uniform)
+    resultant, largest = equilibrium(
+        loaded_posture, reactions, loaded_posture.mechanism.loads[0], uniform=uniform
+    )
     assert resultant <= 1e-9 * largest
-    half_width = max(one.half_width[0] for one in reactions.values())
+    half_width = max(reaction.half_width[0] for reaction in reactions.values())
     assert half_width <= 1e-9 * largest
 
 
@@ -220,8 +224,8 @@ def test_moving_bodies_are_in_equilibrium(robot):
     """Newton's and Euler's equations, with the accelerations of rigid bodies."""
     mechanism = load_robot(robot).mechanism
     motion = {"acceleration": np.array([5.0, 0.0, 0.0]), "speed": np.array([0.5, 0.0, 0.0])}
-    at, reactions = under(mechanism, gravity=GRAVITY, **motion)
-    resultant, largest = equilibrium(at, reactions, at.mechanism.loads[0])
+    loaded_posture, reactions = under(mechanism, gravity=GRAVITY, **motion)
+    resultant, largest = equilibrium(loaded_posture, reactions, loaded_posture.mechanism.loads[0])
     # Velocities' part of accelerations is a difference quotient, 1e-10 of itself.
     assert resultant <= 1e-8 * largest
 
@@ -232,14 +236,16 @@ SEEDS = (2, 3, 5, 16, 17, 20, 26, 29, 31, 32, 45, 46, 51, 52, 55, 58, 59, 66, 71
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_bodies_are_in_equilibrium(seed):
-    at = random_posture(seed)
-    tool = at.mechanism.tool
+    loaded_posture = random_posture(seed)
+    tool = loaded_posture.mechanism.tool
     load = Load("load", tool.body, tool.point, np.array([7.0, 5.0, -3.0, 1.0, 2.0, 3.0]), GRAVITY)
-    at = replace(at, mechanism=replace(at.mechanism, loads=(load,)))
-    ((forces,),) = load_forces("beam", [at])
-    reactions = {one.joint: one for one in forces.reactions}
-    assert not any(np.isnan(one.wrench).any() for one in forces.reactions)
-    resultant, largest = equilibrium(at, reactions, load)
+    loaded_posture = replace(
+        loaded_posture, mechanism=replace(loaded_posture.mechanism, loads=(load,))
+    )
+    ((forces,),) = load_forces("beam", [loaded_posture])
+    reactions = {reaction.joint: reaction for reaction in forces.reactions}
+    assert not any(np.isnan(reaction.wrench).any() for reaction in forces.reactions)
+    resultant, largest = equilibrium(loaded_posture, reactions, load)
     assert resultant <= 1e-9 * largest
 
 
@@ -248,18 +254,21 @@ def test_drive_forces_do_work_of_load(robot, pose):
     """Virtual work of drives and load, Σ τ δq + F δx = 0; δq and δx between two postures."""
     mechanism = load_robot(robot).mechanism
     force = np.array([100.0, -60.0, 0.0, 0.0, 0.0, 0.0])
-    at, reactions = under(mechanism, pose=pose, wrench=force)
+    loaded_posture, reactions = under(mechanism, pose=pose, wrench=force)
     step = 1e-5
     for number, move in enumerate(mechanism.tool.moves):
         component = ("x", "y", "z", "phi_x", "phi_y", "phi_z").index(move)
-        moved = np.array(at.pose)
-        moved[number] += step
-        back = 2.0 * np.array(at.pose) - moved
-        after, before = posture(at.mechanism, moved), posture(at.mechanism, back)
+        forward_pose = np.array(loaded_posture.pose)
+        forward_pose[number] += step
+        backward_pose = 2.0 * np.array(loaded_posture.pose) - forward_pose
+        after, before = (
+            posture(loaded_posture.mechanism, forward_pose),
+            posture(loaded_posture.mechanism, backward_pose),
+        )
         work = sum(
-            one.drive * float((after.coordinates[name] - before.coordinates[name])[0])
-            for name, one in reactions.items()
-            if one.drive is not None
+            reaction.drive * float((after.coordinates[name] - before.coordinates[name])[0])
+            for name, reaction in reactions.items()
+            if reaction.drive is not None
         )
         # Central differences err by the square of the step.
         assert work / (2.0 * step) == pytest.approx(-force[component], rel=1e-6, abs=1e-6)
@@ -283,9 +292,9 @@ def test_rigid_loop_reactions_are_undetermined():
 
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_joint_frame_has_x_along_axis(robot):
-    at = reference_posture(load_robot(robot).mechanism)
-    for joint in at.mechanism.joints:
-        axes = joint_axes(at, joint)
+    robot_posture = reference_posture(load_robot(robot).mechanism)
+    for joint in robot_posture.mechanism.joints:
+        axes = joint_axes(robot_posture, joint)
         np.testing.assert_allclose(axes.T @ axes, np.eye(3), atol=1e-12)
         assert np.linalg.det(axes) == pytest.approx(1.0)
         if len(joint.axes) == 1:

@@ -38,8 +38,8 @@ lines = [{{ leg = "arm", wrench = [0.0, 0.0, -{LOAD}, 0.0, 0.0, 0.0], from = 0.2
 @pytest.mark.parametrize("model", ["beam", "segments", "links", "vjm", "simplified"])
 def test_line_load_section_forces_are_exact(model):
     """Beyond 0.2 m: shear −q(L − x) and moment q(L − x)²/2. Below 0.2 m the shear is constant."""
-    at = reference_posture(described(ARM))
-    ((forces,),) = load_forces(model, [at], ModelOptions(elements=3))
+    arm_posture = reference_posture(described(ARM))
+    ((forces,),) = load_forces(model, [arm_posture], ModelOptions(elements=3))
     (member,) = forces.members
     beyond = LENGTH - np.maximum(member.stations, 0.2)
     shear = -LOAD * beyond
@@ -57,14 +57,16 @@ def test_line_load_section_forces_are_exact(model):
 
 def test_partial_load_follows_model_theory():
     """Without shear, ∫ q (x³/3 + x²(L − x)/2)/EI dx; shear adds ∫ q x/κGA dx."""
-    at = reference_posture(described(ARM))
+    arm_posture = reference_posture(described(ARM))
     x = np.polynomial.Polynomial([0.0, 1.0])
     leg = ConstantLeg(LENGTH, Rectangle(0.03, 0.05), Material.isotropic(2.1e11, 0.3, 7850.0))
     bent = (x**3 / 3.0 + x**2 * (LENGTH - x) / 2.0).integ()
     bending = (bent(LENGTH) - bent(0.2)) / leg.timoshenko.EIy
     shear = (LENGTH**2 - 0.2**2) / 2.0 / leg.timoshenko.GAz
     for theory, expected in (("euler-bernoulli", bending), ("timoshenko", bending + shear)):
-        (((_, _, z, *_),),) = displacements("beam", [at], ModelOptions(theory=theory, elements=2))
+        (((_, _, z, *_),),) = displacements(
+            "beam", [arm_posture], ModelOptions(theory=theory, elements=2)
+        )
         assert z == pytest.approx(-LOAD * expected, rel=1e-10)
 
 
@@ -95,7 +97,7 @@ def test_solid_load_vector_has_end_effects(ratio, least):
     points, weights = np.polynomial.legendre.leggauss(40)
     half = leg.length / 4.0
     fields = solid.centreline(half * (1.0 + points)).toarray().reshape(40, 6, 12)
-    own = (half * np.einsum("s,sij,i->j", weights, fields, line)).reshape(2, 6)
+    load_vector = (half * np.einsum("s,sij,i->j", weights, fields, line)).reshape(2, 6)
     expected = end_wrenches(leg.timoshenko, leg.length, LineLoad(0.0, 2.0 * half, line, line))
-    difference = np.abs(own[1] / expected[1] - 1.0).max()
+    difference = np.abs(load_vector[1] / expected[1] - 1.0).max()
     assert least < difference < LINE_ON_BEAMS * 5.0 / ratio

@@ -58,15 +58,15 @@ WEIGHT = Load("weight", "outer", "P", gravity=np.array([0.0, 0.0, -G]))
 def under(mechanism, *loads, model="beam", pose=(), **options):
     """Displacements (l×6) of the loaded point under l loads. Reference posture without `pose`."""
     robot = replace(mechanism, loads=loads)
-    at = posture(robot, np.array(pose) if len(pose) else robot.reference_pose)
-    return displacements(model, [at], ModelOptions(**options))[0]
+    loaded_posture = posture(robot, np.array(pose) if len(pose) else robot.reference_pose)
+    return displacements(model, [loaded_posture], ModelOptions(**options))[0]
 
 
-def on(mechanism, **what):
-    """Load at the loaded point, with the fields `what` of `Load`."""
+def load_on(mechanism, **fields):
+    """Load at the loaded point, with these `fields` of `Load`."""
     tool = mechanism.tool
-    given = {key: np.array(value, dtype=float) for key, value in what.items()}
-    return Load("load", tool.body, tool.point, **given)
+    arrays = {key: np.array(value, dtype=float) for key, value in fields.items()}
+    return Load("load", tool.body, tool.point, **arrays)
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_cantilever_deflects_under_inertia(model, close):
     Angular velocity ω: ρω²L³/3E.
     """
     arm = described(ARM)
-    swung, spun = on(arm, acceleration=[5.0, 0, 0]), on(arm, speed=[2.0, 0, 0])
+    swung, spun = load_on(arm, acceleration=[5.0, 0, 0]), load_on(arm, speed=[2.0, 0, 0])
     weight, swing, spin = under(arm, WEIGHT, swung, spun, model=model, divisions=2)
     q = RHO * AREA * G
     bent = q * LENGTH**4 / (8.0 * E * IX) + q * LENGTH**2 / (2.0 * SHEAR)
@@ -112,11 +112,11 @@ def test_coning_arm_is_pulled_outwards(model, height, close):
     """
     cone = ARM.replace("0.2, 0.0]", "0.12, 0.16]").replace("0.5, 0.0]", "0.3, 0.4]")
     cone = described(cone.replace(f"height = {HEIGHT}", f"height = {height}"))
-    (moved,) = under(cone, on(cone, speed=[2.0, 0, 0]), model=model, divisions=2)
+    (displacement,) = under(cone, load_on(cone, speed=[2.0, 0, 0]), model=model, divisions=2)
     c, s, p = 0.6, 0.8, RHO * (2.0 / 0.3) ** 2 / E
     bent = p * s * c * (11.0 * LENGTH**5 / 10.0 / height**2 + 0.8 * LENGTH**3 - LENGTH**3 / 3.0)
     due = p * c**2 * LENGTH**3 / 3.0 * np.array([0, c, s]) + bent * np.array([0, s, -c])
-    np.testing.assert_allclose(moved[:3], due, rtol=0, atol=close * bent)
+    np.testing.assert_allclose(displacement[:3], due, rtol=0, atol=close * bent)
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
@@ -125,8 +125,8 @@ def test_leg_force_is_reciprocal(model):
     force = Load("within", "inner", "M", wrench=np.array([0.0, 0.0, 3.0, 0.0, 0.0, 0.0]))
     a = 0.2
     bent = 3.0 * a**2 * (3.0 * LENGTH - a) / (6.0 * E * IX) + 3.0 * a / SHEAR
-    both = replace(force, gravity=WEIGHT.gravity)
-    within, weight, together = under(described(ARM), force, WEIGHT, both, model=model)
+    force_and_weight = replace(force, gravity=WEIGHT.gravity)
+    within, weight, together = under(described(ARM), force, WEIGHT, force_and_weight, model=model)
     assert within[2] == pytest.approx(bent, rel=1e-9)
     np.testing.assert_allclose(together, within + weight, rtol=1e-9, atol=1e-18)
 
@@ -135,7 +135,10 @@ def test_leg_force_is_reciprocal(model):
 def test_translating_bodies_act_as_masses(model):
     """Displacement m a/k along each slide; an acceleration acts as gravity against it."""
     gantry = described(GANTRY)
-    pulled = on(gantry, acceleration=[4.0, 3.0, 2.0]), on(gantry, gravity=[-4.0, -3.0, -2.0])
+    pulled = (
+        load_on(gantry, acceleration=[4.0, 3.0, 2.0]),
+        load_on(gantry, gravity=[-4.0, -3.0, -2.0]),
+    )
     first, second = under(gantry, *pulled, model=model)
     due = -np.array([4.0, 3.0, 2.0]) * MASSES / STIFFNESSES
     np.testing.assert_allclose(first[:3], due, rtol=1e-9)
@@ -146,9 +149,9 @@ def test_translating_bodies_act_as_masses(model):
 def test_pendulum_inertia_acts_on_drive(model):
     """The drive carries (J + mc²) α = 0.86 α, and m g c of the horizontal pendulum's weight."""
     bob = described(PENDULUM)
-    swung, spun = on(bob, acceleration=[2.0, 0, 0]), on(bob, speed=[3.0, 0, 0])
-    aside = on(bob, gravity=[G, 0, 0])
-    swing, spin, hang = under(bob, swung, spun, aside, model=model)
+    swung, spun = load_on(bob, acceleration=[2.0, 0, 0]), load_on(bob, speed=[3.0, 0, 0])
+    sideways = load_on(bob, gravity=[G, 0, 0])
+    swing, spin, hang = under(bob, swung, spun, sideways, model=model)
     assert swing[5] == pytest.approx(-0.86 * (2.0 / 0.8) / 4.0e4, rel=1e-9)
     assert hang[5] == pytest.approx(3.0 * G * 0.5 / 4.0e4, rel=1e-9)
     assert np.abs(spin).max() <= 1e-12
@@ -167,26 +170,33 @@ def test_accelerations_equal_differences(name):
         for joint in robot.joints
     ]
     robot = replace(robot, joints=tuple(joints))
-    pull = on(robot, speed=[0.7, 0, 0], acceleration=[3.0, 0, 0])
+    pull = load_on(robot, speed=[0.7, 0, 0], acceleration=[3.0, 0, 0])
     robot = replace(robot, loads=(pull,))
     pose, step = robot.poses[len(robot.poses) // 2], 1e-3
     along = np.array([move == "x" for move in robot.tool.moves], dtype=float)
     times = step * np.array([-1.0, 0.0, 1.0])
-    ones = [posture(robot, pose + along * (0.7 * t + 1.5 * t**2)) for t in times]
-    found = accelerations(ones[1], pull.speed, pull.acceleration)
+    postures = [posture(robot, pose + along * (0.7 * t + 1.5 * t**2)) for t in times]
+    computed = accelerations(postures[1], pull.speed, pull.acceleration)
     for body in robot.bodies:
-        before, now, after = (one.frames[body].position for one in ones)
-        linear = (after - 2.0 * now + before) / step**2
-        np.testing.assert_allclose(found[body].linear_acceleration, linear, rtol=2e-5, atol=2e-5)
+        before, middle, after = (moved_posture.frames[body].position for moved_posture in postures)
+        linear = (after - 2.0 * middle + before) / step**2
+        np.testing.assert_allclose(computed[body].linear_acceleration, linear, rtol=2e-5, atol=2e-5)
         # Rods on ball joints may spin.
-        before, axis, after = (one.frames[body].rotation[:, 0] for one in ones)
-        swung, due = np.cross(found[body].angular_velocity, axis), (after - before) / (2.0 * step)
+        before, axis, after = (
+            moved_posture.frames[body].rotation[:, 0] for moved_posture in postures
+        )
+        swung, due = (
+            np.cross(computed[body].angular_velocity, axis),
+            (after - before) / (2.0 * step),
+        )
         np.testing.assert_allclose(swung, due, rtol=1e-4, atol=1e-4)
-    rotor_forces = loading(ones[1], pull, interface_loads(robot)).rotor_forces
+    rotor_forces = loading(postures[1], pull, interface_loads(robot)).rotor_forces
     assert set(rotor_forces) == {joint.name for joint in joints if joint.drive}
     for joint, force in rotor_forces.items():
-        (before,), (now,), (after,) = (one.coordinates[joint] for one in ones)
-        due = -3.0 * (after - 2.0 * now + before) / step**2
+        (before,), (middle,), (after,) = (
+            moved_posture.coordinates[joint] for moved_posture in postures
+        )
+        due = -3.0 * (after - 2.0 * middle + before) / step**2
         assert force == pytest.approx(due, rel=1e-4, abs=1e-4)
 
 
@@ -195,7 +205,7 @@ def test_impossible_acceleration_is_refused():
     end, pull = posture(robot, robot.poses[0]), np.array([1.0, 0.0, 0.0])
     with pytest.raises(ComputationError, match="cannot move in this direction"):
         accelerations(end, np.zeros(3), pull)
-    loads = on(robot, gravity=pull), on(robot, acceleration=pull)
+    loads = load_on(robot, gravity=pull), load_on(robot, acceleration=pull)
     weight, stopped = under(robot, *loads, pose=end.pose)
     assert np.isfinite(weight).all()
     assert np.isnan(stopped).all()
@@ -207,9 +217,9 @@ def test_path_wrench_acts_in_its_pose_only():
     over = Load("cutting", "inner", "M", path_wrenches=rows)
     plain = [Load("now", "inner", "M", wrench=row) for row in rows]
     for number, pose in enumerate(arm.poses):
-        (found,), due = under(arm, over, pose=pose), under(arm, *plain, pose=pose)
+        (displacement,), due = under(arm, over, pose=pose), under(arm, *plain, pose=pose)
         # One right-hand side instead of two rounds the last bit another way on some processors.
-        np.testing.assert_allclose(found, due[number], rtol=1e-12)
+        np.testing.assert_allclose(displacement, due[number], rtol=1e-12)
     assert np.isnan(under(arm, over, pose=[0.15])).all()
 
 
@@ -223,8 +233,8 @@ def test_vjm_and_links_are_equal_under_loads(name):
         for point in body.interfaces
         if body.name != GROUND
     ]
-    loads.append(on(robot, gravity=[1.0, 2.0, -9.81]))
-    loads.append(on(robot, acceleration=[5.0, 0, 0], speed=[0.8, 0, 0]))
+    loads.append(load_on(robot, gravity=[1.0, 2.0, -9.81]))
+    loads.append(load_on(robot, acceleration=[5.0, 0, 0], speed=[0.8, 0, 0]))
     pose = robot.poses[len(robot.poses) // 3]
     chains, assembled = (under(robot, *loads, model=m, pose=pose) for m in ("vjm", "links"))
     sizes = np.abs(assembled).max(axis=1, keepdims=True)
@@ -243,16 +253,18 @@ def rigid(leg):
 class _Moving(multibody._ExudynModel):
     """EXUDYN model with the bodies' velocities at `speed` of the tool, by posture differences."""
 
-    def __init__(self, at, free, speed):
+    def __init__(self, start, free, speed):
         step = 1e-5 * np.array([*speed, 0.0, 0.0, 0.0])
-        before, after = (posture(at.mechanism, at.pose + way, at) for way in (-step, step))
-        self.linear, self.spin, self.moving = {}, {}, at.mechanism.tool.body
-        for name, frame in at.frames.items():
-            now, then = before.frames[name], after.frames[name]
-            self.linear[name] = (then.position - now.position) / 2e-5
-            turned = frame.rotation.T @ (then.rotation - now.rotation) / 2e-5
+        before, after = (
+            posture(start.mechanism, start.pose + change, start) for change in (-step, step)
+        )
+        self.linear, self.spin, self.moving = {}, {}, start.mechanism.tool.body
+        for name, frame in start.frames.items():
+            first, second = before.frames[name], after.frames[name]
+            self.linear[name] = (second.position - first.position) / 2e-5
+            turned = frame.rotation.T @ (second.rotation - first.rotation) / 2e-5
             self.spin[name] = turned[[2, 0, 1], [1, 2, 0]]
-        super().__init__(replace(at, mechanism=free), 1)
+        super().__init__(replace(start, mechanism=free), 1)
 
     def _add_rigid(self, name, shape):
         self.moving = name
@@ -277,21 +289,21 @@ def test_accelerated_hexapod_equals_exudyn(speed, close):
     exudyn = pytest.importorskip("exudyn", reason="EXUDYN (extra exudyn) is not installed")
     robot, time = load_robot("hexapod").mechanism, 2e-4
     speed = speed * np.array([1.5, -1.0, 0.5])
-    load = on(robot, acceleration=[3.0, 2.0, -4.0], speed=speed)
+    load = load_on(robot, acceleration=[3.0, 2.0, -4.0], speed=speed)
     robot = replace(robot, loads=(load,))
-    at = posture(robot, robot.poses[2])
-    system = assemble(at, static_bodies("links", robot))
-    work = work_on(system, loading(at, load, interface_loads(robot)))
-    moved = solved(system).displacements(work[:, None])
+    robot_posture = posture(robot, robot.poses[2])
+    system = assemble(robot_posture, static_bodies("links", robot))
+    work = work_on(system, loading(robot_posture, load, interface_loads(robot)))
+    displacements = solved(system).displacements(work[:, None])
     legs = legs_of(robot).items()
     bodies = {name: replace(robot.bodies[name], shape=rigid(leg)) for name, leg in legs}
     joints = [replace(joint, drive=None) for joint in robot.joints]
     free = replace(robot, bodies=robot.bodies | bodies, joints=joints)
-    model = _Moving(at, free, speed)
-    for joint in (one for one in robot.joints if one.drive):
+    model = _Moving(robot_posture, free, speed)
+    for joint in (candidate for candidate in robot.joints if candidate.drive):
         spring = system.motions.springs[Portion(joint.name, "drive")]
-        force = -np.sqrt(joint.drive.stiffness) * (spring @ moved)[0, 0]
-        pull = force * free_twists(at, joint)[:3, 0]
+        force = -np.sqrt(joint.drive.stiffness) * (spring @ displacements)[0, 0]
+        pull = force * free_twists(robot_posture, joint)[:3, 0]
         for side, end in ((joint.first, -1.0), (joint.second, 1.0)):
             marker = model.marker(side, np.eye(3))
             model.mbs.AddLoad(model.items.Force(markerNumber=marker, loadVector=end * pull))
@@ -301,8 +313,8 @@ def test_accelerated_hexapod_equals_exudyn(speed, close):
     settings.timeIntegration.numberOfSteps = 20
     settings.timeIntegration.endTime = time
     model.mbs.SolveDynamic(settings)
-    gone = np.array(model.mbs.systemData.GetODE2Coordinates())[-6:-3] - speed * time
-    np.testing.assert_allclose(2.0 * gone / time**2, load.acceleration, rtol=close)
+    deviation = np.array(model.mbs.systemData.GetODE2Coordinates())[-6:-3] - speed * time
+    np.testing.assert_allclose(2.0 * deviation / time**2, load.acceleration, rtol=close)
 
 
 GIVE = {"compliance": (1e-7 * np.diag([1.0, 2.0, 1.0, 30.0, 20.0, 90.0])).tolist()}
@@ -334,19 +346,24 @@ def with_rotor(kind, give, *, by_key):
 @pytest.mark.parametrize("give", [{}, GIVE], ids=["stiff", "giving"])
 def test_rotor_key_equals_rotor_body(kind, give):
     """A rotor given by the drive's key `rotor` has the effect of one modelled as a body."""
-    found = []
+    frequencies = []
     for by_key in (True, False):
         arm = with_rotor(kind, give, by_key=by_key)
-        pull = on(arm, acceleration=[5.0, 0, 0], speed=[1.0, 0, 0])
+        pull = load_on(arm, acceleration=[5.0, 0, 0], speed=[1.0, 0, 0])
         numbers = [under(arm, pull, model=m).ravel() for m in ("vjm", "links", "simplified")]
-        at = reference_posture(arm)
-        own = {m: answers(m, [at], 3, ModelOptions(divisions=2))[0].frequencies for m in WITH_MASS}
+        arm_posture = reference_posture(arm)
+        frequencies_by_model = {
+            m: answers(m, [arm_posture], 3, ModelOptions(divisions=2))[0].frequencies
+            for m in WITH_MASS
+        }
         if not give:
-            np.testing.assert_allclose(own["beam"], ritz.frequencies(at, 3), rtol=1e-5)
-            rigid = ritz.simplified_response(at, 1)[1]
-            np.testing.assert_allclose(own["simplified"], rigid, rtol=1e-9)
-        found.append(np.concatenate([*numbers, *own.values()]))
-    np.testing.assert_allclose(found[0], found[1], rtol=1e-9, atol=1e-15)
+            np.testing.assert_allclose(
+                frequencies_by_model["beam"], ritz.frequencies(arm_posture, 3), rtol=1e-5
+            )
+            rigid = ritz.simplified_response(arm_posture, 1)[1]
+            np.testing.assert_allclose(frequencies_by_model["simplified"], rigid, rtol=1e-9)
+        frequencies.append(np.concatenate([*numbers, *frequencies_by_model.values()]))
+    np.testing.assert_allclose(frequencies[0], frequencies[1], rtol=1e-9, atol=1e-15)
 
 
 WITH_MASS = ("simplified", "segments", "beam", "solid")

@@ -32,9 +32,9 @@ THIRD = np.kron(
 def test_beams_and_segments_have_equal_statics():
     """Mechanisms with spatial closed loops, in postures other than the reference posture."""
     mechanism = load_robot("delta").mechanism
-    at = [posture(mechanism, pose) for pose in mechanism.poses[::4]]
+    postures = [posture(mechanism, pose) for pose in mechanism.poses[::4]]
     links, beam, segments = (
-        np.array([one.compliance for one in answers(model, at, 0, EULER_BERNOULLI)])
+        np.array([answer.compliance for answer in answers(model, postures, 0, EULER_BERNOULLI)])
         for model in ("links", "beam", "segments")
     )
     for other in (beam, segments):
@@ -43,22 +43,22 @@ def test_beams_and_segments_have_equal_statics():
 
 def test_branching_error_can_be_pickled():
     """Errors raised in worker processes are pickled."""
-    at = [reference_posture(load_robot("delta").mechanism)]
+    postures = [reference_posture(load_robot("delta").mechanism)]
     with pytest.raises(NoChainError, match=r"branches at .*; take --model links") as raised:
-        answers("vjm", at, 0)
+        answers("vjm", postures, 0)
     arrived = pickle.loads(pickle.dumps(raised.value))  # noqa: S301  its own bytes
-    for own in ("faults", "reason"):
-        assert getattr(arrived, own) == getattr(raised.value, own)
+    for attribute in ("faults", "reason"):
+        assert getattr(arrived, attribute) == getattr(raised.value, attribute)
 
 
 @pytest.mark.parametrize(("name", "model"), [("delta", "beam"), ("hexapod", "segments")])
 def test_threefold_robot_has_symmetric_results(name, model):
     """Points of the robot files have twelve digits; results are symmetric to 1e-11."""
-    (found,) = answers(model, [reference_posture(load_robot(name).mechanism)], 10)
-    turned = THIRD @ found.compliance @ THIRD.T
-    assert np.abs(turned - found.compliance).max() <= 1e-9 * np.abs(found.compliance).max()
+    (answer,) = answers(model, [reference_posture(load_robot(name).mechanism)], 10)
+    turned = THIRD @ answer.compliance @ THIRD.T
+    assert np.abs(turned - answer.compliance).max() <= 1e-9 * np.abs(answer.compliance).max()
     # Modes of the symmetry's two-dimensional representation come in pairs, from the first on.
-    first, second = found.frequencies[:2]
+    first, second = answer.frequencies[:2]
     assert second == pytest.approx(first, rel=1e-9)
 
 
@@ -97,27 +97,34 @@ def test_printed_release_is_at_leg_tip():
         for joint in mechanism.joints
     ]
     legs = sectioned_legs(replace(mechanism, joints=joints), ModelOptions(release="printed"))
-    assert {name: own.release for name, _, own in legs} == {"leg1": "condensed", "leg2": "printed"}
+    assert {name: options.release for name, _, options in legs} == {
+        "leg1": "condensed",
+        "leg2": "printed",
+    }
 
 
 def test_simplified_model_ignores_joint_compliance():
-    at = reference_posture(load_robot("ifw").mechanism)
-    joints = tuple(replace(joint, compliance=None) for joint in at.mechanism.joints)
-    stiff = replace(at, mechanism=replace(at.mechanism, joints=joints))
-    (found,), (expected,) = (answers("simplified", [one], 0) for one in (at, stiff))
-    assert found.compliance == pytest.approx(expected.compliance, rel=1e-12)
+    robot_posture = reference_posture(load_robot("ifw").mechanism)
+    joints = tuple(replace(joint, compliance=None) for joint in robot_posture.mechanism.joints)
+    stiff = replace(robot_posture, mechanism=replace(robot_posture.mechanism, joints=joints))
+    (computed,), (expected,) = (
+        answers("simplified", [solved_posture], 0) for solved_posture in (robot_posture, stiff)
+    )
+    assert computed.compliance == pytest.approx(expected.compliance, rel=1e-12)
 
 
 def test_legs_are_shared_only_if_identical():
     described = load_robot("five-bar").mechanism
     lengths = {name: leg.length for name, leg, _ in sectioned_legs(described, DEFAULT_OPTIONS)}
     assert len(set(lengths.values())) < len(lengths)
-    for change, apart in ((1e-12, False), (1e-6, True)):
+    for change, are_distinct in ((1e-12, False), (1e-6, True)):
         rod = described.bodies["rod1"]
         longer = replace(rod, shape=replace(rod.shape, length=(1.0 + change) * rod.shape.length))
         changed = replace(described, bodies={**described.bodies, "rod1": longer})
-        known = {name: leg.length for name, leg, _ in sectioned_legs(changed, DEFAULT_OPTIONS)}
-        assert (known["rod1"] != known["rod2"]) is apart
+        lengths_by_leg = {
+            name: leg.length for name, leg, _ in sectioned_legs(changed, DEFAULT_OPTIONS)
+        }
+        assert (lengths_by_leg["rod1"] != lengths_by_leg["rod2"]) is are_distinct
 
 
 def test_element_count_grows_for_many_modes():
@@ -152,45 +159,50 @@ def strains_of(leg, twists_at):
 
 def test_energy_shares_equal_strain_energy():
     """Tolerance 1e-5: difference quotients with a step of 1e-3 of an element."""
-    at = reference_posture(load_robot("five-bar").mechanism)
-    (found,) = mechanism_modes("beam", [at], 8)
-    system, motions = found.system, found.system.motions
-    for mode, shape in enumerate(found.modes.shapes.T):
+    robot_posture = reference_posture(load_robot("five-bar").mechanism)
+    (solved_modes,) = mechanism_modes("beam", [robot_posture], 8)
+    system, motions = solved_modes.system, solved_modes.system.motions
+    for mode, shape in enumerate(solved_modes.modes.shapes.T):
         # Rayleigh, unit modal mass.
-        whole = 0.5 * (2.0 * np.pi * found.modes.frequencies[mode]) ** 2
-        for name, leg in legs_of(at.mechanism).items():
-            line, own = system.models[name].centreline, system.body_unknowns(name, shape[:, None])
-            strains = strains_of(leg, lambda x, on=line, u=own: (on(x) @ u).reshape(-1, 6))
+        total = 0.5 * (2.0 * np.pi * solved_modes.modes.frequencies[mode]) ** 2
+        for name, leg in legs_of(robot_posture.mechanism).items():
+            line, unknowns = (
+                system.models[name].centreline,
+                system.body_unknowns(name, shape[:, None]),
+            )
+            strains = strains_of(leg, lambda x, on=line, u=unknowns: (on(x) @ u).reshape(-1, 6))
             for kind, energy in strains.items():
-                share = found.strain[Portion(name, kind)][mode]
-                assert share == pytest.approx(energy / whole, abs=1e-5), (mode, name, kind)
-        for joint in at.mechanism.joints:
+                share = solved_modes.strain[Portion(name, kind)][mode]
+                assert share == pytest.approx(energy / total, abs=1e-5), (mode, name, kind)
+        for joint in robot_posture.mechanism.joints:
             if joint.drive is not None:
-                place = interface_position(at, joint.second)
-                turning = motions.at(joint.second.body, joint.second.point, place)[5]
+                point = interface_position(robot_posture, joint.second)
+                turning = motions.at(joint.second.body, joint.second.point, point)[5]
                 energy = 0.5 * joint.drive.stiffness * (turning @ shape[: system.outer]) ** 2
-                share = found.strain[Portion(joint.name, "drive")][mode]
-                assert share == pytest.approx(energy / whole, abs=1e-9)
+                share = solved_modes.strain[Portion(joint.name, "drive")][mode]
+                assert share == pytest.approx(energy / total, abs=1e-9)
 
 
 def test_energy_shares_sum_to_one():
     """If all bodies are rigid, the strain energy is in the drives."""
-    at = [reference_posture(load_robot("hexapod").mechanism)]
-    (found,) = mechanism_modes("segments", at, 60)
-    (expected,) = answers("segments", at, 60)
-    np.testing.assert_allclose(sum(found.strain.values()), np.ones(60), rtol=1e-12)
-    np.testing.assert_allclose(found.modes.frequencies, expected.frequencies, rtol=1e-12)
+    postures = [reference_posture(load_robot("hexapod").mechanism)]
+    (solved_modes,) = mechanism_modes("segments", postures, 60)
+    (expected,) = answers("segments", postures, 60)
+    np.testing.assert_allclose(sum(solved_modes.strain.values()), np.ones(60), rtol=1e-12)
+    np.testing.assert_allclose(solved_modes.modes.frequencies, expected.frequencies, rtol=1e-12)
     # Relative to the largest entry: by symmetry some are rounding alone.
     scale = np.abs(expected.compliance).max()
-    np.testing.assert_allclose(found.compliance, expected.compliance, rtol=0, atol=1e-12 * scale)
-    (rigid,) = mechanism_modes("simplified", at, 12)
+    np.testing.assert_allclose(
+        solved_modes.compliance, expected.compliance, rtol=0, atol=1e-12 * scale
+    )
+    (rigid,) = mechanism_modes("simplified", postures, 12)
     assert set(rigid.strain) == {Portion(f"drive{k}", "drive") for k in range(1, 7)}
     np.testing.assert_allclose(sum(rigid.strain.values()), np.ones(6), rtol=1e-12)
 
 
 def test_modes_of_model_are_paired_with_themselves(command):
-    asked = ("--model", "beam", "--modes", "12", "--against", "beam")
-    (result,) = command.json("solve", "orthoglide", *asked)["results"]
+    words = ("--model", "beam", "--modes", "12", "--against", "beam")
+    (result,) = command.json("solve", "orthoglide", *words)["results"]
     pairs = result["partners"]["pairs"]
     assert [pair["partner"] for pair in pairs] == list(range(1, 13))
     assert [pair["mac"] for pair in pairs] == pytest.approx([1.0] * 12, abs=1e-9)

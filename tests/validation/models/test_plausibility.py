@@ -119,11 +119,17 @@ def test_ordinary_robot_has_no_warning(robot):
 
 
 def test_lengths_in_mm_have_warning():
-    found = robot_findings(described(LEAVES))
-    assert [one.where for one in found] == ["bodies.leaf1", "bodies.leaf2", "bodies.stage"]
+    findings = robot_findings(described(LEAVES))
+    assert [finding.where for finding in findings] == [
+        "bodies.leaf1",
+        "bodies.leaf2",
+        "bodies.stage",
+    ]
     # 60 m × 20 m × 0.5 m of steel are 4710 t.
-    assert found[0].numbers == pytest.approx({"span": 60.0, "mass": 4.71e6})
-    assert all("are lengths given in mm? Lengths must be in m" in one.wrong for one in found)
+    assert findings[0].numbers == pytest.approx({"span": 60.0, "mass": 4.71e6})
+    assert all(
+        "are lengths given in mm? Lengths must be in m" in finding.wrong for finding in findings
+    )
 
 
 def test_large_crane_has_no_warning():
@@ -133,9 +139,9 @@ def test_large_crane_has_no_warning():
 @pytest.mark.parametrize("gravity", [[0, 0, -9810.0], [0, 9810.0, 0], [0, -6937.0, -6937.0]])
 def test_gravity_in_mm_has_warning(gravity):
     load = f'[[loads]]\nname = "weight"\ngravity = {gravity}\n'
-    (found,) = robot_findings(described(PENDULUM + load))
-    assert found.where == "loads.weight.gravity"
-    assert found.numbers["gravity"] == pytest.approx(9810.0, rel=1e-3)
+    (finding,) = robot_findings(described(PENDULUM + load))
+    assert finding.where == "loads.weight.gravity"
+    assert finding.numbers["gravity"] == pytest.approx(9810.0, rel=1e-3)
 
 
 @pytest.mark.parametrize("gravity", [[0, 0, -9.81], [0, 6.94, -6.94], [0, 0, -1.62]])
@@ -149,12 +155,14 @@ def test_bore_across_joint_axis_has_warning(tmp_path):
     along = ARM.format(at="[-0.02, 0.0, 0.0]", y="[0.0, 1.0, 0.0]")
     assert robot_findings(robot_of(along, tmp_path).mechanism) == ()
     across = ARM.format(at="[-0.02, 0.0, 0.0]", y="[0.0, 0.0, 1.0]")
-    (found,) = robot_findings(robot_of(across, tmp_path).mechanism)
-    assert found.where == "bodies.arm.interfaces.A"
-    assert found.numbers["angle"] == pytest.approx(90.0)
+    (finding,) = robot_findings(robot_of(across, tmp_path).mechanism)
+    assert finding.where == "bodies.arm.interfaces.A"
+    assert finding.numbers["angle"] == pytest.approx(90.0)
 
 
 @pytest.mark.parametrize(("start", "gap"), [(0.2, None), (0.5, None), (0.7, 0.2)])
 def test_gap_in_sliding_joint_has_warning(start, gap):
-    found = robot_findings(described(TELESCOPE.format(start=start)))
-    assert [one.numbers["gap"] for one in found] == pytest.approx([] if gap is None else [gap])
+    findings = robot_findings(described(TELESCOPE.format(start=start)))
+    assert [finding.numbers["gap"] for finding in findings] == pytest.approx(
+        [] if gap is None else [gap]
+    )

@@ -68,8 +68,8 @@ def test_pressed_block_moves_as_by_elasticity(block, model):
     Force: u_x = x/EA, u_z = −νz/EA. Moment M about −y: u_z = M (x² + ν(z² − y²))/2EI less its mean
     ν(h² − b²)M/24EI over the held end. p on all sides shortens by p(1 − 2ν)L/E.
     """
-    at = reference_posture(block.mechanism)
-    (end, top, every) = displacements(model, [at])[0]
+    block_posture = reference_posture(block.mechanism)
+    (end, top, every) = displacements(model, [block_posture])[0]
     p = 1.0e5
     rotation = p * WIDTH * (LENGTH**3 / 6.0 + NU * HEIGHT**2 * LENGTH / 12.0)
     rotation /= E * WIDTH * HEIGHT**3 / 12.0
@@ -83,8 +83,8 @@ def test_pressed_block_moves_as_by_elasticity(block, model):
 
 def test_equivalent_beam_carries_wrenches_of_part(block):
     """A pressure p on the end acts as pA at the tip. One on a side of width b is a load q = p b."""
-    at = reference_posture(block.mechanism)
-    (end, top, _) = displacements("beam", [at], ModelOptions(parts="condensed"))[0]
+    block_posture = reference_posture(block.mechanism)
+    (end, top, _) = displacements("beam", [block_posture], ModelOptions(parts="condensed"))[0]
     assert end[0] == pytest.approx(-4.0e6 * LENGTH / E, rel=1e-9)
     q, bending = 1.0e5 * WIDTH, E * WIDTH * HEIGHT**3 / 12.0
     shear = 10.0 * (1.0 + NU) / (12.0 + 11.0 * NU) * E / (2.0 * (1.0 + NU)) * WIDTH * HEIGHT
@@ -95,8 +95,8 @@ def test_equivalent_beam_carries_wrenches_of_part(block):
 
 @pytest.mark.parametrize("model", ["solid", "beam", "simplified"])
 def test_reactions_balance_pressures(block, model):
-    at = reference_posture(block.mechanism)
-    (by_load,) = load_forces(model, [at])
+    block_posture = reference_posture(block.mechanism)
+    (by_load,) = load_forces(model, [block_posture])
     by_hand = {
         "end": [-4.0e6 * WIDTH * HEIGHT, 0, 0, 0, 0, 0],
         "top": [0, 0, -1.0e5 * LENGTH * WIDTH, 0, 1.0e5 * LENGTH**2 * WIDTH / 2.0, 0],
@@ -114,8 +114,8 @@ def test_reactions_balance_pressures(block, model):
 
 def test_hydrostatic_stress_field_is_uniform(block):
     """σ = −p 1 in the whole block."""
-    found = forces(Question(block, "solid", {}), ["all"], solids=True)
-    field = found.poses[0].loads["all"].solids["block"]
+    analysis = forces(Question(block, "solid", {}), ["all"], solids=True)
+    field = analysis.poses[0].loads["all"].solids["block"]
     expected = np.tile([-1e7, -1e7, -1e7, 0.0, 0.0, 0.0], (len(field.stresses), 1))
     np.testing.assert_allclose(field.stresses, expected, atol=1e-7 * 1e7)
     stretch = field.displacements[:, 0] + 1e7 * (1 - 2 * NU) / E * field.mesh.nodes[:, 0]
@@ -124,8 +124,8 @@ def test_hydrostatic_stress_field_is_uniform(block):
 
 def test_uniform_pressure_does_not_buckle_bar(block):
     """The pressure follows the surface. Loads of fixed direction would predict buckling."""
-    at = reference_posture(block.mechanism)
-    (row,) = stabilities("links", [at])
+    block_posture = reference_posture(block.mechanism)
+    (row,) = stabilities("links", [block_posture])
     every, load = row[-1], block.mechanism.loads[-1]
     assert every.factor is not None
     assert gives_way_pressed(load, every)

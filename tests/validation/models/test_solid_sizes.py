@@ -32,8 +32,8 @@ REASON = (
 @pytest.fixture
 def context(monkeypatch):
     """Context of a quick run in which meshing a solid is an error."""
-    for place in ("validation.solids.solid_legs", "fem.bodies.solid"):
-        monkeypatch.setattr(f"{place}.solid_mesh", refused)
+    for module in ("validation.solids.solid_legs", "fem.bodies.solid"):
+        monkeypatch.setattr(f"{module}.solid_mesh", refused)
     return Context(SLENDER, "quick")
 
 
@@ -48,25 +48,25 @@ def test_estimated_unknowns_equal_mesh(divisions):
         assert solid_unknowns(leg, divisions) == 3 * len(solid_mesh(leg, divisions).nodes)
     # The five blocks of a circle share the nodes on their edges, at worst 45 on 25 places.
     disc = ConstantLeg(0.5, Circle(0.1), STEEL)
-    counted, meshed = solid_unknowns(disc, divisions), 3 * len(solid_mesh(disc, divisions).nodes)
-    assert meshed <= counted <= 1.8 * meshed
+    estimated, meshed = solid_unknowns(disc, divisions), 3 * len(solid_mesh(disc, divisions).nodes)
+    assert meshed <= estimated <= 1.8 * meshed
 
 
 def test_too_large_legs_are_listed():
     stout = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL, name="leg 2")
     assert too_large([stout, stout], [2, 2], "quick") == ""
-    said = too_large([BLADE, stout], [4, 2], "fine")
-    assert said.startswith("leg 1 as a solid of 4 divisions has about 1.9e+06")
-    assert "leg 2" not in said
-    assert f"preset fine allows {LARGEST['fine']}" in said
+    message = too_large([BLADE, stout], [4, 2], "fine")
+    assert message.startswith("leg 1 as a solid of 4 divisions has about 1.9e+06")
+    assert "leg 2" not in message
+    assert f"preset fine allows {LARGEST['fine']}" in message
 
 
 def test_missing_reference_has_reason(context):
     """If the solids are too large, there is no other reference: all verdicts are undecided."""
     robot = robot_at(context, placed_at(SLENDER.mechanism))
-    found = of_mechanisms.dynamic_reference(Responses(robot))
-    assert not found.interpretations
-    assert re.match(REASON, found.decides)
+    reference = of_mechanisms.dynamic_reference(Responses(robot))
+    assert not reference.interpretations
+    assert re.match(REASON, reference.decides)
 
 
 def test_unpaired_modes_figure_has_reason(context):
@@ -82,21 +82,21 @@ def test_too_large_export_is_refused_before_run(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("thickness", "said"), [(2e-4, "preset fine allows it$"), (5e-5, "no preset allows it$")]
+    ("thickness", "message"), [(2e-4, "preset fine allows it$"), (5e-5, "no preset allows it$")]
 )
-def test_too_large_leg_names_preset(thickness, said):
+def test_too_large_leg_names_preset(thickness, message):
     foil = ConstantLeg(0.85, Tube(0.12, thickness), STEEL, name="leg 1")
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         solid_leg(Context(IFW, "quick"), foil)
 
 
 @pytest.mark.parametrize(
-    ("preset", "said"),
+    ("preset", "message"),
     [("quick", "--preset fine"), ("standard", "--preset fine"), ("fine", "no preset")],
 )
-def test_undecided_entry_names_preset(preset, said):
+def test_undecided_entry_names_preset(preset, message):
     # 0.1 m by 0.06 m: 900 unknowns are six divisions, and so they are at standard; fine has more.
     leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL)
     uncertain = "undecided because of the mesh uncertainty of the reference"
-    due = f"{uncertain}; {said} has a finer one"
+    due = f"{uncertain}; {message} has a finer one"
     assert finer_statics(Context(IFW, preset), [leg]) == due

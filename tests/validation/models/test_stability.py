@@ -65,7 +65,7 @@ def on_pedestal(name):
     joints = tables["joints"].values()
     feet = [joint["at"] for joint in joints if "ground" in joint["between"]]
     for joint in joints:
-        joint["between"] = ["pedestal" if one == "ground" else one for one in joint["between"]]
+        joint["between"] = ["pedestal" if body == "ground" else body for body in joint["between"]]
     tables["points"]["O"] = [0.0, 0.0, 0.0]
     tables["bodies"]["pedestal"] = {"points": ["O", *feet]}
     base = {"type": "fixed", "between": ["ground", "pedestal"], "at": "O"}
@@ -82,48 +82,52 @@ def turning(force):
 def test_rotation_has_load_stiffness_only(name):
     """In a rigid rotation θ loads keep their direction: θ × F, and half of θ × M from each side."""
     robot = on_pedestal(name)
-    at, tool = posture(robot, robot.poses[len(robot.poses) // 3]), robot.tool
+    robot_posture, tool = posture(robot, robot.poses[len(robot.poses) // 3]), robot.tool
     wrench, gravity = np.array([3.0, -2.0, 5.0, 0.4, 0.5, -0.6]), np.array([1.0, 2.0, -9.81])
-    prepared, legs = prestressed_assembly("links", [at], ModelOptions())
-    system = prepared.at(at)
+    prepared, legs = prestressed_assembly("links", [robot_posture], ModelOptions())
+    system = prepared.at(robot_posture)
     solution, motions, outer = solved(system), system.motions, system.outer
-    rigid = np.vstack([shift(place)[:, 3:] for place in motions.places])
+    rigid = np.vstack([shift(position)[:, 3:] for position in motions.places])
     turned = np.zeros((system.size, 3))
     turned[:outer] = np.linalg.lstsq(motions.twists.reshape(-1, outer), rigid)[0]
     assert np.abs(motions.twists.reshape(-1, outer) @ turned[:outer] - rigid).max() < 1e-9
 
-    load = loading(at, Load("forces", tool.body, tool.point, wrench), InterfaceLoads())
+    load = loading(robot_posture, Load("forces", tool.body, tool.point, wrench), InterfaceLoads())
     (force,) = load.point_wrenches
     rows = motions.at(force.body, force.point, force.position)
     base = motions.at("pedestal", "O", np.zeros(3))
     due = np.zeros((system.size, 3))
-    for where, own in ((rows, wrench), (base, -shift(force.position).T @ wrench)):
-        due[:outer] += where[:3].T @ turning(own[:3]) + 0.5 * where[3:].T @ turning(own[3:])
+    for where, load_wrench in ((rows, wrench), (base, -shift(force.position).T @ wrench)):
+        due[:outer] += where[:3].T @ turning(load_wrench[:3]) + 0.5 * where[3:].T @ turning(
+            load_wrench[3:]
+        )
     # Whether legs bend within or turn as wholes.
     for bent in (legs, {}):
-        found = geometric_stiffness(solution, load, bent)
-        np.testing.assert_allclose(found @ turned, due, rtol=0, atol=1e-7 * np.abs(found).max())
+        stiffness = geometric_stiffness(solution, load, bent)
+        np.testing.assert_allclose(
+            stiffness @ turned, due, rtol=0, atol=1e-7 * np.abs(stiffness).max()
+        )
 
     # Weight acts along the legs: by the bodies' centres, where all of it turns.
     weight = Load("weight", tool.body, tool.point, gravity=gravity)
-    load = loading(at, weight, interface_loads(replace(robot, loads=(weight,))))
-    found = turned.T @ geometric_stiffness(solution, load, legs) @ turned
+    load = loading(robot_posture, weight, interface_loads(replace(robot, loads=(weight,))))
+    stiffness = turned.T @ geometric_stiffness(solution, load, legs) @ turned
     masses = [(tool.mass, load.point_wrenches[-1].position)]
     for name_of, body in robot.bodies.items():
-        shape, frame = body.shape, at.frames[name_of]
+        shape, frame = body.shape, robot_posture.frames[name_of]
         centre = shape.centre if isinstance(shape, Rigid) else np.array([shape.length / 2, 0, 0])
         masses.append((shape.mass, frame.position + frame.rotation @ centre))
-    due = sum(mass * shift(place)[:3, 3:].T @ turning(gravity) for mass, place in masses)
-    moment = sum(mass * np.cross(place, gravity) for mass, place in masses)
+    due = sum(mass * shift(position)[:3, 3:].T @ turning(gravity) for mass, position in masses)
+    moment = sum(mass * np.cross(position, gravity) for mass, position in masses)
     due -= 0.5 * turning(moment)
-    np.testing.assert_allclose(found, due, rtol=0, atol=1e-7 * np.abs(due).max())
+    np.testing.assert_allclose(stiffness, due, rtol=0, atol=1e-7 * np.abs(due).max())
 
 
 def held_twice(first, wrench, *compliances):
     """Rigid bar on two joints, and the geometric stiffness due to a wrench (6) on it."""
     robot = described(HELD.replace("FIRST", first))
     gives = zip(robot.joints, compliances, strict=True)
-    joints = tuple(replace(one, compliance=give) for one, give in gives)
+    joints = tuple(replace(joint, compliance=give) for joint, give in gives)
     solution = solved(assemble(reference_posture(replace(robot, joints=joints)), {}))
     load = Loading([AppliedWrench("bar", "O", np.zeros(3), np.array(wrench))])
     return joints, solution.system.motions.twists[0], geometric_stiffness(solution, load, {})
@@ -132,19 +136,19 @@ def held_twice(first, wrench, *compliances):
 def test_axial_force_splits_by_end_stiffness():
     """A quarter of P pulls on one part, three quarters push on the other: −½ (¾ − ¼) P L/2 θ²."""
     give = 1e-6 * np.eye(6)
-    _, twists, found = held_twice('type = "fixed"', [8.0, 0, 0, 0, 0, 0], give, give / 3.0)
+    _, twists, stiffness = held_twice('type = "fixed"', [8.0, 0, 0, 0, 0, 0], give, give / 3.0)
     due = twists.T @ np.diag([0, 0, 0, 0, -2.0, -2.0]) @ twists
-    np.testing.assert_allclose(found, due, rtol=0, atol=1e-9 * np.abs(due).max())
+    np.testing.assert_allclose(stiffness, due, rtol=0, atol=1e-9 * np.abs(due).max())
 
 
 def test_cardan_moment_couples_angles():
     """Work M·θ(α, β) on a rotation vector θ with mixed second derivative ½ a₁ × a₂ of the axes."""
     first = 'type = "universal", axes = [[1.0, 0.0, 0.0], [0.6, 0.8, 0.0]]'
     give, moment = np.diag([1e3, 1e3, 1e3, 1e-4, 1e-4, 1e-4]), [0, 0, 0, 0, 0, 7.0]
-    (hook, _), twists, found = held_twice(first, moment, None, give)
+    (hook, _), twists, stiffness = held_twice(first, moment, None, give)
     angles = np.linalg.pinv(hook.axes.T) @ twists[3:]
     due = -0.5 * 7.0 * 0.8 * angles.T @ np.array([[0, 1], [1, 0]]) @ angles
-    np.testing.assert_allclose(found, due, rtol=0, atol=1e-9 * np.abs(due).max())
+    np.testing.assert_allclose(stiffness, due, rtol=0, atol=1e-9 * np.abs(due).max())
 
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
@@ -156,8 +160,8 @@ def test_inverted_pendulum_buckles_at_k_over_mgh(model):
     up = Load("up", "bob", "P", gravity=np.array([0.0, 9.81, 0.0]))
     down, twice = replace(up, gravity=-up.gravity), replace(up, gravity=2.0 * up.gravity)
     heavier = described(PENDULUM.replace("moves", "mass = 1.0, moves"))
-    at = reference_posture(replace(heavier, loads=(up, down, twice)))
-    ((above, below, double),) = stabilities(model, [at], count=1)
+    pendulum_posture = reference_posture(replace(heavier, loads=(up, down, twice)))
+    ((above, below, double),) = stabilities(model, [pendulum_posture], count=1)
     due = 4.0e4 / (9.81 * (3.0 * 0.5 + 1.0 * 0.8))
     assert above.factor == pytest.approx(due, rel=1e-9)
     assert (above.reversed, below.factor) == (None, None)
@@ -166,7 +170,7 @@ def test_inverted_pendulum_buckles_at_k_over_mgh(model):
     assert above.shares == pytest.approx({"pivot": 1.0})
     assert above.stiffness_losses == pytest.approx([1.0 / due, 0, 0, 0, 0, 1.0 / due], abs=1e-9)
     if model != "links":
-        (free,) = answers(model, [at], 1)
+        (free,) = answers(model, [pendulum_posture], 1)
         due = free.frequencies[0] * np.sqrt(1.0 - 1.0 / due)
         assert above.frequencies[0] == pytest.approx(due, rel=1e-9)
 
@@ -179,20 +183,22 @@ def test_inverted_pendulum_buckles_at_k_over_mgh(model):
 def test_portal_frame_buckling_is_published(base, axis, due):
     """kh tan kh = 6 and −kh cot kh = 6 (Timoshenko and Gere, 1961, §2.4), P = (kh)² EI/h² each."""
     frame = described(PORTAL.replace("BASE", base).replace(" AXIS", axis))
-    at = reference_posture(frame)
-    prepared, legs = prestressed_assembly("links", [at], EULER)
+    frame_posture = reference_posture(frame)
+    prepared, legs = prestressed_assembly("links", [frame_posture], EULER)
     push = np.array([0, -1.0, 0, 0, 0, 0])
     tops = [
         AppliedWrench("beam", p, np.array([x, 1.0, 0]), push) for p, x in (("B", 0.0), ("C", 1.0))
     ]
-    solution = solved(prepared.at(at))
-    whole = geometric_stiffness(solution, Loading(tops), legs)
-    found = stability(solution, whole, Loading(tops))
+    solution = solved(prepared.at(frame_posture))
+    frame_stiffness = geometric_stiffness(solution, Loading(tops), legs)
+    frame_stability = stability(solution, frame_stiffness, Loading(tops))
     bending = 2e11 * 0.05 * 0.01**3 / 12.0
-    assert found.factor == pytest.approx(due * bending, rel=1e-3)
+    assert frame_stability.factor == pytest.approx(due * bending, rel=1e-3)
     # Loads add up.
-    both = [geometric_stiffness(solution, Loading([one]), legs) for one in tops]
-    np.testing.assert_allclose(sum(both), whole, rtol=0, atol=1e-9 * np.abs(whole).max())
+    stiffness_by_load = [geometric_stiffness(solution, Loading([top]), legs) for top in tops]
+    np.testing.assert_allclose(
+        sum(stiffness_by_load), frame_stiffness, rtol=0, atol=1e-9 * np.abs(frame_stiffness).max()
+    )
 
 
 ROD = """
@@ -220,7 +226,7 @@ def turned_robot(tables, rotation):
     def turn(vector):
         return (rotation @ vector).tolist()
 
-    tables["points"] = {name: turn(place) for name, place in tables["points"].items()}
+    tables["points"] = {name: turn(point) for name, point in tables["points"].items()}
     for body in tables["bodies"].values():
         if "from" in body:
             body["up"] = turn(body.get("up", [0.0, 0.0, 1.0]))
@@ -242,8 +248,8 @@ def buckled(tables, rotation, force, gravity, model="beam"):
     tool = robot.tool
     wrench = np.concatenate([rotation @ force, np.zeros(3)])
     load = Load("load", tool.body, tool.point, wrench, rotation @ gravity)
-    ((found,),) = stabilities(model, [reference_posture(replace(robot, loads=(load,)))], count=3)
-    return found
+    ((result,),) = stabilities(model, [reference_posture(replace(robot, loads=(load,)))], count=3)
+    return result
 
 
 @pytest.mark.parametrize("across", [0.0, 2.0, 20.0])
@@ -252,12 +258,12 @@ def test_idle_rod_keeps_euler_load(across):
     tables = tomllib.loads(ROD)
     euler = np.pi**3 * 2.1e11 * 0.01**4 / 64.0
     push, gravity = np.array([0, 0, -10.0]), np.array([across, 0, 0])
-    found = []
+    factors = []
     for rotation in (np.eye(3), *Rotation.random(4, random_state=43).as_matrix()):
-        one = buckled(tables, rotation, push, gravity)
-        assert one.factor == pytest.approx(euler / 10.0, rel=3e-4)
-        found.append([one.factor, *one.frequencies])
-    np.testing.assert_allclose(found, found[0] * np.ones((5, 1)), rtol=1e-6)
+        result = buckled(tables, rotation, push, gravity)
+        assert result.factor == pytest.approx(euler / 10.0, rel=3e-4)
+        factors.append([result.factor, *result.frequencies])
+    np.testing.assert_allclose(factors, factors[0] * np.ones((5, 1)), rtol=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["rods", "elastic balls", "rigid rod"])
@@ -272,26 +278,26 @@ def test_buckling_is_frame_invariant(kind):
         middle = np.array([tables["points"][end] for end in ends]).mean(axis=0)
         tables["bodies"]["rod1l"] = {"points": ends, "mass": 2.0, "centre": middle.tolist()}
     force, gravity = np.array([30.0, -20.0, -200.0]), np.array([20.0, 10.0, -60.0])
-    found = []
+    factors = []
     for rotation in (np.eye(3), *Rotation.random(2, random_state=8).as_matrix()):
-        one = buckled(tables, rotation, force, gravity, "links")
-        found.append([one.factor, -one.reversed, one.extra_displacement])
+        result = buckled(tables, rotation, force, gravity, "links")
+        factors.append([result.factor, -result.reversed, result.extra_displacement])
     # Round-off of factors is 1e-9; before, they differed by up to 9 %.
-    np.testing.assert_allclose(found, found[0] * np.ones((3, 1)), rtol=1e-5)
+    np.testing.assert_allclose(factors, factors[0] * np.ones((3, 1)), rtol=1e-5)
 
 
 def test_idle_rod_torque_is_frame_invariant():
     """The inertia of the spinning rod balances the torque. Its ball joints transmit no moment."""
-    tables, found = load_robot("delta").tables, []
+    tables, factors = load_robot("delta").tables, []
     axis = np.subtract(tables["points"]["C1l"], tables["points"]["E1l"]) / 0.56
     for rotation in (np.eye(3), *Rotation.random(2, random_state=8).as_matrix()):
         robot = turned_robot(deepcopy(tables), rotation)
         wrench = np.concatenate([rotation @ [0, 0, -50.0], 5.0 * rotation @ axis])
         load = Load("load", "rod1l", "E1l", wrench)
-        ((one,),) = stabilities("links", [reference_posture(replace(robot, loads=(load,)))])
-        found.append([one.factor, -one.reversed, one.extra_displacement])
+        ((result,),) = stabilities("links", [reference_posture(replace(robot, loads=(load,)))])
+        factors.append([result.factor, -result.reversed, result.extra_displacement])
     # Round-off is 1e-9; without the inertia they differed by 4e-5, and the factor by 17 %.
-    np.testing.assert_allclose(found, found[0] * np.ones((3, 1)), rtol=1e-7)
+    np.testing.assert_allclose(factors, factors[0] * np.ones((3, 1)), rtol=1e-7)
 
 
 def rods_under_acceleration(acceleration, tables, leg):
@@ -323,8 +329,8 @@ def rods_under_acceleration(acceleration, tables, leg):
     p, rows = leg.timoshenko, np.zeros((len(x), slopes.shape[1]))
     bent, slopes = np.hstack([rows, bending]), np.hstack([slopes, 0.0 * turning])
     stiffness = sum(
-        one.T @ (weights[:, None] * constant * one)
-        for one, constant in ((sheared, p.GAy), (bent, p.EIy))
+        factor.T @ (weights[:, None] * constant * factor)
+        for factor, constant in ((sheared, p.GAy), (bent, p.EIy))
     )
     geometric = slopes.T @ ((weights * pressed)[:, None] * slopes)
     return float(1.0 / eigh(geometric, stiffness, eigvals_only=True)[-1])
@@ -342,10 +348,10 @@ def test_accelerated_delta_buckles_as_its_rods():
     for number in "123":
         tables["joints"][f"motor{number}"]["drive"]["stiffness"] = 1e9
         tables["bodies"][f"arm{number}"]["material"] = "stiff"
-    for one in (robot, described_by(tables, Path())[0]):
+    for mechanism in (robot, described_by(tables, Path())[0]):
         load = Load("starts", "platform", "P", acceleration=np.array([0, 0, -100.0]))
-        ((found,),) = stabilities("beam", [reference_posture(replace(one, loads=(load,)))])
-        factors.append(found.factor)
+        ((result,),) = stabilities("beam", [reference_posture(replace(mechanism, loads=(load,)))])
+        factors.append(result.factor)
     # Ten elements leave 2e-5, arms of 2000 GPa as much.
     assert factors[1] == pytest.approx(due, rel=2e-4)
     assert factors[0] / factors[1] == pytest.approx(0.9958, abs=5e-4)
@@ -355,7 +361,7 @@ def test_accelerated_delta_buckles_as_its_rods():
 def test_column_buckles_by_own_weight(up):
     """Q L²/EI = 7.837 (Greenhill). A hanging column does not buckle."""
     section = '{ shape = "circle", diameter = 0.01 }'
-    text = ONE_ARM.replace("P = [0.0, 0.5, 0.0]", f"P = {[0.5 * one for one in up]}")
+    text = ONE_ARM.replace("P = [0.0, 0.5, 0.0]", f"P = {[0.5 * component for component in up]}")
     text = re.sub("section = .*", f"section = {section}", text).replace("mass = 1.0", "mass = 0.0")
     text = text.replace('from = "A"', f'from = "A"\nup = {[up[1], up[2], up[0]]}')
     text = text.replace('type = "revolute"', 'type = "fixed"').replace('["x"]', "[]")
@@ -366,20 +372,22 @@ def test_column_buckles_by_own_weight(up):
         Load(name, "arm", "P", gravity=sign * 9.81 * np.array(up, dtype=float))
         for name, sign in (("stands", -1.0), ("hangs", 1.0))
     )
-    ((stands, hangs),) = stabilities("beam", [reference_posture(replace(arm, loads=loads))])
+    ((standing, hanging),) = stabilities("beam", [reference_posture(replace(arm, loads=loads))])
     due = 7.837347 * 2.1e11 * np.pi * 0.01**4 / 64.0 / 0.5**2 / weight
-    assert stands.factor == pytest.approx(due, rel=1e-3)
-    assert hangs.factor is None
+    assert standing.factor == pytest.approx(due, rel=1e-3)
+    assert hanging.factor is None
 
 
 def test_models_with_equal_statics_buckle_alike():
     robot = load_robot("ifw").mechanism
     weight = Load("weight", robot.tool.body, robot.tool.point, gravity=np.array([0, 0, -9.81]))
     stop = replace(weight, gravity=np.zeros(3), acceleration=np.array([1.0, 0, 0]))
-    at = posture(replace(robot, loads=(weight, stop)), robot.poses[0])
-    found = {m: stabilities(m, [at])[0] for m in ("vjm", "links", "beam", "segments")}
-    assert all(stopped is None for _, stopped in found.values())
-    factors = {m: one.factor for m, (one, _) in found.items()}
+    robot_posture = posture(replace(robot, loads=(weight, stop)), robot.poses[0])
+    stability_by_model = {
+        m: stabilities(m, [robot_posture])[0] for m in ("vjm", "links", "beam", "segments")
+    }
+    assert all(stopped is None for _, stopped in stability_by_model.values())
+    factors = {m: first.factor for m, (first, _) in stability_by_model.items()}
     assert factors["vjm"] == factors["links"]
     assert factors["segments"] == pytest.approx(factors["beam"], rel=1e-3)
 
@@ -394,5 +402,5 @@ def test_solid_buckles_without_shear_formula():
     post = described(f"{re.sub(r'section = .*', f'section = {WIDE}', arm)}{press}")
     with pytest.raises(ComputationError, match="κ"):
         answers("beam", [reference_posture(post)], 0)
-    ((found,),) = stabilities("solid", [reference_posture(post)], ModelOptions(divisions=1))
-    assert found.factor > 0.0
+    ((result,),) = stabilities("solid", [reference_posture(post)], ModelOptions(divisions=1))
+    assert result.factor > 0.0

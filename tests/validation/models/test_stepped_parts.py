@@ -52,35 +52,35 @@ def test_channel_twists_about_shear_centre(tmp_path):
     scale = np.sqrt(np.diag(identified.compliance))
     unit = np.outer(scale, scale)
 
-    def off(leg):
+    def distance(leg):
         return (compliance(leg) - identified.compliance) / unit
 
     # Thin walls: e = 3b²t/(h t + 6 b t) behind the back's middle, b and h between walls' middles.
     b, h = 0.036, 0.052
     (piece, *_) = leg.pieces
     beam = piece.properties
-    place = piece.start[1:] + piece.axes[1:, 1:] @ np.array([beam.centre_y, beam.centre_z])
-    assert place == pytest.approx([0.004 - 3.0 * b**2 / (h + 6.0 * b), 0.0], abs=1.5e-3)
+    shear_centre = piece.start[1:] + piece.axes[1:, 1:] @ np.array([beam.centre_y, beam.centre_z])
+    assert shear_centre == pytest.approx([0.004 - 3.0 * b**2 / (h + 6.0 * b), 0.0], abs=1.5e-3)
     # What the solid's mesh of walls leaves open, in torsion most; and 0.3 % where forces enter
     # evenly instead of as shear flows. Moments that do bend the walls at the ends.
     stated = identified.compliance_refinement / unit
     stated[3, 3] = 0.05
-    assert (np.abs(off(leg)) <= stated + 3e-3).all()
+    assert (np.abs(distance(leg)) <= stated + 3e-3).all()
     # The twist under that force is no small part.
     assert abs(identified.compliance[3, 2]) > 0.2 * unit[3, 2]
     centred = replace(beam, centre_y=0.0, centre_z=0.0)
     about_centroid = [replace(piece, properties=centred) for piece in leg.pieces]
-    wrong = off(replace(leg, pieces=tuple(about_centroid)))
-    assert abs(wrong[3, 2]) > 5.0 * abs(off(leg)[3, 2])
+    wrong = distance(replace(leg, pieces=tuple(about_centroid)))
+    assert abs(wrong[3, 2]) > 5.0 * abs(distance(leg)[3, 2])
 
 
 def test_part_without_pieces_has_reason(tmp_path):
     write_overlapping_crane(tmp_path)
     mechanism = load_robot(tmp_path / "robot.toml").mechanism
-    at = posture(mechanism, mechanism.poses[0])
-    why = why_unable((at,), JUDGED["segments-stepped"])
+    part_posture = posture(mechanism, mechanism.poses[0])
+    why = why_unable((part_posture,), JUDGED["segments-stepped"])
     assert why.startswith("bodies.arm: its interfaces overlap along the line between them")
-    assert why_unable((at,), JUDGED["segments-condensed"]) == ""
+    assert why_unable((part_posture,), JUDGED["segments-condensed"]) == ""
     assert part_kinds(mechanism) == ("condensed",)
 
 
@@ -89,9 +89,9 @@ def bar(occ, width=60, height=40, begin=0, end=400):
 
 
 def bore(occ, x, radius, along="z"):
-    way = [200 if along == axis else 0 for axis in "xyz"]
-    start = [x - way[0] / 2, -way[1] / 2, -way[2] / 2]
-    return 3, occ.addCylinder(*start, *way, radius)
+    extent = [200 if along == axis else 0 for axis in "xyz"]
+    start = [x - extent[0] / 2, -extent[1] / 2, -extent[2] / 2]
+    return 3, occ.addCylinder(*start, *extent, radius)
 
 
 def tube(occ):
@@ -139,7 +139,7 @@ def hollow_wedge(occ):
     points = [occ.addPoint(x, -20, z) for x, z in corners]
     lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
     face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
-    solid = [one for one in occ.extrude([(2, face)], 0, 40, 0) if one[0] == 3]
+    solid = [entity for entity in occ.extrude([(2, face)], 0, 40, 0) if entity[0] == 3]
     occ.cut(solid, [(3, occ.addBox(-400, -10, -8, 1200, 20, 16))])
     occ.remove([(2, face)], recursive=True)
 
@@ -152,13 +152,13 @@ def test_section_varying_along_part_is_refused(tmp_path, draw, why):
     assert line.startswith("bodies.arm: its cross-section 0.")
 
 
-@pytest.mark.parametrize(("draw", "left"), PRISMS.values(), ids=PRISMS)
-def test_long_uniform_sections_become_pieces(tmp_path, draw, left):
+@pytest.mark.parametrize(("draw", "remaining"), PRISMS.values(), ids=PRISMS)
+def test_long_uniform_sections_become_pieces(tmp_path, draw, remaining):
     leg = stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0), 0.4))
     areas = np.array([piece.properties.mu for piece in leg.pieces]) / STEEL.rho
     # Of the bar, of what is left of it, and nothing between: a plane in a step's face is on one
     # side of it.
-    assert np.isclose(areas[:, None], [2400e-6, left], rtol=1e-6).any(axis=1).sum() == 10
+    assert np.isclose(areas[:, None], [2400e-6, remaining], rtol=1e-6).any(axis=1).sum() == 10
 
 
 @pytest.fixture(scope="module")
@@ -181,9 +181,9 @@ def sections(x):
 def test_hollow_wedge_pieces_match_formula(legs):
     exact = sections(0.4 * (np.arange(8) + 0.5) / 8.0)
     for name, values in zip(("EA", "EIy", "EIz"), exact, strict=True):
-        found = [getattr(piece.properties, name) for piece in legs[8].pieces]
+        constants = [getattr(piece.properties, name) for piece in legs[8].pieces]
         # Plane faces are cut exactly.
-        assert found == pytest.approx(list(STEEL.E * values), rel=1e-9)
+        assert constants == pytest.approx(list(STEEL.E * values), rel=1e-9)
 
 
 def compliance(leg, model="beam", theory="timoshenko"):
@@ -222,8 +222,8 @@ def test_outer_points_move_rigidly_with_part(legs):
     # Areas are linear along the wedge: sections in the middle give its mass exactly.
     mass = STEEL.rho * 0.4 * sections(0.2)[0]
     assert (fields.T @ model.mass @ fields)[0, 0] == pytest.approx(mass, rel=1e-6)
-    aside = np.array([[0, 0, 0], [0, 0, 0], [0.02, 0.05, -0.02], [0.1, 0, 0]])
-    points = start + np.outer([0.13, 0.4, 0.8, -0.4], along) + aside
+    offsets = np.array([[0, 0, 0], [0, 0, 0], [0.02, 0.05, -0.02], [0.1, 0, 0]])
+    points = start + np.outer([0.13, 0.4, 0.8, -0.4], along) + offsets
     expected = np.vstack([shift(point)[:3] for point in points])
     assert model.displacements(points) @ fields == pytest.approx(expected, abs=1e-9)
 
@@ -243,21 +243,21 @@ def coarse(monkeypatch, tmp_path):
 @pytest.mark.usefixtures("coarse")
 def test_rocker_with_three_bores_has_models():
     robot = load_robot(ROCKER / "robot.toml")
-    at = [reference_posture(robot.mechanism)]
-    (links,) = answers("links", at, 0)
-    (condensed,) = answers("segments", at, 3, ModelOptions(parts="condensed"))
-    (solid,) = answers("solid", at, 3)
+    postures = [reference_posture(robot.mechanism)]
+    (links,) = answers("links", postures, 0)
+    (condensed,) = answers("segments", postures, 3, ModelOptions(parts="condensed"))
+    (solid,) = answers("solid", postures, 3)
     # The rod bends nowhere here, and the rocker is one mesh: statics are those of the solid.
     assert condensed.compliance == pytest.approx(links.compliance, rel=1e-6, abs=1e-14)
     assert scaled_difference(links.compliance, solid.compliance) < 0.02
     # Guyan's mass lies above in frequency, by little for the first.
     assert condensed.frequencies[0] == pytest.approx(solid.frequencies[0], rel=0.02)
     with pytest.raises(InputError, match="3 interfaces cannot be a link of a serial chain"):
-        answers("vjm", at, 0)
+        answers("vjm", postures, 0)
 
 
 @pytest.mark.parametrize(
-    ("asked", "old", "new", "message"),
+    ("words", "old", "new", "message"),
     [
         (
             ["solve", "--model", "links"],
@@ -272,27 +272,27 @@ def test_rocker_with_three_bores_has_models():
         ),
     ],
 )
-def test_misplaced_part_has_warning(tmp_path, command, asked, old, new, message):
+def test_misplaced_part_has_warning(tmp_path, command, words, old, new, message):
     text = (ROCKER / "robot.toml").read_text("utf-8")
     assert old in text
     (tmp_path / "robot.toml").write_text(text.replace(old, new), "utf-8")
     (tmp_path / "rocker.step").write_bytes((ROCKER / "rocker.step").read_bytes())
-    said = command.refused(asked[0], tmp_path / "robot.toml", *asked[1:])
-    assert message in said
-    assert "bodies.rocker" in said
+    warning = command.error_line(words[0], tmp_path / "robot.toml", *words[1:])
+    assert message in warning
+    assert "bodies.rocker" in warning
 
 
 def test_check_command_opens_part_files(command):
-    said = command.told("check", ROCKER / "robot.toml")
-    assert "rocker: rocker.step, read in mm: 343 × 263 × 60 mm" in said
+    output = command.output("check", ROCKER / "robot.toml")
+    assert "rocker: rocker.step, read in mm: 343 × 263 × 60 mm" in output
     for point, radius in (("A", 22), ("B", 16), ("C", 16)):
-        (line,) = (one for one in said.splitlines() if one.startswith(f"  {point}: face"))
+        (line,) = (row for row in output.splitlines() if row.startswith(f"  {point}: face"))
         assert f"(bore of radius {radius} mm), its axis 0 mm from the point" in line
         assert line.endswith("rigid by default")
 
 
 @pytest.mark.parametrize(
-    ("asked", "said"),
+    ("words", "message"),
     [
         (["identify", "--body", "rod"], "the CAD parts of"),
         (
@@ -301,7 +301,7 @@ def test_check_command_opens_part_files(command):
         ),
     ],
 )
-def test_single_part_is_refused_by_solve(command, asked, said):
+def test_single_part_is_refused_by_solve(command, words, message):
     """`solve` refers to `identify` for a CAD part; `identify` needs the name of a CAD part."""
     robot = ROCKER / "robot.toml"
-    assert said in command.refused(asked[0], robot, *asked[1:])
+    assert message in command.error_line(words[0], robot, *words[1:])

@@ -74,10 +74,12 @@ def tip(length, second, kappa_area, E, nu):
 def test_template_has_expected_mobility(robot, motions, redundant):
     """Grübler: 6 (bodies) − constraints, plus redundant constraints."""
     mechanism = load_robot(robot).mechanism
-    found = mobility(reference_posture(mechanism))
+    mechanism_mobility = mobility(reference_posture(mechanism))
     bodies = len(mechanism.bodies) - 1
-    assert (found.mobility, found.redundant) == (motions, redundant)
-    assert found.mobility == 6 * bodies - (found.constraints - found.redundant)
+    assert (mechanism_mobility.mobility, mechanism_mobility.redundant) == (motions, redundant)
+    assert mechanism_mobility.mobility == 6 * bodies - (
+        mechanism_mobility.constraints - mechanism_mobility.redundant
+    )
 
 
 def test_scara_deflects_as_arms_and_quill():
@@ -121,7 +123,7 @@ def test_stage_deflects_as_springs_in_series():
     nu, L = 0.3, 0.2
     area = pi / 4.0 * (0.04**2 - 0.028**2)
     second = pi / 64.0 * (0.04**4 - 0.028**4)
-    found = compliance("stage")
+    tool_compliance = compliance("stage")
     # κ of a tube, Cowper: m = inner / outer diameter.
     m = 0.7
     kappa = 6.0 * (1.0 + nu) * (1.0 + m**2) ** 2
@@ -130,8 +132,8 @@ def test_stage_deflects_as_springs_in_series():
     lower, upper = 0.29**2, 0.23**2
     x = 1.0 / 1e8 + 1e-9 + 1e-6 * lower + 3e-9 + 2e-6 * upper + post
     y = 3e-9 + 2e-6 * lower + 1.0 / 8e7 + 1e-9 + 1e-6 * upper + post
-    assert found[0, 0] == pytest.approx(x, rel=ROUNDING, abs=0.0)
-    assert found[1, 1] == pytest.approx(y, rel=ROUNDING, abs=0.0)
+    assert tool_compliance[0, 0] == pytest.approx(x, rel=ROUNDING, abs=0.0)
+    assert tool_compliance[1, 1] == pytest.approx(y, rel=ROUNDING, abs=0.0)
 
 
 def test_5r_deflects_as_axial_rods():
@@ -144,9 +146,9 @@ def test_5r_deflects_as_axial_rods():
     area, _, Iz, kappa, _ = box(0.05, 0.06, 0.006, nu)
     along = crank**2 / 3e4 + tip(crank, Iz, kappa * area, E_ALUMINIUM, nu)
     along += 4e-9 + rod / (E_ALUMINIUM * box(0.04, 0.05, 0.005, nu)[0])
-    found = compliance("5R")
-    assert found[0, 0] == pytest.approx(along / (2.0 * 0.6**2), rel=ROUNDING, abs=0.0)
-    assert found[1, 1] == pytest.approx(along / (2.0 * 0.8**2), rel=ROUNDING, abs=0.0)
+    tool_compliance = compliance("5R")
+    assert tool_compliance[0, 0] == pytest.approx(along / (2.0 * 0.6**2), rel=ROUNDING, abs=0.0)
+    assert tool_compliance[1, 1] == pytest.approx(along / (2.0 * 0.8**2), rel=ROUNDING, abs=0.0)
 
 
 def test_tricept_deflects_as_three_legs():
