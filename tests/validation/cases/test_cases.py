@@ -31,14 +31,14 @@ from validation.studies_and_figures import PlannedFigure
 
 
 class Noted(dict):
-    """A memo that records in `asked` the keys that are read."""
+    """A memo that records the keys that are read."""
 
     def __init__(self):
         super().__init__()
-        self.asked = set()
+        self.keys_read = set()
 
     def __getitem__(self, key):
-        self.asked.add(key)
+        self.keys_read.add(key)
         return super().__getitem__(key)
 
 
@@ -77,9 +77,9 @@ SOME = {
 }
 # The paper's statements are judged and turned where their numbers are tested, in test_claims.
 OTHERS = [
-    pytest.param(of, marks=pytest.mark.exhaustive) if of in SLOW else of
-    for of in GROUPS
-    if of[1] != "paper" and of not in BEYOND_QUICK
+    pytest.param(group, marks=pytest.mark.exhaustive) if group in SLOW else group
+    for group in GROUPS
+    if group[1] != "paper" and group not in BEYOND_QUICK
 ]
 # An ingredient is wrong by so much, more than any tolerance; a shown number that moves by fewer
 # tolerances than these need not turn the verdict. Of many arrays that are alike few are tried.
@@ -96,63 +96,63 @@ def test_one_mode_robot_has_reasoned_skips(tmp_path):
     """Comparisons of modes or compliances that a robot does not have are skipped, not failed."""
     bob = robot_of(f"{PENDULUM}[path]\nposes = [[0.0], [0.3]]\n", tmp_path)
     context = Context(bob, "quick")
-    cases = [one for one in catalogue(context.robot_file) if isinstance(one, Case)]
+    cases = [task for task in catalogue(context.robot_file) if isinstance(task, Case)]
     compared = {execute(case, context).verdict for case in cases if "quick" in case.presets}
     assert compared == {"agree", "skipped"}
 
 
 @pytest.mark.parametrize(
-    ("name", "shown"),
+    ("name", "expected"),
     [
         ("ifw", {"mechanism.deflections", "deflection.stroke"}),
         ("five-bar", {f"mechanism.{n}" for n in ("deflections", "frequencies", "mode-shapes")}),
     ],
 )
-def test_cases_have_ids_sources_and_figures(name, shown):
+def test_cases_have_ids_sources_and_figures(name, expected):
     ids = {task.id for task in TASKS[name]}
     assert len(ids) == len(TASKS[name])
     cases = [task for task in TASKS[name] if isinstance(task, Case)]
     assert all(case.citation and case.tolerance_reason for case in cases)
-    drawn = {task.id for task in TASKS[name] if isinstance(task, PlannedFigure)}
-    assert shown <= {case.figure for case in cases} <= drawn | {""}
+    figures = {task.id for task in TASKS[name] if isinstance(task, PlannedFigure)}
+    assert expected <= {case.figure for case in cases} <= figures | {""}
 
 
-def measured(of):
-    """List of (case, measurement) of the group `of`, and the reasons of its skipped cases."""
-    found, reasons = [], []
-    for case in GROUPS[of]:
+def measured(group):
+    """List of (case, measurement) of the group `group`, and the reasons of its skipped cases."""
+    measurements, reasons = [], []
+    for case in GROUPS[group]:
         try:
-            found.append((case, case.measure(CONTEXTS[of[0]])))
+            measurements.append((case, case.measure(CONTEXTS[group[0]])))
         except Skip as skip:
             reasons.append(str(skip))
-    return found, reasons
+    return measurements, reasons
 
 
-@pytest.mark.parametrize("of", OTHERS, ids=" ".join)
-def test_shifted_reference_makes_case_disagree(of):
-    found, reasons = measured(of)
+@pytest.mark.parametrize("group", OTHERS, ids=" ".join)
+def test_shifted_reference_makes_case_disagree(group):
+    measurements, reasons = measured(group)
     if any("not installed" in reason for reason in reasons):
         pytest.skip(reasons[0])
-    assert found
-    assert not reasons or of in SOME
-    assert all(re.search(SOME[of], reason) for reason in reasons)
-    for case, measurement in found:
+    assert measurements
+    assert not reasons or group in SOME
+    assert all(re.search(SOME[group], reason) for reason in reasons)
+    for case, measurement in measurements:
         assert_agrees_and_can_disagree(judge(case, measurement, 0.0))
 
 
-@pytest.mark.parametrize("of", BEYOND_QUICK, ids=" ".join)
-def test_quick_run_skips_large_groups(of):
-    found, reasons = measured(of)
-    assert not found
+@pytest.mark.parametrize("group", BEYOND_QUICK, ids=" ".join)
+def test_quick_run_skips_large_groups(group):
+    measurements, reasons = measured(group)
+    assert not measurements
     assert reasons
-    assert all(re.search(BEYOND_QUICK[of], reason) for reason in reasons)
+    assert all(re.search(BEYOND_QUICK[group], reason) for reason in reasons)
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("of", GROUPS, ids=" ".join)
-def test_shared_input_does_not_cancel(of):
+@pytest.mark.parametrize("group", GROUPS, ids=" ".join)
+def test_shared_input_does_not_cancel(group):
     """An error in an input that value and reference share must change their difference."""
-    assert [line for case in GROUPS[of] for line in cancelled(case, CONTEXTS[of[0]])] == []
+    assert [line for case in GROUPS[group] for line in cancelled(case, CONTEXTS[group[0]])] == []
 
 
 def test_allowance_from_own_value_is_detected():
@@ -160,8 +160,11 @@ def test_allowance_from_own_value_is_detected():
     case = next(case for case in TASKS["ifw"] if case.id == "leg2.compliance.solid[c44]")
 
     def circular(context):
-        found = case.measure(context)
-        return replace(found, allowances=(Allowance("all of it", found.value - found.reference),))
+        measurement = case.measure(context)
+        return replace(
+            measurement,
+            allowances=(Allowance("all of it", measurement.value - measurement.reference),),
+        )
 
     assert cancelled(replace(case, compute=circular), CONTEXTS["ifw"])
 
@@ -174,21 +177,21 @@ def larger(value):
 
 def cancelled(case, context):
     """Ingredients whose mistake changes the displayed numbers of a case but not its judgement."""
-    memo, found = context._memo, []
-    memo.asked.clear()
+    memo, ingredients = context._memo, []
+    memo.keys_read.clear()
     try:
         sound = case.measure(context)
     except Skip:
         return []
-    for key in sorted(key for key in memo.asked if not key.startswith(DATA)):
-        for place, other in islice(changed_leaves(memo[key], larger), FEW):
+    for key in sorted(key for key in memo.keys_read if not key.startswith(DATA)):
+        for leaf, other in islice(changed_leaves(memo[key], larger), FEW):
             with suppress(Skip, ComputationError, ValueError):
                 wrong = case.measure(replace(context, _memo={**memo, key: other}))
-                shown = max(abs(wrong.value - sound.value), abs(wrong.reference - sound.reference))
+                change = max(abs(wrong.value - sound.value), abs(wrong.reference - sound.reference))
                 stays = judge(case, wrong, 0.0).verdict == "agree"
                 if case.relation is not Relation.EQUAL:
                     # A bound may be kept better: what is judged must move with what is shown.
-                    stays = abs(wrong.unexplained - sound.unexplained) < 0.2 * shown
-                if shown > MOVED * case.tolerance.at(sound.reference) and stays:
-                    found.append(f"{key.split()[0]}{place}: {shown:.3g} {case.unit} shown")
-    return found
+                    stays = abs(wrong.unexplained - sound.unexplained) < 0.2 * change
+                if change > MOVED * case.tolerance.at(sound.reference) and stays:
+                    ingredients.append(f"{key.split()[0]}{leaf}: {change:.3g} {case.unit} shown")
+    return ingredients

@@ -71,9 +71,9 @@ def doubled(leg: ConstantLeg, divisions: int):
         pieces.append(doubling.doubled(pieces[-1]))
     beam = computed_properties(leg, divisions).as_euler_bernoulli()
     return (
-        np.array([np.diag(doubling.tip_compliance(one, "rigid")) for one in pieces]),
-        np.array([np.diag(doubling.tip_compliance(one, "free")) for one in pieces]),
-        np.array([np.diag(tip_compliance(beam, leg.length * by)) for by in LENGTHS]),
+        np.array([np.diag(doubling.tip_compliance(piece, "rigid")) for piece in pieces]),
+        np.array([np.diag(doubling.tip_compliance(piece, "free")) for piece in pieces]),
+        np.array([np.diag(tip_compliance(beam, leg.length * factor)) for factor in LENGTHS]),
     )
 
 
@@ -89,14 +89,17 @@ def differences(leg: ConstantLeg, divisions: int):
     lengths = leg.length * LENGTHS
     rigid, free, slender = doubled(replace(leg, material=replace(leg.material, nu=0.0)), divisions)
     isotropic = Material.isotropic(leg.material.E, 0.3, leg.material.rho)
-    held, loose, beam = doubled(replace(leg, material=isotropic), divisions)
+    restrained, loose, beam = doubled(replace(leg, material=isotropic), divisions)
     # Of the deflection along z; 1/EI is this mesh's own, and what it holds at faces taken off.
     turning = free[:, 4]
     per_length = (turning[-1] - turning[0]) / (lengths[-1] - lengths[0])
     bent = per_length * lengths**3 / 3.0 + 0.5 * (turning - per_length * lengths) * lengths**2
     return {
         "torsion": 1.0 - rigid[:, 3] / free[:, 3],
-        **{f"contraction c{k + 1}{k + 1}": (loose - held)[:, k] / beam[:, k] for k in range(3)},
+        **{
+            f"contraction c{k + 1}{k + 1}": (loose - restrained)[:, k] / beam[:, k]
+            for k in range(3)
+        },
         "shear": free[:, 2] / bent - 1.0,
         "rotary inertia": np.array([rotary_inertia(leg, length) for length in lengths]),
         "warping of shear": (free - rigid)[:, 2] / slender[:, 2],
@@ -119,8 +122,8 @@ def test_rigid_face_residual_is_mesh_error():
     tube = ConstantLeg(0.66, Tube(0.14, 0.0137), foam)
     context = Context(file_of(variant_of_ifw(leg1=tube)), "quick")
     for entry in ((0, 0), (1, 1)):
-        found = leg_theory._entry(context, "leg1", entry, "rigid", 1.0)
-        assert 0.0 < -found.unexplained < found.numerical_uncertainty
+        measurement = leg_theory._entry(context, "leg1", entry, "rigid", 1.0)
+        assert 0.0 < -measurement.unexplained < measurement.numerical_uncertainty
 
 
 # A sandwich of aluminium and a core with another Poisson's ratio.
@@ -195,12 +198,12 @@ def test_short_box_agrees_with_distortion(mode, expected, monkeypatch):
     """The box's section distorts: modes 1 and 2 are 2.9 and 1.3 % below Timoshenko's beam."""
     monkeypatch.setattr(leg_theory, "modal_divisions", four_elements)
     monkeypatch.setattr("validation.solids.solid_legs.Refinement.uncertainty", lambda *_: 0.0)
-    found = measured_mode(SCARA_ARM, mode)
-    measurement = found.measurement
+    outcome = measured_mode(SCARA_ARM, mode)
+    measurement = outcome.measurement
     assert measurement.difference / measurement.reference == pytest.approx(expected, abs=1e-3)
     # Four elements along the leg.
     assert abs(measurement.unexplained) < 5e-4 * measurement.reference
-    assert found.verdict == "agree"
+    assert outcome.verdict == "agree"
 
 
 def two_coarse_meshes(*_):
@@ -217,7 +220,9 @@ STUB = ConstantLeg(0.2, Rectangle(0.08, 0.1), STEEL)
 def test_wrong_beam_disagrees_despite_distortion(mistake, verdict, monkeypatch):
     def wrong(leg, divisions):
         right = computed_properties(leg, divisions)
-        return replace(right, **{name: by * getattr(right, name) for name, by in mistake.items()})
+        return replace(
+            right, **{name: factor * getattr(right, name) for name, factor in mistake.items()}
+        )
 
     monkeypatch.setattr(leg_theory, "computed_properties", wrong)
     monkeypatch.setattr(leg_theory, "modal_divisions", two_coarse_meshes)
@@ -225,10 +230,10 @@ def test_wrong_beam_disagrees_despite_distortion(mistake, verdict, monkeypatch):
     assert measured_mode(STUB, 2).verdict == verdict
 
 
-def heavier_solid(leg, *rest):
+def heavier_solid(leg, *arguments):
     """Frequencies of a solid with three percent too much density."""
     dense = replace(leg, material=replace(leg.material, rho=1.03 * leg.material.rho))
-    return solid_frequencies(dense, *rest)
+    return solid_frequencies(dense, *arguments)
 
 
 def test_wrong_solid_disagrees_despite_distortion(monkeypatch):
@@ -262,21 +267,24 @@ def test_wrong_density_disagrees_despite_waves():
     leg = ConstantLeg(0.3, Rectangle(0.03, 0.05), STEEL)
     mechanism = biglide("heavy", 0.4, leg, leg, platform_mass=1e-3, drive_stiffness=1e10)
     right = computed_beam(leg, 2)
-    places, found = placed_at(mechanism), []
+    places, results = placed_at(mechanism), []
     for beam in (right, replace(right, mass=1.02 * right.mass)):
         beams = dict.fromkeys(legs_of(mechanism), beam)
         changes = wave_changes(
             places,
-            {name: Superelement(one, np.eye(one.size)) for name, one in beams.items()},
+            {
+                name: Superelement(matrices, np.eye(matrices.size))
+                for name, matrices in beams.items()
+            },
             beams,
             waves_of(legs_of(mechanism), dict.fromkeys(beams, 2)),
             elements=ELEMENTS,
             basis_count=20,
             count=3,
         )[0]
-        found.append((modes(solved(assemble(places[0], beams)), 3).frequencies, changes))
-    (own, changes), (lower, unchanged) = found
-    assert_allclose(lower / own, 1.02**-0.5, rtol=1e-3)
+        results.append((modes(solved(assemble(places[0], beams)), 3).frequencies, changes))
+    (frequencies, changes), (lower, unchanged) = results
+    assert_allclose(lower / frequencies, 1.02**-0.5, rtol=1e-3)
     assert_allclose(unchanged, changes, atol=3e-4)
 
 
@@ -302,15 +310,17 @@ def test_wave_correction_exists_for_fixed_ends():
         basis_count=12,
         count=5,
     )[0]
-    own = modes(solved(assemble(places[0], beams)), 5).frequencies
+    frequencies = modes(solved(assemble(places[0], beams)), 5).frequencies
     solids = {
-        name: craig_bampton(held_solid(leg, divisions[name], "free"), 2.0 * own[-1]).matrices
+        name: craig_bampton(
+            held_solid(leg, divisions[name], "free"), 2.0 * frequencies[-1]
+        ).matrices
         for name, leg in legs.items()
     }
-    apart = modes(solved(assemble(places[0], solids)), 5).frequencies / own - 1.0
-    assert apart.max() > 4e-3
+    differences = modes(solved(assemble(places[0], solids)), 5).frequencies / frequencies - 1.0
+    assert differences.max() > 4e-3
     # What is left is the length of the solids' elements, fourth order.
-    assert_allclose(changes, apart, atol=3e-5)
+    assert_allclose(changes, differences, atol=3e-5)
 
 
 @pytest.mark.parametrize(
@@ -327,8 +337,8 @@ def test_wave_correction_exists_for_fixed_ends():
 )
 def test_unsettled_mesh_order_is_undecided(monkeypatch, values, verdict):
     divisions = (1, 2, 3, 4) if verdict == "undecided" else (2, 3, 4, 6)
-    found = Refinement(divisions, np.multiply.outer(values, np.eye(6)))
-    monkeypatch.setattr(mesh_cases, "compliances", lambda *_: found)
+    refinement = Refinement(divisions, np.multiply.outer(values, np.eye(6)))
+    monkeypatch.setattr(mesh_cases, "compliances", lambda *_: refinement)
     cases = {case.id: case for case in mesh_cases.cases(legs=("leg1",))}
     case = cases["refinement.leg1.solid.order[c22]"]
     assert judge(case, case.measure(Context(load_robot("ifw"))), 0.0).verdict == verdict

@@ -49,41 +49,47 @@ def first_pose(name):
 @pytest.mark.parametrize("prism", [ConstantLeg(0.85, Rectangle(0.1, 0.16), STEEL), FOIL])
 def test_ritz_leg_equals_textbook(prism, theory):
     beam = prism.properties(theory)
-    found = ritz.ritz_beam(beam, prism.length, ritz.STATIC_DEGREE)
-    free = ritz.free_basis(found.stiffness, found.root)
-    loaded = found.tip @ free
-    compliance = loaded @ solve(free.T @ found.stiffness @ free, loaded.T, assume_a="pos")
+    stiffness_and_mass = ritz.ritz_beam(beam, prism.length, ritz.STATIC_DEGREE)
+    free = ritz.free_basis(stiffness_and_mass.stiffness, stiffness_and_mass.root)
+    loaded = stiffness_and_mass.tip @ free
+    compliance = loaded @ solve(
+        free.T @ stiffness_and_mass.stiffness @ free, loaded.T, assume_a="pos"
+    )
     assert scaled_difference(compliance, tip_compliance(beam, prism.length)) < 3e-6
 
 
 def test_ritz_hexapod_has_stiffness_of_bars():
-    at = first_pose("hexapod")
-    stiffness = hexapod_stiffness(at.mechanism, at.pose)
-    np.testing.assert_allclose(ritz.compliance(at) @ stiffness, np.eye(6), atol=1e-8)
+    posture = first_pose("hexapod")
+    stiffness = hexapod_stiffness(posture.mechanism, posture.pose)
+    np.testing.assert_allclose(ritz.compliance(posture) @ stiffness, np.eye(6), atol=1e-8)
 
 
 @pytest.mark.parametrize("softer", [1e-12, 1e6])
 def test_ritz_frequencies_scale_with_stiffness(softer):
     """All stiffnesses times `softer`: frequencies times its root, although rods can spin freely."""
-    at = first_pose("delta")
+    posture = first_pose("delta")
 
-    def scaled(thing, *names):
-        return replace(thing, **{name: softer * getattr(thing, name) for name in names})
+    def scaled(record, *names):
+        return replace(record, **{name: softer * getattr(record, name) for name in names})
 
     bodies = {
         name: replace(
             body, shape=replace(body.shape, material=scaled(body.shape.material, "E", "G"))
         )
-        for name, body in at.mechanism.bodies.items()
+        for name, body in posture.mechanism.bodies.items()
         if isinstance(body.shape, ConstantLeg)
     }
     joints = [
         replace(joint, drive=scaled(joint.drive, "stiffness")) if joint.drive else joint
-        for joint in at.mechanism.joints
+        for joint in posture.mechanism.joints
     ]
-    changed = replace(at.mechanism, bodies={**at.mechanism.bodies, **bodies}, joints=joints)
-    found = ritz.frequencies(replace(at, mechanism=changed), 4)
-    np.testing.assert_allclose(found, np.sqrt(softer) * ritz.frequencies(at, 4), rtol=1e-6)
+    changed = replace(
+        posture.mechanism, bodies={**posture.mechanism.bodies, **bodies}, joints=joints
+    )
+    frequencies = ritz.frequencies(replace(posture, mechanism=changed), 4)
+    np.testing.assert_allclose(
+        frequencies, np.sqrt(softer) * ritz.frequencies(posture, 4), rtol=1e-6
+    )
 
 
 def test_ritz_omits_idle_rod_spin():
@@ -94,12 +100,12 @@ def test_ritz_omits_idle_rod_spin():
 
 
 def test_simplified_model_of_parts_equals_ritz():
-    at = first_pose(ROCKER)
-    (own,) = answers("simplified", [at], 1)
-    compliance, frequencies = ritz.simplified_response(at, 1)
+    posture = first_pose(ROCKER)
+    (answer,) = answers("simplified", [posture], 1)
+    compliance, frequencies = ritz.simplified_response(posture, 1)
     atol = 1e-10 * np.abs(compliance).max()
-    np.testing.assert_allclose(own.compliance, compliance, rtol=1e-9, atol=atol)
-    np.testing.assert_allclose(own.frequencies, frequencies, rtol=1e-10)
+    np.testing.assert_allclose(answer.compliance, compliance, rtol=1e-9, atol=atol)
+    np.testing.assert_allclose(answer.frequencies, frequencies, rtol=1e-10)
 
 
 def test_simplified_structure_is_rigid():
@@ -112,11 +118,11 @@ def test_simplified_structure_is_rigid():
 
 
 def test_open_posture_is_refused():
-    at = first_pose("five-bar")
-    rod = at.frames["rod2"]
-    moved = Frame(rod.position + np.array([1e-5, 0.0, 0.0]), rod.rotation)
+    posture = first_pose("five-bar")
+    rod = posture.frames["rod2"]
+    moved_frame = Frame(rod.position + np.array([1e-5, 0.0, 0.0]), rod.rotation)
     with pytest.raises(ComputationError, match="elbow2: its two sides are"):
-        ritz.compliance(replace(at, frames={**at.frames, "rod2": moved}))
+        ritz.compliance(replace(posture, frames={**posture.frames, "rod2": moved_frame}))
 
 
 needs_exudyn = pytest.mark.skipif(
@@ -162,9 +168,9 @@ def propped(tmp_path):
 @needs_exudyn
 def test_frame_on_plane_joint_equals_exudyn(propped):
     assert len(listed(propped, "exudyn")) == 1
-    own, theirs, uncertain = beams_and_exudyn(reference_posture(propped))
-    np.testing.assert_allclose(own.frequencies, theirs, rtol=5e-4)
-    assert (np.abs(own.frequencies - theirs) < uncertain).all()
+    computed, theirs, uncertain = beams_and_exudyn(reference_posture(propped))
+    np.testing.assert_allclose(computed.frequencies, theirs, rtol=5e-4)
+    assert (np.abs(computed.frequencies - theirs) < uncertain).all()
 
 
 class _WithLoad(multibody._ExudynModel):
@@ -182,38 +188,38 @@ def test_frame_response_equals_exudyn(propped):
     EXUDYN's elements converge with second order: frequencies and peaks are 0.1 % off.
     """
     ratio, options = 0.02, ModelOptions(elements=32)
-    at = reference_posture(replace(propped, damping=ratio))
-    (found,) = mechanism_modes("beam", [at], 3, options)
-    frequencies = np.outer(found.modes.frequencies, [0.3, 0.95, 1.0, 1.05]).ravel()
-    system = _WithLoad(at, options.elements)
+    posture = reference_posture(replace(propped, damping=ratio))
+    (solved_modes,) = mechanism_modes("beam", [posture], 3, options)
+    frequencies = np.outer(solved_modes.modes.frequencies, [0.3, 0.95, 1.0, 1.05]).ravel()
+    system = _WithLoad(posture, options.elements)
     system.mbs.Assemble()
     mass, stiffness, _, _, free = system.mbs.ComputeLinearizedSystem(
         projectIntoConstraintNullspace=True,
         singularValuesTolerance=1e-6,
         returnConstraintNullspace=True,
     )
-    place = system.mbs.GetNodeODE2Index(system.last)
+    index = system.mbs.GetNodeODE2Index(system.last)
     squares, shapes = eigh(stiffness, mass)
     speeds = 2.0 * np.pi * frequencies[:, None]
     swing = squares - speeds**2 + 2j * ratio * speeds * np.sqrt(squares)
     for axis in np.eye(3):
-        theirs = ((axis @ free[:, place : place + 3].T @ shapes) ** 2 / swing).sum(axis=1)
-        own = damped_modes(found.solution, frequencies.max()).along(axis)
-        off = np.abs(own.receptance(frequencies) - theirs)
-        assert off.max() < 0.02 * np.abs(theirs).max()
+        theirs = ((axis @ free[:, index : index + 3].T @ shapes) ** 2 / swing).sum(axis=1)
+        response = damped_modes(solved_modes.solution, frequencies.max()).along(axis)
+        errors = np.abs(response.receptance(frequencies) - theirs)
+        assert errors.max() < 0.02 * np.abs(theirs).max()
 
 
 @pytest.mark.parametrize(
-    ("program", "said"),
+    ("program", "message"),
     [("exudyn", r"\./flexproof extras exudyn"), ("calculix", "is not installed")],
 )
-def test_missing_program_is_named_in_skip(monkeypatch, program, said):
+def test_missing_program_is_named_in_skip(monkeypatch, program, message):
     monkeypatch.setattr("fem.extras.find_spec", lambda _module: None)
     monkeypatch.setattr(calculix_run, "PROGRAMS", ("no-such-program",))
     cases = listed(FIVE_BAR.robot_file.mechanism, program)
     assert cases
     for case in cases:
-        with pytest.raises(Skip, match=said):
+        with pytest.raises(Skip, match=message):
             case.measure(FIVE_BAR)
 
 
@@ -221,10 +227,10 @@ def test_exudyn_refusal_names_bodies():
     """A leg known by its 6×6, a body without mass and an elastic joint each give one line."""
     with pytest.raises(InputError) as raised:
         multibody.require_beams(load_robot("ifw").mechanism)
-    said = "\n".join(raised.value.faults)
-    assert "leg1: the EXUDYN comparison needs a section; this body is a leg specified by" in said
-    assert "body without mass" in said
-    assert "does not support joints with a compliance" in said
+    message = "\n".join(raised.value.faults)
+    assert "leg1: the EXUDYN comparison needs a section; this body is a leg specified by" in message
+    assert "body without mass" in message
+    assert "does not support joints with a compliance" in message
 
 
 @pytest.mark.exhaustive
@@ -239,26 +245,26 @@ def test_rotated_five_bar_equals_calculix():
 
 
 def test_solid_bars_have_outer_size_of_legs():
-    at = reference_posture(load_robot("delta").mechanism)
-    for name, body in with_bars(at).mechanism.bodies.items():
-        shape = at.mechanism.bodies[name].shape
+    posture = reference_posture(load_robot("delta").mechanism)
+    for name, body in with_bars(posture).mechanism.bodies.items():
+        shape = posture.mechanism.bodies[name].shape
         if hasattr(shape, "section"):
             assert body.shape.section.extent == shape.section.extent
             assert body.shape.section.area > shape.section.area
 
 
-@pytest.mark.parametrize("off", [0.01, -0.01, np.nan])
-@pytest.mark.parametrize("place", range(4))
-def test_pose_with_largest_error_is_reported(off, place):
+@pytest.mark.parametrize("error", [0.01, -0.01, np.nan])
+@pytest.mark.parametrize("pose", range(4))
+def test_pose_with_largest_error_is_reported(error, pose):
     even, anywhere = np.array([2.0, 4.0, 8.0, 16.0]), np.ones(4, dtype=bool)
-    found = even * (1.0 + np.where(np.arange(4) == place, off, 0.005))
-    assert farthest_posture(found, even, anywhere) == place
+    values = even * (1.0 + np.where(np.arange(4) == pose, error, 0.005))
+    assert farthest_posture(values, even, anywhere) == pose
     # Of those that are looked at; of those off by rounding alone the largest number.
-    assert farthest_posture(found, even, np.arange(4) == 3 - place) == 3 - place
+    assert farthest_posture(values, even, np.arange(4) == 3 - pose) == 3 - pose
     assert farthest_posture(even * (1.0 + 1e-12 * np.arange(4)[::-1]), even, anywhere) == 3
 
 
 def test_largest_entry_is_scaled_by_diagonal():
     reference = np.diag([1.0, 4.0, 16.0])
-    found = reference + np.diag([0.01, 0.08, 0.17])
-    assert farthest_entry(found, reference) == pytest.approx((1.02, 1.0))
+    value = reference + np.diag([0.01, 0.08, 0.17])
+    assert farthest_entry(value, reference) == pytest.approx((1.02, 1.0))

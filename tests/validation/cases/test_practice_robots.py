@@ -69,13 +69,13 @@ def test_strips_have_no_wave_correction(monkeypatch, width, reason, tmp_path):
     monkeypatch.setattr(robot_beam_vs_solid, "robot_modes", waves_and_solids)
     text = (ROBOTS / "leaf-stage.toml").read_text(encoding="utf-8")
     robot = robot_of(text.replace("width = 0.0005", f"width = {width}"), tmp_path)
-    found = [
+    corrections = [
         case
         for case in robot_beam_vs_solid.cases(limits=DEFAULT_LIMITS)
         if case.id.startswith("robot.agrees[") and "-solid-f" in case.id
     ]
-    assert len(found) == 8
-    for case in found:
+    assert len(corrections) == 8
+    for case in corrections:
         with pytest.raises(Skip, match=reason):
             case.measure(Context(robot, "quick"))
 
@@ -87,11 +87,11 @@ def test_leaf_stage_deflects_as_guided_leaves(model):
     Shear adds L/2κGA (κ by Cowper). The stage tilts, because its leaves, at a distance d, are
     pulled and pushed: this adds L³/2EAd².
     """
-    length, apart, width, height, nu = 0.06, 0.05, 0.0005, 0.02, 0.3
+    length, spacing, width, height, nu = 0.06, 0.05, 0.0005, 0.02, 0.3
     area, kappa = width * height, 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
     bending = length**3 / (24.0 * 2.1e11 * height * width**3 / 12.0)
     shear = length / (2.0 * kappa * 2.1e11 / (2.0 * (1.0 + nu)) * area)
-    tilt = length**3 / (2.0 * 2.1e11 * area * apart**2)
+    tilt = length**3 / (2.0 * 2.1e11 * area * spacing**2)
     assert bending == pytest.approx(205.7e-6, rel=1e-4)
     (answer,) = api.solve(ROBOTS / "leaf-stage.toml", model).answers
     # Round-off is 1e-10.
