@@ -57,26 +57,26 @@ def compliance(robot_file, model, **options):
     except (InputError, ComputationError):
         return None
     record = plain_data(answer_record(answer))
-    found = np.array(record["compliance"])
-    scale = 1.0 / np.sqrt(np.diag(found))
-    assert np.linalg.eigvalsh(found * np.outer(scale, scale))[0] > 0.0
+    matrix = np.array(record["compliance"])
+    scale = 1.0 / np.sqrt(np.diag(matrix))
+    assert np.linalg.eigvalsh(matrix * np.outer(scale, scale))[0] > 0.0
     frequencies = [f for f in record["frequencies"] if f is not None]
     assert frequencies == sorted(frequencies)
     assert all(f > 0.0 for f in frequencies)
-    return found
+    return matrix
 
 
 def formulations(robot_file):
     """Compliances by formulation, without those that refuse the robot. They must be equal."""
-    found = {
+    compliances = {
         "vjm": compliance(robot_file, "vjm", legs="equivalent"),
         "segments": compliance(robot_file, "segments", elements=4),
         "beam": compliance(robot_file, "beam", elements=4),
     }
-    answered = {model: one for model, one in found.items() if one is not None}
-    for one, other in combinations(answered.values(), 2):
-        size = np.sqrt(np.outer(np.diag(one), np.diag(one)))
-        assert np.abs((one - other) / size).max() < SAME, found
+    answered = {model: matrix for model, matrix in compliances.items() if matrix is not None}
+    for first, second in combinations(answered.values(), 2):
+        size = np.sqrt(np.outer(np.diag(first), np.diag(first)))
+        assert np.abs((first - second) / size).max() < SAME, compliances
     return answered
 
 
@@ -89,13 +89,13 @@ def formulations(robot_file):
     ),
 )
 def test_formulations_of_random_robots_are_equal(robot_file, command):
-    assert ": valid" in command.told("check", robot_file.source).splitlines()[0]
+    assert ": valid" in command.output("check", robot_file.source).splitlines()[0]
     assert compliance(robot_file, "simplified") is not None
     answered = formulations(robot_file)
     # Virtual joints may be refused: sums of both legs' rotations lose a soft one's.
     assert len(answered) >= 2
-    given = compliance(robot_file, "vjm")
-    assert given is not None or "vjm" not in answered
+    by_virtual_joints = compliance(robot_file, "vjm")
+    assert by_virtual_joints is not None or "vjm" not in answered
 
 
 @pytest.mark.exhaustive
@@ -105,17 +105,17 @@ def test_ill_conditioning_is_refused(robot_file):
     assert len(formulations(robot_file)) < 3
 
 
-def planar_exactly(at):
+def planar_exactly(posture):
     """Displacements (m/N) of the tool under loads along x and y: two bars on pins, by hand.
 
     K = k₁ n₁n₁ᵀ + k₂ n₂n₂ᵀ has the inverse (m₂m₂ᵀ/k₁ + m₁m₁ᵀ/k₂) / (n₁ × n₂)², mᵢ ⟂ nᵢ: sums of
     positive terms, without cancellation. Legs do not bend under loads at B.
     """
-    legs = [equivalent_leg(leg) for leg in legs_of(at.mechanism).values()]
+    legs = [equivalent_leg(leg) for leg in legs_of(posture.mechanism).values()]
     give = [leg.length / leg.timoshenko.EA for leg in legs]
-    tip = at.frames["platform"].position[:2]
+    tip = posture.frames["platform"].position[:2]
     n1, n2 = (
-        (tip - at.frames[name].position[:2]) / leg.length
+        (tip - posture.frames[name].position[:2]) / leg.length
         for name, leg in zip(("leg1", "leg2"), legs, strict=True)
     )
     m1, m2 = (np.array([-n[1], n[0]]) for n in (n1, n2))
@@ -129,21 +129,21 @@ def planar_exactly(at):
 def test_round_off_bound_covers_error(robot_file, model):
     robot = robot_file.mechanism
     options = ModelOptions(legs="equivalent", theory="euler-bernoulli")
-    for at in placed_at(robot, *stations(robot, 5)):
-        exact = planar_exactly(at)
-        found = model_statics((at,), model, options).compliances[0]
-        left_open = path_round_off((at,), model, options)[0]
-        off = np.abs(np.linalg.norm(found[:2, :2], axis=0) - exact)
+    for posture in placed_at(robot, *stations(robot, 5)):
+        exact = planar_exactly(posture)
+        computed = model_statics((posture,), model, options).compliances[0]
+        left_open = path_round_off((posture,), model, options)[0]
+        errors = np.abs(np.linalg.norm(computed[:2, :2], axis=0) - exact)
         # Beside the roundings of the matrix those of its solution, some in the last place.
-        known = np.linalg.norm(left_open[:2, :2], axis=0) + 1e-13 * exact
-        assert (off < known).all(), at.pose
+        bounds = np.linalg.norm(left_open[:2, :2], axis=0) + 1e-13 * exact
+        assert (errors < bounds).all(), posture.pose
 
 
-def judged_cases(robot_file, of):
+def judged_cases(robot_file, is_selected):
     """Yield (case, outcome or ComputationError) for the quick cases that `of(case)` selects."""
     context = Context(robot_file, "quick")
     for case in catalogue(robot_file):
-        if isinstance(case, Case) and "quick" in case.presets and of(case):
+        if isinstance(case, Case) and "quick" in case.presets and is_selected(case):
             try:
                 yield case, judge(case, case.measure(context), 0.0)
             except Skip:
@@ -188,10 +188,10 @@ def test_hinge_on_stiff_leg_keeps_digits(robot_file):
     # Leg 1 bends on a hinge at the tip of a leg 10¹³ times as stiff about z: in sums of both legs'
     # rotations it was 2 % off.
     """Leg 1 bends on a hinge at the tip of a leg that is 10¹³ times as stiff about z."""
-    (at,) = placed_at(robot_file.mechanism)
-    beams = bodies_of(at.mechanism, ModelOptions(), partial(leg_matrices, "beam"))
-    found = modes(solved(assemble(at, beams)), 1).frequencies
-    assert found == pytest.approx(ritz.frequencies(at, 1, degree=14), rel=1e-4)
+    (posture,) = placed_at(robot_file.mechanism)
+    beams = bodies_of(posture.mechanism, ModelOptions(), partial(leg_matrices, "beam"))
+    frequencies = modes(solved(assemble(posture, beams)), 1).frequencies
+    assert frequencies == pytest.approx(ritz.frequencies(posture, 1, degree=14), rel=1e-4)
 
 
 @extreme(18, 41, 59)
@@ -199,15 +199,19 @@ def test_ritz_solutions_keep_their_digits(robot_file):
     # Legs that nearly align, stiffnesses 10¹² to 10¹⁵ apart: frequencies moved by 1e-2 from degree
     # to degree, and once there were none.
     robot = robot_file.mechanism
-    for at in placed_at(robot, *stations(robot, 3)):
-        high, low = (ritz.frequencies(at, 3, degree=degree) for degree in (16, 13))
+    for posture in placed_at(robot, *stations(robot, 3)):
+        high, low = (ritz.frequencies(posture, 3, degree=degree) for degree in (16, 13))
         assert high == pytest.approx(low, rel=1e-7)
 
 
 @extreme(27)
 def test_negative_shear_stiffness_has_message(robot_file):
     # Cowper's κ of a wide-flanged I changes its sign at a Poisson's ratio far below zero.
-    case = next(one for one in catalogue(robot_file) if one.id == "leg2.converged[beam-order]")
+    case = next(
+        candidate
+        for candidate in catalogue(robot_file)
+        if candidate.id == "leg2.converged[beam-order]"
+    )
     with pytest.raises(Skip, match=r"leg2, i-section: .* κGA = -3.06 N is neg"):
         case.measure(Context(robot_file, "quick"))
 
@@ -215,7 +219,7 @@ def test_negative_shear_stiffness_has_message(robot_file):
 # Undecided is no alarm of third and fourth frequencies, of which the reference's polynomials leave
 # more than the tolerance on a quarter of robots at random, nor of solids on the meshes of quick.
 LEFT_OPEN = ("mechanism.anchor.frequencies", "robot.agrees", *(f"leg{n}.converged" for n in (1, 2)))
-SOLIDS = (*(f"leg{n}.{of}" for n in (1, 2) for of in ("solid", "modes")), "robot.solid.modes")
+SOLIDS = (*(f"leg{n}.{group}" for n in (1, 2) for group in ("solid", "modes")), "robot.solid.modes")
 
 
 @pytest.mark.exhaustive
@@ -223,9 +227,9 @@ SOLIDS = (*(f"leg{n}.{of}" for n in (1, 2) for of in ("solid", "modes")), "robot
 def test_ordinary_robots_raise_no_message(groups, count, tmp_path):
     for text in random_robots(count, 1, MILD):
         for case, outcome in judged_cases(
-            robot_of(text, tmp_path), lambda one: one.group in groups
+            robot_of(text, tmp_path), lambda case: case.group in groups
         ):
-            said = f"{text}\n{case.id}: {outcome}"
-            assert not isinstance(outcome, ComputationError), said
+            label = f"{text}\n{case.id}: {outcome}"
+            assert not isinstance(outcome, ComputationError), label
             if outcome.verdict != "undecided" or not case.id.startswith(LEFT_OPEN):
-                assert outcome.verdict == "agree", said
+                assert outcome.verdict == "agree", label

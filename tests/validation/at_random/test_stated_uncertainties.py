@@ -55,8 +55,8 @@ def test_edge_has_full_order_without_contraction():
 def test_rigid_faces_reduce_order_in_tension():
     leg = ConstantLeg(0.2, Rectangle(0.05, 0.04), Material.isotropic(2.1e11, -0.9, 7850.0))
     divisions = (1, 2, 3, 4, 6)
-    found = solid_compliances(leg, divisions)
-    rigid, free = (found[ends].values[:, 0, 0] for ends in BOTH)
+    compliances = solid_compliances(leg, divisions)
+    rigid, free = (compliances[ends].values[:, 0, 0] for ends in BOTH)
     # In tension free ends have no error at all.
     assert np.ptp(free) < 1e-9 * free[-1]
     observed = pairwise_orders(1.0 / np.array(divisions), rigid)[-1]
@@ -139,19 +139,19 @@ def stated(name, leg, divisions, values, count):
     of_free = divisions[:count], values["free"][:count], formal_order(leg, "free")
     of_rigid = divisions[:count], values["rigid"][:count], formal_order(leg, "rigid")
     free = Refinement(*of_free)
-    for ends, found in (("free", free), ("rigid", Refinement(*of_rigid, free))):
+    for ends, refinement in (("free", free), ("rigid", Refinement(*of_rigid, free))):
         for k, finest in enumerate(values[ends][-1]):
-            error = abs(found.values[-1][k] / finest - 1.0)
-            left = found.uncertainty(k) / abs(finest)
-            yield Stated(f"{name}, {ends}, {count} meshes", left, error)
+            error = abs(refinement.values[-1][k] / finest - 1.0)
+            half_width = refinement.uncertainty(k) / abs(finest)
+            yield Stated(f"{name}, {ends}, {count} meshes", half_width, error)
 
 
 def of_statics(leg):
     """Half-widths of the six diagonal compliances, from all meshes but the finest and from two."""
     rectangle = isinstance(leg.section, Rectangle)
     divisions = (1, 2, 3, 4, 6) if rectangle else (4, 8, 12)
-    found = solid_compliances(leg, divisions)
-    values = {ends: np.diagonal(found[ends].values, axis1=1, axis2=2) for ends in BOTH}
+    compliances = solid_compliances(leg, divisions)
+    values = {ends: np.diagonal(compliances[ends].values, axis1=1, axis2=2) for ends in BOTH}
     name = "compliance" if rectangle else "compliance, round or walled"
     for count in {2, len(divisions) - 1}:
         yield from stated(name, leg, divisions, values, count)
@@ -186,9 +186,9 @@ def coverage(numbers):
 
     Values whose error is mere rounding are left out.
     """
-    real = [one for one in numbers if one.error > ROUNDING]
-    held = np.mean([one.error <= one.uncertainty for one in real])
-    return held, np.median([one.uncertainty / one.error for one in real])
+    real = [number for number in numbers if number.error > ROUNDING]
+    share = np.mean([number.error <= number.uncertainty for number in real])
+    return share, np.median([number.uncertainty / number.error for number in real])
 
 
 @pytest.mark.parametrize(
@@ -196,14 +196,14 @@ def coverage(numbers):
 )
 def test_half_widths_contain_finest_solution(legs):
     """With -s, pytest prints the share of such half-widths and their median ratio to the error."""
-    found = defaultdict(list)
+    groups = defaultdict(list)
     first = of_statics(random_leg(np.random.default_rng(5)))
-    for one in first if legs == 1 else chain.from_iterable(map(random_numbers, range(legs))):
-        found[one.quantity].append(one)
-    numbers = [one for group in found.values() for one in group]
-    assert sum(one.error > ROUNDING for one in numbers) > 4 * legs
-    for quantity, group in sorted(found.items()):
+    for number in first if legs == 1 else chain.from_iterable(map(random_numbers, range(legs))):
+        groups[number.quantity].append(number)
+    numbers = [number for group in groups.values() for number in group]
+    assert sum(number.error > ROUNDING for number in numbers) > 4 * legs
+    for quantity, group in sorted(groups.items()):
         print(f"{quantity:32} {len(group):5} numbers: held, width {coverage(group)}")  # noqa: T201
-    held, width = coverage(numbers)
-    assert held >= 0.93
+    share, width = coverage(numbers)
+    assert share >= 0.93
     assert width < 10.0

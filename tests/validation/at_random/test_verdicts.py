@@ -49,11 +49,11 @@ def robots(chunk, count, folder):
     for number, text in enumerate(random_robots(count, 100 + chunk, MILD)):
         ends = "rigid" if number % 2 else "free"
         robot = on_equivalent_legs(robot_of(text, folder).mechanism)
-        said = {
+        bodies_with_ends = {
             name: replace(robot.bodies[name], shape=replace(leg, ends=ends))
             for name, leg in legs_of(robot).items()
         }
-        yield replace(robot, bodies={**robot.bodies, **said}), ends
+        yield replace(robot, bodies={**robot.bodies, **bodies_with_ends}), ends
 
 
 def contradictions(subject, errors):
@@ -61,7 +61,7 @@ def contradictions(subject, errors):
 
     `errors` has an array over the poses for each (model, quantity).
     """
-    found = []
+    contradicted = []
     for limit in LIMITS:
         matrix = verdict_matrix(
             subject, Requirement(deflection=limit, frequency=limit, modes=MODES)
@@ -69,17 +69,17 @@ def contradictions(subject, errors):
         for (model, quantity), error in errors.items():
             entry, size = matrix.entry(model, quantity), np.abs(error)
             pairs = zip(entry.highs, entry.errors, strict=True)
-            left = np.array([0.0 if high is None else high - error for high, error in pairs])
+            half_widths = np.array([0.0 if high is None else high - error for high, error in pairs])
             # A finer mesh leaves less open than is stated. The largest over directions that were
             # tried is the largest of all, less a percent.
             wrong = {
-                "adequate": (size > limit + left).any(),
-                "inadequate": (1.01 * size + left < limit).all(),
-                "undecided": (size > limit + 2.0 * left).any(),
+                "adequate": (size > limit + half_widths).any(),
+                "inadequate": (1.01 * size + half_widths < limit).all(),
+                "undecided": (size > limit + 2.0 * half_widths).any(),
             }
             if wrong[entry.verdict]:
-                found.append((model, quantity, entry.verdict, limit, error, left))
-    return found
+                contradicted.append((model, quantity, entry.verdict, limit, error, half_widths))
+    return contradicted
 
 
 def static_errors(robot, ends):
@@ -90,15 +90,15 @@ def static_errors(robot, ends):
         condensed = doubling.condensed_leg(leg, mesh, static_slices(leg, divisions))
         springs[name] = doubling.tip_compliance(condensed, ends)
     places = placed_at(robot, *stations(robot, POSTURES))
-    due = [serial_chains.compliance(at, springs) for at in places]
-    own = {
+    due = [serial_chains.compliance(posture, springs) for posture in places]
+    compliances = {
         name: model_statics(places, JUDGED[name][0], JUDGED[name][2]).compliances for name in MODELS
     }
     return {
         (name, quantity): np.array(
             [
                 deflection(C, exact, quantity)["error"]
-                for C, exact in zip(own[name], due, strict=True)
+                for C, exact in zip(compliances[name], due, strict=True)
             ]
         )
         for name in MODELS
@@ -120,9 +120,9 @@ def frequency_errors(robot, ends):
         )
     )
     pairs = partners(reference, segments, MODES)
-    off = pairs.frequency / reference.frequencies[:, :MODES] - 1.0
+    errors = pairs.frequency / reference.frequencies[:, :MODES] - 1.0
     sure = (pairs.mac > 0.9).all(axis=0)
-    return {("segments", f"f{k + 1}"): off[:, k] for k in range(MODES) if sure[k]}
+    return {("segments", f"f{k + 1}"): errors[:, k] for k in range(MODES) if sure[k]}
 
 
 @pytest.mark.parametrize(
@@ -136,9 +136,9 @@ def test_static_verdicts_match_true_errors(chunk, tmp_path):
     for robot, ends in robots(chunk, 2, tmp_path):
         context = Context(file_of(robot), "quick")
         places = placed_at(context.robot_file.mechanism, *stations(robot, POSTURES))
-        at = robot_at(context, places)
-        models = judged_models_of(at, {name: JUDGED[name] for name in MODELS})
-        subject = static_subject(at, models.values())
+        robot_path = robot_at(context, places)
+        models = judged_models_of(robot_path, {name: JUDGED[name] for name in MODELS})
+        subject = static_subject(robot_path, models.values())
         assert not contradictions(subject, static_errors(robot, ends))
 
 
