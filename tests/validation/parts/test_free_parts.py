@@ -108,8 +108,8 @@ def test_part_of_robot_is_solved_free(bar):
         "joints": {"root": {"type": "fixed", "between": ["ground", "bar"], "at": "A"}},
         "tool": {"body": "bar", "point": "B", "moves": []},
     }
-    found = fp.identify_free(robot, body="bar", unknowns=12_000, modes=1)
+    identification = fp.identify_free(robot, body="bar", unknowns=12_000, modes=1)
     alone = fp.identify_free(bar, material=MATERIAL, unknowns=12_000, modes=1)
-    assert found.frequencies == pytest.approx(alone.frequencies, rel=1e-9)
+    assert identification.frequencies == pytest.approx(alone.frequencies, rel=1e-9)
     with pytest.raises(InputError, match="is a part from a file, which is a solid"):
         fp.solve(robot, "beam", body="bar", modes=1, ends="free-free")

@@ -182,10 +182,10 @@ def test_uncounted_frequencies_have_remark(command, folder, monkeypatch):
     """Without memory for a factor, modes are not counted: null in JSON, a remark in the text."""
     monkeypatch.setattr(RootedBody, "countable", False)
     words = arguments(folder / "shaft.msh", "--unit", "mm", "--modes", "2")
-    document = json.loads(command.told(*words, "--json"))
+    document = json.loads(command.output(*words, "--json"))
     assert len(document["frequencies"]) == 2
     assert document["modes_counted"] == {"count": None, "below": None}
-    text = command.told(*words)
+    text = command.output(*words)
     assert "not counted, because no factor fits the memory: some may be missing" in text
     assert "none missing" not in text
 
@@ -193,7 +193,7 @@ def test_uncounted_frequencies_have_remark(command, folder, monkeypatch):
 def test_cached_identification_has_all_values(command, folder, shaft, monkeypatch):
     forget()
     monkeypatch.setattr(identifying, "_identification", lambda *_: pytest.fail("computed again"))
-    text = command.told(*arguments(folder / "shaft.step", *SMALL))
+    text = command.output(*arguments(folder / "shaft.step", *SMALL))
     rows = {line[:6].strip(): line.split() for line in text.splitlines()}
     compliance, half_width, bracket = (
         shaft[name][5, 5] for name in ("compliance", "uncertainty", "bracket")
@@ -216,7 +216,7 @@ def test_cached_identification_has_all_values(command, folder, shaft, monkeypatc
 
 
 def test_imported_mesh_has_no_half_width(command, folder):
-    text = command.told(*arguments(folder / "shaft.msh", "--unit", "mm", "--modes", "1"))
+    text = command.output(*arguments(folder / "shaft.msh", "--unit", "mm", "--modes", "1"))
     assert "one mesh, from the file, of " in text
     assert re.search(r"^  1 +\d+\.\d\d  ± +–  ", text, re.MULTILINE)
 
@@ -272,7 +272,7 @@ def test_wrong_request_is_refused_at_once(
     monkeypatch.setattr(identifying, "identify", lambda *_: pytest.fail("computed"))
     part = folder / "shaft.step"
     words = options.format(part=part).split()
-    line = command.refused(*arguments(part, *words, ends=ends, material=material))
+    line = command.error_line(*arguments(part, *words, ends=ends, material=material))
     assert re.search(message, line)
 
 
@@ -355,15 +355,15 @@ def test_condensed_leg_beats_equivalent_leg(tmp_path):
     loaded = leg.mass[6:, 6:] + 46.0 * np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     squared = eigh(leg.stiffness[6:, 6:], loaded, eigvals_only=True)[:2]
     assert np.sqrt(squared) / (2.0 * np.pi) == pytest.approx([103.2, 127.1], rel=3e-3)
-    given = GivenLeg(0.85, leg.total, leg.compliance)
-    for by, expected, error in (
+    given_leg = GivenLeg(0.85, leg.total, leg.compliance)
+    for rule, expected, error in (
         ("stiffness", [140.6, 176.7], -0.28),
         ("compliance", [171.4, 205.6], -0.15),
     ):
-        prism = equivalent_leg(given, by)
+        prism = equivalent_leg(given_leg, rule)
         frequencies = clamped_modes(beam_leg(prism.timoshenko, 0.85, 20), 2).frequencies
         assert frequencies == pytest.approx(expected, rel=3e-3)
         assert frequencies / leg.frequencies - 1.0 == pytest.approx([error, error], abs=0.02)
-    by_stiffness = equivalent_leg(given, "stiffness")
+    by_stiffness = equivalent_leg(given_leg, "stiffness")
     ratios = np.diag(tip_compliance(by_stiffness.timoshenko, 0.85)) / np.diag(leg.compliance)
     assert ratios[1:3] == pytest.approx([1.63, 1.54], abs=0.01)
