@@ -27,16 +27,16 @@ class CommandLine:
     def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
         self._capsys = capsys
 
-    def told(self, *words: object, code: int = 0) -> str:
+    def output(self, *words: object, code: int = 0) -> str:
         """Output on stdout of a command that must end with the exit code `code`."""
         assert cli.main([str(word) for word in words]) == code
         return self._capsys.readouterr().out
 
     def json(self, *words: object) -> Any:
         """JSON output of a command."""
-        return json.loads(self.told(*words, "--json"))
+        return json.loads(self.output(*words, "--json"))
 
-    def refused(self, *words: object) -> str:
+    def error_line(self, *words: object) -> str:
         """The single line on stderr of a command that is refused and prints no results."""
         assert cli.main([str(word) for word in words]) == 2
         printed = self._capsys.readouterr()
@@ -68,14 +68,14 @@ def paper_subject() -> Subject:
     with Path(os.environ["XDG_CACHE_HOME"], "paper").open("a+b") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         file.seek(0)
-        if not (kept := file.read()):
+        if not (pickled := file.read()):
             subject = robot_subject(Context(IFW, "quick"))
             # Responses are solved when they are needed: with them the others are spared that.
             verdict_matrix(subject, IFW.requirement)
-            kept = pickle.dumps(subject)
-            file.write(kept)
-    found: Subject = pickle.loads(kept)  # noqa: S301  our own
-    return found
+            pickled = pickle.dumps(subject)
+            file.write(pickled)
+    unpickled: Subject = pickle.loads(pickled)  # noqa: S301  our own
+    return unpickled
 
 
 @pytest.fixture(scope="session")
@@ -89,7 +89,9 @@ def coarse_parts():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(reduced_parts, "UNKNOWNS", 6_000)
         for module in (read, volume, slices):
-            patch.setattr(module, "within_limits", lambda _, function, *given: function(*given))
+            patch.setattr(
+                module, "within_limits", lambda _, function, *arguments: function(*arguments)
+            )
         yield patch
 
 

@@ -23,8 +23,8 @@ def test_api_solve_equals_command(command):
     (printed,) = command.json("solve", "ifw", *options)["results"]
     # A pose of one coordinate may be a number.
     for pose in (0.3, [0.3]):
-        asked = {"poses": [pose], "modes": 2, "theory": "euler-bernoulli"}
-        (answer,) = api.solve("ifw", "segments", **asked).answers
+        arguments = {"poses": [pose], "modes": 2, "theory": "euler-bernoulli"}
+        (answer,) = api.solve("ifw", "segments", **arguments).answers
         assert np.array_equal(answer.compliance, printed["compliance"])
         assert answer.frequencies.tolist() == printed["frequencies"]
 
@@ -56,19 +56,22 @@ def test_api_run_counts_verdicts(tmp_path):
 
 
 def test_wrong_name_error_has_valid_names(judged):
-    for model, quantity, said in (
+    for model, quantity, message in (
         ("bem", "x", 'model "bem" is not judged; there are simplified'),
         ("beam", "f99", 'quantity "f99" is not judged; there are x, y'),
         ("vjm", "f1", 'model "vjm" does not define "f1"'),
     ):
-        with pytest.raises(InputError, match=said):
+        with pytest.raises(InputError, match=message):
             judged.entry(model, quantity)
 
 
 def test_arguments_override_file_limits():
     assert api.load("ifw").requirement == load_robot("ifw").requirement
     loaded = api.load("ifw", accept={"deflection": 0.2, "z": 0.5})
-    limits = {one.name: loaded.requirement.limit(one) for one in loaded.requirement.quantities}
+    limits = {
+        quantity.name: loaded.requirement.limit(quantity)
+        for quantity in loaded.requirement.quantities
+    }
     assert [limits[name] for name in ("x", "z", "f1")] == [0.2, 0.5, 0.05]
     for wrong in ({"deflexion": 0.1}, {"z": 5.0}, {"z": 0.0}):
         with pytest.raises(InputError, match="accept"):
@@ -76,10 +79,10 @@ def test_arguments_override_file_limits():
 
 
 def test_results_are_frozen_and_have_repr(judged):
-    shown = judged._repr_html_()
-    assert escape(judged.sentence) in shown
-    assert shown.count("<tr>") == 1 + len(judged.matrix.models)
-    assert "✗" in shown
+    html = judged._repr_html_()
+    assert escape(judged.sentence) in html
+    assert html.count("<tr>") == 1 + len(judged.matrix.models)
+    assert "✗" in html
     with pytest.raises(FrozenInstanceError):
         judged.matrix = None
     solution = api.solve("ifw", "simplified")
@@ -99,7 +102,9 @@ def test_solution_has_table_and_plot():
     deflection, frequency = solution.plot().axes
     assert deflection.get_title(loc="left") == "deflection along a force of 1000 N (µm)"
     curves = [line.get_ydata() for line in deflection.get_lines()]
-    expected = [[np.diag(one.compliance)[k] * 1e9 for one in solution.answers] for k in range(3)]
+    expected = [
+        [np.diag(answer.compliance)[k] * 1e9 for answer in solution.answers] for k in range(3)
+    ]
     np.testing.assert_allclose(curves, expected)
     frequencies = [line.get_ydata() for line in frequency.get_lines()]
     np.testing.assert_allclose(np.transpose(frequencies), [a.frequencies for a in solution.answers])
@@ -116,7 +121,7 @@ def test_solution_at_one_pose_has_bars():
 
 def test_adequacy_has_table_and_plot(judged):
     table = judged.table()
-    column = {name: place for place, name in enumerate(table.headings)}
+    column = {name: index for index, name in enumerate(table.headings)}
     assert len(table.rows) == len(judged.matrix.entries) > 20
     for row, entry in zip(table.rows, judged.matrix.entries, strict=True):
         assert row[:3] == (entry.model, str(entry.quantity), entry.verdict)
@@ -129,7 +134,7 @@ def test_adequacy_has_table_and_plot(judged):
 
 
 @pytest.mark.parametrize(
-    ("robot", "asked", "said"),
+    ("robot", "arguments", "message"),
     [
         ("five-bar", {"poses": [[0.1]]}, r"^poses 0\.1: must be x,y as finite numbers"),
         ("ifw", {"poses": [[0.3, 0.4]]}, "^poses 0.3,0.4: must be x as finite"),
@@ -137,10 +142,10 @@ def test_adequacy_has_table_and_plot(judged):
         ("ifw", {"modes": -1}, "^modes = -1: must be"),
     ],
 )
-def test_messages_name_python_arguments(robot, asked, said):
+def test_messages_name_python_arguments(robot, arguments, message):
     """Messages name arguments of Python functions, not options such as --pose or --x."""
-    with pytest.raises(InputError, match=said) as raised:
-        api.solve(robot, "segments", **asked)
+    with pytest.raises(InputError, match=message) as raised:
+        api.solve(robot, "segments", **arguments)
     assert "--" not in str(raised.value)
     with pytest.raises(InputError, match=r"^accept z=9"):
         api.load("ifw", accept={"z": 9.0})
@@ -151,7 +156,7 @@ LIST = "must be a list, each entry a number or a list, each entry a number"
 
 
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("call", "message"),
     [
         (lambda: api.solve("five-bar", "fem"), f'^model = "fem": {NAMES}$'),
         (lambda: api.solve("five-bar", "beams"), f'^model = "beams": {NAMES}; did you mean "beam"'),
@@ -203,9 +208,9 @@ LIST = "must be a list, each entry a number or a list, each entry a number"
         (lambda: api.converge("five-bar", elements=[2.5]), "^elements = .*, each entry a whole nu"),
     ],
 )
-def test_error_names_the_wrong_argument(call, said, tmp_path, monkeypatch):
+def test_error_names_the_wrong_argument(call, message, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         call()
     assert not list(tmp_path.iterdir())
 
@@ -262,5 +267,5 @@ def test_api_results_are_unchanged(judged):
         assert judged.entry(*name).uncertainty == pytest.approx(uncertainty, rel=1e-6), name
     for name, expected in FROZEN_ANSWERS.items():
         answer = api.solve(*name, modes=3 * (len(expected) > 1)).answers[0]
-        found = [answer.compliance[0, 0], *answer.frequencies[::2]]
-        assert found == pytest.approx(expected, rel=1e-6), name
+        numbers = [answer.compliance[0, 0], *answer.frequencies[::2]]
+        assert numbers == pytest.approx(expected, rel=1e-6), name

@@ -47,8 +47,8 @@ def test_robot_without_measurements_is_refused():
 def test_displacements_are_in_table_and_plot():
     load = {"name": "push", "wrench": [0.0, 0.0, 10.0, 0.0, 0.0, 0.0]}
     solution = api.solve({**BAR, "loads": [load]}, "beam", modes=0, theory="euler-bernoulli")
-    ((place, name, *numbers),) = solution.load_table().rows
-    assert (place, name) == ("reference posture", "push")
+    ((pose_text, name, *numbers),) = solution.load_table().rows
+    assert (pose_text, name) == ("reference posture", "push")
     assert numbers[2] == pytest.approx(10.0 / STIFFNESS, rel=1e-9)
     assert [axes.get_title(loc="left") for axes in solution.plot_loads().axes] == [
         "displacement (µm)",
@@ -79,9 +79,9 @@ def test_workspace_without_a_grid_is_refused():
 
 def test_exported_matrices_equal_beam(tmp_path):
     """Tip of a clamped bar: Euler–Bernoulli's stiffness, less 3EI/(κGA L²) = 0.4 % for shear."""
-    place = api.export(BAR, "npz", out=tmp_path / "bar.npz", modes=2)
-    with np.load(place) as found:
-        frequency = found["frequencies"][0]
+    path = api.export(BAR, "npz", out=tmp_path / "bar.npz", modes=2)
+    with np.load(path) as arrays:
+        frequency = arrays["frequencies"][0]
     beam = 1.875104069**2 * SIDE * np.sqrt(STEEL["E"] / STEEL["rho"] / 12.0) / LENGTH**2
     assert frequency == pytest.approx(beam / (2.0 * np.pi), rel=0.005)
 

@@ -27,11 +27,11 @@ HEAVY = ("gmsh", "pyvista", "vtk", "skfem", "matplotlib", "scipy", "numpy", "jin
 def with_catalogue(monkeypatch):
     """Function that replaces the tasks of `run` by a made-up `catalogue`, run in this process.
 
-    `by` is another way to run them, for example by workers.
+    `run` is another function that runs them, for example on workers.
     """
 
-    def use(catalogue, by=run_in_this_process):
-        monkeypatch.setattr(runner, "run", by)
+    def use(catalogue, run=run_in_this_process):
+        monkeypatch.setattr(runner, "run", run)
         cases = SimpleNamespace(catalogue=catalogue)
         monkeypatch.setitem(sys.modules, "validation.catalogue", cases)
 
@@ -50,28 +50,30 @@ def test_run_prints_verdict_and_report(with_catalogue, tmp_path, capsys):
 
 def test_quiet_run_requests_no_progress(with_catalogue, tmp_path):
     """--quiet suppresses progress for one command only: the next run reports it again."""
-    seen = []
+    are_quiet = []
 
     def catalogue(robot_file):
-        seen.append(streams.is_quiet())
+        are_quiet.append(streams.is_quiet())
         return toys.sound(robot_file)
 
     with_catalogue(catalogue)
     for options in ((), ("--quiet",), ()):
-        assert cli.main(["run", "--out", str(tmp_path / f"{len(seen)}"), *options]) == 0
-    assert seen == [False, True, False]
+        assert cli.main(["run", "--out", str(tmp_path / f"{len(are_quiet)}"), *options]) == 0
+    assert are_quiet == [False, True, False]
 
 
 def test_cases_are_listed_as_text_and_json(with_catalogue, command):
     with_catalogue(toys.sound)
-    assert "closed-form: made up" in command.told("cases")
+    assert "closed-form: made up" in command.output("cases")
     listed = command.json("cases")
     assert [entry["id"] for entry in listed][:2] == ["toy.agrees", "toy.first[x=1]"]
     assert listed[0]["tolerance"] == 0.1
 
 
 def test_audit_of_robot_is_printed(command):
-    used, errata = command.told("check", "ifw").split("misprints and errors of the printed source")
+    used, errata = command.output("check", "ifw").split(
+        "misprints and errors of the printed source"
+    )
     assert used.startswith("ifw: valid, 4 doubts; IFW demonstrator")
     # The signs of the couplings are used as printed, the foot's rotation is not.
     assert "leg1.compliance (warning, couplings)" in used
@@ -80,7 +82,7 @@ def test_audit_of_robot_is_printed(command):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["run", "--preset", "quik"], 'Did you mean "quick"'),
         (["run", "--presett", "quick"], "Did you mean --preset"),
@@ -110,12 +112,14 @@ def test_audit_of_robot_is_printed(command):
         (["kinematics", "five-bar", "--pose=1e300,0"], "must be 2 finite numbers up to 100 m or"),
     ],
 )
-def test_wrong_input_exits_with_2(arguments, said, with_catalogue, tmp_path, monkeypatch, command):
+def test_wrong_input_exits_with_2(
+    arguments, message, with_catalogue, tmp_path, monkeypatch, command
+):
     with_catalogue(toys.sound)
     monkeypatch.chdir(tmp_path)
-    assert said in command.refused(*arguments)
-    left = {entry.name for entry in tmp_path.rglob("*")}
-    assert left <= {"report", ".lock"}
+    assert message in command.error_line(*arguments)
+    files = {entry.name for entry in tmp_path.rglob("*")}
+    assert files <= {"report", ".lock"}
 
 
 def test_full_disk_exits_with_3(with_catalogue, tmp_path, monkeypatch, capsys):
@@ -130,8 +134,8 @@ def test_full_disk_exits_with_3(with_catalogue, tmp_path, monkeypatch, capsys):
     assert cli.main(["run", *options, "--out", str(out)]) == 3
     printed = capsys.readouterr().err
     assert "No space left" in printed
-    told = f"flexproof run ifw --preset standard --accept x=0.1 --measured '{values}'"
-    assert f"{told} --out {out} --resume" in printed
+    expected = f"flexproof run ifw --preset standard --accept x=0.1 --measured '{values}'"
+    assert f"{expected} --out {out} --resume" in printed
 
 
 def test_system_error_is_one_line(tmp_path, monkeypatch, capsys):
@@ -153,15 +157,15 @@ def test_help_imports_no_heavy_module():
         "sys.stderr.write(' '.join(loaded)); sys.exit(code)"
     )
     line = [sys.executable, "-c", program]
-    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "run" in done.stdout
+    completed = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (completed.returncode, completed.stderr) == (0, "")
+    assert "run" in completed.stdout
 
 
 def test_worse_verdict_than_baseline_exits_1(with_catalogue, tmp_path, command):
     with_catalogue(toys.sound)
     first = tmp_path / "first"
-    command.told("run", "--out", first)
+    command.output("run", "--out", first)
     # The earlier run knew a case that agreed and is now skipped, and another value.
     earlier = json.loads((first / "results.json").read_text())
     by_id = {case["id"]: case for case in earlier["cases"]}
@@ -170,14 +174,14 @@ def test_worse_verdict_than_baseline_exits_1(with_catalogue, tmp_path, command):
     baseline = tmp_path / "baseline.json"
     baseline.write_text(json.dumps(earlier))
     out = tmp_path / "second"
-    said = command.told("run", "--out", out, "--baseline", baseline, code=1)
+    output = command.output("run", "--out", out, "--baseline", baseline, code=1)
     # CalculiX gone from the machine, say: what it protected is protected no more.
     assert "skipped in this run: toy.skipped." in (out / "report.html").read_text(encoding="utf-8")
-    assert "warning: comparison toy.skipped agreed in the baseline" in said
-    assert "1 verdict worse, 0 better, 1 case drifted, 0 new, 0 removed." in said
+    assert "warning: comparison toy.skipped agreed in the baseline" in output
+    assert "1 verdict worse, 0 better, 1 case drifted, 0 new, 0 removed." in output
     # A part of the run is compared with that part of the baseline.
-    asked = ["run", "--only", "toy.agrees", "--out", out, "--baseline", baseline]
-    assert "0 new, 0 removed." in command.told(*asked)
+    words = ["run", "--only", "toy.agrees", "--out", out, "--baseline", baseline]
+    assert "0 new, 0 removed." in command.output(*words)
     (entry,) = json.loads((out / "results.json").read_text())["cases"]
     assert (entry["verdict"], entry["earlier"]) == ("agree", 0.25)
     assert entry["drift"] == pytest.approx(1.0 / 3.0 - 0.25, rel=1e-12)
@@ -189,11 +193,11 @@ def test_export_is_in_run_folder(with_catalogue, tmp_path, monkeypatch, command)
         "validation.export.files.export_mechanism",
         lambda mechanism, preset, folder: (folder / f"{mechanism.name} {preset}.vtu").touch(),
     )
-    asked = ["run", "--only", "toy.agrees", "--preset", "quick", "--out", tmp_path]
-    command.told(*asked, "--export")
+    words = ["run", "--only", "toy.agrees", "--preset", "quick", "--out", tmp_path]
+    command.output(*words, "--export")
     assert (tmp_path / "export" / "IFW demonstrator quick.vtu").exists()
     assert not (tmp_path / ".export.tmp").exists()
-    command.told(*asked)
+    command.output(*words)
     assert not (tmp_path / "export").exists()
 
 

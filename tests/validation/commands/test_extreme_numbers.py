@@ -91,39 +91,43 @@ def finite(constant):
 
 @pytest.fixture
 def written(tmp_path, monkeypatch):
-    """Function `written(name, way, value)`: writes robot.toml, with `value` at the path `way`."""
+    """Function `written(name, key_path, value)`: writes robot.toml, with `value` at `key_path`."""
     monkeypatch.chdir(tmp_path)
 
-    def write(name, way, value):
+    def write(name, key_path, value):
         tree = deepcopy(tomllib.loads(ROBOTS[name]))
         table = tree
-        for key in way[:-1]:
+        for key in key_path[:-1]:
             table = table[key]
-        table[way[-1]] = value
+        table[key_path[-1]] = value
         (tmp_path / "robot.toml").write_text(toml(tree), encoding="utf-8")
 
     return write
 
 
 @pytest.mark.parametrize(
-    ("name", "way"),
-    [pytest.param(name, way, id=f"{name}-{way}") for name in ROBOTS for way in numbers(name)],
+    ("name", "key_path"),
+    [
+        pytest.param(name, key_path, id=f"{name}-{key_path}")
+        for name in ROBOTS
+        for key_path in numbers(name)
+    ],
 )
-def test_extreme_number_is_refused_or_finite(name, way, written, capsys):
+def test_extreme_number_is_refused_or_finite(name, key_path, written, capsys):
     for value in VALUES:
-        written(name, way, value)
+        written(name, key_path, value)
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             code = cli.main(["check", "robot.toml"])
             printed = capsys.readouterr()
-            said = printed.err + printed.out
-            assert "Traceback" not in said
-            assert code in {0, 2}, (value, said)
+            output = printed.err + printed.out
+            assert "Traceback" not in output
+            assert code in {0, 2}, (value, output)
             if code == 2:
                 # Each line names file and key; a sound number beside it may be the wrong one.
                 lines = printed.err.splitlines()
-                assert all(line.startswith("flexproof: robot.toml: ") for line in lines), said
-                assert len(lines) <= 5, said
+                assert all(line.startswith("flexproof: robot.toml: ") for line in lines), output
+                assert len(lines) <= 5, output
                 continue
             code = cli.main(["solve", "robot.toml", "--model", "beam", "--json"])
             printed = capsys.readouterr()

@@ -57,14 +57,14 @@ def computed(monkeypatch):
 )
 def test_api_accepts_all_limit_forms(quantity, general, limit, verdict):
     by_default = api.adequacy("ifw")
-    said = [by_default.entry("beam", quantity, within=limit)]
+    entries = [by_default.entry("beam", quantity, within=limit)]
     for accept in ({quantity: limit}, {general: limit}):
-        said += [
+        entries += [
             api.adequacy("ifw", accept=accept).entry("beam", quantity),
             api.adequacy(api.load("ifw", accept=accept)).entry("beam", quantity),
             by_default.accepting(accept).entry("beam", quantity),
         ]
-    assert [(entry.verdict, entry.limit) for entry in said] == [(verdict, limit)] * 7
+    assert [(entry.verdict, entry.limit) for entry in entries] == [(verdict, limit)] * 7
     assert by_default.accepting({quantity: limit}).entry("beam", "y").limit == 0.05
     if verdict == "adequate":
         by_default.assert_adequate("beam", quantity, within=limit)
@@ -75,16 +75,16 @@ def test_api_accepts_all_limit_forms(quantity, general, limit, verdict):
 
 def test_preset_and_limits_are_applied(computed):
     for preset in ("quick", "standard", "fine"):
-        found = api.adequacy("ifw", preset=preset, accept={"modes": 6})
+        judged = api.adequacy("ifw", preset=preset, accept={"modes": 6})
         context = computed.pop()
         assert (context.preset, context.robot_file.requirement.modes) == (preset, 6)
-        names = [one.name for one in found.matrix.quantities]
+        names = [quantity.name for quantity in judged.matrix.quantities]
         assert names[7:] == ["f1", "f2", "f3", "f4", "f5", "f6", "order"]
     # Fewer modes are judged anew, more are refused.
-    names = [one.name for one in found.accepting({"modes": 2}).matrix.quantities]
+    names = [quantity.name for quantity in judged.accepting({"modes": 2}).matrix.quantities]
     assert names[7:] == ["f1", "f2", "order"]
     with pytest.raises(InputError, match="modes = 8: must be at most 6"):
-        found.accepting({"modes": 8})
+        judged.accepting({"modes": 8})
 
 
 RUN = {"out": Path("elsewhere"), "preset": "fine", "only": "leg*", "jobs": 3}
@@ -92,13 +92,13 @@ VARY = ("geometry.a=0.9:1:3",)
 
 
 def test_run_forwards_every_keyword(monkeypatch):
-    asked = []
-    monkeypatch.setattr(session, "validate", lambda request, _: asked.append(request) or 1 / 0)
+    requests = []
+    monkeypatch.setattr(session, "validate", lambda request, _: requests.append(request) or 1 / 0)
     assert set(inspect.signature(api.run).parameters) == {"robot", "vary", *RUN}
     with pytest.raises(ZeroDivisionError):
         api.run("ifw", vary=VARY, **RUN)
-    assert {name: getattr(asked[0], name) for name in RUN} == RUN
-    assert asked[0].variations == variations_of(load_robot("ifw"), VARY)
+    assert {name: getattr(requests[0], name) for name in RUN} == RUN
+    assert requests[0].variations == variations_of(load_robot("ifw"), VARY)
 
 
 @pytest.mark.parametrize("disagreeing", [0, 2])
@@ -108,14 +108,14 @@ def test_run_returns_counts_and_exit_code(monkeypatch, disagreeing):
     outcomes.append(unmeasured("left", "skipped", "nothing to compare"))
     gathered = sample_report(outcomes=outcomes, figures=(), missing=(), matrix=None).results
     monkeypatch.setattr(session, "validate", lambda *_: gathered)
-    found = api.run("ifw")
+    result = api.run("ifw")
     counts = {"agree": 3, "disagree": disagreeing, "skipped": 1}
-    assert found.verdicts == {verdict: count for verdict, count in counts.items() if count}
-    assert found.exit_code == (1 if disagreeing else 0)
-    assert found.seconds == 75.2
+    assert result.verdicts == {verdict: count for verdict, count in counts.items() if count}
+    assert result.exit_code == (1 if disagreeing else 0)
+    assert result.seconds == 75.2
     # As a notebook shows it.
-    cells = re.findall(r"<td[^>]*>([^<]*)</td>", found._repr_html_())
-    assert dict(zip(cells[::2], map(int, cells[1::2]), strict=True)) == found.verdicts
+    cells = re.findall(r"<td[^>]*>([^<]*)</td>", result._repr_html_())
+    assert dict(zip(cells[::2], map(int, cells[1::2]), strict=True)) == result.verdicts
     broken = sample_report(matrix=None, figures=(), missing=()).results
     monkeypatch.setattr(session, "validate", lambda *_: broken)
     assert api.run("ifw").exit_code == 3
@@ -141,7 +141,9 @@ def test_more_modes(flexproof):
 
 
 # An environment set up before the plugin was there knows it by its module alone.
-_KNOWN = any(one.value == pytest_plugin.__name__ for one in entry_points(group="pytest11"))
+_KNOWN = any(
+    entry_point.value == pytest_plugin.__name__ for entry_point in entry_points(group="pytest11")
+)
 PLUGIN_OPTIONS = () if _KNOWN else ("-p", pytest_plugin.__name__)
 
 
@@ -149,17 +151,19 @@ PLUGIN_OPTIONS = () if _KNOWN else ("-p", pytest_plugin.__name__)
 def in_folder(pytester):
     """Function `run(accept, *options)`: pytest in a folder with a robot; returns outcomes by test.
 
-    `accept` is the text of the robot's table [accept]. `run.said` has the messages by test and
+    `accept` is the text of the robot's table [accept]. `run.messages` has the messages by test and
     `run.code` the exit code of the last call.
     """
 
     def run(accept, *options):
         robot = f"{load_robot('ifw').text}\n[accept]\n{accept}\n"
         (pytester.path / "mine.toml").write_text(robot, encoding="utf-8")
-        found = pytester.inline_run("-p", "no:cacheprovider", *PLUGIN_OPTIONS, *options)
-        reports = [r for r in found.getreports("pytest_runtest_logreport") if r.when == "call"]
-        run.code = found.ret
-        run.said = {r.nodeid.rpartition("::")[2]: str(r.longrepr) for r in reports}
+        session_result = pytester.inline_run("-p", "no:cacheprovider", *PLUGIN_OPTIONS, *options)
+        reports = [
+            r for r in session_result.getreports("pytest_runtest_logreport") if r.when == "call"
+        ]
+        run.code = session_result.ret
+        run.messages = {r.nodeid.rpartition("::")[2]: str(r.longrepr) for r in reports}
         return {r.nodeid.rpartition("::")[2]: r.outcome for r in reports}
 
     return run
@@ -170,12 +174,12 @@ def test_fixture_has_within_and_accept(in_folder, pytester):
     pytester.makepyfile(PLUGIN)
     outcomes = in_folder("")
     assert outcomes.pop("test_more_modes") == "passed"
-    for test, told in (
+    for test, message in (
         ("test_within", "beam, f1: inadequate; error +4"),
         ("test_accept", "beam, x: inadequate; error 4"),
     ):
         assert (outcomes[f"{test}[below]"], outcomes[f"{test}[above]"]) == ("failed", "passed")
-        assert told in in_folder.said[f"{test}[below]"]
+        assert message in in_folder.messages[f"{test}[below]"]
 
 
 def test_fixture_path_is_relative_to_test(in_folder, pytester):
@@ -185,8 +189,8 @@ def test_fixture_path_is_relative_to_test(in_folder, pytester):
         f"{load_robot('ifw').text}\n[accept]\ndeflection = {ABOVE * ERROR}\n", encoding="utf-8"
     )
     test = "def test_x(flexproof):\n    flexproof('mine.toml').assert_adequate('beam', 'x')\n"
-    for place in (pytester.path / "test_upper.py", folder / "test_lower.py"):
-        place.write_text(test, encoding="utf-8")
+    for path in (pytester.path / "test_upper.py", folder / "test_lower.py"):
+        path.write_text(test, encoding="utf-8")
     limit = f"deflection = {BELOW * ERROR}"
     assert in_folder(limit, "test_upper.py") == {"test_x": "failed"}
     assert in_folder(limit, "lower") == {"test_x": "passed"}
@@ -214,17 +218,24 @@ def test_robots_of_equal_name_are_separate(in_folder, pytester, computed):
 def test_robot_file_is_collected_as_tests(limit, sure, unsure, in_folder, computed):
     accept = f"deflection = {limit!r}\nfrequency = {limit!r}"
     names = ("beam.x", "beam.phi_z", "beam.f1", "beam.f2")
-    chosen = ("--flexproof", "mine.toml", "-k", f"({' or '.join(names)} or vjm.f1) and not euler")
+    selection = (
+        "--flexproof",
+        "mine.toml",
+        "-k",
+        f"({' or '.join(names)} or vjm.f1) and not euler",
+    )
     for options, preset, undecided in (
         ([], "standard", "skipped"),
         (["--flexproof-strict", "--flexproof-preset", "fine"], "fine", "failed"),
     ):
         f2 = undecided if unsure == "undecided" else unsure
         expected = {**dict.fromkeys(names, sure), "beam.f2": f2, "vjm.f1": "skipped"}
-        assert in_folder(accept, *chosen, *options) == expected
-        assert ("beam, x: inadequate; error 4" in in_folder.said["beam.x"]) is (sure == "failed")
-        assert "Traceback" not in in_folder.said["beam.x"]
-        assert "model vjm does not define f1" in in_folder.said["vjm.f1"]
+        assert in_folder(accept, *selection, *options) == expected
+        assert ("beam, x: inadequate; error 4" in in_folder.messages["beam.x"]) is (
+            sure == "failed"
+        )
+        assert "Traceback" not in in_folder.messages["beam.x"]
+        assert "model vjm does not define f1" in in_folder.messages["vjm.f1"]
         assert computed.pop().preset == preset
 
 
@@ -236,9 +247,9 @@ def test_program_error_fails_its_item(in_folder, monkeypatch):
         return replace(toy, models=(Model("beam", statics=lambda *_: 1 / 0),))
 
     monkeypatch.setattr(adequacy_of_robot, "robot_subject", faulty)
-    chosen = ("--flexproof", "mine.toml", "-k", "beam.x and not euler")
-    assert in_folder("", *chosen) == {"beam.x": "failed"}
-    assert "ZeroDivisionError" in in_folder.said["beam.x"]
+    selection = ("--flexproof", "mine.toml", "-k", "beam.x and not euler")
+    assert in_folder("", *selection) == {"beam.x": "failed"}
+    assert "ZeroDivisionError" in in_folder.messages["beam.x"]
 
 
 def test_robot_file_gives_pytest_item_per_verdict(in_folder, capsys):
@@ -266,10 +277,10 @@ def test_item_location_is_robot_file(in_folder, pytester):
 @pytest.mark.parametrize("workers", [(), ("-n", "2")], ids=["alone", "workers"])
 def test_broken_robot_file_gives_one_error_line(workers, in_folder, pytester):
     in_folder("x = -1.0")
-    done = pytester.runpytest_subprocess(*PLUGIN_OPTIONS, "--flexproof", "mine.toml", *workers)
-    assert done.ret == pytest.ExitCode.USAGE_ERROR
-    done.stderr.fnmatch_lines(["*mine.toml: accept.x*"])
-    assert "Traceback" not in str(done.stderr) + str(done.stdout)
+    completed = pytester.runpytest_subprocess(*PLUGIN_OPTIONS, "--flexproof", "mine.toml", *workers)
+    assert completed.ret == pytest.ExitCode.USAGE_ERROR
+    completed.stderr.fnmatch_lines(["*mine.toml: accept.x*"])
+    assert "Traceback" not in str(completed.stderr) + str(completed.stdout)
 
 
 def matrix_of(context):
@@ -339,7 +350,7 @@ def test_only_option_keeps_measurements(run, tmp_path, capsys):
     values.write_text("quantity,pose,value,uncertainty,source\nf2,0.4975,80.0,0.1,hammer test\n")
     options = ("--only", "adequacy", "--measured", str(values))
     assert run(*options, tasks=[ADEQUACY, MEASURED, DISAGREES]) == 0
-    said = capsys.readouterr().out
-    assert "against measured values: " in said
+    output = capsys.readouterr().out
+    assert "against measured values: " in output
     # The matrix is full: that nothing was compared would be false.
-    assert "No comparison was made" not in said
+    assert "No comparison was made" not in output

@@ -33,7 +33,7 @@ def outcome(command, folder, capfd):
         warnings.simplefilter("always")
         code = cli.main(command.words)
     printed = capfd.readouterr()
-    return code, printed.out, printed.err + "".join(f"{one.message}\n" for one in warned)
+    return code, printed.out, printed.err + "".join(f"{warning.message}\n" for warning in warned)
 
 
 def amiss(code, out, err):
@@ -48,7 +48,7 @@ def amiss(code, out, err):
         f"one of several: {several}": several is not None,
         "refused with results, or without a reason": code == 2 and (out or not lines),
     }
-    return [reason for reason, found in wrong.items() if found]
+    return [reason for reason, applies in wrong.items() if applies]
 
 
 @pytest.mark.parametrize(
@@ -68,8 +68,8 @@ def test_random_input_causes_no_program_error(seed, count, tmp_path, monkeypatch
         codes[code] += 1
         reasons, seconds = amiss(code, out, err), perf_counter() - begun
         if reasons or seconds > LONGEST:
-            said = " ".join(word[:60] for word in command.words)
-            wrong.append(f"{said} ({seconds:.1f} s): {reasons}: {err[-600:]}")
+            command_text = " ".join(word[:60] for word in command.words)
+            wrong.append(f"{command_text} ({seconds:.1f} s): {reasons}: {err[-600:]}")
     assert not wrong, "\n\n".join(wrong[:20])
     assert codes.keys() >= {0, 2}
     assert (getrusage(RUSAGE_SELF).ru_maxrss - before) / 1e3 <= LARGEST

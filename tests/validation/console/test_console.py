@@ -56,11 +56,11 @@ def shell(line, **environment):
     ],
 )
 def test_unusual_stream_gives_one_line(line, code, message):
-    done = shell(line)
-    assert done.returncode == code, done.stderr
-    assert done.stdout.isascii()
-    assert done.stderr.startswith(message and f"flexproof: {message}")
-    assert len(done.stderr.splitlines()) == bool(message)
+    completed = shell(line)
+    assert completed.returncode == code, completed.stderr
+    assert completed.stdout.isascii()
+    assert completed.stderr.startswith(message and f"flexproof: {message}")
+    assert len(completed.stderr.splitlines()) == bool(message)
 
 
 def test_unencodable_characters_are_replaced():
@@ -74,8 +74,8 @@ def test_unencodable_characters_are_replaced():
 
 def test_refused_run_leaves_home_empty(tmp_path):
     home = {"HOME": str(tmp_path), "XDG_CACHE_HOME": "", "MPLCONFIGDIR": ""}
-    done = shell("flexproof run five-bar --only nothing", **home)
-    assert done.returncode == 2, done.stderr
+    completed = shell("flexproof run five-bar --only nothing", **home)
+    assert completed.returncode == 2, completed.stderr
     assert not list(tmp_path.iterdir())
 
 
@@ -98,8 +98,8 @@ write, terminate = cli.write_messages, lambda *_: os.kill(os.getpid(), signal.SI
 cli._run, cli.write_messages = terminate, lambda *args: terminate() or write(*args)
 raise SystemExit(cli.main())
 """
-    done = shell("flexproof", PROGRAM=program)
-    assert (done.returncode, done.stderr) == (3, "flexproof: interrupted\n")
+    completed = shell("flexproof", PROGRAM=program)
+    assert (completed.returncode, completed.stderr) == (3, "flexproof: interrupted\n")
 
 
 def test_address_space_limit_is_respected(monkeypatch):
@@ -115,7 +115,7 @@ PICTURE = ("kinematics", "five-bar", "--picture")
 @pytest.mark.parametrize("words", [TABLE, PICTURE], ids=["table", "picture"])
 def test_file_of_other_kind_is_not_replaced(words, tmp_path, command):
     robot = tmp_path / "robot.toml"
-    command.told("new", "--type", "five-bar", robot)
+    command.output("new", "--type", "five-bar", robot)
     content = robot.read_bytes()
     # The ending of the target counts, not that of a link.
     links = [tmp_path / f"link{ending}" for ending in (".csv", ".png")]
@@ -127,7 +127,7 @@ def test_file_of_other_kind_is_not_replaced(words, tmp_path, command):
         (robot / "table", f"cannot be written ({robot} is not a folder)"),
         *((file, "exists already and is not a .") for file in (robot, *links)),
     ):
-        assert command.refused(*arguments, path).startswith(f"flexproof: {path}: {message}")
+        assert command.error_line(*arguments, path).startswith(f"flexproof: {path}: {message}")
     assert robot.read_bytes() == content
 
 
@@ -152,7 +152,7 @@ def test_failed_write_prints_results(tmp_path, capsys, command):
     # One file for two results is refused at once.
     path = tmp_path / "both"
     message = "given for two results; give a separate file for each"
-    assert message in command.refused(*TABLE, path, "--picture", path)
+    assert message in command.error_line(*TABLE, path, "--picture", path)
 
 
 @pytest.mark.parametrize(
@@ -165,9 +165,9 @@ def test_failed_write_prints_results(tmp_path, capsys, command):
 )
 def test_deleted_folder_gives_one_error_line(words, tmp_path):
     folder = tmp_path / "gone"
-    done = shell(f"mkdir '{folder}'; cd '{folder}'; rmdir '{folder}'; flexproof {words}")
+    completed = shell(f"mkdir '{folder}'; cd '{folder}'; rmdir '{folder}'; flexproof {words}")
     message = "flexproof: the current folder no longer exists; change to another one (cd)\n"
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", message)
+    assert (completed.returncode, completed.stdout, completed.stderr) == (2, "", message)
 
 
 @pytest.mark.parametrize("module", ["cyclopts", "fem.machine", "validation.export.command"])
@@ -183,8 +183,12 @@ sys.meta_path.insert(0, Interrupting())
 from validation.entry.start import main
 sys.exit(main())
 """
-    done = shell("flexproof schema", PROGRAM=program)
-    assert (done.returncode, done.stdout, done.stderr) == (3, "", "flexproof: interrupted\n")
+    completed = shell("flexproof schema", PROGRAM=program)
+    assert (completed.returncode, completed.stdout, completed.stderr) == (
+        3,
+        "",
+        "flexproof: interrupted\n",
+    )
 
 
 EXPORT = ("export", "five-bar", "--to", "npz", "--out")
@@ -207,9 +211,9 @@ def test_full_disk_writes_no_files(words, name, tmp_path, monkeypatch, capsys):
 def test_full_disk_writes_no_template(tmp_path):
     """A limit of the file size, in blocks of 1024 bytes, simulates a full disk."""
     path = tmp_path / "robot.toml"
-    done = shell(f"ulimit -f 1; flexproof new '{path}'")
+    completed = shell(f"ulimit -f 1; flexproof new '{path}'")
     message = f"flexproof: {path}: cannot be written (File too large)\n"
-    assert (done.returncode, done.stderr) == (3, message)
+    assert (completed.returncode, completed.stderr) == (3, message)
     assert not path.exists()
 
 

@@ -53,8 +53,10 @@ def built_once(shared):
     else:
         program = "import sys; from validation.cli import main; sys.exit(main(sys.argv[1:]))"
         line = [sys.executable, "-c", program, "docs", "--out", str(folder)]
-        done = subprocess.run(line, capture_output=True, text=True, check=False)
-        log.with_suffix(".new").write_text(f"exit code {done.returncode}\n{done.stderr}", "utf-8")
+        completed = subprocess.run(line, capture_output=True, text=True, check=False)
+        log.with_suffix(".new").write_text(
+            f"exit code {completed.returncode}\n{completed.stderr}", "utf-8"
+        )
         log.with_suffix(".new").rename(log)
     text = log.read_text("utf-8")
     assert text.startswith("exit code 0\n"), text
@@ -167,8 +169,8 @@ def found_pages(folder, words, tmp_path):
     offline = ("--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={tmp_path}")
     address = f"{(folder / 'search.html').as_uri()}?q={quote(words)}"
     line = [CHROMIUM, *flags, *offline, "--virtual-time-budget=20000", "--dump-dom", address]
-    done = subprocess.run(line, capture_output=True, text=True, check=True, timeout=120.0)
-    results = done.stdout.partition('id="search-results"')[2]
+    completed = subprocess.run(line, capture_output=True, text=True, check=True, timeout=120.0)
+    results = completed.stdout.partition('id="search-results"')[2]
     pages = [link.partition("#")[0] for link in re.findall(r'<a href="([^"?]+)', results)]
     return list(dict.fromkeys(pages))
 
@@ -203,7 +205,7 @@ def test_search_finds_subject_pages(site, words, page, tmp_path):
 
 def test_foreign_output_folder_is_refused(command, tmp_path):
     (tmp_path / "notes.txt").write_text("mine", "utf-8")
-    assert "is not an earlier site" in command.refused("docs", "--out", str(tmp_path))
+    assert "is not an earlier site" in command.error_line("docs", "--out", str(tmp_path))
     assert [file.name for file in tmp_path.iterdir()] == ["notes.txt"]
 
 
@@ -217,4 +219,4 @@ def test_earlier_site_is_replaced(tmp_path, monkeypatch):
 
 def test_docs_without_sources_are_refused(command, monkeypatch):
     monkeypatch.setattr(docs, "SOURCES", Path("/nonexistent-sources"))
-    assert re.search("in a clone of the sources", command.refused("docs"))
+    assert re.search("in a clone of the sources", command.error_line("docs"))

@@ -110,13 +110,13 @@ def test_lock_has_every_extra():
 
 
 def test_extras_are_listed_and_names_checked(command, monkeypatch):
-    lines = command.told("extras").splitlines()
+    lines = command.output("extras").splitlines()
     assert [line.split()[0] for line in lines] == list(EXTRAS)
-    message = command.refused("extras", "nastrn")
+    message = command.error_line("extras", "nastrn")
     allowed = "must be one of cluster, docs, exudyn, gpu, hammer, nastran"
     assert f'{allowed}; did you mean "nastran"?' in message
     monkeypatch.setattr(sys, "prefix", "/usr")
-    assert "pip install '.[hammer]'" in command.refused("extras", "hammer")
+    assert "pip install '.[hammer]'" in command.error_line("extras", "hammer")
 
 
 @pytest.mark.parametrize(
@@ -145,4 +145,4 @@ def test_extras_are_listed_and_names_checked(command, monkeypatch):
 def test_missing_extra_is_reported_first(module, words, message, command, monkeypatch):
     """The message precedes that on the robot file, which does not exist."""
     monkeypatch.setitem(sys.modules, module, None)
-    assert message in command.refused(*words)
+    assert message in command.error_line(*words)

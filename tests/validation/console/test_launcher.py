@@ -46,16 +46,16 @@ def start(tmp_path):
         log.write_text("")
         path = os.pathsep.join([str(programs), os.environ["PATH"]])
         variables = {"PATH": path, "STANDIN": str(programs / "python3"), "ROOT": str(root)}
-        done = subprocess.run(
+        completed = subprocess.run(
             [root / "flexproof", *words],
             env=os.environ | variables | {"LOG": str(log)} | environment,
             capture_output=True,
             text=True,
             check=False,
         )
-        assert done.returncode == code, done.stderr
-        run.stderr = done.stderr
-        run.stdout = done.stdout
+        assert completed.returncode == code, completed.stderr
+        run.stderr = completed.stderr
+        run.stdout = completed.stdout
         return log.read_text().splitlines()
 
     run.root = root
@@ -77,15 +77,15 @@ def test_first_setup_installs_no_extras(start):
     assert start("check", "ifw") == []
 
 
-@pytest.mark.parametrize("again", ["new-recipe", "unfinished", "broken-environment"])
-def test_later_setup_reinstalls_extras(start, again):
+@pytest.mark.parametrize("later", ["new-recipe", "unfinished", "broken-environment"])
+def test_later_setup_reinstalls_extras(start, later):
     start("check", "ifw")
     environment = start.root / ".venv"
     (environment / NOTE).write_text("hammer\nnastran\n")
     assert start("check", "ifw") == []
-    if again == "new-recipe":
+    if later == "new-recipe":
         (start.root / "requirements.lock").write_text("other packages")
-    elif again == "unfinished":
+    elif later == "unfinished":
         (environment / "flexproof-unfinished").touch()
     else:
         (environment / "bin" / "python").unlink()

@@ -64,9 +64,9 @@ KINDS = {
 @pytest.mark.parametrize("kind", KINDS)
 def test_marked_output_file_keeps_content(kind):
     """Result files have a mark, which distinguishes them from files of the user."""
-    content, read = KINDS[kind]
+    content, reader = KINDS[kind]
     assert with_mark(content, kind) != content
-    assert read(with_mark(content, kind)) == read(content)
+    assert reader(with_mark(content, kind)) == reader(content)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -123,19 +123,19 @@ WRITTEN = {
 def test_command_replaces_only_own_results(name, folder, command):
     path, words = folder / name, WRITTEN[name]
     path.write_bytes(FOREIGN)
-    message = command.refused(*words)
+    message = command.error_line(*words)
     assert message.startswith(f"flexproof: {name}: exists already and was not written by flexproof")
     assert message.endswith("give another name, or replace it with --force")
     assert path.read_bytes() == FOREIGN
-    command.told(*words, "--force")
+    command.output(*words, "--force")
     first = path.read_bytes()
     assert FOREIGN not in first
-    command.told(*words)
+    command.output(*words)
     # Dates of archives and headers may differ.
     assert len(path.read_bytes()) == len(first)
     changed = path.read_bytes()[:-1] + b"\r\n"
     path.write_bytes(changed)
-    assert "or was changed since" in command.refused(*words)
+    assert "or was changed since" in command.error_line(*words)
     assert path.read_bytes() == changed
 
 
@@ -173,6 +173,6 @@ def test_foreign_file_is_never_replaced(name, words, folder, command):
     """The command is refused before its computation, which would fail here."""
     path = folder / name
     path.write_bytes(FOREIGN)
-    command.refused(*words)
+    command.error_line(*words)
     assert path.read_bytes() == FOREIGN
     assert {file.name for file in folder.iterdir()} == {ROBOT, name}

@@ -40,11 +40,11 @@ def no_request(monkeypatch):
 
 def test_unknown_solver_is_refused(command, monkeypatch):
     for words in (SOLVE, ("run",), ("converge",), ("selftest",)):
-        assert 'Invalid value "pardiso" for --solver' in command.refused(
+        assert 'Invalid value "pardiso" for --solver' in command.error_line(
             *words, "--solver", "pardiso"
         )
     monkeypatch.setenv(VARIABLE, "pardiso")
-    message = command.refused(*SOLVE)
+    message = command.error_line(*SOLVE)
     allowed = "must be auto, rslab, cudss, petsc or gamg"
     assert message == f'flexproof: FLEXPROOF_SOLVER = "pardiso": {allowed}'
 
@@ -52,26 +52,26 @@ def test_unknown_solver_is_refused(command, monkeypatch):
 def test_cudss_without_extra_is_refused(command, monkeypatch):
     monkeypatch.setattr("fem.extras.find_spec", lambda _: None)
     discard_card()
-    message = command.refused(*SOLVE, "--solver", "cudss")
+    message = command.error_line(*SOLVE, "--solver", "cudss")
     assert "solver cudss: needs cupy and nvmath, not installed; ./flexproof extras gpu" in message
     monkeypatch.setenv(VARIABLE, "cudss")
-    assert command.refused(*SOLVE) == message
+    assert command.error_line(*SOLVE) == message
 
 
 def test_invalid_ranks_are_refused(command, monkeypatch):
     for words in (SOLVE, ("run",), ("converge",), ("selftest",)):
-        said = command.refused(*words, "--solver", "petsc", "--ranks", "0")
-        assert said.startswith('flexproof: --ranks = "0": must be a whole number from 1 to ')
-        said = command.refused(*words, "--solver", "rslab", "--ranks", "2")
-        assert said == "flexproof: --ranks 2: needs --solver petsc or gamg"
-    assert "--ranks" in command.refused(*SOLVE, "--ranks", "two")
+        message = command.error_line(*words, "--solver", "petsc", "--ranks", "0")
+        assert message.startswith('flexproof: --ranks = "0": must be a whole number from 1 to ')
+        message = command.error_line(*words, "--solver", "rslab", "--ranks", "2")
+        assert message == "flexproof: --ranks 2: needs --solver petsc or gamg"
+    assert "--ranks" in command.error_line(*SOLVE, "--ranks", "two")
     monkeypatch.setenv(RANKS_VARIABLE, "two")
-    assert 'FLEXPROOF_RANKS = "two": must be a whole number' in command.refused(*SOLVE)
+    assert 'FLEXPROOF_RANKS = "two": must be a whole number' in command.error_line(*SOLVE)
 
 
 def test_missing_petsc_is_refused(command, monkeypatch):
     monkeypatch.setenv("FLEXPROOF_PETSC_PYTHON", "/nowhere/python")
-    assert command.refused(*SOLVE, "--solver", "petsc") == (
+    assert command.error_line(*SOLVE, "--solver", "petsc") == (
         "flexproof: solver petsc: /nowhere/python does not exist; install the Debian packages "
         "python3-petsc4py, mpi-default-bin and libopenblas0-serial, or set FLEXPROOF_PETSC_PYTHON "
         "to a Python with petsc4py and MUMPS"
@@ -81,9 +81,9 @@ def test_missing_petsc_is_refused(command, monkeypatch):
 def test_petsc_equals_rslab(command, monkeypatch):
     require_petsc()
     words = ("solve", "five-bar", "--model", "solid", "--modes", "3", "--json")
-    expected = json.loads(command.told(*words, "--solver", "rslab"))
-    found = json.loads(command.told(*words, "--solver", "petsc", "--ranks", "2"))
-    for pose, other in zip(found["results"], expected["results"], strict=True):
+    expected = json.loads(command.output(*words, "--solver", "rslab"))
+    by_petsc = json.loads(command.output(*words, "--solver", "petsc", "--ranks", "2"))
+    for pose, other in zip(by_petsc["results"], expected["results"], strict=True):
         compliance = np.array(other["compliance"])
         # Those of the contract in test_backends.py.
         size = np.abs(compliance).max()
@@ -91,16 +91,16 @@ def test_petsc_equals_rslab(command, monkeypatch):
         np.testing.assert_allclose(pose["frequencies"], other["frequencies"], rtol=1e-9)
     assert RANKS_VARIABLE not in os.environ
     monkeypatch.setenv(VARIABLE, "petsc")
-    assert "linear solver: PETSc 3." in command.told("--version")
+    assert "linear solver: PETSc 3." in command.output("--version")
     assert versions()["linear solver"].startswith("PETSc 3.")
 
 
 def test_solver_option_overrides_variable(command, monkeypatch):
     monkeypatch.setenv(VARIABLE, "pardiso")
-    command.told(*SOLVE, "--solver", "rslab")
+    command.output(*SOLVE, "--solver", "rslab")
     assert os.environ[VARIABLE] == "pardiso"
     monkeypatch.delenv(VARIABLE)
-    command.told(*SOLVE, "--solver", "rslab")
+    command.output(*SOLVE, "--solver", "rslab")
     assert VARIABLE not in os.environ
 
 
@@ -150,7 +150,7 @@ def test_worker_warning_is_repeated():
 
 def test_equal_warnings_give_one_line(command, monkeypatch, capsys):
     """Three equal warnings give one line. Results and exit code are unchanged."""
-    plain = command.told(*SOLVE)
+    plain = command.output(*SOLVE)
     monkeypatch.setattr(
         "validation.cli.require_room", lambda _: [warn_of_fallback() for _ in range(3)]
     )
@@ -166,7 +166,7 @@ def test_version_names_the_solver(command, monkeypatch):
     insert_card(monkeypatch)
     for request, expected in (("cudss", "cuDSS 0.8.0 on fake card"), ("rslab", "rslab")):
         monkeypatch.setenv(VARIABLE, request)
-        assert f"linear solver: {expected}" in command.told("--version")
+        assert f"linear solver: {expected}" in command.output("--version")
         assert versions()["linear solver"].startswith(expected)
 
 
