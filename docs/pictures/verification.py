@@ -40,7 +40,7 @@ numbers below are those with the libraries that `requirements.lock` names.
 The tables are written by `docs/pictures/verification.py` from the benchmarks in
 `validation/selftest` and `tests/support/oracles/further_benchmarks.py`.
 """
-FOOT = """**Next:** [What is compared](cases.md) lists the checks of your own robot.
+FOOT = """**Next:** [Comparisons of a run](cases.md) lists the checks of your own robot.
 [Known values](known-values.md) has further numbers for the built-in robot.
 """
 # Differences below this are left to rounding, which is another on every machine.
