@@ -245,13 +245,13 @@ def run(
         Exit code 1 also if a comparison, or a model relied on, is undecided.
     measured
         Measured values of the robot (CSV: quantity, pose, value, uncertainty, source), or a modal
-        test (.uff, .unv; needs the extra "hammer", and [hammer] in the robot file), besides those
-        of the robot file.
+        test (.uff, .unv; needs the extra "hammer", and [hammer] in the robot file), in addition to
+        those of the robot file.
     vary
-        A number of the robot file over a range, for example
-        bodies.rod1.section.diameter=0.02:0.06:9: figures of all models over this range, and
-        the best value by each model. A * in the key stands for any part of a name. May be
-        repeated for other numbers.
+        Key of the robot file, and the range and count of its values, for example
+        bodies.rod1.section.diameter=0.02:0.06:9. The report compares all models over this range,
+        and the value that is best by each model. A * in the key stands for any part of a name.
+        May be repeated for other keys.
     quiet
         Write only results and errors, no progress. FLEXPROOF_QUIET=1 has the same effect
         for all commands.
@@ -380,13 +380,14 @@ def solve(
         Pose of a mechanism's tool, numbers separated by commas in the order of its moves; the
         reference posture if left out. May be repeated.
     leg
-        One leg of a biglide alone, its root clamped: 1 or 2.
+        Number of the leg of a biglide, 1 or 2, to solve it alone with its root clamped.
     body
-        One body of a mechanism alone, clamped at its first point.
+        Name of a body of a mechanism, to solve it alone, clamped at its first point.
     modes
         Number of natural frequencies; 6 if left out.
     release
-        segments: revolute joints that turn freely, or eq. (25) as printed.
+        segments: last spring of a leg with the revolute joint at its tip condensed, so that the
+        joint turns freely (condensed), or by eq. (25) as printed in the paper (printed).
     layout
         segments: half springs at both ends of a leg (half), or springs between segments
         only, as printed in the paper (literal).
@@ -401,9 +402,9 @@ def solve(
         this number, for example 0.002, within the limits of memory and of an estimated ten
         minutes per mesh.
     against
-        Another model of the mechanism, whose modes are paired with these by shape (MAC).
+        Another model, whose modes are paired by shape (MAC) with those of --model.
     vary
-        A number of the robot file over a range, for example
+        Key of the robot file, and the range and count of its values, for example
         bodies.rod1.section.diameter=0.02:0.06:9. A * in the key stands for any part of a
         name. May be repeated: every combination is solved.
     minimise
@@ -449,7 +450,7 @@ def solve(
     question = Question(
         robot_file,
         model,
-        given,
+        options,
         modes,
         x,
         pose,
@@ -504,14 +505,14 @@ def check(robot: RobotName) -> int:
 
     robot_file = load_robot(robot)
     mechanism, of_parts = robot_file.mechanism, ""
-    reached = len(postures_on_path(mechanism, mechanism.poses))
+    pose_count = len(postures_on_path(mechanism, mechanism.poses))
     # Only for CAD parts: reading them needs gmsh.
     if mechanism.parts:
         from validation.models.part_check import parts_text  # noqa: PLC0415
 
         of_parts = parts_text(mechanism)
     findings = (*audit(robot_file), *paper_findings(robot_file), *robot_findings(mechanism))
-    write_results(audit_text(robot, mechanism, findings, reached))
+    write_results(audit_text(robot, mechanism, findings, pose_count))
     if of_parts:
         write_results(of_parts)
     return 0

@@ -56,10 +56,10 @@ def converge(
     Parameters
     ----------
     body
-        One leg alone, its root clamped, against the exact cantilever; the whole robot in the
-        middle of its path if left out.
+        Leg that is solved alone, with its root clamped, and compared with the exact cantilever.
+        Default: the whole robot in the middle of its path.
     model
-        segments, beam, or solid (which needs --body); segments and beam if left out.
+        segments, beam, or solid (which needs --body). Default: segments and beam.
     elements
         Element counts per leg, separated by commas, such as 5,10,20,40.
     divisions

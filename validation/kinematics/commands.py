@@ -20,7 +20,7 @@ def kinematics(
     force: Force = False,
     json: AsJson = False,
 ) -> int:
-    """Close the loops of a mechanism: mobility, idle motions, overconstraint, joint coordinates.
+    """Close the loops of a mechanism; print mobility, redundant constraints and coordinates.
 
     Parameters
     ----------

@@ -113,9 +113,9 @@ def line_surface(leg: LineLeg, *, scale: float = 1.0, rims: bool = False) -> Sur
         shares = np.clip(straight.points[:, 0] / length, 0.0, 1.0)
         points = np.empty_like(straight.points)
         for value in np.unique(shares):
-            chosen = shares == value
-            points[chosen, 1:] = scale * stretched(
-                straight.points[chosen, 1:], span.first, span.section(float(value))
+            at_share = shares == value
+            points[at_share, 1:] = scale * stretched(
+                straight.points[at_share, 1:], span.first, span.section(float(value))
             )
         piece = leg.line.piece_at(np.array([0.5 * (span.start + span.end)]))
         centres, axes = leg.line.frames(span.start + shares * length, np.repeat(piece, len(shares)))
