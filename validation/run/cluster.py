@@ -134,7 +134,7 @@ def require_scheduler(address: str) -> None:
             greeting = connection.recv(8) if address.startswith("tcp:") else b""
     except (OSError, UnicodeError) as error:
         # A name of a host that cannot be encoded raises UnicodeError.
-        reason = (error.strerror or error) if isinstance(error, OSError) else "no name of a host"
+        reason = (error.strerror or error) if isinstance(error, OSError) else "invalid host name"
         raise InputError(
             f"--cluster {address}: no Dask scheduler answers there: {reason}"
         ) from error
@@ -187,7 +187,7 @@ class _SchedulerWatch:
             )
             self._notified = True
         if not fault and self._notified:
-            self.notify(f"--cluster {self.address}: a worker has joined; going on")
+            self.notify(f"--cluster {self.address}: a worker has joined; the run continues")
             self._notified = False
         return not fault
 
@@ -353,7 +353,7 @@ class _SentCalls:
         self._finished.put((future.key, reply))
 
     def next_reply(self) -> _Arrived | None:
-        """Next reply that arrives. None after half a second, or if a call was sent again.
+        """Next reply of a worker. None after half a second, or if a call was sent again.
 
         Raises ComputationError for a worker with another program, or one that cannot begin.
         """

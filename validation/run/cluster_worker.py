@@ -142,7 +142,7 @@ def compute(call: Call, group: str, conditions: Conditions) -> Reply:
     from distributed import get_worker  # noqa: PLC0415  an optional extra, and slow to import
 
     worker, pool = get_worker(), _pool()
-    wanted = partial(_is_wanted, worker, worker.get_current_task())
+    is_needed = partial(_is_wanted, worker, worker.get_current_task())
     interpreter = pool.take(conditions.key, group)
     is_new = interpreter is None
     if interpreter is None:
@@ -154,9 +154,9 @@ def compute(call: Call, group: str, conditions: Conditions) -> Reply:
         )
     try:
         if is_new:
-            _begin(interpreter, conditions, wanted)
+            _begin(interpreter, conditions, is_needed)
         interpreter.ask(call)
-        answer = _next_answer(interpreter, wanted)
+        answer = _next_answer(interpreter, is_needed)
     except (Crashed, DifferentProgram, Unable) as error:
         interpreter.process.end()
         log = _taken_log(interpreter.log)
@@ -176,25 +176,25 @@ def _environment(conditions: Conditions, folder: Path) -> dict[str, str]:
     return {**conditions.request, **cache, "TMPDIR": str(folder)}
 
 
-def _begin(interpreter: Interpreter, conditions: Conditions, wanted: Callable[[], bool]) -> None:
+def _begin(interpreter: Interpreter, conditions: Conditions, is_needed: Callable[[], bool]) -> None:
     """Wait until a new process can compute.
 
-    Raises DifferentProgram, and Unable if the process ends or if `wanted` returns False.
+    Raises DifferentProgram, and Unable if the process ends or if `is_needed` returns False.
     """
     try:
-        _next_answer(interpreter, wanted).result()
+        _next_answer(interpreter, is_needed).result()
         if not conditions.content:
             interpreter.ask(conditions)
-            _next_answer(interpreter, wanted).result()
+            _next_answer(interpreter, is_needed).result()
     except (DifferentProgram, Unable):
         raise
     except (ComputationError, InputError) as error:
         raise Unable(f"a process ended before it began to compute: {error}") from error
 
 
-def _next_answer(interpreter: Interpreter, wanted: Callable[[], bool]) -> CallAnswer:
+def _next_answer(interpreter: Interpreter, is_needed: Callable[[], bool]) -> CallAnswer:
     while not interpreter.process.has_answer():
-        if not wanted():
+        if not is_needed():
             raise Unable("the call was cancelled")
     return interpreter.receive()
 
@@ -231,7 +231,7 @@ def requested_program(request: Mapping[str, str]) -> Mapping[str, str]:
 def differences(worker_program: Mapping[str, str], run_program: Mapping[str, str]) -> str:
     """Text on differences between a worker's program and that of the run. "" without any."""
     if worker_program.get("another flexproof") != run_program["another flexproof"]:
-        return "another flexproof, or none"
+        return "another version of flexproof, or none"
     return ", ".join(
         f"{name} {worker_program.get(name, 'missing')} (here {version})"
         for name, version in run_program.items()

@@ -242,8 +242,8 @@ def sentence(comparison: RunComparison) -> str:
     if comparison.different_robots:
         first, second = comparison.different_robots
         return (
-            f"Two different robots, {first} and {second}: none of their cases is better or worse, "
-            "and only the adequacy of their models stands side by side."
+            f"Two different robots, {first} and {second}: their cases are not ranked. "
+            "The adequacy of their models is listed side by side."
         )
     worse = sum(change.worse for change in comparison.verdicts)
     drifted = len({entry.id for entry in comparison.drifted})
@@ -300,8 +300,10 @@ def drift(
     if not (isfinite(earlier) and isfinite(value) and same_pose(*poses)):
         return None
     half_widths = [measurement.numerical_uncertainty for measurement in measurements]
-    known = [half_width for half_width in half_widths if half_width and not isnan(half_width)]
-    allowed = max([*known, _ROUNDING * max(abs(earlier), abs(value))])
+    finite_half_widths = [
+        half_width for half_width in half_widths if half_width and not isnan(half_width)
+    ]
+    allowed = max([*finite_half_widths, _ROUNDING * max(abs(earlier), abs(value))])
     if after.measurement.reference == 0.0:
         allowed = max(allowed, _TOLERANCE_SHARE * after.tolerance)
     return Drifted(after.id, field, after.case.unit, earlier, value, value - earlier, allowed)

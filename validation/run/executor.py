@@ -249,5 +249,5 @@ class Cores(ProcessExecutor):
 def began_badly(error: Exception, log: Path) -> ComputationError:
     """Error to raise for a process that ended before it computed a call."""
     return ComputationError(
-        f"a worker process ended before it began to compute: {error} ({log} may say more)"
+        f"a worker process ended before it began to compute: {error} ({log} may have details)"
     )

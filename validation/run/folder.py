@@ -222,7 +222,7 @@ class RunFolder:
 
     def _move_aside(self, path: Path) -> None:
         renamed = path.rename(unused_name(path))
-        self.remarks.append(f"{path} was not as this run wrote it: kept as {renamed.name}")
+        self.remarks.append(f"{path} was changed after this run wrote it; kept as {renamed.name}")
 
     def _load_records(self, content: bytes) -> None:
         run = mark_of(self.header).run
@@ -235,7 +235,8 @@ class RunFolder:
             elif line:
                 path = self.path / RECORDS
                 self.remarks.append(
-                    f"{path}, line {line_number} is damaged or of another run: passed over"
+                    f"{path}, line {line_number} is damaged or of another run; "
+                    "its result is computed again"
                 )
 
 
@@ -370,7 +371,7 @@ def _locked(path: Path, folder: Path) -> Iterator[None]:
         except BlockingIOError as error:
             holder = lock.read().decode(errors="replace").strip() or "unknown"
             raise InputError(
-                f"--out {path}: another run (process {holder}) is writing there"
+                f"--out {path}: another run (process {holder}) is writing to this folder"
             ) from error
         # The process number is for the message only; the lock is valid even on a full disk.
         with suppress(OSError):
@@ -433,7 +434,7 @@ def _merge(source: Path, target: Path, remarks: list[str]) -> None:
             unused_name(destination) if os.path.lexists(destination) else destination
         )
         if renamed != destination:
-            remarks.append(f"{destination} was not written by a run: kept as {renamed.name}")
+            remarks.append(f"{destination} was not written by a run; kept as {renamed.name}")
 
 
 @contextmanager

@@ -121,11 +121,11 @@ def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
     worst = verdict(measurement.unexplained, case.relation, tolerance, uncertainty)
     message = ""
     if not (isfinite(measurement.value) and isfinite(measurement.reference)):
-        message = "the computation gave no finite number"
+        message = "the computation returned a number that is not finite"
     elif worst == "undecided" and uncertainty is not None:
         message = (
             f"numerical uncertainty {uncertainty:.3g} {case.unit} exceeds the tolerance "
-            f"{tolerance:.3g} {case.unit}, so nothing is decided: {measurement.decides}"
+            f"{tolerance:.3g} {case.unit}, so there is no verdict: {measurement.decides}"
         )
     for pose_value in measurement.elsewhere:
         tolerance_there = case.tolerance.at(pose_value.reference)

@@ -87,7 +87,7 @@ def keep_selftest(*, passed: bool) -> None:
     if path is None:
         return
     sentence = f"{'passed' if passed else 'FAILED'} on {datetime.now(UTC).date().isoformat()}"
-    record = {"said": sentence, **_installation(versions(), source_digest())}
+    record = {"result": sentence, **_installation(versions(), source_digest())}
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, f"{json.dumps(record)}\n".encode())
@@ -102,7 +102,7 @@ def last_selftest(header: Mapping[str, Any]) -> str:
     content = read_regular(path) if path else None
     try:
         record = json.loads(content or b"{}")
-        sentence = str(record.pop("said"))
+        sentence = str(record.pop("result"))
     except (ValueError, KeyError, AttributeError, TypeError):
         return "not run"
     installation = _installation(header["versions"], header["suite_sha256"])

@@ -85,17 +85,17 @@ def _case_object(outcome: Outcome) -> dict[str, Any]:
 
     Without a measurement, the values of its keys are null or empty.
     """
-    found = outcome.measurement
-    numbers = json_object(found or Measurement(nan, nan, exact=True), "results.json")
-    if found is None:
+    measurement = outcome.measurement
+    numbers = json_object(measurement or Measurement(nan, nan, exact=True), "results.json")
+    if measurement is None:
         numbers = {key: value if value in ((), {}) else None for key, value in numbers.items()}
     return {
         **json_object(outcome.case, "results.json"),
         **numbers,
         **json_object(outcome, "results.json"),
-        "error": found and found.difference,
-        "unexplained": found and found.unexplained,
-        "numerical_uncertainty": found and found.numerical_uncertainty,
+        "error": measurement and measurement.difference,
+        "unexplained": measurement and measurement.unexplained,
+        "numerical_uncertainty": measurement and measurement.numerical_uncertainty,
         "tolerance": outcome.tolerance,
     }
 
@@ -105,17 +105,17 @@ def _outcome_data(case_object: Mapping[str, Any]) -> dict[str, Any]:
 
     The tolerance is absolute. A null is an unknown number, or one that is not finite.
     """
-    known = {key: _nan_for_null(value) for key, value in case_object.items() if value is not None}
-    tolerance = known.get("tolerance")
+    fields = {key: _nan_for_null(value) for key, value in case_object.items() if value is not None}
+    tolerance = fields.get("tolerance")
     rule = {"kind": "absolute", "amount": tolerance} if tolerance is not None else None
-    half_width = known.get("numerical_uncertainty", None if known.get("exact", True) else nan)
+    half_width = fields.get("numerical_uncertainty", None if fields.get("exact", True) else nan)
     numbers = {"judged_uncertainty": half_width, "exact": half_width is None}
-    is_measured = known.get("verdict") not in ("failed", "skipped")
+    is_measured = fields.get("verdict") not in ("failed", "skipped")
     return {
         "seconds": 0.0,
-        **known,
-        "case": {"title": "", **known, "tolerance": rule},
-        "found": {"value": nan, "reference": nan, **known, **numbers} if is_measured else None,
+        **fields,
+        "case": {"title": "", **fields, "tolerance": rule},
+        "found": {"value": nan, "reference": nan, **fields, **numbers} if is_measured else None,
     }
 
 

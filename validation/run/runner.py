@@ -118,7 +118,7 @@ def run(
 def _failed(task: Task, error: Exception) -> Record:
     """Record of a task whose process ended unexpectedly."""
     out_of_memory = isinstance(error, OutOfMemoryCrash)
-    advice = f"; {OUT_OF_MEMORY}" if out_of_memory else " (log.txt may say more)"
+    advice = f"; {OUT_OF_MEMORY}" if out_of_memory else " (log.txt may have details)"
     return plain(_without_numbers(task, "failed", 0.0, f"{error}{advice}"))
 
 

@@ -168,7 +168,7 @@ def test_killed_run_leaves_valid_cache(folder):
         arrays = find("a")
         assert arrays is None or arrays["large"].sum() == np.arange(1e6).sum()
         (folder / "a.npz").unlink(missing_ok=True)
-    both = [computing(1.0), computing(1.0)]
-    outputs = [process.communicate(timeout=60)[0] for process in both]
+    processes = [computing(1.0), computing(1.0)]
+    outputs = [process.communicate(timeout=60)[0] for process in processes]
     assert sorted(outputs) == ["", "computing\n"]
-    assert [process.returncode for process in both] == [0, 0]
+    assert [process.returncode for process in processes] == [0, 0]

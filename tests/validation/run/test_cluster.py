@@ -401,7 +401,7 @@ def test_killed_worker_loses_no_results(cluster, monkeypatch):
     [
         ("http://127.0.0.1:80", "not the address of a scheduler"),
         ("tcp://127.0.0.1:99999", "not the address of a scheduler"),
-        ("tcp://a..b:1", "no Dask scheduler answers there: no name of a host"),
+        ("tcp://a..b:1", "no Dask scheduler answers there: invalid host name"),
         ("tcp://127.0.0.1:1", "no Dask scheduler answers there: Connection refused"),
     ],
 )
@@ -411,7 +411,7 @@ def test_missing_scheduler_keeps_earlier_run(address, message, tmp_path, command
         folder.complete = True
     before = content(tmp_path)
     words = ["run", "--preset", "quick", "--out", tmp_path / "run", "--cluster", address]
-    line = command.refused(*words, "--vary", "platform.mass=40:50:2")
+    line = command.error_line(*words, "--vary", "platform.mass=40:50:2")
     assert line.startswith("flexproof: --cluster")
     assert message in line
     assert content(tmp_path) == before
@@ -475,7 +475,9 @@ def test_worker_of_other_version_is_refused(tmp_path):
         shutil.copytree(ROOT / package, other / package)
     with (other / "lumped" / "errors.py").open("a") as file:
         file.write("# another version\n")
-    refused = r"worker stale \(tcp://.*\) has another flexproof, or none; install this one"
+    refused = (
+        r"worker stale \(tcp://.*\) has another version of flexproof, or none; install this one"
+    )
     with started(tmp_path) as cluster:
         cluster.worker("sound")
         with on_cluster(cluster.address, silent) as executor:

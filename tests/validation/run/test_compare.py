@@ -131,15 +131,15 @@ def test_worse_verdict_exits_with_1(tmp_path, saved, command):
     (tmp_path / "bad").mkdir()
     good = saved("good.json", STEADY)
     saved("bad/results.json", replace(STEADY, verdict="failed", found=None))
-    command.told("compare", good, good)
-    output = command.told("compare", good, tmp_path / "bad", code=1)
+    command.output("compare", good, good)
+    output = command.output("compare", good, tmp_path / "bad", code=1)
     assert "agree   failed  steady" in output
     (change,) = command.json("compare", tmp_path / "bad", good)["verdicts"]
     assert (change["before"], change["worse"]) == ("failed", False)
     # Runs without a common case are not called the same.
     empty = saved("empty.json")
     for run in (good, empty):
-        output = command.refused("compare", run, empty)
+        output = command.error_line("compare", run, empty)
         assert "have no case in common, so nothing can be compared" in output
 
 
@@ -159,7 +159,7 @@ def test_invalid_run_exits_with_2(content, message, tmp_path, command):
     path = tmp_path / "x.json"
     if content is not None:
         path.write_bytes(content.encode(errors="surrogateescape"))
-    assert message in command.refused("compare", path, path)
+    assert message in command.error_line("compare", path, path)
     with pytest.raises(InputError, match=r"contains no results\.json"):
         load_run(tmp_path)
 
@@ -222,7 +222,7 @@ def test_errors_are_compared_in_percent(saved, command):
     before = saved(
         "before.json", adequacy=[{**fields, "verdict": "adequate"} for fields in entries]
     )
-    output = command.told("compare", before, saved("after.json", adequacy=entries))
+    output = command.output("compare", before, saved("after.json", adequacy=entries))
     lines = {line.split()[1]: line for line in output.splitlines() if line.startswith("  vjm ")}
     assert {
         name: " ".join(line.split()).partition(" adequate")[0] for name, line in lines.items()
@@ -238,7 +238,7 @@ def test_errors_are_compared_in_percent(saved, command):
 def test_runs_without_cases_compare_models(saved, command):
     verdicts = ("adequate", "inadequate")
     paths = [saved(f"{verdict}.json", adequacy=(judged("x", verdict),)) for verdict in verdicts]
-    output = command.told("compare", *paths)
+    output = command.output("compare", *paths)
     assert re.search(r"vjm +x +\+2\.00 % +adequate +\+2\.00 % +inad", output)
 
 
@@ -273,9 +273,9 @@ def test_variants_have_no_drift():
     assert "Adequacy" not in as_text(thick, equal_adequacy, compare(thick, equal_adequacy))
     assert "leg1.section.t[2]" in output
     assert as_dict(comparison)["adequacy"][0]["values"][0].keys() == {"pose", "before", "after"}
-    same = compare(thick, thick)
-    assert same.inputs == ()
-    assert "Adequacy" not in as_text(thick, thick, same)
+    comparison_with_itself = compare(thick, thick)
+    assert comparison_with_itself.inputs == ()
+    assert "Adequacy" not in as_text(thick, thick, comparison_with_itself)
 
 
 def test_different_postures_are_not_compared():
@@ -291,14 +291,14 @@ def test_different_robots_have_no_ranking(saved, tmp_path, command):
     first = saved("first.json", wrong, robot="five-bar", robot_tables={"a": 1})
     second = saved("second.json", STEADY, robot="delta", robot_tables={"b": 1})
     for pair in ((first, second), (second, first)):
-        output = command.told("compare", *pair)
+        output = command.output("compare", *pair)
         assert "Two different robots, " in output
         assert not re.search(r"\d+ (better|verdicts worse)|drifted|New cases|Removed", output)
         record = command.json("compare", *pair)
         assert record["different_robots"] == [load_run(path).run["robot"] for path in pair]
         assert not any(record[key] for key in ("verdicts", "new", "removed", "worsened"))
     words = ["run", "five-bar", "--preset", "quick", "--only", "adequacy", "--out"]
-    assert "is a run of another robot" in command.refused(
+    assert "is a run of another robot" in command.error_line(
         *words, tmp_path / "out", "--baseline", second
     )
     assert not (tmp_path / "out").exists()

@@ -185,7 +185,7 @@ def test_worker_results_are_bit_identical(tmp_path):
     (tmp_path / "bits.py").write_text(BITS, encoding="utf-8")
     (tmp_path / "equal.py").write_text(EQUAL, encoding="utf-8")
     blas = dict.fromkeys(ONE_BLAS_THREAD, "2")
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "equal.py"],
         cwd=tmp_path,
         env={**os.environ, **blas, "OMP_NUM_THREADS": "2", "PYTHONPATH": str(ROOT)},
@@ -193,4 +193,4 @@ def test_worker_results_are_bit_identical(tmp_path):
         check=False,
         text=True,
     )
-    assert done.returncode == 0, done.stderr
+    assert completed.returncode == 0, completed.stderr

@@ -38,8 +38,8 @@ def undisturbed(tmp_path_factory):
     """Numbers of an undisturbed run, and its duration (s)."""
     path = tmp_path_factory.mktemp("undisturbed") / "run"
     begun = time.monotonic()
-    done = toys.completed("real", *ASKED, path, "--jobs", "2")
-    assert done.returncode == 0, done.stderr
+    completed = toys.completed("real", *ASKED, path, "--jobs", "2")
+    assert completed.returncode == 0, completed.stderr
     assert len(toys.numbers(path)[0]) > 25
     return toys.numbers(path), time.monotonic() - begun
 
@@ -68,8 +68,8 @@ def test_resumed_run_equals_uninterrupted_run(undisturbed, tmp_path):
             break
     else:
         # Numbers do not depend on the number of processes.
-        done = toys.completed("real", *ASKED, path, "--jobs", "1", *resumed())
-        assert done.returncode == 0, done.stderr
+        completed = toys.completed("real", *ASKED, path, "--jobs", "1", *resumed())
+        assert completed.returncode == 0, completed.stderr
     assert toys.numbers(path) == expected
     assert toys.lines(path)[: len(finished_lines)] == finished_lines
     assert [entry.name for entry in tmp_path.iterdir()] == ["run"]
@@ -134,9 +134,9 @@ def test_full_disk_keeps_finished_results(tmp_path):
         assert toys.lines(disk / "run")
         assert set(summary(disk / "run")[1]) == {"agree"}
         subprocess.run([mount, "-o", "remount,size=8m", str(disk)], check=True)
-        done = toys.completed(*words, "--resume")
-        assert done.returncode == 0, done.stderr
-        assert "All 12 comparisons agree" in done.stdout
+        completed = toys.completed(*words, "--resume")
+        assert completed.returncode == 0, completed.stderr
+        assert "All 12 comparisons agree" in completed.stdout
     finally:
         subprocess.run([umount, str(disk)], check=True)
 

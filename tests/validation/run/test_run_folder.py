@@ -172,7 +172,7 @@ def test_only_own_files_are_removed(tmp_path):
         assert (path / name).read_text() == "mine"
     assert (path / "report.html").read_text() == "new"
     assert (path / "report.html.kept").read_text() == "mine"
-    assert "report.html was not written by a run: kept as report.html.kept" in folder.remarks[0]
+    assert "report.html was not written by a run; kept as report.html.kept" in folder.remarks[0]
     assert not (path / "figures" / "a.svg").exists()
     assert (path / "linked").is_symlink()
 

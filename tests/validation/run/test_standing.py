@@ -131,9 +131,9 @@ def test_measured_values_refuse_a_model(size, code):
     refused = "relied on but not adequate: simplified"
     assert (refused in adequacy(run_results)) is bool(code)
     # Either matrix refuses.
-    both = {ADEQUACY: Result(ADEQUACY, "made", 0.1, found=sample_matrix()), **done}
+    two_matrices = {ADEQUACY: Result(ADEQUACY, "made", 0.1, found=sample_matrix()), **done}
     tasks.append(MODELS)
-    assert replace(run_results, tasks=tasks, done=both).standing.exit_code == 1
+    assert replace(run_results, tasks=tasks, done=two_matrices).standing.exit_code == 1
 
 
 def test_missing_verdict_fails_if_strict():
