@@ -69,15 +69,17 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def unknown_name(key: str, name: str, known: Collection[str], allowed: str) -> str:
+def unknown_name(key: str, name: str, valid_names: Collection[str], allowed: str) -> str:
     """Error message for an unknown name. It suggests the most similar known name."""
-    advice = did_you_mean(name, known, otherwise=f": {', '.join(known) or 'none'}")
+    advice = did_you_mean(name, valid_names, otherwise=f": {', '.join(valid_names) or 'none'}")
     return f"{key} = {shown(name)}: must be {allowed}{advice}"
 
 
-def did_you_mean(name: str, known: Iterable[str], otherwise: str = "", cutoff: float = 0.6) -> str:
+def did_you_mean(
+    name: str, valid_names: Iterable[str], otherwise: str = "", cutoff: float = 0.6
+) -> str:
     """Suggestion of the most similar known name, to end a message. `otherwise` if there is none."""
-    by_lower_case = {known_name.lower(): known_name for known_name in known}
+    by_lower_case = {known_name.lower(): known_name for known_name in valid_names}
     if len(name) <= _LONGEST_NAME and (
         close := get_close_matches(name.lower(), by_lower_case, n=1, cutoff=cutoff)
     ):

@@ -404,7 +404,7 @@ class Adequacy:
         """
         entry = self.entry(model, quantity, within)
         if entry.verdict != "adequate":
-            raise AssertionError(self.told(entry))
+            raise AssertionError(self.describe(entry))
 
     @checked
     def accepting(self, accept: Mapping[str, float]) -> "Adequacy":
@@ -440,7 +440,7 @@ class Adequacy:
             )
         return Adequacy(verdict_matrix(self.subject, requirement), requirement, self.subject)
 
-    def told(self, entry: Entry) -> str:
+    def describe(self, entry: Entry) -> str:
         """Describe an entry in one line.
 
         Parameters
@@ -455,7 +455,7 @@ class Adequacy:
 
         Examples
         --------
-        >>> judged.told(judged.entry("beam", "z"))[:17]
+        >>> judged.describe(judged.entry("beam", "z"))[:17]
         'beam, z: adequate'
         """
         return entry_line(self.matrix, entry).replace("\N{NO-BREAK SPACE}", " ")
@@ -517,16 +517,16 @@ class Adequacy:
         return f"Adequacy({self.matrix.robot}: {self.sentence})"
 
     def _repr_html_(self) -> str:
-        shown = table_of(self.matrix)
+        table = table_of(self.matrix)
         rows = [
             [row.name, *("–" if cell is None else f"{cell.text} {cell.mark}" for cell in row.cells)]
-            for row in shown.rows
+            for row in table.rows
         ]
         verdicts = [
             [None, *(None if cell is None else cell.entry.verdict for cell in row.cells)]
-            for row in shown.rows
+            for row in table.rows
         ]
-        headings = ("model", *shown.headings)
+        headings = ("model", *table.headings)
         return html_paragraph(self.sentence) + html_table(headings, rows, verdicts)
 
 
@@ -711,10 +711,10 @@ def identify(
             return identified(part_of(_loaded(part), body), unknowns, modes)
         texts = [toml_of({name: table}) for name, table in (interfaces or {}).items()]
         wanted, points = interfaces_of(texts)
-        chosen = material_of(toml_value(material))
+        solid_material = material_of(toml_value(material))
         file = part_file(Path(str(part)), unit)
         faces = find_interfaces(file, wanted, points)
-        return identified_between(file, faces, chosen, unknowns, modes)
+        return identified_between(file, faces, solid_material, unknowns, modes)
 
 
 @checked
@@ -787,8 +787,8 @@ def identify_free(
             raise InputError(faults)
         if body is not None:
             return free_body_part(part_of(_loaded(part), body), unknowns, modes)
-        chosen = material_of(toml_value(material))
-        return free_entry(part_file(Path(str(part)), unit), chosen, unknowns, modes).value()
+        solid_material = material_of(toml_value(material))
+        return free_entry(part_file(Path(str(part)), unit), solid_material, unknowns, modes).value()
 
 
 @checked

@@ -128,12 +128,12 @@ class ModelItem(pytest.Item):
         if entry is None:
             pytest.skip(f"model {self.model} does not define {self.quantity}")
         if entry.error is None and self.model in adequacy.matrix.faults:
-            pytest.fail(adequacy.told(entry), pytrace=False)
+            pytest.fail(adequacy.describe(entry), pytrace=False)
         strict = self.config.getoption("flexproof_strict")
         if entry.verdict == "undecided" and not strict:
-            pytest.skip(adequacy.told(entry))
+            pytest.skip(adequacy.describe(entry))
         if entry.verdict != "adequate":
-            pytest.fail(adequacy.told(entry), pytrace=False)
+            pytest.fail(adequacy.describe(entry), pytrace=False)
 
     def reportinfo(self) -> tuple[Path, None, str]:
         """File, line (None) and name of the test, for the reports of pytest."""

@@ -226,9 +226,9 @@ def _coupling_stiffness(first: _Member, second: _Member, EI: float, GA: float) -
 def _coupling_mass(
     first: _Member, second: _Member, fields: tuple[int, int], inertia: float
 ) -> Array:
-    """∫ `inertia` u₁u₂ dx (k₁×k₂) that couples one field of each of two deformations.
+    """Mass matrix ∫ `inertia` u₁u₂ dx (k₁×k₂) between two deformations with k₁ and k₂ shapes.
 
-    `fields` contains the indices of the two fields.
+    `fields` contains the index of the field u₁ of the first deformation, and of u₂ of the second.
     """
     weights, (first_fields, second_fields) = _integrated(first, second)
     first_field, other = first_fields[fields[0]][0], second_fields[fields[1]][0]

@@ -175,7 +175,7 @@ def _elastic(material: Material) -> Iterator[str]:
 def _orthotropic(elasticity: Array) -> Iterator[str]:
     """Lines of an orthotropic elasticity matrix: 1111, 1122, 2222, 1133, …, 1212, 1313, 2323."""
     places = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2), (5, 5), (4, 4), (3, 3))
-    *first, last = (_number(float(elasticity[place])) for place in places)
+    *first, last = (_number(float(elasticity[index])) for index in places)
     yield "*ELASTIC, TYPE=ORTHO"
     yield ", ".join(first)
     yield last

@@ -203,17 +203,19 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
     # Translations are divided by the mechanism's size, so that the conditions are dimensionless.
     unit = np.array([1.0 / mechanism.size] * 3 + [1.0] * 3)
 
-    def twist(side: Side, at: Array) -> Array:
+    def twist(side: Side, position: Array) -> Array:
         rows = np.zeros((6, size))
         if side.body != GROUND:
             key = (side.body, side.point if side.body in legs else "")
-            rows[:, order[key] : order[key] + 6] = unit[:, None] * shift(at - places[key]) / unit
+            rows[:, order[key] : order[key] + 6] = (
+                unit[:, None] * shift(position - places[key]) / unit
+            )
         return rows
 
     conditions, springs, first = [np.zeros((0, size))], [], 6 * len(order)
     for joint, (directions, stiffnesses) in zip(mechanism.joints, elastic, strict=True):
-        at = interface_position(posture, joint.first)
-        relative = twist(joint.second, at) - twist(joint.first, at)
+        joint_position = interface_position(posture, joint.first)
+        relative = twist(joint.second, joint_position) - twist(joint.first, joint_position)
         columns = slice(first, first + len(stiffnesses))
         relative[:, columns] -= unit[:, None] * directions
         # The spring of a drive, if there is one, is the first spring of its joint.

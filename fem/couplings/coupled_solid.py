@@ -70,20 +70,22 @@ def _mean_diagonal(matrix: SparseMatrix) -> float:
     return float(matrix.diagonal().mean())
 
 
-def _bordered(own: SparseMatrix, coupling: SparseMatrix, block: SparseMatrix) -> SparseMatrix:
+def _bordered(
+    solid_matrix: SparseMatrix, coupling: SparseMatrix, block: SparseMatrix
+) -> SparseMatrix:
     """Symmetric matrix [own couplingᵀ; coupling block] (csr) from three sparse blocks.
 
     The columns of the blocks must be sorted. The large `block` is copied once; `hstack` and
     `vstack` would copy it twice.
     """
-    first = hstack([own, csr_array(coupling.T)], format="csr")
+    first = hstack([solid_matrix, csr_array(coupling.T)], format="csr")
     added = np.concatenate(
         [
             np.zeros(first.nnz, dtype=block.indptr.dtype),
             np.repeat(block.indptr[:-1], np.diff(coupling.indptr)),
         ]
     )
-    shift, size = own.shape[0], own.shape[0] + block.shape[0]
+    shift, size = solid_matrix.shape[0], solid_matrix.shape[0] + block.shape[0]
     columns = np.concatenate([first.indices, coupling.indices])
     data = np.concatenate([first.data, coupling.data])
     pointers = np.concatenate([first.indptr, first.nnz + coupling.indptr[1:] + block.indptr[1:]])

@@ -180,7 +180,11 @@ def _inertia(mesh: SectionMesh, moduli: Moduli) -> tuple[float, Array, Array]:
 def _matrices(
     quad: SectionQuadrature, moduli: Moduli
 ) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:
-    """E₀, E₁, E₂ (csc 3N×3N): ∫ ε·σ = u′E₀u′ + 2u′E₁u + uE₂u."""
+    """Matrices E₀, E₁, E₂ (csc 3N×3N) of the strain energy per length of a section.
+
+    Twice this energy is ∫ ε·σ dA = u′E₀u′ + 2u′E₁u + uE₂u with the nodal displacements u (3N) and
+    their derivatives u′ along the axis.
+    """
     E0, E1, E2 = (_assembled(quad, local) for local in cell_matrices(quad, moduli.on(quad)))
     return E0, E1, E2
 

@@ -46,8 +46,8 @@ def part_moduli(mesh: SectionMesh, materials: Sequence[Material]) -> Moduli:
     matrices = np.array([elasticity(material) for material in materials])[regions]
     densities = np.array([material.rho for material in materials])[regions]
 
-    def at(chosen: IntArray, points: Array) -> Array:
-        return np.broadcast_to(matrices[chosen, None], (*points.shape[:2], 6, 6))
+    def at(cells: IntArray, points: Array) -> Array:
+        return np.broadcast_to(matrices[cells, None], (*points.shape[:2], 6, 6))
 
     return Moduli(at, densities)
 
@@ -112,8 +112,8 @@ def laminate_moduli(mesh: SectionMesh, laminate: Laminate, *, mirrored: bool = F
     walls = matrices[regions]
     densities = np.array([layer.rho for layer in laminate.layers])[regions]
 
-    def at(chosen: IntArray, points: Array) -> Array:
-        of_walls = walls[chosen, None]
+    def at(cells: IntArray, points: Array) -> Array:
+        of_walls = walls[cells, None]
         if isinstance(laminate, LaminateBox):
             return _box_moduli(of_walls, points, laminate.extent)
         return turned(of_walls, _wall_axes(points))

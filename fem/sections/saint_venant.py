@@ -207,7 +207,7 @@ def _poisson(quad: SectionQuadrature, loads: Array) -> Array:
             "section mesh: no warping function, the section is not in one piece or has nodes "
             "without a cell"
         )
-    solution = solved_with(laplacian, loads, held=[0])
+    solution = solved_with(laplacian, loads, fixed_rows=[0])
     mean = quad.load(np.ones_like(quad.weights)) @ solution / quad.weights.sum()
     return np.asarray(solution - mean)
 
@@ -223,12 +223,12 @@ def summed(blocks: Array, unknowns: IntArray, size: int) -> csc_matrix:
     return csc_matrix(coo_matrix((blocks.ravel(), (rows, columns)), shape=(size, size)))
 
 
-def solved_with(matrix: csc_matrix, loads: Array, held: Sequence[int]) -> Array:
-    """Solutions (n×m) for `loads` (n×m) with the unknowns `held` fixed at zero.
+def solved_with(matrix: csc_matrix, loads: Array, fixed_rows: Sequence[int]) -> Array:
+    """Solutions (n×m) for `loads` (n×m) with the unknowns `fixed_rows` kept at zero.
 
     The problem is two-dimensional with a few thousand unknowns, for which SuperLU is fast enough.
     """
-    free = np.setdiff1d(np.arange(len(loads)), held)
+    free = np.setdiff1d(np.arange(len(loads)), fixed_rows)
     free_block = csc_matrix(matrix[free][:, free])
     factor = splu(free_block, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
     solution = np.zeros(loads.shape)

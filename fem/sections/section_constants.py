@@ -88,8 +88,8 @@ def section_constants(
     """Constants of a section from its mesh, for Poisson's ratio `nu`.
 
     `shear_to_young` is G/E of a cubic material. None for an isotropic one. Only the shear
-    coefficients and the held contraction depend on the material. Raises ComputationError if the
-    mesh is not connected or has inverted cells.
+    coefficients and the prevented contraction depend on the material. Raises ComputationError if
+    the mesh is not connected or has inverted cells.
     """
     ratio = poisson_shear_ratio(nu, shear_to_young)
     solution = saint_venant(mesh, ratio)
@@ -238,4 +238,6 @@ def _stiffness_solution(quad: SectionQuadrature, moduli: Array, forces: Array) -
     # work.
     far = int(np.argmax(np.abs(nodes - nodes[0]).max(axis=1)))
     across = 1 - int(np.argmax(np.abs(nodes[far] - nodes[0])))
-    return solved_with(summed(blocks, unknowns, len(forces)), forces, held=[0, 1, 2 * far + across])
+    return solved_with(
+        summed(blocks, unknowns, len(forces)), forces, fixed_rows=[0, 1, 2 * far + across]
+    )

@@ -177,22 +177,23 @@ def evidence_faults(tables: Mapping[str, Any], entry: RobotEntry, robot: Mechani
 
 
 def _correction_faults(
-    tables: Mapping[str, Any], place: str, correction: Correction
+    tables: Mapping[str, Any], location: str, correction: Correction
 ) -> Iterator[str]:
     value = _value_or_none(tables, correction.key)
     if not is_finite_number(value):
         yield (
-            f"{place}.key = {shown(correction.key)}: must name a number of this file, "
+            f"{location}.key = {shown(correction.key)}: must name a number of this file, "
             'like "leg1.length" or "foot.compliance[6,6]"'
         )
         return
     if value != correction.used:
         yield (
-            f"{place}.used = {correction.used!r}: must be the value of {correction.key}, {value!r}"
+            f"{location}.used = {correction.used!r}: must be the value of {correction.key}, "
+            f"{value!r}"
         )
     if correction.printed == correction.used:
         required = "must differ from used, or there is nothing to correct"
-        yield f"{place}.printed = {correction.printed!r}: {required}"
+        yield f"{location}.printed = {correction.printed!r}: {required}"
 
 
 def _value_or_none(tables: Mapping[str, Any], key: str) -> Any:

@@ -46,25 +46,25 @@ def _text(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def _value(value: object, place: str, faults: list[str]) -> str:
+def _value(value: object, location: str, faults: list[str]) -> str:
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     match value:
         case Mapping():
-            values = [_value(entry, f"{place}.{key}", faults) for key, entry in value.items()]
+            values = [_value(entry, f"{location}.{key}", faults) for key, entry in value.items()]
             entries = (f"{_key(key)} = {text}" for key, text in zip(value, values, strict=True))
             return f"{{ {', '.join(entries)} }}"
         case str() | PurePath():
             return _text(str(value))
         case Sequence() if not isinstance(value, bytes | bytearray):
             values = [
-                _value(entry, f"{place}[{n}]", faults) for n, entry in enumerate(value, start=1)
+                _value(entry, f"{location}[{n}]", faults) for n, entry in enumerate(value, start=1)
             ]
             return f"[{', '.join(values)}]"
-    return _number(value, place, faults)
+    return _number(value, location, faults)
 
 
-def _number(value: object, place: str, faults: list[str]) -> str:
+def _number(value: object, location: str, faults: list[str]) -> str:
     match value:
         case bool():
             return str(value).lower()
@@ -72,5 +72,5 @@ def _number(value: object, place: str, faults: list[str]) -> str:
             return str(int(value))
         case Real():
             return repr(float(value))
-    faults.append(f"{place} = {shown(value)}: must be a number, a text, a list or a dictionary")
+    faults.append(f"{location} = {shown(value)}: must be a number, a text, a list or a dictionary")
     return '""'

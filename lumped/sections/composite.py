@@ -151,7 +151,9 @@ class Composite(EdgedSection):
     def part_moments(self) -> tuple[Array, ...]:
         """Matrices Σ = ∫ s sᵀ dA (2×2, m⁴) of the parts about the centroid of the stiffness."""
         centred = [area_moments(loops) for loops in self.centred_loops]
-        return tuple(moments + area * np.outer(at, at) for area, at, moments in centred)
+        return tuple(
+            moments + area * np.outer(centroid, centroid) for area, centroid, moments in centred
+        )
 
     @property
     def inertia_moments(self) -> tuple[float, float, float]:

@@ -128,9 +128,15 @@ def _unit_gauss() -> tuple[Array, Array]:
     return np.asarray(0.5 * (1.0 + points), float), np.asarray(0.5 * weights, float)
 
 
-def _shapes(at: Array) -> Array:
+def _shapes(coordinates: Array) -> Array:
     """Quadratic shape functions (q×3: start, middle, end) at q coordinates from 0 to 1."""
-    return np.column_stack([(1 - at) * (1 - 2 * at), 4 * at * (1 - at), at * (2 * at - 1)])
+    return np.column_stack(
+        [
+            (1 - coordinates) * (1 - 2 * coordinates),
+            4 * coordinates * (1 - coordinates),
+            coordinates * (2 * coordinates - 1),
+        ]
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,7 +259,7 @@ def _polynomials(slopes: Array, y: Array, z: Array) -> Array:
     return fields
 
 
-def _polygon_integral(loops: Sequence[Loop], of: _Integrand) -> Array:
+def _polygon_integral(loops: Sequence[Loop], integrand: _Integrand) -> Array:
     """Integral over a polygon of a polynomial of degree up to ten, by triangles at the origin."""
     shares, weights = _unit_gauss()
     total: Array | float = 0.0
@@ -264,13 +270,13 @@ def _polygon_integral(loops: Sequence[Loop], of: _Integrand) -> Array:
         places = shares[:, None, None, None] * edges
         areas = np.multiply.outer(shares * weights, np.multiply.outer(twice, weights))
         y, z = places[..., 0].ravel(), places[..., 1].ravel()
-        total = total + of(y, z) @ areas.ravel()
+        total = total + integrand(y, z) @ areas.ravel()
     return np.asarray(total)
 
 
-def _weighted_integral(regions: Sequence[Region], of: _Integrand) -> Array:
+def _weighted_integral(regions: Sequence[Region], integrand: _Integrand) -> Array:
     """Sum of `_polygon_integral` over the regions, each times its weight."""
-    integrals = [region.weight * _polygon_integral(region.loops, of) for region in regions]
+    integrals = [region.weight * _polygon_integral(region.loops, integrand) for region in regions]
     return np.asarray(sum(integrals))
 
 
@@ -352,17 +358,17 @@ def _vertices_between(places: Array, start: Array, end: Array, gap: float) -> li
     return [int(number) for number in passed[np.argsort(along[passed])]]
 
 
-def _smallest_at_vertices(partition: Partition, kept: NDArray[np.bool_]) -> Array:
+def _smallest_at_vertices(partition: Partition, is_kept: NDArray[np.bool_]) -> Array:
     """Length of the boundary elements at each vertex of several regions.
 
-    `kept` is True for the edges that have elements. If edges of two regions meet at a vertex,
+    `is_kept` is True for the edges that have elements. If edges of two regions meet at a vertex,
     displacements have a term r^λ, with λ above ½ except for extreme ratios of the moduli. There is
     no such term if the edges continue straight through the vertex, with at most a perpendicular
     branch.
     """
     smallest = np.full(len(partition.vertices), np.inf)
     for number, vertex in enumerate(partition.vertices):
-        at_vertex = kept & (partition.ends == number).any(axis=1)
+        at_vertex = is_kept & (partition.ends == number).any(axis=1)
         if not at_vertex.any():
             continue
         ends = partition.ends[at_vertex]
@@ -459,11 +465,11 @@ def _smallest_elements(loop: Loop) -> Array:
     return np.asarray(np.minimum(share, _SMALLEST_WEAK) * shorter)
 
 
-def _graded(start: Array, way: Array, corners: Array, smallest: Array) -> list[float]:
+def _graded(start: Array, direction: Array, corners: Array, smallest: Array) -> list[float]:
     """Start points of the boundary elements on an edge, as ascending fractions of its length."""
-    length = float(np.linalg.norm(way))
-    along = (corners - start) @ way / length**2
-    across = np.linalg.norm(corners - start - along[:, None] * way, axis=1)
+    length = float(np.linalg.norm(direction))
+    along = (corners - start) @ direction / length**2
+    across = np.linalg.norm(corners - start - along[:, None] * direction, axis=1)
     starts, todo = [], [(0.0, 1.0)]
     while todo:
         first, last = todo.pop()

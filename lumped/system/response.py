@@ -127,7 +127,7 @@ class DampedModes:
         return bool((sizes > _ROUND_OFF * np.sqrt(moved_size * loaded_size)).any())
 
     def _rows(self, rows: slice) -> "DampedModes":
-        """Return the same modes with only those outputs that `rows` selects."""
+        """Modes whose forces and motions are only the components `rows`."""
         return replace(
             self,
             residues=self.residues[:, rows, rows],

@@ -232,9 +232,9 @@ def _find_gradings(
     return coarse, coarse.refined(), finest(coarse)
 
 
-def _optimise(gmsh: ModuleType, own: int, netgen: int) -> None:
-    """Set the number of passes of gmsh's optimiser (`own`) and of Netgen's optimiser."""
-    gmsh.option.setNumber("Mesh.Optimize", own)
+def _optimise(gmsh: ModuleType, gmsh_passes: int, netgen: int) -> None:
+    """Set the number of passes of gmsh's optimiser and of Netgen's optimiser."""
+    gmsh.option.setNumber("Mesh.Optimize", gmsh_passes)
     gmsh.option.setNumber("Mesh.OptimizeNetgen", netgen)
 
 

@@ -295,15 +295,15 @@ class ModelErrors:
         reference: Reference,
         model: Model,
         interpretation: Interpretation,
-        known: Callable[[Model, Reading], H | None],
+        responses: Callable[[Model, Reading], H | None],
     ) -> tuple[H, H] | None:
-        """Solutions of the reference and of a model: statics or modes, as `known` returns them.
+        """Solutions of the reference and of a model: statics or modes, as `responses` returns them.
 
         None if one of the two is unsolved or undefined.
         """
         reading = replace(interpretation.reading, factors=self.factors)
-        of_reference = known(reference.model, reading) if reference.model else None
-        of_model = known(model, reading)
+        of_reference = responses(reference.model, reading) if reference.model else None
+        of_model = responses(model, reading)
         return (of_reference, of_model) if of_reference and of_model else None
 
     def _between(self, wrenches: Array, model: Model, quantity: Quantity) -> Array:

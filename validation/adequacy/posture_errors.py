@@ -112,8 +112,8 @@ def _grouped_by_ends(reference: Reference) -> dict[str, list[Interpretation]]:
     for interpretation in reference.interpretations:
         groups.setdefault(interpretation.reading.restricted(("ends",)), []).append(interpretation)
     return {
-        first.name if reference.supposed else f"solid, {first.name}": [first, *others]
-        for first, *others in groups.values()
+        first.name if reference.supposed else f"solid, {first.name}": [first, *further]
+        for first, *further in groups.values()
     }
 
 
@@ -128,14 +128,14 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
     reference = dynamic_reference(responses)
     uncertainties = {}
     judged = robot.judged_count
-    for name, (first, *others) in _grouped_by_ends(reference).items():
+    for name, (first, *further) in _grouped_by_ends(reference).items():
         first_modes = responses.required_modes(SOLID, first.reading)
         half_widths = first.frequency_half_widths(judged)
         if half_widths is None:
             continue
         changes = [
             frequency_changes(first_modes, modes, judged)
-            for other in others
+            for other in further
             if (modes := responses.known_modes(SOLID, other.reading))
         ]
         modes_by_name[name] = first_modes

@@ -220,8 +220,8 @@ def _frequency(
     ends = limits.ends_of(leg.ends)
     meshes = line_divisions(context.meshes, leg)
     (coarse, fine), (coarse_free, free) = (
-        [context.get(_solid_frequencies, leg, number, held)[index] for number in meshes]
-        for held in (ends, "free")
+        [context.get(_solid_frequencies, leg, number, end_condition)[index] for number in meshes]
+        for end_condition in (ends, "free")
     )
     if np.isnan([coarse, fine, coarse_free, free]).any():
         raise Skip(f"no mode of the solid has the shape of mode {index + 1} of the beam")

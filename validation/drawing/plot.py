@@ -242,7 +242,7 @@ def _draw_contours(axes: Axes, contours: Contours) -> None:
 
 
 def _rows(panel: Panel) -> Array:
-    """Centres of horizontal bars (inches from the top). The name determines the height of a row."""
+    """Centres of horizontal bars (inches from the top). Rows have the height of their names."""
     ends = np.cumsum([_LINE * (name.count("\n") + 1) + _ROW for name in panel.names])
     return np.asarray(0.5 * (ends + np.concatenate([[0.0], ends[:-1]])))
 

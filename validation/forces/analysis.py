@@ -142,15 +142,17 @@ def forces_in(
 def _with_loads(robot_file: RobotFile, names: Sequence[str]) -> RobotFile:
     """Robot with only the loads of these names; with all of its loads if no names are given."""
     mechanism = robot_file.mechanism
-    known = [load.name for load in mechanism.loads]
-    if not known:
+    load_names = [load.name for load in mechanism.loads]
+    if not load_names:
         raise InputError(
             f"{mechanism.name}: the robot file has no [[loads]]; the command needs at least one"
         )
-    if unknown := [name for name in names if name not in known]:
-        raise InputError(f"--load {name}: must be one of {', '.join(known)}" for name in unknown)
-    chosen = [load for load in mechanism.loads if not names or load.name in names]
-    return replace(robot_file, mechanism=replace(mechanism, loads=tuple(chosen)))
+    if unknown := [name for name in names if name not in load_names]:
+        raise InputError(
+            f"--load {name}: must be one of {', '.join(load_names)}" for name in unknown
+        )
+    loads = [load for load in mechanism.loads if not names or load.name in names]
+    return replace(robot_file, mechanism=replace(mechanism, loads=tuple(loads)))
 
 
 def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> ForcesUnderLoad:

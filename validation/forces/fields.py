@@ -25,12 +25,12 @@ def vtu_of(forces: Forces) -> bytes:
     stress" and the stresses in the axes of the body (Pa). Cell data "body": number of the body in
     the order of the robot file.
     """
-    ((found,),) = (tuple(pose.loads.values()) for pose in forces.poses)
-    solids = () if found is None else tuple(found.solids.values())
+    ((forces_of_load,),) = (tuple(pose.loads.values()) for pose in forces.poses)
+    solids = () if forces_of_load is None else tuple(forces_of_load.solids.values())
     # VTK takes seconds to load and needs system libraries.
     import pyvista  # noqa: PLC0415
 
-    grids = [_grid(number, one) for number, one in enumerate(solids, start=1)]
+    grids = [_grid(number, solid) for number, solid in enumerate(solids, start=1)]
     merged = pyvista.merge(grids, merge_points=False)
     with TemporaryDirectory(prefix="flexproof-vtu-") as folder:
         path = Path(folder) / "forces.vtu"

@@ -77,11 +77,11 @@ class Forces:
         clamp: Fz = 100.000 N, My = -30.000 N m
         """
         rows: list[tuple[Cell, ...]] = []
-        for place, load, result in self._results():
+        for pose_text, load, result in self._results():
             scale = largest_of(result)
             rows += [
                 (
-                    place,
+                    pose_text,
                     load,
                     reaction.joint,
                     *shown(reaction.wrench, scale),
@@ -114,7 +114,7 @@ class Forces:
         bar: My = 30.000 N m, von Mises 22.500 MPa
         """
         rows: list[tuple[Cell, ...]] = []
-        for place, load, result in self._results():
+        for pose_text, load, result in self._results():
             scale = largest_of(result)
             for member in result.members:
                 stress = result.stresses.get(member.leg)
@@ -122,7 +122,7 @@ class Forces:
                 if stress is not None:
                     of_stress = (1e-6 * stress.largest, 1e-6 * stress.half_width, stress.station)
                 largest = np.abs(member.forces).max(axis=0)
-                rows.append((place, load, member.leg, *shown(largest, scale), *of_stress))
+                rows.append((pose_text, load, member.leg, *shown(largest, scale), *of_stress))
         headings = [
             f"{name} ({unit})" for name, unit in zip(SECTION_FORCES, REACTION_UNITS, strict=True)
         ]
@@ -228,18 +228,18 @@ class Forces:
                     yield pose.place, load, result
 
     def _rows(self) -> Iterator[tuple[Cell, ...]]:
-        for place, load, result in self._results():
+        for pose_text, load, result in self._results():
             for reaction in result.reactions:
                 numbers = zip(
                     REACTIONS, reaction.wrench, REACTION_UNITS, reaction.half_width, strict=True
                 )
                 for name, value, unit, width in numbers:
                     number = (name, None, finite(value), unit, finite(width))
-                    yield (place, load, reaction.joint, *number)
+                    yield (pose_text, load, reaction.joint, *number)
                 if reaction.drive is not None:
                     width = float(reaction.half_width[0 if reaction.drive_unit == "N" else 3])
                     drive = ("drive", None, finite(reaction.drive), reaction.drive_unit)
-                    yield (place, load, reaction.joint, *drive, finite(width))
+                    yield (pose_text, load, reaction.joint, *drive, finite(width))
             for member in result.members:
                 for station, values in zip(member.stations, member.forces, strict=True):
                     numbers = zip(
@@ -247,10 +247,10 @@ class Forces:
                     )
                     for name, value, unit, width in numbers:
                         force = (name, float(station), finite(value), unit, finite(width))
-                        yield (place, load, member.leg, *force)
+                        yield (pose_text, load, member.leg, *force)
             for leg, stress in result.stresses.items():
                 largest = ("von Mises", stress.station, stress.largest, "Pa", stress.half_width)
-                yield (place, load, leg, *largest)
+                yield (pose_text, load, leg, *largest)
 
     def __repr__(self) -> str:
         places = self.poses[0].place if len(self.poses) == 1 else f"{len(self.poses)} poses"

@@ -93,8 +93,8 @@ def solid_stresses(
     pressures = _pressures(posture.mechanism, load)
     motions = accelerations(posture, load.speed, load.acceleration) if load.moves_tool else {}
     legs = {
-        name: (leg, own)
-        for name, leg, own in sectioned_legs(posture.mechanism, options)
+        name: (leg, leg_options)
+        for name, leg, leg_options in sectioned_legs(posture.mechanism, options)
         if isinstance(leg, ConstantLeg)
     }
     fields = {}
@@ -108,9 +108,9 @@ def solid_stresses(
             rotation.T @ motion.angular_velocity,
         )
         if name in legs:
-            leg, own = legs[name]
-            fine = _leg(leg, own, own.divisions)
-            coarse = _leg(leg, own, second_divisions(own, [leg]))
+            leg, leg_options = legs[name]
+            fine = _leg(leg, leg_options, leg_options.divisions)
+            coarse = _leg(leg, leg_options, second_divisions(leg_options, [leg]))
         elif name in posture.mechanism.parts:
             on_faces = pressures.get(name, {})
             fine, coarse = (_part(body, level, on_faces) for level in (FINEST, FINEST - 1))
@@ -129,9 +129,9 @@ def _leg(leg: ConstantLeg, options: ModelOptions, divisions: int) -> _Solid:
     solid = solid_leg(leg, mesh)
     planes = len(mesh.nodes) // len(mesh.root.nodes)
     corners = np.flatnonzero(np.tile(regular_nodes(mesh.root.mesh, 0.0), planes) == 0)
-    held = options.ends == "rigid"
+    has_rigid_ends = options.ends == "rigid"
     edges = np.concatenate([_rim(mesh.root.nodes, mesh), _rim(mesh.tip.nodes, mesh)])
-    singular = np.union1d(corners, edges) if held else corners
+    singular = np.union1d(corners, edges) if has_rigid_ends else corners
     clamped = clamped_leg(solid, options.ends)
     return _Solid(mesh, leg.material, clamped, solid.mass, singular, np.zeros(mesh.nodes.size))
 

@@ -67,10 +67,10 @@ def _lines(result: ForcesUnderLoad) -> list[str]:
                 f"(σ {1e-6 * stress.normal:.4g} MPa, τ {1e-6 * stress.shear:.4g} MPa)"
             )
     for body, solid in result.solids.items():
-        place = ", ".join(f"{value:.4g}" for value in solid.place)
+        point = ", ".join(f"{value:.4g}" for value in solid.place)
         lines.append(
             f"{_INDENT}{body} as a solid: {1e-6 * solid.largest:.4g} ± "
-            f"{1e-6 * solid.half_width:.2g} MPa at ({place}) m, farther than "
+            f"{1e-6 * solid.half_width:.2g} MPa at ({point}) m, farther than "
             f"{1e3 * solid.distance:.3g} mm from singular edges"
         )
     for leg, reason in result.without_stress.items():

@@ -111,7 +111,10 @@ def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
 
 
 def shares_section(context: Context, leg: Leg) -> bool:
-    """True if both solids of a leg have the same section mesh, since a finer one is too large."""
+    """True if the fine solid of a leg has the section mesh of the coarse one.
+
+    This is so if a finer section mesh would be too large.
+    """
     if not isinstance(leg, ConstantLeg):
         return False
     return not context.get(static_divisions, leg, most_unknowns(context.meshes, leg))

@@ -25,21 +25,21 @@ def decision_sentences(outcomes: Sequence[Outcome]) -> list[str]:
 
 
 def _sentence(label: str, outcomes: Sequence[Outcome]) -> str:
-    good = [one for one in outcomes if one.verdict == "agree" and one.measurement]
-    skipped = [one.case.model for one in outcomes if one.measurement is None]
-    costly = [one for one in outcomes if one not in good and one.measurement]
+    good = [outcome for outcome in outcomes if outcome.verdict == "agree" and outcome.measurement]
+    skipped = [outcome.case.model for outcome in outcomes if outcome.measurement is None]
+    costly = [outcome for outcome in outcomes if outcome not in good and outcome.measurement]
     parts = []
     if good:
-        largest = max(one.measurement.value for one in good if one.measurement) / 100.0
-        names = listed([one.case.model for one in good])
+        largest = max(outcome.measurement.value for outcome in good if outcome.measurement) / 100.0
+        names = listed([outcome.case.model for outcome in good])
         verb = "chooses" if len(good) == 1 else "choose"
         loss = f"a value at most {percent(largest, signed=False)} worse than the best value"
         parts.append(f"{names} {verb} {loss if largest >= _NO_LOSS else 'the best value'}")
-    for one in costly:
-        if one.measurement:
-            loss = percent(one.measurement.value / 100.0, signed=False)
-            choice = one.measurement.notes[0].removesuffix(".")
-            parts.append(f"{choice}: {loss} worse ({one.verdict})")
+    for outcome in costly:
+        if outcome.measurement:
+            loss = percent(outcome.measurement.value / 100.0, signed=False)
+            choice = outcome.measurement.notes[0].removesuffix(".")
+            parts.append(f"{choice}: {loss} worse ({outcome.verdict})")
     if skipped:
         parts.append(f"not computed by {listed(skipped)}")
     return f"{capital(label)}: {'; '.join(parts)}."

@@ -65,7 +65,7 @@ def _row(label: str, studies: Sequence[ElementStudy]) -> ElementCount:
     needed = _needed(label, studies)
     if not errors:
         return ElementCount(label, needed, "", "")
-    worst = max(errors, key=lambda place: errors[place])
+    worst = max(errors, key=lambda label: errors[label])
     if errors[worst] < _SMALLEST:
         return ElementCount(label, needed, f"below {percent(_SMALLEST, signed=False)}", "")
     return ElementCount(label, needed, percent(errors[worst], signed=False), worst)

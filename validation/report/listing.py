@@ -96,14 +96,14 @@ def _finding_lines(findings: Sequence[Finding]) -> list[str]:
     ]
 
 
-def outcome_line(outcome: Outcome, *others: Outcome) -> str:
+def outcome_line(outcome: Outcome, *further: Outcome) -> str:
     """Line on an outcome: verdict, id, and numbers or the reason why there are none.
 
-    `others`: further outcomes without numbers, with the same verdict and reason, which are counted.
+    `further`: outcomes without numbers, with the same verdict and reason, which are counted.
     """
     case, measurement = outcome.case, outcome.measurement
     if measurement is None:
-        addition = f" and {len(others)} more" if others else ""
+        addition = f" and {len(further)} more" if further else ""
         return f"{outcome.verdict:9} {case.id}{addition}: {outcome.message}"
     unit = "" if case.unit == "1" else f" {case.unit}"
     claim = "" if case.relation.value == "equal" else f"{case.relation.value} "
@@ -179,5 +179,5 @@ def _comparison(outcome: Outcome) -> str:
 
 
 def _xml_text(text: str | None) -> str | None:
-    """Text with "?" for control characters, which XML does not allow. None for None."""
+    """Text with "?" for control characters, which XML does not allow. None if `text` is None."""
     return text and re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)

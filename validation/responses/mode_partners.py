@@ -82,12 +82,14 @@ def partners(
     poses = len(reference.frequencies)
     rows = [
         _at_pose(
-            own,
-            other,
+            of_reference,
+            of_model,
             count,
             None if frequency_uncertainties is None else frequency_uncertainties[pose],
         )
-        for pose, (own, other) in zip(range(poses), _sampled(reference, model), strict=True)
+        for pose, (of_reference, of_model) in zip(
+            range(poses), _sampled(reference, model), strict=True
+        )
     ]
     return Partners(
         **{item.name: np.array([row[item.name] for row in rows]) for item in fields(Partners)}
@@ -186,15 +188,15 @@ def _sampled(reference: PathModes, model: PathModes) -> Iterator[tuple[SampledMo
 
 
 def _at_pose(
-    own: SampledModes, other: SampledModes, count: int, frequency_uncertainties: Array | None
+    reference: SampledModes, model: SampledModes, count: int, frequency_uncertainties: Array | None
 ) -> dict[str, Array | IntArray | BoolArray]:
     """Fields of `Partners` in one pose, by name."""
-    uncertainties = np.zeros(len(own.frequencies))
+    uncertainties = np.zeros(len(reference.frequencies))
     if frequency_uncertainties is not None:
         judged = min(len(uncertainties), len(frequency_uncertainties))
         uncertainties[:judged] = frequency_uncertainties[:judged]
-    pairs = pair_modes(own, other, uncertainties)
-    frequency, lowest, highest = _frequencies(pairs, other.frequencies)
+    pairs = pair_modes(reference, model, uncertainties)
+    frequency, lowest, highest = _frequencies(pairs, model.frequencies)
     loose = pairs.mixed.any(axis=1) | (pairs.ordered != pairs.partner)
 
     def first(values: Array | IntArray | BoolArray, missing: float) -> Array:
@@ -209,10 +211,10 @@ def _at_pose(
         "highest": first(highest, np.nan),
         "undecided": first(pairs.undecided, missing=False),
         "mac": first(pairs.mac, 0.0),
-        "energy_shares": first(own.energy_shares, 1.0),
+        "energy_shares": first(reference.energy_shares, 1.0),
         "ordered": first(pairs.ordered, -1),
         "loose": first(loose, missing=False),
-        "by_number": first(other.frequencies, np.nan),
+        "by_number": first(model.frequencies, np.nan),
     }
 
 

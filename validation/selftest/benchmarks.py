@@ -285,8 +285,8 @@ def torsion_constant(ratio: float) -> KnownNumber:
     """Torsion constant J/(b h³) of a rectangle with b/h = `ratio`."""
     mesh = section_mesh(Rectangle(ratio, 1.0), _TORSION_DIVISIONS)
     computed = section_constants(mesh, nu=0.0).torsion_constant / ratio
-    known = TORSION_CONSTANTS[ratio]
-    return KnownNumber(f"J/(b h³), b/h = {ratio:g}", "1", known, computed, 2e-6 / known)
+    published = TORSION_CONSTANTS[ratio]
+    return KnownNumber(f"J/(b h³), b/h = {ratio:g}", "1", published, computed, 2e-6 / published)
 
 
 def hexapod() -> list[KnownNumber]:
@@ -294,8 +294,8 @@ def hexapod() -> list[KnownNumber]:
     mechanism = load_robot("hexapod").mechanism
     first_posture = posture(mechanism, mechanism.poses[0])
     (answer,) = answers("beam", [first_posture], 0, ModelOptions(elements=1))
-    known = np.linalg.inv(hexapod_stiffness(mechanism, first_posture.pose))
-    return _deflections(np.diag(known), np.diag(answer.compliance), 1e-8)
+    exact = np.linalg.inv(hexapod_stiffness(mechanism, first_posture.pose))
+    return _deflections(np.diag(exact), np.diag(answer.compliance), 1e-8)
 
 
 def hexapod_stiffness(mechanism: Mechanism, pose: Array) -> Array:
@@ -342,8 +342,8 @@ def bar() -> list[KnownNumber]:
     clamped = held_part(meshed_part(mesh, _STEEL), grips_of(mesh, interfaces), "bar")
     E, I = _STEEL.E, height * width**3 / 12.0
     return [
-        KnownNumber(quantity, unit, known, float(clamped.compliance[row, column]), 1e-8)
-        for quantity, unit, row, column, known in (
+        KnownNumber(quantity, unit, published, float(clamped.compliance[row, column]), 1e-8)
+        for quantity, unit, row, column, published in (
             ("stretching under a unit force", "m", 0, 0, length / (E * width * height)),
             ("deflection under a unit moment", "m", 1, 5, length**2 / (2.0 * E * I)),
             ("rotation under a unit moment", "rad", 5, 5, length / (E * I)),
@@ -370,15 +370,15 @@ def by_exudyn() -> list[KnownNumber]:
     return _frequencies(fine + (fine - coarse) / 3.0, answer.frequencies, 1e-5)
 
 
-def _deflections(known: Array, computed: Array, tolerance: float) -> list[KnownNumber]:
+def _deflections(published: Array, computed: Array, tolerance: float) -> list[KnownNumber]:
     return [
-        KnownNumber(f"{name} under a unit force", "m", known[i], computed[i], tolerance)
+        KnownNumber(f"{name} under a unit force", "m", published[i], computed[i], tolerance)
         for i, name in enumerate("xyz")
     ]
 
 
-def _frequencies(known: Array, computed: Array, tolerance: float) -> list[KnownNumber]:
+def _frequencies(published: Array, computed: Array, tolerance: float) -> list[KnownNumber]:
     return [
         KnownNumber(f"f{number}", "Hz", *pair, tolerance)
-        for number, pair in enumerate(zip(known, computed, strict=True), start=1)
+        for number, pair in enumerate(zip(published, computed, strict=True), start=1)
     ]

@@ -228,8 +228,10 @@ def solid_frequencies(
         counts = section_counts(leg, division_count)
         mesh = hexahedra(leg.section, leg.length, counts, slices(leg, division_count))
         clamped = clamped_leg(solid_leg(leg, mesh), ends)
-        found, pairs = _paired_modes(target, clamped, root @ section_twists(mesh, stations))
-        frequencies.append(found)
+        frequencies_on_mesh, pairs = _paired_modes(
+            target, clamped, root @ section_twists(mesh, stations)
+        )
+        frequencies.append(frequencies_on_mesh)
         mac.append(pairs.mac)
         unknowns.append(mesh.nodes.size)
         seconds.append(process_time() - start)
@@ -255,8 +257,8 @@ def line_frequencies(
     )
     solid = solid_leg(leg, solid_mesh(leg, divisions))
     twists = root @ section_twists(solid.mesh, stations)
-    found, pairs = _paired_modes(target, clamped_leg(solid, ends), twists)
-    return np.where(pairs.partner >= 0, found, np.nan)
+    frequencies, pairs = _paired_modes(target, clamped_leg(solid, ends), twists)
+    return np.where(pairs.partner >= 0, frequencies, np.nan)
 
 
 def _paired_modes(

@@ -71,8 +71,8 @@ class DesignQuantity:
             return float(np.linalg.norm(answer.loads[self.load][:3]))
         if self.kind is DesignKind.DEFLECTION:
             unit_load = _MOMENT if AXES[k] in ROTATIONS else _FORCE
-            known = k < len(answer.compliance)
-            return unit_load * float(answer.compliance[k, k]) if known else np.nan
+            is_in_compliance = k < len(answer.compliance)
+            return unit_load * float(answer.compliance[k, k]) if is_in_compliance else np.nan
         return float(answer.frequencies[k]) if k < len(answer.frequencies) else np.nan
 
 
@@ -107,7 +107,9 @@ class Purpose:
     def quantities(self) -> tuple[DesignQuantity, ...]:
         """All quantities, the objective first."""
         listed = [self.objective] if self.objective else []
-        return tuple(dict.fromkeys([*listed, *(one.quantity for one in self.conditions)]))
+        return tuple(
+            dict.fromkeys([*listed, *(condition.quantity for condition in self.conditions)])
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +151,10 @@ class DesignChoice:
     @cached_property
     def _excess(self) -> Array:
         """Relative distances (c×n) by which n robots miss c conditions; negative if met."""
-        rows = [one.excess(self.values[one.quantity]) for one in self.purpose.conditions]
+        rows = [
+            condition.excess(self.values[condition.quantity])
+            for condition in self.purpose.conditions
+        ]
         return np.array(rows).reshape(len(rows), -1)
 
     @property
@@ -236,7 +241,7 @@ def _quantities(robot_file: RobotFile, modes: int) -> dict[str, DesignQuantity]:
         for load in robot_file.mechanism.loads
     ]
     mass = DesignQuantity("mass", DesignKind.MASS, "kg")
-    return {one.name: one for one in (mass, *deflections, *frequencies, *loads)}
+    return {quantity.name: quantity for quantity in (mass, *deflections, *frequencies, *loads)}
 
 
 def _unknown(name: str, allowed: Mapping[str, DesignQuantity]) -> str:
@@ -277,9 +282,9 @@ def choice_text(choice: DesignChoice, names: Sequence[str]) -> str:
     met = int(choice.meets.sum())
     lines = []
     if purpose.conditions:
-        wanted = " and ".join(condition.text for condition in purpose.conditions)
+        condition_text = " and ".join(condition.text for condition in purpose.conditions)
         verb = "meets" if met == 1 else "meet"
-        lines.append(f"{met} of {counted(count, 'robot')} {verb} {wanted}")
+        lines.append(f"{met} of {counted(count, 'robot')} {verb} {condition_text}")
     if choice.best is not None and purpose.objective:
         aim = "greatest" if purpose.maximised else "least"
         lines.append(
@@ -300,7 +305,10 @@ def choice_record(choice: DesignChoice, values: Sequence[Mapping[str, float]]) -
     robots = [
         {
             "vary": dict(numbers),
-            "values": {quantity.name: float(of[row]) for quantity, of in choice.values.items()},
+            "values": {
+                quantity.name: float(of_robots[row])
+                for quantity, of_robots in choice.values.items()
+            },
             "meets": bool(choice.meets[row]),
         }
         for row, numbers in enumerate(values)

@@ -269,9 +269,9 @@ def _load_fields(solved: SolvedQuestion) -> list[dict[str, Any]]:
             },
             "pressures": pressures,
             "reactions": {
-                name: {one.joint: one.wrench for one in found.reactions}
-                for name, found in zip(names, forces_of_pose, strict=True)
-                if found is not None
+                name: {reaction.joint: reaction.wrench for reaction in forces.reactions}
+                for name, forces in zip(names, forces_of_pose, strict=True)
+                if forces is not None
             },
         }
         for displacements, stability_of_pose, forces_of_pose in zip(

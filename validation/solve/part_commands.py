@@ -254,7 +254,7 @@ def _identify_free(
 
 
 def _write_arrays(out: Path | None, arrays: Any) -> None:
-    """Write arrays by name to an .npz file, if one is wanted."""
+    """Write arrays by name to the .npz file `out`. Nothing is written if `out` is None."""
     import numpy as np  # noqa: PLC0415
 
     if out is None:

@@ -64,8 +64,8 @@ class SolvedQuestion:
         """Model with these `divisions` of prisms. None stands for the divisions of the question."""
         divisions = divisions or self.question.options.divisions
         if divisions not in self.models:
-            given = {**self.question.given, "divisions": divisions}
-            self.models[divisions] = solved_model(replace(self.question, given=given))
+            options = {**self.question.given, "divisions": divisions}
+            self.models[divisions] = solved_model(replace(self.question, given=options))
         return self.models[divisions]
 
     @property
@@ -149,11 +149,11 @@ def _half_widths(
     solved: SolvedQuestion,
     levels: Sequence[int],
     policy: MeshPolicy | float,
-    at: Callable[[int], tuple[Model, Reading]],
+    mesh_model: Callable[[int], tuple[Model, Reading]],
 ) -> list[HalfWidths]:
     """Half-widths of compliance, frequencies and displacements due to one kind of mesh.
 
-    `at` returns model and reading for each of the mesh `levels`.
+    `mesh_model` returns model and reading for each of the mesh `levels`.
     """
     responses, statics, modes = solved.responses, solved.statics, solved.modes
 
@@ -161,7 +161,7 @@ def _half_widths(
         shares = half_widths_on(
             levels,
             policy,
-            lambda level: responses.required_statics(*at(level)),
+            lambda level: responses.required_statics(*mesh_model(level)),
             lambda first, second, _: relative_sizes(numbers(first) - numbers(second), scale),
         )
         return _absolute(shares, scale)
@@ -171,12 +171,12 @@ def _half_widths(
         compliance = of_statics(diagonals, np.abs(diagonals(statics)))
         loads = of_statics(_displacements, _lengths(_displacements(statics)))
     if modes is not None:
-        own, count = modes, modes.count
+        first_modes, count = modes, modes.count
         shares = half_widths_on(
             levels,
             policy,
-            lambda level: responses.required_modes(*at(level)),
-            lambda first, second, _: frequency_changes(own, first, count, second),
+            lambda level: responses.required_modes(*mesh_model(level)),
+            lambda first, second, _: frequency_changes(first_modes, first, count, second),
         )
         frequencies = _absolute(shares, solved.frequencies)
     return solved.split(compliance, loads, frequencies)
@@ -226,7 +226,10 @@ def of_parts(solved: SolvedQuestion) -> list[PartUncertainty]:
     if modes is not None:
         bodies = modes.postures[0].system.models
         solids = {name: body for name, body in bodies.items() if isinstance(body, ReducedPart)}
-        by_pose = [frequency_bounds(at.system, solids, modes.count) for at in modes.postures]
+        by_pose = [
+            frequency_bounds(solved_modes.system, solids, modes.count)
+            for solved_modes in modes.postures
+        ]
         bounds = np.array([bound.upper - bound.lower for bound in by_pose])
     widths = _half_widths(
         solved,

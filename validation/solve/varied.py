@@ -76,7 +76,7 @@ class VariedAnswers:
 
     @property
     def rows(self) -> list[tuple[tuple[float, ...], Answer]]:
-        """Pairs of the values of the varied parameters and an answer for the robot with these."""
+        """Pairs (values of the varied parameters, answer for the robot with these values)."""
         return [
             (values, answer)
             for values, solution in zip(self.values, self.solutions, strict=True)
@@ -198,7 +198,7 @@ def solve_varied(
     choice = None
     if purpose:
         mechanisms = [robot.mechanism for _, robot in robots]
-        choice = design_choice(purpose, mechanisms, [one.answers for one in solutions])
+        choice = design_choice(purpose, mechanisms, [solution.answers for solution in solutions])
     return VariedAnswers(variations, tuple(values for values, _ in robots), solutions, choice)
 
 
@@ -243,14 +243,14 @@ def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:
     for name, value in places[0].items():
         if name == "pose":
             table |= {
-                f"pose[{k + 1}]": [place["pose"][k] for place in places] for k in range(len(value))
+                f"pose[{k + 1}]": [row["pose"][k] for row in places] for k in range(len(value))
             }
         else:
-            table[name] = [place[name] for place in places]
+            table[name] = [row[name] for row in places]
     table |= quantities([answer for _, answer in rows])
     if (choice := answers.choice) is None:
         return table
-    robots = [row for row, one in enumerate(answers.solutions) for _ in one.answers]
+    robots = [row for row, solution in enumerate(answers.solutions) for _ in solution.answers]
     for quantity, values in choice.values.items():
         if quantity.kind in {DesignKind.MASS, DesignKind.LOAD}:
             table[f"{quantity.name} ({quantity.unit})"] = [float(values[row]) for row in robots]
@@ -360,7 +360,10 @@ def _maps(answers: VariedAnswers, y_label: str) -> list["Panel"]:
     x, y = (np.array(variation.values) for variation in answers.variations)
     star = None
     if choice := answers.choice:
-        maps = {f"{one.name} ({one.unit})": values for one, values in choice.values.items()}
+        maps = {
+            f"{quantity.name} ({quantity.unit})": values
+            for quantity, values in choice.values.items()
+        }
         if (objective := choice.purpose.objective) and choice.purpose.conditions:
             heading = f"{objective.name} ({objective.unit})"
             only = {

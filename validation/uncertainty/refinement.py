@@ -27,14 +27,16 @@ class Accuracy:
     `missed`: reason why no finer mesh was computed. "" if the request is met.
     """
 
-    asked: float
+    requested: float
     reached: float
     missed: str = ""
 
     @property
     def text(self) -> str:
         """Line of the report with the requested and the reached accuracy."""
-        summary = f"accuracy ±{100.0 * self.reached:.2g} %, requested ±{100.0 * self.asked:.2g} %"
+        summary = (
+            f"accuracy ±{100.0 * self.reached:.2g} %, requested ±{100.0 * self.requested:.2g} %"
+        )
         return f"{summary}; {self.missed}" if self.missed else summary
 
 

@@ -241,13 +241,13 @@ def _axis_faults(mechanism: Mechanism, barred: Sequence[str]) -> list[str]:
     ]
 
 
-def _screw_faults(place: Posture, location: str) -> Iterator[str]:
-    """Faults of ball screws whose nut would be beyond a bearing in the posture `place`."""
-    for joint in place.mechanism.joints:
+def _screw_faults(posture: Posture, location: str) -> Iterator[str]:
+    """Faults of ball screws whose nut would be beyond a bearing in `posture`."""
+    for joint in posture.mechanism.joints:
         try:
-            drive_in(place, joint)
+            drive_in(posture, joint)
         except ComputationError as error:
-            pose = shown_pose(place.mechanism, place.pose)
+            pose = shown_pose(posture.mechanism, posture.pose)
             yield f"{location}, {pose}: joints.{joint.name}.drive.screw: {error}"
 
 

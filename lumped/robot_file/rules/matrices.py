@@ -169,5 +169,5 @@ def _stiffness_fault(matrix: Array) -> str:
     return (
         f": {len(above)} of 6 entries on the diagonal are above {LARGEST_COMPLIANCE:g} m/N or "
         f"rad/(N m), [{largest},{largest}] = {diagonal[largest - 1]:.3g} the most: is this a "
-        "stiffness matrix? Its inverse, the compliance, is wanted here"
+        "stiffness matrix? This key needs its inverse, the compliance"
     )

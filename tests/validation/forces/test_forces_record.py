@@ -71,12 +71,12 @@ def test_segment_half_width_contains_moment():
     """Clamped beam under its weight, My = −qL²/12: the error of n segments is of order 1/n²."""
     text = BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed")
     text += '[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
-    found = fp.forces(robot_of(text), "segments", elements=4).poses[0].loads["weight"]
-    reaction = next(one for one in found.reactions if one.joint == "a")
+    record = fp.forces(robot_of(text), "segments", elements=4).poses[0].loads["weight"]
+    reaction = next(candidate for candidate in record.reactions if candidate.joint == "a")
     error = abs(reaction.wrench[4] + Q * L**2 / 12.0)
     assert 1e-6 * Q * L**2 < error <= reaction.half_width[4] < 0.1 * Q * L**2
     exact = fp.forces(robot_of(text), "beam").poses[0].loads["weight"]
-    clamp = next(one for one in exact.reactions if one.joint == "a")
+    clamp = next(candidate for candidate in exact.reactions if candidate.joint == "a")
     assert clamp.half_width[4] <= 1e-9 * Q * L**2
 
 
@@ -84,24 +84,24 @@ def test_solid_reactions_equal_beam_reactions():
     """Solid beam clamped at both ends: M = qL²/12, apart from effects of shear and rigid ends."""
     text = BEAM.replace("LEFT", "fixed").replace("RIGHT", "fixed")
     text += '[[loads]]\nname = "weight"\ngravity = [0.0, 0.0, -9.81]\n'
-    found = fp.forces(robot_of(text), "solid", divisions=2).poses[0].loads["weight"]
-    for reaction in found.reactions[1:]:
+    record = fp.forces(robot_of(text), "solid", divisions=2).poses[0].loads["weight"]
+    for reaction in record.reactions[1:]:
         assert reaction.wrench[2] == pytest.approx(Q * L / 2.0, rel=1e-6)
         assert abs(reaction.wrench[4]) == pytest.approx(Q * L**2 / 12.0, rel=2e-3)
         assert reaction.half_width[4] <= 0.01 * Q * L**2
-    assert found.stresses["left"].largest == pytest.approx(
+    assert record.stresses["left"].largest == pytest.approx(
         6.0 * Q * L**2 / 12.0 / (B * H**2), rel=5e-3
     )
 
 
 def test_json_csv_and_table_are_equal(loaded, command):
-    found = fp.forces(loaded)
+    analysis = fp.forces(loaded)
     printed = command.json("forces", str(loaded))
-    assert printed == json.loads(found.json())
+    assert printed == json.loads(analysis.json())
     push = printed["results"][0]["loads"]["push"]
     assert push["reactions"]["clamp"] == pytest.approx([0, 0, 1000.0, -50.0, -1000.0 * L, 0])
     assert push["drives"] == {}
-    rows = list(csv.DictReader(StringIO(found.csv())))
+    rows = list(csv.DictReader(StringIO(analysis.csv())))
     fz = next(r for r in rows if (r["load"], r["of"], r["quantity"]) == ("push", "clamp", "Fz"))
     assert float(fz["value"]) == push["reactions"]["clamp"][2]
     assert fz["unit"] == "N"
@@ -112,57 +112,57 @@ def test_json_csv_and_table_are_equal(loaded, command):
     stations = weight["members"]["bar"]["stations"]
     of_bar = [r for r in rows if (r["load"], r["of"], r["quantity"]) == ("weight", "bar", "My")]
     assert [float(r["station (m)"]) for r in of_bar] == stations
-    table = found.table()
+    table = analysis.table()
     assert table.rows[0][:3] == ("the only posture", "push", "clamp")
-    assert found.member_table().rows[1][9] == pytest.approx(1e-6 * float(stress["value"]))
+    assert analysis.member_table().rows[1][9] == pytest.approx(1e-6 * float(stress["value"]))
 
 
 def test_solve_json_has_reactions(loaded, command):
     solved = command.json("solve", str(loaded), "--model", "beam", "--modes", "0")
-    found = command.json("forces", str(loaded))
+    record = command.json("forces", str(loaded))
     for name, load in solved["results"][0]["loads"].items():
-        assert load["reactions"] == found["results"][0]["loads"][name]["reactions"]
+        assert load["reactions"] == record["results"][0]["loads"][name]["reactions"]
 
 
 def test_undetermined_force_is_a_dash(tmp_path, command):
     robot = tmp_path / "five-bar.toml"
     text = (Path(fp.__file__).parent / "lumped/robots/five-bar.toml").read_text("utf-8")
     robot.write_text(text + LOADS, "utf-8")
-    found = command.json("forces", str(robot), "--model", "simplified", "--load", "push")
-    load = found["results"][0]["loads"]["push"]
+    record = command.json("forces", str(robot), "--model", "simplified", "--load", "push")
+    load = record["results"][0]["loads"]["push"]
     assert load["reactions"]["motor1"][0] is None
     assert load["drives"]["motor1"] is not None
     assert load["without_stress"]["rod1"] == "its forces are statically indeterminate"
-    told = command.told("forces", str(robot), "--model", "simplified", "--load", "push")
-    assert "–: statically indeterminate" in told
+    output = command.output("forces", str(robot), "--model", "simplified", "--load", "push")
+    assert "–: statically indeterminate" in output
 
 
 def test_forces_command_writes_all_outputs(loaded, command, tmp_path):
     table, picture = tmp_path / "forces.csv", tmp_path / "forces.png"
-    told = command.told("forces", str(loaded), "--csv", str(table), "--picture", str(picture))
-    assert "cantilever, beam" in told
-    assert "clamp" in told
-    assert "von Mises" in told
-    assert "load weight" in told
+    output = command.output("forces", str(loaded), "--csv", str(table), "--picture", str(picture))
+    assert "cantilever, beam" in output
+    assert "clamp" in output
+    assert "von Mises" in output
+    assert "load weight" in output
     # A mark of flexproof may follow the table.
     assert table.read_text("utf-8").startswith("pose,load,of,quantity,station (m),value,unit")
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["--load", "pull"], "--load pull: must be one of push, weight"),
         (["--path", "--pose", "1"], "--path: takes all poses of [path]"),
         (["--divisions", "2"], "--divisions: has no effect on model beam here"),
     ],
 )
-def test_invalid_request_is_refused(loaded, command, arguments, said):
-    assert said in command.refused("forces", str(loaded), *arguments)
+def test_invalid_request_is_refused(loaded, command, arguments, message):
+    assert message in command.error_line("forces", str(loaded), *arguments)
 
 
 def test_robot_without_loads_is_refused(command):
-    assert "the robot file has no [[loads]]" in command.refused("forces", "five-bar")
+    assert "the robot file has no [[loads]]" in command.error_line("forces", "five-bar")
     with pytest.raises(fp.InputError, match="loads pull: must be one of push"):
         fp.forces(robot_of(CANTILEVER + LOADS), loads=["pull"])
 
@@ -170,15 +170,15 @@ def test_robot_without_loads_is_refused(command):
 def test_force_figure_has_all_elements():
     text = (Path(fp.__file__).parent / "lumped/robots/five-bar.toml").read_text("utf-8")
     drag = '[[loads]]\nname = "drag"\nwrench = [100.0, 50.0, -30.0, 0.0, 0.0, 0.0]\n'
-    found = fp.forces(robot_of(text + LOADS + drag), path=True, loads=["drag", "push"])
+    analysis = fp.forces(robot_of(text + LOADS + drag), path=True, loads=["drag", "push"])
     # A force across the plane of the robot leaves its drives and its axial forces at zero.
-    across = [panel.title for panel in found.chart("push").panels]
+    across = [panel.title for panel in analysis.chart("push").panels]
     assert across == ["force in the joint (N)", "moment in the joint (N m)", across[-1]]
-    chart = found.chart("drag")
+    chart = analysis.chart("drag")
     titles = [panel.title for panel in chart.panels]
     assert "torque of the drive (N m)" in titles
     assert "largest von Mises stress (MPa)" in titles
     drives = chart.panels[titles.index("torque of the drive (N m)")]
     assert {curve.label for curve in drives.series} == {"motor1", "motor2"}
     assert all(np.isfinite(curve.y).all() for panel in chart.panels for curve in panel.series)
-    assert len(chart.panels[0].series[0].x) == len(found.poses) > 1
+    assert len(chart.panels[0].series[0].x) == len(analysis.poses) > 1

@@ -59,8 +59,8 @@ def test_linear_field_obeys_hooke(element, material):
 def solid_field(text, divisions=2):
     """Forces of a robot with a solid bar under the load "push", and the bar's stress field."""
     robot = fp.load(tomllib.loads(text))
-    found = forces(Question(robot, "solid", {"divisions": divisions}), solids=True)
-    return found, found.poses[0].loads["push"].solids["bar"]
+    analysis = forces(Question(robot, "solid", {"divisions": divisions}), solids=True)
+    return analysis, analysis.poses[0].loads["push"].solids["bar"]
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +89,7 @@ def test_solid_cantilever_has_beam_stress(bar):
 
 def test_peak_stress_covers_beam_at_clamp(bar):
     """N/A + M/W at the clamp: with ν = 0 the stress is not singular and that of beam theory."""
-    found, field = bar
+    analysis, field = bar
     weight = RHO * B * H * 9.81
     due = 2000.0 / (B * H) + (1000.0 * L + weight * L**2 / 2.0) * 6.0 / (B * H**2)
     # It counts from a tenth of the width on.
@@ -98,14 +98,14 @@ def test_peak_stress_covers_beam_at_clamp(bar):
     assert field.largest <= 1.02 * due
     assert abs(field.largest - at_distance) <= field.half_width
     assert abs(field.place[2]) == pytest.approx(H / 2.0)
-    assert "bar as a solid" in as_text(found)
+    assert "bar as a solid" in as_text(analysis)
 
 
 def test_vtu_has_the_fields_of_all_bodies(bar, tmp_path):
     pyvista = pytest.importorskip("pyvista")
-    found, field = bar
+    analysis, field = bar
     path = tmp_path / "bar.vtu"
-    path.write_bytes(vtu_of(found))
+    path.write_bytes(vtu_of(analysis))
     grid = pyvista.read(path)
     assert grid.n_points == len(field.mesh.nodes)
     largest = np.asarray(grid.point_data["von Mises stress"])
@@ -120,17 +120,17 @@ def test_reentrant_corner_nodes_are_excluded():
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (("--model", "beam"), "--vtu: the beam model has no stress fields; add --model solid"),
         (("--model", "solid", "--path"), "--vtu: writes one load in one pose"),
     ],
 )
-def test_vtu_of_two_fields_is_refused(words, said, command, tmp_path):
+def test_vtu_of_two_fields_is_refused(words, message, command, tmp_path):
     robot = tmp_path / "arm.toml"
     robot.write_text(LOADED + LOADED[LOADED.index("[[loads]]") :].replace("push", "pull"), "utf-8")
-    line = command.refused("forces", robot, *words, "--vtu", tmp_path / "x.vtu")
-    assert said in line
+    line = command.error_line("forces", robot, *words, "--vtu", tmp_path / "x.vtu")
+    assert message in line
     assert not (tmp_path / "x.vtu").exists()
 
 
@@ -141,8 +141,8 @@ def test_cad_part_bends_as_its_sections(tmp_path):
     pull = '\n[[loads]]\nname = "pull"\nwrench = [0.0, -500.0, 0.0, 0.0, 0.0, 0.0]\n'
     robot.write_text(robot.read_text("utf-8") + pull, "utf-8")
     question = Question(fp.load(robot), "solid", {})
-    found = forces(question, solids=True).poses[0].loads["pull"]
-    field = found.solids["arm"]
+    forces_of_load = forces(question, solids=True).poses[0].loads["pull"]
+    field = forces_of_load.solids["arm"]
     x, y, _ = field.mesh.nodes.T
     inside = (x > 0.15) & (x < 0.3)
     half = 0.060 - 0.1 * (x + 0.045)
@@ -152,7 +152,7 @@ def test_cad_part_bends_as_its_sections(tmp_path):
     # The rms of a coarse mesh; of a taper of 6°, Navier's formula is 2 % off.
     assert np.sqrt(np.mean(error**2)) <= 0.05 * np.abs(due[inside]).max()
     assert field.largest > 0.9 * np.abs(due[inside]).max()
-    clamp = next(one for one in found.reactions if one.joint == "A")
+    clamp = next(candidate for candidate in forces_of_load.reactions if candidate.joint == "A")
     assert clamp.wrench[3] == pytest.approx(500.0 * 0.4, rel=1e-6)
     # The drive holds the arm at the axis.
     assert clamp.drive == pytest.approx(clamp.wrench[3], rel=1e-9)

@@ -165,8 +165,8 @@ def test_frequency_verdicts_state_assumption():
     assert conditions(decided) == f"Verdicts on frequencies hold {supposed}."
     assert not conditions(sample_matrix(supposed=supposed))
     # Those of the model relied on are open, whatever is decided of another.
-    both = matrix_of(entry("beam", "f1", 0.3), entry("segments", "f1"), supposed=supposed)
-    assert [conditions(both, [model]) for model in ("segments", "beam")] == [
+    matrix = matrix_of(entry("beam", "f1", 0.3), entry("segments", "f1"), supposed=supposed)
+    assert [conditions(matrix, [model]) for model in ("segments", "beam")] == [
         "",
         conditions(decided),
     ]

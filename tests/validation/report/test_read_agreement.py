@@ -84,7 +84,7 @@ def shares(text):
     return [float(percentage.replace("−", "-")) / 100.0 for percentage in percentages]
 
 
-def read(share):
+def as_printed(share):
     """A share (1 is 100 %) rounded as it is printed, to a hundredth of a percent."""
     return pytest.approx(share, abs=SHOWN * 1.01)
 
@@ -118,12 +118,12 @@ def assert_cell(cell, outcome):
         return
     value, reference = measurement.value, measurement.reference
     explained = [allowance.amount / reference for allowance in measurement.allowances]
-    assert shares(cell.text) == [read((value - reference) / reference - sum(explained))]
+    assert shares(cell.text) == [as_printed((value - reference) / reference - sum(explained))]
     has_causes = any(abs(share) >= SHOWN for share in explained)
-    assert shares(cell.raw) == ([read((value - reference) / reference)] if has_causes else [])
+    assert shares(cell.raw) == ([as_printed((value - reference) / reference)] if has_causes else [])
     half = measurement.value_uncertainty / reference
     assert cell.spread.startswith("± ") is bool(cell.spread)
-    assert shares(cell.spread) == ([read(half)] if half >= SHOWN else [])
+    assert shares(cell.spread) == ([as_printed(half)] if half >= SHOWN else [])
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
@@ -214,7 +214,7 @@ def test_explanations_name_quantities(outcomes):
                 )
                 for text in explanations[outcome.case.label]
             ]
-            assert {cause: read(share) for cause, share in shares_by_cause.items()} in lines
+            assert {cause: as_printed(share) for cause, share in shares_by_cause.items()} in lines
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
@@ -275,12 +275,12 @@ def assert_worst(sentence, agreed, kind=""):
     pattern = rf"within {percent} \((\w+ of \w+){parts}\){kind}"
     within, quantity, difference, spread = re.search(pattern, sentence).groups()
     worst = max(agreed, key=bound)
-    assert float(within) / 100.0 == read(bound(worst))
+    assert float(within) / 100.0 == as_printed(bound(worst))
     assert quantity == f"{worst.case.label} of {worst.case.body}"
     half = bound(worst) - relative(worst)
-    assert (float(spread) / 100.0 if spread else 0.0) == read(half if half >= SHOWN else 0.0)
+    assert (float(spread) / 100.0 if spread else 0.0) == as_printed(half if half >= SHOWN else 0.0)
     if spread:
-        assert float(difference) / 100.0 == read(relative(worst))
+        assert float(difference) / 100.0 == as_printed(relative(worst))
 
 
 def assert_causes(sentence, agreed):
@@ -295,7 +295,7 @@ def assert_causes(sentence, agreed):
     }
     largest = max(differences, key=differences.get)
     printed = re.search(r"reach ([\d.]+)\N{NO-BREAK SPACE}% \((\w+ of \w+)\)", sentence)
-    assert (float(printed[1]) / 100.0, printed[2]) == (read(differences[largest]), largest)
+    assert (float(printed[1]) / 100.0, printed[2]) == (as_printed(differences[largest]), largest)
     for cause in CAUSES:
         amounts = {
             f"{outcome.case.label} of {outcome.case.body}": abs(part.amount)
@@ -313,7 +313,7 @@ def assert_causes(sentence, agreed):
         largest = max(amounts, key=amounts.get)
         pattern = rf"{cause} \(up to ([\d.]+)\N{{NO-BREAK SPACE}}% in (\w+ of \w+)\)"
         printed = re.search(pattern, sentence)
-        assert (float(printed[1]) / 100.0, printed[2]) == (read(amounts[largest]), largest)
+        assert (float(printed[1]) / 100.0, printed[2]) == (as_printed(amounts[largest]), largest)
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)

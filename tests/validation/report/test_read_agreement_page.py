@@ -55,7 +55,7 @@ def misread(page, document):
     reader = Tables()
     reader.feed(page)
     cases = {case["id"]: case for case in document["cases"]}
-    wrong, read = [], set()
+    wrong, cells_read = [], set()
     for (head, *columns), (_, *solid), *rows in reader.tables:
         subject = head.split(" ")[0]
         causes = [dict(zip(columns, cells, strict=True)) for name, *cells in rows if name in CAUSES]
@@ -65,10 +65,10 @@ def misread(page, document):
             for column, value, cell in zip(columns, solid, cells, strict=True):
                 identifier = f"{subject}.agrees[{ROWS[name]}-solid-{column}]"
                 case = cases.get(identifier)
-                read.add(identifier)
+                cells_read.add(identifier)
                 if not agrees(case, value, cell, [amounts[column] for amounts in causes]):
                     wrong.append((identifier, value, cell))
-    missed = {name for name, case in cases.items() if case["verdict"] != "skipped"} - read
+    missed = {name for name, case in cases.items() if case["verdict"] != "skipped"} - cells_read
     return wrong, missed
 
 

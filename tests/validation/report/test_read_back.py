@@ -380,7 +380,7 @@ def test_api_line_matches_record():
                 *("limit", "verdict", "pose", "along", "remedy"),
             ):
                 assert getattr(record, name) == getattr(entry, name), name
-            line = adequacy.told(entry)
+            line = adequacy.describe(entry)
             assert line.startswith(f"{entry.model}, {entry.quantity}: {entry.verdict}")
             if entry.error is not None:
                 error_text, _, accepted = line.partition("; error ")[2].partition(" at ")

@@ -57,9 +57,9 @@ def test_browser_shows_report_and_scenes(tmp_path):
     page = tmp_path / "page.html"
     page.write_text(render(report).replace("</body>", ADDED % LOOK), encoding="utf-8")
     line = [EXECUTABLE, *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", page.as_uri()]
-    done = subprocess.run(line, capture_output=True, text=True, check=True, timeout=120.0)
-    assert "CONSOLE" not in done.stderr
-    (encoded,) = re.findall("found (.*) found", done.stdout)
+    completed = subprocess.run(line, capture_output=True, text=True, check=True, timeout=120.0)
+    assert "CONSOLE" not in completed.stderr
+    (encoded,) = re.findall("found (.*) found", completed.stdout)
     results = json.loads(unquote(encoded))
     assert "error" not in results, results
     assert all(address.startswith(("file:", "data:")) for address in results["asked"])

@@ -38,7 +38,7 @@ def selftest(monkeypatch, tmp_path, command):
             for k, result in enumerate(outcomes)
         ]
         monkeypatch.setattr(benchmarks, "benchmarks", lambda: tuple(artificial))
-        return command.told("selftest", code=code)
+        return command.output("selftest", code=code)
 
     return run
 
@@ -79,8 +79,8 @@ def test_selftest_of_other_version_is_ignored(selftest, tmp_path):
     for name, changed in changes.items():
         assert provenance.last_selftest(HEADER | {name: changed}) == "not run"
     (record,) = (tmp_path / "cache").rglob("*.json")
-    assert json.loads(record.read_bytes())["said"] == PASSED
-    for content in (b"", b"[1]", b"{}", b"\xff\xfe", b'{"said": "passed"}'):
+    assert json.loads(record.read_bytes())["result"] == PASSED
+    for content in (b"", b"[1]", b"{}", b"\xff\xfe", b'{"result": "passed"}'):
         record.write_bytes(content)
         assert provenance.last_selftest(HEADER) == "not run"
 

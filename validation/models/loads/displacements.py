@@ -75,7 +75,7 @@ def displacements_of(bodies: Mapping[str, BodyModel], postures: Sequence[Posture
 
 
 def _assembled(prepared: Assembly) -> Callable[[Posture, list[Loading]], Array]:
-    return lambda at, loads: tool_displacements(solved(prepared.at(at)), loads)
+    return lambda posture, loads: tool_displacements(solved(prepared.at(posture)), loads)
 
 
 def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[Loading]], Array]:
@@ -83,7 +83,7 @@ def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[Loading]]
 
     `springs`: tip compliance (6×6, SI, body axes) of each leg, by body name.
     """
-    return lambda at, loads: serial_chains.tool_displacements(at, springs, loads)
+    return lambda posture, loads: serial_chains.tool_displacements(posture, springs, loads)
 
 
 def displacements_by(

@@ -382,7 +382,7 @@ def title(gamg: str = "") -> str:
 
 
 class PetscNumeric:
-    """Factor on the server, see `Numeric`."""
+    """Factor of a matrix that the PETSc server keeps. Implements `Numeric`."""
 
     def __init__(self, ordering: "PetscOrdering", values: Array, negative: int, zero: int) -> None:
         self._ordering, self._values = ordering, values

@@ -180,8 +180,8 @@ def test_references_have_unique_styles():
     references.append(("ends and interfaces rigid", "ends and interfaces free"))
     curves = [[f"solid, {name}" for name in names] for names in references]
     curves += [[f"{name}, {MASSES[0]}" for name in names] for names in references]
-    for together in (*curves, ["solid", "solid, ends free"]):
-        styles = [LOOKS[look_key(name)] for name in together]
+    for labels in (*curves, ["solid", "solid, ends free"]):
+        styles = [LOOKS[look_key(name)] for name in labels]
         assert all(a != b for a, b in combinations(styles, 2))
     for robot in ("five-bar", "examples/tapered-biglide/robot.toml"):
         assert tuple(holding(load_robot(robot).mechanism).alternatives) in references
