@@ -37,10 +37,10 @@ def test_gallery_is_numbered_without_gaps():
 @pytest.mark.exhaustive
 def test_paper_robot_has_known_values(example):
     """known-values.md: deflections by VJM at x = 0.4975 m; frequencies of equivalent legs."""
-    found = example(1)
-    assert found["planar"] == pytest.approx([8.81, 4.19], abs=0.005)
-    assert found["along_z"] == pytest.approx(27.2, abs=0.06)
-    assert found["frequencies"] == pytest.approx([113, 184, 213, 355], rel=0.01)
+    variables = example(1)
+    assert variables["planar"] == pytest.approx([8.81, 4.19], abs=0.005)
+    assert variables["along_z"] == pytest.approx(27.2, abs=0.06)
+    assert variables["frequencies"] == pytest.approx([113, 184, 213, 355], rel=0.01)
 
 
 def test_convergence_example_has_formal_orders(example):
@@ -65,8 +65,8 @@ def test_rigid_faces_change_only_torsion(example):
 
 def test_three_formulations_agree_on_five_bar(example):
     """Three formulations of the same statics: compliances of 1 µm/N differ by round-off alone."""
-    found = list(example(4)["stiffness"].values())
-    assert found == pytest.approx([found[0]] * 3, rel=1e-8)
+    stiffnesses = list(example(4)["stiffness"].values())
+    assert stiffnesses == pytest.approx([stiffnesses[0]] * 3, rel=1e-8)
 
 
 def test_delta_is_isotropic_on_its_axis(example):
@@ -76,13 +76,13 @@ def test_delta_is_isotropic_on_its_axis(example):
 
     The points of the file have 12 digits.
     """
-    found = example(5)
-    centre = found["centre"]
+    variables = example(5)
+    centre = variables["centre"]
     assert centre.idle == 6
     assert centre.compliance[0, 0] == pytest.approx(centre.compliance[1, 1], rel=1e-6)
     assert centre.frequencies[0] == pytest.approx(centre.frequencies[1], rel=1e-6)
     # Tubes twice as thick: rods are a small part of the compliance, which can only fall.
-    assert 0.9 < found["gain"][0, 0] < 1.0
+    assert 0.9 < variables["gain"][0, 0] < 1.0
 
 
 @pytest.mark.exhaustive
@@ -96,12 +96,12 @@ def test_identified_part_has_mass_of_volume(example):
 
 def test_strut_buckles_at_euler_load(example):
     """Closed forms of Euler–Bernoulli columns; shear lowers them by less than 0.1 %."""
-    found = example(7)
-    stable = found["stable"]
-    assert stable["press"].factor == pytest.approx(found["euler"], rel=1e-3)
-    assert stable["weight"].factor == pytest.approx(found["greenhill"], rel=1e-3)
-    curve = found["euler"] / np.square(found["lengths"])
-    assert found["factors"] == pytest.approx(curve, rel=3e-3)
+    variables = example(7)
+    stable = variables["stable"]
+    assert stable["press"].factor == pytest.approx(variables["euler"], rel=1e-3)
+    assert stable["weight"].factor == pytest.approx(variables["greenhill"], rel=1e-3)
+    curve = variables["euler"] / np.square(variables["lengths"])
+    assert variables["factors"] == pytest.approx(curve, rel=3e-3)
 
 
 def test_response_peak_is_compliance_over_loss(example):
@@ -112,11 +112,11 @@ def test_response_peak_is_compliance_over_loss(example):
     """
     import flexproof as fp  # noqa: PLC0415  after the environment of the test is set
 
-    found = example(8)
-    static = fp.solve(found["arm"], "links").answers[0].compliance[0, 0]
-    peak = found["solution"].answers[0].responses[0].judged[0]
-    assert peak == pytest.approx(static / found["losses"][0], rel=0.05)
-    assert (found["losses"] > 2 * 0.005).all()
+    variables = example(8)
+    static = fp.solve(variables["arm"], "links").answers[0].compliance[0, 0]
+    peak = variables["solution"].answers[0].responses[0].judged[0]
+    assert peak == pytest.approx(static / variables["losses"][0], rel=0.05)
+    assert (variables["losses"] > 2 * 0.005).all()
 
 
 @pytest.mark.exhaustive
@@ -169,11 +169,11 @@ def test_pytest_example_fails_for_rigid_legs(example):
 @pytest.mark.exhaustive
 def test_exudyn_finds_exported_frequencies(example):
     pytest.importorskip("exudyn")
-    found = example(13)
-    header = [line.split() for line in found["text"].splitlines() if line.startswith("#     ")]
-    assert found["exudyn"] == pytest.approx([float(words[1]) for words in header], rel=1e-6)
+    variables = example(13)
+    header = [line.split() for line in variables["text"].splitlines() if line.startswith("#     ")]
+    assert variables["exudyn"] == pytest.approx([float(words[1]) for words in header], rel=1e-6)
     # Legs of prismatic tubes: beams are within the 2 % of held end faces.
-    assert found["beam"] == pytest.approx(found["exudyn"], rel=0.025)
+    assert variables["beam"] == pytest.approx(variables["exudyn"], rel=0.025)
 
 
 def test_arm_of_two_materials_sums_stiffness(example):
@@ -183,7 +183,7 @@ def test_arm_of_two_materials_sums_stiffness(example):
     centroid. The tube has Q̄ of Tsai and Hahn's table 1.7, half of the layers at 0° (E1) and half
     at ±45° (25.05 GPa).
     """
-    found = example(14)
+    variables = example(14)
     length = 0.6
     second = (0.06 * 0.08**3 - 0.052 * 0.072**3) / 12.0
     core, rail = 0.052 * 0.072**3 / 12.0, 0.02 * 0.015**3 / 12.0
@@ -205,8 +205,8 @@ def test_arm_of_two_materials_sums_stiffness(example):
         ("carbon tube", carbon, 0.12),
     ):
         bending = length**3 / (3.0 * EI)
-        assert found["compliances"][name] == pytest.approx(bending, rel=slack)
-    assert found["frequencies"]["carbon tube"] > 1.5 * found["frequencies"]["filled box"]
+        assert variables["compliances"][name] == pytest.approx(bending, rel=slack)
+    assert variables["frequencies"]["carbon tube"] > 1.5 * variables["frequencies"]["filled box"]
 
 
 @pytest.mark.exhaustive
@@ -220,13 +220,13 @@ def test_free_rocker_counts_six_rigid_motions(example):
 
 def test_press_forces_equal_slider_crank(example):
     """Hand result: rod F/cos β, motor F r sin(φ + β)/cos β, guide F tan β; stress N/A + T/W."""
-    found = example(16)
-    by_hand, members, reactions = found["by_hand"], found["members"], found["reactions"]
+    variables = example(16)
+    by_hand, members, reactions = variables["by_hand"], variables["members"], variables["reactions"]
     assert members["rod"].forces[:, 0] == pytest.approx(by_hand["rod"], rel=1e-9)
     assert abs(reactions["motor"].drive) == pytest.approx(by_hand["motor"], rel=1e-9)
     guide = np.linalg.norm(reactions["guide"].wrench[:3])
     assert guide == pytest.approx(by_hand["guide"], rel=1e-9)
-    stresses = found["found"].stresses
+    stresses = variables["found"].stresses
     area = np.pi / 4.0 * (0.03**2 - 0.02**2)
     # Parabolas instead of arcs: 1e-4 of the area.
     assert stresses["rod"].largest == pytest.approx(-by_hand["rod"] / area, rel=1e-3)
@@ -238,23 +238,23 @@ def test_press_forces_equal_slider_crank(example):
 
 def test_catalogue_joints_are_springs_in_series(example):
     """Along x: screw L/EA + nut + bearing, carriage tilt l²/k_pitch, column l³/3EI + l/κGA."""
-    found = example(17)
+    variables = example(17)
     height, side, E = 0.25, 0.08, 2.1e11
     shear = 10.0 * 1.3 / (12.0 + 11.0 * 0.3) * E / 2.6 * side**2
     column = height**3 / (3.0 * E * side**4 / 12.0) + height / shear
-    shaft = (found["poses"] - 0.1) / (2.06e11 * np.pi * 0.0217**2 / 4.0)
+    shaft = (variables["poses"] - 0.1) / (2.06e11 * np.pi * 0.0217**2 / 4.0)
     expected = shaft + 1.0 / 4.0e8 + 1.0 / 2.5e8 + height**2 / 1.5e6 + column
-    assert found["along_x"] == pytest.approx(expected, rel=1e-8)
-    tool, slide = found["middle"].answers[0].responses
+    assert variables["along_x"] == pytest.approx(expected, rel=1e-8)
+    tool, slide = variables["middle"].answers[0].responses
     assert 0.0 < slide.judged[0] < 0.5 * tool.judged[0]
 
 
 def test_tapered_arm_converges_to_its_solid(example):
     """Segments have order 2, the solid free ends. A beam on a curve has an error of (h/2R)²."""
-    found = example(18)
-    f1 = found["study"].column("f1")
-    assert found["study"].of("segments").orders[f1] == pytest.approx(2, abs=0.05)
-    beams = found["study"].of("beam")
+    variables = example(18)
+    f1 = variables["study"].column("f1")
+    assert variables["study"].of("segments").orders[f1] == pytest.approx(2, abs=0.05)
+    beams = variables["study"].of("beam")
     assert beams.values[-1, f1] == pytest.approx(beams.limits[f1], rel=1e-7)
-    beam, solid = found["deflections"].values()
+    beam, solid = variables["deflections"].values()
     assert beam == pytest.approx(solid, rel=0.0136)

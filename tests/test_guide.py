@@ -91,7 +91,7 @@ def test_design_team_example_passes(tmp_path):
     line = (
         f"-m pytest -p no:cacheprovider -q --flexproof-preset quick --rootdir . {EXAMPLES}/design"
     )
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, *line.split()],
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
@@ -99,7 +99,7 @@ def test_design_team_example_passes(tmp_path):
         text=True,
         check=False,
     )
-    assert "1 passed" in done.stdout, done.stdout + done.stderr
+    assert "1 passed" in completed.stdout, completed.stdout + completed.stderr
 
 
 def run_console(text: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -37,7 +37,7 @@ def test_notebook_cells_return_figures(maker, monkeypatch, tmp_path):
     for cell in cells:
         if cell["cell_type"] == "code":
             assert cell["outputs"] == []
-            done = shell.run_cell("".join(cell["source"]))
-            done.raise_error()
-            values.append(done.result)
+            completed = shell.run_cell("".join(cell["source"]))
+            completed.raise_error()
+            values.append(completed.result)
     assert sum(isinstance(value, Figure) for value in values) == 4

@@ -23,8 +23,8 @@ BUILD = "import sys; from hatchling import build; print(getattr(build, sys.argv[
 
 def built(kind, folder, sources=ROOT):
     line = [sys.executable, "-c", BUILD, f"build_{kind}", str(folder)]
-    done = subprocess.run(line, cwd=sources, capture_output=True, text=True, check=True)
-    return folder / done.stdout.split()[-1]
+    completed = subprocess.run(line, cwd=sources, capture_output=True, text=True, check=True)
+    return folder / completed.stdout.split()[-1]
 
 
 @pytest.fixture(scope="module")
@@ -47,8 +47,8 @@ def test_wheel_contains_data_and_type_markers(wheel):
 def contents(wheel):
     """Digest of each file in the wheel by name, except the wheel's own list of digests."""
     with zipfile.ZipFile(wheel) as archive:
-        infos = [one for one in archive.infolist() if not one.filename.endswith("RECORD")]
-        return {one.filename: one.CRC for one in infos}
+        infos = [info for info in archive.infolist() if not info.filename.endswith("RECORD")]
+        return {info.filename: info.CRC for info in infos}
 
 
 def test_source_distribution_makes_same_wheel(wheel, tmp_path):
@@ -64,8 +64,8 @@ def test_source_distribution_makes_same_wheel(wheel, tmp_path):
 
 
 def output(*line, folder):
-    done = subprocess.run(line, cwd=folder, capture_output=True, text=True, check=True)
-    return done.stdout.strip()
+    completed = subprocess.run(line, cwd=folder, capture_output=True, text=True, check=True)
+    return completed.stdout.strip()
 
 
 def test_released_version_is_consistent():
@@ -75,7 +75,7 @@ def test_released_version_is_consistent():
     """
     changelog = (ROOT / "CHANGELOG.md").read_text("utf-8")
     headings = re.findall(r"^## (.+)$", changelog, re.MULTILINE)
-    released = next(one for one in headings if one != "Unreleased").split()[0]
+    released = next(heading for heading in headings if heading != "Unreleased").split()[0]
     citation = (ROOT / "CITATION.cff").read_text("utf-8")
     assert re.findall(r"^version: (.+)$", citation, re.MULTILINE) == [released]
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
@@ -154,7 +154,9 @@ def test_clean_installation_runs(name, wheel, tmp_path):
     if subprocess.run([name, "-c", "import venv"], capture_output=True, check=False).returncode:
         pytest.skip(f"{name} is not installed here")
     output(name, "-m", "venv", "env", folder=tmp_path)
-    python, command = (str(tmp_path / "env" / "bin" / one) for one in ("python", "flexproof"))
+    python, command = (
+        str(tmp_path / "env" / "bin" / program) for program in ("python", "flexproof")
+    )
     pip = (python, "-m", "pip", "--disable-pip-version-check", "install", "--quiet", "--no-deps")
     locked = ("--only-binary", ":all:", "--require-hashes", "--requirement")
     output(*pip, *locked, str(ROOT / "requirements.lock"), folder=tmp_path)
@@ -177,8 +179,8 @@ def test_clean_installation_runs(name, wheel, tmp_path):
     assert "agree" in run.stdout
     assert f"flexproof {number}" in (tmp_path / "report" / "report.html").read_text("utf-8")
     for kind in ("biglide", "five-bar", "delta", "hexapod"):
-        made = outcome(command, "new", f"{kind}.toml", "--type", kind)
-        assert made.returncode == 0, made.stderr
+        created = outcome(command, "new", f"{kind}.toml", "--type", kind)
+        assert created.returncode == 0, created.stderr
         assert outcome(command, "check", f"{kind}.toml").returncode == 0
     public = "import flexproof as fp; print(fp.__file__, fp.solve('ifw', 'vjm').table())"
     solved = outcome(python, "-c", public)
@@ -190,7 +192,9 @@ def test_clean_installation_runs(name, wheel, tmp_path):
     assert "Success" in outcome(*strict).stdout
     packages = locked_packages((ROOT / "requirements-dev.lock").read_text("utf-8"))
     needed = ("pytest", "iniconfig", "packaging", "pluggy", "pygments")
-    (tmp_path / "pytest.lock").write_text("".join(packages[one][1] for one in needed), "utf-8")
+    (tmp_path / "pytest.lock").write_text(
+        "".join(packages[package][1] for package in needed), "utf-8"
+    )
     output(*pip, *locked, "pytest.lock", folder=tmp_path)
     plugin = outcome(python, "-m", "pytest", "--help")
     assert "--flexproof" in plugin.stdout, plugin.stderr

@@ -43,7 +43,7 @@ sys.exit(validation.cli.main(["run", "ifw", "--preset", "quick", "--out", "repor
 
 
 def test_only_flexproof_run_needs_posix(tmp_path):
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-c", WITHOUT_POSIX + USE],
         cwd=tmp_path,
         env={"PYTHONPATH": str(ROOT), "XDG_CACHE_HOME": str(tmp_path / "cache"), "HOME": "/"},
@@ -51,10 +51,10 @@ def test_only_flexproof_run_needs_posix(tmp_path):
         text=True,
         check=False,
     )
-    assert done.returncode == 2, done.stderr
-    (line,) = [line for line in done.stderr.splitlines() if "run:" in line]
+    assert completed.returncode == 2, completed.stderr
+    (line,) = [line for line in completed.stderr.splitlines() if "run:" in line]
     assert "Windows Subsystem for Linux" in line
-    assert "Traceback" not in done.stderr
+    assert "Traceback" not in completed.stderr
     assert not list(tmp_path.glob("report*"))
 
 
@@ -121,7 +121,7 @@ def test_only_solids_need_gmsh(tmp_path):
     # Worker processes inherit the path.
     (hidden / "gmsh.py").write_text('raise ImportError("hidden")\n', "utf-8")
     path = f"{hidden}:{ROOT}"
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-c", WITHOUT_GMSH],
         cwd=tmp_path,
         env={"PYTHONPATH": path, "XDG_CACHE_HOME": str(tmp_path / "cache"), "HOME": "/"},
@@ -129,14 +129,14 @@ def test_only_solids_need_gmsh(tmp_path):
         text=True,
         check=False,
     )
-    assert done.returncode == 3, done.stderr
-    assert "needs gmsh, which cannot be loaded" in only_message(done.stderr)
+    assert completed.returncode == 3, completed.stderr
+    assert "needs gmsh, which cannot be loaded" in only_message(completed.stderr)
 
 
 def test_guide_names_gmsh_and_vtk_packages():
     """The set-up script tests each library; the guide names those that bring all of them."""
     guide = (ROOT / "docs/guide/start.md").read_text("utf-8")
-    line = next(one for one in guide.splitlines() if "apt-get install" in one)
+    line = next(candidate for candidate in guide.splitlines() if "apt-get install" in candidate)
     packages = {word for word in line.split() if word.startswith("lib")}
     assert packages == {*gmsh_session.DEBIAN_PACKAGES, "libegl1"}
     script = (ROOT / "flexproof").read_text("utf-8")

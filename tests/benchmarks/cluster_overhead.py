@@ -86,9 +86,9 @@ def main() -> None:
 
 def processor_time() -> float:
     """CPU time (s) of this process and of all that descend from it."""
-    this = psutil.Process()
-    times = [one.cpu_times() for one in (this, *this.children(recursive=True))]
-    return sum(one.user + one.system for one in times)
+    process = psutil.Process()
+    times = [running.cpu_times() for running in (process, *process.children(recursive=True))]
+    return sum(cpu_times.user + cpu_times.system for cpu_times in times)
 
 
 if __name__ == "__main__":

@@ -98,11 +98,11 @@ def solid(size: str) -> Figures:
         return inertia
 
     lowest_modes(clamped.flexibility, clamped.solid.mass, MODES, timed, "leg")
-    whole = perf_counter() - start
+    total = perf_counter() - start
     return {
-        "s": whole,
+        "s": total,
         "factor": factorised - start,
-        "without certificate": whole - certifying,
+        "without certificate": total - certifying,
         "unknowns": 3 * len(mesh.nodes),
     }
 
@@ -118,18 +118,18 @@ def calculix(size: str) -> Figures:
     return {"s": perf_counter() - start}
 
 
-def own(size: str) -> Figures:
+def flexproof_solver(size: str) -> Figures:
     """Analysis, factor and six solutions with K, and the count of K − σM, by our own way."""
     K, M = _matrices(size)
     start = perf_counter()
-    both = pencil(K, M)
+    matrix_pencil = pencil(K, M)
     analysed = perf_counter()
-    figures = _times(start, analysed, both.symbolic.factorise("leg").solve, K)
+    figures = _times(start, analysed, matrix_pencil.symbolic.factorise("leg").solve, K)
     # Above the first bending modes: (rad/s)², from the beam of the leg's sides.
     length, width, _, _ = LEGS[size]
     sigma = float((3.0 * 3.516 / length**2 * np.sqrt(2.1e11 / 7850.0 / 12.0) * width) ** 2)
     begun = perf_counter()
-    below = count_below(both, sigma).negative
+    below = count_below(matrix_pencil, sigma).negative
     return figures | {"below": below, "count": perf_counter() - begun}
 
 
@@ -163,10 +163,10 @@ def ngsolve(size: str) -> Figures:
 def _times(start: float, analysed: float, solve, K) -> Figures:
     factorised = perf_counter()
     loads = np.random.default_rng(0).normal(size=(K.shape[0], 6))
-    found = solve(loads)
+    solutions = solve(loads)
     solved = perf_counter()
-    off = np.abs(K @ found - loads).max()
-    assert off < 1e-3, f"residual {off:.1e}"
+    residual = np.abs(K @ solutions - loads).max()
+    assert residual < 1e-3, f"residual {residual:.1e}"
     return {
         "s": factorised - start,
         "analysis": analysed - start,
@@ -198,8 +198,10 @@ def identified() -> Figures:
     """A CAD part identified: six compliances, mass, clamped frequencies, with their intervals."""
     body = load_robot(TAPERED).mechanism.bodies["leg1"]
     start = perf_counter()
-    found = identify(*reduced_parts.found_in(body), reduced_parts.shape_of(body).material, UNKNOWNS)
-    return {"s": perf_counter() - start, "unknowns": found.unknowns[-1]}
+    result = identify(
+        *reduced_parts.found_in(body), reduced_parts.shape_of(body).material, UNKNOWNS
+    )
+    return {"s": perf_counter() - start, "unknowns": result.unknowns[-1]}
 
 
 def command(*words: str) -> Figures:
@@ -211,13 +213,15 @@ def command(*words: str) -> Figures:
         with subprocess.Popen(
             [*program, *out], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         ) as process:
-            told = None
+            seconds_to_verdict = None
             for line in process.stdout or ():
-                if told is None and any(begun in line for begun in SENTENCES):
-                    told = perf_counter() - start
+                if seconds_to_verdict is None and any(begun in line for begun in SENTENCES):
+                    seconds_to_verdict = perf_counter() - start
         seconds = perf_counter() - start
     assert process.returncode in {0, 1}, process.returncode
-    return {"s": seconds} | ({"verdict": told} if told is not None else {})
+    return {"s": seconds} | (
+        {"verdict": seconds_to_verdict} if seconds_to_verdict is not None else {}
+    )
 
 
 # What is measured by name, and what its program is found by where it may be missing.
@@ -230,7 +234,7 @@ ROWS = {
     "identify 150k": identified,
 }
 for _size in LEGS:
-    ROWS[f"factor {_size}"] = partial(own, _size)
+    ROWS[f"factor {_size}"] = partial(flexproof_solver, _size)
     ROWS[f"factor {_size}, NGSolve"] = partial(ngsolve, _size)
 for _typed in (
     "--help",
@@ -251,7 +255,7 @@ def measured(name: str) -> Figures:
     """The figures of one measurement in a process of its own, and its largest memory (GiB)."""
     with tempfile.TemporaryDirectory() as home:
         threads = "1" if name == "postures" else "2"
-        done = subprocess.run(
+        completed = subprocess.run(
             [sys.executable, __file__, "--one", name],
             cwd=ROOT,
             env=os.environ | {"OMP_NUM_THREADS": threads, "XDG_CACHE_HOME": home},
@@ -259,11 +263,11 @@ def measured(name: str) -> Figures:
             text=True,
             check=False,
         )
-    if done.returncode:
-        last = (done.stderr.strip().splitlines() or ["nothing"])[-1]
-        print(f"{name}: failed, exit code {done.returncode}: {last}", file=sys.stderr)
+    if completed.returncode:
+        last = (completed.stderr.strip().splitlines() or ["nothing"])[-1]
+        print(f"{name}: failed, exit code {completed.returncode}: {last}", file=sys.stderr)
         return {}
-    return dict(json.loads(done.stdout.splitlines()[-1]))
+    return dict(json.loads(completed.stdout.splitlines()[-1]))
 
 
 def machine() -> str:
@@ -286,25 +290,25 @@ def main() -> None:
     reader.add_argument("--repeats", type=int, default=3)
     reader.add_argument("--list", action="store_true")
     reader.add_argument("--one")
-    told = reader.parse_args()
-    if told.one:
-        figures = ROWS[told.one]()
+    options = reader.parse_args()
+    if options.one:
+        figures = ROWS[options.one]()
         processes = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
         peak = max(resource.getrusage(who).ru_maxrss for who in processes) / 2**20
         print(json.dumps(figures | {"GiB": peak}))
         return
-    there = [name for name in ROWS if INSTALLED.get(name.partition(", ")[2], True)]
-    chosen = [name for name in there if name.startswith(tuple(told.rows))]
-    if told.list:
-        print("\n".join(chosen))
+    available = [name for name in ROWS if INSTALLED.get(name.partition(", ")[2], True)]
+    selected = [name for name in available if name.startswith(tuple(options.rows))]
+    if options.list:
+        print("\n".join(selected))
         return
     print(machine(), end="\n\n")
-    turns = [{name: measured(name) for name in chosen} for _ in range(told.repeats)]
+    turns = [{name: measured(name) for name in selected} for _ in range(options.repeats)]
     print("| what | s | GiB | of it |\n|---|---|---|---|")
-    for name in chosen:
-        if not (whole := [turn[name] for turn in turns if turn[name]]):
+    for name in selected:
+        if not (finished := [turn[name] for turn in turns if turn[name]]):
             continue
-        middle = {key: median(figures[key] for figures in whole) for key in whole[0]}
+        middle = {key: median(figures[key] for figures in finished) for key in finished[0]}
         seconds, memory = (middle.pop(key) for key in ("s", "GiB"))
         of_it = ", ".join(f"{key} {value:.4g}" for key, value in middle.items())
         print(f"| {name} | {seconds:.2f} | {memory:.2f} | {of_it} |", flush=True)

@@ -146,13 +146,13 @@ def certified_leg(size: str, meshes: Path) -> Figures:
     solved = perf_counter()
     modes = clamped.modes(MODES)
     done = perf_counter()
-    timed = {name: [round(one, 4) for one in all_] for name, all_ in phases.seconds.items()}
-    again = clamped.modes(MODES) if size != "2.5M" and on_card else modes
+    timed = {name: [round(seconds, 4) for seconds in all_] for name, all_ in phases.seconds.items()}
+    repeated = clamped.modes(MODES) if size != "2.5M" and on_card else modes
     loads = np.random.default_rng(3).standard_normal((clamped.solid.size, 8))
     block = clamped.factor.solve(loads)
-    own = clamped.pencil.symbolic.triangle
-    product = own @ block + own.T @ block - own.diagonal()[:, None] * block
-    size_of_sums = np.abs(own.data).max() * np.abs(block).max() + np.abs(loads).max()
+    triangle = clamped.pencil.symbolic.triangle
+    product = triangle @ block + triangle.T @ block - triangle.diagonal()[:, None] * block
+    size_of_sums = np.abs(triangle.data).max() * np.abs(block).max() + np.abs(loads).max()
     return {
         "unknowns": 3 * len(mesh.nodes),
         "start of card": begun - start,
@@ -164,7 +164,7 @@ def certified_leg(size: str, meshes: Path) -> Figures:
         "backward error": float(np.abs(product - loads).max() / size_of_sums),
         "GB on card": phases.used / 1e9,
         "phases": timed,
-        "repeated with equal bits": bool((again.shapes == modes.shapes).all()),
+        "repeated with equal bits": bool((repeated.shapes == modes.shapes).all()),
         "frequency errors": float(modes.frequency_errors.max()),
         "count": modes.count,
         "frequencies": modes.frequencies.tolist(),
@@ -177,7 +177,7 @@ def measured(row: str, meshes: Path) -> Figures:
     """Figures of a row in a process of its own, with its largest memory (GiB)."""
     solver = row.split()[1]
     begun = perf_counter()
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, __file__, "--meshes", str(meshes), "--one", row],
         cwd=ROOT,
         env=os.environ | {VARIABLE: solver, "OPENBLAS_NUM_THREADS": "1"},
@@ -185,10 +185,12 @@ def measured(row: str, meshes: Path) -> Figures:
         text=True,
         check=False,
     )
-    if done.returncode:
-        return {"failed": (done.stderr.strip().splitlines() or [str(done.returncode)])[-12:]}
-    figures = dict(json.loads(done.stdout.splitlines()[-1]))
-    return figures | {"process": perf_counter() - begun, "warnings": done.stderr[-400:]}
+    if completed.returncode:
+        return {
+            "failed": (completed.stderr.strip().splitlines() or [str(completed.returncode)])[-12:]
+        }
+    figures = dict(json.loads(completed.stdout.splitlines()[-1]))
+    return figures | {"process": perf_counter() - begun, "warnings": completed.stderr[-400:]}
 
 
 def agreement(rows: dict[str, Figures]) -> dict[str, Figures]:
@@ -196,9 +198,9 @@ def agreement(rows: dict[str, Figures]) -> dict[str, Figures]:
     differences = {}
     for size in LEGS:
         pair = [rows.get(f"{size} {solver}", {}) for solver in ("cudss", "rslab")]
-        if all("compliance" in one for one in pair):
-            ours, theirs = (np.array(one["compliance"]) for one in pair)
-            f, g = (np.array(one["frequencies"]) for one in pair)
+        if all("compliance" in figures for figures in pair):
+            ours, theirs = (np.array(figures["compliance"]) for figures in pair)
+            f, g = (np.array(figures["frequencies"]) for figures in pair)
             differences[size] = {
                 "compliance": float(np.abs(ours - theirs).max() / np.abs(theirs).max()),
                 "frequencies": float(np.abs(f / g - 1.0).max()),
@@ -214,28 +216,28 @@ def main() -> None:
     reader.add_argument("--meshes", type=Path, default=Path("meshes-of-legs"))
     reader.add_argument("--out", type=Path, default=Path())
     reader.add_argument("--one")
-    told = reader.parse_args()
-    if told.one:
-        figures = certified_leg(told.one.split()[0], told.meshes)
+    options = reader.parse_args()
+    if options.one:
+        figures = certified_leg(options.one.split()[0], options.meshes)
         figures["GiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
         print(json.dumps(figures))
         return
     card = cudss.device()
     print(f"{provenance.machine()}; {card.name if card else 'no graphics card'}")
     rows: dict[str, Figures] = {}
-    for row in told.rows or ROWS:
+    for row in options.rows or ROWS:
         if row.endswith("cudss") and card is None:
             continue
-        rows[row] = measured(row, told.meshes)
-        shown = {
+        rows[row] = measured(row, options.meshes)
+        summary = {
             key: round(value, 3) if isinstance(value, float) and value > 1e-3 else value
             for key, value in rows[row].items()
             if key not in {"frequencies", "compliance"}
         }
-        print(f"\n{row}: {json.dumps(shown)}", flush=True)
+        print(f"\n{row}: {json.dumps(summary)}", flush=True)
         content = {"machine": provenance.machine(), "card": card.name if card else None}
         content |= {"rows": rows, "agreement": agreement(rows)}
-        (told.out / "rows.json").write_text(json.dumps(content, indent=1))
+        (options.out / "rows.json").write_text(json.dumps(content, indent=1))
     print(f"\ncuDSS beside rslab: {json.dumps(agreement(rows))}")
 
 

@@ -58,7 +58,7 @@ def peak(process: int) -> float:
 def descendants(process: int) -> list[int]:
     """Processes that a process has started, and theirs."""
     children = Path(f"/proc/{process}/task/{process}/children").read_text(encoding="ascii").split()
-    return [one for child in map(int, children) for one in (child, *descendants(child))]
+    return [process for child in map(int, children) for process in (child, *descendants(child))]
 
 
 def cpu_seconds() -> float:
@@ -77,35 +77,37 @@ def row(name: str, meshes: Path) -> str:
     size, solver, _ = name.split()
     load = os.getloadavg()[0]
     solid = solid_leg(leg_of(size), mesh_of(size, meshes))
-    held = np.add.outer(3 * solid.mesh.root.nodes, range(3)).ravel()
-    free = np.setdiff1d(np.arange(solid.stiffness.shape[0]), held)
+    fixed_unknowns = np.add.outer(3 * solid.mesh.root.nodes, range(3)).ravel()
+    free = np.setdiff1d(np.arange(solid.stiffness.shape[0]), fixed_unknowns)
     K, M = solid.stiffness[free][:, free], solid.mass[free][:, free]
     if solver == "petsc":
         client.server()
     cpu = cpu_seconds()
     times = [perf_counter()]
-    both = pencil(K, M)
-    _ = both.symbolic.peak_bytes
+    matrix_pencil = pencil(K, M)
+    _ = matrix_pencil.symbolic.peak_bytes
     times.append(perf_counter())
-    factor = both.symbolic.factorise()
+    factor = matrix_pencil.symbolic.factorise()
     times.append(perf_counter())
-    inertia = count_below(both, (2.0 * np.pi * 1000.0) ** 2)
+    inertia = count_below(matrix_pencil, (2.0 * np.pi * 1000.0) ** 2)
     times.append(perf_counter())
     cpu = cpu_seconds() - cpu
-    again = both.symbolic.factorise() if solver == "petsc" else factor
+    repeated = matrix_pencil.symbolic.factorise() if solver == "petsc" else factor
     block = np.random.default_rng(1).standard_normal((len(free), 8))
-    again.solve(block)
+    repeated.solve(block)
     begun = perf_counter()
-    again.solve(block)
+    repeated.solve(block)
     seconds = [*np.diff(times), perf_counter() - begun]
-    del factor, again, both
-    memory = [peak(one) for one in descendants(os.getpid())] if solver == "petsc" else [0.0]
-    own = 1e-6 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    del factor, repeated, matrix_pencil
+    memory = [peak(process) for process in descendants(os.getpid())] if solver == "petsc" else [0.0]
+    own_memory = 1e-6 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     body = clamped_leg(solid)
     begun = perf_counter()
     modes = body.modes(MODES)
     seconds.append(perf_counter() - begun)
-    figures = "  ".join(f"{one:9.3f}" for one in (*seconds, cpu, max(own, *memory), load))
+    figures = "  ".join(
+        f"{number:9.3f}" for number in (*seconds, cpu, max(own_memory, *memory), load)
+    )
     return f"{name:15} {len(free):8} {figures}  {inertia.negative} {modes.frequencies[[0, -1]]}"
 
 

@@ -116,19 +116,19 @@ def finish(process: subprocess.Popen[bytes], folder: Path) -> None:
         sys.exit((folder / "log.txt").read_text())
 
 
-def largest_difference(one: object, other: object) -> float:
+def largest_difference(first: object, second: object) -> float:
     """Largest relative difference of numbers. Infinite if anything else differs."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        names = (one.keys() | other.keys()) - IGNORED
-        return max((largest_difference(one.get(n), other.get(n)) for n in names), default=0.0)
-    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
-        pairs = [pair for pair in zip(one, other, strict=True) if not is_time(pair[0])]
+    if isinstance(first, dict) and isinstance(second, dict):
+        names = (first.keys() | second.keys()) - IGNORED
+        return max((largest_difference(first.get(n), second.get(n)) for n in names), default=0.0)
+    if isinstance(first, list) and isinstance(second, list) and len(first) == len(second):
+        pairs = [pair for pair in zip(first, second, strict=True) if not is_time(pair[0])]
         return max((largest_difference(*pair) for pair in pairs), default=0.0)
-    if isinstance(one, float | int) and isinstance(other, float | int):
-        if one == other or (math.isnan(one) and math.isnan(other)):
+    if isinstance(first, float | int) and isinstance(second, float | int):
+        if first == second or (math.isnan(first) and math.isnan(second)):
             return 0.0
-        return abs(one - other) / max(abs(one), abs(other))
-    return 0.0 if one == other else math.inf
+        return abs(first - second) / max(abs(first), abs(second))
+    return 0.0 if first == second else math.inf
 
 
 def is_time(entry: object) -> bool:
@@ -151,8 +151,8 @@ def main() -> None:
             for name in ("local", "two-hosts", "one-killed"):
                 seconds = run(robot, options.preset, folder, name, killed=name == "one-killed")
                 results, local = (
-                    json.loads((folder / one / "results.json").read_text())
-                    for one in (name, "local")
+                    json.loads((folder / run / "results.json").read_text())
+                    for run in (name, "local")
                 )
                 difference = f"{largest_difference(local, results):.1e}"
                 print(f"| {robot}, {options.preset} | {name} | {seconds:.0f} | {difference} |")

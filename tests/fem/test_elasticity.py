@@ -59,8 +59,8 @@ def test_matrices_equal_scikit_fem(name):
     order = distances.argmin(axis=1)
     single = VolumeMesh(nodes[order], np.arange(len(order))[None], name)
     forms = (elasticity, skfem.ElementVector(element), 3), (inertia, element, 1)
-    both = zip(stiffness_and_mass(single, CUBIC), forms, degrees, strict=True)
-    for matrix, (form, kind_of_field, components), degree in both:
+    compared = zip(stiffness_and_mass(single, CUBIC), forms, degrees, strict=True)
+    for matrix, (form, kind_of_field, components), degree in compared:
         basis = skfem.Basis(mesh, kind_of_field, intorder=degree)
         unknowns = basis.element_dofs[:, 0].reshape(-1, components)[order].ravel()
         expected = form.assemble(basis).toarray()[np.ix_(unknowns, unknowns)]

@@ -144,12 +144,12 @@ def test_section_ignores_outline_origin():
     """The outline is shifted, listed clockwise and from another corner, then rotated by 90°."""
     angle = Angle(width=0.06, height=0.1, flange=0.006, web=0.008)
     points = tuple(map(tuple, angle.loops[0].tolist()))
-    same = [
+    moved_outlines = [
         Polygon(transformed(points, lambda y, z: (y + 3.0, z - 2.0))),
         Polygon(points[::-1]),
         Polygon(points[2:] + points[:2]),
     ]
-    for other in same:
+    for other in moved_outlines:
         assert other.product_moment == pytest.approx(angle.product_moment, rel=1e-9)
         assert other.torsion_constant == pytest.approx(angle.torsion_constant, rel=1e-8)
         assert other.shear_centre == pytest.approx(angle.shear_centre, rel=1e-8)
@@ -227,10 +227,10 @@ def test_constants_and_shape_give_same_beam():
     assert (bent.GAy, bent.GAz) == (np.inf, np.inf)
     # The extent derived from a rectangle's constants is that of the rectangle.
     rectangle = Rectangle(0.02, 0.05)
-    same = SectionProperties(
+    equal_constants = SectionProperties(
         rectangle.area, rectangle.second_moment_y, rectangle.second_moment_z, 1e-8
     )
-    assert same.extent == pytest.approx(rectangle.extent, rel=1e-12)
+    assert equal_constants.extent == pytest.approx(rectangle.extent, rel=1e-12)
 
 
 @pytest.mark.parametrize(

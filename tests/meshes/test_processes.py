@@ -128,5 +128,7 @@ print("still here")
 
 def test_gmsh_keeps_signal_handlers():
     command = ["nohup", sys.executable, "-c", SIGNALS]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout) == (0, "an error\nstill here\n"), done.stderr
+    completed = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (completed.returncode, completed.stdout) == (0, "an error\nstill here\n"), (
+        completed.stderr
+    )

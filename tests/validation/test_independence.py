@@ -221,10 +221,10 @@ def shared(value, reference, also=()) -> set[str]:
     A definition that one side names directly is never a basic.
     """
     basics = tuple(map(dotted, (*BASICS, *also)))
-    both = closure(qualified_names(value)) & closure(qualified_names(reference))
-    by_name = both & (qualified_names(value) | qualified_names(reference))
+    common = closure(qualified_names(value)) & closure(qualified_names(reference))
+    by_name = common & (qualified_names(value) | qualified_names(reference))
     return by_name | {
-        definition for definition in both if not dotted(definition).startswith(basics)
+        definition for definition in common if not dotted(definition).startswith(basics)
     }
 
 
@@ -255,8 +255,10 @@ def roots(compute) -> set[str]:
 def test_value_and_reference_are_independent():
     assert len(COMPARED) > 40
     assert not [key for key in CASES.keys() - COMPARED if not key[0].startswith("paper.")]
-    common = {key: shared(*both, WITHIN.get(key[0], ())) for key, both in COMPARED.items()}
-    assert {key: both for key, both in common.items() if both} == {}
+    common = {
+        key: shared(*both_sides, WITHIN.get(key[0], ())) for key, both_sides in COMPARED.items()
+    }
+    assert {key: definitions for key, definitions in common.items() if definitions} == {}
 
 
 def test_comparison_depends_on_both_sides():

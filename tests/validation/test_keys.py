@@ -338,9 +338,9 @@ def with_part(folder: Path, change: bytes = b"") -> RobotFile:
 
 @pytest.mark.usefixtures("coarse_parts")
 def test_robot_digest_covers_file_and_parts(tmp_path):
-    first, same = with_part(tmp_path / "one"), with_part(tmp_path / "same")
+    first, unchanged = with_part(tmp_path / "one"), with_part(tmp_path / "same")
     other = with_part(tmp_path / "other", b"/* other */\n")
-    assert first.sha256 == same.sha256 != other.sha256
+    assert first.sha256 == unchanged.sha256 != other.sha256
     assert load_robot("ifw").sha256 == hashlib.sha256(load_robot("ifw").text.encode()).hexdigest()
     # A part that was written again under a session, as long as before, is read again.
     body, part = first.mechanism.parts["rocker"], tmp_path / "one" / "rocker.step"

@@ -143,9 +143,9 @@ def test_merged_modes_keep_residuals():
         Ritz(np.array(values), np.ones((2, len(values))), np.array(residuals), np.inf)
         for values, residuals in (([1.0, 3.0], [1e-9, 2e-9]), ([2.0], [5e-9]))
     )
-    both = merged(first, second)
-    assert both.values.tolist() == [1.0, 2.0, 3.0]
-    assert both.residuals.tolist() == [1e-9, 5e-9, 2e-9]
+    merged_modes = merged(first, second)
+    assert merged_modes.values.tolist() == [1.0, 2.0, 3.0]
+    assert merged_modes.residuals.tolist() == [1e-9, 5e-9, 2e-9]
 
 
 def test_missing_mode_is_detected(bar):

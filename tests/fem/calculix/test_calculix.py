@@ -178,8 +178,8 @@ def solid_legs(mechanism):
     for leg in legs.values():
         key = leg.section, round(leg.length, 9)
         models[key] = models.get(key) or solid_and_reduced(leg, 1400.0, 5600.0)
-    both = {body: models[leg.section, round(leg.length, 9)] for body, leg in legs.items()}
-    return ({body: pair[side] for body, pair in both.items()} for side in (0, 1))
+    legs_by_body = {body: models[leg.section, round(leg.length, 9)] for body, leg in legs.items()}
+    return ({body: pair[side] for body, pair in legs_by_body.items()} for side in (0, 1))
 
 
 def assert_equal_to_calculix(posture) -> int:

@@ -216,7 +216,7 @@ def test_free_interface_modes_bound_clamped_ones(bar, free_reduction):
     assert_allclose(upper, exact, rtol=2e-4)
     assert_allclose(upper[:2], clamped(fixed.stiffness, fixed.mass)[:2], rtol=1e-7)
     looser = [truncation.loosened((2.0 * np.pi * frequency) ** 2) for frequency in upper]
-    lower = np.array([clamped(*both)[j] for j, both in enumerate(looser)])
+    lower = np.array([clamped(*matrices)[j] for j, matrices in enumerate(looser)])
     assert (lower <= exact * (1.0 + 1e-9)).all()
     # The bounds are useful: at most ten times as wide as the error.
     assert (upper - lower <= 10.0 * (upper - exact) + 1e-8 * exact).all()

@@ -76,7 +76,7 @@ def test_unconnected_rings_are_refused():
     """A body has six motions without deformation; two rings together have twelve."""
     first = ring(0.02)
     count = len(first.nodes)
-    both = PartMesh(
+    two_rings = PartMesh(
         np.vstack([first.nodes, first.nodes + np.array([0.0, 0.0, 0.1])]),
         np.vstack([first.cells, first.cells + count]),
         "hex27",
@@ -84,4 +84,4 @@ def test_unconnected_rings_are_refused():
         straightened=0,
     )
     with pytest.raises(Exception, match="rings"):
-        free_modes(free_part(meshed_part(both, Material.isotropic(E, NU, RHO)), "rings"), 2)
+        free_modes(free_part(meshed_part(two_rings, Material.isotropic(E, NU, RHO)), "rings"), 2)

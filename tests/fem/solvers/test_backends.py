@@ -120,24 +120,24 @@ class TestEveryLibrary:
     def test_earlier_factor_stays_valid(self, matrices):
         """A factor still solves after another matrix with equal sparsity was factorised."""
         K, M = matrices
-        both = pencil(K, M)
+        matrix_pencil = pencil(K, M)
         load = np.ones(K.shape[0])
-        first = both.symbolic.factorise()
+        first = matrix_pencil.symbolic.factorise()
         before = first.solve(load)
-        other = both.shifted(-1e6).factorise()
+        other = matrix_pencil.shifted(-1e6).factorise()
         assert np.abs((K + 1e6 * M) @ other.solve(load) - load).max() <= 1e-6
         # Two factorisations differ by the condition number, 1e6, times 1e-16.
         size = np.abs(before).max()
         np.testing.assert_allclose(first.solve(load), before, rtol=0.0, atol=1e-9 * size)
-        repeated = both.symbolic.factorise().solve(load)
+        repeated = matrix_pencil.symbolic.factorise().solve(load)
         np.testing.assert_allclose(repeated, before, rtol=0.0, atol=1e-9 * size)
 
     def test_eigenvalue_count_equals_dense_count(self, matrices):
         K, M = matrices
-        exact, both = eigvalsh(K.toarray(), M.toarray()), pencil(K, M)
+        exact, matrix_pencil = eigvalsh(K.toarray(), M.toarray()), pencil(K, M)
         for below in (0, 1, 5, 40):
             sigma = exact[0] / 2.0 if below == 0 else (exact[below - 1] + exact[below]) / 2.0
-            assert count_below(both, sigma) == Inertia(below, 0, len(exact) - below)
+            assert count_below(matrix_pencil, sigma) == Inertia(below, 0, len(exact) - below)
 
     def test_empty_matrix_has_no_modes(self):
         """The matrix of a body without free unknowns."""

@@ -150,6 +150,6 @@ def test_mode_count_with_extra_mass_entries():
     """
     K, M = np.diag([1.0, 2.0, 6.0]), np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 0.5], [0.0, 0.5, 3.0]])
     K[0, 2] = K[2, 0] = M[0, 2] = M[2, 0] = 0.25
-    exact, both = eigvalsh(K, M), pencil(csr_array(K), csr_array(M))
+    exact, matrix_pencil = eigvalsh(K, M), pencil(csr_array(K), csr_array(M))
     for sigma in (0.1, 0.9, 1.0, 1.9, 9.0):
-        assert count_below(both, sigma).negative == (exact < sigma).sum()
+        assert count_below(matrix_pencil, sigma).negative == (exact < sigma).sum()

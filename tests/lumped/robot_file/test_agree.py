@@ -42,8 +42,8 @@ def test_agreement_limits_have_defaults(robot_with):
 @pytest.mark.parametrize("robot", ["ifw", "five-bar"])
 def test_agreement_limits_are_read(robot_with, robot):
     table = 'elements = 12\nconvergence = 0.02\ncompliance = 0.003\nfrequency = 0.04\nends = "free"'
-    read = robot_with(table, robot).agreement
-    assert read == AgreementLimits(12, 0.02, 0.003, 0.04, "free")
+    agreement = robot_with(table, robot).agreement
+    assert agreement == AgreementLimits(12, 0.02, 0.003, 0.04, "free")
 
 
 @pytest.mark.parametrize(

@@ -137,8 +137,8 @@ def faults_of(tables):
 @pytest.mark.parametrize("wrong", list(invalid_files()), ids=str)
 def test_error_names_allowed_values(wrong):
     faults = faults_of(wrong.tables())
-    assert len(faults) == len(wrong.said), faults
-    for line in wrong.said:
+    assert len(faults) == len(wrong.messages), faults
+    for line in wrong.messages:
         assert any(fault.startswith(line) for fault in faults), (line, faults)
     assert not any("\n" in fault for fault in faults)
 

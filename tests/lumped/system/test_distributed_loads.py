@@ -48,7 +48,7 @@ MODELS = {
 def displacement(text, model, pose=None, number=0):
     """Return the displacement (6) of the tool under load `number` of the robot file `text`.
 
-    The posture is that of the pose `place`, or the reference posture if None."""
+    The posture is that of the pose `pose`, or the reference posture if None."""
     mechanism = described(text)
     loaded_posture = (
         reference_posture(mechanism) if pose is None else posture(mechanism, np.array(pose))

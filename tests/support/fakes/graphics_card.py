@@ -58,7 +58,7 @@ class CardArray(np.ndarray):
     def __array_ufunc__(self, ufunc, method, *inputs, out=None, **options):
         refuse_host(inputs)
         if out is not None:
-            options["out"] = tuple(one.view(np.ndarray) for one in out)
+            options["out"] = tuple(array.view(np.ndarray) for array in out)
         result = getattr(ufunc, method)(*map(on_host, inputs), **options)
         return out[0] if out is not None else np.asarray(result).view(CardArray)
 
@@ -69,8 +69,8 @@ class CardArray(np.ndarray):
 
 
 def refuse_host(inputs):
-    for one in inputs:
-        if type(one) is np.ndarray:
+    for value in inputs:
+        if type(value) is np.ndarray:
             raise TypeError("Unsupported type <class 'numpy.ndarray'>")
 
 
@@ -158,15 +158,15 @@ class FakeCard:
 
     def matrix_create_csr(self, rows, _columns, entries, offsets, _end, indices, values, *_kinds):
         arrays = (
-            at(values, entries, ctypes.c_double),
-            at(indices, entries, ctypes.c_int32),
-            at(offsets, rows + 1, ctypes.c_int32),
+            array_at(values, entries, ctypes.c_double),
+            array_at(indices, entries, ctypes.c_int32),
+            array_at(offsets, rows + 1, ctypes.c_int32),
         )
         return self.make((arrays, rows))
 
     def matrix_create_dn(self, rows, columns, leading, values, _kind, _layout):
         assert leading == rows
-        return self.make(at(values, rows * columns, ctypes.c_double).reshape(columns, rows).T)
+        return self.make(array_at(values, rows * columns, ctypes.c_double).reshape(columns, rows).T)
 
     def execute(self, _handle, phase, _config, data, matrix, solution, right):
         phase = Phase(phase)
@@ -195,17 +195,17 @@ class FakeCard:
         state = self._objects[data]
         match DataParam(name):
             case DataParam.INERTIA:
-                at(target, 2, ctypes.c_int32)[:] = state["inertia"]
+                array_at(target, 2, ctypes.c_int32)[:] = state["inertia"]
             case DataParam.NPIVOTS:
-                at(target, 1, ctypes.c_int32)[:] = state["replaced"]
+                array_at(target, 1, ctypes.c_int32)[:] = state["replaced"]
             case DataParam.INFO:
-                at(target, 1, ctypes.c_int32)[:] = 0
+                array_at(target, 1, ctypes.c_int32)[:] = 0
             case DataParam.MEMORY_ESTIMATES:
                 assert size == 128
-                at(target, 16, ctypes.c_uint64)[:4] = 10, 1_000_000, 10, 1000
+                array_at(target, 16, ctypes.c_uint64)[:4] = 10, 1_000_000, 10, 1000
 
 
-def at(pointer, size, kind):
+def array_at(pointer, size, kind):
     return np.frombuffer((kind * size).from_address(pointer), dtype=kind)
 
 
@@ -271,7 +271,7 @@ def insert_card(monkeypatch):
         data_destroy=card.destroy,
         data_get=card.data_get,
         execute=card.execute,
-        get_property=lambda place: (0, 8, 0)[place],
+        get_property=lambda index: (0, 8, 0)[index],
         matrix_create_csr=card.matrix_create_csr,
         matrix_create_dn=card.matrix_create_dn,
         matrix_destroy=card.destroy,

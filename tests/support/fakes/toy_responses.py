@@ -16,18 +16,21 @@ def reading(name):
     return Reading({"toy": name})
 
 
-def model(name, statics=None, modes=None, **more):
+def model(name, statics=None, modes=None, **fields):
     """Model with the same statics and modes under any reading.
 
     None if the model does not define them.
     """
     solve = [half and (lambda *_, half=half: half) for half in (statics, modes)]
-    return Model(name, f"{name} of a toy", *solve, **more)
+    return Model(name, f"{name} of a toy", *solve, **fields)
 
 
 def model_by_reading(name, statics=None, modes=None):
     """Model whose statics and modes depend on the name of the reading."""
-    solve = [half and (lambda _, at, half=half: half[at.ends["toy"]]) for half in (statics, modes)]
+    solve = [
+        half and (lambda _, reading, half=half: half[reading.ends["toy"]])
+        for half in (statics, modes)
+    ]
     return Model(name, name, *solve, ("ends",), ("ends",))
 
 
@@ -36,7 +39,7 @@ def meshes(**half_widths):
     return {Source.MESHES: SourceHalfWidths(**half_widths)}
 
 
-def reference(title, halves, budgets=None, insides=(), **more):
+def reference(title, halves, budgets=None, insides=(), **keywords):
     """Reference with `halves`: statics or modes by the name of the interpretation.
 
     `budgets` is one uncertainty budget for all interpretations, or a list with one for each.
@@ -44,18 +47,20 @@ def reference(title, halves, budgets=None, insides=(), **more):
     end conditions.
     """
     names = list(halves)
-    readings = [Reading({}, interior=one) for one in insides] or [reading(name) for name in names]
+    readings = [Reading({}, interior=interior) for interior in insides] or [
+        reading(name) for name in names
+    ]
     each = budgets if isinstance(budgets, list) else [budgets or {}] * len(names)
     half_by_reading = dict(zip(readings, halves.values(), strict=True))
     static = all(isinstance(half, Statics) for half in half_by_reading.values())
     solve = [
-        (lambda _, at: half_by_reading[at]) if is_defined else None
+        (lambda _, reading: half_by_reading[reading]) if is_defined else None
         for is_defined in (static, not static)
     ]
     fields = "ends", "interior"
     return Reference(
         title,
         Model("solid", "", *solve, fields, fields),
-        [Interpretation(*one) for one in zip(names, readings, each, strict=True)],
-        **more,
+        [Interpretation(*arguments) for arguments in zip(names, readings, each, strict=True)],
+        **keywords,
     )

@@ -24,11 +24,11 @@ def toy_subject(count, robot=None):
     statics = Statics(compliances, np.zeros((len(POSES), 0, 6)))
     frequencies = np.array([100.0 * np.arange(1, count + 1)] * len(POSES))
     shapes = np.array([np.eye(count)] * len(POSES))
-    weights, seen = np.ones(count), np.ones_like(frequencies)
-    modes = PathModes(frequencies, shapes, weights, seen)
+    weights, energy_shares = np.ones(count), np.ones_like(frequencies)
+    modes = PathModes(frequencies, shapes, weights, energy_shares)
     unsure = np.zeros_like(frequencies)
     unsure[:, 1:2] = OPEN
-    higher = PathModes((1.0 + ERROR) * frequencies, shapes, weights, seen)
+    higher = PathModes((1.0 + ERROR) * frequencies, shapes, weights, energy_shares)
     return Subject(
         robot="toy",
         coordinates=(Coordinate("x", "m"),),

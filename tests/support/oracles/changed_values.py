@@ -41,28 +41,26 @@ def least(value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def changed_leaves(
-    value: Any, changes: Changes = least, place: str = ""
+    value: Any, changes: Changes = least, path: str = ""
 ) -> Iterator[tuple[str, Any]]:
     """Yield each location in `value` with a copy of the whole that differs at this location only.
 
     Locations are texts such as "leg.material.E" or "poses[0]". Checks in constructors are bypassed,
     because the copies only serve to test cache keys.
     """
-    yield from ((place + where, other) for where, other in changes(value))
+    yield from ((path + where, other) for where, other in changes(value))
     match value:
         case Mapping():
             for key, item in value.items():
-                for where, other in changed_leaves(item, changes, f"{place}[{key}]"):
+                for where, other in changed_leaves(item, changes, f"{path}[{key}]"):
                     yield where, {**value, key: other}
         case tuple() | list():
             for index, item in enumerate(value):
-                for where, other in changed_leaves(item, changes, f"{place}[{index}]"):
+                for where, other in changed_leaves(item, changes, f"{path}[{index}]"):
                     yield where, type(value)([*value[:index], other, *value[index + 1 :]])
         case _ if is_dataclass(value):
-            for name in (one.name for one in fields(value) if not one.name.startswith("_")):
-                for where, other in changed_leaves(
-                    getattr(value, name), changes, f"{place}.{name}"
-                ):
+            for name in (field.name for field in fields(value) if not field.name.startswith("_")):
+                for where, other in changed_leaves(getattr(value, name), changes, f"{path}.{name}"):
                     changed = copy(value)
                     object.__setattr__(changed, name, other)
                     yield where, changed

@@ -3,11 +3,11 @@
 import numpy as np
 
 
-def scaled_difference(found, reference):
+def scaled_difference(compliance, reference):
     """Largest |Δc_ij| of two compliances in units of √(c_ii c_jj) of the reference.
 
     In a positive definite matrix |c_ij| is at most √(c_ii c_jj), so that zero couplings are
     compared, too.
     """
     unit = 1.0 / np.sqrt(np.diag(reference))
-    return float(np.abs((found - reference) * unit[:, None] * unit).max())
+    return float(np.abs((compliance - reference) * unit[:, None] * unit).max())

@@ -40,12 +40,12 @@ class Plain(NamedTuple):
         return 0.0 if self.missing else max(abs(self.low), abs(self.high))
 
     @property
-    def place(self):
+    def worst_index(self):
         return max(range(len(self.errors)), key=lambda k: abs(self.errors[k]))
 
     @property
     def error(self):
-        return None if self.missing else self.errors[self.place]
+        return None if self.missing else self.errors[self.worst_index]
 
     def verdict(self, limit):
         if self.missing:
@@ -59,28 +59,28 @@ class Plain(NamedTuple):
 
 
 @cache
-def worst(*of):
-    """Worst direction of force for the matrices `of` (difference, reference; bytes of 3×3)."""
-    difference, due = (np.frombuffer(matrix).reshape(1, 3, 3) for matrix in of)
+def worst(*matrices):
+    """Worst direction of force for `matrices` (difference, reference; bytes of 3×3)."""
+    difference, due = (np.frombuffer(matrix).reshape(1, 3, 3) for matrix in matrices)
     return worst_force(difference, due).force[0]
 
 
-def deflection(own, due, quantity):
+def deflection(compliance, reference, quantity):
     """Error of the displacement at one pose: magnitude, vector, and component along the load."""
     part = slice(3, 6) if quantity.startswith("phi") else slice(3)
     load, floor = np.zeros(6), 0.0
     if quantity == "any_force":
-        load[:3] = worst((own - due)[:3, :3].tobytes(), due[:3, :3].tobytes())
-        floor = np.linalg.norm(due[:3, :3], ord=2) / 20.0
+        load[:3] = worst((compliance - reference)[:3, :3].tobytes(), reference[:3, :3].tobytes())
+        floor = np.linalg.norm(reference[:3, :3], ord=2) / 20.0
     else:
         load[AXES.index(quantity)] = 1.0
-    displacement, meant = own[part] @ load, due[part] @ load
-    size = max(np.linalg.norm(meant), floor)
-    error = np.linalg.norm(displacement - meant) / size
-    value, expected = load[part] @ displacement, load[part] @ meant
+    displacement, expected_displacement = compliance[part] @ load, reference[part] @ load
+    size = max(np.linalg.norm(expected_displacement), floor)
+    error = np.linalg.norm(displacement - expected_displacement) / size
+    value, expected = load[part] @ displacement, load[part] @ expected_displacement
     return {
         "error": error,
-        "off": (displacement - meant) / size,
+        "off": (displacement - expected_displacement) / size,
         "length": size,
         "load": load,
         "part": part,
@@ -90,17 +90,17 @@ def deflection(own, due, quantity):
     }
 
 
-def nearest(own, pair, found):
+def nearest(compliance, pair, result):
     """Smallest error of a model under one load, against all references between two readings."""
-    part, load = found["part"], found["load"]
-    displacement = own[part] @ load
+    part, load = result["part"], result["load"]
+    displacement = compliance[part] @ load
     first, second = (due[part] @ load for due in pair)
     change = second - first
     share = min(max(float((displacement - first) @ change / (change @ change)), 0.0), 1.0)
     lengths = [np.linalg.norm(expected) for expected in (first, second)]
     if np.count_nonzero(load) > 1:
         floors = [np.linalg.norm(due[:3, :3], ord=2) / 20.0 for due in pair]
-        lengths = [max(both) for both in zip(lengths, floors, strict=True)]
+        lengths = [max(length_and_floor) for length_and_floor in zip(lengths, floors, strict=True)]
     distance = np.linalg.norm(displacement - first - share * change)
     return float(distance / (lengths[0] + share * (lengths[1] - lengths[0])))
 
@@ -155,8 +155,8 @@ class Rule:
             for interpretation in self.reference.interpretations
         ]
 
-    def numbers(self, half, place, pose):
-        truth = self.truths[place]
+    def numbers(self, half, index, pose):
+        truth = self.truths[index]
         if self.static:
             return deflection(half.compliances[pose], truth.compliances[pose], self.quantity)
         if self.quantity == "order":
@@ -166,17 +166,17 @@ class Rule:
     def each(self, responses, pose):
         return [self.numbers(half, number, pose) for number, half in enumerate(responses)]
 
-    def spread(self, found, place, pose, *kinds):
-        """Half-width of the error `found` by the budget of interpretation number `place`."""
-        budget = self.reference.interpretations[place].budget
-        column = (*AXES, "any_force").index(self.quantity) if self.static else found["mode"]
+    def spread(self, result, index, pose, *kinds):
+        """Half-width of the error in `result` by the budget of interpretation number `index`."""
+        budget = self.reference.interpretations[index].budget
+        column = (*AXES, "any_force").index(self.quantity) if self.static else result["mode"]
         if column is None:
             return 0.0
         half = "displacements" if self.static else "frequencies"
         widths = (getattr(budget[kind], half)[pose, column] for kind in kinds or SOURCES)
-        return float(sum(widths) * found["grown"])
+        return float(sum(widths) * result["grown"])
 
-    def at(self, responses, pose):
+    def at_pose(self, responses, pose):
         alone, errors, halves = [], [], []
         for number, result in enumerate(self.each(responses, pose)):
             spread, error = self.spread(result, number, pose), result["error"]
@@ -211,25 +211,29 @@ class Rule:
         )
 
     def along(self, responses):
-        return [self.at(responses, pose) for pose in range(len(self.poses))]
+        return [self.at_pose(responses, pose) for pose in range(len(self.poses))]
 
     def entry(self, limit):
         """Fields of the entry at the deciding pose: worst verdict, then largest error."""
         path = self.along(self.model)
-        verdicts = [one.verdict(limit) for one in path]
+        verdicts = [plain_error.verdict(limit) for plain_error in path]
         worst = min(verdicts, key=("inadequate", "undecided", "adequate").index)
-        worst_poses = [p for p, said in enumerate(verdicts) if said == worst]
+        worst_poses = [p for p, verdict in enumerate(verdicts) if verdict == worst]
         candidates = [p for p in worst_poses if not path[p].missing] or worst_poses
         pose = max(candidates, key=lambda p: path[p].bound)
         fields = {"verdict": worst, "pose": tuple(self.poses[pose])}
         if path[pose].missing:
             return fields
         alone, plain = self.each(self.model, pose), path[pose]
-        k = plain.place
+        k = plain.worst_index
         # The same alternative at every pose, of the order the worst.
-        places = [one.place if self.quantity == "order" else k for one in path if one.errors]
+        places = [
+            plain_error.worst_index if self.quantity == "order" else k
+            for plain_error in path
+            if plain_error.errors
+        ]
         kinds = SOURCES
-        if self.quantity == "order" and not any(any(one.halves) for one in path):
+        if self.quantity == "order" and not any(any(plain_error.halves) for plain_error in path):
             kinds = ("meshes",)
         half_widths = {kind: self.spread(alone[k], k, pose, kind) for kind in kinds}
         if self.quantity != "order" and self.reference.open:
@@ -253,11 +257,11 @@ class Rule:
         causes = {} if worst == "adequate" else self.causes(pose)
         return fields | {"causes": causes, "remedy": advice[0], "error_with_remedy": advice[1]}
 
-    def readings(self, at):
+    def readings(self, plain_error):
         """Errors by interpretation. Empty if there is only one or for the mode order."""
         names = [interpretation.name for interpretation in self.reference.interpretations]
         several = len(names) > 1 and self.quantity != "order"
-        return dict(zip(names, at.errors, strict=True)) if several else {}
+        return dict(zip(names, plain_error.errors, strict=True)) if several else {}
 
     def series(self, path, places):
         """Errors and bounds over the poses. None at poses without an error."""
@@ -271,7 +275,7 @@ class Rule:
 
     def causes(self, pose):
         """Shares of the causes in the largest error, and the remainder without a cause."""
-        k = self.at(self.model, pose).place
+        k = self.at_pose(self.model, pose).worst_index
         result = self.each(self.model, pose)[k]
         total = result["error"]
         amounts, before = {}, self.model
@@ -283,7 +287,7 @@ class Rule:
             else:
                 change_of_error = self.numbers(before[k], k, pose)["error"]
                 change_of_error -= self.numbers(after[k], k, pose)["error"]
-                if any(isnan(one["error"]) for one in self.each(after, pose)):
+                if any(isnan(numbers["error"]) for numbers in self.each(after, pose)):
                     change_of_error = nan
             if isnan(change_of_error):
                 break
@@ -298,23 +302,25 @@ class Rule:
         The model of the reference is the remedy only if the model stays inadequate with all steps.
         A step that does not reduce the error is no remedy.
         """
-        start, before = self.at(self.model, pose), self.along(self.model)
+        start, before = self.at_pose(self.model, pose), self.along(self.model)
         words, tried = {}, []
         for step, responses in self.steps:
             after = self.along(responses)
             pairs = list(zip(before, after, strict=True))
-            lost = any(one.missing or other.missing for one, other in pairs)
+            lost = any(first.missing or second.missing for first, second in pairs)
             if step.remedy:
                 if lost or any(abs(b.error - a.error) >= 0.1 * limit for a, b in pairs):
                     words = {} if step.remedy.model else words
                     words[step.remedy.option or step.remedy.text] = step.remedy.text
-                if words and not any(one.missing for one in after):
-                    worst = max((one.error for one in after), key=abs)
-                    beyond = any(one.verdict(limit) == "inadequate" for one in after)
+                if words and not any(plain_error.missing for plain_error in after):
+                    worst = max((plain_error.error for plain_error in after), key=abs)
+                    beyond = any(
+                        plain_error.verdict(limit) == "inadequate" for plain_error in after
+                    )
                     tried.append((abs(worst), worst, ", ".join(words.values()), beyond))
                 before = after
-        enough = [one for one in tried if one[0] <= limit]
-        if self.reference.remedy and not enough and all(one[3] for one in tried):
+        enough = [attempt for attempt in tried if attempt[0] <= limit]
+        if self.reference.remedy and not enough and all(attempt[3] for attempt in tried):
             return self.reference.remedy.text, 0.0
         size, error, text, _ = (enough or [min(tried, default=(inf, 0.0, "", True))])[0]
         better = size < (inf if start.missing else abs(start.error))

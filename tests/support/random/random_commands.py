@@ -123,10 +123,10 @@ def _command(rng, name):
         words += ["--only", rng.choice(("nothing", "no*", "", "[[", "x" * 5000))]
     options = _OPTIONS[name].split()
     for option in rng.sample(options, min(len(options), rng.choice((0, 0, 1, 1, 2, 3)))):
-        meant = _MEANT.get(option)
-        value = rng.choice(meant) if meant and rng.random() < 0.6 else _odd(rng)
+        values = _MEANT.get(option)
+        value = rng.choice(values) if values and rng.random() < 0.6 else _odd(rng)
         # Joined, so that a value may begin with a hyphen.
-        words.append(f"{option}={value}" if meant else option)
+        words.append(f"{option}={value}" if values else option)
     return Command(tuple(words), files)
 
 
@@ -162,8 +162,8 @@ def _damaged(rng, text):
                 text = text.replace(rng.choice(_SIGNS), rng.choice(_SIGNS), rng.choice((1, 3)))
             case _:
                 data = bytearray(text.encode())
-                for place in rng.choices(range(len(data)), k=3) if data else ():
-                    data[place] = rng.randrange(256)
+                for index in rng.choices(range(len(data)), k=3) if data else ():
+                    data[index] = rng.randrange(256)
                 return bytes(data)
     return text.encode()
 

@@ -102,13 +102,13 @@ def random_posture(seed: int, *, planar: bool = False, rigid: float = 0.2) -> Po
     kinds = ("fixed", "revolute", "prismatic") if planar else tuple(AXES)
     chances = None if planar else [0.1, 0.3, 0.1, 0.1, 0.15, 0.15, 0.1]
     counts = rng.integers(1, 4, size=rng.integers(1, 5))
-    place = np.array([0.1, 0.2, 0.0 if planar else 0.6])
-    corners = {f"{leg}.{n}": place + 0.2 * make.direction() for leg, n in enumerate(counts)}
-    ground = {f"{leg}.0": place + 0.7 * make.direction() for leg in range(len(counts))}
+    centre = np.array([0.1, 0.2, 0.0 if planar else 0.6])
+    corners = {f"{leg}.{n}": centre + 0.2 * make.direction() for leg, n in enumerate(counts)}
+    ground = {f"{leg}.0": centre + 0.7 * make.direction() for leg in range(len(counts))}
     make.bodies[GROUND] = Body(GROUND, Rigid(), {k: Frame(p) for k, p in ground.items()})
     shape = Rigid(5.0, np.array([0.0, 0.01, 0.02]), np.diag([0.1, 0.2, 0.3]))
-    frame = Frame(place, make.rotation(make.direction()))
-    tip = place + np.array([0.05, -0.03, 0.0])
+    frame = Frame(centre, make.rotation(make.direction()))
+    tip = centre + np.array([0.05, -0.03, 0.0])
     make.body("platform", shape, frame, {"T": tip, **corners})
 
     def join(before: str, after: str, point: str) -> None:
@@ -120,11 +120,13 @@ def random_posture(seed: int, *, planar: bool = False, rigid: float = 0.2) -> Po
         make.joint(kind, ((before, point), (after, point)), drive, give)
 
     for leg, count in enumerate(counts):
-        way = np.linspace(ground[f"{leg}.0"], corners[f"{leg}.{count}"], count + 1)
-        way[1:-1] += 0.2 * np.array([make.direction() for _ in way[1:-1]]).reshape(-1, 3)
+        joints_of_leg = np.linspace(ground[f"{leg}.0"], corners[f"{leg}.{count}"], count + 1)
+        joints_of_leg[1:-1] += 0.2 * np.array(
+            [make.direction() for _ in joints_of_leg[1:-1]]
+        ).reshape(-1, 3)
         before = GROUND
         for number in range(count):
-            name, ends = f"body {leg}.{number}", way[number : number + 2]
+            name, ends = f"body {leg}.{number}", joints_of_leg[number : number + 2]
             points = f"{leg}.{number}", f"{leg}.{number + 1}"
             if rng.random() < rigid:
                 shape = Rigid(2.0, rng.normal(size=3) * 0.1, 0.02 * np.eye(3))

@@ -85,7 +85,9 @@ def step_of(part: RandomPart, path: Path) -> Path:
             points = [occ.addPoint(x, a * width * 500, b * height * 500) for a, b in corners]
             lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
             wires.append(occ.addWire(lines))
-        return next(one for one in occ.addThruSections(wires, makeRuled=True) if one[0] == 3)
+        return next(
+            entity for entity in occ.addThruSections(wires, makeRuled=True) if entity[0] == 3
+        )
 
     def cone(occ: Any, diameter: float) -> tuple[int, int]:
         radius = 500.0 * diameter

@@ -38,9 +38,9 @@ def statics(rng):
     return Statics(root @ root.transpose(0, 2, 1) * np.outer(softness, softness), NO_LOADS)
 
 
-def near(rng, own, size):
-    """Statics that differ from `own` by about the relative amount `size`."""
-    compliances = own.compliances
+def near(rng, statics, size):
+    """Statics that differ from `statics` by about the relative amount `size`."""
+    compliances = statics.compliances
     scale = np.sqrt(np.einsum("pii,pjj->pij", compliances, compliances))
     change = rng.normal(size=(POSES, 6, 6)) * scale
     return Statics(compliances + size * (change + change.transpose(0, 2, 1)), NO_LOADS)
@@ -70,20 +70,23 @@ def subject(seed):
     names = ("ends rigid", "ends free")[: int(rng.integers(1, 3))]
     basis = np.linalg.qr(rng.normal(size=(POSES, SAMPLES, SAMPLES)))[0][:, :, : MODES + 2]
     frequencies = 40.0 * np.cumprod(rng.uniform(1.3, 1.8, size=(POSES, MODES + 2)), axis=1)
-    seen = np.ones_like(frequencies)
-    truth = statics(rng), PathModes(frequencies, basis, WEIGHTS, seen)
+    energy_shares = np.ones_like(frequencies)
+    truth = statics(rng), PathModes(frequencies, basis, WEIGHTS, energy_shares)
     truths, interpretations = [], []
     for number, name in enumerate(names):
-        own = truth
+        responses = truth
         if number:
             factors = rng.uniform(0.99, 1.01, frequencies.shape)
-            own = near(rng, truth[0], 0.01), PathModes(frequencies * factors, basis, WEIGHTS, seen)
+            responses = (
+                near(rng, truth[0], 0.01),
+                PathModes(frequencies * factors, basis, WEIGHTS, energy_shares),
+            )
         unsure = 0.02 * rng.random((POSES, 7)), 0.01 * rng.random(frequencies.shape)
         budget = {
             source: SourceHalfWidths(*(share * widths for widths in unsure))
             for source, share in ((Source.MESHES, 0.7), (Source.DIGITS, 0.3))
         }
-        truths.append(own)
+        truths.append(responses)
         interpretations.append(Interpretation(name, reading(name), budget))
 
     def by_reading(title, halves):

@@ -88,7 +88,7 @@ def write_overlapping_crane(folder: Path) -> None:
 
     def draw(occ: Any) -> None:
         below, above = (0, 0, -50, 0, 0, 40, 30), (35, 0, 10, 0, 0, 40, 10)
-        bores = [(3, occ.addCylinder(*one)) for one in (below, above)]
+        bores = [(3, occ.addCylinder(*cylinder)) for cylinder in (below, above)]
         occ.cut([(3, occ.addBox(-60, -60, -50, 140, 120, 100))], bores)
 
     meshed(folder / "block.msh", draw, 30.0, 12.0)

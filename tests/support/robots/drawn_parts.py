@@ -45,7 +45,7 @@ def lug(kernel, length=200.0):
 def without_processes(patch):
     """Read and mesh files in this process, which a crash of the CAD kernel would end."""
     for module in (read, volume):
-        patch.setattr(module, "within_limits", lambda _, function, *rest: function(*rest))
+        patch.setattr(module, "within_limits", lambda _, function, *arguments: function(*arguments))
 
 
 def read_here(path, unit=None):

@@ -22,7 +22,7 @@ class InvalidFile(NamedTuple):
 
     robot: str
     edits: list[str]
-    said: list[str]
+    messages: list[str]
 
     def __str__(self) -> str:
         return f"{self.robot}-{self.edits[0]}"

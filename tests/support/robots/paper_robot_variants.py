@@ -47,7 +47,9 @@ def stations(mechanism: Mechanism, count: int) -> Array:
 
 def placed_at(mechanism: Mechanism, *x: float) -> tuple[Posture, ...]:
     """Postures with B at each of the given x (m). Without any x, one in mid-stroke."""
-    return tuple(posture(mechanism, np.array([one])) for one in x or stations(mechanism, 3)[1:2])
+    return tuple(
+        posture(mechanism, np.array([position])) for position in x or stations(mechanism, 3)[1:2]
+    )
 
 
 def system_of(x: float, leg1: BodyModel, leg2: BodyModel) -> System:

@@ -37,7 +37,7 @@ TRUTH = vibration([100.0, 150.0, 200.0, 300.0], *AXES)
 
 
 def subject_of(truth, modes, *further_truths, unsure=0.0, **fields):
-    """Subject of one model with `modes`; the reference has `truth` and `others` as readings."""
+    """Subject of one model with `modes`; readings of the reference: `truth`, `further_truths`."""
     if further_truths:
         fields |= {"open": "how the ends are held", "decides": "say how the ends are held"}
     modes_by_reading = {
@@ -52,7 +52,7 @@ def subject_of(truth, modes, *further_truths, unsure=0.0, **fields):
 
 
 def entry(modes, quantity, *further_truths, unsure=0.0):
-    """Entry of a model with `modes`; reference: TRUTH and, as other readings, `others`."""
+    """Entry of a model with `modes`; reference: TRUTH and, as other readings, `further_truths`."""
     subject = subject_of(TRUTH, modes, *further_truths, unsure=unsure)
     return verdict_matrix(subject, Requirement(modes=3)).entry("model", quantity)
 
@@ -489,8 +489,8 @@ def same(value, expected):
         return value == expected
     if isinstance(expected, dict):
         return value == pytest.approx(expected, abs=1e-12)
-    both = np.array(value, float), np.array(expected, float)
-    return np.allclose(*both, rtol=1e-9, atol=1e-12, equal_nan=True)
+    arrays = np.array(value, float), np.array(expected, float)
+    return np.allclose(*arrays, rtol=1e-9, atol=1e-12, equal_nan=True)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

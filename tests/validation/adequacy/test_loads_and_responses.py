@@ -158,13 +158,13 @@ def test_limit_in_metres_replaces_relative(arm, subject):
     # Of two references the one that yields most has the smallest share in so many metres.
     (interpretation,) = subject.statics.interpretations
     due = subject.responses.statics(SOLID, interpretation.reading)
-    both = replace(
+    two_references = replace(
         subject,
         responses=Responses(subject.responses.robot),
         statics=reference("solids", {"stiffer": due, "softer": 2.0 * due}),
         static_steps={},
     )
-    matrix = verdict_matrix(both, replace(requirement, displacement=100.0 * missed))
+    matrix = verdict_matrix(two_references, replace(requirement, displacement=100.0 * missed))
     load_entry = matrix.entry("simplified", "load:cutting")
     pose_and_load = matrix.poses.index(load_entry.pose), OF_LOADS.index("load:cutting")
     displacement = due.load_displacements[pose_and_load][:3]

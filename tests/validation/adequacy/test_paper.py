@@ -331,8 +331,8 @@ def test_varied_entry_counts_as_exact(key):
 
 def test_second_varied_key_keeps_value_of_first():
     ifw = load_robot("ifw")
-    both = ifw.with_values({"platform.mass": 40.0}).with_values({"leg1.mass": 60.0}).mechanism
-    assert (both.tool.mass, both.bodies["leg1"].shape.mass) == (40.0, 60.0)
+    mechanism = ifw.with_values({"platform.mass": 40.0}).with_values({"leg1.mass": 60.0}).mechanism
+    assert (mechanism.tool.mass, mechanism.bodies["leg1"].shape.mass) == (40.0, 60.0)
 
 
 def test_frequency_uncertainty_includes_digits():

@@ -231,7 +231,7 @@ FINER = larger_preset("quick", lambda preset: preset == "fine")
 
 
 def options_taken(remedy_text, *words):
-    """Options (name: value) in the text `said`; the command `words` must accept them as typed."""
+    """Options (name: value) in `remedy_text`, which the command `words` must accept as typed."""
     options = dict(re.findall(r"--(\w+) (\S+)", remedy_text))
     typed = [word for name, value in options.items() for word in (f"--{name}", value)]
     _, bound, _ = cli.app.parse_args([*words, *typed], exit_on_error=False, print_error=False)

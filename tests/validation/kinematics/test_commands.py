@@ -36,7 +36,7 @@ def test_text_has_degrees_and_millimetres(robot, joint, pose, pose_text, factor,
     arguments = ("kinematics", robot, "--pose", pose)
     (value,) = command.json(*arguments)["results"][0]["coordinates"][joint]
     assert abs(value) > 1e-3
-    text = command.told(*arguments)
+    text = command.output(*arguments)
     assert f"pose 1: {pose_text}" in text
     (joint_line,) = (line for line in text.splitlines() if f"  {joint} " in f"{line} ")
     assert f"{factor * value:+.3f}{unit}" in joint_line
@@ -60,20 +60,20 @@ def test_many_poses_have_time_estimate(monkeypatch, capsys):
 )
 def test_new_keeps_existing_robot_file(robot, tmp_path, command):
     path = tmp_path / "a\nforged.toml"
-    (line,) = command.told("new", "--type", robot, path).splitlines()
+    (line,) = command.output("new", "--type", robot, path).splitlines()
     assert "a\\nforged.toml written" in line
     content = path.read_text(encoding="utf-8")
     assert "#" in content
-    report = command.told("check", path)
+    report = command.output("check", path)
     assert re.search("(?s)valid.*all 9 poses of its path within reach", report)
-    assert "exists already" in command.refused("new", path)
+    assert "exists already" in command.error_line("new", path)
     assert path.read_text(encoding="utf-8") == content
 
 
 def test_picture_has_leg_and_drive_colours(tmp_path, command):
     path = tmp_path / "robot.png"
     pose = ",".join(f"{value:g}" for value in load_robot("five-bar").mechanism.reference_pose)
-    command.told("kinematics", "five-bar", f"--pose={pose}", "--picture", path)
+    command.output("kinematics", "five-bar", f"--pose={pose}", "--picture", path)
     pixels = matplotlib.image.imread(path)[:, :, :3]
     # Blue legs and orange drives each cover a part of the picture. Most of it is white.
     red, _, blue = np.moveaxis(pixels, 2, 0)

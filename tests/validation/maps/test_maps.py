@@ -197,7 +197,13 @@ def test_mapped_error_is_largest_of_references():
     compliances = tip_compliances(robot)
     softer = compliances | {"rod1": 1.1 * compliances["rod1"]}
     references = [
-        (Model(name, statics=lambda at, _, springs=tips: assembled(at.postures, springs)), NOMINAL)
+        (
+            Model(
+                name,
+                statics=lambda robot_path, _, springs=tips: assembled(robot_path.postures, springs),
+            ),
+            NOMINAL,
+        )
         for name, tips in {"file": compliances, "softer": softer}.items()
     ]
     responses = Responses(robot_at(context, postures_of(robot, robot.poses[:2])), strict=True)
@@ -216,7 +222,7 @@ def test_unreachable_poses_are_blank(five_bar, tmp_path, command):
     farthest = np.hypot(np.abs(x) + 0.15, y)
     np.testing.assert_array_equal(blank, farthest > 0.32016 + 0.46098)
     assert "Blank areas: 2 of 9 poses are out of reach or singular." in figure.caption
-    assert "7 of the 9 poses of its path" in command.told("check", context.robot_file.source)
+    assert "7 of the 9 poses of its path" in command.output("check", context.robot_file.source)
     rows = list(csv.DictReader(io.StringIO(figure.data)))
     assert [row["posture"] for row in rows].count("grid") == 9
     assert sum(row["lowest stiffness (N/µm)"] == "" for row in rows[:9]) == 2

@@ -211,9 +211,9 @@ def test_simplified_model_is_rigid_along_x_at_end():
     stroke = stroke_of(IFW.mechanism)
     for x in stroke.ends:
         assert_allclose(drive_compliance(stroke, x)[0], 0.0, atol=1e-16)
-    both = frequencies("simplified", over_stroke(IFW.mechanism, 2), 2)
-    assert_allclose(both[:, 0], np.sqrt(1.0e9 / 46.0) / (2.0 * np.pi), rtol=1e-7)
-    assert np.isinf(both[:, 1]).all()
+    end_frequencies = frequencies("simplified", over_stroke(IFW.mechanism, 2), 2)
+    assert_allclose(end_frequencies[:, 0], np.sqrt(1.0e9 / 46.0) / (2.0 * np.pi), rtol=1e-7)
+    assert np.isinf(end_frequencies[:, 1]).all()
 
 
 def test_impossible_family_member_is_refused():

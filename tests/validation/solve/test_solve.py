@@ -108,7 +108,7 @@ REFUSED = [
 @pytest.mark.parametrize(("typed", "message"), REFUSED, ids=lambda words: words[:40])
 def test_options_without_effect_are_refused(robot, typed, message, command):
     name, *words = typed.split()
-    line = command.refused("solve", robot if name == "ROBOT" else name, "--model", *words)
+    line = command.error_line("solve", robot if name == "ROBOT" else name, "--model", *words)
     assert message in line
     assert len(line) < 400
 
@@ -274,7 +274,7 @@ def test_values_with_order_are_extrapolated(command, tmp_path):
     assert 1.25 * abs(value - fine) <= stated["compliance"][3] <= 0.002 * exact
     assert abs(value - exact) <= stated["compliance"][3]
     note = "values are extrapolated if the meshes with 1, 2, 4, 5 divisions show an order"
-    assert note in command.told(*words, "2", "--accuracy", "0.002")
+    assert note in command.output(*words, "2", "--accuracy", "0.002")
 
 
 SECTIONS = [
@@ -301,7 +301,7 @@ def test_single_mesh_has_no_half_width(bar, command, monkeypatch):
     only = 1.2 * solid_cost((leg,), 1, 0).memory
     monkeypatch.setattr("validation.solve.cost.available_memory", lambda: only)
     note = "uncertainty due to the mesh: unknown, because the second mesh"
-    assert note in command.told(*words)
+    assert note in command.output(*words)
     assert command.json(*words)["results"][0]["uncertainty"] is None
 
 
@@ -378,8 +378,8 @@ def test_load_displacements_are_named(tmp_path, command):
         assert buckling["body"] == "arm" == next(iter(buckling["shares"]))
         assert np.abs(loads["weight"]["stiffness_lost"]).max() < 1e-6
         assert "frequencies" not in loads["weight"]
-    assert "weight: buckles at" in command.told(*words)
-    assert "stop: none: the robot is rigid in this direction" in command.told(*words)
+    assert "weight: buckles at" in command.output(*words)
+    assert "stop: none: the robot is rigid in this direction" in command.output(*words)
 
 
 RIGID_DRIVE = """
@@ -412,10 +412,10 @@ def test_simplified_with_rigid_drives_is_rigid(tmp_path, command, driven):
     load = answer["loads"]["cutting"]
     assert load["displacement"] == [0.0] * 6
     assert load["buckling"]["factor"] is load["buckling"]["reversed"] is None
-    output = command.told(*words, "--modes", "0")
+    output = command.output(*words, "--modes", "0")
     assert "stability under these loads, rigid legs between their ends" in output
     assert "cutting: does not buckle; no loss of stiffness" in output
-    assert "legs bending as beams" in command.told(*words[:3], "beam", "--modes", "0")
+    assert "legs bending as beams" in command.output(*words[:3], "beam", "--modes", "0")
 
 
 def test_displacement_is_in_micrometres(tmp_path, command):
@@ -433,7 +433,7 @@ loads = [{ name = "push", wrench = [3.0, 0.0, 0.0, 0.0, 0.0, 0.0] }]
     (answer,) = command.json(*words)["results"]
     displacement = answer["loads"]["push"]["displacement"]
     assert displacement == pytest.approx([3e-6, 0, 0, 0, 0, 0], rel=1e-12, abs=1e-18)
-    assert "push: x 3, y 0, z 0, magnitude 3, φx 0, φy 0, φz 0" in command.told(*words)
+    assert "push: x 3, y 0, z 0, magnitude 3, φx 0, φy 0, φz 0" in command.output(*words)
 
 
 def test_models_with_mass_have_responses(tmp_path, command):
@@ -453,7 +453,7 @@ def test_models_with_mass_have_responses(tmp_path, command):
     assert hit["real"][0] == pytest.approx(answer["compliance"][0][0], rel=1e-6)
     assert hit["peak"]["size"] >= np.hypot(hit["real"], hit["imaginary"]).max()
     assert hit["at"]["frequency"] == 30.0
-    output = command.told(*words, "beam")
+    output = command.output(*words, "beam")
     assert "loss factors of the modes (%): 4, 4, 4, 4, 4, 4" in output
     assert f"hit: peak {1e6 * hit['peak']['size']:.4g} at" in output
     assert "responses" not in command.json(*words, "links")["results"][0]

@@ -86,7 +86,7 @@ def test_variations_give_all_combinations(tmp_path, command):
     ],
 )
 def test_invalid_variation_gives_one_error_line(typed, message, command):
-    line = command.refused("solve", "five-bar", "--model", "beam", "--vary", typed)
+    line = command.error_line("solve", "five-bar", "--model", "beam", "--vary", typed)
     assert line.startswith("flexproof: --vary ")
     assert message in line
 
@@ -94,7 +94,7 @@ def test_invalid_variation_gives_one_error_line(typed, message, command):
 def test_refused_variation_writes_nothing(tmp_path, command):
     arm, folder = robot_of(ARM, tmp_path).source, tmp_path / "report"
     typed, message = ["--vary", MASS, "--vary", "points.A[2]=0.0:0.45:2"], "points.A[2]=0.45: "
-    refused = command.refused("run", arm, "--preset", "quick", "--out", folder, *typed)
+    refused = command.error_line("run", arm, "--preset", "quick", "--out", folder, *typed)
     assert f"--vary {message}" in refused
     assert not folder.exists()
 
@@ -116,7 +116,7 @@ def test_run_curves_match_solve_vary(tmp_path, command):
     """Models match `solve --vary`. Solid and beam of a slender bar differ by end restraint only."""
     arm, folder = robot_of(ARM, tmp_path).source, tmp_path / "report"
     arguments = ["run", arm, "--preset", "quick", "--only", "*y.*", "--out", folder]
-    command.told(*arguments, "--vary", WIDTH, "--vary", MASS)
+    command.output(*arguments, "--vary", WIDTH, "--vary", MASS)
     deflections, frequencies, heavier = (
         table(folder / "figures" / f"vary.{name}.csv")
         for name in ("1.deflections", "1.frequencies", "2.frequencies")
