@@ -286,7 +286,7 @@ def run(
         vary=vary,
         strict=strict,
     )
-    go_on = f"what was finished is kept; continue with: {request.resume_command}"
+    go_on = f"finished results are kept; continue with: {request.resume_command}"
     try:
         gathered = validate(request, catalogue)
     except StoreError as error:

@@ -256,7 +256,7 @@ def test_resumed_run_after_scheduler_death_is_equal(tmp_path, monkeypatch, capsy
         assert cli.main([*words, str(tmp_path / "run"), "--cluster", address]) == 3
     gone, how_to_go_on = capsys.readouterr().err.splitlines()
     assert gone == f"flexproof: --cluster {address}: the scheduler is gone"
-    assert how_to_go_on.startswith("flexproof: what was finished is kept; continue with: ")
+    assert how_to_go_on.startswith("flexproof: finished results are kept; continue with: ")
     kept = lines(tmp_path / "run")
     assert len(kept) == 2
     assert cli.main([*words, str(tmp_path / "run"), "--resume"]) == 1

@@ -126,11 +126,11 @@ def test_full_disk_keeps_finished_results(tmp_path):
     if subprocess.run(small, capture_output=True, check=False).returncode:
         pytest.skip("mounting is not allowed here")
     try:
-        done = toys.completed(*words)
-        assert done.returncode == 3
-        failed, how_to_go_on = done.stderr.splitlines()
+        completed = toys.completed(*words)
+        assert completed.returncode == 3
+        failed, how_to_go_on = completed.stderr.splitlines()
         assert "No space left on device" in failed
-        assert "what was finished is kept; continue with: flexproof run ifw" in how_to_go_on
+        assert "finished results are kept; continue with: flexproof run ifw" in how_to_go_on
         assert toys.lines(disk / "run")
         assert set(summary(disk / "run")[1]) == {"agree"}
         subprocess.run([mount, "-o", "remount,size=8m", str(disk)], check=True)
