@@ -262,7 +262,7 @@ def _up_faults(body: BodyEntry, line: CentreLine, rotation: Array, key: str) -> 
     value = "" if body.up is None else f" = {list(body.up)}"
     return [
         f"{key}.up{value}: {reason}; must be a direction along which the line does not run, "
-        f"{example} say"
+        f"for example {example}"
     ]
 
 

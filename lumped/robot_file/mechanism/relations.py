@@ -223,7 +223,7 @@ def interface_faults(entry: InterfaceEntry | PressureEntry, key: str) -> Iterato
     choices = ("faces", "name", "cylinder", "plane")
     present_keys = _present_keys(entry, *choices)
     if len(present_keys) != 1:
-        reason = f"has {' and '.join(present_keys)}" if present_keys else "does not say which faces"
+        reason = f"has {' and '.join(present_keys)}" if present_keys else "does not specify faces"
         yield f"{key}: {reason}; must have one of {', '.join(choices)}"
 
 

@@ -175,7 +175,7 @@ def test_worse_verdict_than_baseline_exits_1(with_catalogue, tmp_path, command):
     baseline.write_text(json.dumps(earlier))
     out = tmp_path / "second"
     output = command.output("run", "--out", out, "--baseline", baseline, code=1)
-    # CalculiX gone from the machine, say: what it protected is protected no more.
+    # For example, because CalculiX was uninstalled: the skipped comparison is a warning.
     assert "skipped in this run: toy.skipped." in (out / "report.html").read_text(encoding="utf-8")
     assert "warning: comparison toy.skipped agreed in the baseline" in output
     assert "1 verdict worse, 0 better, 1 case drifted, 0 new, 0 removed." in output

@@ -168,7 +168,7 @@ FAULTS = {
         "by wrench"
     ),
     'body = "block", pressure = 1.0': (
-        "does not say which faces; must have one of faces, name, cylinder, plane"
+        "does not specify faces; must have one of faces, name, cylinder, plane"
     ),
     'body = "block", pressure = 1.0, name = "lid", faces = [1]': (
         "has faces and name; must have one of faces, name, cylinder, plane"
