@@ -257,10 +257,10 @@ def test_resumed_run_after_scheduler_death_is_equal(tmp_path, monkeypatch, capsy
     gone, how_to_go_on = capsys.readouterr().err.splitlines()
     assert gone == f"flexproof: --cluster {address}: the scheduler is gone"
     assert how_to_go_on.startswith("flexproof: finished results are kept; continue with: ")
-    kept = lines(tmp_path / "run")
-    assert len(kept) == 2
+    finished_lines = lines(tmp_path / "run")
+    assert len(finished_lines) == 2
     assert cli.main([*words, str(tmp_path / "run"), "--resume"]) == 1
-    assert lines(tmp_path / "run")[:2] == kept
+    assert lines(tmp_path / "run")[:2] == finished_lines
     monkeypatch.setattr(runner, "run", run_in_this_process)
     assert cli.main([*words, str(tmp_path / "undisturbed")]) == 1
     assert numbers(tmp_path / "run") == numbers(tmp_path / "undisturbed")

@@ -217,13 +217,15 @@ def test_half_of_mode_pair_has_half_width(tmp_path):
     """
     square = "width = 0.05, height = 0.05"
     robot_file = robot_of(ONE_ARM.replace("width = 0.06, height = 0.04", square), tmp_path)
-    one, two = (
+    single_mode, both_modes = (
         solve(Question(robot_file, "solid", {"divisions": 2}, count, body="arm")).answers[0]
         for count in (1, 2)
     )
-    assert len(one.frequencies) == 1
-    assert one.frequencies[0] == pytest.approx(two.frequencies[1], rel=1e-6)
-    assert one.uncertainty.frequencies == pytest.approx(two.uncertainty.frequencies[:1], rel=1e-3)
+    assert len(single_mode.frequencies) == 1
+    assert single_mode.frequencies[0] == pytest.approx(both_modes.frequencies[1], rel=1e-6)
+    assert single_mode.uncertainty.frequencies == pytest.approx(
+        both_modes.uncertainty.frequencies[:1], rel=1e-3
+    )
 
 
 def test_statics_and_modes_share_system(monkeypatch):
