@@ -125,7 +125,7 @@ def judge(case: Case, measurement: Measurement, seconds: float) -> Outcome:
     elif worst == "undecided" and uncertainty is not None:
         message = (
             f"numerical uncertainty {uncertainty:.3g} {case.unit} exceeds the tolerance "
-            f"{tolerance:.3g} {case.unit}, so there is no verdict: {measurement.decides}"
+            f"{tolerance:.3g} {case.unit}, so the comparison is undecided: {measurement.decides}"
         )
     for pose_value in measurement.elsewhere:
         tolerance_there = case.tolerance.at(pose_value.reference)

@@ -41,7 +41,7 @@ def test_non_finite_value_never_agrees(relation, value, reference):
     measured = Measurement(value, reference, exact=True)
     outcome = judge(replace(EQUAL, relation=relation), measured, 0.0)
     assert outcome.verdict == "disagree"
-    assert "no finite number" in outcome.message
+    assert "not finite" in outcome.message
 
 
 @pytest.mark.parametrize(
@@ -69,12 +69,12 @@ def test_undecided_comparison_has_remedy(uncertainty):
     outcome = judge(EQUAL, measured, 0.0)
     assert outcome.verdict == "undecided"
     assert outcome.message.endswith(
-        "so there is no verdict: refine the models until "
+        "so the comparison is undecided: refine the models until "
         "the numerical uncertainty is below the tolerance"
     )
     rounded = replace(measured, decides="no finer model narrows it")
     assert judge(EQUAL, rounded, 0.0).message.endswith(
-        "nothing is decided: no finer model narrows it"
+        "the comparison is undecided: no finer model narrows it"
     )
 
 
