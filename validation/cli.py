@@ -444,13 +444,13 @@ def solve(
     require_writable(picture, ".png", force=force)
     require_distinct(csv, picture)
     robot_file = load_robot(robot)
-    given, free = split_ends(
+    specified, free = split_ends(
         model, options.given(release=release, layout=layout, ends=ends, reduction=reduction)
     )
     question = Question(
         robot_file,
         model,
-        options,
+        specified,
         modes,
         x,
         pose,
