@@ -593,9 +593,10 @@ class _MisplacedModes(NamedTuple):
 
 
 def _misplaced_modes(pairs: Partners, frequencies: Array) -> _MisplacedModes:
-    """Mode numbers of a model, compared with the reference by the paired modes `pairs`.
+    """Modes whose number in a model differs from that of their partner in the reference.
 
-    `frequencies` (P×K, Hz) are those of the reference. Shapes: P poses, K judged modes.
+    `pairs` are the partners and `frequencies` (P×K, Hz) the reference's, for K judged modes in P
+    poses.
     """
     poses, modes = np.arange(len(frequencies)), np.arange(frequencies.shape[1])
     solved = np.isfinite(frequencies) & ~pairs.undecided

@@ -59,9 +59,9 @@ def _caption(studies: Sequence[ConvergenceStudy], undrawn_legs: int) -> list[str
         (
             "Size of the relative error of each formulation over the number of elements per "
             f"leg. Reference: {references}. At the end of each curve: its observed order. At "
-            f"{elements} elements: its error. Dashed: accepted error; dotted: the number of "
-            "elements for which it is accepted. A formulation is good enough if its curve is "
-            "below the dashed line from the dotted line on. Deflections that are exact for "
+            f"{elements} elements: its error. Dashed: accepted error. Dotted: number of "
+            "elements from which on the error must be accepted. A formulation passes if its curve "
+            "right of the dotted line is below the dashed line. Deflections that are exact for "
             "every number of elements are not drawn."
         ),
     ]

@@ -178,15 +178,15 @@ def _require_prisms(mechanism: Mechanism) -> None:
     """Raise Skip if a robot has CAD parts instead of legs of constant section."""
     if parts := ", ".join(mechanism.parts):
         raise Skip(
-            f'{parts}: a CAD part is not a leg of constant section; the table "Adequacy '
-            'of the models" compares the robot with solid parts'
+            f"{parts}: this comparison is for legs of constant section, not for CAD parts, which "
+            'the table "Adequacy of the models" compares with solids'
         )
     lines = [name for name, leg in legs_of(mechanism).items() if isinstance(leg, LineLeg)]
     if lines:
         raise Skip(
-            f"{', '.join(lines)}: a leg along a line is not of constant section; each is compared "
-            'with its own solid, and the table "Adequacy of the models" compares the robot with '
-            "such solids"
+            f"{', '.join(lines)}: this comparison is for legs of constant section; legs along a "
+            "line are compared with their own solids, and the table "
+            '"Adequacy of the models" compares the robot with such solids'
         )
 
 

@@ -502,10 +502,10 @@ def _printed(mechanism: Mechanism, joint: Joint) -> Joint:
 
 
 def _at_tip(mechanism: Mechanism, joint: Joint) -> str:
-    """Name of the leg whose last spring contains a joint that is released as printed in the paper.
+    """Name of the leg whose tip is the second side of `joint`, if the joint has no spring.
 
-    Such a joint is passive and revolute, its second side is the tip of the leg, and it has no
-    compliance. "" for any other joint.
+    The paper's printed release changes the last spring of this leg if the joint is passive and
+    revolute. "" for any other joint.
     """
     if joint.kind != "revolute" or joint.drive is not None or joint.compliance is not None:
         return ""

@@ -239,5 +239,5 @@ def _required(model: Model, solution: H | Unsolved | None) -> H:
     if isinstance(solution, Unsolved):
         raise ComputationError(solution.reason)
     if solution is None:
-        raise ComputationError(f"{model.name} defines no such response")
+        raise ComputationError(f"{model.name}: this quantity is not defined for the model")
     return solution

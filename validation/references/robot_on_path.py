@@ -187,7 +187,7 @@ class RobotOnPath:
 
     @property
     def interior_instruction(self) -> str:
-        """Instruction to specify the stiffness inside legs known by their 6×6.
+        """Instruction to specify how stiffness is distributed along legs given by a 6×6 alone.
 
         "" if there are no such legs.
         """
@@ -332,7 +332,10 @@ def masses_instruction(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
 
 
 def interior_instruction(legs: Iterable[str], schema: int = 2) -> str:
-    """Instruction to specify the stiffness inside legs known by their 6×6. "" if there are none."""
+    """Instruction to specify how stiffness is distributed along legs given by a 6×6 alone.
+
+    "" if there are none.
+    """
     tables = _tables(dict.fromkeys(legs), schema)
     return f"specify the section or the solid instead of the 6×6 in {tables}" if tables else ""
 

@@ -49,9 +49,10 @@ class MeshRecord(HalfWidthRecord, frozen=True, omit_defaults=True, kw_only=True)
 
 
 class PartRecord(msgspec.Struct, frozen=True):
-    """JSON object of `PartUncertainty`: half-widths due to CAD parts.
+    """JSON object of `PartUncertainty`: what CAD parts contribute to half-widths of an answer.
 
-    `uncertainty`: half-widths due to meshes, None if unknown.
+    `uncertainty` is due to the meshes of the parts, None if unknown. `averaged_less_rigid` is the
+    change of the answer from rigid to averaged interfaces.
     """
 
     uncertainty: HalfWidthRecord | None

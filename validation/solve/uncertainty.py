@@ -70,7 +70,7 @@ class SolvedQuestion:
 
     @property
     def reading(self) -> Reading:
-        """Reading of answers: CAD parts on their finest mesh, with rigid interfaces by default."""
+        """Choices of modelling: CAD parts with rigid interfaces, on their finest mesh."""
         return Reading(dict.fromkeys(self.question.mechanism.parts, "rigid"))
 
     @property

@@ -247,8 +247,8 @@ def _require_all_faces(model: CadModel, path: Path) -> None:
     if bounding < listed:
         lost = f"{listed - bounding} of its {counted(listed, 'face')}"
         raise InputError(
-            f"{path}: {lost} bound no solid: sheet bodies, or a shell that is open or damaged; a "
-            "part is one solid and nothing else"
+            f"{path}: {lost} do not belong to the solid (sheet bodies, or a shell that is open or "
+            "damaged); a part must be one solid and nothing else"
         )
 
 

@@ -101,7 +101,7 @@ def test_missing_comparison_is_skipped(pytester):
     )
     (report,) = [r for r in completed.getreports("pytest_runtest_logreport") if r.when == "call"]
     assert report.outcome == "skipped"
-    assert "arm: a CAD part is not a leg of constant section" in str(report.longrepr)
+    assert "arm: this comparison is for legs of constant section" in str(report.longrepr)
 
 
 def test_agreement_text_has_every_number():

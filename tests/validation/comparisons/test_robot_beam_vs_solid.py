@@ -170,5 +170,5 @@ def test_robot_of_cad_parts_is_skipped(tmp_path):
     write_crane(tmp_path)
     context = Context(load_robot(tmp_path / "robot.toml"), "quick")
     for case in BY_ID.values():
-        with pytest.raises(Skip, match="arm: a CAD part is not a leg of constant section"):
+        with pytest.raises(Skip, match="arm: this comparison is for legs of constant section"):
             case.measure(context)

@@ -109,7 +109,7 @@ def test_site_links_are_valid(site):
 
 
 @pytest.mark.exhaustive
-def test_external_links_are_complete(site):
+def test_external_links_are_well_formed(site):
     """The links are not followed, so that the test needs no network."""
     _, pages = site
     addresses = {address for page in pages.values() for address in page.linked if "://" in address}
