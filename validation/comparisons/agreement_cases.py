@@ -1,8 +1,8 @@
 """Declarations of the cases that compare models with solids, for single legs and the robot.
 
 Input: a `CaseGroup` with the texts of a leg or of the robot. Output: decorators that declare a case
-for each model and motion, or for each model and mode. The named causes of a difference and their
-limits are common to all.
+for each model and motion, or for each model and mode. All cases share the named causes of a
+difference and their limits.
 """
 
 from collections.abc import Callable
@@ -92,6 +92,9 @@ def frequency_cases(
 
 
 def limited(difference: float, band: tuple[float, float], uncertainty: float) -> float:
-    """Nearest number to `difference` in `band`, extended to zero and widened by `uncertainty`."""
+    """Nearest number to `difference` in `band`.
+
+    The band is first extended to include zero and widened by `uncertainty` on both sides.
+    """
     low, high = min(0.0, *band) - uncertainty, max(0.0, *band) + uncertainty
     return min(max(difference, low), high)

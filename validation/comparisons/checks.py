@@ -110,9 +110,9 @@ def _converged(body: str, model: RefinedModel, quantity: str, context: Context) 
 def convergence_check(
     study: ConvergenceStudy, model: RefinedModel, quantity: str, limits: AgreementLimits
 ) -> Checked:
-    """Check that errors are within the limit at the element count of `limits` and all higher ones.
+    """Check that a model's errors of a quantity are within `limits` from their element count on.
 
-    Raises Skip if that element count was not computed, for example because a leg of pieces is not
+    Raises Skip if this element count was not computed, for example because a leg of pieces is not
     divisible by it.
     """
     series, column = study.of(model), study.column(quantity)

@@ -127,9 +127,10 @@ def _order(context: Context, body: str, model: RefinedModel) -> Measurement:
 
 
 def _order_uncertainty(series: ConvergenceSeries, column: int) -> float:
-    """Difference of the observed orders of the two finest pairs of element counts that have one.
+    """Uncertainty of the observed order of the quantity in `column`.
 
-    Infinite if fewer than two pairs have an order.
+    It is the difference between the orders of the two finest pairs of neighbouring element counts
+    that have an order. Infinite if fewer than two pairs have one.
     """
     orders = series.pairwise_orders(column)
     orders = orders[~np.isnan(orders)]

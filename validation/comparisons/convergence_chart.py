@@ -135,7 +135,7 @@ def _notes(texts: Sequence[tuple[float, float, str]], away: float, below: float)
 def _ticks(counts: Array) -> Array:
     """Element counts at which the axis has labels: those of `_LABELLED` that were computed.
 
-    All computed counts if these are fewer than two.
+    If fewer than two of `_LABELLED` were computed, the labels are at all computed counts.
     """
     labelled = counts[np.isin(counts, _LABELLED)]
     return labelled if len(labelled) > 1 else counts

@@ -27,7 +27,10 @@ figures = FigureGroup(CONVERGENCE, GROUP)
 
 @figures.figure(FIGURE, "Convergence with element count", effort=1.5)
 def element_convergence(context: Context) -> Chart:
-    """Chart with a column for each of the first legs and the robot, a row for each quantity."""
+    """Chart with a column for each of the first `_MOST_LEGS` legs and one for the robot.
+
+    It has a row for each quantity of which a formulation has an error.
+    """
     bodies = subjects(context.robot_file.mechanism)
     if not bodies:
         raise Skip("the robot has no leg that can be divided into elements")

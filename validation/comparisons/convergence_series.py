@@ -134,7 +134,7 @@ class ConvergenceSeries:
         return np.asarray(widths + self.limit_half_widths[column] + self._round_off)
 
     def pairwise_orders(self, column: int) -> Array:
-        """Observed order of a quantity's `column` between each count and the one before it (n).
+        """Observed order (n) of the quantity in `column`, between each count and the one before it.
 
         NaN for the first count, and for an error close to zero. Shapes: n element counts.
         """

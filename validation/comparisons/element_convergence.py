@@ -70,9 +70,9 @@ Limits: TypeAlias = Callable[[Theory], tuple[Array, Array]]
 class Discretised:
     """Values of a leg or robot by any formulation, element count or mesh.
 
-    `statics` and `modes` solve it by a formulation, called by `executor`. `models`: model of each
-    formulation, in which the element count is the factor `elements` of a reading. `solved`:
-    formulations with their counts that are solved.
+    `statics` and `modes` solve it by a formulation; `executor` calls them. `models`: a model for
+    each formulation, whose element count is the field `elements` of the reading. `solved`:
+    formulations, each with its count, that are already solved.
     """
 
     responses: Responses
@@ -91,7 +91,7 @@ class Discretised:
         return np.concatenate([frequencies, np.diag(compliance)[: len(DEFLECTIONS)]])
 
     def solve_ahead(self, discretisations: Sequence[Discretisation]) -> None:
-        """Solve all formulations, each with its count, at once. Solved ones are left out."""
+        """Solve all formulations, each with its count, at once, except those in `solved`."""
         missing = [one for one in dict.fromkeys(discretisations) if one not in self.solved]
         if missing:
             self.responses.solve_ahead(list(map(self._request, missing)), self.executor)
@@ -111,7 +111,7 @@ class Discretised:
 
 
 def storing(executor: Executor, mechanism: Mechanism) -> StoringExecutor[tuple[Statics, PathModes]]:
-    """Executor that solves formulations of a mechanism or of its legs unless they are stored."""
+    """Executor that stores solutions of a mechanism or its legs, and solves what is not stored."""
     names = ("compliances", "load_displacements", "frequencies")
     return StoringExecutor(executor, part_digests(mechanism), names, _arrays, _statics_and_modes)
 
@@ -353,9 +353,9 @@ def _solved_robot(posture: Posture, highest: float, discretisation: Discretisati
 
 
 def _beam_limit(discretised: Discretised, theory: Theory) -> tuple[Array, Array]:
-    """Richardson's limit of the beam elements, and its half-widths.
+    """Richardson's limits of the values by beam elements, and their relative half-widths.
 
-    These are three times the error of the highest element count.
+    A half-width is three times the error at the highest element count.
     """
     beams = Discretisation("beam", theory=theory)
     discretised.solve_ahead([beams.with_count(count) for count in _LIMIT_COUNTS])

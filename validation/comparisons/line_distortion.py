@@ -1,12 +1,12 @@
 """Distortion of the section in vibrating legs along a line: relative change of a beam frequency.
 
-Input: a straight leg of tubes or I-sections, and one of its modes as a beam.
-Output: the relative change of the frequency because inertia bends the walls (waves of 3-D
-elasticity), and because walls that converge distort the section in torsion. Rule: no theory of
-waves holds for a taper, but the first effect is local. It is computed for cantilever prisms that
-have the section at one position of the leg each, and a length with which they vibrate at the
-frequency of the leg in a mode of the same kind and order. The mean over the leg is weighted by
-kinetic energy: two positions give it exactly for changes of second degree along the leg.
+Input: a straight leg of tubes or I-sections, and one of its modes as a beam. Output: the relative
+change of the frequency because inertia bends the walls (waves of 3-D elasticity), and because walls
+that converge distort the section in torsion. Rule: no theory of waves holds for a taper, but the
+first effect is local. It is computed for cantilever prisms. Each has the section at one position of
+the leg, and the length at which its mode of the same kind and order has the frequency of the leg.
+The mean over the leg is weighted by kinetic energy: two positions are sufficient if the change is a
+quadratic function of the position.
 """
 
 from dataclasses import dataclass
@@ -107,7 +107,8 @@ def _prism_change(leg: LineLeg, position: float, mode: CantileverFrequency) -> f
 def _torsional_change(leg: LineLeg, mode: _Mode) -> float:
     """Relative change of a torsional frequency by walls that converge (Rayleigh's quotient).
 
-    The torque is the inertia of the part of the leg beyond. Zero for other modes.
+    The torque on a section is due to the inertia of the part of the leg between it and the tip.
+    Zero for modes that are not torsional.
     """
     if mode.kind.kind != "torsion":
         return 0.0

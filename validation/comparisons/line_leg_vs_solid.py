@@ -155,7 +155,7 @@ def _motion(
 
 
 def _free_half_width(leg: LineLeg, coarse: float, fine: float, ratio: float) -> float:
-    """Half-width of a number by the solid with free ends, from its values on two meshes.
+    """Half-width of a result of the solid with free ends, from its values on two meshes.
 
     `ratio`: element size of the coarse mesh over that of the fine one.
     """
@@ -164,7 +164,10 @@ def _free_half_width(leg: LineLeg, coarse: float, fine: float, ratio: float) -> 
 
 
 def _on_solid_mesh(leg: LineLeg, divisions: int) -> Callable[[ConstantLeg], SectionMesh]:
-    """Function from a prism with one of a leg's sections to the mesh of it in the leg's solid."""
+    """Function that returns the mesh of one section of a leg, as in the solid of the leg.
+
+    The argument of the function is a prism with this section.
+    """
     reference = mesh_section(leg)
     face = section_mesh(reference, divisions)
     return lambda prism: replace(face, nodes=stretched(face.nodes, reference, prism.section))
@@ -199,7 +202,7 @@ def _formula_tips(leg: LineLeg, divisions: int) -> tuple[Array, Array]:
 
 
 def _wall_distortion(leg: LineLeg) -> float:
-    """Rotation of the tip (rad/(N m)) under a torque, by walls that push against each other."""
+    """Rotation of the tip (rad/(N m)) due to distortion of the section by converging walls."""
     return distortion_work(leg, np.ones_like)
 
 

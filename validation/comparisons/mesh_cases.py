@@ -254,7 +254,10 @@ def _tetrahedra(context: Context, body: str, ends: Ends, condition: str) -> Meas
 
 
 def tetrahedral_modes(leg: ConstantLeg) -> dict[Ends, SolidModes]:
-    """First frequency of the leg on the meshes `TETRAHEDRA`, by end condition. Their MAC is NaN."""
+    """First frequency of the leg on the meshes `TETRAHEDRA`, by end condition.
+
+    The MAC with the beam's modes is not computed and is NaN.
+    """
     rows_by_ends: dict[Ends, list[tuple[float, int, float]]] = {ends: [] for ends in END_NAMES}
     for number in TETRAHEDRA:
         start = process_time()
@@ -281,7 +284,7 @@ def _solid_modes(rows: Sequence[tuple[float, int, float]], order: float) -> Soli
 
 
 def _convergence(refinement: Refinement) -> Convergence:
-    """Convergence of the first of the values of a refinement.
+    """Convergence of the first quantity of a refinement.
 
     If there are too few meshes to observe an order, the formal order extrapolates to the limit.
     """

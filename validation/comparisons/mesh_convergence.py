@@ -77,7 +77,7 @@ def leg_mesh_convergence(
 def _series(
     leg: SectionedLeg, discretisation: Discretisation, counts: tuple[int, ...], values: Array
 ) -> ConvergenceSeries:
-    """Series of the values (m×q). Shapes: m meshes, q quantities."""
+    """Series of `values` (m×q). Shapes: m meshes with `counts` divisions, q quantities."""
     order = formal_order(leg, discretisation.ends)
     limits, half_widths, orders = _limits(counts, values, order)
     errors = np.abs(values / limits - 1.0)

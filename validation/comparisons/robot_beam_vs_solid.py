@@ -1,8 +1,8 @@
 """Cases on the whole robot: VJM, links, segments and beams against the robot with solid legs.
 
-Input: the robot in the middle of its path, with all legs of constant section; a leg known by its
-6×6 is replaced by its equivalent prism. Output: a verdict for each model on six tool motions and
-four frequencies. Rule: as for a single leg (`leg_beam_vs_solid`), the difference less the
+Input: the robot in the middle of its path, with all legs of constant section; a leg specified by
+its 6×6 is replaced by its equivalent prism. Output: a verdict for each model on six tool motions
+and four frequencies. Rule: as for a single leg (`leg_beam_vs_solid`), the difference less the
 allowances must be within the tolerance of [agree]. Each allowance is the difference between two
 robots whose legs differ by one named cause alone. The end condition of the solids is that of
 [agree], otherwise `ends` of each leg, otherwise rigid faces.

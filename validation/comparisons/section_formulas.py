@@ -1,4 +1,4 @@
-"""Limits of the errors that correct textbook formulas for section constants have.
+"""Error limits of correct textbook formulas for section constants.
 
 Input: a leg of constant section, and its section constants by finite elements. Output: the softest
 and the stiffest beam that correct formulas allow. Rule: areas and second moments of area are exact
@@ -246,7 +246,8 @@ def torsion_limits(leg: ConstantLeg) -> Limits:
 class ShearLimits(NamedTuple):
     """Smallest and largest ratio of the shear coefficient κ by formula to the exact κ.
 
-    The exact κ follows from the mean displacement or from the strain energy.
+    The exact κ follows from the mean displacement if `of_mean_displacement`, otherwise from the
+    strain energy.
     """
 
     limits: Limits

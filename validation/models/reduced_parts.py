@@ -3,7 +3,7 @@
 Input: a body that is a CAD part, the mesh level, end conditions and a cut-off frequency. Output:
 its model on the twists of its interfaces and modal coordinates. Rule: a part is meshed, factorised
 and reduced once; the result is stored on disk and in memory (`validation.run.cache`). Modes are
-counted by Sylvester's law of inertia; a reduction without a counted mode is an error.
+counted by Sylvester's law of inertia; a reduction that lacks a counted mode is an error.
 """
 
 from collections.abc import Callable, Mapping
@@ -338,11 +338,11 @@ def reduced_entry(
 
 
 def interpolated(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatrix]:
-    """Function that maps points (m×3) to their displacements (3m×n), from those at `nodes` (N×3).
+    """Function from points (m×3) to the matrix (3m×n) of their displacements.
 
-    `recovery` (3N×n) maps n unknowns to the displacements of the nodes. At a node the result is the
-    node's displacement. Elsewhere it is a mean over the nearest nodes, with weights that reproduce
-    linear fields exactly.
+    That matrix, and `recovery` (3N×n) for the `nodes` (N×3), map n unknowns to displacements. At a
+    node the result is the node's displacement. Elsewhere it is a mean over the nearest nodes, with
+    weights that reproduce linear fields exactly.
     """
     fields = recovery.reshape(len(nodes), -1)
     size = float(np.ptp(nodes, axis=0).max())

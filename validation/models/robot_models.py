@@ -245,7 +245,7 @@ def modes_along(
     """Lowest `count` modes of an assembly in each posture. All modes if fewer move mass.
 
     Raises ComputationError if round-off dominates the compliance at the loaded point: frequencies
-    of such a system are as wrong as its compliance, and nothing in themselves shows it.
+    of such a system are as wrong as its compliance, without any sign of it.
     """
     for system in prepared.along(postures):
         solution = solved(system)

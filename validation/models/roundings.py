@@ -1,8 +1,8 @@
 """Robots in which one printed digit of a 6×6 is changed by half a unit.
 
 Input: the printed 6×6 of a robot file and the postures of the robot. Output: for each number of a
-6×6, the postures with a small change of it and the factor to half a unit of its last digit. Numbers
-with nine digits or more are omitted.
+6×6, the postures with a small change of it, and the factor from this change to half a unit of the
+last digit. Numbers with nine digits or more are omitted.
 """
 
 from collections.abc import Iterable, Sequence

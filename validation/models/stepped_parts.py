@@ -153,7 +153,7 @@ def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
 
     An opening divides a beam into two side by side. If these bend apart, they are much softer than
     one section and much stiffer than either alone. A rib matters only if it lies at the middle of a
-    piece, whose section is taken there.
+    piece, since the section of a piece is taken there.
     """
     cuts, sizes, middles, measured = [], [], [], []
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)

@@ -37,7 +37,7 @@ from validation.uncertainty.mesh_half_widths import MeshPolicy, half_widths_on
 
 H = TypeVar("H")
 _TWO_LEVELS = (0, 1)
-# Relative half-width of displacements if all legs are known by their 6×6: round-off alone, since no
+# Relative half-width of displacements if all legs are given by a 6×6: round-off alone, since no
 # mesh is involved.
 ROUNDING = 1e-9
 # Relative difference between the tool's displacements under the weight of solid legs and under that

@@ -4,7 +4,7 @@ Input: the robot along its path with its computed modes. Output: a `Reference` w
 interpretation for each set of end conditions and each plausible mass distribution that the robot
 file allows, and for each judged model its sequence of intermediate models. Rule: prismatic legs are
 3-D solids reduced to their end faces, CAD parts are solids reduced to their interfaces, and legs
-known by their 6×6 have, one after the other, each plausible distribution of mass and stiffness
+specified by their 6×6 have, one after the other, each plausible distribution of mass and stiffness
 between their ends.
 """
 

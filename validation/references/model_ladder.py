@@ -106,7 +106,7 @@ def with_elements(options: ModelOptions, reading: Reading) -> ModelOptions:
 
 
 def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
-    """Statics with solid prismatic legs and CAD parts. Legs known by their 6×6 keep it."""
+    """Statics with solid prismatic legs and CAD parts. Legs specified by a 6×6 keep it."""
     tips = {
         body: solid_tip(robot.context, leg, reading.ends[body], mesh=reading.mesh)
         for body, leg in robot.legs.items()
@@ -149,7 +149,10 @@ def _by_springs(robot: RobotOnPath, springs: Springs) -> Statics:
 
 
 def _summed(postures: Sequence[Posture], springs: Springs) -> Statics:
-    """Statics by the virtual joint method along serial chains; each leg is its tip compliance."""
+    """Statics by the virtual joint method along serial chains.
+
+    Each leg is represented by its tip compliance in `springs`.
+    """
     compliances = np.array([serial_chains.compliance(posture, springs) for posture in postures])
     bodies = interface_loads(postures[0].mechanism)
     return Statics(compliances, displacements_by(by_chains(springs), postures, bodies))

@@ -71,7 +71,7 @@ class LegMesh(NamedTuple):
         return divisions_across(leg, self.across, self.walls)
 
     def section_divisions(self, leg: SectionedLeg) -> int:
-        """Number of elements across the section in the section's own mesh."""
+        """Number of elements across the section, in the mesh of the section alone."""
         return divisions_across(leg, self.across, max(self.walls, self.least))
 
 
@@ -85,7 +85,7 @@ class SolidMeshes(NamedTuple):
     fine: LegMesh
 
     def ratio(self, prisms: Iterable[SectionedLeg]) -> float:
-        """Smallest ratio of coarse to fine element size over these legs."""
+        """Smallest ratio of coarse to fine element size over the legs `prisms`."""
         return min(self.fine.divisions(leg) / self.coarse.divisions(leg) for leg in prisms)
 
 
@@ -96,9 +96,9 @@ def solid_meshes(preset: Preset) -> SolidMeshes:
 
 
 def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
-    """Modes of the reference: solid prismatic legs, CAD parts, and legs known by their 6×6.
+    """Modes of the reference: solid prismatic legs, CAD parts, and legs given by a 6×6 alone.
 
-    Legs known by their 6×6 have the mass distribution and interior stiffness that `reading`
+    Legs given by a 6×6 alone have the mass distribution and interior stiffness that `reading`
     assumes. Thin walls have the same section mesh for one and for two divisions; the excess
     stiffness of that mesh against distortion does not appear if only the length of the elements is
     halved. Therefore the fine mesh has at least four divisions.
@@ -215,8 +215,8 @@ def solid_vibration(
 ) -> PathModes:
     """Modes in each posture with prismatic legs as solids on `mesh`, reduced to their ends.
 
-    `reading` selects the mass and stiffness distributions in legs known by their 6×6, and the mesh
-    of CAD parts.
+    `reading` selects the mass and stiffness distributions in legs specified by their 6×6, and the
+    mesh of CAD parts.
     """
 
     def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:

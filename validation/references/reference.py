@@ -32,7 +32,7 @@ class Source(StrEnum):
     MESHES = "meshes"
     DIGITS = "digits of the file"
     PAIRING = "modes with mixed shapes"
-    # Distribution of mass and stiffness along legs that are known by their 6×6 only.
+    # Distribution of mass and stiffness along legs that are specified by their 6×6 only.
     MASSES = "mass distribution of the legs"
     INTERIOR = "stiffness distribution of the legs"
     LINEARITY = "geometric stiffness due to the load"
@@ -243,8 +243,8 @@ class Subject:
     """Data for judging the models of one robot: models, references and the steps between them.
 
     `poses` (P×n) are values of the n `coordinates`. `notes` are remarks for the report. `parts`:
-    each leg as a subject of its own, clamped at its root. `formulation`: if the robot's legs are
-    known by their 6×6, a subject with equivalent prisms, on which the formulations are judged
+    each leg as a subject of its own, clamped at its root. `formulation`: if legs of the robot are
+    specified by their 6×6, a subject with equivalent prisms, on which the formulations are judged
     against solids; otherwise None. `inputs`: uncertain inputs, None if the file names none. `loads`
     and `harmonics`: quantities of the file's loads and of its harmonic responses, in order.
     `faults`: names of computations (other than models) that failed by an error of the program.

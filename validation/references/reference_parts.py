@@ -84,8 +84,8 @@ def interface_coupling(ends: Ends) -> Hold:
 def highest_of_parts(postures: Sequence[Posture], count: int) -> tuple[float, float]:
     """Highest frequency (Hz) at which reduced parts must be accurate, and cut-off frequency (Hz).
 
-    The first frequency is that of the highest of `count`/3 modes, twice as many as are judged.
-    Higher computed modes only help to identify mode shapes.
+    The first frequency covers `count`/3 modes, at least `_FEWEST`. Of the `count` computed modes,
+    at most a sixth are judged. The highest ones only help to identify mode shapes.
     """
     highest = highest_frequency(postures, max(_FEWEST, count // 3))
     return highest, CUTOFF["solid"] * highest
@@ -149,7 +149,7 @@ def assembled(
     """Statics of the assembled mechanism, with each leg replaced by its 6×6 tip compliance.
 
     `parts` are models of the CAD parts; if None, they are condensed to their interfaces. `masses`
-    is the mass distribution of legs known by their 6×6, for loads that act on masses.
+    is the mass distribution of legs specified by their 6×6, for loads that act on masses.
     """
     mechanism = postures[0].mechanism
     part_models = condensed_parts(mechanism) if parts is None else parts

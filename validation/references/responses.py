@@ -171,9 +171,9 @@ class Responses:
         return _required(model, self.modes(model, reading))
 
     def required_forces(self, model: Model, reading: Reading) -> PathForces:
-        """Forces in joints and legs. Raises the errors of the model, and if it defines no forces.
+        """Forces in the joints and legs of a model under a reading.
 
-        The error for a model without forces is a ComputationError.
+        Raises ComputationError if the model defines no forces, and the errors of its computation.
         """
         if model.forces is None:
             return _required(model, None)

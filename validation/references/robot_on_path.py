@@ -57,8 +57,8 @@ class Reading:
     """One choice for everything that a robot file leaves open, and one mesh of each kind.
 
     `ends`: end condition of each leg and CAD part. `masses`, `interior`: distribution of mass and
-    of stiffness in legs known by their 6×6. `mesh`: that of solid legs, `section_mesh`: that for
-    section constants; 1 is the fine, 0 the coarse mesh. `part_mesh`: mesh level of CAD parts.
+    of stiffness in legs specified by their 6×6. `mesh`: mesh of solid legs, `section_mesh`: mesh
+    for section constants; 1 is the fine, 0 the coarse mesh. `part_mesh`: mesh level of CAD parts.
     `elements`: factor on the element count of models. `factors`: relative changes of the robot's
     inputs. `rounding`: index of the printed digit that is changed (`roundings_of`). It is None if
     no digit is changed.
@@ -84,7 +84,7 @@ class Reading:
 
     @property
     def inside(self) -> Inside:
-        """Distribution of mass and of stiffness inside legs known by their 6×6."""
+        """Distribution of mass and of stiffness inside legs specified by their 6×6."""
         return Inside(self.masses, self.interior)
 
     def on_mesh(self, kind: MeshKind, level: int) -> "Reading":
@@ -169,7 +169,7 @@ class RobotOnPath:
 
     @property
     def given(self) -> dict[str, GivenLeg]:
-        """Legs known by their 6×6 only, by body name."""
+        """Legs specified by their 6×6 only, by body name."""
         return {name: leg for name, leg in self.legs.items() if isinstance(leg, GivenLeg)}
 
     @property
@@ -179,7 +179,7 @@ class RobotOnPath:
 
     @property
     def masses_instruction(self) -> str:
-        """Instruction to specify the mass distribution of legs known by their 6×6.
+        """Instruction to specify the mass distribution of legs given by a 6×6 alone.
 
         "" if there are no such legs.
         """
@@ -276,7 +276,7 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
     `schema`: version of the robot file's format, on which the table names in the instruction
     depend.
     """
-    # A leg known by its 6×6 has no open end condition: it is part of the 6×6.
+    # A leg specified by its 6×6 has no open end condition: it is part of the 6×6.
     legs = {
         name: "rigid" if isinstance(leg, GivenLeg) else leg.ends
         for name, leg in legs_of(mechanism).items()
@@ -314,7 +314,7 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
 
 
 def masses_instruction(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
-    """Instruction to add the keys for the mass distribution of legs known by their 6×6.
+    """Instruction to add the keys for the mass distribution of legs given by a 6×6 alone.
 
     If no key is missing, the instruction is to replace the 6×6 by a section or solid. "" if there
     are no such legs.
@@ -341,7 +341,7 @@ def interior_instruction(legs: Iterable[str], schema: int = 2) -> str:
 
 
 def _tables(ends_by_body: Mapping[str, Ends | None], schema: int) -> str:
-    """Table names in the robot file of the bodies whose end condition is None, as a list."""
+    """Table names in the robot file of the bodies whose end condition is None, with commas."""
     head = "" if schema == 1 else "bodies."
     return ", ".join(f"[{head}{name}]" for name, ends in ends_by_body.items() if ends is None)
 
@@ -364,7 +364,7 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def prismatic_legs(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of distinct legs that are prisms, or known by a 6×6 and replaced by prisms."""
+    """Names of distinct legs that are prisms, or that prisms replace because a 6×6 is given."""
     legs = legs_of(mechanism)
     return tuple(name for name in distinct_legs(mechanism) if not isinstance(legs[name], LineLeg))
 

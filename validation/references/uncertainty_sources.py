@@ -151,7 +151,7 @@ def rounded_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
 
 
 def _plausible_mass_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
-    """Readings with each plausible mass distribution of the legs known by their 6×6."""
+    """Readings with each plausible mass distribution of the legs specified by their 6×6."""
     return [
         (1.0, replace(reading, masses=masses)) for masses in plausible_masses(robot.given.values())
     ]
@@ -205,11 +205,11 @@ def _linearity(responses: Responses, _: Reading) -> SourceHalfWidths:
 def modes_by_digits(
     printed: Sequence[Printed], postures: tuple[Posture, ...], count: int, masses: Masses
 ) -> tuple[PathModes, Array]:
-    """Modes by beams and legs known by their 6×6, and frequency changes by each digit (R×P×m).
+    """Modes of a robot of beams and given 6×6, and frequency changes by each digit (R×P×m).
 
     The changes are relative and of first order, each due to one of the R changes of the `printed`
-    6×6 by `roundings_of`. `masses` is the mass distribution of the legs known by a 6×6. Shapes: P
-    poses, m modes.
+    6×6 by `roundings_of`. `masses` is the mass distribution of the legs specified by a 6×6. There
+    are P poses and m = `count` modes.
     """
     roundings = roundings_of(printed, postures)
     mechanism = postures[0].mechanism

@@ -6,9 +6,9 @@ length of the reference's vector. A force is judged by the translation (3 number
 moment by the rotation (3 numbers).
 
 The worst direction of force is found exactly, by Dines' theorem (Bull. Amer. Math. Soc. 47 (1941)
-494; the lossless S-lemma). The largest |D f|²/max(a, b) over all f, with quadratic forms a = fᵀA f
-and b = fᵀB f, is the smallest value over 0 <= w <= 1 of the largest generalised eigenvalue of (DᵀD,
-w A + (1 − w) B).
+494; the lossless S-lemma). The largest |D f|²/max(a, b) over all forces f, with the difference D of
+compliances and quadratic forms a = fᵀA f and b = fᵀB f, is the smallest value over 0 <= w <= 1 of
+the largest generalised eigenvalue of (DᵀD, w A + (1 − w) B).
 """
 
 from itertools import combinations
@@ -140,7 +140,7 @@ def difference_under(
 
 
 def nearest_between(deviations: Array, length: Array) -> Array:
-    """Smallest relative distance (…) from a displacement to any between those of two references.
+    """Smallest relative distance (…) from a displacement to those between two references.
 
     `deviations` (a×…×3): differences of the displacement from that of each reference. `length`
     (a×…): lengths of the references' displacements. Between two references, displacement and length

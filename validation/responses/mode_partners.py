@@ -171,10 +171,10 @@ def _sums(amounts: Array, paired: BoolArray, mixed: BoolArray) -> Array:
     """Amount (p×m) of each mode, and of all modes that mix with it. NaN for modes without partner.
 
     A perturbation determines the sum of the squares of the changes of modes that mix, but not each
-    change. An unknown amount (NaN) makes those of the modes that mix with it unknown, no others:
-    the last computed modes often have no partner, because only a part of a multiple frequency is
-    computed. `paired` (p×m): true for modes with a partner. `mixed` (p×m×m): true for two modes
-    that mix. Shapes: p poses, m modes.
+    change. If an amount is unknown (NaN), so are the sums of the modes that mix with it, and no
+    others: the last computed modes often have no partner, because only a part of a multiple
+    frequency is computed. `paired` (p×m): true for modes with a partner. `mixed` (p×m×m): true for
+    two modes that mix. Shapes: p poses, m modes.
     """
     amounts = np.where(paired, amounts, 0.0)
     sums = amounts + np.where(mixed, amounts[:, None, :], 0.0).sum(axis=2)

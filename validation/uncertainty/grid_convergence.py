@@ -41,7 +41,7 @@ COARSE_COUNT = 5
 class Convergence:
     """Result of a refinement study of `values`, from coarse to fine.
 
-    `orders`: observed order of each three neighbouring meshes, NaN if the differences do not
+    `orders`: observed order of every three neighbouring meshes, NaN if the differences do not
     decrease monotonically. `observed_order`: order fitted to the asymptotic tail. `extrapolated`:
     Richardson's limit. `uncertainty`: GCI times |f|, in the unit of f. The last three are None
     outside the asymptotic range, and `refusal` is the reason. On a round-off plateau the
@@ -83,7 +83,7 @@ def richardson(middle: F, fine: F, ratio: float, order: float) -> F:
 
 
 def pairwise_orders(sizes: Array, values: Array) -> Array:
-    """Observed order of each three neighbouring meshes (n − 2). NaN if there is none.
+    """Observed orders (n − 2), one for every three neighbouring meshes. NaN if there is none.
 
     Shapes: n meshes.
     """
@@ -130,9 +130,9 @@ def _residuals(sizes: Array, values: Array, orders: Array) -> Array:
 def orders_to_limits(counts: Sequence[int], errors: Array, floors: Array) -> Array:
     """Orders in 1/n (q) of the relative errors (n×q) of q quantities against known limits.
 
-    `counts` n ascend. Fitted by least squares to log |e| over the three finest counts with errors
-    above the `floors` (q). NaN if errors from five elements on change sign or grow, if the two
-    orders of neighbouring counts differ too much, or for fewer than three counts.
+    `counts` n ascend. The orders are fitted by least squares to log |e| over the three finest
+    counts with errors above the `floors` (q). NaN if errors from five elements on change sign or
+    grow, if the two orders of neighbouring counts differ too much, or for fewer than three counts.
     """
     return np.array(
         [
@@ -236,8 +236,8 @@ def richardson_limits(
 def uncertainty_of(convergence: Convergence) -> float:
     """Numerical uncertainty of the finest value, in its unit.
 
-    GCI if the series is asymptotic. Otherwise three times the range of the last three values, with
-    the safety factor of unproven convergence.
+    GCI if the series is asymptotic. Otherwise the range of the last three values times three, the
+    safety factor for unproven convergence.
     """
     if convergence.uncertainty is not None:
         return convergence.uncertainty

@@ -2,8 +2,8 @@
 
 Input: postures of a mechanism with loads, and a model. Output: twists of the loaded point (p
 postures × l loads × 6, m and rad, base axes). Rule: weight and inertia act on the masses of the
-model. In a model without mass, legs have the masses of beams, legs known by their 6×6 those of the
-robot file, and CAD parts those of the part. If such a body is rigid, its mass acts by static
+model. In a model without mass, legs have the masses of beams, legs specified by their 6×6 those of
+the robot file, and CAD parts those of the part. If such a body is rigid, its mass acts by static
 equivalence.
 """
 
@@ -64,9 +64,9 @@ def displacements(
 
 
 def displacements_of(bodies: Mapping[str, BodyModel], postures: Sequence[Posture]) -> Array:
-    """Displacements of the tool (p postures × l loads × 6) with these models of the `bodies`.
+    """Displacements of the tool (p postures × l loads × 6, m and rad) with given body models.
 
-    Loads act on the masses and faces of these models.
+    `bodies`: model of each body by name. Loads act on the masses and faces of these models.
     """
     mechanism = postures[0].mechanism
     masses = {name: interface_mass(body) for name, body in bodies.items()}
@@ -94,8 +94,9 @@ def displacements_by(
 ) -> Array:
     """Displacements (p×l×6, m and rad) of the tool under all loads in each posture, by `solve`.
 
-    `theory`: beam theory that reduces loads along legs to loads at their ends. NaN if the mechanism
-    cannot move as a load requires. Shapes: p postures, l loads.
+    `bodies`: masses and pressures on which the loads act. `theory`: beam theory that reduces loads
+    along legs to loads at their ends. NaN if the mechanism cannot move as a load requires. Shapes:
+    p postures, l loads.
     """
     loads = postures[0].mechanism.loads
     displacements = np.full((len(postures), len(loads), 6), np.nan)
@@ -132,8 +133,8 @@ def interface_loads(
 ) -> InterfaceLoads:
     """Masses and pressures for models without mass: legs have the mass of beams, parts their own.
 
-    `masses` is the mass distribution in legs known by their 6×6. `parts` are models of the parts;
-    if None, they are condensed here. The result has no masses if no load acts on mass.
+    `masses` is the mass distribution in legs specified by their 6×6. `parts` are models of the
+    parts; if None, they are condensed here. The result has no masses if no load acts on mass.
     """
     pressures = unit_pressures(mechanism, parts)
     if not any(load.acts_on_mass for load in mechanism.loads):

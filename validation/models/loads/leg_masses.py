@@ -1,4 +1,4 @@
-"""Plausible distributions of mass and stiffness along a leg that is known by its 6×6.
+"""Plausible distributions of mass and stiffness along a leg that is specified by its 6×6.
 
 Input: the 6×6 of a leg, its mass and, if known, centre of mass and inertia. Output: matrices of the
 leg with each plausible distribution. Rule: between its ends the leg has exactly its 6×6. Along its
@@ -44,7 +44,7 @@ _POINTS = 4
 
 
 class Inside(NamedTuple):
-    """Distribution of mass, and of stiffness, inside the legs that are known by their 6×6."""
+    """Distribution of mass, and of stiffness, inside the legs specified by their 6×6."""
 
     masses: Masses
     interior: Interior = "uniform"
@@ -57,7 +57,7 @@ def plausible_insides(legs: Collection[GivenLeg]) -> tuple[Inside | None, ...]:
     """All plausible distributions of mass and stiffness inside the legs.
 
     First the uniform distribution, then each mass distribution with the softest and with the
-    stiffest interior. (None,) if no leg is known by its 6×6.
+    stiffest interior. (None,) if no leg is specified by its 6×6.
     """
     if not legs:
         return (None,)
@@ -97,7 +97,7 @@ def ends_mass(leg: GivenLeg, masses: Masses) -> Array:
 def shapes_inside(leg: GivenLeg, inside: Inside, highest: float, elements: int) -> Array:
     """Shapes (n×r) of a leg's motion: static ones due to motions of the ends, then modes.
 
-    The modes are those with both ends clamped. Shapes: n unknowns of the beam, r shapes.
+    The modes are those with both ends clamped. The beam has n unknowns.
     """
     beam = interior_beam(leg, inside.interior, elements)
     held_beam = held_leg(beam)
@@ -111,7 +111,7 @@ def by_shapes(shapes: Array, leg: GivenLeg, inside: Inside, elements: int) -> Le
     """Stiffness and mass matrix of a leg, reduced to `shapes` (n×r).
 
     The shapes are those of this leg, or of one with a slightly different 6×6; in the second case
-    the matrices are accurate to first order. Shapes: n unknowns of the beam, r shapes.
+    the matrices are accurate to first order. The beam has n unknowns.
     """
     beam = interior_beam(leg, inside.interior, elements)
     stiffness = shapes.T @ (beam.stiffness @ shapes)
