@@ -26,7 +26,7 @@ class _Format(Protocol):
         """Content without the bytes that the mark will replace."""
 
     def with_mark(self, plain: bytes, mark: bytes) -> bytes:
-        """Content with a mark."""
+        """Content `plain` with a mark inserted or appended."""
 
     def split(self, content: bytes) -> tuple[bytes, bytes]:
         """Content without its mark, and the mark. The mark is b"" if there is none."""

@@ -152,7 +152,7 @@ def compared_with(against: str) -> str:
 
 
 def compared(panel: Panel, against: str) -> Panel:
-    """Copy of a panel, with the differences (%) of its curves from the curve `against` below.
+    """Copy of a panel with lower axes: differences (%) of its curves from the curve `against`.
 
     Each curve is compared with the curve labelled `against` of the same quantity.
     """

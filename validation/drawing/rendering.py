@@ -252,7 +252,10 @@ def _draw_triad(axes: Axes, view: View, corner: tuple[float, float]) -> None:
 
 
 def clear_corner(scene: Scene, view: View) -> tuple[float, float]:
-    """First corner for the coordinate triad that no body covers. Otherwise the farthest one."""
+    """First corner for the coordinate triad that is clear of bodies, or the one farthest from them.
+
+    Corners are fractions of width and height.
+    """
     points = view.pixels(np.vstack([body.surface.points for body in scene.bodies]))
 
     def distance(corner: tuple[float, float]) -> float:

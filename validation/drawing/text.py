@@ -63,7 +63,10 @@ def engineering(value: float) -> tuple[float, str]:
 
 
 def percent(fraction: float, *, signed: bool = True) -> str:
-    """Ratio in per cent with two significant digits: "+1.3 %", "−2 × 10⁻⁷ %", "120 %"."""
+    """Ratio in per cent with two significant digits: "+1.3 %", "−0.02 %", "120 %".
+
+    A ratio of magnitude below 1e-8 is displayed as a bound, "< 1 × 10⁻⁶ %". "" if it is not finite.
+    """
     if not isfinite(fraction):
         return ""
     if abs(fraction) < _ROUNDING:
@@ -73,7 +76,7 @@ def percent(fraction: float, *, signed: bool = True) -> str:
 
 
 def error_text(error: float, *, signed: bool = True) -> str:
-    """Error in per cent with two significant digits, rounded to hundredths of a per cent."""
+    """Error in per cent, rounded to hundredths of a per cent, then to two significant digits."""
     return percent(round(error, 4), signed=signed)
 
 
@@ -98,9 +101,10 @@ def error_parts(
 
     There are five forms. If interpretations of the robot file differ by more than their half-width:
     the lowest and the highest error, with the names of the interpretations if `named`. Otherwise,
-    if the interval contains zero: the bound of the error, "below 4.4 %". If the interval is wider
-    than the half-width: the ends of the interval. If an end is infinite: the error and "without
-    bound". In all other cases: the error and the half-width. `written` formats the numbers.
+    if the interval of allowed errors contains zero: the bound of the error, "below 4.4 %". If the
+    interval extends beyond error ± half-width: its ends. If an end is infinite: the error and
+    "without bound". In all other cases: the error and the half-width. `written` formats the
+    numbers.
     """
     error, half_width = entry.error, entry.uncertainty or 0.0
     if error is None:

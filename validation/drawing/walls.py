@@ -68,7 +68,7 @@ def end_triangles(loops: Sequence[Array]) -> IntArray:
 
 
 def _joined_ring(corners: Array, ring: list[int], hole: list[int]) -> list[int]:
-    """Ring of indices joined to a hole by a double edge at the hole's farthest corner along y."""
+    """Ring of indices, joined to a hole by a double edge at the hole's corner of largest y."""
     first = int(np.argmax(corners[hole, 0]))
     from_first = hole[first:] + hole[:first]
     start = corners[from_first[0]]
@@ -110,7 +110,7 @@ def _ears(corners: Array, ring: list[int]) -> list[tuple[int, int, int]]:
 
 
 def _contains(a: Array, b: Array, c: Array, points: Array) -> bool:
-    """True if a point lies in the triangle a, b, c or on its rim, without being a corner."""
+    """True if any of the `points` other than a, b and c lies in this triangle or on its rim."""
     sides = (twice_area(p, q, points) for p, q in ((a, b), (b, c), (c, a)))
     inside = np.logical_and.reduce([side >= 0.0 for side in sides])
     corner = [(points == p).all(axis=1) for p in (a, b, c)]

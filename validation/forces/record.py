@@ -144,7 +144,7 @@ class Forces:
         return self.plot_load(self.first_load)
 
     def plot_load(self, load: str) -> "Figure":
-        """Plot as by `plot`, of the forces under the load with the name `load`.
+        """Plot like that of `plot`, for the load with the name `load`.
 
         Parameters
         ----------

@@ -4,8 +4,8 @@ Input: a leg and its section forces along its length. Output: `MemberStress`, th
 its position. Rule: stresses are normal and shear stresses of Saint-Venant's theory; the half-width
 of the uncertainty of a stress is the change from a coarse to a fine section mesh, scaled by the
 order of convergence, plus the effect of the half-widths of the forces. In a taper each station has
-its own section, in which the forces Qy + λy Mz and Qz − λz My shear (`lumped.line_sections`). At a
-step both sections are judged.
+its own section, which is sheared by the forces Qy + λy Mz and Qz − λz My, where λ is the rate of
+change of the lever arm (`lumped.line_sections`). At a step both sections are judged.
 """
 
 from collections.abc import Iterator
@@ -105,7 +105,7 @@ def _loaded_sections(
 ) -> Iterator[tuple[int, Section, Array]]:
     """Yield the index of a station, a section there, and the forces (6) that stress it.
 
-    In place of the shear forces these are the forces that shear the section of a taper.
+    Of a taper, the shear forces are replaced by Qy + λy Mz and Qz − λz My, see the module.
     """
     if isinstance(leg, ConstantLeg):
         yield from ((row, leg.section, forces) for row, forces in enumerate(member.forces))

@@ -62,8 +62,8 @@ class MappedQuantity:
 def mapped_quantities(responses: Responses, requirement: Requirement) -> list[MappedQuantity]:
     """Mapped quantities that can be solved for a robot without loads, in the postures of its path.
 
-    Stiffness and error are those of the mapped model (rule in the docstring of this module). Errors
-    of `responses` must be raised, not recorded.
+    Stiffness and error are those of the mapped model (rule in the docstring of this module).
+    `responses` must be strict: they raise the errors of solutions instead of recording them.
     """
     robot = responses.robot
     references = _references(responses)

@@ -131,7 +131,8 @@ def _minimum(
 ) -> tuple[float, Array]:
     """Lowest cost near a grid point, and its pose, by the simplex method of Nelder and Mead.
 
-    The first simplex consists of the grid point and of the minima of parabolas along the grid axes.
+    `cost` is `sign` times the values at the grid points. The first simplex consists of the grid
+    point `start` and of the minima of parabolas along the grid axes.
     """
     nearest = space.postures[start]
     first = np.array(start, dtype=float)

@@ -224,7 +224,7 @@ def _bound_text(agreeing: Sequence[Outcome]) -> str:
 def _largest_part(
     outcomes: Iterable[Outcome], part: Callable[[AgreementRow], float]
 ) -> tuple[Outcome, AgreementRow]:
-    """Comparison with the largest `part` of its difference, and the row with all parts of it."""
+    """Comparison, and its row, for which the function `part` of the row is largest."""
     compared = [(outcome, agreement_row(outcome)) for outcome in outcomes if outcome.measurement]
     return max(compared, key=lambda pair: part(pair[1]))
 

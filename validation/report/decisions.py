@@ -1,8 +1,9 @@
 """Sentences on design decisions: the value that each model chooses, and the cost of this choice.
 
 Input: outcomes of the comparisons of `--vary`. Output: a sentence for each varied parameter and
-objective. Rule: the loss of a choice is computed by the reference. Models that lose at most 1 % are
-listed together, each other model with its choice and loss.
+objective. Rule: the loss of a choice is the relative distance of its objective from the best value,
+both by the reference. Models that lose at most 1 % are listed together, each other model with its
+choice and loss.
 """
 
 from collections.abc import Sequence

@@ -50,10 +50,10 @@ def as_json(tasks: Sequence[Task]) -> str:
 
 
 def audit_text(source: str, robot: Mechanism, findings: Sequence[Finding], reachable: int) -> str:
-    """Findings of an audit of a robot file as text, after a line on the state of its data.
+    """Findings of an audit of a robot file as text, after lines on validity, poses and mobility.
 
-    `reachable`: number of poses of the path within reach. Faults of a printed source that are
-    corrected are listed separately from remaining doubts.
+    `source`: name of the file. `reachable`: number of poses of the path within reach. Faults of a
+    printed source that are corrected are listed separately from remaining doubts.
     """
     remaining = [finding for finding in findings if finding.used in _UNCORRECTED]
     removed = [finding for finding in findings if finding.used not in _UNCORRECTED]

@@ -42,7 +42,11 @@ class StatementTable:
 
     @property
     def rows(self) -> Iterator[tuple[Claim, list[StatementCell], str, str]]:
-        """Rows: statement, cells as printed and as corrected, and standing with its colour."""
+        """Rows: statement, cells as printed and as corrected, standing as text, and its colour.
+
+        The standing is the result for both forms, such as "holds" or "as printed alone". Colours
+        are names of verdicts.
+        """
         for claim in self.claims:
             readings = [_cell(claim, reading) for reading in ("printed", "corrected")]
             yield claim, readings, *_STANDINGS[claim.standing]

@@ -90,9 +90,9 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
 def conditions(matrix: Matrix, rely: Sequence[str] = ()) -> str:
     """Sentences on the conditions under which decided verdicts hold. "" if there are none.
 
-    Only verdicts on the models of `rely` count, unless it is empty. Conditions are the assumption
-    on the distribution of masses, for frequencies, and the poses in which a quantity found adequate
-    cannot be compared.
+    Only verdicts on the models of `rely` count, unless it is empty. Verdicts on frequencies depend
+    on the assumed distribution of masses. The verdict "adequate" covers only the poses in which
+    there is a comparison; their number is given if there are others.
     """
     entries = [e for model in rely for e in matrix.of_model(model)] or matrix.entries
     decided = [entry for entry in entries if entry.verdict != "undecided"]
@@ -147,8 +147,8 @@ def _purpose_text(matrix: Matrix, quantities: Sequence[Quantity]) -> str:
 def _largest_error_text(entries: Sequence[Entry]) -> str:
     """Text with the largest error of entries with one verdict.
 
-    For the verdict adequate, the largest upper bound of the error. Errors of the order of modes
-    count only if there are no others, since they compare unrelated modes.
+    For the verdict adequate, the largest upper bound of the error. Errors of the quantity "order of
+    modes" count only if there are no others, since they compare modes of different shapes.
     """
     adequate = entries[0].verdict == "adequate"
     with_error = [entry for entry in entries if entry.error is not None]

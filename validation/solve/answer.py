@@ -48,7 +48,7 @@ class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
 
     @property
     def title(self) -> str:
-        """Text with the pose, or with the body and its end conditions."""
+        """Text with the pose, or with the name of the body and its clamped end."""
         if self.leg is not None:
             return f"leg {self.leg}, root clamped"
         if self.body is not None:
@@ -65,7 +65,7 @@ class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
 
     @property
     def axes(self) -> str:
-        """Text with the point and the axes of the compliance."""
+        """Text with the axes of the compliance and, except for a leg, its point."""
         if self.leg is not None:
             return "leg axes"
         if self.body is not None:
@@ -94,9 +94,9 @@ class HalfWidths:
         return bool(np.isfinite(decisive).all())
 
     def shares_of_loads(self, loads: Mapping[str, Array]) -> dict[str, float]:
-        """Half-widths of displacements, relative to the lengths of these, by name of the load.
+        """Half-widths of the translation under each load, relative to its length, by load.
 
-        `loads`: displacements (6) by name of the load. Those of zero length are omitted.
+        `loads`: displacements (6) by name of the load. Loads without translation are omitted.
         """
         lengths = {name: float(np.linalg.norm(loads[name][:3])) for name in self.loads}
         return {
@@ -125,9 +125,9 @@ class PartUncertainty(HalfWidths):
 
     They are infinite if the file of a part is a mesh. `bracket`: change from rigid to averaged
     interfaces, zero if the robot file specifies the end conditions. `reduction`: bound on the
-    increase of frequencies (Hz) due to omitted modes. `counted`: for each part, the number of modes
-    below a frequency (Hz) with interfaces `by` (fixed or free), all of which are in the reduction
-    basis.
+    increase of frequencies (Hz) due to omitted modes. `counted`: for each part, a number of modes
+    and a frequency (Hz): the reduction basis contains all modes of the part below this frequency.
+    `by`: condition of the interfaces in these modes, fixed or free.
     """
 
     bracket: HalfWidths

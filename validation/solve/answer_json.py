@@ -62,9 +62,9 @@ class PartRecord(msgspec.Struct, frozen=True):
 
 
 class BucklingRecord(msgspec.Struct, frozen=True):
-    """JSON object of a buckling factor, from `Stability`.
+    """Buckling factors of a load and of the reversed load, from `Stability`.
 
-    `body` has the largest share of the buckling mode's energy.
+    `body` has the largest of the `shares` of the buckling mode's strain energy.
     """
 
     factor: float | None
@@ -91,8 +91,10 @@ class LoadRecord(msgspec.Struct, frozen=True):
     """JSON object of a load: displacement of the tool, reactions, buckling and lost stiffness.
 
     The displacement is None if there is no solution. `reactions` (6, N and N m, joint axes) by
-    joint; None for a statically indeterminate component. `pressures` on faces of CAD parts. A
-    buckled mechanism has no stiffness: numbers that depend on it are None.
+    joint; None for a statically indeterminate component. `pressures` on faces of CAD parts.
+    `stiffness_lost` (6): relative loss of the tool's stiffness due to the load. `farther`: relative
+    increase of the displacement due to this loss. Both are None if the mechanism buckles below the
+    load. `frequencies` (Hz): those under the load.
     """
 
     displacement: Array | None

@@ -54,7 +54,7 @@ class Cost:
 
 
 def solid_cost(legs: tuple[SectionedLeg, ...], divisions: int, modes: int) -> Cost:
-    """Cost of solid legs, factorised together, with mass and the first `modes` of each."""
+    """Cost of the compliance and the first `modes` modes of each solid leg, all in memory."""
     sizes = [solid_unknowns(leg, divisions) for leg in legs]
     entries = [_ENTRIES * n ** (4.0 / 3.0) for n in sizes]
     memory = sum(

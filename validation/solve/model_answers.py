@@ -136,7 +136,7 @@ def solve(question: Question) -> Solution:
 
 
 def _solved(question: Question) -> SolvedQuestion:
-    """Question whose model is solved when it is needed."""
+    """Question with its robot. The model is solved when its results are needed."""
     robot = robot_at(Context(question.robot_file, "quick"), question.postures())
     if not question.digits or question.model == "simplified":
         robot = replace(robot, printed=())
@@ -144,7 +144,7 @@ def _solved(question: Question) -> SolvedQuestion:
 
 
 def _meshed(solved: SolvedQuestion) -> _Meshed:
-    """Solved question with half-widths of its meshes, which only solids have."""
+    """Solved question with half-widths due to its meshes. Models without solids have none."""
     compliances, frequencies = solved.compliances, solved.frequencies
     prisms: Sequence[MeshUncertainty] = ()
     parts: Sequence[PartUncertainty] = ()
@@ -334,7 +334,7 @@ def _free_part_answer(question: Question, name: str) -> Answer:
 
 
 def _shapes(question: Question) -> list[SectionedLeg]:
-    """Legs of the question, equal ones once."""
+    """Distinct legs of the question: of several equal legs, the list contains one."""
     legs = sectioned_legs(question.mechanism, question.options)
     return list({leg: None for name, leg, _ in legs if question.alone in (None, name)})
 

@@ -38,9 +38,10 @@ _OF_GIVEN_LEGS = ("legs", "equivalent")
 
 
 def split_ends(model: ModelName, options: dict[str, Any]) -> tuple[dict[str, Any], bool]:
-    """Options of a model without `ends` if it is "free-free", and True if it is "free-free".
+    """Options of a model for a leg, and True if the option `ends` is "free-free".
 
-    A free solid has `ends` "free": its end faces are free to warp.
+    "free-free" is removed from the options. For a solid, "free" replaces it: the end faces of the
+    unsupported leg are free to warp.
     """
     if options.get("ends") != "free-free":
         return options, False
@@ -53,10 +54,10 @@ class Question:
     """A `model` of a robot, the options `given` by the user, and the poses or body to be solved.
 
     Positions `x` (m), or `poses` ("0.25,0.6"), or one `leg` or `body` alone; if none of these is
-    set, the reference posture. `modes`: number of modes, None for six. `against`: model with whose
-    modes they are paired. `digits`: True to add half-widths due to the printed digits of the 6×6.
-    `accuracy`: largest relative half-width due to meshes of solids. A body alone is clamped at its
-    first point, or unsupported if `free`.
+    set, the reference posture. `modes`: number of modes, None for six. `against`: another model,
+    with whose modes those of `model` are paired. `digits`: True to add half-widths due to the
+    printed digits of the 6×6. `accuracy`: largest relative half-width due to meshes of solids. A
+    body alone is clamped at its first point, or unsupported if `free`.
     """
 
     robot_file: RobotFile

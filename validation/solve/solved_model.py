@@ -54,8 +54,8 @@ _LOWEST = 1e-3
 class SolvedModes(PathModes):
     """Modes of an answer, and those of nearly the same frequency as its last mode.
 
-    The latter are candidates for partners of the modes on another mesh: of modes of equal
-    frequency, any combination is a mode, so that a part of them has no counterpart.
+    The latter are candidates for partners of the modes on another mesh. Any combination of modes of
+    equal frequency is a mode; some of these modes alone therefore have no partner.
 
     `count`: number of modes of the answer. `postures`: solution of a robot in each pose with these
     modes, from which strain energies and damping follow. () for a body alone.
@@ -130,7 +130,10 @@ def _modes(question: Question, robot: RobotOnPath, reading: Reading) -> SolvedMo
 def _first_modes(
     question: Question, robot: RobotOnPath, reading: Reading, count: int
 ) -> SolvedModes:
-    """First `count` modes. They are sampled if they are compared with modes of other models."""
+    """First `count` modes, with shapes at the samples if they are paired with other modes.
+
+    Modes of solids are paired with those on another mesh, others only if `against` is given.
+    """
     model, options = question.model, question.options
     spare = _SPARE if model == "solid" else 0
     solutions: Sequence[PostureModes] = ()

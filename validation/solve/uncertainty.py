@@ -140,7 +140,7 @@ def _displacements(statics: Statics) -> Array:
 
 
 def _lengths(displacements: Array) -> Array:
-    """Lengths of the translations and rotations (P×6L), repeated for each component."""
+    """Length of the translation or rotation to which each component belongs (P×6L)."""
     sizes = np.linalg.norm(displacements.reshape(len(displacements), -1, 3), axis=2)
     return np.repeat(sizes, 3, axis=1)
 
@@ -153,7 +153,8 @@ def _half_widths(
 ) -> list[HalfWidths]:
     """Half-widths of compliance, frequencies and displacements due to one kind of mesh.
 
-    `mesh_model` returns model and reading for each of the mesh `levels`.
+    `mesh_model` returns model and reading for each of the mesh `levels`. A number as `policy` is
+    the relative half-width itself; then no mesh is solved.
     """
     responses, statics, modes = solved.responses, solved.statics, solved.modes
 
@@ -193,9 +194,9 @@ def of_prisms(
 ) -> list[MeshUncertainty]:
     """Half-widths due to the mesh of prisms in each pose, from the change to a second mesh.
 
-    They are the change times Roache's factor, with the ratio r³ of the element counts (Celik et
-    al., J. Fluids Eng. 130 (2008) 078001). Infinite if the second mesh is finer and its divisions
-    are not `affordable`. Empty if there are no solid prisms.
+    They are the change times Roache's factor for the refinement ratio r, where r³ is the ratio of
+    the element counts (Celik et al., J. Fluids Eng. 130 (2008) 078001). Infinite if the second mesh
+    is finer and its divisions are not `affordable`. Empty if there are no solid prisms.
     """
     options, legs = solved.question.options, solved.legs
     if solved.question.model != "solid" or not legs:
@@ -275,9 +276,10 @@ def _brackets(solved: SolvedQuestion) -> list[HalfWidths]:
 def of_digits(solved: SolvedQuestion) -> list[HalfWidths] | None:
     """Half-widths due to the printed digits of the file's 6×6 in each pose. None if they are zero.
 
-    Compliances: 95 % quantile of the change by independent digits, as for references. Frequencies:
-    sum over all digits, an upper bound. Relative half-widths are those of the question's model with
-    few elements and with beams instead of solids, because they depend little on the model.
+    Compliances: 95 % quantile of the change due to independent errors of the digits, as for
+    references. Frequencies: sum of the changes due to each digit, an upper bound. Relative
+    half-widths are those of the question's model with few elements and with beams instead of
+    solids, because they depend little on the model.
     """
     robot, question = solved.responses.robot, solved.question
     if not robot.roundings:
@@ -336,7 +338,8 @@ def _diagonals_and_frequencies(
 def second_divisions(options: ModelOptions, legs: Sequence[Leg]) -> int:
     """Divisions of a second mesh, whose element sizes differ enough from those of the first mesh.
 
-    The first sufficient number of these: half the divisions, one, then ever larger numbers.
+    These numbers are tried in order: half the divisions of the first mesh, one, then each number
+    above those divisions. The first that suffices is returned.
 
     Round and thin-walled sections need so many elements that fewer divisions often give the same
     mesh, whose uncertainty would then appear to be zero.

@@ -59,9 +59,10 @@ _MAP_NUMBERS, _FEWEST_FOR_MAP = 2, 3
 
 @dataclass(frozen=True)
 class VariedAnswers:
-    """Answers for all combinations of the values of `variations`, in order.
+    """Answers for all combinations of the values of `variations`.
 
-    `choice`: the best robot for a purpose. None if there is no purpose.
+    `values`: combination for each robot, in the order of `solutions`. `choice`: the best robot for
+    a purpose. None if there is no purpose.
     """
 
     variations: tuple[Variation, ...]
@@ -231,8 +232,9 @@ def numbers_without_effect(answers: VariedAnswers) -> list[str]:
 def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:
     """Columns of the table, one row for each robot and posture.
 
-    Varied parameters, pose, deflections and frequencies. With a purpose, also its other quantities
-    (of the robot, in its worst pose), and "yes" or "no" for meeting all conditions.
+    Varied parameters, pose, deflections and frequencies. With a purpose, also its other quantities:
+    mass, and displacements under loads (of the robot, in its worst pose). With conditions, also
+    "yes" for a robot that meets all of them, otherwise "no".
     """
     rows = answers.rows
     table: dict[str, list[float | str]] = {
@@ -351,9 +353,8 @@ def _is_map(variations: Sequence[Variation], places: int) -> bool:
 def _maps(answers: VariedAnswers, y_label: str) -> list["Panel"]:
     """Maps over two varied parameters of all columns of the table of answers.
 
-    If an objective or conditions are given, there are maps of their quantities alone.
-
-    A star marks the best robot. The objective is blank where a condition is missed.
+    If an objective or conditions are given, there are maps of their quantities alone. A star marks
+    the best robot. The map of the objective is blank for robots that miss a condition.
     """
     from validation.drawing.chart import Contours, Panel  # noqa: PLC0415
 

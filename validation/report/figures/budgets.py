@@ -44,7 +44,7 @@ def budget_figure(
 
 
 def budget_curves(budgeted: Sequence[tuple[Outcome, Measurement]]) -> Chart:
-    """Chart of difference and named causes (left), and of unexplained part/tolerance (right)."""
+    """Chart of differences with named causes (left), and of unexplained parts over tolerances."""
     measurements = [measurement for _, measurement in budgeted]
     causes = {
         allowance.cause: np.zeros(len(budgeted))

@@ -212,7 +212,7 @@ def objective_panel(decision: Decision, x: Array) -> Panel:
 
 
 def _choices_sentence(varied: VariedCurves, variation: Variation) -> str:
-    """Sentence on the value that each model chooses for an objective, and on its loss."""
+    """Sentence on the value that each model chooses for an objective, and on this choice's loss."""
     decision, values = varied.decision, variation.values
     best = decision.best
     choices = []

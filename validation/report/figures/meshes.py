@@ -115,9 +115,9 @@ def _error(study: Study, index: int) -> float | None:
 
 
 def _sizes(study: Study) -> Array:
-    """Magnitudes of the errors in per cent, NaN below round-off.
+    """Magnitudes of the errors in per cent. NaN for an error below round-off.
 
-    If the study has no formal order, the result is its values.
+    If the study has no formal order, its values are returned instead.
     """
     if not study.formal_order:
         return np.array(_values(study))
@@ -128,9 +128,10 @@ def _sizes(study: Study) -> Array:
 
 
 def _bar(study: Study, sizes: Array) -> Array | None:
-    """Error bars (2×n, down and up, per cent) of n values. Only the finest has one (else NaN).
+    """Lengths (2×n, down and up, per cent) of the error bars of n errors `sizes`.
 
-    Its length is the half-width of the uncertainty. None if that is unknown.
+    The last error, that on the finest mesh, has a bar of the half-width of its uncertainty, but
+    downwards at most 90 % of the error. NaN for the others. None if the half-width is unknown.
     """
     width = study.uncertainties.get(study.variant)
     if width is None:
@@ -158,7 +159,10 @@ def _limit(study: Study) -> str:
 
 
 def _notes(ends: Sequence[tuple[float, float, str]]) -> list[Note]:
-    """Notes with the orders at the ends of curves (error, unknowns, text), stacked if close."""
+    """Notes with orders of convergence at the `ends` of curves, stacked if close to each other.
+
+    An end consists of error, unknowns and text.
+    """
     notes: list[Note] = []
     height, last = -3.0, 0.0
     for size, count, text in sorted(ends):

@@ -84,7 +84,11 @@ def _middle_posture(postures: Sequence[Posture]) -> Posture:
 def _modes_with_solid_parts(
     postures: tuple[Posture, ...], modes_of_run: int, count: int
 ) -> PostureModes:
-    """First `count` modes with CAD parts as solids, under the first end condition of the run."""
+    """First `count` modes with CAD parts as solids, under the first end condition of the file.
+
+    If the file leaves it open, interfaces are rigid. `modes_of_run`: number of modes that the run
+    computes, which determines the cut-off frequency.
+    """
     middle, mechanism = _middle_posture(postures), postures[0].mechanism
     parts = solid_parts(postures, modes_of_run, holding(mechanism).first)
     highest = min(part.highest for part in parts.values())

@@ -56,7 +56,7 @@ def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
 
 
 def measured_figures(robot_file: RobotFile) -> tuple[PlannedFigure, ...]:
-    """Figure of the measured response that belongs to measured values. () if none has one."""
+    """Figure of the measured response and the models. () if no measured value has a response."""
     group = FigureGroup(PATH, "")
     if any(value.response is not None for value in robot_file.measured):
         group.figure(
