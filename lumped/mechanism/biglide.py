@@ -207,8 +207,9 @@ def biglide(
 def family_member(a: float, leg1: Leg, leg2: Leg, alpha: float) -> tuple[float, Leg, Leg]:
     """Distance a (m) and legs of the robot with legs `alpha` times as long and the same stroke.
 
-    Eqs (10) and (11) of the paper: a = α (L10 + L20) − d. Legs known by a 6×6 are replaced by their
-    equivalent legs of constant section. The sections remain unchanged.
+    Eqs (10) and (11) of the paper: a = α (L10 + L20) − d with the stroke d and the lengths
+    L10 and L20 of `leg1` and `leg2`. A leg given by a 6×6 compliance is replaced by its equivalent
+    leg of constant section. Sections do not change with α.
     """
     stroke = Stroke(a, leg1.length, leg2.length)
     first, second = equivalent_leg(leg1), equivalent_leg(leg2)

@@ -106,9 +106,10 @@ def across_axis(normal: Array) -> Array:
 
 
 def constraints(joint: Joint) -> tuple[Array, Array, Array]:
-    """The 6 − f constraints of a joint with f free twists: vectors n (t×3), pairs b, c (r×3 each).
+    """Unit vectors n (t×3), b and c (r×3 each) of the constraints of a joint.
 
-    All rows are unit vectors. The forms of the constraints are given at the top of this module.
+    t constraints n·p = 0 on the position and r constraints b·R c = b·c on the rotation, as at the
+    top of this module. t + r is six minus the number of free twists.
     """
     slides, turns = free_axes(joint)
     all_axes = np.eye(3)

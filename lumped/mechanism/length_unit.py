@@ -22,7 +22,7 @@ class UnitOfLength:
     per_metre: float
 
     def of(self, metres: float) -> float:
-        """Length of `metres` in this unit, rounded so that a value typed in it is recovered."""
+        """Convert `metres` to this unit, rounded so that a value typed in it is recovered."""
         return float(f"{metres * self.per_metre:.{_DIGITS}g}")
 
     def shown(self, metres: float, digits: int = 6) -> str:

@@ -1,4 +1,4 @@
-"""Robot files of schema 1, which describe the biglide, as a mechanism of bodies and joints."""
+"""Conversion of robot files of schema 1 (the biglide) to a mechanism of bodies and joints."""
 
 from collections.abc import Mapping
 from dataclasses import replace

@@ -40,8 +40,8 @@ def read_measured(
 
     The columns of the file are quantity, pose, value, uncertainty, source and, if needed, load. In
     the column pose, spaces separate the coordinates along the `moves` of the tool. Lengths are in
-    `unit`. `responses` are the names of the values of harmonic responses. Raises InputError with
-    one line per fault.
+    `unit`. `responses` are the names of judged numbers of the robot's harmonic responses. Raises
+    InputError with one line per fault.
     """
     rows = table_rows(path, "a CSV file of measured values", _COLUMNS, MEASURED_VALUES.most)
     rules, values, faults = MEASURED.in_unit(unit, moves), [], []
@@ -63,7 +63,7 @@ def read_measured(
 
 
 def measured_of(entry: MeasuredEntry, location: str, responses: Sequence[str]) -> Measured:
-    """Measured value from an entry. Raises InputError like `measured_value`."""
+    """Measured value from an entry. Raises InputError with the `location` if it has faults."""
     return measured_value(
         entry.quantity,
         location,

@@ -32,9 +32,9 @@ class Hammer(NamedTuple):
     nodes: Mapping[int, tuple[str, Frame]]
 
     def freedoms(self, ends: Iterable[Iterable[int]]) -> Freedoms:
-        """Motions of nodes along their axes.
+        """Displacements of nodes along one of their axes, in the order of `ends`.
 
-        `ends` contains pairs: the number of a node, and one of its axes (0 to 2).
+        Each of the `ends` is a pair: the number of a node, and one of its axes (0 to 2).
         """
         motions = [(*self.nodes[number], axis) for number, axis in ends]
         return Freedoms(

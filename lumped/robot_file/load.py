@@ -72,13 +72,13 @@ class RobotFile:
     `source` is the path as typed or, if `built_in`, the name of the robot. `text` is the text of
     the file and `sha256` the hexadecimal digest of the file and of the files to which it refers.
     `schema` is the format of the file: 2 for a mechanism of named bodies and joints, 1 for the
-    biglide.
-    `corrections` are misprints in the source of the data. `requirement` limits the errors of the
-    robot's models, `measured` are measured values, `agreement` limits the differences between
-    formulations. `stated` are the relative standard uncertainties in the file: pairs (key,
-    uncertainty). `supposed` is that of all moduli, lengths and stiffnesses, which is used if the
-    file does not state any. `changes` are numbers or matrices that replace those of the text, by
-    key. `modal_test` is the table [hammer], if there is one.
+    biglide. `corrections` are misprints in the source of the data. `requirement` limits the errors
+    of the robot's models, `measured` are measured values, `agreement` limits the differences
+    between formulations. `stated` are the relative standard uncertainties in the file: pairs (key,
+    uncertainty). If there are none, all keys E, length, stiffness and compliance have the relative
+    standard uncertainty `supposed`, or none if `supposed` is None. `changes` are numbers or
+    matrices that replace those of the text, by key. `modal_test` is the table [hammer], None
+    without one.
     """
 
     mechanism: Mechanism

@@ -169,10 +169,10 @@ def _point_faults(
 
 
 def _body_of(point: str | None, owner: str | None, robot: Mechanism) -> str | None:
-    """Name of the body that has a point, the tool's if None. None if no body has such a point.
+    """Name of the body that has `point` (None: the tool's point). None if there is no such body.
 
-    The body is `owner`, or otherwise the body of the tool, otherwise the first body in the file
-    that has the point.
+    If `owner` is given, only this body is searched; otherwise first the body of the tool, then all
+    bodies in the order of the file.
     """
     first = (robot.tool.body, *(name for name in robot.bodies if name != GROUND))
     names = first if owner is None else (owner,)

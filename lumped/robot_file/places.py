@@ -55,8 +55,8 @@ def numbers_of(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
 def keys_named(tables: Mapping[str, Any], names: Collection[str]) -> list[str]:
     """Keys of numbers and matrices in the tables whose last part is one of `names`.
 
-    If a table within an entry has such a name, as in `joints.a.stiffness`, the keys of all numbers
-    in the table.
+    If a table within an entry has such a name, as in `joints.a.stiffness`, all keys of numbers in
+    this table are included.
     """
     keys = dict.fromkeys(key.partition("[")[0] for key, _ in numbers_of(tables))
     parts = {key: key.split(".") for key in keys}

@@ -126,7 +126,7 @@ def decimal_tables(text: str) -> Mapping[str, Any]:
 
 
 def _as_printed(number: str) -> Decimal | float:
-    """Number with its digits. A float (zero or infinite) if Decimal has no such exponent."""
+    """Decimal with all digits of `number`. A float (0 or infinite) if its exponent is too large."""
     try:
         return Decimal(number)
     except InvalidOperation:

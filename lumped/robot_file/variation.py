@@ -59,7 +59,7 @@ def variations_of(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variatio
 def varied(
     robot_file: RobotFile, variations: Sequence[Variation]
 ) -> list[tuple[tuple[float, ...], RobotFile]]:
-    """Yield each combination of the values of `variations` with its robot file.
+    """Each combination of the values of `variations`, and the robot file with these values.
 
     Raises InputError for the first impossible robot only, because others are usually impossible for
     the same reason.

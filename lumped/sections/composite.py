@@ -44,9 +44,10 @@ _BESIDE = 10.0 * TOUCHING
 class CompositePart:
     """A shape of one isotropic material: E (Pa), ν, ρ (kg/m³).
 
-    `at` (y, z, m) is the position of the shape's own origin: the middle of shapes with two axes of
-    symmetry, the corner at the smaller y and z of a channel or an angle, the lower end of a tee's
-    middle line, and the origin of a polygon's coordinates.
+    `at` (y, z, m) is the position of the shape's origin in the composite's coordinates. This origin
+    is the middle of shapes with two axes of symmetry, the corner at the smaller y and z of a
+    channel or an angle, the lower end of a tee's middle line, and the origin of a polygon's
+    coordinates.
     """
 
     section: Section
@@ -98,10 +99,11 @@ def _ring(diameter: float) -> Loop:
 
 @dataclass(frozen=True)
 class Composite(EdgedSection):
-    """Parts of different materials that touch along edges and do not overlap.
+    """Section of parts of different materials that touch along edges and do not overlap.
 
-    Its constants are those of a section of the `mean_material`: E times `second_moment_y` is EIy,
-    G times `torsion_constant` is GJ, ρ times `inertia_moments` are the rotary inertias per length.
+    Its constants belong to the `mean_material`: E of this material times `second_moment_y` is EIy,
+    its G times `torsion_constant` is GJ, and its ρ times `inertia_moments` are the rotary inertias
+    per length.
     """
 
     parts: tuple[CompositePart, ...]
@@ -113,7 +115,7 @@ class Composite(EdgedSection):
 
     @property
     def centred_loops(self) -> tuple[tuple[Loop, ...], ...]:
-        """Loops of each part in coordinates from the centroid of the stiffness."""
+        """Loops of each part, with the centroid weighted by Young's moduli as origin (m)."""
         centroid, _ = _stiffness_moments(self)
         return tuple(tuple(loop - centroid for loop in part.loops) for part in self.parts)
 
@@ -149,7 +151,7 @@ class Composite(EdgedSection):
 
     @property
     def part_moments(self) -> tuple[Array, ...]:
-        """Matrices Σ = ∫ s sᵀ dA (2×2, m⁴) of the parts about the centroid of the stiffness."""
+        """Unweighted Σ = ∫ s sᵀ dA (2×2, m⁴) of each part about the E-weighted centroid."""
         centred = [area_moments(loops) for loops in self.centred_loops]
         return tuple(
             moments + area * np.outer(centroid, centroid) for area, centroid, moments in centred
@@ -199,9 +201,9 @@ def _stiffness_moments(section: Composite) -> tuple[Array, Array]:
 
 @memo(64)
 def _mass_moments(section: Composite) -> tuple[Array, Array]:
-    """Centre of mass (2, in m), and ∫ s sᵀ dA (2×2, in m⁴) about the centroid of the stiffness.
+    """Centre of mass (2, in m), and ∫ s sᵀ dA (2×2, in m⁴) about the E-weighted centroid.
 
-    Both are weighted by the density over its mean.
+    Both integrals are weighted by the density of each part divided by the mean density.
     """
     *_, rho = section.mean_material
     area, centre, moments = weighted_moments(_regions(section, "rho", rho))
@@ -232,12 +234,12 @@ def _solution(section: Composite, modulus: str) -> tuple[RimSolution, float]:
 
 
 def _regions(section: Composite, constant: str, mean: float) -> list[Region]:
-    """Regions of the parts, weighted by the part's `constant` ("E", "rho", …) over its `mean`."""
+    """Region of each part; weight: its `constant` ("E", "G" or "rho") divided by `mean`."""
     return [Region(part.loops, getattr(part, constant) / mean) for part in section.parts]
 
 
 def part_faults(regions: Sequence[Sequence[Loop]]) -> list[str]:
-    """Faults of parts that overlap, or that are not joined along edges into one piece."""
+    """Faults of parts, each given by its loops, that overlap or are not joined into one piece."""
     names = [f"parts[{number}]" for number in range(1, len(regions) + 1)]
     corners = np.vstack([loop for loops in regions for loop in loops])
     size = float(np.ptp(corners, axis=0).max())
@@ -280,11 +282,11 @@ def _overlap(first: Sequence[Loop], second: Sequence[Loop], size: float) -> bool
 
 
 def _crossing(starts: Array, ends: Array, gap: float) -> bool:
-    """True if two edges cross between their ends."""
+    """True if two edges cross, with all ends more than `gap` away from the other edge's line."""
     ways = ends - starts
 
     def sides(points: Array) -> Array:
-        """Distances (e×e) by which points (columns) are to the left of lines of edges (rows)."""
+        """Distance (e×e) of each point (column) from the line of each edge (row), left positive."""
         away = points[None] - starts[:, None]
         cross = ways[:, None, 0] * away[..., 1] - ways[:, None, 1] * away[..., 0]
         return np.asarray(cross / np.linalg.norm(ways, axis=1)[:, None])

@@ -35,7 +35,7 @@ class EdgedSection(Section):
         return float(y * size), float(z * size)
 
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
-        """κ for shear along y and along z from the strain energy: ∫τ²/G dA = V²/κGA."""
+        """κ for a force V along y and along z, from its strain energy: ∫τ²/G dA = V²/κGA."""
         flexibility = self._shear_flexibility(nu)
         return 1.0 / float(flexibility[0, 0]), 1.0 / float(flexibility[1, 1])
 

@@ -92,8 +92,8 @@ class Layer:
 class Laminate(Section):
     """Thin wall of `layers` from the inside outwards.
 
-    The section constants are such that, with the `mean_material`, they give the stiffnesses of the
-    wall.
+    Section constants times the moduli of the `mean_material` are the stiffnesses of the section:
+    E times `second_moment_y` is EIy, G times `torsion_constant` is GJ.
     """
 
     layers: tuple[Layer, ...]
@@ -146,7 +146,7 @@ class Laminate(Section):
         return np.array([getattr(layer, name) for layer in self.layers])
 
     def _sum(self, weights: Array) -> Array:
-        """Sum (3×3) of the layers' Q̄, each times its weight."""
+        """Sum (3×3) of the layers' Q̄ times `weights` (one per layer)."""
         stiffnesses = np.array([layer.stiffness for layer in self.layers])
         return np.asarray(np.tensordot(weights, stiffnesses, axes=1))
 
@@ -182,22 +182,22 @@ class Laminate(Section):
 
     @property
     def tensions(self) -> Array:
-        """Axial stresses (Pa, one per layer) for a unit axial strain with free circumference."""
+        """Axial stresses (Pa, one per layer) for εx = 1 without hoop or shear force in the wall."""
         return np.array([layer.stiffness[0] @ self._unit_strains for layer in self.layers])
 
     @property
     def _shears(self) -> Array:
-        """Shear moduli (Pa, one per layer) along the circumference."""
+        """Stresses τxs (Pa, one per layer) for γxs = 1 without other strains: Q̄66."""
         return np.array([layer.stiffness[2, 2] for layer in self.layers])
 
     @property
     def shear_ratio(self) -> float:
-        """Largest shear modulus along the wall over the smallest one across it."""
+        """Largest in-plane shear modulus Q̄66 of the layers, divided by their smallest G12."""
         return float(self._shears.max() / self._of_layers("G12").min())
 
     @property
     def lone_tensions(self) -> Array:
-        """Axial stresses (Pa, one per layer) for a unit strain of layers that are not bonded."""
+        """Axial stress (Pa) of each layer under unit axial strain if the layers were not bonded."""
         return np.array([1.0 / np.linalg.inv(layer.stiffness)[0, 0] for layer in self.layers])
 
     @property
@@ -216,7 +216,7 @@ class Laminate(Section):
 
     @property
     def wall(self) -> Array:
-        """A (3×3, in N/m) of the wall: forces per width from strains."""
+        """A = Σ Q̄ t (3×3, in N/m) of the wall: forces per width from strains (εx, εs, γxs)."""
         return self._sum(self.thicknesses)
 
     def faults(self, unit: str = "m") -> list[str]:
@@ -254,20 +254,21 @@ class Laminate(Section):
     @property
     @abstractmethod
     def _unit_couplings(self) -> tuple[float, float]:
-        """∮ n q ds (1/m²) of unit loads on the middle line: of N and T, and of Qy and My.
+        """Integrals ∮ n q ds (1/m²) along the middle line, for n and q of the module docstring.
 
-        That of Qz and Mz equals the second one.
+        First: n due to N = 1, q due to T = 1. Second: n due to My = 1, q due to Qy = 1. Mz with Qz
+        has the same integral as My with Qy.
         """
 
     @property
     def _free_shear(self) -> float:
-        """Shear stiffness A66 without axial force, 1/a66, over that without axial strain."""
+        """Shear stiffness of the wall with free strains εx and εs, 1/a66, divided by A66."""
         wall = self.wall
         return 1.0 / float(np.linalg.inv(wall)[2, 2] * wall[2, 2])
 
 
 def _tension(sums: Array) -> float:
-    """Stiffness in tension along the axis, with free circumference, from `sums` (3×3) of Q̄."""
+    """Tensile stiffness 1/(S⁻¹)₁₁ along the axis, from the sum S = `sums` (3×3) of weighted Q̄."""
     return float(1.0 / np.linalg.inv(sums)[0, 0])
 
 
@@ -360,7 +361,7 @@ class LaminateBox(Laminate):
         return shear * _box_shear_length(h, b), shear * _box_shear_length(b, h)
 
     def _line(self, moduli: Array) -> tuple[float, float]:
-        """Width and height (m) of the line in the wall that `moduli` (one per layer) weight."""
+        """Width and height (m) of the line at the layers' mean depth, weighted by modulus · t."""
         outer_sides = np.cumsum(self.thicknesses[::-1])[::-1]
         depths = outer_sides - 0.5 * self.thicknesses
         weights = moduli * self.thicknesses

@@ -173,7 +173,7 @@ class Polygon(OutlinedSection):
 
 
 def _oriented(loop: Loop, direction: float) -> Loop:
-    """The closed line counter-clockwise for a positive `direction`, otherwise clockwise."""
+    """Corners in counter-clockwise order if `direction` is positive, otherwise clockwise."""
     return loop if _signed_area(loop) * direction > 0.0 else loop[::-1]
 
 
@@ -183,9 +183,9 @@ def _signed_area(loop: Loop) -> float:
 
 
 def _loop_faults(name: str, loop: Loop, gap: float) -> list[str]:
-    """Faults of one closed line.
+    """Fault of the closed line `name`: repeated point, edges within `gap` (m), or turn back.
 
-    Only the first crossing is reported: one wrong point causes many.
+    Empty if there is none. Only the first fault is reported, because one wrong point causes many.
     """
     count = len(loop)
     lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
@@ -244,7 +244,7 @@ def _edge_distances(first: Loop, second: Loop) -> Array:
 
 
 def distances_to_edges(point: Array, loop: Loop) -> Array:
-    """Distance (n values, in m) of a point from each edge of a closed line.
+    """Distance (n values, in m) of a point from each edge of a closed line with n corners.
 
     Edge i starts at corner i.
     """

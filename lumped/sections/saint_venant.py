@@ -19,11 +19,11 @@ on quadratic elements whose integrals are evaluated in closed form. Element leng
 geometrically towards corners, where u has a term r^(π/α) with the interior angle α. The same
 constants are computed by finite elements in `fem.sections`.
 
-A section may consist of regions whose moduli E and G are w times those of a reference material, of
-one r. Then Σ, c and the integrals over the section are weighted by w, u is continuous across edges
-between regions and w times its flux has a given jump. The sum of the regions' boundary integral
-equations, each times its w, has u as its only unknown; integrals over the rim become integrals over
-all edges, weighted by the jump of w from the right of an edge to its left.
+A section may consist of regions with the same r, whose moduli E and G are w times those of a
+reference material. Then Σ, c and the integrals over the section are weighted by w. Across an edge
+between regions u is continuous, and w ∂u/∂n has a prescribed jump. The sum of the regions' boundary
+integral equations, each times its w, has u as its only unknown; integrals over the rim become
+integrals over all edges, weighted by the jump of w from the right of an edge to its left.
 """
 
 from collections.abc import Callable, Sequence
@@ -69,7 +69,7 @@ _CHUNK = 256
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """Part of a section, bounded by `loops`, with moduli `weight` times those of the reference."""
+    """Part of a section within `loops`; its moduli are `weight` times those of a reference."""
 
     loops: Sequence[Loop]
     weight: float = 1.0
@@ -77,7 +77,7 @@ class Region:
 
 @dataclass(frozen=True, eq=False)
 class _Edges:
-    """Edges of regions with a jump of the weight.
+    """Edges at which the weight of the regions jumps, also to 0 outside the section.
 
     `vertices` (V×2) are points, and `ends` (e×2) the indices of the vertices of each edge. `jumps`
     (e) is the weight to the left of each edge minus that to its right. `smallest` (V) is the length
@@ -141,12 +141,12 @@ def _shapes(coordinates: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class RimSolution:
-    """Torsion and flexure of a polygon whose sides are of order 1.
+    """Torsion and flexure of a section scaled to a size of about 1.
 
-    `area`, `torsion_constant` J, `shear_centre` (2) relative to the centroid. `shear_energies`
-    (3×2×2) are the coefficients of 1, r, r² in the integrals ∫ τ_f·τ_g/w dA of the stresses due to
-    unit forces f and g (along y, z) through the shear centre. These forces do no work on twist.
-    All are weighted by the w of the regions.
+    `area` and `torsion_constant` J are weighted by the weight w of the regions. `shear_centre` (2)
+    is relative to the weighted centroid. `shear_energies` (3×2×2) are the coefficients of 1, r, r²
+    (r = νG/E) in the integrals ∫ τ_f·τ_g/w dA of the stresses due to unit forces f and g (along y,
+    z) through the shear centre, which do no work on twist.
     """
 
     area: float
@@ -182,9 +182,9 @@ def weighted_moments(regions: Sequence[Region]) -> tuple[float, Array, Array]:
 
 
 def rim_solution(regions: Sequence[Region]) -> RimSolution:
-    """Torsion and flexure of a section of polygons, by integrals over its edges.
+    """Torsion and flexure of a section that consists of `regions`, scaled to a size of about 1.
 
-    The loops of `regions` bound it; loops around holes are clockwise.
+    Outlines in `loops` are counter-clockwise, holes clockwise.
     """
     area, centroid, moments = weighted_moments(regions)
     centred = [
@@ -247,9 +247,9 @@ def rim_solution(regions: Sequence[Region]) -> RimSolution:
 
 
 def _polynomials(slopes: Array, y: Array, z: Array) -> Array:
-    """Polynomials P_0 and P_1 for unit forces along y and z.
+    """Polynomials P_0 and P_1 of the flexure, for unit forces along y and z.
 
-    Axes of the array: force, power of r, component, points.
+    Axes of the array: force, power of r (0 or 1), component (y or z), points. `slopes` is Σ⁻¹.
     """
     fields = np.zeros((2, 2, 2, *y.shape))
     for force, (c1, c2) in enumerate(slopes):
@@ -260,7 +260,7 @@ def _polynomials(slopes: Array, y: Array, z: Array) -> Array:
 
 
 def _polygon_integral(loops: Sequence[Loop], integrand: _Integrand) -> Array:
-    """Integral over a polygon of a polynomial of degree up to ten, by triangles at the origin."""
+    """Integral of a polynomial (degree ≤ 10) over a polygon, by triangles from edges to origin."""
     shares, weights = _unit_gauss()
     total: Array | float = 0.0
     for loop in loops:
@@ -316,7 +316,7 @@ class Partition:
     right: IntArray
 
     def vertices_along(self, loop: Loop) -> list[int]:
-        """Numbers of all vertices on a closed line, in its order."""
+        """Indices of all vertices on the closed line `loop`, in the order of its corners."""
         numbers: list[int] = []
         gap = TOUCHING * float(np.ptp(self.vertices, axis=0).max())
         for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):
@@ -362,9 +362,9 @@ def _smallest_at_vertices(partition: Partition, is_kept: NDArray[np.bool_]) -> A
     """Length of the boundary elements at each vertex of several regions.
 
     `is_kept` is True for the edges that have elements. If edges of two regions meet at a vertex,
-    displacements have a term r^λ, with λ above ½ except for extreme ratios of the moduli. There is
-    no such term if the edges continue straight through the vertex, with at most a perpendicular
-    branch.
+    displacements have a term r^λ in the distance r from it, with λ above ½ except for extreme
+    ratios of the moduli. There is no such term if the edges continue straight through the vertex,
+    with at most a perpendicular branch.
     """
     smallest = np.full(len(partition.vertices), np.inf)
     for number, vertex in enumerate(partition.vertices):
@@ -386,9 +386,9 @@ def _smallest_at_vertices(partition: Partition, is_kept: NDArray[np.bool_]) -> A
 
 
 def _sharpest_opening(openings: Array, filled: NDArray[np.bool_]) -> float:
-    """Interior angle (rad) of a corner whose stress singularity represents that at a vertex.
+    """Interior angle (rad) of a corner with which the singularity at a vertex is estimated.
 
-    0 if there is no singularity. `openings` (rad) are the angles of the sectors about a vertex.
+    0 if there is no singularity. `openings` (rad) are the angles of the sectors about the vertex.
     `filled` is True for sectors that belong to a region.
     """
     if np.count_nonzero(filled) == 1:
@@ -456,7 +456,7 @@ def is_inside(loops: Sequence[Loop], point: Array) -> bool:
 
 
 def _smallest_elements(loop: Loop) -> Array:
-    """Length (n) of the elements at each corner, as required by the singular term r^(π/α)."""
+    """Length (n) of the elements at each corner, small enough for the singular term r^(π/α)."""
     lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
     shorter = np.minimum(lengths, np.roll(lengths, 1))
     inner = inner_angles(loop)
@@ -484,11 +484,11 @@ def _graded(start: Array, direction: Array, corners: Array, smallest: Array) -> 
 
 
 def _potentials(rim: _Rim, fluxes: Array) -> Array:
-    """Harmonic functions (N×m, mean zero) on the boundary for given normal derivatives ∂u/∂n.
+    """Nodal values (N×m) of m harmonic functions u of mean zero, from their normal derivatives.
 
-    `fluxes` are ∂u/∂n, quadratic along each element. The weight w (relative modulus) of the regions
-    jumps from one side of an element to the other; the jump of w ∂u/∂n is the jump of w times the
-    flux.
+    `fluxes` (E×q×m) are ∂u/∂n at the Gauss points, quadratic along each element. The weight w
+    (relative modulus) of the regions jumps from one side of an element to the other; the jump of
+    w ∂u/∂n is the jump of w times the flux.
     """
     fit = np.linalg.pinv(_shapes(_unit_gauss()[0]))
     fluxes = fluxes * rim.jumps[:, None, None]
@@ -513,7 +513,10 @@ def _potentials(rim: _Rim, fluxes: Array) -> Array:
 
 
 def _layers(rim: _Rim, points: Array) -> tuple[Array, Array]:
-    """Integrals ∫ N_k G ds and ∫ N_k ∂G/∂n ds (p×E×3) over all elements, for `points` (p×2)."""
+    """Integrals ∫ N_k G ds and ∫ N_k ∂G/∂n ds (p×E×3) over all elements, for `points` (p×2).
+
+    N_k are the shape functions of an element, G is Green's function of a point.
+    """
     starts = rim.nodes[rim.cells[:, 0]]
     away = points[:, None] - starts
     foot = np.einsum("ped,ed->pe", away, rim.along)
@@ -538,8 +541,9 @@ def _layers(rim: _Rim, points: Array) -> tuple[Array, Array]:
 def _exact_layers(foot: Array, height: Array, length: Array) -> tuple[Array, Array]:
     """Integrals ∫ N_k ln r ds and ∫ N_k h/r² ds (m×3) over straight elements in closed form.
 
-    The points lie at `foot` along the element and at `height` h beside it. With v = s − foot, the
-    integrals ∫ vᵏ ln r dv and ∫ vᵏ h/r² dv for k = 0, 1, 2 are evaluated at both ends.
+    N_k are the shape functions, r is the distance from a point. The m points lie at `foot` along
+    the element and at `height` h beside it. With v = s − foot, the integrals ∫ vᵏ ln r dv and
+    ∫ vᵏ h/r² dv for k = 0, 1, 2 are evaluated at both ends.
     """
     logs, angles = [], []
     for v in (length - foot, -foot):

@@ -94,10 +94,10 @@ class Section(ABC):
 
     @property
     def couplings(self) -> tuple[float, float, float]:
-        """Strains per load that couple unlike deformations, zero for all but helical fibres.
+        """Compliances (1/(N m)) that couple tension with torsion, and shear with bending.
 
-        Rate of twist (rad/m) per axial force (N), and rates of φy and φz (rad/m) per shear force
-        (N) along y and along z: 1/(N m).
+        Rate of twist (rad/m) per axial force (N); rate of the rotation φy per shear force along y;
+        rate of φz per shear force along z. Zero except for unbalanced layups (helical fibres).
         """
         return 0.0, 0.0, 0.0
 
@@ -121,7 +121,7 @@ class Section(ABC):
         return wrong or self._own_faults(unit)
 
     def _own_faults(self, unit: str) -> list[str]:  # noqa: ARG002
-        """Faults of the combination of dimensions, each of which is above zero."""
+        """Faults of dimensions that are all above zero but do not fit together."""
         return []
 
 

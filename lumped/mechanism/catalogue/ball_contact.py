@@ -71,12 +71,12 @@ class BallBearing:
 
     @property
     def distance(self) -> float:
-        """Distance A (m) of the centres of both grooves without load."""
+        """Distance A (m) between the centres of the two grooves without load."""
         return (self.inner + self.outer - 1.0) * self.ball_diameter
 
     @property
     def contact_constant(self) -> float:
-        """Constant c (N/m^1.5) of a ball with its contacts to both rings in series."""
+        """Constant c (N/m^1.5) of Q = c δ^(3/2), with the contacts to both rings in series."""
         D = self.ball_diameter
         gamma = D * np.cos(self.angle) / self.pitch_diameter
         along = 2.0 / D * np.array([gamma / (1.0 - gamma), -gamma / (1.0 + gamma)])
@@ -185,7 +185,7 @@ def bearing_stiffness(
 
 
 def bearing_compliance(stiffness: Array) -> Array:
-    """6×6 compliance of a bearing, x along the shaft. Zero for the rotation about the shaft."""
+    """6×6 compliance of a bearing, x along the shaft; 0 for the free rotation about the shaft."""
     elastic = [0, 1, 2, 4, 5]
     compliance = np.zeros((6, 6))
     compliance[np.ix_(elastic, elastic)] = np.linalg.inv(stiffness[np.ix_(elastic, elastic)])

@@ -64,7 +64,7 @@ class BallGuide:
 
 
 def guide_compliance(stiffness: Array) -> Array:
-    """6×6 compliance of a guide, x along the rail. Zero for the free motion along the rail."""
+    """6×6 compliance of a guide, x along the rail; 0 for the free motion along the rail."""
     compliance = np.zeros((6, 6))
     compliance[1:, 1:] = np.linalg.inv(stiffness[1:, 1:])
     return compliance

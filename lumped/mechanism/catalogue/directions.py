@@ -1,7 +1,7 @@
 """Named directions of joints, and matrices of stiffness or damping along them.
 
-The x axis of a joint is the axis of its kind; of a universal joint, the normal of its two axes in
-the reference posture; of a spherical or fixed one, the direction `up`. The z axis of a prismatic
+The x axis of a joint is its axis; for a universal joint the normal of its two axes in the
+reference posture; for a spherical or fixed joint the direction `up`. The z axis of a prismatic
 joint is as close to `up` as possible: x is along the slide, y lateral, z normal, and roll, pitch
 and yaw are rotations about these axes. The other kinds have equal values along y and z.
 """
@@ -99,10 +99,10 @@ def joint_axes(kind: JointKind, axes: Array, up: Array | None) -> Array:
 
 
 def joint_matrix(kind: JointKind, axes: Array, values: Mapping[str, float]) -> Array | None:
-    """Symmetric 6×6 matrix in base axes, with `values` along the directions of a kind of joint.
+    """Symmetric 6×6 matrix in base axes, from `values` by the names of a joint's directions.
 
-    `axes` (3×3) are those of the joint. The matrix is zero along all other directions. None if all
-    values are zero.
+    `axes` (3×3) are those of `joint_axes`. The matrix is zero along directions without a value.
+    None if all values are zero.
     """
     diagonal = np.zeros(6)
     for name, value in values.items():

@@ -49,8 +49,8 @@ class OffAxis(NamedTuple):
 def off_axes(mechanism: Mechanism) -> list[OffAxis]:
     """Joints whose axis, if wrong, would alone explain why the tool cannot move as prescribed.
 
-    Only joints with about the smallest change of axis are included. The first ones are those whose
-    required axis is parallel to the axes of most other joints.
+    Only joints whose axis must turn by about the smallest angle are included. They are sorted by
+    the number of axes of other joints that are parallel to the required axis, most first.
     """
     closure = closure_of(mechanism)
     jacobian = closure.jacobian(closure.reference)

@@ -120,7 +120,7 @@ def mobility_at(closure: Closure, placement: Placement) -> Mobility:
 
 
 def _touched(names: Iterable[str], shares: Array) -> tuple[str, ...]:
-    """Those of `names` whose row of `shares` is not zero."""
+    """Names whose row in `shares` is not zero."""
     largest = np.abs(shares).max(axis=1, initial=0.0)
     return tuple(
         name for name, row_maximum in zip(names, largest, strict=True) if row_maximum > _ZERO

@@ -68,9 +68,9 @@ def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> 
 
     The pose is approached from `start`, by default the reference posture, along a straight line of
     intermediate poses. Raises InputError if the joints do not close in the reference posture.
-    Raises PoseError if the pose cannot be reached (with the joint that opens and the part of the
-    path that is possible), if the drives do not fix the tool, or if the moves of the tool do not
-    determine the posture.
+    Raises PoseError if the pose cannot be reached (the message names the joint that opens and the
+    part of the path that is possible), if the drives do not fix the tool, or if the moves of the
+    tool do not determine the posture.
     """
     target = _checked(mechanism, pose)
     if start is None:

@@ -48,7 +48,7 @@ from lumped.screws import turn_matrix
 
 
 def mechanism_of(description: Draft, entry: MechanismEntry, folder: Path) -> Mechanism:
-    """Mechanism of a robot file, `entry`, and its draft, both without faults.
+    """Mechanism from the `entry` of a robot file and its draft `description`, without faults.
 
     Paths of files are relative to `folder`.
     """

@@ -101,7 +101,7 @@ class JointDraft:
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """Entries of a robot file without faults, by name, and the `faults` of the others' keys.
+    """Entries of a robot file that have no faults, by name; `faults`: those of all other entries.
 
     `names` contains the names of all entries, also of those with faults. `entry` is the whole file,
     None if it has faults.

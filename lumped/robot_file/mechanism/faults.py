@@ -87,7 +87,7 @@ def _unknown_names(description: Draft) -> Iterator[str]:
 
 
 def _references(description: Draft) -> Iterator[tuple[str, str, str]]:
-    """Location of each reference in bodies and joints, and name and table of the entry meant."""
+    """Location of each reference in bodies and joints; name and table of its target entry."""
     bodies = {name: body.entry for name, body in description.bodies.items()}
     joints = {name: joint.entry for name, joint in description.joints.items()}
     yield from _names_within("bodies", bodies)

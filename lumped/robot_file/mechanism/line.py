@@ -89,7 +89,7 @@ def leg_line(
 
 
 def _misplaced_keys(body: BodyEntry, names: Sequence[str], key: str) -> list[str]:
-    """Faults of the keys `names` of a line if another key of the leg excludes them."""
+    """Faults of the keys `names` if the leg has a compliance or several materials, one for each."""
     if body.compliance is not None:
         reason = f"must be left out, because {key}.compliance is that of the whole leg"
         return [f"{key}.{name}: {reason}" for name in names]

@@ -470,7 +470,7 @@ def path_faults(path: PathEntry, moves: Sequence[str]) -> Iterator[str]:
 
 
 def _present_keys(entry: object, *names: str) -> list[str]:
-    """Those of the keys `names` that an entry has with a value."""
+    """Keys among `names` that have a value in `entry`."""
     return [name for name in names if getattr(entry, field_of(name), None) is not None]
 
 

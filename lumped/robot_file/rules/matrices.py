@@ -86,7 +86,7 @@ def symmetric(rows: Any) -> Array:
 
 @dataclass(frozen=True)
 class SquareMatrix(Rule):
-    """Rule for a symmetric, positive definite matrix with `size` rows: compliance or inertia."""
+    """Rule for a positive definite matrix with `size` rows: `compliance`, otherwise inertia."""
 
     written = (list,)
     size: int

@@ -149,7 +149,7 @@ def _direction_keys() -> Iterator[tuple[str, Direction, str]]:
 
 
 def _given(**values: Spring | None) -> Mapping[str, Spring]:
-    """Numbers by the names of their directions, without those that are left out."""
+    """Values by the names of their directions, without directions whose value is None."""
     return {name: value for name, value in values.items() if value is not None}
 
 

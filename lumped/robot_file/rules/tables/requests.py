@@ -174,7 +174,7 @@ class DampingEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class MotionEntry:
-    """Displacement of a harmonic response."""
+    """Displacement that is computed as harmonic response: its point and direction."""
 
     point: Annotated[str | None, Value(POINT_NAME, "point whose displacement is computed")]
     body: Annotated[
@@ -239,7 +239,7 @@ class ResponseEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class AcceptEntry:
-    """Accepted errors of models. `limits` are those of single unit loads, by name."""
+    """Accepted errors of models. `limits`: relative errors of deflection, by unit load."""
 
     deflection: float
     displacement: float | None

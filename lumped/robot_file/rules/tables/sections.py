@@ -66,7 +66,7 @@ _PLY_RATIO = Number(above=-10.0, below=10.0)
 
 @dataclass(frozen=True, kw_only=True)
 class MaterialEntry:
-    """Isotropic material. `G` is given only for a leg whose shear modulus is independent."""
+    """Isotropic material. `G` is only for legs, if it differs from E/2(1 + ν)."""
 
     E: Annotated[float, Value(_YOUNGS_MODULUS, "Young's modulus")]
     nu: Annotated[float, Value(_POISSONS_RATIO, "Poisson's ratio")]
@@ -83,7 +83,7 @@ MATERIAL_OR_NAME = Either(MATERIAL_NAME, MATERIAL)
 
 @dataclass(frozen=True, kw_only=True)
 class PlyEntry:
-    """Keys of a layer of a laminate, except its angle. A layer takes over what it lacks."""
+    """Constants of all layers of a laminate, except keys that a layer gives itself."""
 
     E1: Annotated[float | None, Value(_YOUNGS_MODULUS, "Young's modulus along the fibres")] = None
     E2: Annotated[float | None, Value(_YOUNGS_MODULUS, "Young's modulus across the fibres")] = None
@@ -346,7 +346,7 @@ _PLACE_ON_LINE = Either(
 
 
 class Station(NamedTuple):
-    """Section of a leg `at` a named point of its line, or at a share of the line's length."""
+    """Section of a leg `at` a named point of its line, or at a fraction of its length (0 to 1)."""
 
     at: str | float
     section: Section

@@ -59,7 +59,7 @@ BODY_NAME, MATERIAL_NAME, POINT_NAME = (
 
 
 def given(value: _Value | None) -> _Value:
-    """Value that every entry without faults has, although its key is not always required."""
+    """`value` of an entry without faults, in which it is never None. Raises TypeError for None."""
     if value is None:
         raise TypeError("an entry with faults")
     return value
