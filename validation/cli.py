@@ -102,7 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _lines_of(error: ComputationError | KeyboardInterrupt) -> list[str]:
-    """Message that says why a computation ended, with the traceback if the program has an error."""
+    """Reason why a computation ended. For an error of the program, also the traceback."""
     if isinstance(error, ProgramError):
         return [*error.traceback, str(error), _REPORT_REQUEST]
     return [str(error) or "interrupted"]

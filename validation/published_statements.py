@@ -75,7 +75,10 @@ class Claim(msgspec.Struct, frozen=True, rename={"sentence": "statement"}):
 
     @property
     def standing(self) -> Standing:
-        """Variants in which the statement holds. "circular" if the statement is not counted."""
+        """Variants in which the statement holds for all curves, such as "both" or "neither".
+
+        "in part" if it holds for some curves only. "circular" if it is not counted.
+        """
         if self.circular:
             return "circular"
         match self.printed == len(self.curves), self.corrected == len(self.curves):

@@ -64,7 +64,8 @@ class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
     These fields are listed here only: runs, results.json, CSV tables, `compare`, the API and the
     page use this class. Fields annotated with `COLUMN` are columns of CSV, in this order. Numbers
     are in SI units; errors, half-widths and shares are ratios. A number that is not finite is null
-    in JSON, and null is read as None. Numbers without an index of poses belong to `pose`.
+    in JSON, and null is read as None. `values` are those in all `poses`, `error_with_remedy` is the
+    largest over them. All other numbers belong to `pose`.
     """
 
     # Name of the model, such as "vjm".

@@ -335,7 +335,7 @@ def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
 def beam_mode_count(context: Context, leg: ConstantLeg) -> int:
     """Number of the highest mode to which beam theory applies, at least 1.
 
-    Raises Skip for sections too large to mesh as a solid, which are also too large for their waves.
+    Raises Skip if the section is too large for meshes of a solid; it is then too large for waves.
     """
     _divisions(context, leg, modal_divisions, DYNAMICS, "solid meshes")
     follow_beam_theory = [not context.get(why_no_beam, leg, mode) for mode in exact_modes(leg)]
@@ -391,7 +391,7 @@ def _waves(leg: ConstantLeg, divisions: int) -> dict[str, PrismWaves]:
 
 
 def distortion(leg: ConstantLeg, divisions: tuple[int, ...], mode: CantileverFrequency) -> Array:
-    """Relative change (m) of a beam frequency due to 3-D waves, on each of m section meshes.
+    """Relative change of a beam frequency due to 3-D waves: one number for each of m meshes.
 
     Raises Skip if the wave has no beam counterpart.
     """

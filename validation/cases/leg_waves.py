@@ -116,7 +116,7 @@ class _LegInPieces:
 
     @cached_property
     def saint_venant(self) -> tuple[PrismWaves, ...]:
-        """Beam with the Saint-Venant states of the section, for each kind of wave."""
+        """Waves of a beam with the Saint-Venant states of the section, for each kind of wave."""
         return tuple(saint_venant_beam(kind) for kind in self.waves)
 
     @cached_property
@@ -167,7 +167,11 @@ def _change(frequencies: Array, legs: Sequence[tuple[_LegInPieces, Array]], mode
 
 
 def _difference(leg: _LegInPieces, shapes: Array, mode: int, omega: float) -> Array:
-    """Φᵀ(D − D_beam)Φ (m×m) of one leg at ω (rad/s), with its m mode shapes Φ."""
+    """Change Φᵀ(D − D_beam)Φ (m×m) of the modal stiffness at ω (rad/s) due to waves in one leg.
+
+    D and D_beam: dynamic stiffness of the leg by waves and by beams. Φ: m mode `shapes` of the leg.
+    Raises ComputationError if `mode` strains the leg in a way for which there are no waves.
+    """
     pieces = leg.pieces(omega)
     sections = leg.sections(pieces).ravel()
     length = leg.beam.length / pieces

@@ -2,8 +2,8 @@
 
 Input: a posture of a robot whose legs are prisms. Output: verdicts on the 6×6 compliance and on
 natural frequencies. Rule: for CalculiX, legs are bars of their outer size on coarse meshes, which
-CalculiX solves unreduced and this program reduces to their ends. For EXUDYN, legs are beams,
-whose frequencies are extrapolated to infinitely many per leg.
+CalculiX solves unreduced and this program reduces to their ends. For EXUDYN, legs are chains
+of beam elements; frequencies are extrapolated to infinitely many elements per leg.
 """
 
 import numpy as np

@@ -118,8 +118,8 @@ def ritz_beam(beam: BeamProperties, length: float, degree: int) -> RitzLeg:
 def _helical_stiffness(beam: BeamProperties) -> Array:
     """Stiffness (6×6) of a section whose fibres couple stretch and twist, shear and bending.
 
-    The order is that of a twist. Shear without flexibility has no stiffness here, since its strains
-    are zero.
+    Rows and columns have the order of a twist. An infinite shear stiffness is replaced by zero,
+    because the shear strain is then zero.
     """
     stiffness = np.zeros((6, 6))
     pairs = (
@@ -140,8 +140,8 @@ def _helical_stiffness(beam: BeamProperties) -> Array:
 def fields(beam: BeamProperties, length: float, points: Array, degree: int) -> tuple[Array, Array]:
     """Twist of the centreline and its derivative along x for unit coefficients (6×p×n each).
 
-    `points` (p): from −1 at the root to 1 at the tip. Order of the coefficients of `ritz_beam`: u,
-    φx, φy, φz, then v of the root with γy, then w of the root with γz. Shapes: p points.
+    `points` (p): from −1 at the root to 1 at the tip. Order of the n coefficients: those of u, φx,
+    φy and φz, v at the root, those of γy, w at the root, those of γz. Shapes: p points.
     """
     unit = np.eye(degree + 1)
     values = legendre.legvander(points, degree)
@@ -242,7 +242,7 @@ def compliance(
 ) -> Array:
     """6×6 compliance (SI, base axes) at the loaded point, with prisms as beams of `theory`.
 
-    Legs known by their 6×6 have that compliance if `given`, otherwise they are their equivalent
+    Legs specified by a 6×6 have this compliance if `given`, otherwise they are their equivalent
     prisms. Raises ComputationError if a joint of the posture is open.
     """
     legs = {
@@ -423,7 +423,7 @@ class _Joint:
 def _free_twists(posture: Posture, joint: Joint) -> Array:
     """Free relative twists (6×k, base axes) for the kind of a joint.
 
-    The driven one is the first. Shapes: k vectors.
+    In a driven joint, the driven twist is the first. Shapes: k twists.
     """
     first, second = _rotations(posture, joint)
     axes = joint.axes @ first.T

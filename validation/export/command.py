@@ -120,7 +120,7 @@ def write_export(
 
 
 def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:
-    """Estimated computing time (s) of the solids. Legs known by their 6×6 need none."""
+    """Estimated computing time (s) of the solids. Legs specified by their 6×6 need none."""
     from lumped.legs import GivenLeg  # noqa: PLC0415
     from lumped.models.bodies import legs_of  # noqa: PLC0415
     from validation.models.options import DEFAULT_OPTIONS  # noqa: PLC0415

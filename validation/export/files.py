@@ -175,9 +175,9 @@ def _write_beams(posture: Posture, path: Path) -> None:
 
 
 def _write_readme(folder: Path, head: str, texts: Mapping[str, str]) -> None:
-    """Write README.txt, which describes all files in `folder` under the first matching pattern.
+    """Write README.txt: `head`, then the names of the files in `folder` with their descriptions.
 
-    `texts` maps shell-style patterns to descriptions of the files.
+    `texts`: descriptions by shell-style pattern of names. The first pattern that fits is used.
     """
     files = sorted(path.name for path in folder.iterdir())
     blocks = [head]

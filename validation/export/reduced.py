@@ -3,8 +3,8 @@
 Input: a mechanism and the number of frequencies. Output: K and M in K q + M q̈ = Σ Pᵀ f, with ports
 P. Each port P (k×n) maps q to the motion of a point or of a drive, and Pᵀ maps a wrench or a drive
 force f to forces on q. Rule: prisms and CAD parts are solids, reduced as in
-`fem.reduction.craig_bampton`. A leg known by its 6×6 has this compliance, and its mass along the
-leg.
+`fem.reduction.craig_bampton`. A leg specified by its 6×6 has this compliance, and its mass along
+the leg.
 """
 
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,7 @@
 """Surfaces of the bodies and symbols of the joints of a mechanism, for pictures.
 
-Input: a posture. Output: surfaces in base axes (m). Rule: prisms have their sections, legs known by
-a 6×6 the sections of their equivalent prisms, CAD parts their own surfaces.
+Input: a posture. Output: surfaces in base axes (m). Rule: prisms have their sections, legs
+specified by a 6×6 have those of their equivalent prisms, CAD parts have their own surfaces.
 """
 
 from collections.abc import Iterator

@@ -326,7 +326,7 @@ def _comparison(predictions: Predictions, name: str, measured: Measured) -> Comp
 
 
 def _required(value: float | None, changed: str) -> float:
-    """Value of a model in which `changed` is perturbed. Raises ComputationError if it is None.
+    """`value` of a model with the change `changed`. Raises ComputationError if it is None.
 
     Without this check, a missing value would count as an uncertainty of zero or of 100 %.
     """

@@ -198,7 +198,7 @@ def modal_prediction(
 
 
 def _without_verdicts_if_most_misfit(partners: Sequence[Partner | None]) -> list[Partner | None]:
-    """Partners, each with a reason against its comparison if most modes of the test have none.
+    """Partners of measured modes. If most modes lack one, all pairs get a reason against comparison.
 
     If nodes of the test are mistaken for each other, some pairs of modes are similar by chance.
     """
@@ -257,7 +257,7 @@ def _modes(
 
 
 def _motions(system: System, shapes: Array, freedoms: Freedoms) -> Array:
-    """Motions (k×m) in m mode shapes (n×m) of k measured points along the measured axes.
+    """Displacements (k×m) of k measured points, along the measured axes, in m mode `shapes` (n×m).
 
     Shapes: n unknowns.
     """

@@ -44,7 +44,7 @@ def measured_responses(
 
     The response with the largest magnitude is used, at each mode and far below all modes.
     Quantities of [[responses]] are taken from the response of the tool to a force on it. `numbers`:
-    number of the robot's mode for each column of the test.
+    number of the robot's mode for each measured mode, by its column in the arrays of the test.
     """
     located = np.isin(tested.ends[:, :, 0], list(hammer.nodes)).all(axis=1)
     rows = [int(row) for row in np.flatnonzero(located)]
@@ -91,7 +91,7 @@ def _tool_quantities(
 ) -> Iterator[Measured]:
     """Measured values of [[responses]], from a response of the tool to a force on it.
 
-    There are none if the response belongs to another point or direction.
+    There are none if response number `row` belongs to another point or direction.
     """
     ends, tool = hammer.freedoms(tested.ends[row]), robot.tool
     offsets = np.abs(ends.places - robot.bodies[tool.body].interfaces[tool.point].position)

@@ -2,10 +2,10 @@
 
 Input: a function that computes the number of a statement. Output: a case whose measurement contains
 a `Claim`: for each curve of the statement, the number and whether the statement holds, in both
-variants. As printed: eq. (25) zeroes row and column of a joint's rotation, and springs stand
-between the elements only (§3.2). As corrected: the rotation is released by condensation, and
-springs of half length stand at both ends. The foot's entry (6,6) is the corrected one in both
-variants, because no elastic foot can have the printed one.
+variants. As printed: eq. (25) sets row and column of a joint's rotation to zero in the stiffness of
+the last spring, and springs stand between the elements only (§3.2). As corrected: the rotation is
+released by condensation, and springs of half length stand at both ends. Entry (6,6) of the foot's
+compliance is the corrected one in both variants, because no elastic foot can have the printed one.
 """
 
 from collections.abc import Callable, Mapping

@@ -34,9 +34,9 @@ class FreePart:
     about it (3×3, kg m²) of the finest mesh. `frequencies` (Hz): elastic modes; `rigid`: number of
     rigid-body motions below them. `frequency_refinement` (Hz): half-widths due to the mesh, NaN if
     the file of the part is a mesh. `counted`: number of elastic modes below `counted_below` (Hz),
-    by Sylvester's law of inertia; it proves that no mode is missing. `unknowns`: their number on
-    the meshes from coarse to fine. `elements`, `straightened`: numbers of all and of straightened
-    elements of the finest mesh.
+    by Sylvester's law of inertia; it proves that no mode is missing. `unknowns`: number of unknowns
+    of each mesh, from coarse to fine. `elements`, `straightened`: numbers of all and of
+    straightened elements of the finest mesh.
 
     Examples
     --------

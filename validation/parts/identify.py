@@ -52,8 +52,8 @@ class MeshAnswer:
     """Results on one mesh with one coupling of the interfaces (SI, axes of the file).
 
     Fields with the names of fields of `Identified` have the same meaning. `shapes` contains the
-    displacements of all nodes. `unit_pressures`: wrenches (6m) on the interfaces for 1 Pa on a
-    face, by face number. `counted` and `counted_below` are None if modes are not counted.
+    displacements of all nodes. `unit_pressures`: wrenches on the m interfaces (6m) for 1 Pa on
+    a face, by face number. `counted` and `counted_below` are None if modes are not counted.
     """
 
     stiffness: Array
@@ -82,9 +82,9 @@ class Identified:
     `compliance_refinement` and `frequency_refinement`: half-widths due to the mesh in the units of
     the values. NaN if the file of the part is a mesh, which cannot be refined. `compliance_bracket`
     and `frequency_bracket` are the values with averaged interfaces less those with rigid ones.
-    `unknowns`: their number on the meshes from coarse to fine. `elements`, `straightened`: numbers
-    of all and of straightened elements of the finest mesh. `by_curvature` is False if gmsh fails
-    with element sizes from curvature.
+    `unknowns`: number of unknowns of each mesh, from coarse to fine. `elements`, `straightened`:
+    numbers of all and of straightened elements of the finest mesh. `by_curvature` is False if gmsh
+    fails with element sizes from curvature.
 
     `places` (s×3, m): sample points over the part; `shares` (s, kg): their shares of its mass;
     `shapes` (3s×6m): their displacements for unit twists of the interfaces. `pressures` (F×6m):

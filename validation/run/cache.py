@@ -114,7 +114,7 @@ def some_cache() -> Iterator[None]:
 
 
 def key_of(*inputs: object) -> str:
-    """Key of a result that depends on plain data. It covers every field of every record."""
+    """Key of a result that depends on plain `inputs`, including all fields of records in them."""
     return fingerprint(inputs)
 
 

@@ -171,7 +171,7 @@ class _SchedulerWatch:
     def has_workers(self) -> bool:
         """True if there are workers. After ten seconds without any, a notice is written.
 
-        Raises ComputationError if the connection is closed, or lost for as long.
+        Raises ComputationError if the connection is closed, or lost for ten seconds.
         """
         fault, now = self._connection_fault(), monotonic()
         self._checked = now
@@ -220,7 +220,7 @@ class Cluster(ProcessExecutor):
     """Executor on the workers of a Dask cluster, see `on_cluster`.
 
     A task is sent when a thread of a worker is free. The next task of its group goes to the same
-    worker as long as that is there. `log` and `begin` are those of `on_cores`.
+    worker as long as this worker is connected. `log` and `begin` as in `on_cores`.
     """
 
     distributed: ModuleType
@@ -323,7 +323,7 @@ class _SentCalls:
             self.shared[key] = future
 
     def send(self, calls: deque[tuple[Any, Call]], worker: str | None = None) -> None:
-        """Submit the first of the calls.
+        """Submit the first of the `calls` of a group.
 
         If `worker` (its address) is not None, it is preferred, and the call precedes new groups.
         """
@@ -393,7 +393,7 @@ class _SentCalls:
         return None
 
     def _result(self, reply: Reply) -> Any:
-        """Value or error of a call, whose remarks are repeated here."""
+        """Value or error of a call. Remarks of its computation are repeated in this process."""
         if isinstance(reply.answer, DifferentProgram):
             reason = _difference_text(f"{reply.name} ({reply.worker})", str(reply.answer))
             raise self._failure(reason) from reply.answer

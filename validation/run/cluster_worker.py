@@ -170,7 +170,7 @@ def compute(call: Call, group: str, conditions: Conditions) -> Reply:
 def _environment(conditions: Conditions, folder: Path) -> dict[str, str]:
     """Environment of child processes: the run's solver, a shared cache, and a temporary folder.
 
-    The folder ends with the worker.
+    The folder is removed when the worker ends.
     """
     cache = {} if cache_folder() else {CACHE_VARIABLE: str(folder / "flexproof-cache")}
     return {**conditions.request, **cache, "TMPDIR": str(folder)}
@@ -200,7 +200,7 @@ def _next_answer(interpreter: Interpreter, is_needed: Callable[[], bool]) -> Cal
 
 
 def _is_wanted(worker: Any, key: object) -> bool:
-    """False if the task has been cancelled, also by the end of the run or of its scheduler."""
+    """False if the task `key` was cancelled, for example because its run or the scheduler ended."""
     task = worker.state.tasks.get(key)
     return task is not None and task.state != "cancelled" and worker.status.name not in _ENDING
 
@@ -229,7 +229,7 @@ def requested_program(request: Mapping[str, str]) -> Mapping[str, str]:
 
 
 def differences(worker_program: Mapping[str, str], run_program: Mapping[str, str]) -> str:
-    """Text on differences between a worker's program and that of the run. "" without any."""
+    """Text on differences between a worker's program and that of the run. "" if there are none."""
     if worker_program.get("another flexproof") != run_program["another flexproof"]:
         return "another version of flexproof, or none"
     return ", ".join(

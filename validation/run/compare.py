@@ -81,7 +81,7 @@ class InputChange:
 
 @dataclass(frozen=True)
 class ValueChange:
-    """A model's value (SI) in a pose that both runs have."""
+    """Value (SI) of a quantity by a model in one pose, in each of two runs."""
 
     pose: tuple[float, ...]
     before: float
@@ -90,7 +90,7 @@ class ValueChange:
 
 @dataclass(frozen=True)
 class AdequacyChange:
-    """Entries of a model and quantity in both runs. None if a run does not have the entry."""
+    """Entry of a model and a quantity in each of two runs. None if a run lacks the entry."""
 
     model: str
     quantity: str
@@ -104,9 +104,9 @@ class RunComparison:
     """Changes from one run to another.
 
     `differs`: header fields that differ. `inputs`: keys of the robot file that differ, if both runs
-    contain its tables; drift is then not computed. `adequacy`: entries of both runs.
-    `different_robots`: names of two robots, whose cases are not compared; () if both runs are of
-    one robot.
+    contain its tables; drift is then not computed. `adequacy`: all entries of both runs, even if
+    equal. `different_robots`: names of two robots, whose cases are not compared; () if both runs
+    are of one robot.
     """
 
     verdicts: tuple[VerdictChange, ...]
@@ -287,10 +287,10 @@ def same_pose(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
 def drift(
     before: Outcome, after: Outcome, field: Literal["value", "reference"] = "value"
 ) -> Drifted | None:
-    """Drift of a case's value or reference. None if one is unknown, or belongs to another pose.
+    """Drift of a case's value or reference. None if a run lacks it, or if the poses differ.
 
     The allowed drift is the larger of the known uncertainties of both runs, and at least 1e-9 times
-    the magnitude. If the reference is zero, it is at least a thousandth of the tolerance.
+    the larger number. If the reference is zero, it is at least a thousandth of the tolerance.
     """
     if before.measurement is None or after.measurement is None:
         return None

@@ -210,7 +210,7 @@ class RunFolder:
         write_whole(self._clear_path(name), content, self.path / UNFINISHED)
 
     def _clear_path(self, name: str) -> Path:
-        """Path for a file, after renaming obstacles: a folder there, or a file above it."""
+        """Path for the file `name`. A folder there, or a file in place of a folder, is renamed."""
         path = self.path / name
         for folder in reversed(path.relative_to(self.path).parents[:-1]):
             if os.path.lexists(self.path / folder) and not is_folder(self.path / folder):

@@ -184,8 +184,8 @@ def from_plain(task: Task, record: Mapping[str, Any]) -> AnyResult:
 def valid_result(task: Task, record: Mapping[str, Any]) -> AnyResult | None:
     """Result of `task` recorded by an earlier process. None if it must be computed again.
 
-    That applies to a failed task, an invalid record, and a verdict that differs from that of the
-    recorded numbers.
+    It must be if the task failed, if the record is invalid, if the declaration of the case has
+    changed, or if the verdict does not follow from the recorded numbers.
     """
     try:
         result = from_plain(task, record)

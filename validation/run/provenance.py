@@ -66,7 +66,7 @@ def versions() -> dict[str, str]:
 
 
 def machine() -> str:
-    """Description of the machine in one line, without its name."""
+    """System, number of cores and processor of this machine in one line, without its host name."""
     cores = counted(usable_cores(), "core")
     return f"{platform.system()} {platform.machine()}, {cores}, {processor()}"
 

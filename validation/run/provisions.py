@@ -26,7 +26,10 @@ class Provisions:
     entries: Mapping[str, Arrays]
 
     def unpack(self, robot_file: RobotFile) -> RobotFile:
-        """Store the entries here. Returns the robot with part files that exist on this machine."""
+        """Store the entries in the cache of this machine.
+
+        Returns the robot with part files that exist on this machine.
+        """
         for key, arrays in self.entries.items():
             if find(key) is None:
                 keep(key, arrays)

@@ -36,7 +36,7 @@ _REFERENCE_TEXTS = {ADEQUACY: "by finite elements", MEASURED: "against measured 
 class Standing:
     """Verdict on the tasks of a run.
 
-    `comparisons`: count by verdict. `figures`, `assessments`: counts of failed ones. `faults`:
+    `comparisons`: number by verdict. `figures`, `assessments`: numbers of failed ones. `faults`:
     names of models, and of other computations within an assessment, that ended with an error of the
     program. `refused`: models relied on that are inadequate or, if `strict`, undecided.
     """
@@ -206,7 +206,7 @@ class Results:
 
     @property
     def no_longer_compared(self) -> dict[str, str]:
-        """Comparisons by id that agreed in the baseline and are skipped now, with the reasons."""
+        """Reasons, by id, of skipped comparisons that agreed in the baseline."""
         cases = self.baseline.cases if self.baseline else ()
         agreed = {case.id for case in cases if case.verdict == "agree"}
         return {
@@ -236,7 +236,7 @@ class Results:
     def refused(self) -> tuple[str, ...]:
         """Models relied on that are inadequate in some matrix.
 
-        If `strict`, also those that are undecided, and all of them if assessments gave no matrix.
+        If `strict`, also undecided ones, and all models relied on if assessments gave no matrix.
         """
         if not self.matrices:
             return tuple(self.rely) if self.strict and {ADEQUACY, MEASURED} & set(self.done) else ()

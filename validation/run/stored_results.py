@@ -47,8 +47,8 @@ def stored_arrays(
 class StoringExecutor(Generic[T]):
     """Executor of calls whose results are made of arrays. Stored results are not computed again.
 
-    Each call is a `partial` of a module-level function and plain data. Function, data, `inputs`,
-    sources and libraries make the key of its result. `executor` computes what the cache lacks.
+    Each call is a `partial` of a module-level function and plain data. The key of its result covers
+    function, data, `inputs`, sources and libraries. `executor` computes what the cache lacks.
     `arrays_of` converts a result to arrays with these `names`, `read` converts them back.
     """
 

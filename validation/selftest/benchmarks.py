@@ -299,7 +299,10 @@ def hexapod() -> list[KnownNumber]:
 
 
 def hexapod_stiffness(mechanism: Mechanism, pose: Array) -> Array:
-    """Stiffness Σ k j jᵀ (6×6, SI, base axes) of the built-in hexapod at its platform's point."""
+    """Stiffness Σ k j jᵀ (6×6, SI, base axes) of the built-in hexapod at its platform's point.
+
+    Sum over the legs: k is the axial stiffness of a leg, j (6) the wrench of a unit axial force.
+    """
     centre = mechanism.reference_pose[:3]
     rotation = Rotation.from_rotvec(pose[3:]).as_matrix()
     drives = {joint.name: joint.drive for joint in mechanism.joints}

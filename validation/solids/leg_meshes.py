@@ -92,7 +92,9 @@ def corner_order(section: Section) -> float:
 
 
 def edge_order(nu: float) -> float:
-    """Order 2 Re λ of energies, for stresses r^(λ − 1) where a free side meets a rigid face at 90°.
+    """Order of convergence 2 Re λ of energies if a free side meets a rigid face at 90°.
+
+    Stresses vary there as r^(λ − 1) with the distance r from the edge.
 
     λ is a root of sin²(λπ/2) = (4 (1 − ν)² − λ²)/(3 − 4ν), plane strain (M. L. Williams, J. Appl.
     Mech. 19 (1952) 526): 0.71 for ν = 0.3, 1.04 ± 0.58i for ν = −0.9, where the face restrains
@@ -116,7 +118,7 @@ def edge_order(nu: float) -> float:
 
 
 def static_divisions(leg: ConstantLeg, most: int) -> tuple[int, ...]:
-    """Divisions of successive meshes with at most `most` unknowns per section, for doubling.
+    """Divisions of successive meshes with at most `most` unknowns per section, for statics.
 
     () if fewer than two meshes are that small.
     """
@@ -141,7 +143,7 @@ def _ladder(leg: ConstantLeg, most: int, layers: Callable[[int], int]) -> tuple[
 
 
 def divisions_across(leg: SectionedLeg, rectangle: int, walls: int) -> int:
-    """Divisions of a rectangle's smaller side, or of the walls and rims of other sections."""
+    """Divisions: `rectangle` for a rectangular section, otherwise `walls` (of walls and rims)."""
     return rectangle if isinstance(section_of(leg), Rectangle) else walls
 
 

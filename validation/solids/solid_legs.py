@@ -166,7 +166,7 @@ def mesh_properties(leg: ConstantLeg, mesh: SectionMesh) -> BeamProperties:
 
 @memo(64)
 def computed_rod(leg: ConstantLeg, divisions: int) -> WarpingRod:
-    """Torsion with warping of a leg, with section constants by finite elements."""
+    """Rod with the torsional and warping stiffness of a leg, by finite elements of its section."""
     mesh = face_mesh(leg, divisions)
     if moduli := mirrored_moduli(leg, mesh):
         return composite_rod(mesh, moduli)
@@ -187,7 +187,9 @@ def decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
 
 
 def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends, Refinement]:
-    """Tip compliances (m×6×6, SI, leg axes) with rigid and with free ends, by doubling.
+    """Tip compliances (m×6×6, SI, leg axes), with rigid and with free ends, on m meshes.
+
+    They are computed by the doubling method.
 
     Shapes: m meshes.
     """
@@ -286,7 +288,8 @@ def held_solid(
 ) -> HeldLeg:
     """Solid leg with the twists of both ends fixed; `ends` is the condition of its end faces.
 
-    `divisions` along the leg, `section` across it. If `section` is None, both are equal.
+    `divisions` across the section, which also determine the length of the elements. If `section` is
+    not None, there are `section` divisions across the section, with elements of unchanged length.
     """
     solid = solid_leg(leg, solid_mesh(leg, divisions, section=section))
     with naming(leg.name):

@@ -1,7 +1,7 @@
 """Curves of all models over the values of one number of the robot file.
 
 Input: a robot file and a `Variation`. Output: `VariedCurves` of deflections and of frequencies.
-Rule: each value makes another robot, whose computation is a separate unit of work. Results of units
+Rule: each value gives another robot, whose computation is a separate unit of work. Results of units
 are stored in the cache and not computed again.
 """
 
