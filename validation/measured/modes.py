@@ -198,7 +198,7 @@ def modal_prediction(
 
 
 def _without_verdicts_if_most_misfit(partners: Sequence[Partner | None]) -> list[Partner | None]:
-    """Partners of measured modes. If most modes lack one, all pairs get a reason against comparison.
+    """Partners of measured modes. If most modes lack one, no pair is compared: all get a reason.
 
     If nodes of the test are mistaken for each other, some pairs of modes are similar by chance.
     """
