@@ -197,7 +197,10 @@ def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
 
 
 def _summed(pairs: NodePairs, blocks: Array) -> Array:
-    """Sums (P×3×3) of the elements' blocks (E·T×3×3), symmetric on the diagonal."""
+    """Sums (P×3×3) of the elements' blocks (E·T×3×3) for each pair of nodes.
+
+    The block of a node with itself is made symmetric.
+    """
     summed: Array = (pairs.summation @ blocks.reshape(-1, 9)).reshape(-1, 3, 3)
     diagonal = pairs.diagonal
     summed[diagonal] = (summed[diagonal] + summed[diagonal].transpose(0, 2, 1)) / 2.0

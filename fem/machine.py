@@ -49,7 +49,7 @@ def available_memory() -> int | None:
 
 
 def search_cycles_rarely() -> None:
-    """Let Python search for unused objects that refer to each other less often in this process."""
+    """Reduce how often Python searches this process for cycles of unused objects."""
     gc.set_threshold(*_CYCLE_SEARCH)
 
 

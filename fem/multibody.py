@@ -228,7 +228,11 @@ class _ExudynModel:
 
 
 def _joint_axes(joint: Joint, free: Array) -> tuple[Array, list[int], int]:
-    """Axes (columns), a flag for each constrained component (1 if so), and the driven component."""
+    """Axes (3×3, columns) of a joint, flags of constrained components, and the driven component.
+
+    `free` (6×r) are the joint's free twists. The six flags are 1 for a constrained component, else
+    0. The driven component is an index from 0 to 5.
+    """
     match joint.kind:
         case "fixed":
             return np.eye(3), [1, 1, 1, 1, 1, 1], 0

@@ -72,9 +72,9 @@ class _Member:
     """Tension, torsion or bending in one plane within one element.
 
     `stiffness` and `mass` (k×k) refer to the k unknowns of `element`, those of its nodes first.
-    `mesh` consists of one element. The element's fields are its deflection and its rotation.
-    `components` are their indices in the twist of a section, `signs` the signs of the twist
-    components relative to the fields.
+    `mesh` consists of one element. Its fields are deflection and rotation in bending, otherwise the
+    axial displacement or the twist angle alone. `components` are the indices of the fields in the
+    twist of a section, `signs` the signs of these twist components relative to the fields.
     """
 
     element: Element
@@ -103,7 +103,7 @@ class _Entries(NamedTuple):
     columns: IntArray
 
 
-# The beams of legs known by their 6×6 are needed again for each distribution of the mass.
+# The beams of legs given by their 6×6 are needed again for each distribution of the mass.
 @memo(64)
 def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMatrices:
     """Free leg of `length` (m) consisting of `elements` beam elements of equal length.
@@ -208,7 +208,7 @@ def _quadrature() -> tuple[Array, Array]:
 
 
 def _shear_stiffnesses(p: BeamProperties) -> tuple[float, float, float]:
-    """Shear stiffnesses (N) along y and along z, and their coupling term."""
+    """Shear stiffnesses (N) along y and along z, and the stiffness (N) that couples them."""
     if not p.shear_yz:
         return p.GAy, p.GAz, 0.0
     stiffness = np.linalg.inv(p.shear_flexibility)
@@ -216,7 +216,7 @@ def _shear_stiffnesses(p: BeamProperties) -> tuple[float, float, float]:
 
 
 def _coupling_stiffness(first: _Member, second: _Member, EI: float, GA: float) -> Array:
-    """∫ EI θ₁′θ₂′ + GA γ₁γ₂ dx (k₁×k₂) that couples the unknowns of bending in two planes."""
+    """Stiffness ∫ EI θ₁′θ₂′ + GA γ₁γ₂ dx (k₁×k₂) between the unknowns of bending in two planes."""
     weights, (first_fields, second_fields) = _integrated(first, second)
     (w1, theta1), (w2, theta2) = first_fields, second_fields
     gamma1, gamma2 = w1[1] - theta1[0], w2[1] - theta2[0]
@@ -248,7 +248,8 @@ def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]
 def _on_centroids(leg: LegMatrices, nodes: int, to_shear_centre: Array) -> LegMatrices:
     """Transform a leg with deflections of the shear centre to twists of the centroids.
 
-    The first unknowns of the leg are the twists of its nodes, whose number is `nodes`.
+    The first unknowns of the leg are the twists of its nodes, whose number is `nodes`. The matrix
+    `to_shear_centre` (6×6) gives the twist at the shear centre for a twist at the centroid.
     """
     rest = leg.size - 6 * nodes
     transformation = csr_array(
@@ -277,7 +278,10 @@ def _on_centroids(leg: LegMatrices, nodes: int, to_shear_centre: Array) -> LegMa
 
 
 def _bar(mesh: MeshLine, stiffness: float, inertia: float, component: int) -> _Member:
-    """Member for tension (EA, μ) or torsion (GJ, ρJ): ∫ `stiffness` u′² dx, ∫ `inertia` u² dx."""
+    """Member for tension (EA, μ) or torsion (GJ, ρJ): ∫ `stiffness` u′² dx, ∫ `inertia` u² dx.
+
+    `component` is the index of the displacement or rotation u in the twist of a section.
+    """
 
     def energy(u: Any, v: Any, _: Any) -> Any:
         return stiffness * u.grad[0] * v.grad[0]

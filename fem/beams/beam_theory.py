@@ -280,8 +280,7 @@ class _Coupled:
 
     The n displacements are v_s and w_s of the shear centre, the twist φx, the rotations θ of the
     section in bending along y and along z, and u if the centre of mass is offset from the centroid
-    or fibres are helical.
-    Forces are conjugate to these.
+    or fibres are helical. The n forces are work conjugate to these displacements.
     `flexibility` and `mass` are n×n. `unit_squared` is the unit of ω².
     """
 
@@ -345,9 +344,9 @@ def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
     """Number of pieces whose first clamped–clamped frequency is above `omega` (rad/s).
 
     A lower bound of that frequency is used: |v_m|² ≤ 2|v_s|² + 2 r² φx², with the distance r of the
-    shear centre from the centre of mass, separates bending and torsion, and tension is separated
-    alike. Bending is bounded with the smaller stiffness and the larger inertia of both planes. Two
-    coupled strains have at most twice the flexibility that they have without coupling.
+    shear centre from the centre of mass, separates bending and torsion. Tension is separated in the
+    same way. Bending is bounded with the smaller stiffness and the larger inertia of both planes.
+    Two coupled strains have at most twice the flexibility that they have without coupling.
     """
     if p.is_helical:
         doubled = {
@@ -368,10 +367,10 @@ def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
 
 
 def _coupled_stiffness(equations: _Coupled, pieces: int, omega: float) -> Array:
-    """Dynamic stiffness K(ω) of the clamped–free beam with coupled bending and torsion.
+    """Dynamic stiffness K(ω) of the clamped–free beam with coupled bending and torsion, over EI/l.
 
-    The unknowns are the motions at the ends of all pieces except the root, in units of EI/l.
-    `equations` are those of one piece, `pieces` is the number of pieces.
+    The unknowns are the dimensionless displacements of `_Coupled` at the ends of all pieces except
+    the root. `equations` are those of one piece of length l, `pieces` is the number of pieces.
     """
     n = len(equations.mass)
     state = np.zeros((2 * n, 2 * n))

@@ -2,10 +2,11 @@
 
 In torsion the walls carry the shear flow q = T/2bh, with the distances b and h of opposite walls.
 Where they converge, the flow along both inclined edges of a wall balances the change of its shear
-force q b only if both directions shrink alike. Otherwise the walls push against each other: top and
-bottom by q b Δ per length, both sides against it, with Δ = b′/b − h′/h. The work of this load on
-the change γ of the angle between walls is m γ per length, with m = T Δ/2. It is resisted by the
-walls as a frame, which bend out of their planes, and in their planes along the leg,
+force q b only if b and h decrease in the same ratio. Otherwise the walls push against each other:
+top and bottom with q b Δ per length, the two sides in the opposite sense, Δ = b′/b − h′/h. The work
+of this load on the change γ of the angle between walls is m γ per length, with m = T Δ/2. The walls
+resist it by bending out of their planes, as a frame, and in their planes, along the leg. Their
+strain energy V is
 
     2V = ∫ 24 D/(b* + h*) γ² + E t (b + h) b² h²/96 γ″² dx,   D = E t³/12(1 − ν²),
 
@@ -32,9 +33,9 @@ _DEGREE, _POINTS = 8, 16
 def distortion_work(leg: LineLeg, torques: Callable[[Array], Array]) -> float:
     """Work ∫ m γ dx (J) of torques on the distortion of a leg with ends free to distort.
 
-    `torques` are those (n, in N m) at n positions (m along the line). For a unit torque the work is
-    the additional rotation of the tip (rad/(N m)). Zero for a leg that is bent or no rectangular
-    tube.
+    `torques` returns the torques (n, in N m) at n positions (m along the line). For a unit torque
+    the work is the additional rotation of the tip (rad/(N m)). Zero if the leg is bent or is not a
+    rectangular tube.
     """
     shapes = [section for _, section in leg.stations]
     if not (leg.line.is_straight and all(isinstance(shape, HollowRectangle) for shape in shapes)):
@@ -53,10 +54,10 @@ def distortion_work(leg: LineLeg, torques: Callable[[Array], Array]) -> float:
 
 
 def _walls(leg: LineLeg, span: Span) -> tuple[Array, Array, tuple[Array, Array, Array]]:
-    """Gauss points (n, m along the line) of a span, their weights (n, m), and stiffnesses there.
+    """Gauss points (n, m along the line) of a span, their weights (n, m), and factors there.
 
-    These are, per length, that of the frame (n, in N), that along the leg (n, in N m⁴), and the
-    load m due to a unit torque (n, 1/m).
+    The three factors are the stiffness of the frame on γ² (n, in N), the stiffness along the leg on
+    γ″² (n, in N m⁴), and the load m per unit torque (n, in 1/m).
     """
     points, weights = legendre.leggauss(_POINTS)
     length = span.end - span.start
@@ -73,7 +74,7 @@ def _walls(leg: LineLeg, span: Span) -> tuple[Array, Array, tuple[Array, Array, 
 
 
 def _middle_lines(section: object) -> tuple[float, float, float]:
-    """Distances of opposite walls along y and z, and their thickness (m)."""
+    """Distances b, h of opposite walls of a rectangular tube, and the walls' thickness (m)."""
     if not isinstance(section, HollowRectangle):
         raise TypeError(f"{section}: no rectangular tube")
     t = section.thickness
@@ -81,7 +82,7 @@ def _middle_lines(section: object) -> tuple[float, float, float]:
 
 
 def _curvatures(positions: Array, length: float) -> Array:
-    """Second derivatives (n×k, 1/m²) of the k polynomials at n positions."""
+    """Second derivatives (n×k, 1/m²) of k Legendre polynomials on `length` at n positions (m)."""
     coordinates = 2.0 * positions / length - 1.0
     second = [legendre.legder(row, 2) for row in np.eye(_DEGREE + 1)]
     values = [legendre.legval(coordinates, row) for row in second]

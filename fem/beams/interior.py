@@ -115,7 +115,7 @@ def _bending(transverse: float, turning: float, axial: float, elastic: float) ->
 
 
 def interior_beam(leg: GivenLeg, interior: Interior, elements: int) -> LegMatrices:
-    """Free uniform beam with `elements` elements that replaces a leg known by its 6×6.
+    """Free uniform beam with `elements` elements in place of a leg given by its 6×6.
 
     The unknowns are those of `warping_beam_leg`.
     """

@@ -4,16 +4,17 @@ An element takes its stiffness from equilibrium (force method, `lumped.line_sect
 referred to one point o, F the sections' flexibility and H(s) = ∫ F ds from the element's start, the
 displacement under loads at the ends alone is
 
-    t(s) = X(s) [t₁ + H(s) C⁻¹ (t₂ − t₁)],   C = H(end):
+    t(s) = X(s) [t₁ + H(s) C⁻¹ (t₂ − t₁)],   C = H(end),
 
-exact at the nodes for every taper and arc, free of locking. Its consistent mass uses the same
-displacements, and six inner ones that vanish at both ends: each has a linear strain of one kind,
+with the twists t₁, t₂ of the ends and the shift X(s) from o to the section. It is exact at the
+nodes for every taper and arc, and free of locking. The consistent mass uses the same displacements,
+and six inner ones that vanish at both ends: each has a strain b p of one kind, with p linear in s,
 and a displacement of the form above that makes it vanish at the end of the element. Loads at the
-ends do no work on these, whose stiffness is therefore a block of its own, ∫ p² k ds − hᵀC⁻¹h with h
-= ∫ p b ds of the strain b p. Without them the strains inside an element, which inertia makes
-linear, would be constant in tension, torsion and shear, and frequencies of second order in its
-length. With them frequencies are of fourth order if sections and direction are smooth within each
-element. In prisms the element is that of `fem.beams.beam`.
+ends do no work on the inner displacements. Their stiffness is therefore a block of its own, ∫ p² k
+ds − hᵀC⁻¹h, with h = ∫ p b ds and the section's stiffness k. Without them the strains inside an
+element, which inertia makes linear, would be constant in tension, torsion and shear, and
+frequencies of second order in its length. With them frequencies are of fourth order if sections and
+direction are smooth within each element. In prisms the element is that of `fem.beams.beam`.
 """
 
 import numpy as np
@@ -91,9 +92,9 @@ def line_beam(sections: LineSections, elements: int) -> LegMatrices:
 def _inner_strains(rigid: tuple[bool, ...]) -> IntArray:
     """Indices of the strains that vary linearly inside an element.
 
-    These are the strains that are not `rigid`. If both shear strains are rigid, they are only
-    tension and torsion: bending without shear has fourth order without inner strains, as Hermite's
-    element has.
+    These are the strains that are not `rigid`. If both shear strains are rigid, only tension and
+    torsion are returned: bending without shear has fourth order without inner strains, as in
+    Hermite's element.
     """
     if rigid[1] and rigid[2]:
         return np.array([0, 3])

@@ -12,11 +12,11 @@ of which ε² is small compared with the strain itself. If both axes are axes of
 
     ½ ∫ σ g² dA = ½ N γ² + ½ N i² φx′² − φx′ (My γy + Mz γz).
 
-The first term is Engesser's: with Green's strains and the shear modulus of solids, columns buckle
-at P/(1 + P/κGA) (Bažant, J. Appl. Mech. 38 (1971) 919, on Haringx, who omits it). The second is
-Wagner's term of sections that rotate about the leg, with the polar radius of gyration i. The third
-reduces the lateral buckling load of stout legs in the presence of shear, which would otherwise
-increase it. A rigid rotation of the whole leg only rotates its forces.
+The first term is Engesser's: with Green's strains and the shear modulus of solids, columns with
+Euler's load P buckle at P/(1 + P/κGA) (Bažant, J. Appl. Mech. 38 (1971) 919, on Haringx, who omits
+it). The second is Wagner's term of sections that rotate about the leg, with the polar radius of
+gyration i. The third reduces the lateral buckling load of stout legs in the presence of shear,
+which would otherwise increase it. A rigid rotation of the whole leg only rotates its forces.
 
 Bending before buckling is neglected, as in any linear theory of buckling. A leg that spins idly
 about its axis is an exception: its bent shape does not rotate with it, and the torsion due to a
@@ -114,8 +114,8 @@ def prestressed_leg(
 ) -> PrestressedLeg:
     """Beam with `elements` elements, reduced to its ends and its lowest modes with fixed ends.
 
-    `modes` is the number of these modes, limited to all of them. Buckling loads converge with the
-    fourth power of the element length.
+    `modes` is the number of these modes. If there are fewer, all are kept. Buckling loads converge
+    with the fourth power of the element length.
     """
     beam = beam_leg(properties, length, elements)
     edges = np.linspace(0.0, length, elements + 1)

@@ -18,11 +18,12 @@ common face has g = 0, hence v = M⁻¹(…) with M the sum of the two pieces' S
 
     C′ = X_a C_a X_aᵀ + X_b C_b X_bᵀ + H_m M⁻¹ H_mᵀ
 
-is a sum of positive terms: nothing cancels, rigid motions are exact, and the condition of M is that
-of a face's mesh for any length. C is the compliance with rigid ends (v = 0), C + H S⁻¹ Hᵀ that with
-free ends (g = 0). Slices far thinner than the section's size h lose digits, because S contains
-shear between the faces, ~1/l, and stretching in their planes, ~l: the error is at most (h/l)² times
-the round-off.
+with the shifts X of twists to the middle of the new piece and H_m = X_a H_a + X_b H_b on the common
+face, is a sum of positive terms: nothing cancels, rigid motions are exact, and the condition of M
+is that of a face's mesh for any length. C is the compliance with rigid ends (v = 0), C + H S⁻¹ Hᵀ
+that with free ends (g = 0). Slices far thinner than the section's size h lose digits, because S
+contains shear between the faces, ~1/l, and stretching in their planes, ~l: the error is at most
+(h/l)² times the round-off.
 
 A piece is its own image under a reversal of the leg (`fem.sections.reversal`), as a rule its mirror
 image: with s (−1 for odd v, which are axial, +1 for even v, in the face) and Q = diag(−1, 1, 1, 1,
@@ -231,8 +232,8 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> Conden
     Deformations of the tip that mirror those of the root (+) are not coupled with those of opposite
     sign (−): S is split into own ± across. With +, the nodes in the middle plane have even motions,
     within this plane as a rule, and the relative twist has only the components that a reversal
-    changes, conjugate to Fx, My and Mz. With −, their motions are odd. Each is averaged over both
-    ends, because round-off in K would otherwise resist rigid motions.
+    changes, conjugate to Fx, My and Mz. With −, their motions are odd. Both blocks of stiffnesses
+    are averaged over root and tip, because round-off in K would otherwise resist rigid motions.
     """
     K = solid_leg(leg, mesh).stiffness
     reversal = face.reversal

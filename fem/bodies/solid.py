@@ -237,7 +237,7 @@ def section_twists(mesh: SolidMesh, stations_x: Array) -> SparseMatrix:
 
 
 def _plane_twists(mesh: LoftedMesh) -> SparseMatrix:
-    """Matrix (csr 6p × 3N) from nodal displacements to the twists of all planes, leg axes."""
+    """Matrix (csr 6p × 3N, leg axes) from nodal displacements to the twists of p node planes."""
     pieces = np.searchsorted(mesh.line.ends, mesh.positions, side="left") - 1
     _, axes = mesh.line.frames(mesh.positions, np.clip(pieces, 0, len(mesh.line.pieces) - 1))
     blocks = []

@@ -44,7 +44,7 @@ def nodal_stresses(mesh: VolumeMesh, material: Material, displacements: Array) -
 
 
 def _stress(gradient: Array, material: Material) -> Array:
-    """Stresses (M×6) from displacement gradients (M×3×3)."""
+    """Stresses (M×6, Pa; xx, yy, zz, xy, yz, xz) from displacement gradients (M×3×3)."""
     E, G, nu = material.E, material.G, material.nu
     direct = np.einsum("mii->mi", gradient)
     volume = direct.sum(axis=1, keepdims=True)

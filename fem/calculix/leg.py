@@ -114,7 +114,7 @@ def with_bars(posture: Posture) -> Posture:
 def bar_solids(mechanism: Mechanism) -> dict[str, SolidLeg]:
     """Each leg meshed with second-order tetrahedra, one across the section, by name.
 
-    Legs known by a 6×6 are replaced by their equivalent legs. Equal legs share one solid. Mass is
+    Legs given by a 6×6 are replaced by their equivalent legs. Equal legs share one solid. Mass is
     summed over the points that CalculiX uses.
     """
     solid_of_leg: dict[ConstantLeg, SolidLeg] = {}

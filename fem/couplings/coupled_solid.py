@@ -143,9 +143,9 @@ class _Numbering:
         return csr_array((blocks.ravel(), places), shape=(3 * len(self.nodes),) * 2)
 
     def _dependent(self) -> SparseMatrix:
-        """Matrix E (csc 3N×own) from the unknowns of interfaces to dependent displacements.
+        """Matrix E (csc 3N×own) from the unknowns of interfaces to displacements they determine.
 
-        The displacements are in local axes.
+        The displacements of nodes of pins are in the local axes of the pin.
         """
         rows, columns, entries = [], [], []
         for grip, first in zip(self.grips, self.first, strict=False):
@@ -228,7 +228,10 @@ class _Numbering:
         return np.vstack([*interface_motions, inner])
 
     def twist(self, index: int, motions: Array) -> Array:
-        """Unit wrenches (n×6) at interface `index`. The transpose maps unknowns to its twist."""
+        """Loads (n×6) on the unknowns x that are unit wrenches at interface `index`.
+
+        The transpose maps x to the twist of the interface. `motions` are the rigid motions R̂.
+        """
         grip = self.grips[index]
         rows = np.zeros((6, self.own + len(self.inner)))
         own_columns = slice(int(self.first[index]), int(self.first[index + 1]))

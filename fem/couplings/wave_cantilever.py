@@ -189,7 +189,7 @@ def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
 
 
 def _unbalanced_forces(matrix: Array) -> Array:
-    """Column of unit norm that is nearly a left null vector of `matrix` close to a frequency.
+    """Unit column (n×1) that is nearly a left null vector of the nearly singular `matrix` (n×n).
 
     It is the result of two steps of inverse iteration with `matrix` and its adjoint.
     """
@@ -202,7 +202,10 @@ def _unbalanced_forces(matrix: Array) -> Array:
 
 
 def _implicit_determinant(matrix: Array, tip: Array, forces: Array) -> complex:
-    """Residual of the boundary conditions along `forces` for a unit motion of the tip."""
+    """Multiple of `forces` that balances the boundary conditions for a unit motion of the tip.
+
+    It is zero at a natural frequency. `matrix` and `tip` are the results of `_boundary`.
+    """
     bordered = np.block([[matrix, forces], [tip[None], np.zeros((1, 1))]])
     unit = np.zeros(len(bordered), complex)
     unit[-1] = 1.0
@@ -213,7 +216,7 @@ def _boundary(kind: PrismWaves, length: float, omega: float) -> tuple[Array, Arr
     """Matrix of the boundary conditions on a cantilever, and the row that gives its tip motion.
 
     The normalised columns belong to the amplitudes of all fields and to the wrench on the root. The
-    tip motion (m or rad) is the one conjugate to a wrench of this kind.
+    tip motion (m or rad) is the one on which the first unit wrench of this kind does work.
     """
     fields, tractions = kind.fields, kind.tractions
     left, right = fields.squares_problem(omega)

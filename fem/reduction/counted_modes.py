@@ -86,7 +86,11 @@ def counted_modes(body: VibratingBody, cutoff: float) -> CountedModes:
 
 
 def _counted(body: VibratingBody, modes: Modes, cutoff: float) -> tuple[float, int]:
-    """Frequency (Hz) at or slightly below the cut-off, and the number of modes below it."""
+    """Frequency (Hz) at or slightly below the cut-off, and the number of eigenvalues below it.
+
+    The frequency is not near that of any of the `modes`. Raises ComputationError if eigenvalues
+    cannot be counted there.
+    """
     for share in _PLACES:
         frequency = share * cutoff
         if body.inertia and (np.abs(modes.frequencies / frequency - 1.0) > _TOO_NEAR).all():

@@ -53,7 +53,7 @@ class CraigBampton(Superelement):
     truncated: Array
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Additions to stiffness and mass with which the reduced leg bounds the unreduced one.
+        """Additions to stiffness and mass with which the reduced leg is a lower bound.
 
         The bound holds for ω² up to `squared` (rad²/s²), see `Truncated.loosened`.
         """
@@ -69,7 +69,7 @@ class Truncated(Protocol):
         ...
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Additions to stiffness and mass (n×n) of the reduced body that bound the unreduced body.
+        """Additions to stiffness and mass (n×n) that make the reduced body a lower bound.
 
         With these, for any λ up to `squared` (rad²/s²), the dynamic stiffness K − λM of the
         interfaces is not above that of the unreduced body, after elimination of the internal

@@ -119,9 +119,9 @@ def free_body(rooted: RootedBody) -> FreeBody:
 
 
 def residual_modes(body: VibratingBody, forces: Array, modes: Modes) -> tuple[Modes, Array]:
-    """Ritz modes of the static response of the dropped modes to `forces` F (n×k), and W (k×k).
+    """Ritz modes of the static response of the dropped modes to `forces` F (n×k), and bound W.
 
-    `modes` are the kept modes.
+    `modes` are the kept modes, W is k×k.
     """
     mass_shapes = body.mass @ modes.shapes
     loads = forces - mass_shapes @ (modes.shapes.T @ forces)

@@ -165,7 +165,7 @@ def composite_rod(mesh: SectionMesh, moduli: Moduli) -> WarpingRod:
 
 
 def _inertia(mesh: SectionMesh, moduli: Moduli) -> tuple[float, Array, Array]:
-    """Mass per length (kg/m), its first moments (2) and ∫ ρ s sᵀ dA (2×2) about the origin."""
+    """Mass per length (kg/m), its first moments (2) and ∫ ρ s sᵀ dA (2×2), with s = (y, z)."""
     quad = section_quadrature(mesh)
     points = quad.points + quad.centroid[:, None, None]
     densities = moduli.densities[:, None] * np.ones_like(points[0])

@@ -122,10 +122,10 @@ def laminate_moduli(mesh: SectionMesh, laminate: Laminate, *, mirrored: bool = F
 
 
 def _box_moduli(walls: Array, points: Array, extent: tuple[float, float]) -> Array:
-    """Elasticity matrices at points of a box: those of the nearest wall.
+    """Elasticity matrices (leg axes) at `points` of a box: those of the nearest wall.
 
-    On the diagonals at the corners of the box, they are the mean of both walls. `walls` are
-    elasticity matrices in wall axes.
+    On the diagonals at the corners of the box, they are the mean of both walls. `walls` are the
+    same matrices in wall axes (x, s, n), `extent` are the outer dimensions (m) along y and z.
     """
     inside = 0.5 * np.array(extent) - np.abs(points)
     beyond = inside[..., 0] - inside[..., 1]
@@ -138,7 +138,7 @@ def _box_moduli(walls: Array, points: Array, extent: tuple[float, float]) -> Arr
 
 
 def _wall_axes(normals: Array) -> Array:
-    """Axes (…×3×3, columns x, s, n) of walls with normals (…×2; y, z), not only unit vectors."""
+    """Axes (…×3×3, columns x, s, n) of walls with `normals` (…×2; y, z) of any length."""
     n_y, n_z = np.moveaxis(normals / np.linalg.norm(normals, axis=-1, keepdims=True), -1, 0)
     axes = np.zeros((*n_y.shape, 3, 3))
     axes[..., 0, 0] = 1.0
@@ -157,12 +157,13 @@ def leg_moduli(leg: SectionedLeg, mesh: SectionMesh) -> Moduli | None:
 
 
 def mirrored_moduli(leg: SectionedLeg, mesh: SectionMesh) -> Moduli | None:
-    """Moduli of a leg of several materials for theories of sections that are mirror images.
+    """Moduli of a leg of several materials for theories that need sections as planes of symmetry.
 
     They are those of `leg_moduli`, but in a wall of inclined fibres each layer has the mean of its
-    moduli and those of its mirror image. In a balanced layup the layers at −θ and +θ force each
-    other to be strained like that. What layers at different radii leave of the couplings changes
-    frequencies and torsion by the square of thickness over radius. None for legs of one material.
+    moduli and those of its mirror image. In a balanced layup, layers at +θ and −θ have the same
+    strains, so that their moduli are averaged. Because they are at different radii, couplings
+    remain. Neglecting these changes frequencies and torsion by (thickness/radius)², relative. None
+    for legs of one material.
     """
     if isinstance(leg, ConstantLeg) and isinstance(leg.section, Laminate):
         return laminate_moduli(mesh, leg.section, mirrored=True)

@@ -73,7 +73,10 @@ def held_torsion_compliance(rod: WarpingRod, length: float) -> float:
 def cantilever_frequencies(
     constants: SectionConstants, material: Material, length: float, count: int
 ) -> Array:
-    """Torsional frequencies (Hz) of a rod with clamped root, both ends free to warp."""
+    """The lowest `count` torsional frequencies (Hz) of a rod of `length` (m) with clamped root.
+
+    Both ends are free to warp.
+    """
     if not _warps(constants):
         waves = (2.0 * np.arange(1, count + 1) - 1.0) * np.pi / (2.0 * length)
         return np.array([_saint_venant(constants, material, wave) for wave in waves.tolist()])

@@ -2,10 +2,10 @@
 
 A prism of materials whose planes across the axis are planes of symmetry is its own mirror image.
 Fibres that are inclined to the axis have no such planes, but a wall of fibres that is equal all
-around its section is its own image after half a turn about y. Either reversal P turns displacements
-of a section into others, and P² = 1. The operators E₀ and E₂ of the prism (`fem.couplings
-.section_fields`) do not couple the fields Pu = −u ("odd") with the fields Pu = u ("even"), and E₁
-couples nothing else.
+around its section is its own image after half a turn about y. Either reversal is a linear map P of
+the displacements u of a section, with P² = 1. The matrices E₀ and E₂ of the prism (see
+`fem.couplings.section_fields`) do not couple fields with Pu = −u ("odd") and fields with Pu = u
+("even"). E₁ couples only odd with even fields.
 """
 
 from collections.abc import Sequence
@@ -98,7 +98,11 @@ def images_of(nodes: Array, signs: tuple[float, float]) -> IntArray | None:
 
 
 def _orbits(symmetries: Sequence[tuple[IntArray, float]], component: int) -> Array:
-    """Normalised sums (3N×n) over the images of each node, with signs by symmetry."""
+    """Orthonormal fields (3N×n) of one displacement `component` with the given `symmetries`.
+
+    A symmetry consists of the image of each node and a sign. Each field is the normalised sum of
+    unit displacements of a node and of its images, with these signs. Sums that vanish are omitted.
+    """
     count = len(symmetries[0][0])
     images, weights = np.arange(count)[None], np.ones(1)
     for mirror, sign in symmetries:

@@ -114,8 +114,8 @@ class SaintVenant:
     mean, and `twist_stress` (2×M×Q, in m) is τ/Gθ′. `flexure` (2×N, in m⁻¹) are Ψ and
     `flexure_stress` (2×2×M×Q, m⁻²; force, component, …) τ of the unit forces through the shear
     centre, which do no work on twist. `flexure_torque` (2, in m) are the moments of these stresses
-    about the centroid. `twist_shares` (2) are the shares of ω and of the twist's stress that are
-    subtracted for this.
+    about the centroid. `twist_shares` (2) are the multiples of ω and of τ/Gθ′ that were
+    subtracted from Ψ and from τ so that the forces do no work on twist.
     """
 
     quadrature: SectionQuadrature

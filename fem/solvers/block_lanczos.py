@@ -42,7 +42,7 @@ class NotConvergedError(Exception):
 
 @dataclass(frozen=True)
 class Ritz:
-    """Converged modes: ω² (m, ascending), M-orthonormal vectors (n×m), residuals over θ = 1/ω².
+    """Converged modes: ω² (m, ascending), M-orthonormal vectors (n×m), residuals relative to 1/ω².
 
     `beyond` is the next Ritz value of ω², which need not have converged. Infinite if there is none.
     """

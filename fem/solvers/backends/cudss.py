@@ -230,9 +230,7 @@ class CudssOrdering:
     def factorise(self, values: Array, part: str) -> CudssNumeric:
         """Factor of the matrix whose triangle has the entries `values`.
 
-        `part` is not used. Raises DeviceError.
-
-        A factor that is not accurate is reported with one entry of D without a sign.
+        `part` is not used. If the factor is not accurate, its `zero` is 1. Raises DeviceError.
         """
         del part
         self.load(values)

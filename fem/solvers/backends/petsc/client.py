@@ -192,7 +192,7 @@ class Server:
             return int(answer["negative"]), int(answer["zero"])
 
     def solve(self, name: int, right: Array, part: str = "") -> tuple[Array, dict[str, Any]]:
-        """Solutions for `right` (both n×k) by factor or iteration `name`, and the answer."""
+        """Solutions (n×k) for `right` (n×k) by factor or iteration `name`; answer of the server."""
         with self._command(part):
             self._store("right", right)
             self._store("solution", np.zeros_like(right))
@@ -373,7 +373,7 @@ def installed() -> bool:
 def title(gamg: str = "") -> str:
     """Names and versions of the libraries, ranks and hosts. Raises MissingPetscError.
 
-    `gamg` names the systems that GAMG solves. "" if there are none.
+    `gamg` describes the systems of equations that GAMG solves. "" if there are none.
     """
     about = server().about
     mumps = f"MUMPS {about['mumps']}".rstrip()
@@ -416,9 +416,8 @@ class PetscOrdering:
     def factorise(self, values: Array, part: str) -> PetscNumeric:
         """Factor of the matrix whose triangle has the entries `values`.
 
-        Raises ComputationError if it fails.
-
-        A factor that is not accurate is reported with one entry of D without a sign.
+        If the factor is not accurate, its `zero` is 1. Raises ComputationError if the factorisation
+        fails.
         """
         if self._loaded is None:
             require_memory(self.peak_bytes, self._size, part)

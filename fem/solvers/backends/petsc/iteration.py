@@ -56,10 +56,10 @@ class SolutionCheck(NamedTuple):
 class GamgIteration:
     """Conjugate gradients for one positive definite matrix, set up once for all right-hand sides.
 
-    `lower` is the lower triangle (csc n×n), `motions` (n×6) are its rigid motions, if it had no
-    supports, and `places` (n×3, m) the positions of the unknowns. Each rank has neighbouring
-    unknowns: they are sorted along the longest axis of the body, and those of a node stay together.
-    `part` is the name in messages. Raises MissingPetscError and ComputationError.
+    `lower` is the lower triangle (csc n×n), `motions` (n×6) are the rigid motions that the body
+    would have without supports, `places` (n×3, m) the positions of the unknowns. Each rank has
+    neighbouring unknowns: they are sorted along the longest axis of the body, and those of a node
+    stay together. `part` is the name in messages. Raises MissingPetscError and ComputationError.
     """
 
     def __init__(self, lower: SparseMatrix, motions: Array, places: Array, part: str) -> None:
