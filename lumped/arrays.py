@@ -42,7 +42,7 @@ def dense(matrix: SparseMatrix) -> Array:
 
 
 def unit_diagonal(matrix: Array) -> Array:
-    """Scale factors d (n) for which the scaled matrix d_i A_ij d_j has a unit diagonal.
+    """Scale factors d (n) for which d_i A_ij d_j has a unit diagonal, with A = `matrix` (n×n).
 
     Raises LinAlgError if a diagonal entry of A is not positive: A is not positive definite then.
     """

@@ -94,7 +94,10 @@ class ProgramError(ComputationError):
 
 
 def program_error(error: Exception) -> ProgramError:
-    """ProgramError for `error`: its class and text, after the parts of the model from `naming`."""
+    """ProgramError with the class and the text of `error`.
+
+    The parts of the model that `naming` added to `error` as notes precede them.
+    """
     parts = [part for part in getattr(error, "__notes__", ()) if part]
     lines = "".join(format_exception(error)).splitlines()
     return ProgramError(": ".join([*reversed(parts), f"{type(error).__name__}: {error}"]), lines)
@@ -118,7 +121,7 @@ def write_error(path: object, error: OSError, advice: str = "") -> InputError | 
 def collect_faults(
     function: Callable[[Item], Result], items: Iterable[Item]
 ) -> tuple[list[Result], list[str]]:
-    """Apply a function to items. Return the results, and the faults of items for which it fails."""
+    """Apply a function to items. Return the results, and the faults of all InputErrors raised."""
     results: list[Result] = []
     faults: list[str] = []
     for item in items:

@@ -80,7 +80,7 @@ class BeamProperties:
     Helical fibres couple unlike deformations: `twist_x` is the rate of twist per axial force, and
     `turn_y` and `turn_z` are the rates of φy and φz per shear force along y and along z (1/(N m)).
     EA, GJ, EI and κGA are then stiffnesses with all other stress resultants zero. These couplings
-    are available for a centroid that is shear centre and centre of mass, too.
+    require that the centroid be also the shear centre and the centre of mass.
     """
 
     EA: float
@@ -126,7 +126,7 @@ class BeamProperties:
 
     @property
     def couplings(self) -> dict[tuple[int, int], float]:
-        """Entries (row, column) of the section's 6×6 flexibility that helical fibres cause."""
+        """Entries of the section's 6×6 flexibility due to helical fibres, by row and column."""
         if not self.is_helical:
             return {}
         return {(0, 3): self.twist_x, (1, 4): self.turn_y, (2, 5): self.turn_z}
@@ -344,9 +344,10 @@ class Span:
         return taper_rates(self._sections, self.end - self.start, shares)
 
     def taper_flexibilities(self, material: Material) -> Array:
-        """Columns `TAPER` (p×7) of `lumped.tapers` at the p `NODES` of the span.
+        """Taper rates, and flexibility due to inclined fibres (p×7), at the p `NODES` of the span.
 
-        Zero for shapes without two axes of symmetry.
+        The columns are named in `lumped.tapers.TAPER`. Zero for shapes without two axes of
+        symmetry.
         """
         if not self.converges:
             return np.zeros((len(NODES), len(TAPER)))
@@ -355,7 +356,10 @@ class Span:
 
     @property
     def converges(self) -> bool:
-        """True if the section varies and its shape has two axes of symmetry."""
+        """True if effects of converging fibres are computed.
+
+        The section must vary, and its shape must have two axes of symmetry.
+        """
         return self.first != self.last and symmetric_moments(self.first) is not None
 
     @property

@@ -70,7 +70,7 @@ def gauss_points() -> tuple[Array, Array]:
 
 @cache
 def _interpolation() -> Array:
-    """Matrix from the values of a function at the Gauss points to its Legendre coefficients."""
+    """Matrix that maps the values of a function at Gauss points to its Legendre coefficients."""
     return np.asarray(np.linalg.inv(legendre.legvander(gauss_points()[0], GAUSS - 1)))
 
 
@@ -136,7 +136,7 @@ class LineSections:
     def _coefficients(self) -> Array:
         """Chebyshev coefficients (k×p×28) of the section constants in each span.
 
-        Infinite constants have one term.
+        An infinite constant has a first coefficient only, which is infinite.
         """
         infinite = np.isinf(self.values).any(axis=1, keepdims=True)
         finite = np.where(infinite, 0.0, self.values)

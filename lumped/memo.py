@@ -76,7 +76,11 @@ def _feed(
     select_fields: Callable[[Any], Iterable[Field[Any]]],
     digests_by_id: MutableMapping[Any, bytes],
 ) -> None:
-    """Add `value` to a digest through `update`. `digests_by_id` keeps digests of records."""
+    """Add `value` to a digest, to which `update` adds bytes.
+
+    `select_fields` returns the fields of a record that are hashed. `digests_by_id` keeps the
+    digests of records that are compared by value, by their `id`.
+    """
     match value:
         case np.ndarray():
             update(f"array {value.dtype.str} {value.shape} ".encode())
@@ -114,7 +118,7 @@ def _feed(
 
 
 def _items(value: Any) -> Sequence[Any]:
-    """Items of a sequence; of a partial its function and arguments, after a mark."""
+    """Items of a sequence. For a partial: "partial", its function and its arguments."""
     if isinstance(value, partial):
         return "partial", value.func, value.args, value.keywords
     return cast("Sequence[Any]", value)

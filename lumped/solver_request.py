@@ -53,7 +53,7 @@ def requested_solver() -> Solver:
 def requested_ranks() -> int:
     """Number of MPI ranks for petsc, one per host unless requested.
 
-    Raises InputError for a wrong number, or for hosts of which some would have no rank.
+    Raises InputError for an invalid number, such as one that is no multiple of that of the hosts.
     """
     hosts = requested_hosts()
     text = os.environ.get(RANKS_VARIABLE, "").strip() or str(max(1, len(hosts)))

@@ -54,9 +54,10 @@ def taper_rates(sections: Sequence[Section], length: float, shares: Array) -> Ar
 def taper_flexibilities(
     sections: Sequence[Section], length: float, moduli: tuple[float, float, float]
 ) -> Array:
-    """Columns `TAPER` (p×7) at the p `NODES` of a span of `length` (m).
+    """Taper rates, and flexibility due to inclined fibres (p×7), at the p `NODES` of a span.
 
-    `sections` are those at the nodes, with two axes of symmetry. `moduli` are E and G (Pa) and ν.
+    `length` (m) is that of the span. The columns are named in `TAPER`. `sections` are those at the
+    nodes, with two axes of symmetry. `moduli` are E and G (Pa) and ν.
     """
     E, G, nu = moduli
     rates = taper_rates(sections, length, NODES)

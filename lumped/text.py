@@ -70,7 +70,10 @@ def _is_number(text: str) -> bool:
 
 
 def unknown_name(key: str, name: str, valid_names: Collection[str], allowed: str) -> str:
-    """Error message for an unknown name. It suggests the most similar known name."""
+    """Error message for the unknown name `name` at `key`. It suggests the most similar valid name.
+
+    If no name is similar, it lists all valid ones. `allowed` describes them, such as "a body".
+    """
     advice = did_you_mean(name, valid_names, otherwise=f": {', '.join(valid_names) or 'none'}")
     return f"{key} = {shown(name)}: must be {allowed}{advice}"
 
@@ -78,7 +81,10 @@ def unknown_name(key: str, name: str, valid_names: Collection[str], allowed: str
 def did_you_mean(
     name: str, valid_names: Iterable[str], otherwise: str = "", cutoff: float = 0.6
 ) -> str:
-    """Suggestion of the most similar known name, to end a message. `otherwise` if there is none."""
+    """Suggestion of the most similar valid name, to end a message. `otherwise` if there is none.
+
+    `cutoff` is the smallest similarity, from 0 to 1 (`difflib`).
+    """
     by_lower_case = {known_name.lower(): known_name for known_name in valid_names}
     if len(name) <= _LONGEST_NAME and (
         close := get_close_matches(name.lower(), by_lower_case, n=1, cutoff=cutoff)

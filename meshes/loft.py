@@ -1,8 +1,9 @@
 """Solid meshes of tapered and curved legs: a section's mesh, moved along the line and stretched.
 
-Each plane of nodes has the size and the wall thickness of the section at its position; element
-numbers are those of the first mesh. Within a linear taper the hexahedra have straight sides, and
-along an arc quadratic ones. Lines with corners and sections with steps have no such mesh.
+Each plane of nodes has the size and the wall thickness of the section at its position, numbered as
+in the mesh of the section in the middle of the line. Within a linear taper the hexahedra have
+straight sides, and along an arc quadratic ones. Lines with corners and sections with steps have no
+such mesh.
 """
 
 from dataclasses import dataclass
@@ -94,7 +95,10 @@ def mesh_section(leg: LineLeg) -> Section:
 
 
 def slices_along(leg: LineLeg, divisions: Divisions) -> int:
-    """Number of slices of about the same length as the width of section elements (`divisions`)."""
+    """Number of slices that are about as long as the elements of the section are wide.
+
+    `divisions` are those of the section.
+    """
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     return max(2, ceil(leg.line.length / element_length(mesh_section(leg), count)))
 
@@ -140,7 +144,8 @@ def _planes(
 ) -> tuple[Array, IntArray, Array]:
     """Positions (p) of the planes of nodes, indices (p) of pieces of the line, nodes (p×n×2).
 
-    The indices are those of the pieces of the centre line to which the planes belong.
+    The indices are those of the pieces of the centre line to which the planes belong. `face` is the
+    mesh of the section `reference`, from which the n nodes of each plane are stretched.
     """
     positions, shapes = [], []
     for number, span in enumerate(leg.spans):

@@ -119,8 +119,9 @@ def measured_value(
 ) -> Measured:
     """Measured value of the quantity `name`, with the fields of `Measured`.
 
-    `place` is the location of the value in messages. `responses` are the names of the values of
-    harmonic responses that the robot file defines. Raises InputError with one line per fault.
+    `place` is the location of the value in messages. `responses` are the measurable values of the
+    harmonic responses in the robot file, by name without the prefix "response:". Raises InputError
+    with one line per fault.
     """
     if (quantity := measured_quantity(name, responses)) is None:
         raise InputError(f"{place}.quantity = {shown(name)}: must be one of {_names(responses)}")
@@ -131,7 +132,10 @@ def measured_value(
 
 
 def _names(responses: Sequence[str]) -> str:
-    """Comma-separated names of all measurable quantities of a robot, for messages."""
+    """Comma-separated names of all measurable quantities of a robot, for messages.
+
+    `responses` are as in `measured_value`.
+    """
     names = ", ".join(
         (
             *(quantity.name for quantity in response_quantities(responses)),
@@ -180,7 +184,10 @@ def digest(values: Sequence[Measured]) -> str:
 
 
 def pose_faults(robot: Mechanism, measured: Measured, place: str) -> list[str]:
-    """Faults of a measured value that depend on the robot: unknown leg, pose out of reach."""
+    """Faults of a measured value that depend on the robot: unknown leg, pose out of reach.
+
+    One line per fault, which begins with `place`, the location of the value.
+    """
     if measured.of_leg:
         legs = tuple(legs_of(robot))
         is_leg = measured.quantity.leg in legs

@@ -190,7 +190,10 @@ class Quantity:
 
     @property
     def static_column(self) -> int:
-        """Index of the quantity among all displacement vectors: axes, any force, loads."""
+        """Index of the displacement of the quantity among the displacements under all loads.
+
+        Order: unit loads along and about the axes, any force, loads of the robot file.
+        """
         first = {_KIND.ANY_FORCE: len(AXES), _KIND.LOAD: len(AXES) + 1}
         return first.get(self.kind, 0) + self.column
 
@@ -201,7 +204,7 @@ class Quantity:
 
     @property
     def leg(self) -> str:
-        """Name of the leg, for an entry of the 6×6 compliance of a leg."""
+        """Name of the leg whose 6×6 compliance has this entry. Only for such entries."""
         return self.key.rpartition(".")[0]
 
     def _text(self, template: str) -> str:
@@ -280,7 +283,8 @@ def quantities(
 def measured_quantity(name: str, responses: Sequence[str] = ()) -> Quantity | None:
     """Measurable quantity with the name `name`. None if there is no such quantity.
 
-    `responses` are the names of the values of harmonic responses that the robot file defines.
+    `responses` are the measurable values of the harmonic responses in the robot file, by name
+    without the prefix "response:".
     """
     if entry := _LEG_ENTRY.fullmatch(name):
         column = 6 * (int(entry[2]) - 1) + int(entry[3]) - 1

@@ -96,7 +96,10 @@ class AgreementLimits:
     ends: SolidEnds = "as given"
 
     def ends_of(self, leg_ends: Ends | None) -> Ends:
-        """End condition of the solid of a leg for which the robot file specifies `leg_ends`."""
+        """End condition of the solid of a leg.
+
+        `leg_ends` is the condition in the robot file, None if the file does not specify it.
+        """
         return (leg_ends or "rigid") if self.ends == "as given" else self.ends
 
 

@@ -49,11 +49,12 @@ class Terms:
 def partial_fractions(
     elastic: ComplexArray, viscous: Array, inertia: Array, outputs: Array, shift: float = 0.0
 ) -> Terms | None:
-    """Terms of the receptance of `outputs` A (k×n) for K, D, M (n×n): elastic, viscous, inertia.
+    """Terms of the receptance of k motions, the rows of A = `outputs` (k×n), in n unknowns.
 
-    If K is singular, a positive `shift` (1/s) of s makes K + sD + s²M regular. Terms with a pole at
-    zero are omitted; their motions must not move the outputs. The result is None if a motion is
-    damped critically, so that eigenvectors are linearly dependent.
+    The matrices (n×n) are K = `elastic`, D = `viscous` and M = `inertia`. If K is singular, a
+    positive `shift` (1/s) of s makes K + sD + s²M regular. Terms with a pole at zero are omitted;
+    their motions must not move the outputs. The result is None if a motion is damped critically, so
+    that eigenvectors are linearly dependent.
     """
     shifted = elastic + shift * viscous + shift**2 * inertia
     inverses, shapes = np.linalg.eig(np.linalg.solve(shifted, inertia))
@@ -82,7 +83,10 @@ def partial_fractions(
 
 
 def _paired(poles: ComplexArray, residues: ComplexArray) -> Terms:
-    """Terms of second order for oscillations, and of first order for all other motions."""
+    """Terms of second order for oscillations, and of first order for all other motions.
+
+    The eigenvalues ν of N are `poles`, and the matrices G are `residues` (one k×k for each ν).
+    """
     sizes = np.abs(poles)
     upper = [int(k) for k in np.flatnonzero(poles.imag > _REAL * sizes)]
     lower = [int(k) for k in np.flatnonzero(poles.imag < -_REAL * sizes)]

@@ -3,7 +3,7 @@
 A computed solution X of KX = F has the error K⁻¹R with the residual R = F − KX. The error of the
 flexibility FᵀX is FᵀK⁻¹R = XᵀR to first order: the part of the work of the loads that is not stored
 in the springs. In a well-conditioned model it is a few units in the last place. It is as large as
-the flexibility itself if the stiffnesses differ by the resolution of double precision.
+the flexibility itself if the ratio of two stiffnesses is the resolution of double precision.
 """
 
 import numpy as np
@@ -54,7 +54,7 @@ def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part
 
     `loads`, `displacements` and `forces` have shape …×n×m. Raises ComputationError, with `part` in
     its message, if the work of the loads and the energy of the springs differ in the fourth digit,
-    if one of them is negative, or if a number is not finite.
+    or if a number is not finite.
     """
     flexibility = np.swapaxes(loads, -1, -2) @ displacements
     unbalanced_energy = np.swapaxes(displacements, -1, -2) @ (loads - forces)

@@ -222,10 +222,11 @@ def segment_leg(chain: SegmentChain) -> LegMatrices:
 def static_leg(chain: SegmentChain) -> LegMatrices:
     """Massless leg that has the stiffness of the chain between its ends. Unknowns: root 6, tip 6.
 
-    The springs are in series, so that their compliances at the tip add up: C = Σ X Cₖ Xᵀ. The error
-    of this sum is below 1e-11 up to thousands of elements. The assembled matrix of `segment_leg`
-    gives the same result with a round-off error of n³ · 1e-15, because the springs of a chain of n
-    elements are n³ times as stiff as the leg.
+    The springs are in series, so that their compliances at the tip add up: C = Σ X Cₖ Xᵀ, where X
+    transforms twists at spring k to the tip (`shift`). The error of this sum is below 1e-11 up to
+    thousands of elements. The assembled matrix of `segment_leg` gives the same result with a
+    round-off error of n³ · 1e-15, because the springs of a chain of n elements are n³ times as
+    stiff as the leg.
     """
     levers = shift(chain.tip - chain.springs_at[:-1])
     other_compliance = np.sum(
@@ -250,7 +251,8 @@ def _spring_matrix(chain: SegmentChain, block: IntArray, rows: Sequence[int]) ->
     """Stiffness Σ [C₂ C₁]ᵀ K [C₂ C₁] of eq. (21), summed over all springs.
 
     [C₂ C₁] maps the twists of two neighbouring bodies to the deflection of the spring K between
-    them. Only the components `rows` of the deflections are used.
+    them. Only the components `rows` of the deflections are used. `block` (b) contains, for each of
+    the b bodies, the index of its block of six unknowns.
     """
     components, count = list(rows), len(chain.springs_at)
     neighbours = np.column_stack([np.arange(count), np.arange(count) + 1])
@@ -274,10 +276,11 @@ def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
 
 
 def _interpolate(positions: Array, block: IntArray, stations: Array) -> SparseMatrix:
-    """6k × n matrix that maps the n unknowns to the twists at k `stations`.
+    """6k × 6b matrix that maps the unknowns of b bodies to the twists at k `stations`.
 
-    `stations` are distances (m) from the root. Between the reference points of the bodies, twists
-    are interpolated linearly.
+    `stations` are distances (m) from the root, `positions` (b, in m) those of the bodies. Between
+    bodies, twists are interpolated linearly. `block` (b) contains the index of the block of six
+    unknowns of each body.
     """
     previous = np.clip(
         np.searchsorted(positions, stations, side="right") - 1, 0, len(positions) - 2

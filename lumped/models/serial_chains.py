@@ -137,7 +137,10 @@ def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) 
 def _carriers(
     mechanism: Mechanism, legs: Mapping[str, Array], chain_steps: Sequence[_Step]
 ) -> dict[_Node, _Node]:
-    """By node of the robot, the node of a chain that carries it: itself or a neighbour."""
+    """For each node of the robot, the node of a chain to which it is attached.
+
+    A node of a chain is attached to itself. `chain_steps` are the joints and legs of all chains.
+    """
     group = _groups(mechanism, legs)
     carrier = {node: node for step in chain_steps for node in step.nodes}
     remaining = [step for step in _steps(mechanism, legs, group) if step not in chain_steps]
@@ -189,7 +192,7 @@ def _paths(
 def _series(steps: list[_Step], end: _Node, base: _Node) -> list[_Step]:
     """Joints and legs from the tool back to the platform, at which the chains of the robot meet.
 
-    Empty if a single chain carries the tool.
+    Empty if a single chain connects the node `end` of the tool to the node `base` of the ground.
     """
     series: list[_Step] = []
     while end != base:
@@ -251,9 +254,9 @@ def _steps(
 
 
 def _without_dead_ends(steps: list[_Step], ends: set[_Node]) -> list[_Step]:
-    """Joints and legs of `steps` that transmit load.
+    """Joints and legs of `steps` that transmit load between the nodes `ends`.
 
-    Those that lead only to bodies attached at a single node transmit none.
+    Those that lead to a dead end, a node outside `ends` with one joint or leg, transmit none.
     """
     while True:
         nodes = [node for step in steps for node in step.nodes]

@@ -131,7 +131,10 @@ class Assembly:
 
     @cached_property
     def _split_models(self) -> Mapping[str, tuple[tuple[Array, Array | SparseMatrix], ...]]:
-        """Blocks of the stiffness and the mass of each body: interfaces, coupling to its inside."""
+        """Two blocks of the stiffness, and of the mass, of each body, by name.
+
+        The first is that of the interfaces, the second couples them to the body's inside.
+        """
         return {
             name: (_split(model, "stiffness")[:2], _split(model, "mass")[:2])
             for name, model in self.models.items()
@@ -222,9 +225,10 @@ class Assembly:
         return stiffness, mass
 
     def _bordered(self, outer: Array, kind: int, ends: Mapping[str, Array]) -> Array | SparseMatrix:
-        """Full matrix of a system: the block `outer` of the nodes, the coupling, and the inside.
+        """Full stiffness or mass matrix of a system, from the block `outer` of the nodes.
 
-        `kind` is 0 for the stiffness, 1 for the mass.
+        The coupling to the inside of the bodies, and the inside, are added. `kind` is 0 for the
+        stiffness, 1 for the mass. `ends` is as in `System`.
         """
         couplings = [(ends[name].T, blocks[kind][1]) for name, blocks in self._split_models.items()]
         inner = self._inner[kind]

@@ -118,8 +118,9 @@ def joint_axes(posture: Posture, joint: Joint) -> Array:
 
     x is the axis of the joint, or the normal of both axes of a universal joint
     (`catalogue.directions`). z of a prismatic joint is as close to the base's z axis as possible,
-    unless the joint slides along the base's z axis. Fixed and spherical joints have the base axes
-    of the reference posture. The axes rotate with the first body.
+    or to the base's x axis if the joint slides along z. Fixed and spherical joints have the base
+    axes of the reference posture. In other joints, z is as close as possible to the base axis that
+    is most nearly normal to x. The axes rotate with the first body.
     """
     first = rotation_since_reference(posture, joint.first.body)
     if joint.kind in {"fixed", "spherical"}:
@@ -190,9 +191,10 @@ def _load_on_mass(system: System, body: str, load: Loading) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Equilibrium:
-    """Conditions on the wrenches of all joints. Moments are divided by the mechanism's length (N).
+    """Linear equations for the wrenches of all joints, and their solution.
 
-    Wrenches are those of joints on their second bodies, at their first interfaces, base axes.
+    Moments are divided by the length of the mechanism, so that all components are in N. Wrenches
+    are those of joints on their second bodies, at their first interfaces, base axes.
     """
 
     system: System
@@ -249,7 +251,10 @@ class _Equilibrium:
         )
 
     def _conditions(self) -> tuple[Array, Array]:
-        """Conditions of equilibrium and of passive free twists: matrix (c×6j), right side (c)."""
+        """Matrix (c×6j) and right-hand side (c) of c equations for the wrenches of j joints.
+
+        They are the equilibrium of the nodes, and zero work on passive free twists.
+        """
         system, unit = self.system, self._unit
         motions, joints = system.motions, self._joints
         node_wrenches = self._node_wrenches()
@@ -300,9 +305,10 @@ class _Equilibrium:
         return wrenches
 
     def _spring_wrenches(self) -> tuple[Array, Array]:
-        """Equations for the wrenches of elastic joints: matrix (e×6j) and right-hand side (e).
+        """Matrix (e×6j) and right-hand side (e) of e equations for the strain of elastic joints.
 
-        Wrenches under which a joint is rigid do not follow from its strain.
+        The unknowns are the wrenches of all j joints. Wrenches under which a joint is rigid do not
+        follow from its strain.
         """
         system, unit, joints = self.system, self._unit, self._joints
         rows, values = [np.zeros((0, len(joints), 6))], [np.zeros(0)]

@@ -102,7 +102,8 @@ class DampedModes:
     def between(self, moved: slice, direction: Array, loaded: slice, force: Array) -> "DampedModes":
         """The same modes for displacement along `direction`, force along `force` (unit vectors).
 
-        `moved` and `loaded` are the rows of the translations of the two points among the outputs.
+        `moved` and `loaded` select the translations of the point that moves, and of the point at
+        which the force acts, among the rows and columns of the residues.
         """
         residues, rate_residues = (
             np.einsum("i,rij,j->r", direction, terms[:, moved, loaded], force)
@@ -127,7 +128,7 @@ class DampedModes:
         return bool((sizes > _ROUND_OFF * np.sqrt(moved_size * loaded_size)).any())
 
     def _rows(self, rows: slice) -> "DampedModes":
-        """Modes whose forces and motions are only the components `rows`."""
+        """The same modes with only the rows and columns `rows` of the residues."""
         return replace(
             self,
             residues=self.residues[:, rows, rows],
@@ -253,8 +254,8 @@ def _response(modes: DampedModes, excitation: Excitation) -> HarmonicResponse:
 def modal_damping(solution: Solved, modes: Modes) -> Array:
     """Viscous damping matrix (m×m, 1/s) of m real modes, which are normalised to unit mass.
 
-    Dashpots couple the modes. Loss factors damp each mode separately, to first order, as at its own
-    frequency; the modal damping ratio is added to them.
+    Dashpots couple the modes. Loss factors damp each mode separately, to first order, with the
+    value at the frequency of the mode. The modal damping ratio is added.
     """
     system, speeds = solution.system, 2.0 * np.pi * modes.frequencies
     dissipation = np.sum(modes.shapes * _dissipative_forces(system, modes.shapes), axis=0)
@@ -298,7 +299,10 @@ def damped_modes(solution: Solved, highest: float, outputs: Array | None = None)
 
 
 def _hysteretic_terms(elastic: ComplexArray, inertia: Array, outputs: Array) -> Terms:
-    """Terms of the receptance without dashpots: eigenvalues and eigenvectors of S⁻¹C."""
+    """Terms of the receptance without dashpots, from the eigenvalues and eigenvectors of S⁻¹C.
+
+    S is `elastic`, C is `inertia`, A is `outputs`.
+    """
     inverses, shapes = np.linalg.eig(np.linalg.solve(elastic, inertia))
     participations = np.linalg.solve(shapes, np.linalg.solve(elastic, outputs.T))
     residues = np.einsum("ir,rj->rij", outputs @ shapes, participations)
@@ -308,7 +312,10 @@ def _hysteretic_terms(elastic: ComplexArray, inertia: Array, outputs: Array) -> 
 def _viscous_terms(
     elastic: ComplexArray, viscous: Array, inertia: Array, outputs: Array, shift: float
 ) -> Terms:
-    """Terms with dashpots, made slightly stronger if a motion is critically damped."""
+    """Terms of the receptance with dashpots (see `partial_fractions`).
+
+    The dashpots are made slightly stronger if a motion is critically damped.
+    """
     for change in (0.0, _OFF_CRITICAL):
         terms = partial_fractions(elastic, (1.0 + change) * viscous, inertia, outputs, shift)
         if terms is not None:

@@ -167,7 +167,10 @@ def _together(
 def _frequencies(
     nodes: NodeMatrices, inside: _InnerMatrices, inverse: Array, count: int
 ) -> Array | None:
-    """Natural frequencies (P×count, in Hz). None if too few modes move mass in a posture."""
+    """Natural frequencies (P×count, in Hz). None if too few modes move mass in a posture.
+
+    `inverse` (P×n×n) is L⁻¹ for the stiffness K_e = L Lᵀ of the nodes.
+    """
     postures, size = inverse.shape[:2]
     if not count:
         return np.zeros((postures, 0))

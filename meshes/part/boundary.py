@@ -123,8 +123,8 @@ def area_vectors(nodes: Array, facets: Facets) -> Array:
 def smooth_faces(nodes: Array, facets: Facets) -> list[IntArray]:
     """Rows of `facets` that form each smooth face.
 
-    Facets of one face are connected by edges at which the normal changes by less than CREASE. Faces
-    are in the order of their first facets.
+    Facets of one face are connected by edges at which the normal turns by less than the angle
+    CREASE. Faces are in the order of their first facets.
     """
     normals = area_vectors(nodes, facets)
     normals = normals / np.linalg.norm(normals, axis=1)[:, None]

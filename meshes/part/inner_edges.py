@@ -93,7 +93,10 @@ def cut_at_inner_edges(mesh: PartMesh) -> PartMesh:
 
 
 def _renewed(mesh: PartMesh, edges: IntArray, cut: "_Cut", positions: Array) -> PartMesh:
-    """Mesh of all pieces, whose nodes have the given `positions` (P×10×3, in m)."""
+    """Mesh of all P pieces of `cut`, whose nodes have the given `positions` (P×10×3, in m).
+
+    `edges` are the corner nodes of `mesh` on re-entrant edges.
+    """
     corner_numbers, corners = _renumbered(cut.corners)
     sides, middles = np.unique(_middles(corners), return_inverse=True)
     cells = np.hstack([corners, len(corner_numbers) + middles.reshape(-1, 6)])
@@ -177,8 +180,9 @@ def _cut(cells: IntArray, edges: IntArray) -> _Cut:
 def _pieces(on: Array, order: IntArray) -> IntArray:
     """Corners (P×k×2) of the pieces of a simplex with some corners `on` a re-entrant edge.
 
-    `order` contains the corners in ascending order of their node numbers: diagonals start at the
-    lower number, so that they agree in both neighbours.
+    A corner is given by the two corners of the simplex between which it lies half way, or by one
+    corner of the simplex twice. `order` contains the corners of the simplex in ascending order of
+    their node numbers: diagonals start at the lower number, so that neighbours agree.
     """
     inner = [int(i) for i in order if on[i]]
     outer = [int(i) for i in order if not on[i]]
@@ -196,6 +200,9 @@ def _pieces(on: Array, order: IntArray) -> IntArray:
 
 
 def _prism(foot: Sequence[_Corner], head: Sequence[_Corner]) -> Iterator[list[_Corner]]:
-    """Simplices between the faces `foot` and `head` of a prism, with diagonals to later corners."""
+    """Simplices that fill a prism between its faces `foot` and `head`.
+
+    Diagonals run from a corner of `foot` to later corners of `head`.
+    """
     for i in range(len(foot)):
         yield [*foot[: i + 1], *head[i:]]

@@ -14,7 +14,7 @@ _COUNT = 60
 
 
 def spread_over(mesh: VolumeMesh) -> tuple[IntArray, Array]:
-    """Corner nodes as far apart as possible, and the volume (m³) of the cells nearest to each.
+    """At most _COUNT corner nodes, far apart, and the volume (m³) of the cells nearest to each.
 
     The node farthest from those already selected is added repeatedly (Gonzalez, Theor. Comput. Sci.
     38 (1985) 293). The position of a cell is its centre.

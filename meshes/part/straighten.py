@@ -25,7 +25,7 @@ _ROUNDS = 10
 
 
 def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
-    """Nodes (N×3, in m) after straightening folded cells of the tet10 `cells`, and their number.
+    """Nodes (N×3, in m) after straightening folded tet10 `cells`, and the number of these cells.
 
     Midside nodes are moved half way between the corners. Neighbours that share these edges may
     become folded and are straightened, too. Raises ComputationError if a cell is inverted or flat

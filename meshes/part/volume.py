@@ -91,7 +91,7 @@ class Grading:
     cut: bool = False
 
     def refined(self, ratio: float = RATIO) -> "Grading":
-        """Grading with all lengths divided by `ratio`."""
+        """Grading of a finer mesh: `size` divided by `ratio`, `sides` multiplied by it."""
         return replace(self, size=self.size / ratio, sides=self.sides * ratio)
 
 

@@ -105,7 +105,10 @@ def has_blocks(section: OutlinedSection | Composite) -> bool:
 
 
 def refinements(divisions: Divisions) -> int:
-    """Number of times that each element of the coarsest mesh of a polygon is divided into four."""
+    """Number of times that each element of a polygon's coarsest mesh is divided into four.
+
+    The finest mesh has at least the given number of `divisions`.
+    """
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     return max(0, ceil(log2(count / _COARSEST)))
 
@@ -287,8 +290,9 @@ def _grid(
     counts_z: list[int],
     filled: Sequence[Sequence[bool]],
 ) -> Blocks:
-    """Rectangular blocks between lines at `ys` and `zs` (m), where `filled` is True (rows along z).
+    """Rectangular blocks between lines at `ys` and `zs` (m).
 
+    `filled` has a row for each strip between two of the `zs`, with True for each block to make.
     `counts_y` and `counts_z` are numbers of elements between the lines.
     """
     numbers: dict[tuple[int, int], int] = {}
@@ -345,7 +349,10 @@ def _quarter(diameter: float, thickness: float, divisions: int) -> int:
 
 
 def _rings(diameters: Sequence[float], quarter: int, across: int) -> Blocks:
-    """Rings between concentric circles with these diameters (m, descending), four blocks each."""
+    """Rings between concentric circles with these diameters (m, descending), four blocks each.
+
+    `quarter` is the number of elements along a quarter of a ring, `across` that across a ring.
+    """
     axes = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
     points = np.vstack([axes * diameter / 2.0 for diameter in diameters])
     counts: dict[Edge, int] = {}
@@ -392,7 +399,7 @@ def _box_of_layers(section: LaminateBox, divisions: int) -> Blocks:
 
 
 def _across_run(divisions: int) -> int:
-    """Number of elements across a run of equal layers: one up to four divisions."""
+    """Number of elements across a run of equal layers: one per four divisions, rounded up."""
     return ceil(divisions / 4)
 
 

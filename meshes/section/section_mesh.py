@@ -124,7 +124,10 @@ def _generate_quadrilaterals(gmsh: ModuleType, refinements: int) -> None:
 
 
 def _vertex_sizes(partition: Partition, largest: float) -> Array:
-    """Element size (m) at each vertex: the distance to the nearest edge that does not meet it."""
+    """Element size (m) at each vertex: the distance to the nearest edge that does not meet it.
+
+    The size is at most `largest`.
+    """
     starts, ends = (partition.vertices[partition.ends[:, i]] for i in (0, 1))
     sizes = np.full(len(partition.vertices), largest)
     for number, vertex in enumerate(partition.vertices):

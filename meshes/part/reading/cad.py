@@ -227,7 +227,10 @@ def _require_cavities_inside(model: CadModel, path: Path) -> None:
 
 
 def _require_all_points(model: CadModel, path: Path, box: Array) -> None:
-    """Raise InputError if a point of the file lies outside the solid."""
+    """Raise InputError if a point of the file lies outside the bounding `box` of the solid.
+
+    `box` (2×3, in m) contains its lower and its upper corner.
+    """
     gmsh = model.gmsh.model
     points = np.array([gmsh.getValue(0, tag, []) for _, tag in gmsh.getEntities(0)])
     outside = np.maximum(box[0] - points, points - box[1]).max(axis=1)

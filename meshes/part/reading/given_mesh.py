@@ -198,9 +198,11 @@ def _named(
 
 
 def _groups(raw: Any, facets: Facets, new_numbers: IntArray) -> list[Group]:
-    """Facets of the boundary in each group of a mesh file.
+    """Name of each group of a mesh file, and for each of the `facets` True if it is in the group.
 
-    Groups are physical groups of surface elements, and node sets.
+    Groups are physical groups of surface elements, and node sets; those that contain all facets are
+    omitted. `raw` is the mesh as read by meshio, `new_numbers` the number of each of its nodes in
+    `facets`, −1 for omitted nodes.
     """
     corners = np.sort(facets.corners, axis=1)
     rows = {tuple(row): i for i, row in enumerate(corners.tolist())}

@@ -65,7 +65,10 @@ def step_unit(content: bytes, source: str) -> str:
 
 
 def _contexts(by_number: dict[str, str]) -> Iterable[str]:
-    """Lists of units in the contexts of solids; if none, of shapes; if none, of any entity."""
+    """Lists of units in the contexts of a file's entities (`by_number`).
+
+    Only contexts of solids are used; without any, those of shapes; without any, all contexts.
+    """
     for shape in _SHAPES:
         contexts = [
             match[1]
@@ -95,7 +98,7 @@ def _unit_of(entity: str, by_number: dict[str, str], source: str) -> str:
 def _metres(entity: str, by_number: dict[str, str], conversions: int) -> float | None:
     """Size (m) of a unit of length, which is an SI unit or a multiple of another unit.
 
-    None if the file does not define it.
+    None if the file does not define it, or by more than `conversions` units one after another.
     """
     if si := _SI.search(entity):
         return _PREFIX.get((si[1] or "").upper())
