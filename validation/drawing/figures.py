@@ -69,7 +69,10 @@ class FigureGroup:
     def figure(
         self, identifier: str, title: str, *, effort: float = 1.0
     ) -> Callable[[Draw], Callable[[Context], Figure]]:
-        """Decorator that registers a function returning the chart or the scenes of a figure."""
+        """Decorator that registers a function returning the chart or the scenes of a figure.
+
+        `effort`: expected computing time (s).
+        """
 
         def declare(draw: Draw) -> Callable[[Context], Figure]:
             @wraps(draw)

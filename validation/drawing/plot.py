@@ -152,7 +152,8 @@ def _draw_series(
 ) -> None:
     """Draw the curve of a panel that has the `rank` (index, number of curves).
 
-    The first curve is the widest, so that equal curves are visible.
+    The first curve is the widest, so that equal curves are visible. `rows`: vertical positions in a
+    panel with horizontal bars.
     """
     points = (curve.y, rows) if panel.lying else (curve.x, curve.y)
     style: dict[str, Any] = {"color": look.colour, "marker": look.marker}

@@ -73,9 +73,10 @@ class _Numbers:
         self.content = bytearray()
 
     def part(self, part: DrawnBody | Wire, limits: tuple[float, float]) -> dict[str, Any]:
-        """Header of one body or line for the viewer.
+        """Header of one body or line for the viewer. Its numbers are appended to the content.
 
-        Points are encoded as multiples of a step, which is finer than a pixel.
+        Points are encoded as multiples of a step, which is finer than a pixel. `limits`: values at
+        both ends of the colour map.
         """
         import matplotlib as mpl  # noqa: PLC0415  slow to import, and makes folders
 
@@ -97,7 +98,7 @@ class _Numbers:
         return {"step": step, "values": self.add(np.round(lengths / step), "<i2")}
 
     def add(self, values: Any, kind: str) -> tuple[int, int]:
-        """Append values. Returns the position of their first byte, and the number of values."""
+        """Append values as NumPy type `kind`. Returns the position (byte) and number of values."""
         array = np.ascontiguousarray(values, dtype=kind)
         first_byte = len(self.content)
         self.content += array.tobytes()

@@ -45,9 +45,9 @@ _MICRO, _PERCENT = 1e-6, 100.0
 class MappedQuantity:
     """A quantity over the workspace, with a `description` for the caption of its map.
 
-    `model`: name of the model that computes it. `values`: function that returns its values in all
-    postures of responses. `largest`: true if the worst value is the largest, false if it is the
-    smallest.
+    `model`: name of the model that computes it. `values`: function of responses that returns the
+    values of the quantity in all their postures. `largest`: true if the worst value is the largest,
+    false if it is the smallest.
     """
 
     id: str

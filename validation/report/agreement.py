@@ -44,7 +44,7 @@ class AgreementCell:
     `text`: the difference that is judged, or the reason if the comparison was skipped. `raw`: the
     total difference if a part of it has named causes, otherwise "". `spread`: the half-width of the
     difference's uncertainty, "" if it would be displayed as zero. `case`: id of the comparison.
-    `verdict` is None and `mark` "" for a difference without a verdict.
+    `mark`: symbol of the `verdict`. They are "" and None for a difference without a verdict.
     """
 
     text: str
@@ -57,13 +57,14 @@ class AgreementCell:
 
 @dataclass(frozen=True)
 class AgreementTable:
-    """Differences of all formulations from the solid: a row for each, a cell for each quantity.
+    """Differences of formulations from the solid: rows of formulations, columns of quantities.
 
-    A cell is None if there is no comparison. `subject`: name of the compared leg, or the robot with
-    its pose. `solid`: values of the solid with units. Quantities without any value have no column.
-    `causes`: rows of allowances by cause, "" for a quantity without one; `explanations`: the same
-    amounts in words. `missing`: comparisons that were skipped or failed, with the reason. `judged`
-    is False if the differences have no verdicts; `notes` are displayed below the table.
+    `rows`: name of a formulation and its cells. A cell is None if there is no comparison.
+    `subject`: name of the compared leg, or the robot with its pose. `solid`: values of the solid
+    with units. Quantities without any value have no column. `causes`: rows of allowances by cause,
+    "" for a quantity without one; `explanations`: the same amounts in words. `missing`: comparisons
+    that were skipped or failed, with the reason. `judged` is False if the differences have no
+    verdicts; `notes` are displayed below the table.
     """
 
     subject: str
@@ -289,7 +290,7 @@ def _quantity_text(outcome: Outcome) -> str:
 
 
 def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
-    """Sentence on the largest discretisation error with the element count of [agree].
+    """Sentence on the largest discretisation error with the element count of table [agree].
 
     "" if that count was not computed.
     """

@@ -21,7 +21,8 @@ class ElementCount:
     """Elements per leg of one formulation, for its worst frequency or deflection.
 
     `needed`: elements for an error of 1 %. `error`: the largest error with the element count of
-    [agree], and `worst`, the quantity that has it; both "" if that count was not computed.
+    table [agree] of the robot file. `worst`: the quantity with this error. Both are "" if that
+    count was not computed; `worst` is also "" if the error is negligible.
     """
 
     formulation: str
@@ -32,9 +33,9 @@ class ElementCount:
 
 @dataclass(frozen=True)
 class ElementCounts:
-    """Element counts of the formulations by Timoshenko's theory.
+    """Element counts of those formulations that use Timoshenko's beam theory.
 
-    `stated`: elements per leg with which the errors in `rows` were computed.
+    `stated`: element count of [agree], with which the errors in `rows` were computed.
     """
 
     rows: tuple[ElementCount, ...]
@@ -42,7 +43,7 @@ class ElementCounts:
 
 
 def element_counts(figures: Sequence[Figure]) -> ElementCounts | None:
-    """Element counts of each formulation. None if there is no study over the element count."""
+    """Element counts of formulations. None if no study varies the element count."""
     studies = [
         study for figure in figures for study in figure.studies if isinstance(study, ElementStudy)
     ]
@@ -72,7 +73,7 @@ def _row(label: str, studies: Sequence[ElementStudy]) -> ElementCount:
 
 
 def _needed(label: str, studies: Sequence[ElementStudy]) -> str:
-    """Elements per leg for an error of 1 %, as text.
+    """Elements per leg for an error of 1 % by the formulation with this label, as text.
 
     A bound, such as "more than 80", if the number lies outside the computed counts.
     """
@@ -91,7 +92,10 @@ def _needed(label: str, studies: Sequence[ElementStudy]) -> str:
 
 
 def _stated_error(label: str, study: ElementStudy) -> float | None:
-    """Relative error with the element count of [agree]. None if it was not computed."""
+    """Relative error by the formulation with this label and the element count of [agree].
+
+    None if it was not computed.
+    """
     count = study.stated
     if count not in study.x:
         return None

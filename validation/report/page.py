@@ -63,9 +63,9 @@ class Report:
 
     @property
     def answered(self) -> FirstScreen | None:
-        """First screen that contains the verdict of the page.
+        """First screen with the verdict of the page: that by computed references, if there is one.
 
-        It has computed references. If there are none, measured values.
+        Otherwise the one by measured values. None if there is neither.
         """
         return self.first or self.measurements
 

@@ -37,7 +37,10 @@ def as_text(solution: Solution) -> str:
 
 
 def _static_lines(answer: Answer) -> list[str]:
-    """Lines with heading and compliance. For a free body, the number of rigid motions."""
+    """Lines with heading, deflections and compliance.
+
+    For a free body, heading and number of rigid-body motions.
+    """
     if answer.rigid is not None:
         motions = f"  rigid-body motions (omitted): {answer.rigid}"
         return [answer.place.free_title, motions]

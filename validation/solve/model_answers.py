@@ -360,7 +360,10 @@ def _defined_compliance(question: Question, compliance: Array) -> Array:
 
 
 def _cost(question: Question, longest: float = LONGEST) -> Cost:
-    """Cost of the distinct legs, each once, and of the CAD parts."""
+    """Cost of the distinct legs and of the CAD parts.
+
+    Raises InputError if that of the legs exceeds the available memory or `longest` (s).
+    """
     model, options = question.model, question.options
     seconds = PER_PART * len(question.mechanism.parts)
     shapes = _shapes(question)

@@ -381,9 +381,9 @@ def extrapolated(
     """Compliances (P×6×6), frequencies (P×m) and half-widths, extrapolated if an order is observed.
 
     `widths` are the half-widths from two meshes. Each number is extrapolated on its own, if there
-    are at least four meshes and all sections are rectangles: walls keep one element across for
-    several divisions, and would show only the order of their slices along the leg. A mode without a
-    partner on one of the meshes is not extrapolated.
+    are at least four meshes and all sections are rectangles: thin walls keep one element across
+    over several divisions, so that only the length of the elements along the leg would change. A
+    mode without a partner on one of the meshes is not extrapolated.
     """
     statics, modes, options = solved.statics, solved.modes, solved.question.options
     compliances, frequencies = solved.compliances.copy(), solved.frequencies.copy()

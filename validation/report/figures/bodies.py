@@ -62,7 +62,7 @@ class DisplacedSolid:
     def body(self, factor: float, unit: float) -> DrawnBody:
         """Surface to be drawn, with displacements enlarged by `factor`.
 
-        Legs are coloured by displacement in `unit` (m).
+        Legs and CAD parts are coloured by displacement, as a multiple of `unit` (m).
         """
         motion = factor * self.displacements
         values = self.sizes / unit if self.deforms else None

@@ -113,7 +113,7 @@ def _chart(
 
 
 def _response(context: Context, number: int) -> Chart:
-    """Chart of a response in the middle of the path, with the uncertainty band of the reference."""
+    """Chart of response `number` (from 0) in the middle pose, with the reference's uncertainty."""
     robot = robot_on_path(context)
     responses = Responses(robot)
     excitation, middle = robot.mechanism.excitations[number], len(robot.postures) // 2

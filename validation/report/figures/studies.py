@@ -36,7 +36,10 @@ class Curve:
 
 @dataclass(frozen=True)
 class Family:
-    """Studies with the same abscissa, drawn together. `computed_by`: the computing functions."""
+    """Studies with the same abscissa, drawn together.
+
+    `computed_by`: names of the functions that compute the studies.
+    """
 
     id: str
     title: str
