@@ -180,7 +180,7 @@ def _changed(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> Mapping[s
 
 
 def _digest(content: bytes, files: Iterable[Path]) -> str:
-    """Hexadecimal digest of a text and of the files to which it refers, if they can be read."""
+    """Hexadecimal SHA-256 of a text and of those files it refers to that can be read."""
     digest = hashlib.sha256(content)
     for file in files:
         with suppress(OSError, InputError):

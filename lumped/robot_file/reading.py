@@ -49,7 +49,7 @@ class TableRow(NamedTuple):
 
 
 def table_rows(path: Path, kind: str, columns: Sequence[str], most: int) -> list[TableRow]:
-    """Rows of a CSV file, which must have the given `columns` and at least one row.
+    """Rows of a CSV file, which must have the given `columns` and 1 to `most` rows.
 
     `kind` is the expected kind of file, for messages. Raises InputError with one line per fault.
     """

@@ -346,16 +346,16 @@ class LaminateBox(Laminate):
     @property
     def _unit_couplings(self) -> tuple[float, float]:
         b, h = self._middle
-        # Of Qy: −q Iz is b h/4 + b²/8 − y²/2 at the top and z b/2 at the sides, positive from y to
-        # z.
+        # For Qy = 1, −q Iz is b h/4 + b²/8 − y²/2 at the top and z b/2 at the sides, positive from
+        # y to z.
         first = (b * h / 2.0) ** 2 + b * h**3 / 12.0 + h * b**3 / 12.0
         moments = (b**2 * h / 2.0 + b**3 / 6.0) * (h**2 * b / 2.0 + h**3 / 6.0)
         return 1.0 / (2.0 * b * h), -first / moments
 
     @property
     def shear_stiffnesses(self) -> tuple[float, float]:
-        # Bending stresses lie at the line (b, h) of the wall that E weights, shear strains at that
-        # of G: the flow of the first strains the perimeter of the second.
+        # The line (b, h) is at the layers' mean depth weighted by E, at which bending stresses act.
+        # The line (of_b, of_h) is weighted by G. The flow of the first strains the second's wall.
         (b, h), (of_b, of_h) = (self._line(weights) for weights in (self.tensions, self._shears))
         shear = self._free_shear * float(self.wall[2, 2]) * (b + h) / (of_b + of_h)
         return shear * _box_shear_length(h, b), shear * _box_shear_length(b, h)

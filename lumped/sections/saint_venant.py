@@ -281,7 +281,7 @@ def _weighted_integral(regions: Sequence[Region], integrand: _Integrand) -> Arra
 
 
 def _edges(regions: Sequence[Region]) -> _Edges:
-    """Edges of all regions, split at vertices of other regions. Common edges occur once."""
+    """Edges of all regions at which the weight jumps, split at vertices of other regions."""
     if len(regions) == 1:
         loops = regions[0].loops
         ends, begun = [], 0
@@ -349,7 +349,7 @@ def partition_edges(regions: Sequence[Sequence[Loop]]) -> Partition:
 
 
 def _vertices_between(places: Array, start: Array, end: Array, gap: float) -> list[int]:
-    """Indices of `places` (n×2) within `gap` of the edge from `start` to `end`, in this order."""
+    """Indices of `places` (n×2) within `gap` of an edge, in order from its `start` to its `end`."""
     edge = end - start
     length = float(np.linalg.norm(edge))
     along = (places - start) @ edge / length
@@ -466,7 +466,10 @@ def _smallest_elements(loop: Loop) -> Array:
 
 
 def _graded(start: Array, direction: Array, corners: Array, smallest: Array) -> list[float]:
-    """Start points of the boundary elements on an edge, as ascending fractions of its length."""
+    """Start points of the boundary elements on an edge, as ascending fractions of its length.
+
+    Elements become shorter towards the `corners` (V×2), down to their `smallest` lengths (V).
+    """
     length = float(np.linalg.norm(direction))
     along = (corners - start) @ direction / length**2
     across = np.linalg.norm(corners - start - along[:, None] * direction, axis=1)

@@ -46,8 +46,8 @@ def symmetric_moments(section: Section) -> SymmetricMoments | None:
 def flexure_moments(section: Section, poisson_shear_ratio: float) -> tuple[float, float]:
     """Products (m⁶) of Iz with ∫yz τxz dA for a unit force Qy, and of Iy with ∫yz τxy dA for Qz.
 
-    These are the shear stresses across the force in Saint-Venant's flexure: those of circles and
-    tubes are exact for the ratio νG/E = `poisson_shear_ratio`, those of flanges follow from
+    τxz and τxy are here the shear stresses across the force in Saint-Venant's flexure: those of
+    circles and tubes are exact for νG/E = `poisson_shear_ratio`, those of flanges follow from
     equilibrium with the bending stress. A rectangle has none for ν = 0, and small ones otherwise.
     Zero for a shape without two axes of symmetry.
     """

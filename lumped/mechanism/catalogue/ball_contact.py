@@ -170,7 +170,7 @@ def ellipse_ratio(difference: float) -> float:
 def bearing_stiffness(
     bearing: BallBearing, preload: float, rows: int, arrangement: Arrangement, distance: float
 ) -> Array:
-    """6×6 stiffness (SI, x along the shaft) of one or several rows, about their middle.
+    """6×6 stiffness (SI, x along the shaft) of one or several rows, referred to their middle.
 
     Each of the `rows` has the axial `preload` (N). Rows are `distance` (m) apart. The rotation
     about the shaft is free.

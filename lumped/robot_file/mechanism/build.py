@@ -251,7 +251,7 @@ def leg_of(leg: LegDraft, name: str) -> Leg:
 
 
 def loss_of(leg: LegDraft) -> float:
-    """Loss factor of a leg or part: that of its material or, for a compliance, the key `loss`."""
+    """Loss factor of a leg or part: of its material, or the key `loss` if there is no material."""
     loss = leg.entry.loss if leg.material is None else leg.material.loss
     return loss or 0.0
 

@@ -228,7 +228,7 @@ def _copied(
 
 
 def _default_up(tables: Tables, leg: Tables) -> list[float]:
-    """Default direction of `up` of a leg. Legs whose points have faults are refused later."""
+    """Default `up` direction (3) of a leg, meaningless if its points have faults."""
     ends = [tables["points"].get(leg.get(end)) for end in ("from", "to")]
     start, tip = (
         np.array(point["at"] if isinstance(point, dict) else point or 0.0) for point in ends
@@ -239,7 +239,7 @@ def _default_up(tables: Tables, leg: Tables) -> list[float]:
 
 
 def _turned(entry: Tables, pattern: _Pattern, number: int) -> dict[str, Any]:
-    """Positions, directions and matrices of a body or joint in copy `number`, base axes."""
+    """Positions, directions and matrices (base axes) that a body or joint has in copy `number`."""
     turned: dict[str, Any] = {}
     rotation = pattern.turn(number)
     if isinstance(entry.get("centre"), list):

@@ -263,7 +263,7 @@ class SectionRule(Rule):
 
 
 def _section(shape: str, **values: Any) -> Section | OwnMaterials:
-    """Section, or its description if it has materials of its own, from the values of its keys."""
+    """Section from the values of its keys, or their record if its parts have own materials."""
     match SHAPES[shape]:
         case kind if kind is Composite:
             return CompositeParts(values["parts"])
