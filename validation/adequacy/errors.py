@@ -123,7 +123,7 @@ class Errors:
     def missing(self) -> NDArray[np.bool_]:
         """True (R×P) for errors that do not exist because there is no number to compare.
 
-        Shapes: R interpretations of the reference, P poses.
+        Array sizes: R interpretations of the reference, P poses.
         """
         return np.isnan(self.error)
 
@@ -142,7 +142,7 @@ class Errors:
     def spread(self) -> Array:
         """Half-width of each error (R×P), summed over all sources of uncertainty.
 
-        Shapes: R interpretations of the reference, P poses.
+        Array sizes: R interpretations of the reference, P poses.
         """
         return np.asarray(sum(self.budget.values()))
 
@@ -150,7 +150,7 @@ class Errors:
     def farthest(self) -> Array:
         """Distance (R×P) from each error to the farther end of its interval.
 
-        Shapes: R interpretations of the reference, P poses.
+        Array sizes: R interpretations of the reference, P poses.
         """
         if self.pairing is None:
             return self.spread
@@ -162,7 +162,7 @@ class Errors:
         """Lower and upper end of each error's interval (R×P each).
 
         The interval covers the half-widths of all sources of uncertainty, and the errors that
-        follow if modes are paired in other possible ways. Shapes: R interpretations of the
+        follow if modes are paired in other possible ways. Array sizes: R interpretations of the
         reference, P poses.
         """
         low, high = self.error - self.spread, self.error + self.spread
@@ -181,7 +181,7 @@ class Errors:
         The error of a displacement vector is never below zero. The lower end is zero if the model
         lies between two interpretations. For the order of modes, the interval is that of the
         interpretation with the largest error, since there is nothing between two mode numbers.
-        Shapes: P poses.
+        Array sizes: P poses.
         """
         low, high = self.bounds
         if self.numbers is not None:
@@ -197,7 +197,7 @@ class Errors:
     def bound(self) -> Array:
         """Largest absolute value (P) in the interval of the error. NaN if an error is missing.
 
-        Shapes: P poses.
+        Array sizes: P poses.
         """
         low, high = self.interval
         bound = np.maximum(np.abs(low), np.abs(high))
@@ -207,7 +207,7 @@ class Errors:
     def worst(self) -> Array:
         """Error (P) of largest magnitude over all interpretations. NaN if an error is missing.
 
-        Shapes: P poses.
+        Array sizes: P poses.
         """
         worst = self.error[self.largest, np.arange(self.error.shape[1])]
         return np.where(self.missing.any(axis=0), np.nan, worst)
@@ -216,7 +216,7 @@ class Errors:
     def largest(self) -> IntArray:
         """Index (P) of the interpretation with the error of largest magnitude.
 
-        Missing errors are skipped. Shapes: P poses.
+        Missing errors are skipped. Array sizes: P poses.
         """
         return first_largest(np.where(self.missing, -1.0, np.abs(self.error)))
 
@@ -350,7 +350,7 @@ class ModelErrors:
         """Lowest and highest error (P each) of modes that can have this `number` (index from 0).
 
         `rows` are the interpretations at the ends of a range of stiffness inside the legs. Both are
-        infinite if the model has no partner of such a mode. Shapes: P poses.
+        infinite if the model has no partner of such a mode. Array sizes: P poses.
         """
         interpretations = self.subject.dynamics.interpretations
         solved = [
@@ -398,8 +398,8 @@ class ModelErrors:
     ) -> Errors | None:
         """Errors of a frequency, or of the order of modes, against one interpretation.
 
-        For the order of modes, it is the largest frequency error that follows because a mode has
-        another number than in the reference.
+        For the order of modes, the error is the largest frequency error that follows because a mode
+        has another number than in the reference.
         """
         if (both_modes := self.modes_of(model, interpretation)) is None:
             return None
@@ -544,7 +544,7 @@ def first_largest(sizes: Array) -> IntArray:
 def stack_errors(errors: Sequence[Errors]) -> Errors:
     """Combine the errors against each of R interpretations (P×…) into arrays (R×P×…).
 
-    Shapes: P poses.
+    Array sizes: P poses.
     """
     first = errors[0]
 
@@ -582,7 +582,7 @@ class _MisplacedModes(NamedTuple):
     the reference's mode whose misplacement causes the largest error. `frequency` (P, Hz): the
     model's frequency with this index. `below`, `above` (P, Hz): distances from it to the
     frequencies that determine the error if modes are paired otherwise, as far as mixed shapes
-    allow. Shapes: P poses, K judged modes.
+    allow. Array sizes: P poses, K judged modes.
     """
 
     numbers: IntArray
@@ -621,7 +621,7 @@ def _misplaced_modes(pairs: Partners, frequencies: Array) -> _MisplacedModes:
 def _largest_error(errors: Array) -> tuple[Array, IntArray]:
     """Error of largest magnitude (P) among errors (P×K), and its column (P).
 
-    A missing frequency (NaN) counts as larger than any error. Shapes: P poses, K judged modes.
+    A missing frequency (NaN) counts as larger than any error. Array sizes: P poses, K judged modes.
     """
     column = np.argmax(np.where(np.isnan(errors), np.inf, np.abs(errors)), axis=1)
     return errors[np.arange(len(errors)), column], column

@@ -179,7 +179,8 @@ def _entry(
 def _pose_limits(errors: Errors, quantity: Quantity, requirement: Requirement) -> Array:
     """Largest accepted relative error (P) of a quantity in each pose.
 
-    An absolute limit is divided by the length of the reference's displacement. Shapes: P poses.
+    An absolute limit is divided by the length of the reference's displacement. Array sizes: P
+    poses.
     """
     absolute = requirement.absolute(quantity)
     if absolute is None or errors.displacement is None:
@@ -220,7 +221,7 @@ def verdicts_of(errors: Errors, limits: Array) -> list[Adequacy]:
     """Verdict in each pose from the interval of errors and the limit (P).
 
     The order of modes is judged for each interpretation alone, and is undecided if the verdicts
-    differ. Shapes: P poses.
+    differ. Array sizes: P poses.
     """
     poses = range(errors.error.shape[1])
     if errors.numbers is None:
@@ -258,7 +259,7 @@ def _deciding_pose(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Arra
     """Index of the pose with the overall `verdict` and the largest error over its limit.
 
     `shares` (P) are errors divided by limits. If several are equal up to round-off, as in a
-    symmetric robot, the first one decides. Shapes: P poses.
+    symmetric robot, the first one decides. Array sizes: P poses.
     """
     deciding = np.array([pose_verdict == verdict for pose_verdict in verdicts])
     size = np.where(np.isnan(shares), -0.5, np.abs(shares))
@@ -386,7 +387,7 @@ def _interpretation_rows(errors: Errors, pose: int) -> IntArray:
 
     All poses use the interpretation with the largest error in the deciding `pose`, so that a curve
     over the poses is for one interpretation. The error of the order of modes jumps in any case; for
-    it, each pose uses its own interpretation. Shapes: P poses.
+    it, each pose uses its own interpretation. Array sizes: P poses.
     """
     largest = errors.largest
     return largest if errors.numbers is not None else np.full_like(largest, largest[pose])

@@ -60,8 +60,8 @@ def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, 
     """Statics by name of model or interpretation, and half-widths of the reference.
 
     The half-widths (P×7, relative), by name of the interpretation, are due to the meshes and to the
-    digits of the robot file. Raises InputError or ComputationError if there is no reference.
-    Shapes: P postures.
+    digits of the robot file. Raises InputError or ComputationError if there is no reference. Array
+    sizes: P postures.
     """
     responses = Responses(robot)
     statics = {
@@ -88,7 +88,7 @@ def compared_compliances(
 ) -> Compared:
     """Compliance (P×6, SI) along and about each base axis, under a load along or about it.
 
-    The arguments are the results of `compared_statics`. Shapes: P postures.
+    The arguments are the results of `compared_statics`. Array sizes: P postures.
     """
     compliances = {
         name: np.diagonal(model_statics.compliances, axis1=1, axis2=2)
@@ -120,7 +120,7 @@ def _grouped_by_ends(reference: Reference) -> dict[str, list[Interpretation]]:
 def compared_frequencies(robot: RobotOnPath) -> Compared:
     """First natural frequencies (P×k, Hz), ascending, with differences of modes of the same shape.
 
-    Raises InputError or ComputationError if there is no reference. Shapes: P postures, k
+    Raises InputError or ComputationError if there is no reference. Array sizes: P postures, k
     frequencies.
     """
     responses = Responses(robot)

@@ -238,9 +238,9 @@ def _change(below: Array, above: Array, draw: Array) -> Array:
     """Change of a number if an input changes by ξ = `draw` standard uncertainties.
 
     `below` and `above`: changes of the number at ξ = −1 and ξ = 1. Between them the change is g
-    ξ/(1 + c ξ), which is the dependence of any linear response on one stiffness, or g ξ + h ξ²/2 if
-    the pole is too near. If `below` or `above` is NaN, the change is NaN on that side, from |ξ| =
-    `_LOST_FROM` on.
+    ξ/(1 + c ξ), as of any linear response to the stiffness of one spring, or g ξ + h ξ²/2 if the
+    pole ξ = −1/c is too near. If `below` or `above` is NaN, the change is NaN on that side, from
+    |ξ| = `_LOST_FROM` on.
     """
     linear, square = _derivatives(below, above)
     bend = np.divide(-0.5 * square, linear, out=np.full_like(linear, np.inf), where=linear != 0.0)

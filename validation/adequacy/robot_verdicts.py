@@ -216,7 +216,7 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
 
 
 def _without_modes(models: Iterable[Model]) -> list[Model]:
-    """Models reduced to their statics, without a reason why they have no modes."""
+    """Models reduced to their statics. They need no reason why modes are undefined."""
     return [
         replace(
             model,

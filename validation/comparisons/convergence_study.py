@@ -537,7 +537,7 @@ class ConvergenceStudy:
         )
 
     def _visible(self, series: ConvergenceSeries, column: int) -> bool:
-        """True unless Timoshenko's theory in the same formulation has nearly equal errors."""
+        """True unless the same formulation with Timoshenko's theory has nearly equal errors."""
         timoshenko = replace(series.discretisation, theory="timoshenko")
         for other_series in self.series:
             if (

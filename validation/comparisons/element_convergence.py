@@ -319,7 +319,10 @@ def _leg_modes(
 
 
 def _cantilever(leg: ConstantLeg, theory: Theory) -> tuple[Array, Array]:
-    """Exact frequencies (Hz) and tip compliances (m/N) of the cantilever. Half-widths are zero."""
+    """Exact values of the clamped leg, and their half-widths, which are zero.
+
+    The values are frequencies (Hz), then deflections of the tip under unit forces (m/N).
+    """
     properties = leg.properties(theory)
     exact_modes = cantilever_frequencies(properties, leg.length, MODES)
     deflections = np.diag(tip_compliance(properties, leg.length))[: len(DEFLECTIONS)]

@@ -2,9 +2,9 @@
 
 Input: a leg of constant section with its root clamped. Output: verdicts on observed orders, on
 half-widths, and on the agreement of hexahedra with tetrahedra. Rule: tip compliances by the
-doubling method have many cheap meshes and show orders. Frequencies have few meshes; their
-half-width must be at most 1 %, and tetrahedra must give the same f1 within the half-widths. CPU
-times are shown and affect no verdict.
+doubling method (`fem.bodies.doubling`) have many cheap meshes and show orders. Frequencies have few
+meshes; their half-width must be at most 1 %, and tetrahedra must give the same f1 within the
+half-widths. CPU times are shown and affect no verdict.
 """
 
 from collections.abc import Sequence

@@ -7,10 +7,10 @@ allowances must be within the tolerance of [agree]. Each allowance is the differ
 robots whose legs differ by one named cause alone. The end condition of the solids is that of
 [agree], otherwise `ends` of each leg, otherwise rigid faces.
 
-Statics: each leg is represented by its tip compliance, for solids by the doubling method on two
-meshes. Dynamics: solids reduced to their ends; beams with section constants computed on the mesh of
-the solid, with and without the waves of 3-D elasticity (`validation.cases.leg_waves`). Modes are
-paired by shape.
+Statics: each leg is represented by its tip compliance, for solids by the doubling method
+(`fem.bodies.doubling`) on two meshes. Dynamics: solids reduced to their ends; beams with section
+constants computed on the mesh of the solid, with and without the waves of 3-D elasticity
+(`validation.cases.leg_waves`). Modes are paired by shape.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -207,7 +207,7 @@ def laminate_errors(section: Laminate) -> dict[str, float]:
 def formula_band(leg: ConstantLeg, constants: SectionConstants) -> Band:
     """Softest and stiffest beam that correct textbook formulas allow for the section.
 
-    `constants` are those by finite elements of the section.
+    `constants`: section constants by finite elements.
     """
     exact_beam = beam_properties(constants, leg.material)
     torsion = torsion_limits(leg)

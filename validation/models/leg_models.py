@@ -243,5 +243,5 @@ def leg_modes(
 
 
 def constant_leg_of(context: Context, body: str) -> ConstantLeg:
-    """Prism with the same compliance as the leg `body` of the run's robot."""
+    """Equivalent leg of the leg `body` of the run's robot. A prism is returned unchanged."""
     return context.get(equivalent_leg, legs_of(context.robot_file.mechanism)[body])

@@ -1,4 +1,4 @@
-"""Warnings about a robot whose file is valid but unlikely: units, axes of bores, gaps of slides.
+"""Warnings about implausible data in a valid robot file: units, axes of bores, gaps of slides.
 
 Input: a mechanism. Output: `Finding` records with the value, the suspicion and its evidence. Rule:
 a finding is made if a number lies far outside the range of real machines.

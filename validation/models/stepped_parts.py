@@ -202,7 +202,11 @@ def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
 
 
 def _through_centroids(positions: Array, facets: Facets, line: Array) -> Array:
-    """Polygon of n pieces (n+1×3, m) that pass through the sections' centroids at their middles."""
+    """Centre line of n pieces: its points (n+1×3, m), from the centroids of the n sections.
+
+    Inner points lie midway between neighbouring centroids; both ends are extrapolated. If there is
+    one piece, its line is shifted to the centroid.
+    """
     centroids = []
     for start, end in pairwise(line):
         axes, middle = _across(end - start), 0.5 * (start + end)

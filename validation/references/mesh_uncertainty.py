@@ -119,9 +119,9 @@ def _modal_section_policy(robot: RobotOnPath) -> MeshPolicy | float:
 
 
 def _section_beams(reading: Reading) -> Model:
-    """Beam model for the study of section meshes: with warping only if all ends are rigid.
+    """Beam model for the study of section meshes: with restrained warping if all ends are rigid.
 
-    If ends are free, the beams are free to warp. Such beams depend more on the section mesh than
+    If any end is free, the beams are free to warp. Such beams depend more on the section mesh than
     solids with free ends do, so the half-width is an overestimate.
     """
     return COMPUTED_BEAMS if "free" in reading.ends.values() else WARPING_BEAMS
@@ -164,7 +164,7 @@ def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
 
     The half-width is unknown for a mode without a partner on the coarser mesh or in the beams. For
     CAD parts, the order of convergence is always observed on the first `MOST_MODES` frequencies, so
-    that half-widths do not depend on the number of judged modes. Shapes: P poses, K judged
+    that half-widths do not depend on the number of judged modes. Array sizes: P poses, K judged
     frequencies.
     """
     robot, solve = responses.robot, responses.required_modes
@@ -194,7 +194,7 @@ def response_half_widths(
     """Relative half-widths of harmonic responses due to all meshes. 1 if unknown.
 
     `numbers` returns the compared values of the responses, such as peaks (P×q), of given modes.
-    Shapes: P poses, q values.
+    Array sizes: P poses, q values.
     """
     robot, solve = responses.robot, responses.required_modes
 

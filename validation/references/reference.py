@@ -76,9 +76,9 @@ class SourceHalfWidths:
     `displacements` (P×(7+L)): of the displacements under 7 unit loads and L loads of the robot
     file, in the columns of `Quantity.static_column`. `frequencies` (P×K), `peaks` (P×q) and
     `receptances` (one P×n for each excitation) are half-widths of the fields of `PathModes` with
-    these names. A field is None if the source does not affect the numbers of this field. Shapes: P
-    poses, K judged frequencies, q judged quantities of harmonic responses, n frequencies of an
-    excitation.
+    these names. A field is None if the source does not affect the numbers of this field. Array
+    sizes: P poses, K judged frequencies, q judged quantities of harmonic responses, n frequencies
+    of an excitation.
     """
 
     displacements: Array | None = None
@@ -89,7 +89,7 @@ class SourceHalfWidths:
     def of(self, quantity: Quantity) -> Array | None:
         """Half-widths (P) of a quantity in all poses. None if the source does not affect it.
 
-        Shapes: P poses.
+        Array sizes: P poses.
         """
         if quantity.static:
             values, column = self.displacements, quantity.static_column
@@ -248,7 +248,7 @@ class Subject:
     against solids; otherwise None. `inputs`: uncertain inputs, None if the file names none. `loads`
     and `harmonics`: quantities of the file's loads and of its harmonic responses, in order.
     `faults`: names of computations (other than models) that failed by an error of the program.
-    Shapes: P poses.
+    Array sizes: P poses.
     """
 
     robot: str

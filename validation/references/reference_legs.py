@@ -132,7 +132,8 @@ def most_unknowns(preset: Preset, leg: ConstantLeg) -> int:
 def line_divisions(preset: Preset, leg: LineLeg) -> tuple[int, int]:
     """Divisions across the section of the coarse and the fine mesh of a leg of varying section.
 
-    The doubling method, which needs equal slices, cannot be used for such a leg.
+    The doubling method (`fem.bodies.doubling`), which needs equal slices along the leg, cannot be
+    used for such a leg.
     """
     if isinstance(section_of(leg), Rectangle):
         return DIVISIONS[preset] - 1, DIVISIONS[preset]

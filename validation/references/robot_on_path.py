@@ -246,7 +246,10 @@ def robot_at(context: Context, postures: Sequence[Posture]) -> RobotOnPath:
 
 
 def path_postures(context: Context) -> tuple[Posture, ...]:
-    """Postures of the path, with its first and last pose, computed once per run and process."""
+    """At most `MOST_POSES` postures of the path, among them those of its first and last pose.
+
+    They are computed once per run and process.
+    """
     return context.get(_postures, context.robot_file.mechanism, MOST_POSES[context.preset])
 
 

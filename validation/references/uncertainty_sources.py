@@ -120,7 +120,7 @@ def _flattened_statics(statics: Statics) -> Array:
 def _sizes(unperturbed: Statics, changes: Array) -> Array:
     """Magnitudes (n×P×(7+L)) of n changes (n×P×k) relative to the unperturbed displacements.
 
-    Zero if the robot is rigid under the load, since no relative change exists then. Shapes: P
+    Zero if the robot is rigid under the load, since no relative change exists then. Array sizes: P
     poses, k numbers.
     """
     count, poses, _ = changes.shape
@@ -158,7 +158,10 @@ def _plausible_mass_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
 
 
 def _links(robot: RobotOnPath, _: Reading) -> Statics:
-    """Statics with the legs' 6×6 and condensed CAD parts, computed once per run and process."""
+    """Statics with legs represented by their 6×6, and condensed CAD parts.
+
+    They are computed once per run and process.
+    """
     return robot.context.get(_linked, robot.postures)
 
 
@@ -307,8 +310,8 @@ def _response_digit_half_widths(
     """Relative half-widths of peaks (P×q) and receptances (P×n for each excitation).
 
     They are due to the rounding of printed 6×6 matrices, and follow from the relative effect of
-    this rounding on frequencies, `digits` (P×K). Shapes: P poses, K judged frequencies, q judged
-    quantities of responses, n excitation frequencies.
+    this rounding on frequencies, `digits` (P×K). Array sizes: P poses, K judged frequencies, q
+    judged quantities of responses, n excitation frequencies.
     """
     peak_half_widths: list[Array] = []
     receptances = []
@@ -334,9 +337,9 @@ def _digit_half_widths(
     """Relative half-widths due to digits: of a peak's frequency (P), and of receptances (P×n).
 
     `sizes` (P×n) are receptance magnitudes at `frequencies` (n, Hz); `peak` (P×1, Hz) is the
-    frequency of the peak. All stiffness is assumed to change together by the half-width s, taken
-    from `digits` for the nearest natural frequency. The receptance h(ω) then becomes h(ω(1 − s))/(1
-    + 2s).
+    frequency of the peak. All natural frequencies are assumed to change together by the half-width
+    s, taken from `digits` for the nearest one, and all stiffness by 2s. The receptance h(ω) then
+    becomes h(ω(1 − s))/(1 + 2s).
     """
     modes = np.nan_to_num(fine.frequencies[:, : digits.shape[1]], nan=np.inf)
     evaluated = np.hstack([peak, np.broadcast_to(frequencies, sizes.shape)])
@@ -350,8 +353,8 @@ def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, reading: R
     """Relative half-widths (P×K) of the judged frequencies of `fine` due to printed digits.
 
     Each mode of `fine`, the solid model, has the half-width of the beam mode of the same shape. A
-    mode without such a partner has the largest half-width of all judged modes. Shapes: P poses, K
-    judged frequencies.
+    mode without such a partner has the largest half-width of all judged modes. Array sizes: P
+    poses, K judged frequencies.
     """
     beams, changes = robot.context.get(
         modes_by_digits, robot.printed, robot.postures, robot.computed_count, reading.masses

@@ -127,7 +127,7 @@ def difference_under(
     """Difference (P×3) of two models' displacements under wrenches (P×6), and a length (P).
 
     The length is that of the reference's displacement, with the same lower limit as in `relative`.
-    Shapes: P poses.
+    Array sizes: P poses.
     """
     expected, displacement = (
         statics.displacements(quantity, wrench) for statics in (reference, model)
@@ -144,7 +144,7 @@ def nearest_between(deviations: Array, length: Array) -> Array:
 
     `deviations` (a×…×3): differences of the displacement from that of each reference. `length`
     (a×…): lengths of the references' displacements. Between two references, displacement and length
-    are interpolated linearly. Infinite if there is only one reference. Shapes: a references.
+    are interpolated linearly. Infinite if there is only one reference. Array sizes: a references.
     """
     nearest = np.full(length.shape[1:], np.inf)
     for first, second in combinations(range(len(deviations)), 2):

@@ -55,7 +55,7 @@ class SampledModes:
 
     `frequencies` (m, Hz, ascending). `shapes` (k×m): unit columns, each sample multiplied by the
     root of its mass. `energy_shares` (m): share of each mode's kinetic energy that the samples
-    contain. Shapes: m modes, k samples.
+    contain. Array sizes: m modes, k samples.
     """
 
     frequencies: Array
@@ -95,7 +95,7 @@ def sampled_modes(
     """Modes with unit shapes, from samples (k×m) already multiplied by the root of each mass.
 
     `energy_shares` (m): share of kinetic energy that the samples contain. If None, they contain all
-    of it. Shapes: m modes, k samples.
+    of it. Array sizes: m modes, k samples.
     """
     sizes = np.linalg.norm(samples, axis=0)
     shapes = samples / np.where(sizes > 0.0, sizes, 1.0)
@@ -107,7 +107,7 @@ def sampled_modes(
 def mac_matrix(first: SampledModes, second: SampledModes) -> Array:
     """Energy-weighted MAC (m×n) of each mode of one model with each mode of another.
 
-    Shapes: m modes of the first model, n modes of the second model.
+    Array sizes: m modes of the first model, n modes of the second model.
     """
     return np.square(_overlaps(first, second))
 
@@ -115,7 +115,7 @@ def mac_matrix(first: SampledModes, second: SampledModes) -> Array:
 def space_mac(first: SampledModes, second: SampledModes) -> Array:
     """Energy-weighted MAC (m×n) of two models' modes, averaged over modes of equal frequency.
 
-    Shapes: m modes of the first model, n modes of the second model.
+    Array sizes: m modes of the first model, n modes of the second model.
     """
     spaces = equal_frequency_groups(first.frequencies), equal_frequency_groups(second.frequencies)
     return _means(_overlaps(_in_spaces(first, spaces[0]), _in_spaces(second, spaces[1])), *spaces)
@@ -130,8 +130,8 @@ def pair_modes(
     """Partners of the modes `first` of one model among the modes `second` of another model.
 
     `frequency_uncertainties` (m): relative uncertainties of the first model's frequencies.
-    `excluded` (m×n): pairs that cannot be partners. Shapes: m modes of the first model, n modes of
-    the second model.
+    `excluded` (m×n): pairs that cannot be partners. Array sizes: m modes of the first model, n
+    modes of the second model.
     """
     first_groups, second_groups = (
         equal_frequency_groups(first.frequencies),
@@ -236,7 +236,7 @@ class _Blocks:
     def exchange(self, means: Array, mac: Array) -> Array:
         """Sum of the MAC (m×m) of two pairs with exchanged partners, over that without exchange.
 
-        Zero for modes of equal frequency. Shapes: m modes of the first model.
+        Zero for modes of equal frequency. Array sizes: m modes of the first model.
         """
         crossed = means[:, self.partner] + means[:, self.partner].T
         together = np.add.outer(mac, mac)
@@ -283,7 +283,7 @@ class _Blocks:
 def _overlaps(first: SampledModes, second: SampledModes) -> Array:
     """Cosines (m×n) between shapes, times the root of the ratio of the sampled energy shares.
 
-    Shapes: m modes of the first model, n modes of the second model.
+    Array sizes: m modes of the first model, n modes of the second model.
     """
     smaller, larger = (
         ufunc.outer(first.energy_shares, second.energy_shares) for ufunc in (np.minimum, np.maximum)
@@ -312,8 +312,8 @@ def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
 def _means(overlaps: Array, first_groups: IntArray, second_groups: IntArray) -> Array:
     """Squared overlaps (m×n), averaged over two groups of modes of equal frequency.
 
-    The sum over both groups is divided by the size of the smaller group. Shapes: m modes of the
-    first model, n modes of the second model.
+    The sum over both groups is divided by the size of the smaller group. Array sizes: m modes of
+    the first model, n modes of the second model.
     """
     first_members, second_members = (
         (spaces[:, None] == np.unique(spaces)).astype(float)

@@ -63,7 +63,7 @@ class Partners:
     def local(self) -> BoolArray:
         """True (p×K) for modes that the model lacks because they are local to a leg's section.
 
-        Shapes: p poses, K modes.
+        Array sizes: p poses, K modes.
         """
         return (self.partner_indices < 0) & ~self.undecided & (self.energy_shares < _LOCAL)
 
@@ -76,8 +76,8 @@ def partners(
 ) -> Partners:
     """Partners in a model of the first `count` modes of the reference, by shape, in each pose.
 
-    `frequency_uncertainties` (p×K): relative uncertainties of the reference's frequencies. Shapes:
-    p poses, K modes.
+    `frequency_uncertainties` (p×K): relative uncertainties of the reference's frequencies. Array
+    sizes: p poses, K modes.
     """
     poses = len(reference.frequencies)
     rows = [
@@ -101,7 +101,7 @@ def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count
 
     `shares` (p×n, ≥ 0): a number for each mode of `other`, NaN if unknown. The result, for the
     first `count` modes of the reference, is NaN for a mode without a partner. Modes that mix have
-    the sum over all of them, see `_sums`. Shapes: p poses, n modes of `other`.
+    the sum over all of them, see `_sums`. Array sizes: p poses, n modes of `other`.
     """
     indices, mixed = _pairs(reference, other)
     partner_shares = np.take_along_axis(shares, np.maximum(indices, 0), axis=1)
@@ -112,8 +112,8 @@ def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
     """Range (p×m each, Hz) of each mode's frequency over several `readings` of the robot file.
 
     One pair of arrays (lowest, highest) for the modes under each reading. Frequencies of different
-    readings belong together if their modes have the same shape. Shapes: p poses, m modes of the
-    reading.
+    readings belong together if their modes have the same shape. Array sizes: p poses, m modes of
+    the reading.
     """
     ranges = []
     for reading in readings:
@@ -135,7 +135,7 @@ def frequency_changes(
 
     They are relative to the frequencies of the `fine` mesh, which is also the middle one if this is
     None. Modes of `coarse` and `middle` are paired by shape with those of `fine`. NaN for a mode
-    that one of them does not have. Shapes: p poses.
+    that one of them does not have. Array sizes: p poses.
     """
     changes, mixed = np.zeros_like(fine.frequencies), np.zeros((1, 1, 1), dtype=bool)
     paired = np.isfinite(fine.frequencies)
@@ -152,7 +152,7 @@ def frequency_changes(
 def _pairs(reference: PathModes, other: PathModes) -> tuple[IntArray, BoolArray]:
     """Index of each reference mode's partner (p×m, −1 without one), and modes that mix (p×m×m).
 
-    Shapes: p poses, m modes of the reference.
+    Array sizes: p poses, m modes of the reference.
     """
     poses, modes = reference.frequencies.shape
     indices, mixed = np.full((poses, modes), -1), np.zeros((poses, modes, modes), dtype=bool)
@@ -174,7 +174,7 @@ def _sums(amounts: Array, paired: BoolArray, mixed: BoolArray) -> Array:
     change. If an amount is unknown (NaN), so are the sums of the modes that mix with it, and no
     others: the last computed modes often have no partner, because only a part of a multiple
     frequency is computed. `paired` (p×m): true for modes with a partner. `mixed` (p×m×m): true for
-    two modes that mix. Shapes: p poses, m modes.
+    two modes that mix. Array sizes: p poses, m modes.
     """
     amounts = np.where(paired, amounts, 0.0)
     sums = amounts + np.where(mixed, amounts[:, None, :], 0.0).sum(axis=2)

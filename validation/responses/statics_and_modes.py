@@ -32,7 +32,7 @@ class Statics:
     `compliances` (P×6×6, SI): matrices that map a wrench at that point to its twist; zeros mean
     rigid. `load_displacements` (P×L×6, m and rad): twists under the L loads of the robot file, in
     its order. NaN in poses where the tool cannot move as the load requires. `idle` (P): number of
-    mobilities that do not move the tool, () if it is not needed. Shapes: P poses.
+    mobilities that do not move the tool, () if it is not needed. Array sizes: P poses.
     """
 
     compliances: Array
@@ -53,7 +53,7 @@ class Statics:
 
         They are translations, or rotations if `quantity` is a rotation. If `quantity` is that of a
         load of the robot file, they are the displacements under this load, and only the shape of
-        `wrenches` is used. Shapes: P poses.
+        `wrenches` is used. Array sizes: P poses.
         """
         if quantity.kind is QuantityKind.LOAD:
             poses, *inner_shape, _ = wrenches.shape
@@ -75,8 +75,8 @@ class PathModes:
     kg): mass of each sample. `energy_shares` (P×m): share of each mode's kinetic energy that the
     samples contain. `peaks` (P×q): values of the q judged quantities of harmonic responses of the
     tool, such as height (m/N) and frequency (Hz) of a peak; infinite without damping.
-    `receptances`: one array (P×n, m/N) for each excitation, with n frequencies. Shapes: k samples,
-    m modes.
+    `receptances`: one array (P×n, m/N) for each excitation, with n frequencies. Array sizes: k
+    samples, m modes.
     """
 
     frequencies: Array

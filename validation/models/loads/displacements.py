@@ -181,9 +181,9 @@ def interface_loads_of(
 
 
 def _segments(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
-    """Segments of a leg condensed to its ends with their mass.
+    """Model of a leg by segments with mass, condensed to its ends.
 
-    The springs in series that represent segments in statics have no mass.
+    The model for statics consists of the springs in series alone and has no mass.
     """
     segments = leg_matrices("segments", leg, replace(options, release="condensed"))
     return static_superelement(held_leg(segments)).matrices
