@@ -51,7 +51,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Create the session's stores. Raises UsageError with the faults of a requested robot file.
+    """Create stores of results. Raises UsageError with the faults of a requested robot file.
 
     Workers of pytest-xdist do not check the files, because a fault ends the session before they
     start.

@@ -222,8 +222,8 @@ def publish(results: Results, folder: RunFolder, findings: Sequence[Finding]) ->
 def _executor(cluster: Executor | None, jobs: int) -> Iterator[Executor]:
     """Context with an executor: the cluster, or processes on local cores.
 
-    An error of the cluster is raised. A local failure is suppressed, since the caller computes the
-    missing result and reports the error.
+    An error of the cluster is raised. A local failure is suppressed, because the run computes a
+    missing result again and then reports the error.
     """
     if cluster is not None:
         yield cluster

@@ -233,9 +233,9 @@ class Cluster(ProcessExecutor):
     advice = "continue with more memory for each worker, or a coarser mesh"
 
     def beginning(self, log: Path, begin: Work) -> "Cluster":
-        """Executor whose processes begin with the value of `begin`, with their output in `log`.
+        """Executor whose processes first compute `begin`, whose value is the argument of all calls.
 
-        `begin` is sent to each worker once.
+        Their output is appended to `log`. `begin` is sent to each worker once.
         """
         return replace(self, log=log, begin=begin)
 
@@ -374,7 +374,7 @@ class _SentCalls:
         raise self._failure(f"a worker failed with {type(reply).__name__}: {reply}") from reply
 
     def _send_again(self, calls: deque[tuple[Any, Call]]) -> _Arrived | None:
-        """Send a call again that was lost with the connection, and return None.
+        """Send the first of `calls` again, which was lost with the connection, and return None.
 
         If it was lost more than three times, return a reply with the exception `Crashed` instead.
         Raises ComputationError if the scheduler does not come back.

@@ -73,7 +73,10 @@ class Conditions:
         return blake2b(text.encode() + self.content, digest_size=16).hexdigest()
 
     def __call__(self) -> Any:
-        """Value with which a process begins. Raises DifferentProgram."""
+        """Value of the function in `content`, None for b"".
+
+        Raises DifferentProgram if the program of this process differs from that of the run.
+        """
         if differing := differences(program(solver_name()), self.program):
             raise DifferentProgram(differing)
         return loads(self.content)() if self.content else None  # noqa: S301  from the run

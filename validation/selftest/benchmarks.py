@@ -272,8 +272,8 @@ def simply_supported(beam: solid.SolidLeg) -> RootedBody:
     """Beam fixed in x, y, z, φx at its root and in y, z at its tip, on average over the faces.
 
     The averages C are work-conjugate to Saint-Venant's tractions, so that warping, contraction and
-    both bending rotations are free. The six constraints are statically determinate: L = C (RᵀC)⁻¹
-    replaces the six loads at the root, with LᵀR = I for the rigid motions R.
+    both bending rotations are free. The six constraints are statically determinate. They are scaled
+    to L = C (RᵀC)⁻¹, so that LᵀR = I for the rigid motions R.
     """
     free = solid.coupled_leg(beam, "free")
     averages = free.twists[:, [0, 1, 2, 3, 7, 8]]

@@ -44,8 +44,8 @@ _MICROMETRES = 1e9
 class VariedModels:
     """Results of all models for one robot of a variation, as plain arrays for the cache.
 
-    There are c curves with `names`: first those of the models; from index `first_reference` on
-    those of the reference under each interpretation of the robot file. `values` (c×k, SI) and
+    There are c curves with `names`. Those before index `first_reference` belong to models, the
+    others to the reference under each interpretation of the robot file. `values` (c×k, SI) and
     `differences` (c×k, relative to the first reference) are those in `pose`, the middle of the
     path. `extremes` (c): largest deflection (µm) or smallest first frequency (Hz) over the path;
     `uncertainties` (c): their relative half-widths, zero for models. Shapes: k quantities.
