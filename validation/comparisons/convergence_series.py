@@ -147,6 +147,23 @@ class ConvergenceSeries:
                 orders[k] = np.log(sizes[k - 1] / sizes[k]) / ratio
         return orders
 
+    def asymptotic_order(self, column: int) -> tuple[float, float]:
+        """Order of a quantity in 1/n for many elements, and its half-width.
+
+        Errors C n^−p (1 + a/n²) at counts k < m < n show the orders p₁ = p + b/(km) between the
+        first two counts and p₂ = p + b/(mn) between the last two, so that
+        p = p₂ + (p₂ − p₁) k/(n − k). The half-width is the distance of p from the order fitted to
+        the three counts. Infinite if fewer than two pairs of counts have an order.
+        """
+        fitted, orders = float(self.orders[column]), self.pairwise_orders(column)
+        *_, first, last = (-1, -1, *np.flatnonzero(~np.isnan(orders)))
+        if first < 0:
+            return fitted, float("inf")
+        coarsest, finest = self.counts[first - 1], self.counts[last]
+        change = float(orders[last] - orders[first]) * coarsest / (finest - coarsest)
+        order = float(orders[last]) + change
+        return order, abs(order - fitted)
+
     def behaviour(self, column: int) -> str:
         """Text with the observed order, or with the reason why there is none."""
         if self.exact[column]:

@@ -308,6 +308,31 @@ def test_order_is_fitted_to_finest_counts():
     assert order == pytest.approx(-slope, rel=1e-12)
 
 
+@pytest.mark.parametrize("deviation", [-0.03, 0.05])
+@pytest.mark.parametrize("counts", [(1, 2, 3), (2, 3, 5), (5, 10, 20), (20, 30, 40)])
+def test_asymptotic_order_is_formal_order(counts, deviation):
+    """Errors n⁻⁴ (1 + a/n²) have the order 4 for many elements, and other fitted orders.
+
+    The term in a is `deviation` for the coarsest count. Higher powers of it are neglected.
+    """
+    sizes = counts[0] / np.array(counts, dtype=float)[:, None]
+    errors = 0.01 * sizes**4 * (1.0 + deviation * sizes**2)
+    series = ConvergenceSeries(
+        discretisation=Discretisation("beam"),
+        formal_order=4.0,
+        counts=counts,
+        values=1.0 + errors,
+        limits=np.ones(1),
+        limit_half_widths=np.zeros(1),
+        orders=fitted_orders(counts, errors, np.zeros(1)),
+        needed=np.zeros((3, 1), dtype=int),
+    )
+    order, half_width = series.asymptotic_order(0)
+    assert order == pytest.approx(4.0, abs=0.006)
+    assert half_width > 3.0 * abs(order - 4.0)
+    assert abs(series.orders[0] - 4.0) > 0.02
+
+
 def test_half_width_without_order_is_triple_error():
     """Half-width: three times the largest error at this and finer counts, plus the limit's own."""
     series = ConvergenceSeries(
