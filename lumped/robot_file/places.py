@@ -34,7 +34,7 @@ def with_value(tables: Mapping[str, Any], key: str, value: Any) -> dict[str, Any
 
 
 def numbers_of(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
-    """Key of each number in a `value` that may be nested, and the number. `key` precedes each."""
+    """Pairs (key, number) of all numbers within `value`. Each key begins with `key`."""
     if isinstance(value, Mapping):
         for name, inner in value.items():
             yield from numbers_of(inner, f"{key}.{name}" if key else name)

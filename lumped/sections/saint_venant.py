@@ -184,7 +184,7 @@ def weighted_moments(regions: Sequence[Region]) -> tuple[float, Array, Array]:
 def rim_solution(regions: Sequence[Region]) -> RimSolution:
     """Torsion and flexure of a section that consists of `regions`, scaled to a size of about 1.
 
-    Outlines in `loops` are counter-clockwise, holes clockwise.
+    The outline of a region is counter-clockwise, its holes are clockwise.
     """
     area, centroid, moments = weighted_moments(regions)
     centred = [

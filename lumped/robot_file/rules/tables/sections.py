@@ -83,7 +83,7 @@ MATERIAL_OR_NAME = Either(MATERIAL_NAME, MATERIAL)
 
 @dataclass(frozen=True, kw_only=True)
 class PlyEntry:
-    """Constants of all layers of a laminate, except keys that a layer gives itself."""
+    """Constants of the layers of a laminate, unless a layer has values of its own."""
 
     E1: Annotated[float | None, Value(_YOUNGS_MODULUS, "Young's modulus along the fibres")] = None
     E2: Annotated[float | None, Value(_YOUNGS_MODULUS, "Young's modulus across the fibres")] = None
@@ -263,7 +263,7 @@ class SectionRule(Rule):
 
 
 def _section(shape: str, **values: Any) -> Section | OwnMaterials:
-    """Section from the values of its keys, or their record if its parts have own materials."""
+    """Section from the values of its keys. For composites and laminates a record of the values."""
     match SHAPES[shape]:
         case kind if kind is Composite:
             return CompositeParts(values["parts"])
