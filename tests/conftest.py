@@ -28,7 +28,7 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(items):
-    """Set the time limit of tests in the long sets to that of their set."""
+    """Set the time limit of each test that has a mark of `LIMITS`."""
     for item in items:
         for mark, seconds in LIMITS.items():
             if item.get_closest_marker(mark):

@@ -1,6 +1,6 @@
 """Run every example of README.md and docs/guide, in the order of each page.
 
-A fenced block says by its first word what it is:
+The first word of a fenced block is its kind:
 
     ```console         `$ command` and, below it, lines that it prints (… stands for others)
     ```toml name.toml  a file of that name, which later commands of the page use; csv likewise

@@ -1,10 +1,10 @@
-"""Seconds and memory of what takes long, beside other programs that do the same, as one table.
+"""Seconds and memory of long computations, beside other programs for the same, as one table.
 
     python tests/benchmarks/compare.py [--repeats N] [--list] [ROW ...]
 
-Each measurement is a process of its own, on two threads, with nothing kept by an earlier one. The
-rows take turns, N times (three unless told), and medians are printed. What is not installed is left
-out: CalculiX (`ccx`), NGSolve. A ROW is a name of the list, or how it begins.
+Each measurement is a process of its own, on two threads, with an empty cache. The rows take turns,
+N times (default three), and medians are printed. Rows of programs that are not installed, CalculiX
+(`ccx`) or NGSolve, are omitted. A ROW is a name of the list, or its beginning.
 """
 
 # ruff: noqa: T201, E402, PLC0415  a script that prints its figures; other programs may be missing
@@ -73,7 +73,7 @@ def _leg(size: str):
 
 
 def _matrices(size: str):
-    """K and M (csr) of a leg whose root is held."""
+    """K and M (csr) of a leg without the nodes of its root."""
     leg, mesh = _leg(size)
     nodes = np.setdiff1d(np.arange(len(mesh.nodes)), mesh.root.nodes)
     free = np.add.outer(3 * nodes, range(3)).ravel()
@@ -82,7 +82,7 @@ def _matrices(size: str):
 
 
 def solid(size: str) -> Figures:
-    """Six load cases and modes of a leg as `modes` certifies them, from its mesh in memory."""
+    """Six load cases and certified modes of a leg, from its mesh in memory."""
     leg, mesh = _leg(size)
     start, certifying = perf_counter(), 0.0
     clamped = clamped_leg(solid_leg(leg, mesh))
@@ -108,7 +108,7 @@ def solid(size: str) -> Figures:
 
 
 def calculix(size: str) -> Figures:
-    """The same by CalculiX, which certifies nothing; writing its deck counts."""
+    """Load cases and modes of a leg by CalculiX, with its deck written, without a certificate."""
     leg, mesh = _leg(size)
     start = perf_counter()
     with tempfile.TemporaryDirectory() as folder:
@@ -119,7 +119,7 @@ def calculix(size: str) -> Figures:
 
 
 def flexproof_solver(size: str) -> Figures:
-    """Analysis, factor and six solutions with K, and the count of K − σM, by our own way."""
+    """Analysis, factor and six solutions with K, and the count of K − σM, by this program."""
     K, M = _matrices(size)
     start = perf_counter()
     matrix_pencil = pencil(K, M)
@@ -134,7 +134,7 @@ def flexproof_solver(size: str) -> Figures:
 
 
 def ngsolve(size: str) -> Figures:
-    """The same by NGSolve's sparse Cholesky, which has no count."""
+    """Factor and six solutions with K by NGSolve's sparse Cholesky, which counts no eigenvalues."""
     from ngsolve import SetNumThreads, TaskManager
     from ngsolve.la import BaseVector, SparseMatrixd
 
@@ -176,7 +176,7 @@ def _times(start: float, analysed: float, solve, K) -> Figures:
 
 
 def doubled() -> Figures:
-    """A leg of 512 quadratic slices, 8 × 4 elements in the section, condensed by doubling."""
+    """Condensation by doubling of a leg of 512 quadratic slices with 8 × 4 elements each."""
     leg = ConstantLeg(0.8, Rectangle(0.16, 0.08), STEEL)
     section = section_mesh(leg.section, (8, 4))
     start = perf_counter()
@@ -185,7 +185,7 @@ def doubled() -> Figures:
 
 
 def postures() -> Figures:
-    """Statics and frequencies of the hexapod of beams in so many postures, on one thread."""
+    """Statics and frequencies of the hexapod of beams in 1000 postures, on one thread."""
     mechanism = load_robot("hexapod").mechanism
     poses = [posture(mechanism, pose) for pose in mechanism.poses]
     start = perf_counter()
@@ -195,7 +195,7 @@ def postures() -> Figures:
 
 
 def identified() -> Figures:
-    """A CAD part identified: six compliances, mass, clamped frequencies, with their intervals."""
+    """Identification of a CAD part: compliances, mass, clamped frequencies, and half-widths."""
     body = load_robot(TAPERED).mechanism.bodies["leg1"]
     start = perf_counter()
     result = identify(
@@ -205,7 +205,7 @@ def identified() -> Figures:
 
 
 def command(*words: str) -> Figures:
-    """A command as it is typed, and for `run` when its first line about the models is printed."""
+    """Time of a command and, for `run`, until its first line about the models is printed."""
     program = [str(ROOT / "flexproof"), *words]
     with tempfile.TemporaryDirectory() as folder:
         out = ["--out", f"{folder}/out"] if words[0] == "run" else []
@@ -252,7 +252,7 @@ INSTALLED = {
 
 
 def measured(name: str) -> Figures:
-    """The figures of one measurement in a process of its own, and its largest memory (GiB)."""
+    """Figures of a row in a process of its own, with its memory (GiB). Empty if it fails."""
     with tempfile.TemporaryDirectory() as home:
         threads = "1" if name == "postures" else "2"
         completed = subprocess.run(
@@ -271,7 +271,7 @@ def measured(name: str) -> Figures:
 
 
 def machine() -> str:
-    """The machine, GFLOP/s of a product by numpy on it, and the solver."""
+    """Machine, speed (GFLOP/s) of a matrix product by numpy on it, and linear solver."""
     n = 1500
     dense = np.random.default_rng(0).normal(size=(n, n))
     _ = dense @ dense
@@ -284,7 +284,7 @@ def machine() -> str:
 
 
 def main() -> None:
-    """Measure the rows asked for, all of them unless told, and print the table."""
+    """Measure the specified rows, by default all, and print the table."""
     reader = argparse.ArgumentParser(description=__doc__)
     reader.add_argument("rows", nargs="*", default=[""])
     reader.add_argument("--repeats", type=int, default=3)

@@ -210,7 +210,7 @@ def agreement(rows: dict[str, Figures]) -> dict[str, Figures]:
 
 
 def main() -> None:
-    """Measure the rows asked for, all of them unless told, and print the table."""
+    """Measure the specified rows, by default all, and print the table."""
     reader = argparse.ArgumentParser(description=__doc__)
     reader.add_argument("rows", nargs="*")
     reader.add_argument("--meshes", type=Path, default=Path("meshes-of-legs"))

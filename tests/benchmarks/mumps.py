@@ -112,7 +112,7 @@ def row(name: str, meshes: Path) -> str:
 
 
 def parsed_options(description: str | None) -> argparse.Namespace:
-    """Options of a benchmark of rows, each of which is measured `here` in a process of its own."""
+    """Rows, folder of meshes, and `here` (true in the process that measures a row)."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("rows", nargs="*")
     parser.add_argument("--meshes", type=Path, default=ROOT / "build" / "meshes")

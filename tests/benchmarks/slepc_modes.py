@@ -62,7 +62,7 @@ def by_slepc(path: Path) -> None:
 
 
 def compare(size: str, meshes: Path) -> None:
-    """Print both lines for a leg."""
+    """Print the lines of block Lanczos and of SLEPc for a leg."""
     sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
     import mumps
 

@@ -55,7 +55,7 @@ def two_hosts() -> Iterator[None]:
 def started(
     words: list[str], folder: Path, host: str | None = None, log: str = "log"
 ) -> subprocess.Popen[bytes]:
-    """Process in a host, or outside both, with its cache and output in `folder`."""
+    """Process in the namespace `host` (None: outside both), with cache and output in `folder`."""
     inside = ["ip", "netns", "exec", host] if host else []
     environment = os.environ | {
         "PYTHONPATH": str(ROOT),

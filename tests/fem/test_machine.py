@@ -15,8 +15,8 @@ def thresholds():
 
 
 @pytest.mark.usefixtures("thresholds")
-def test_small_figure_needs_no_search_for_cycles():
-    """A chart consists of some ten thousand objects that refer to each other."""
+def test_chart_objects_start_no_cycle_search():
+    """A chart consists of about ten thousand objects: too few for a search for reference cycles."""
     search_cycles_rarely()
     gc.collect()
     before = gc.get_stats()[0]["collections"]

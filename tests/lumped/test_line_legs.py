@@ -44,9 +44,10 @@ def test_cone_compliance_is_exact():
     """Integrals of a cone whose radius r falls by s per metre from r₁ at the root to r₂ at the tip.
 
     Because fibres converge, tension is 1 + s² times ∫ 1/EA and bending 1 + 4/3 s² times ∫ u²/EI
-    (averages of 2 slope² over the section). Shear is due to the force Q r₂/r that is not carried
-    by inclined fibres; shear and bending are coupled by −4/3 r'/πEr³ times (3 + 2ν)/4(1 + ν), with
-    the shear stresses across the force. Twist as in Roark's Formulas, tapered beams.
+    with the distance u from the tip (averages of 2 slope² over the section). Shear is due to the
+    force Q r₂/r that is not carried by inclined fibres; shear and bending are coupled by
+    4/3 s/πEr³ times (3 + 2ν)/4(1 + ν), with the shear stresses across the force. Twist as in
+    Roark's Formulas, tapered beams.
     """
     root, tip = 0.12, 0.05
     leg = straight((0.0, Circle(root)), (LENGTH, Circle(tip)))

@@ -275,7 +275,7 @@ def calls_of_parts(file: PartFile, interfaces: tuple[Interface, ...]) -> Iterato
 
 
 def test_results_have_unique_keys(tmp_path, monkeypatch):
-    """All calls of `asked_of_parts` have different keys."""
+    """The calls of `calls_of_parts` all have different keys."""
 
     def noted(entry):
         keys.append(entry.key)

@@ -67,7 +67,7 @@ def test_off_axis_point_moves_with_section():
 
 
 def test_beam_frequency_roots_equal_table():
-    # Young and Felgar, Tables of Characteristic Functions (1949): cos x cosh x = −1.
+    """Young and Felgar, Tables of Characteristic Functions (1949): cos x cosh x = −1."""
     tabulated = [1.8751041, 4.6940911, 7.8547574, 10.9955407, 14.1371684]
     roots = euler_bernoulli_roots(300)
     assert_allclose(roots[:5], tabulated, atol=6e-8)

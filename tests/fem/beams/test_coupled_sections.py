@@ -157,7 +157,10 @@ def test_composite_leg_mass_is_sum_of_parts(make):
 
 
 def test_composite_inertia_load_is_consistent():
-    """The resultant of the inertia load about the root is −M (a, α), with M of a rigid motion."""
+    """The resultant of the inertia load about the root is −M (a, α).
+
+    M is the mass matrix (6×6) of rigid motions, a and α are the accelerations of the root.
+    """
     beam = ConstantLeg(LENGTH, COMPOSITE, Material(*COMPOSITE.mean_material)).timoshenko
     leg = beam_leg(beam, LENGTH, 2)
     motions = rigid_nodes(leg, 2)
@@ -214,8 +217,8 @@ def test_rectangle_has_no_bending_torsion_coupling():
 def test_beam_of_each_section_equals_solid(section):
     """With free warping beam and solid are equal; rigid end faces add the decaying end effects.
 
-    The solid has slices far thinner than its walls; at the edges of rigid faces 1e-6 of the end
-    effects is not resolved.
+    The slices of the solid are far thinner than its walls. At the edges of rigid faces they leave
+    an error of 1e-6 in the end effects.
     """
     length = 0.3
     mesh = section_mesh(section, 4)

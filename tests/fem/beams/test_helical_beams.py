@@ -36,9 +36,9 @@ def scaled(matrix, reference):
 
 @pytest.mark.parametrize("angle", [15.0, -30.0, 60.0])
 def test_helical_tube_has_closed_form_compliance(angle):
-    """Compliances of an off-axis ply (R. M. Jones, §2.6, eqs 2.97) times those of n and q.
+    """The wall is an off-axis ply under n = N/2πr and q = T/2πr² (R. M. Jones, §2.6, eqs 2.97).
 
-    n = N/2πr, q = T/2πr²; a wall of finite thickness differs by (t/r)².
+    A wall of finite thickness t differs by (t/r)².
     """
     leg = helix(angle=angle, thickness=1e-5)
     c, s = cos(radians(angle)), sin(radians(angle))
@@ -61,8 +61,9 @@ def test_helical_tube_has_closed_form_compliance(angle):
 def test_helical_beam_equals_orthotropic_solid(shape, tolerance):
     """All 36 entries of the tip compliance.
 
-    Laminate theory is in error by the square of thickness over radius, 0.012, in a box by its
-    corners, about 2t/(b + h) = 0.064. With section constants by finite elements, slices leave 1e-7.
+    Laminate theory has an error of (thickness/radius)² = 0.012 in a tube, and of about 2t/(b + h) =
+    0.064 by the corners of a box. If the section constants are computed by finite elements, only
+    the error of the solid's slices remains, 1e-7.
     """
     leg = helix(shape, length=0.2)
     solid = doubling.tip_compliance(

@@ -39,7 +39,7 @@ def test_equal_sections_give_prism_solid():
 def test_slender_cone_solid_equals_beam():
     """Ends are free to warp. The mesh lacks 8e-4 of the cone's volume and of its stiffness.
 
-    With section constants of that mesh, deflections are equal to the fourth power of the slope.
+    With section constants of that mesh, deflections differ only by the fourth power of the slope.
     Without the shear stresses across the force, they differed by 0.03 %.
     """
     leg = tapered(STRAIGHT, Circle(0.10), Circle(0.05))
@@ -79,11 +79,11 @@ def test_slender_tapered_solid_equals_beam():
     ids=["box", "i-section"],
 )
 def test_thin_tapered_solid_equals_beam(first, last, largest):
-    """Walls that converge carry shear, and loads along their fibres do not bend them at the ends.
+    """Walls that converge carry shear. End loads along their fibres do not bend them.
 
-    With parallel fibres in the beam, and loads along the line on the ends of the solid, errors were
-    2.0 % and 1.3 %; without the shear stresses across the force in flanges, 0.6 % and 0.3 %. What
-    remains is the error of this mesh (0.05 %) and of the thin-wall κ.
+    With parallel fibres in the beam, and end loads of the solid along the line of the leg, errors
+    were 2.0 % and 1.3 %; without the shear stresses across the force in flanges, 0.6 % and 0.3 %.
+    The remaining errors are those of this mesh (0.05 %) and of the thin-wall κ.
     """
     length = 0.4 if isinstance(first, HollowRectangle) else 0.8
     line = CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), UP)

@@ -174,7 +174,10 @@ def test_shift_on_eigenvalue_is_moved(bar):
 
 
 def blinded_modes(clamped, lost, *, sees_again):
-    """Return modes from solutions that lack one mode, always or only until the first count."""
+    """Return six modes from solutions without the mode `lost`.
+
+    If `sees_again`, solutions are complete from the first count of modes on.
+    """
     mass, counts = clamped.solid.mass, []
 
     def solve(right_hand_sides):

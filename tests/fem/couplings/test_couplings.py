@@ -200,7 +200,10 @@ THIN = ISection(0.1, 0.16, 0.0012, 0.0012)
 
 
 def test_end_effects_are_independent_of_leg_length():
-    """Each face changes twist and slope equally at any length; the slope acts on the lever L."""
+    """Changes of tip compliance by rigid end faces: c11 and c66 are equal for any leg length L.
+
+    The change of slope acts on the lever L: that of c26 grows with L, that of c22 with 1, L and L².
+    """
     tube = section_mesh(Tube(0.01, 0.001), 4)
     short, double, *long_legs = (
         restrained_compliance(tube, STEEL, length) for length in (1.0, 2.0, 10.0, 1e5)
@@ -342,7 +345,7 @@ def test_tube_ovalling_equals_hoppe():
 
 @pytest.mark.parametrize("section", SECTIONS)
 def test_slow_waves_equal_timoshenko(section):
-    """Both contain Saint-Venant's solutions as ω → 0; the difference falls with ω²."""
+    """Waves and beam contain Saint-Venant's solutions as ω → 0; they differ by terms in ω²."""
     omega = 2.0 * np.pi * 2.0
     beam = computed_beam(ConstantLeg(LENGTH, section, STEEL), 4)
     dynamic = dense(beam.stiffness) - omega**2 * dense(beam.mass)

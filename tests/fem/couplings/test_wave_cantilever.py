@@ -87,7 +87,11 @@ def test_distortion_is_solid_beam_difference(leg, expected):
 
 
 def test_distortion_falls_with_slenderness_squared():
-    """Walls bend by their inertia, ω² ∝ s⁻⁴; for slender legs s⁻², from contraction, remains."""
+    """Relative change of the first frequency by distortion of the section, over the slenderness s.
+
+    Walls that bend by their inertia contribute ω² ∝ s⁻⁴. Contraction contributes s⁻², which remains
+    for slender legs.
+    """
     kind = waves_by_kind(SCARA_ARM.section, ALUMINIUM)["bending y"]
     lengths = SCARA_ARM.length * 2.0 ** np.arange(4)
     changes = [prism(kind, length) / beam_frequency(kind, length, 1) - 1.0 for length in lengths]

@@ -142,10 +142,11 @@ def test_composite_solid_equals_beam():
     assert abs(beam[3, 2]) > 1e-3 * np.sqrt(beam[3, 3] * beam[2, 2])
 
 
-def test_beam_of_states_has_their_compliance():
-    """The beam of an unsymmetric section with one Poisson's ratio has all couplings.
+def test_composite_beam_has_section_compliance():
+    """The beam has all couplings of its section's 6×6 compliance by finite elements.
 
-    Mass, its centre and rotary inertia are exact in the section's formulas.
+    The section is unsymmetric, with one Poisson's ratio. Mass, its centre and rotary inertia are
+    those of the section's exact formulas.
     """
     mesh = section_mesh(STEPPED, 4)
     leg = ConstantLeg(1.0, STEPPED, Material(*STEPPED.mean_material))
@@ -177,7 +178,7 @@ def sandwich(upper):
     return ConstantLeg(0.2, section, Material(*section.mean_material))
 
 
-def test_rigid_ends_of_sandwich_equal_end_fields():
+def test_sandwich_rigid_ends_equal_decaying_fields():
     """The soft core lets the faces warp, so that rigid ends reduce the twist by 22 %.
 
     At edges of rigid faces the stress is singular: an error of 0.04 % on this mesh, 0.001 % on one

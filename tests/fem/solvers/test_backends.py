@@ -200,7 +200,7 @@ class TestEveryLibrary:
             assert kind.counted == expected_kind.counted
 
     def test_repeated_solution_agrees(self, leg):
-        """A second solution has the tolerances above; only rslab repeats all bits (test_factor)."""
+        """Compliances agree to 1e-10, frequencies to 1e-9; only rslab repeats bits."""
         first, second = (clamped_leg(leg) for _ in range(2))
         size = np.abs(first.compliance).max()
         np.testing.assert_allclose(second.compliance, first.compliance, rtol=0, atol=1e-10 * size)

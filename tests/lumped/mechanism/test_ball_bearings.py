@@ -129,7 +129,10 @@ def test_bearing_pair_is_twice_as_stiff():
 
 
 def test_stiffness_grows_with_cube_root():
-    """dF/dx ∝ F^(1/3) at a constant contact angle, which grows by 0.3° here: 1 to 2 %."""
+    """dF/dx ∝ F^(1/3) at a constant contact angle.
+
+    Here the contact angle grows by 0.3°, which adds 1 to 2 %.
+    """
     bearing, _ = BEARINGS["angular"]
     soft, stiff = (bearing.stiffness(preload, 1.0, 0.0)[0, 0] for preload in (1.0, 8.0))
     assert 2.0 < stiff / soft < 2.05

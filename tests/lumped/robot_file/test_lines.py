@@ -1,4 +1,4 @@
-"""Tapered and curved legs in robot files: geometry, mass, copies, and error fault."""
+"""Tapered and curved legs in robot files: geometry, mass, copies, and faults."""
 
 import numpy as np
 import pytest

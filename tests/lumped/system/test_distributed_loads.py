@@ -136,10 +136,10 @@ def test_line_loads_superpose():
 
 
 def test_uniform_load_has_fixed_end_wrenches():
-    """qL/2 and ±qL²/12 at clamped ends, with or without shear; half the length: no shear.
+    """qL/2 and ±qL²/12 at clamped ends, with or without shear deformation.
 
     Clamped beam under q on its first half (Timoshenko, Strength of Materials): reactions 13qL/32
-    and 3qL/32, moments 11qL²/192 and 5qL²/192, without shear.
+    and 3qL/32, moments 11qL²/192 and 5qL²/192, without shear deformation.
     """
     load = LineLoad(0.0, LENGTH, np.array([0, 0, 6.0, 0, 0, 0]), np.array([0, 0, 6.0, 0, 0, 0]))
     q = 6.0

@@ -145,7 +145,7 @@ def test_slender_bar_has_no_rounding_mode():
 
 
 def test_frequency_key_allows_receptance_points():
-    """A number `at` is a frequency, as formerly; with the point `at`, key `frequency` gives it."""
+    """If `at` is a point, the key `frequency` has the frequency; a number `at` is a frequency."""
     text = BAR + response_table("cross", [0.0, 1.0, 0.0], 'at = "M"\nof = "P"\nfrequency = 5.0')
     text += response_table("tip", [0.0, 1.0, 0.0], "at = 5.0")
     cross, tip = responses_of(text)

@@ -40,7 +40,7 @@ def meshes(**half_widths):
 
 
 def reference(title, halves, budgets=None, insides=(), **keywords):
-    """Reference with `halves`: statics or modes by the name of the interpretation.
+    """Reference whose `halves` are statics or modes by the name of the interpretation.
 
     `budgets` is one uncertainty budget for all interpretations, or a list with one for each.
     Interpretations differ in the stiffness inside the legs if `insides` names it, otherwise in the

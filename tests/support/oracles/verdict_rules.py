@@ -21,7 +21,7 @@ SOURCES = ("meshes", "digits of the file")
 
 
 class Plain(NamedTuple):
-    """Error of a quantity at one pose, with its interval from `low` to `high`, or its absence.
+    """Error of a quantity at one pose, with its interval from `low` to `high`; or `missing`.
 
     `errors` and their half-widths `halves` belong to the interpretations of the reference; `error`
     is the largest one. `alone` contains the result for the order of modes under each
@@ -91,7 +91,11 @@ def deflection(compliance, reference, quantity):
 
 
 def nearest(compliance, pair, result):
-    """Smallest error of a model under one load, against all references between two readings."""
+    """Smallest error of a model against all references between two readings.
+
+    `compliance` is that of the model, `pair` has those of the reference under both readings. The
+    load is that of `result`, which is returned by `deflection`.
+    """
     part, load = result["part"], result["load"]
     displacement = compliance[part] @ load
     first, second = (due[part] @ load for due in pair)
@@ -167,7 +171,7 @@ class Rule:
         return [self.numbers(half, number, pose) for number, half in enumerate(responses)]
 
     def spread(self, result, index, pose, *kinds):
-        """Half-width of the error in `result` by the budget of interpretation number `index`."""
+        """Half-width of the error in `result` by sources `kinds`, in interpretation `index`."""
         budget = self.reference.interpretations[index].budget
         column = (*AXES, "any_force").index(self.quantity) if self.static else result["mode"]
         if column is None:

@@ -263,7 +263,7 @@ def rigid_inertia(leg, masses):
 
 
 @pytest.mark.parametrize("masses", MASSES)
-def test_mass_centre_and_inertia_equal_drawing(masses):
+def test_mass_distributions_have_known_inertia(masses):
     mass, centre, inertia = rigid_inertia(GIVEN, masses)
     expected, squared = SLENDER[masses]
     assert mass == pytest.approx(PRISM.mass, rel=1e-9)

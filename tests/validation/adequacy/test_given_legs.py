@@ -150,7 +150,8 @@ def flanged():
 def test_f1_of_i_section_known_by_6x6_is_undecided(flanged):
     """The true error of f1 by beams is −30.1 ± 0.4 %, beyond the limit of 25 %.
 
-    An interval of −10.8 ± 10.8 % does not contain it, and with it f1 would be adequate.
+    The interval of the verdict must contain it. With an interval of −10.8 ± 10.8 %, which does not,
+    the verdict would be adequate.
     """
     matrix, comparisons = flanged
     low, high, true = comparisons["beam", 1]
@@ -224,7 +225,7 @@ def inertia(leg) -> Array:
 
 
 def knowing(twins, *keys):
-    """Twins whose legs, of `mass_centre` and `inertia`, have only `keys`; the rest is unknown."""
+    """Twins whose legs have the specified `keys` of `mass_centre` and `inertia`, and no others."""
     bodies = dict(twins.mechanism.bodies)
     unknown = dict.fromkeys({"mass_centre", "inertia"} - set(keys))
     for name, leg in legs_of(twins.mechanism).items():

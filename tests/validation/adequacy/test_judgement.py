@@ -205,9 +205,10 @@ def test_mesh_change_spans_both_sides_of_fine_mesh():
 
 @pytest.mark.parametrize("angle", [0.0, 45.0, 90.0])
 def test_cut_pair_leaves_half_widths_of_other_modes(angle):
-    """The last computed mode is one of a pair of equal frequency: any direction in their plane.
+    """The last computed mode belongs to a pair of equal frequency, of which one is not computed.
 
-    Round-off chooses it for each mesh. At 90°, it has no partner on the other mesh.
+    On each mesh round-off determines its direction in the plane of the pair. If the directions
+    differ by 90°, the mode has no partner on the other mesh.
     """
     angle = np.radians(angle)
     fine = vibration([100.0, 150.0, 300.0], A, B, C)
@@ -494,7 +495,7 @@ def same(value, expected):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_entry_has_pose_causes_and_remedy(seed):
+def test_random_entries_equal_independent_rules(seed):
     for entry, rule in entries(seed):
         expected = rule.entry(entry.limit)
         shares = expected.pop("causes", None)

@@ -213,7 +213,7 @@ def test_table_shows_peaks_of_reference(arm, subject):
 
 
 def test_mass_distribution_affects_only_weight(tmp_path):
-    """The mass distribution in legs changes the displacement by weight, but not by a force."""
+    """The mass distribution in legs changes the displacement under weight, not under a force."""
     file = robot_of(load_robot("ifw").text + LOADS, tmp_path)
     mechanism = replace(file.mechanism, poses=file.mechanism.poses[::4])
     file = replace(file, text="", mechanism=mechanism)

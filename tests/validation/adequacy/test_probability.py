@@ -31,7 +31,10 @@ DRIVE, MODULUS = "joints.motor.drive.stiffness", "bodies.arm.material.E"
 
 
 def linear(*slopes, misfit=0.0):
-    """An error of 4 % that is linear in inputs of 2 % uncertainty; `slopes` (per pose) of each."""
+    """Error of 4 % that is linear in inputs with a standard uncertainty of 2 %.
+
+    `slopes` has for each input the change of the error (per pose) by this uncertainty.
+    """
     ways = [np.atleast_1d(slope) for slope in slopes]
     errors = signed(np.full(len(ways[0]), ERROR))
     sensitivities = [
@@ -53,7 +56,7 @@ def signed(errors):
 
 
 def of_vectors(start, *ways):
-    """Error `start` of a unit displacement; each input changes it by a vector of `ways`."""
+    """Error vector `start` of a unit displacement; each input changes it by a vector of `ways`."""
     due = np.array([0.0, 0.0, 1.0])
 
     def at(deviations):
@@ -119,7 +122,7 @@ def test_three_inputs_match_monte_carlo():
 
 
 @pytest.mark.parametrize("quantity", ["x", "phi_z", "any_force"])
-def test_zero_error_has_slope_probability(quantity):
+def test_exact_model_probability_counts_input_changes(quantity):
     """Beams are exact for the file's inputs and 5 % off if one changes by its uncertainty."""
     toy = toy_subject(1)
     truth = toy.responses.statics(toy.statics.model, reading(""))

@@ -117,7 +117,8 @@ SOUND = ConstantLeg(0.8, Rectangle(0.1, 0.06), STEEL, ends="rigid")
     ],
     ids=["walls too thin", "incompressible"],
 )
-def test_leg_without_solid_keeps_verdicts_of_other(changed, message):
+def test_leg_without_solid_keeps_other_leg_verdicts(changed, message):
+    """All verdicts on the robot are undecided. Those on the other leg alone are not affected."""
     legs = {"leg1": SOUND, "leg2": replace(SOUND, **changed)}
     robot = variant_of_ifw(a=0.9, platform_mass=30.0, foot_compliance=None, **legs)
     robot = replace(robot, poses=robot.poses[4:5])
@@ -304,7 +305,7 @@ def test_proposed_end_condition_is_valid_key(tmp_path):
 
 @pytest.mark.parametrize("ends", [0.3, 0.8])
 def test_second_uncertainty_has_remedy(ends):
-    """A five-bar's half-widths were 0.234 % by meshes (without remedy) and 0.222 % by ends."""
+    """Half-widths of a five-bar were 0.234 % by meshes (no remedy), 0.222 % by end conditions."""
     exact = Statics(np.eye(6)[None], np.zeros((1, 0, 6)))
     compliance_by_ends = {"rigid": exact, "free": (1.0 - 0.04 * ends) * exact}
     half_widths, beam = meshes(displacements=np.full((1, 7), 0.02)), toy_model("beam", 1.05 * exact)

@@ -112,7 +112,7 @@ class Stated(NamedTuple):
 
 
 def random_leg(rng, walls=0.0):
-    """Random leg: each of four other shapes with probability `walls`, otherwise a rectangle.
+    """Random leg: a rectangle, or one of four other shapes with probability `walls` each.
 
     ν is 0 or between 0.1 and 0.4. The length is three to twelve times the larger side.
     """

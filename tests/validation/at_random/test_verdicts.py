@@ -1,7 +1,7 @@
 """Verdicts on robots at random, slender to stubby, against errors found by finer solids.
 
-Statics: virtual joints whose springs are legs on finer meshes than the reference's. Dynamics:
-frequencies of the robot with finer solid legs.
+Statics: virtual joint method, with springs from legs on finer meshes than the reference's.
+Dynamics: frequencies of the robot with finer solid legs.
 """
 
 from dataclasses import replace

@@ -189,7 +189,7 @@ def measured_mode(leg, mode, preset="quick"):
 
 
 def four_elements(*_):
-    """Stand-in for a choice of meshes: the coarsest one of thin walls alone, four divisions."""
+    """Divisions of a single mesh, the coarsest for thin walls, instead of a sequence of meshes."""
     return (4,)
 
 

@@ -66,7 +66,7 @@ def test_ritz_hexapod_has_stiffness_of_bars():
 
 @pytest.mark.parametrize("softer", [1e-12, 1e6])
 def test_ritz_frequencies_scale_with_stiffness(softer):
-    """All stiffnesses times `softer`: frequencies times its root, although rods can spin freely."""
+    """A factor `softer` on all stiffnesses changes frequencies by its root, despite idle spins."""
     posture = first_pose("delta")
 
     def scaled(record, *names):

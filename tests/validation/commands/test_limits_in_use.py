@@ -345,7 +345,8 @@ def test_options_determine_exit_code(besides, options, code, run, capsys):
     assert refused == (code == 1 and "--rely" in options)
 
 
-def test_only_option_keeps_measurements(run, tmp_path, capsys):
+def test_option_only_keeps_measured_values(run, tmp_path, capsys):
+    """Option `--only adequacy` excludes comparisons, but not measured values."""
     values = tmp_path / "values.csv"
     values.write_text("quantity,pose,value,uncertainty,source\nf2,0.4975,80.0,0.1,hammer test\n")
     options = ("--only", "adequacy", "--measured", str(values))

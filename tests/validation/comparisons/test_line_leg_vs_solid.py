@@ -202,9 +202,9 @@ def test_leg_of_equal_sections_vibrates_as_prism(monkeypatch):
 
 
 def test_local_changes_are_weighted_by_kinetic_energy(monkeypatch):
-    """A change that grows with the square of x becomes the mean of x² over the kinetic energy.
+    """A local change that grows with x² becomes the mean of x², weighted by kinetic energy.
 
-    A slender cantilever: ∫ x² w² dx/L² ∫ w² dx = 0.666 by quadrature of its first shape.
+    A slender cantilever with first shape w: ∫ x² w² dx/(L² ∫ w² dx) = 0.666 by quadrature.
     """
     monkeypatch.setattr(line_distortion, "_prism_change", lambda _leg, x, _mode: x**2)
     section = HollowRectangle(0.01, 0.01, 0.001)

@@ -140,8 +140,8 @@ def test_command_replaces_only_own_results(name, folder, command):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_own_result_is_replaced_if_renamed(kind, folder):
-    """The file name has no ending, as in `identify --out matrices`, and is used again."""
+def test_own_result_without_suffix_is_replaced(kind, folder):
+    """The file name has no suffix, as in `identify --out matrices`, and is written twice."""
     path, (content, _) = folder / "matrices", KINDS[kind]
     for _ in range(2):
         require_writable(path, kind)

@@ -245,7 +245,10 @@ def test_state_space_has_modes_and_statics(robot):
 
 
 def test_state_space_has_modal_damping():
-    """The receptance of independent slides at ω = √(k/m) is 1/iηk, η that of the drive plus 2ζ."""
+    """At ω = √(k/m) each of the gantry's independent slides has the receptance 1/iηk.
+
+    Its loss factor η is that of its drive plus twice the damping ratio of the robot.
+    """
     lossy = GANTRY.replace(f"{STIFFNESSES[0]}", f"{STIFFNESSES[0]}, loss = 0.06")
     gantry = described(f"damping.ratio = 0.01\n{lossy}")
     arrays = np.load(BytesIO(as_statespace(reduced_robot(reference_posture(gantry), 3), ".npz")))

@@ -22,7 +22,7 @@ def cantilever(*stations):
     return LineLeg(line, stations, STEEL), MemberForces("arm", positions, forces, np.zeros(6))
 
 
-def test_deep_taper_is_stressed_most_where_height_doubles():
+def test_deep_taper_stress_peaks_at_twice_tip_height():
     """S. P. Timoshenko, Strength of Materials: σ = 6Fξ/bh² is largest where h is twice the tip's.
 
     With h from 2 cm at the tip to 8 cm, this is L/3 from the tip, σ = FL/2bh².
@@ -47,7 +47,7 @@ def test_inclined_fibres_carry_shear_of_wedge():
     assert np.array(shearing) == pytest.approx(FORCE * 0.05 / np.array(heights), rel=1e-7)
 
 
-def test_both_sides_of_a_step_are_judged():
+def test_stress_at_step_is_larger_of_both_sides():
     thick, thin = Rectangle(0.03, 0.08), Rectangle(0.03, 0.04)
     leg, member = cantilever((0.0, thick), (0.6, thick), (0.6, thin), (LENGTH, thin))
     stress = member_stress(leg, member)

@@ -177,8 +177,11 @@ def test_program_error_affects_one_value(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("missing", ["inputs", "elements"])
-def test_value_lost_by_input_is_undecided(monkeypatch, tmp_path, missing):
-    """A missing value counted as zero would give a half-width of zero or of 67 %."""
+def test_value_unsolved_for_input_change_is_undecided(monkeypatch, tmp_path, missing):
+    """The model has no solution for a changed input, or for twice the elements.
+
+    If this missing value were counted as zero, the half-width would be zero or 67 %.
+    """
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     predictions = Predictions.of(Context(robot_file, "quick"))
     (f1,) = (measured for measured in robot_file.measured if measured.quantity.name == "f1")

@@ -76,8 +76,9 @@ def load_on(mechanism, **fields):
 def test_cantilever_deflects_under_inertia(model, close):
     """Weight: qL⁴/8EI + qL²/2κGA.
 
-    Angular acceleration α: a load −αs per mass at s, with Σ f s²(3L − s)/6EI + f s/κGA and ρI α.
-    Angular velocity ω: ρω²L³/3E.
+    Angular acceleration α: loads f = −αs per mass at s from the root deflect the tip by
+    Σ f s²(3L − s)/6EI + f s/κGA; moments ρIα per length bend it, too.
+    Angular velocity ω: elongation ρω²L³/3E.
     """
     arm = described(ARM)
     swung, spun = load_on(arm, acceleration=[5.0, 0, 0]), load_on(arm, speed=[2.0, 0, 0])
@@ -345,7 +346,7 @@ def with_rotor(kind, give, *, by_key):
 @pytest.mark.parametrize("kind", ROTORS)
 @pytest.mark.parametrize("give", [{}, GIVE], ids=["stiff", "giving"])
 def test_rotor_key_equals_rotor_body(kind, give):
-    """A rotor given by the drive's key `rotor` has the effect of one modelled as a body."""
+    """A rotor given by keys of the drive has the effect of one modelled as a body."""
     frequencies = []
     for by_key in (True, False):
         arm = with_rotor(kind, give, by_key=by_key)

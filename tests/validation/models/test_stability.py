@@ -80,7 +80,10 @@ def turning(force):
 
 @pytest.mark.parametrize("name", ["3-rrr", "orthoglide", "hexapod"])
 def test_rotation_has_load_stiffness_only(name):
-    """In a rigid rotation θ loads keep their direction: θ × F, and half of θ × M from each side."""
+    """Loads keep their direction if the robot rotates rigidly by θ, with or without bent legs.
+
+    The only terms are θ × F of a force and ½ θ × M of a moment, at the tool and at the pedestal.
+    """
     robot = on_pedestal(name)
     robot_posture, tool = posture(robot, robot.poses[len(robot.poses) // 3]), robot.tool
     wrench, gravity = np.array([3.0, -2.0, 5.0, 0.4, 0.5, -0.6]), np.array([1.0, 2.0, -9.81])
@@ -124,7 +127,7 @@ def test_rotation_has_load_stiffness_only(name):
 
 
 def held_twice(first, wrench, *compliances):
-    """Rigid bar on two joints, and the geometric stiffness due to a wrench (6) on it."""
+    """Joints, twists and geometric stiffness of a rigid bar under a wrench (6) on its middle."""
     robot = described(HELD.replace("FIRST", first))
     gives = zip(robot.joints, compliances, strict=True)
     joints = tuple(replace(joint, compliance=give) for joint, give in gives)
@@ -134,7 +137,11 @@ def held_twice(first, wrench, *compliances):
 
 
 def test_axial_force_splits_by_end_stiffness():
-    """A quarter of P pulls on one part, three quarters push on the other: −½ (¾ − ¼) P L/2 θ²."""
+    """Of a force P in the middle of a bar, ¼ pulls on one half and ¾ push on the other.
+
+    The joint at one end is three times as stiff. The energy of a rotation θ of the bar of length L
+    is −½ (¾ − ¼) P L/2 θ².
+    """
     give = 1e-6 * np.eye(6)
     _, twists, stiffness = held_twice('type = "fixed"', [8.0, 0, 0, 0, 0, 0], give, give / 3.0)
     due = twists.T @ np.diag([0, 0, 0, 0, -2.0, -2.0]) @ twists
@@ -142,7 +149,10 @@ def test_axial_force_splits_by_end_stiffness():
 
 
 def test_cardan_moment_couples_angles():
-    """Work M·θ(α, β) on a rotation vector θ with mixed second derivative ½ a₁ × a₂ of the axes."""
+    """Work M·θ(α, β) of a moment M, with the angles α and β of the joint about its axes a₁ and a₂.
+
+    The rotation vector θ has the mixed second derivative ½ a₁ × a₂.
+    """
     first = 'type = "universal", axes = [[1.0, 0.0, 0.0], [0.6, 0.8, 0.0]]'
     give, moment = np.diag([1e3, 1e3, 1e3, 1e-4, 1e-4, 1e-4]), [0, 0, 0, 0, 0, 7.0]
     (hook, _), twists, stiffness = held_twice(first, moment, None, give)

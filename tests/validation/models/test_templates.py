@@ -152,7 +152,10 @@ def test_5r_deflects_as_axial_rods():
 
 
 def test_tricept_deflects_as_three_legs():
-    """Legs between a cardan and a ball joint carry axial force only: 1/(3 k cos²)."""
+    """Legs between a cardan and a ball joint carry axial force only: 1/(3 k cos² β) along z.
+
+    k is the axial stiffness of a leg, and β its angle to the z axis.
+    """
     length = np.hypot(0.18, 0.9)
     strut = pi / 4.0 * (0.08**2 - 0.07**2)
     screw = pi / 4.0 * 0.04**2

@@ -40,7 +40,7 @@ modes = 1
 
 @pytest.mark.parametrize("stiffness", [1.0e4, 1.0])
 def test_frequency_lost_in_round_off_is_refused(stiffness, tmp_path):
-    """f = √(k/m)/2π with m = 35 kg. At 1 N/m it was off by 1.6e-3, without a word."""
+    """f = √(k/m)/2π with m = 35 kg. At 1 N/m it was formerly off by 1.6e-3."""
     file = robot_of(STAGE.replace("STIFFNESS", str(stiffness)), tmp_path)
     robot = robot_on_path(Context(file, "quick"))
     model = formulation("segments", "segments", ModelOptions())

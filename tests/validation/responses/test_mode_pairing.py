@@ -165,8 +165,11 @@ def test_local_mode_mac_is_below_energy(share):
     assert pair_modes(other, modes).partner.tolist() == [-1, 1]
 
 
-def test_mode_cluster_is_within_uncertainty():
-    """Frequencies 0.9 % apart in a row form several groups. An exact one is in no group."""
+def test_mode_groups_are_not_wider_than_uncertainty():
+    """Five frequencies in steps of 0.9 %, uncertain by 1 %, form three groups, not one.
+
+    A frequency without uncertainty is in no group with another one.
+    """
     chain = 100.0 * 1.009 ** np.arange(5)
     assert equal_frequency_groups(chain, np.full(5, 0.01)).tolist() == [0, 0, 1, 1, 2]
     assert equal_frequency_groups(chain).tolist() == [0, 1, 2, 3, 4]

@@ -216,7 +216,7 @@ def test_links_in_folder_are_ignored(tmp_path, complete, shift):
 
 
 @pytest.mark.parametrize("complete", [True, False])
-def test_linked_folder_is_not_written(tmp_path, complete):
+def test_linked_figures_folder_is_not_written(tmp_path, complete):
     path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
     finished(path, complete=complete)
     figures = (path if complete else partial(path)) / "figures"

@@ -123,7 +123,7 @@ def by_gauge(size):
 
 
 @pytest.mark.parametrize(("size", "code"), [(16.0, 1), (0.001, 0)])
-def test_measured_values_refuse_a_model(size, code):
+def test_relied_model_off_measured_value_exits_with_1(size, code):
     done = {MEASURED: Result(MEASURED, "made", 0.1, found=by_gauge(size))}
     tasks = [Assessment(MEASURED, "", never)]
     run_results = Results(HEADER, tasks, done=done, rely=("simplified",))

@@ -29,7 +29,7 @@ from validation.solve.question import Question
     ],
 )
 def test_missing_partner_has_reason(monkeypatch, share, line):
-    """Made-up data: `share` is that part of mode 2's kinetic energy in the compared points."""
+    """Made-up data: a part `share` of mode 2's kinetic energy is in the compared points."""
     sampled, of_models = solved_model.vibration_of, []
 
     def second_seen(*arguments):
