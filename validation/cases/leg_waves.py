@@ -83,8 +83,9 @@ def wave_changes(
     """Relative change (p×count) of the first frequencies due to waves, in p postures.
 
     It is computed in the space of `basis_count` modes. `beams` have `elements` elements and section
-    constants from the section meshes of `waves`; `legs` are their reductions. NaN for a mode whose
-    waves have no counterpart in beams, or which would need pieces shorter than the elements.
+    constants from the section meshes of `waves`; `legs` are the reductions of these beams.
+    NaN for a mode whose waves have no counterpart in beams, or which would need pieces shorter than
+    the elements.
     """
     bodies = {name: filled(leg.matrices) for name, leg in legs.items()}
     prepared = assembly(postures[0].mechanism, bodies)

@@ -478,7 +478,7 @@ def _require_closed(posture: Posture) -> None:
 
 
 def _joint_gaps(posture: Posture, joint: Joint) -> tuple[float, float]:
-    """Gap of a joint in position (over the size of the mechanism) and in direction (rad)."""
+    """Gap of a joint in position (relative to the mechanism's size) and in direction (rad)."""
     first, second = _rotations(posture, joint)
     gap = _point_position(posture, joint.second) - _point_position(posture, joint.first)
     gap = gap / posture.mechanism.size

@@ -330,7 +330,8 @@ def _mode_numbers(x: Array, by_model: Mapping[PlottedModel, Array]) -> Iterator[
 def cosine_spaced(first: float, last: float, count: int) -> Array:
     """Positions x (`count`, m) of point B over the stroke with cosine spacing, ends included.
 
-    At the ends of the stroke curves vary as √(L² − x²), which is smooth in the angle.
+    At the ends of the stroke, curves vary as √(L² − x²) with the leg length L. Their slope in x is
+    infinite there, so the positions are denser.
     """
     angles = np.linspace(0.0, np.pi, count)
     return np.clip(first + 0.5 * (last - first) * (1.0 - np.cos(angles)), first, last)

@@ -84,7 +84,7 @@ def too_large(legs: Sequence[Leg], divisions: Sequence[int], preset: Preset) -> 
 
 
 def larger_preset(preset: Preset, accepts: Callable[[Preset], bool]) -> str:
-    """Option for the first larger preset that `accepts` allows, such as "--preset fine".
+    """Option for the first larger preset for which `accepts` is true, such as "--preset fine".
 
     "no preset" if there is none.
     """
