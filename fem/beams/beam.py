@@ -190,7 +190,7 @@ def beam_leg(properties: BeamProperties, length: float, elements: int) -> LegMat
 
 
 def _assembled(parts: Sequence[_Entries], shape: tuple[int, int]) -> SparseMatrix:
-    """Sum of matrices given by their entries, converted once. Zeros are not stored."""
+    """Sparse matrix (csr) that is the sum of the entries of all `parts`. Zeros are not stored."""
     values, rows, columns = (np.concatenate(of_parts) for of_parts in zip(*parts, strict=True))
     matrix = csr_matrix(coo_matrix((values, (rows, columns)), shape=shape))
     matrix.eliminate_zeros()

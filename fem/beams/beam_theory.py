@@ -239,9 +239,10 @@ def _dynamic_stiffness(beam: _Plane, length: float, pieces: int, omega: float) -
 
 
 def _clamped_chain(piece: Array, pieces: int) -> Array:
-    """Stiffness of a chain of equal pieces, clamped at its start, on the motions of their ends.
+    """Stiffness matrix of a chain of equal pieces that is clamped at its start.
 
-    `piece` (2n×2n) is the stiffness of one piece on the n motions of its start and of its end.
+    `piece` (2n×2n) is the stiffness matrix of one piece. Its unknowns are n motions of its start,
+    then n motions of its end. Those of the chain are the motions of the ends of all pieces.
     """
     n = len(piece) // 2
     assembled = np.zeros((n * (pieces + 1), n * (pieces + 1)))

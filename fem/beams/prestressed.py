@@ -137,7 +137,11 @@ def prestressed_line_leg(sections: LineSections, elements: int, modes: int) -> P
 def _prestressed(
     beam: LegMatrices, edges: Array, gyration: Callable[[Array], Array], modes: int
 ) -> PrestressedLeg:
-    """Prestressed leg of a straight `beam` with elements between `edges` (m)."""
+    """Prestressed leg of a straight `beam` with elements between `edges` (m).
+
+    `gyration` returns the squared polar radii of gyration i² (m²) of the sections at given stations
+    (m). `modes` is the number of modes with fixed ends.
+    """
     length = float(edges[-1])
     held_ends = held_leg(beam)
     inner = beam.size - ENDS

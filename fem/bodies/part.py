@@ -99,8 +99,8 @@ def grips_of(
 def free_part(part: MeshedPart, name: str) -> RootedBody:
     """Part without interfaces whose mean motion is fixed, with factorised stiffness.
 
-    The mean motion is that of its mass: Bᵀu = (RᵀMR)⁻¹ RᵀMu with the rigid motions R. Raises as
-    `rooted_body` does.
+    The mean motion of displacements u is weighted with the mass M: Bᵀu = (RᵀMR)⁻¹ RᵀMu, with the
+    rigid motions R. Raises errors as `rooted_body` does.
     """
     nodes, mass = part.mesh.nodes, on_three_components(part.scalar_mass)
     centre = part.properties().centre
@@ -121,7 +121,7 @@ def free_part(part: MeshedPart, name: str) -> RootedBody:
 def held_part(part: MeshedPart, grips: Sequence[Grip], name: str) -> RootedBody:
     """Part clamped at its first interface, with factorised stiffness.
 
-    Raises as `rooted_body` does.
+    Raises errors as `rooted_body` does.
     """
     solid = coupled_solid(
         part.stiffness, on_three_components(part.scalar_mass), part.mesh.nodes, grips

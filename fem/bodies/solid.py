@@ -187,9 +187,10 @@ def line_of(mesh: SolidMesh) -> CentreLine | None:
 
 
 def centreline_of(mesh: SolidMesh, coupled: CoupledSolid) -> Callable[[Array], SparseMatrix]:
-    """Function that computes the matrix from the unknowns to twists of sections.
+    """Function that returns the matrix from the unknowns of a coupled leg to twists of sections.
 
-    Its argument is k positions (m from the root), its result 6k×n for n unknowns.
+    Its argument is the positions of k sections (m from the root), its result is 6k×n for n
+    unknowns.
     """
     # The function must not refer to the other matrices of the coupled solid, which are larger.
     transformation = coupled.transformation

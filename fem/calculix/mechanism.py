@@ -40,10 +40,10 @@ _IDLE_STIFFNESS = 1e-3
 class _Freedoms:
     """Twists and spring deflections of a mechanism in terms of n independent freedoms.
 
-    `places` (m, base axes) and `twists` (6×n) are keyed by (body, interface), with "" in place of
-    the interface for a rigid body. Each of the `springs` has a row (n) that gives its deflection, a
-    stiffness, and an inertia that moves with this deflection. `idle` (k×n) are rows of idle
-    motions.
+    `places` are points (m, base axes), `twists` (6×n) the matrices from the freedoms to the twists
+    at these. Both are keyed by (body, interface), with "" as interface for a rigid body. Each of
+    the `springs` has a row (n) that gives its deflection, a stiffness, and an inertia that moves
+    with this deflection. `idle` (k×n) are rows of idle motions.
     """
 
     places: Mapping[tuple[str, str], Array]
@@ -248,7 +248,10 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
 
 
 def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
-    """Directions (6×r, base axes) in which a joint is elastic, and its stiffness along each (r)."""
+    """Directions (6×r, base axes) in which a joint is elastic, and its r stiffnesses along them.
+
+    They are due to the spring of a drive and to the compliance of the joint itself.
+    """
     directions, stiffnesses = np.zeros((6, 0)), np.zeros(0)
     drive = drive_in(posture, joint)
     if drive is not None and drive.stiffness is not None:

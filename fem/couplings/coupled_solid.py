@@ -73,7 +73,7 @@ def _mean_diagonal(matrix: SparseMatrix) -> float:
 def _bordered(
     solid_matrix: SparseMatrix, coupling: SparseMatrix, block: SparseMatrix
 ) -> SparseMatrix:
-    """Symmetric matrix [own couplingᵀ; coupling block] (csr) from three sparse blocks.
+    """Symmetric matrix [`solid_matrix` `coupling`ᵀ; `coupling` `block`] (csr), from sparse blocks.
 
     The columns of the blocks must be sorted. The large `block` is copied once; `hstack` and
     `vstack` would copy it twice.

@@ -125,10 +125,7 @@ class Grip:
 
 
 def _across(axis: Array) -> Array:
-    """Matrix (4×6) from a twist to its components normal to `axis`.
-
-    These are two translations and two rotations.
-    """
+    """Matrix (4×6) from a twist to its two translations and two rotations normal to `axis`."""
     rows = np.zeros((4, 6))
     rows[:2, :3] = rows[2:, 3:] = np.linalg.svd(axis[None])[2][1:]
     return rows

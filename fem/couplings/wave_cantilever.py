@@ -79,7 +79,10 @@ def wave_frequency(kind: PrismWaves, length: float, order: int, near: float) -> 
 
 
 def beam_frequency(kind: PrismWaves, length: float, order: int) -> float:
-    """Natural frequency (Hz) number `order` of a cantilever, as a `saint_venant_beam`."""
+    """Natural frequency (Hz) number `order` of a cantilever of `length` (m), by beam theory.
+
+    The beam is that of `saint_venant_beam`.
+    """
     beam = saint_venant_beam(kind)
     fields = beam.fields
     quarter = (2 * order - 1) * np.pi / (2.0 * length)

@@ -87,7 +87,7 @@ class FrequencyBounds:
 
     @property
     def relative_width(self) -> Array:
-        """Bound on the relative error of each frequency of the reduced robot, which is `upper`."""
+        """Bound on the relative error of each of the reduced robot's frequencies, `upper`."""
         return np.asarray(1.0 - self.lower / self.upper)
 
 

@@ -93,7 +93,10 @@ def free_interface(
 
 
 def _held(shares: Array, squared: Array) -> tuple[Array, Array]:
-    """Amplitudes (s × (s − 6m)) of orthonormal shapes with fixed interfaces, and their ω²."""
+    """Amplitudes (s × (s − 6m)) of orthonormal shapes with fixed interfaces, and their ω².
+
+    `shares` (6m×s) and `squared` (s values) are those of `FreeTruncation`.
+    """
     sizes = np.linalg.norm(shares, axis=1)
     across = qr((shares / sizes[:, None]).T)[0][:, len(shares) :]
     values, vectors = eigh(across.T @ (squared[:, None] * across))

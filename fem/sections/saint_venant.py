@@ -213,9 +213,9 @@ def _poisson(quad: SectionQuadrature, loads: Array) -> Array:
 
 
 def summed(blocks: Array, unknowns: IntArray, size: int) -> csc_matrix:
-    """Sparse matrix (`size` square) that is the sum of symmetric matrices of cells (M×k×k).
+    """Sparse matrix (`size` × `size`) that is the sum of symmetric `blocks` of cells (M×k×k).
 
-    `unknowns` (M×k) are the indices of their rows and columns.
+    `unknowns` (M×k) are the indices of the blocks' rows and columns.
     """
     width = unknowns.shape[1]
     rows = np.repeat(unknowns, width, axis=1).ravel()

@@ -48,7 +48,10 @@ def stiffness_matrix(quad: SectionQuadrature, material: Material, k: float) -> A
 
 
 def strains(quad: SectionQuadrature, k: float) -> Array:
-    """Amplitudes of (εxx, εyy, εzz, γyz, γxz, γxy) per unknown, M×Q×6×3n for n nodes per cell."""
+    """Amplitudes (M×Q×6×3n) of the strains (εxx, εyy, εzz, γyz, γxz, γxy) for unit unknowns.
+
+    The 3n unknowns are (a, b_y, b_z) of the n nodes of a cell.
+    """
     cells, points = quad.weights.shape
     count = len(quad.shapes)
     along_y, along_z = (quad.gradients[:, :, i].transpose(0, 2, 1) for i in (0, 1))

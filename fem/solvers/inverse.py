@@ -70,9 +70,10 @@ class RenewableIteration(RenewableFactor):
 
 
 def inverse(symbolic: Symbolic, motions: Array, places: Array, part: str) -> RenewableFactor:
-    """K⁻¹ of a supported solid (n unknowns): GAMG if requested, or if PETSc has too little memory.
+    """K⁻¹ of a supported solid (n unknowns), by a factor or by GAMG.
 
-    Otherwise a factor. The arguments are those of `RenewableIteration`. The result is ready for
+    GAMG is used if it is requested, or if PETSc is requested and a factor does not fit the
+    available memory. The arguments are those of `RenewableIteration`. The result is ready for
     right-hand sides: raises NotPositiveDefiniteError and ComputationError.
     """
     request = requested_solver()

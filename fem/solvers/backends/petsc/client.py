@@ -310,7 +310,7 @@ def _end(keeper: "subprocess.Popen[bytes]", pipes: tuple[int, ...], folder: Path
 def _mpiexec(interpreter: str) -> str:
     """Program that starts MPI ranks, next to the interpreter (conda) or on the search path.
 
-    "" if none.
+    "" if there is none.
     """
     neighbour = Path(interpreter).parent / "mpiexec"
     return str(neighbour) if neighbour.exists() else shutil.which("mpiexec") or ""

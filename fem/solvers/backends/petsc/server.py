@@ -312,12 +312,13 @@ class _Iteration:
         return vector
 
     def solve(self) -> "dict[str, Any]":
-        """Solve for the right-hand sides (n×k) in the file `right`. Return accuracies.
+        """Solve for the right-hand sides (n×k) in the file `right`. Write the file `solution`.
 
-        `energy` is the true residual in the norm of the preconditioner, relative to the energy norm
-        of the solution. `backward` is the residual relative to the terms f and K x, `balance` the
-        difference between the work x·f and twice the energy, x·K x, relative to the latter.
-        `reason` is PETSc's code for the end, negative if there is no convergence.
+        Return for each solution the number of iterations, `energy`, `backward`, `balance` and
+        `reason`. `energy` is the true residual in the norm of the preconditioner, relative to the
+        energy norm of the solution. `backward` is the residual relative to the terms f and K x,
+        `balance` the difference between the work x·f and twice the energy, x·K x, relative to the
+        latter. `reason` is PETSc's code for the end, negative if there is no convergence.
         """
         columns = self._files.read("right", self._rows)
         solutions = np.zeros_like(columns)
