@@ -1,4 +1,4 @@
-"""Equivalent leg: a prism of constant section in place of a leg known by its 6×6 (paper §2.3)."""
+"""Equivalent leg: a prism of constant section in place of a leg given by its 6×6 (paper §2.3)."""
 
 from dataclasses import replace
 from math import sqrt
@@ -67,5 +67,8 @@ def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
 
 
 def sectioned_leg(leg: Leg, by: EquivalentBy = "stiffness") -> SectionedLeg:
-    """The leg itself if its sections are known, otherwise the leg equivalent to its 6×6."""
+    """The leg itself if it has sections, otherwise its equivalent leg.
+
+    `by` is explained in `equivalent_leg`.
+    """
     return equivalent_leg(leg, by) if isinstance(leg, GivenLeg) else leg

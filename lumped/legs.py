@@ -298,7 +298,7 @@ class ConstantLeg:
 
 @dataclass(frozen=True, eq=False)
 class GivenLeg:
-    """Leg known by its 6×6 tip compliance (root clamped, leg axes, SI), length and mass.
+    """Leg specified by its 6×6 tip compliance (root clamped, leg axes, SI), length and mass.
 
     `length` in m, `mass` in kg. `mass_centre` (m from the root along x) and `inertia` (3×3, in kg
     m², leg axes, about the mass centre) describe the mass distribution. They are None if it is
@@ -334,7 +334,7 @@ class Span:
         return type(self.first)(**sizes)
 
     def taper_rates(self, shares: Array) -> Array:
-        """Rates d ln a/ds (p×2, 1/m) of the lever arms a = I/S at p fractions of the span.
+        """Rates d ln a/ds (p×2, 1/m) of the lever arms a = I/S at p fractions `shares` of the span.
 
         The columns are for bending about z and about y. I is the second moment of area, S the first
         moment of half the section. Zero for shapes without two axes of symmetry.

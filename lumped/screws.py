@@ -100,7 +100,7 @@ def turn_matrix(matrix: Array, rotation: Array) -> Array:
 def name_twists(twists: Array, length: float) -> str:
     """Description in words of the motions spanned by `twists` (n×6, base axes).
 
-    The basis with the fewest components is described, for example "translate along x and turn about
+    A basis with few nonzero components is described, for example "translate along x and turn about
     z through (0, 0.5, 0) m from the loaded point". `length` (m) is the size of the mechanism.
     """
     screws = np.hstack([twists[:, 3:], twists[:, :3] / length])
@@ -132,7 +132,10 @@ def _described(screws: Array, length: float, line: str, moment: str) -> str:
 
 
 def _sparsest(screws: Array) -> list[tuple[Array, Array]]:
-    """Rows (u, w) of the reduced row echelon form of `screws`, which have few components."""
+    """Basis (u, w) of the span of `screws` with few nonzero components.
+
+    These are the rows of the reduced row echelon form.
+    """
     rows = screws / np.linalg.norm(screws, axis=1)[:, None]
     rank = 0
     for column in range(6):

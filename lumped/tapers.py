@@ -39,7 +39,7 @@ TAPER = ("rate_y", "rate_z", "softer", "softer_y", "softer_z", "cross_y", "cross
 
 
 def taper_rates(sections: Sequence[Section], length: float, shares: Array) -> Array:
-    """Rates d ln a/dx (p×2, 1/m) of the lever arms a = I/S at p fractions of a span.
+    """Rates d ln a/dx (p×2, 1/m) of the lever arms a = I/S at p fractions `shares` of a span.
 
     The columns are for bending about z and about y. I is the second moment of area, S the first
     moment of half the section. `sections` are those at the `NODES` of the span of `length` (m),

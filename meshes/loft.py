@@ -160,7 +160,7 @@ def _planes(
 
 
 def stretched(nodes: Array, reference: Section, section: Section) -> Array:
-    """Nodes (n×2) of a mesh of the section `reference`, moved to another `section` of its shape."""
+    """Nodes (n×2) of a mesh of the section `reference`, moved to a `section` of the same shape."""
     if section == reference:
         return nodes
     if isinstance(reference, Circle | Tube) and isinstance(section, Circle | Tube):

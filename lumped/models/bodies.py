@@ -1,7 +1,7 @@
 """Legs as springs and as links of matrix structural analysis; statics and modes of one clamped leg.
 
 A link is a leg represented by its stiffness between its two interfaces. The 12×12 stiffness of a
-prism, or of a leg known by its 6×6, follows from the tip compliance with clamped root by
+prism, or of a leg specified by its 6×6, follows from the tip compliance with clamped root by
 equilibrium. Links are used in statics only, because they do not define how the mass inside a body
 moves.
 
@@ -60,7 +60,7 @@ def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
 
 
 def on_equivalent_legs(mechanism: Mechanism) -> Mechanism:
-    """Mechanism in which equivalent prismatic legs replace the legs known by their 6×6."""
+    """Mechanism in which equivalent prismatic legs replace legs specified by their 6×6."""
     bodies = {
         name: replace(body, shape=replace(equivalent_leg(body.shape), name=name))
         if isinstance(body.shape, GivenLeg)
@@ -78,8 +78,8 @@ def tip_compliances(
 ) -> dict[str, Array]:
     """6×6 compliance (SI, body axes) of each leg at its tip with its root clamped, by name.
 
-    For a leg known by its 6×6, this is the 6×6 from the robot file if `springs` is "given". If it
-    is "equivalent", it is that of the equivalent prismatic leg, matched `by` stiffness or
+    For a leg specified by its 6×6, this is the 6×6 in the robot file if `springs` is "given". If
+    `springs` is "equivalent", it is that of the equivalent prismatic leg, matched `by` stiffness or
     compliance. The compliance of a leg with sections is computed by the beam theory `theory`.
     """
     compliances = {}

@@ -124,7 +124,10 @@ def tool_displacements(
 
 
 def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) -> Array:
-    """Twist (6) at the point `end` (3, in m) due to a drive deflected by the load on its rotor."""
+    """Twist (6) at the point `end` (3, in m) due to a drive deflected by the load on its rotor.
+
+    Zero if `step` has no elastic drive.
+    """
     joint = step.across
     drive = None if isinstance(joint, str) else drive_in(posture, joint)
     if isinstance(joint, str) or drive is None or drive.stiffness is None:
@@ -205,7 +208,7 @@ def _series(steps: list[_Step], end: _Node, base: _Node) -> list[_Step]:
 
 
 def _is_passive(across: Joint | str) -> bool:
-    """True for a joint that has a free twist but no drive."""
+    """True for a joint (not a leg) that has a passive free twist: one that is not driven."""
     driven = isinstance(across, Joint) and across.drive is not None
     return isinstance(across, Joint) and FREEDOMS[across.kind] > driven
 

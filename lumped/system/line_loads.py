@@ -21,7 +21,10 @@ _POINTS = 3
 
 
 def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> Array:
-    """Forces and moments (s×6) in sections at s `stations` (m), from the wrench on the root (6)."""
+    """Forces and moments (s×6) in the sections at s `stations` (m) of a leg under line `loads`.
+
+    `root` (6) is the wrench on the root of the leg.
+    """
     x = stations[:, None]
     total, lever = np.zeros((len(x), 6)), np.zeros((len(x), 3))
     for load in loads:
@@ -75,7 +78,7 @@ def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> L
 
 
 def linear_load(root: Array, tip: Array, length: float) -> LineLoad:
-    """Load that varies linearly along a leg, from wrenches (6 each, in N and N m) on its ends.
+    """Load along a leg, linear in x, from wrenches `root` and `tip` (6, in N and N m) on its ends.
 
     Resultant force and moment of the load are those of both wrenches together. Axial force and
     torque are also divided between the two ends as in the wrenches.

@@ -169,7 +169,10 @@ def _line_load(leg: Leg, at_ends: Array, motion: Motion) -> LineLoad:
 
 
 def _acceleration(posture: Posture, joint: Joint, motions: Mapping[str, Motion]) -> float:
-    """Acceleration (m/s² or rad/s²) of the coordinate of a joint with one free twist."""
+    """Acceleration (m/s² or rad/s²) of the coordinate of a joint with one free twist.
+
+    `motions` contains the motion of each body, by name.
+    """
     along, about = np.split(free_twists(posture, joint)[:, 0], 2)
     first, second = (motions[side.body] for side in (joint.first, joint.second))
     if about.any():

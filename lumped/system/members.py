@@ -69,7 +69,7 @@ def member_forces(
 def _end_wrench(
     posture: Posture, name: str, point: str, forces: InternalForces, load: Loading
 ) -> Array:
-    """Wrenches (6×(1 + k), leg axes) of joints and loads on an interface of a leg.
+    """Wrenches (6×(1 + k), leg axes) of joints and loads on the interface `point` of leg `name`.
 
     The last k columns are the self-balanced wrenches that statics leaves undetermined.
     """

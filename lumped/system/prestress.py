@@ -100,7 +100,7 @@ def _spins(idle: Array) -> bool:
 
 
 def _without_idle_parts(solution: Solved, geometric: Array) -> Array:
-    """Geometric stiffness PᵀGP. The matrix P removes the idle part of a motion.
+    """Geometric stiffness PᵀGP with G = `geometric`. The matrix P removes idle parts of motions.
 
     The idle part is fitted by least squares to the twists of all nodes.
     """

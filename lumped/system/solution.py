@@ -176,7 +176,10 @@ def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
 
 
 def with_idle(solution: Solved, displacements: Array) -> Array:
-    """Displacements (n×m) plus the idle motions that follow them freely, with zero momentum."""
+    """Displacements (n×m) plus the idle motions that follow them freely.
+
+    The sum has no momentum in any idle motion.
+    """
     if not solution.idle:
         return displacements
     momenta, inverse_inertia = _idle_momenta(solution, dense(solution.system.mass))
@@ -202,7 +205,7 @@ def idle_accelerations(solution: Solved, loads: Array) -> Array:
 
 
 def _idle_momenta(solution: Solved, mass: Array) -> tuple[Array, Array]:
-    """Momenta M N (n×k) of the idle motions N, and the pseudo-inverse (NᵀMN)⁺."""
+    """Momenta M N (n×k) of the k idle motions N, and the pseudo-inverse (NᵀMN)⁺ for M = `mass`."""
     momenta = mass @ solution.motions
     heaviest = float(np.diag(mass)[: solution.system.outer].max())
     return momenta, _pseudo_inverse(solution.motions.T @ momenta, heaviest)
@@ -253,7 +256,10 @@ def _smallest_pivot(factor: tuple[Array, Array]) -> float:
 
 
 def _inner_motions(stiffness: Array, outer: int, motions: Array) -> Array:
-    """Motions of internal unknowns that follow `motions` (outer×k) of the interfaces statically."""
+    """Motions of the internal unknowns of a body that follow its interfaces statically.
+
+    `motions` (outer×k) are those of the first `outer` unknowns, which are those of the interfaces.
+    """
     forces = stiffness[outer:, :outer] @ motions
     if not forces.any():
         return np.zeros_like(forces)

@@ -88,12 +88,12 @@ def extrapolated(coarse: Array, fine: Array) -> Array:
 
 
 def half_width(coarse: float, fine: float) -> float:
-    """Half-width of the uncertainty of an integral extrapolated from two meshes."""
+    """Half-width of the uncertainty of an integral extrapolated from its values on two meshes."""
     return _SAFETY * _ERROR * abs(fine - coarse)
 
 
 def is_limit(kernel: float, coarse: float, fine: float) -> bool:
-    """True if an integral of the CAD kernel agrees with that extrapolated from two meshes."""
+    """True if an integral by the CAD kernel agrees with the limit of its values on two meshes."""
     limit = fine + _ERROR * (fine - coarse)
     return abs(kernel - limit) <= half_width(coarse, fine) + ROUNDING * abs(kernel)
 

@@ -28,8 +28,9 @@ class Face:
 
     `centre` (3) is that of the area. For a plane, `direction` is the outward normal. For a bore or
     a boss (a cylinder seen from inside or outside), `direction` is the axis, `on_axis` the point in
-    the middle of the axis, and `radius` the radius. `name` is the name in the file, or "". `facets`
-    are the facets of the face, with indices of the nodes of the surface.
+    the middle of the axis, and `radius` the radius. `radius` is zero for other faces, `direction`
+    for faces of type "other". `name` is the name in the file, or "". `facets` are the facets of the
+    face, with indices of the nodes of the surface.
     """
 
     number: int
@@ -76,10 +77,10 @@ def _plain(direction: Array) -> Array:
 def _cylinder(points: Array, vectors: Array, areas: Array) -> tuple[Array, Array, float] | None:
     """Axis (3), a point on it (3, in m) and radius (m) of the cylinder through `points`.
 
-    None if they do not lie on a cylinder. The normals are perpendicular to the axis, which is
-    therefore the direction of their smallest scatter. A circle about the axis is fitted to the
-    points (Kåsa's linear fit, exact for points on a circle). Axis and circle are then improved
-    together by Gauss–Newton iterations.
+    None if they do not lie on a cylinder. `vectors` are the normals of facets times their `areas`
+    (m²). The normals are perpendicular to the axis, which is therefore the direction of their
+    smallest scatter. A circle about the axis is fitted to the points (Kåsa's linear fit, exact for
+    points on a circle). Axis and circle are then improved together by Gauss–Newton iterations.
     """
     normals = vectors / areas[:, None]
     eigenvalues, directions = np.linalg.eigh((normals * areas[:, None]).T @ normals / areas.sum())

@@ -32,7 +32,7 @@ _SECONDS = 120.0
 
 
 class NotPrismaticError(InputError):
-    """Error: a part has a section that no prismatic leg has."""
+    """Error: a part cannot be cut into sections of prismatic legs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,10 @@ def _slice_mesh(piece: Slice) -> SectionMesh:
 
 
 def _loops(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Array]:
-    """Closed polygons (n×2, in m) in which the plane cuts the boundary of the part."""
+    """Closed polygons (n×2, in m) in which a plane cuts the boundary of a part.
+
+    The arguments are those of `slices_of`.
+    """
     local = (nodes - origin) @ axes
     height = local[:, 0].copy()
     # Nodes in the plane count as above it, so that a face in the plane lies on one side of it.

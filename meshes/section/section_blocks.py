@@ -146,7 +146,7 @@ def element_count(section: Section, divisions: Divisions) -> int:
 
 
 def sides_of(blocks: Blocks, corners: tuple[int, int, int, int]) -> tuple[int, int]:
-    """Numbers of elements along the first and the second side of a block."""
+    """Numbers of elements along the first and the second side of the block with these `corners`."""
     a, b, c, _ = corners
     across, along = (
         blocks.counts.get(edge) or blocks.counts[edge[::-1]] for edge in ((a, b), (b, c))

@@ -294,10 +294,10 @@ def _generated(line: DeckLine, words: list[str]) -> range:
 def _members(
     deck: _Deck, keyword: str, line: DeckLine, text: str, scope: _Scope | None
 ) -> tuple[_Scope | None, Members]:
-    """Scope and members that one value in a set adds: one number, or an earlier set's members.
+    """Scope and members that one value of a set adds: a number, or the members of an earlier set.
 
-    Either may be preceded by the name of an instance and a full stop. The scope is then that of the
-    instance.
+    `text` is the value, `keyword` that of the set (NSET or ELSET). The value may be preceded by the
+    name of an instance and a full stop. The scope is then that of the instance.
     """
     name = text.strip('"')
     if _WHOLE.fullmatch(name):

@@ -45,7 +45,7 @@ def require_whole(content: bytes, source: str) -> None:
 
 
 def entities(content: bytes) -> dict[str, str]:
-    """Entities of a STEP file by their number, without texts and comments."""
+    """Entities of a STEP file by their number, without character strings and comments."""
     text = _without_texts(content).decode("latin-1")
     return dict(_ENTITY.findall(text))
 
