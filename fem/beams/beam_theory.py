@@ -291,7 +291,7 @@ class _Coupled:
 
 
 def _coupled(p: BeamProperties, size: float) -> _Coupled:
-    """Dimensionless state equations: lengths in units of `size` (m), ω² in EI/(μ size⁴)."""
+    """Dimensionless state equations: unit of length `size` (m), unit of ω² EI/(μ `size`⁴)."""
     EI, mu = max(p.EIy, p.EIz), p.mu
     count = 6 if p.is_eccentric or p.is_helical else 5
     flexibility = np.zeros((count, count))

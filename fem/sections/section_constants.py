@@ -184,8 +184,9 @@ def beam_properties(constants: SectionConstants, material: Material) -> BeamProp
 def held_contraction(quad: SectionQuadrature, nu: float, shear_to_young: float) -> Array:
     """Stiffening (2×2, in m⁴) of bending by a mesh that cannot represent the section's contraction.
 
-    It is added to Σ = ∫ s sᵀ dA with s = (y, z). With the strains δε by which the interpolated
-    fields deviate from the contraction, and r = ∫ BᵀCδε dA, it is (∫ δεᵀCδε dA − rᵀK⁻¹r)/E. This is
+    It is added to Σ = ∫ s sᵀ dA with s = (y, z). The interpolated fields deviate from the
+    contraction by the strains δε. With the elasticity C and the stiffness K of the section in its
+    plane, and the nodal forces r = ∫ BᵀCδε dA, the stiffening is (∫ δεᵀCδε dA − rᵀK⁻¹r)/E. This is
     positive semidefinite, and computed without a difference of second moments.
     """
     y, z = (quad.mesh.nodes - quad.centroid).T

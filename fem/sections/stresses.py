@@ -33,8 +33,8 @@ _REENTRANT = 0.02
 class SectionStresses:
     """Stresses under unit section forces at the nodes of `mesh`.
 
-    `normal` (N×6) is σxx and `shear` (2×N×6) τxy and τxz (Pa) of N, Qy, Qz (1 N), T, My and Mz (1 N
-    m). `regular` (N) is False near re-entrant corners.
+    The six section forces are N, Qy, Qz (1 N each), T, My and Mz (1 N m each). `normal` (N×6) is
+    σxx and `shear` (2×N×6) are τxy and τxz (Pa). `regular` (N) is False near re-entrant corners.
     """
 
     mesh: SectionMesh

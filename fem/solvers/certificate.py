@@ -26,8 +26,8 @@ class Pencil:
     """The matrix K − σM for any σ, with one sparsity pattern that is ordered once, if at all.
 
     `springs` (n) are stiffnesses on single unknowns, mostly zero, that support a body while it is
-    factorised. `symbolic` is the matrix K with the springs added. `mass` contains the entries of M
-    in the same triangle.
+    factorised. `symbolic` is the matrix K with the springs added. `mass` contains the entries
+    of M at the places of the triangle of `symbolic`.
     """
 
     symbolic: Symbolic

@@ -230,7 +230,8 @@ class CudssOrdering:
     def factorise(self, values: Array, part: str) -> CudssNumeric:
         """Factor of the matrix whose triangle has the entries `values`.
 
-        `part` is not used. If the factor is not accurate, its `zero` is 1. Raises DeviceError.
+        `part` is not used. If the factor is not accurate, its `zero` is at least 1. Raises
+        DeviceError.
         """
         del part
         self.load(values)

@@ -3,8 +3,8 @@
 In the symmetric mode of SuperLU without a threshold, all pivots are on the diagonal unless one is
 zero. Then P A Pᵀ = L U with U = D Lᵀ, and the signs of U's diagonal are those of A's eigenvalues
 (Sylvester). Pivots are not paired: as with cuDSS, a factor is checked by the backward error of a
-solution. A factor that fails this check, or has pivots that are not on the diagonal, is reported
-with one entry of D without a sign.
+solution. If a factor fails this check, or has pivots that are not on the diagonal, its number of
+entries of D without a sign (`zero`) is at least 1.
 """
 
 from typing import Any

@@ -416,8 +416,8 @@ class PetscOrdering:
     def factorise(self, values: Array, part: str) -> PetscNumeric:
         """Factor of the matrix whose triangle has the entries `values`.
 
-        If the factor is not accurate, its `zero` is 1. Raises ComputationError if the factorisation
-        fails.
+        If the factor is not accurate, its `zero` is at least 1. Raises ComputationError if the
+        factorisation fails.
         """
         if self._loaded is None:
             require_memory(self.peak_bytes, self._size, part)
