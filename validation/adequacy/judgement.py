@@ -340,7 +340,7 @@ def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str
 
 
 def _deciding_information(errors: Errors, reference: Reference, pose: int, limits: Array) -> str:
-    """Instruction to add the information on which the verdict depends to the robot file.
+    """Instruction to add to the robot file the information on which the verdict depends.
 
     This is the stiffness inside the legs if the verdict remains undecided with any choice for
     everything else that the robot file leaves open.

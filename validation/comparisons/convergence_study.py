@@ -206,7 +206,7 @@ class ConvergenceStudy:
         return self.agreement.elements if self.refined == "elements" else None
 
     def short_summary(self, series: ConvergenceSeries, column: int) -> str:
-        """Error at the judged element count, and smallest counts for errors of 1, 0.1 and 0.01 %.
+        """Text: error at the judged element count; smallest counts for errors of 1, 0.1 and 0.01 %.
 
         Example: "+0.009 % (2, 6, 19)".
         """

@@ -90,7 +90,7 @@ def series_cells(
 
 
 def short_summary(series: ConvergenceSeries, column: int, stated: int | None) -> str:
-    """Error at the `stated` count, and smallest counts for errors of 1 %, 0.1 % and 0.01 %.
+    """Text: error at the `stated` count; smallest counts for errors of 1, 0.1 and 0.01 %.
 
     Example: "+0.009 % (2, 6, 19)".
     """

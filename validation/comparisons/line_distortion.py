@@ -90,7 +90,10 @@ def _mode(leg: LineLeg, beam: LegMatrices, index: int) -> _Mode:
 
 
 def _prism_change(leg: LineLeg, position: float, mode: CantileverFrequency) -> float:
-    """Relative change of a frequency by 3-D waves, with the section at one position of the leg."""
+    """Relative change of the frequency of `mode` by 3-D waves in a prism.
+
+    The prism has the section of the leg at `position` (m along the line).
+    """
     section, material = leg.section_at(position), leg.material
 
     def excess(length: float) -> float:

@@ -69,7 +69,7 @@ def solid_values(body: Body) -> PartValues:
 
 
 def condensed_values(body: Body) -> Array:
-    """Tip compliances and frequencies of a condensed CAD part with the first interface clamped."""
+    """Tip compliances (6, SI), then frequencies (Hz), of a condensed and clamped CAD part."""
     part, tip = identified(body), np.s_[6:, 6:]
     squared = eigh(part.stiffness[tip], part.mass[tip], eigvals_only=True)
     compliance = np.linalg.inv(part.stiffness[tip]).astype(float)
@@ -78,7 +78,7 @@ def condensed_values(body: Body) -> Array:
 
 
 def stepped_values(body: Body, discretisation: Discretisation) -> Array:
-    """Tip compliances and frequencies of a CAD part as prismatic pieces.
+    """Tip compliances (6, SI), then frequencies (Hz), of a clamped CAD part as prismatic pieces.
 
     Raises InputError if the part cannot be divided into prismatic pieces.
     """

@@ -45,7 +45,10 @@ class Samples:
     weights: Array
 
     def of_models(self, models: Mapping[str, BodyModel]) -> dict[str, Array]:
-        """Matrices (3k×n) that map n unknowns of each model to displacements of its k points."""
+        """Matrix (3k×n) for each body, from the n unknowns of its model to displacements of k points.
+
+        The keys of both mappings are body names.
+        """
         matrices: dict[tuple[BodyModel, bytes], Array] = {}
         matrix_by_body = {}
         for name, model in models.items():

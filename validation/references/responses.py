@@ -197,9 +197,10 @@ class Responses:
     ) -> H | Unsolved:
         """Statics or modes of a model under `reading`, or the reason why they are unsolved.
 
-        If inputs are perturbed and the model has a stand-in, `transfer` applies the stand-in's
-        changes to the unperturbed solution. Any exception is recorded as the failure of this
-        solution alone, so that other models are still judged.
+        `solve` computes the solution for a robot. If inputs are perturbed, the model has a stand-in
+        and the robot has solids, `transfer` instead applies the stand-in's changes to the
+        unperturbed solution; `required` returns the solutions that it needs. Any exception is
+        recorded as the failure of this solution alone, so that other models are still judged.
         """
         nominal = replace(reading, factors=())
         stand_in = model.stand_in

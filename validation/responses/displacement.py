@@ -201,9 +201,9 @@ def worst_force(difference: Array, reference: Array) -> Worst:
 
 
 def _worst_between(forms: Array, a: Array, b: Array) -> Array:
-    """Force (p×3) for which fᵀ`forms`f is largest relative to max(Σ a f², Σ b f²).
+    """Force f (p×3) for which fᵀ F f is largest relative to max(Σ a f², Σ b f²), with F = `forms`.
 
-    `forms` is p×3×3, `a` and `b` are p×3.
+    `forms` is p×3×3, `a` and `b` are p×3, for p poses.
     """
 
     def scaled(weight: Array) -> tuple[Array, Array]:
@@ -228,13 +228,12 @@ def _worst_between(forms: Array, a: Array, b: Array) -> Array:
 
 
 def _worst_direction(matrix: Array, root: Array, excess: Array) -> Array:
-    """Direction (3) of the largest error, in the space of the largest eigenvalue.
+    """Direction (3) of the force with the largest error, from the largest eigenvalue of `matrix`.
 
-    If directions exist in that space for which both quadratic forms of the denominator are equal,
-    it is one of them.
-
-    `matrix` (3×3): DᵀD in coordinates scaled by `root` (3). `excess` (3): diagonal of the first
-    quadratic form of the denominator minus that of the second.
+    `matrix` (3×3): quadratic form of the numerator in coordinates scaled by `root` (3). `excess`
+    (3): diagonal of the first quadratic form of the denominator minus that of the second. If
+    directions exist in the eigenspace for which both forms of the denominator are equal, the result
+    is one of them.
     """
     values, vectors = np.linalg.eigh(matrix)
     space = vectors[:, values >= values[-1] - _REPEATED * abs(values[-1])] / root[:, None]

@@ -236,7 +236,8 @@ class _Blocks:
     def exchange(self, means: Array, mac: Array) -> Array:
         """Sum of the MAC (m×m) of two pairs with exchanged partners, over that without exchange.
 
-        Zero for modes of equal frequency. Array sizes: m modes of the first model.
+        `means` is the result of `_means`, `mac` (m) that of the method `mac`. Zero for modes of
+        equal frequency. Array sizes: m modes of the first model.
         """
         crossed = means[:, self.partner] + means[:, self.partner].T
         together = np.add.outer(mac, mac)
@@ -248,8 +249,9 @@ class _Blocks:
     def mixture_mac(self, linked: BoolArray, mac: Array) -> tuple[Array, BoolArray]:
         """MAC (m) of each mode with its partner, or with all partners of its group of linked modes.
 
-        The second array (m) is true for modes of a group in which several modes share the shapes of
-        fewer partners.
+        `linked` (m×m): true for two modes whose shapes mix. `mac` (m): MAC of each pair. The second
+        array (m) is true for modes of a group in which several modes share the shapes of fewer
+        partners.
         """
         group_mac, undecided = mac.copy(), np.zeros(len(mac), dtype=bool)
         groups = _components(linked)
@@ -294,7 +296,7 @@ def _overlaps(first: SampledModes, second: SampledModes) -> Array:
 
 
 def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
-    """Modes with orthonormal shapes within each group of equal frequencies.
+    """Modes with orthonormal shapes within each group of equal frequencies (`spaces`, by index).
 
     Shapes that depend linearly on others of their group become zero.
     """
@@ -310,10 +312,10 @@ def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
 
 
 def _means(overlaps: Array, first_groups: IntArray, second_groups: IntArray) -> Array:
-    """Squared overlaps (m×n), averaged over two groups of modes of equal frequency.
+    """Squared overlaps (m×n), averaged over each two groups of modes of equal frequency.
 
-    The sum over both groups is divided by the size of the smaller group. Array sizes: m modes of
-    the first model, n modes of the second model.
+    The sum over a group of each model is divided by the size of the smaller group. Array sizes: m
+    modes of the first model, n modes of the second model.
     """
     first_members, second_members = (
         (spaces[:, None] == np.unique(spaces)).astype(float)

@@ -1,10 +1,10 @@
 """Pressures on faces of CAD parts: their faces, and their wrenches on the interfaces of the parts.
 
 Input: a mechanism with loads, and models of its CAD parts. Output: wrenches of unit pressures on
-the interfaces (`fem.bodies.pressures`), and resultants of each pressure. Rule: the displacements of
-the interfaces are exact, because unit wrenches there load no face, so that the work of the pressure
-on the static displacements of the part is sufficient (Maxwell and Betti). Legs and rigid bodies
-that stand for a part carry the same wrenches at its interfaces.
+the interfaces (`fem.bodies.pressures`), and resultants of each pressure. Rule: these wrenches
+follow from the work of the pressure on the static displacements of the part due to motions of its
+interfaces. The displacements of the interfaces are then exact (Maxwell and Betti). Legs and rigid
+bodies that stand for a part carry the same wrenches at its interfaces.
 """
 
 from collections.abc import Mapping, Sequence
@@ -65,7 +65,6 @@ def unit_pressures(
     """Wrenches (6m, body axes) on the m interfaces that are equivalent to 1 Pa on faces.
 
     The keys are the body and the selection of its faces.
-
     `parts` are models of the CAD parts; if None they are condensed. {} without pressures.
     """
     wrenches = {}
