@@ -4,7 +4,7 @@ from validation import api
 
 
 def main() -> None:
-    # Limits as of [accept]; all faults of a file come in one InputError.
+    # Limits as in [accept]; all faults of a file come in one InputError.
     robot = api.load("ifw", accept={"deflection": 0.10})
 
     answers = api.solve(robot, "segments", poses=[0.3, 0.5], modes=3, theory="timoshenko").answers
