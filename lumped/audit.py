@@ -274,7 +274,7 @@ def _couplings(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _tip_rotation(part: DescribedPart) -> Iterator[Finding]:
-    """Check that the tip rotates about as much as the tip of a beam with equal deflection.
+    """Check that the tip does not rotate far more than that of a beam with equal deflection.
 
     For a beam without shear deformation c66 = 3 c22/L² and c55 = 3 c33/L².
     """

@@ -106,7 +106,7 @@ class BeamProperties:
 
     @property
     def is_helical(self) -> bool:
-        """True if tension twists the leg, or if a shear force bends it across its direction."""
+        """True if tension twists the leg, or if a shear force bends it at right angles to the force."""
         return bool(self.twist_x or self.turn_y or self.turn_z)
 
     @property
@@ -406,7 +406,7 @@ class LineLeg:
 
     @property
     def largest_extent(self) -> float:
-        """Largest side (m) of the boxes around its sections."""
+        """Largest side (m) of the bounding boxes of the sections."""
         return max(max(section.extent) for _, section in self.stations)
 
     def section_at(self, position: float) -> Section:
@@ -511,14 +511,18 @@ def is_bent(leg: Leg) -> bool:
 
 
 def sectioned_compliance(leg: SectionedLeg, theory: Theory) -> Array:
-    """6×6 tip compliance (SI, leg axes) of a leg with sections in a beam theory."""
+    """6×6 tip compliance (SI, leg axes) of a leg with sections, by the beam theory `theory`."""
     if isinstance(leg, LineLeg):
         return leg.sections(theory).tip_compliance
     return tip_compliance(leg.properties(theory), leg.length)
 
 
 def given_compliance(leg: Leg) -> Array:
-    """6×6 tip compliance (SI, leg axes): from the robot file, or by Timoshenko's theory."""
+    """6×6 tip compliance (SI, leg axes) of a leg.
+
+    It is that in the robot file for a leg specified by its 6×6. For a leg with sections it is
+    computed by Timoshenko's theory.
+    """
     if isinstance(leg, GivenLeg):
         return leg.compliance
     return sectioned_compliance(leg, "timoshenko")

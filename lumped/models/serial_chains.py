@@ -239,7 +239,10 @@ def _groups(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[_Node, _Nod
 def _steps(
     mechanism: Mechanism, legs: Mapping[str, Array], group: Mapping[_Node, _Node]
 ) -> list[_Step]:
-    """All joints and legs that connect different groups of rigidly connected nodes."""
+    """All joints and legs that connect different groups of rigidly connected nodes.
+
+    `group` contains the representative of each node, as returned by `_groups`.
+    """
     steps = [
         _Step(
             frozenset(
@@ -305,7 +308,8 @@ def _chain(posture: Posture, legs: Mapping[str, Array], path: list[_Step]) -> vj
 def _joint(posture: Posture, joint: Joint) -> tuple[list[Array], list[Array]]:
     """Passive twists (6 each) of a joint, and its compliances (6×6 each), base axes.
 
-    The first free twist of a driven joint is not passive.
+    The compliances are those of the drive and of the joint itself. The first free twist of a driven
+    joint is not passive.
     """
     passive, compliances = list(free_twists(posture, joint).T), []
     if joint.drive is not None:

@@ -326,7 +326,7 @@ def _viscous_terms(
 
 
 def _dashpot_rows(system: System) -> Array:
-    """Rows R (k×outer) of all dashpots: at rates ẏ of the unknowns they dissipate |R ẏ|² (W)."""
+    """Rows R (k × unknowns of the nodes) of all dashpots, which dissipate |R ẏ|² (W) at rates ẏ."""
     mechanism = system.motions.structure.mechanism
     frames = frames_of([system.posture])
     rows = [np.zeros((0, system.outer))]

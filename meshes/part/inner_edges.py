@@ -134,7 +134,10 @@ class _Cut:
 
 
 def _side(start: IntArray, end: IntArray) -> IntArray:
-    """Unique number of the element side between the nodes `start` and `end`, which may be equal."""
+    """Unique number of the element side between the nodes `start` and `end`.
+
+    If they are equal, the number stands for the node.
+    """
     return (start << _BITS) + end
 
 
@@ -145,7 +148,7 @@ def _renumbered(corners: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def _middles(corners: IntArray) -> IntArray:
-    """Numbers (`_side`) of all sides of triangles or tetrahedra, lower node number first."""
+    """Numbers (`_side`, from lower to higher node) of all sides of triangles or tetrahedra."""
     ends = np.sort(corners[:, SIMPLEX_EDGES[corners.shape[1]]].reshape(-1, 2), axis=1)
     return _side(ends[:, 0], ends[:, 1])
 

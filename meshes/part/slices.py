@@ -72,7 +72,7 @@ class Slice:
 
 
 def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Slice]:
-    """Pieces of the section of a part with a plane. The first is the nearest to `origin`.
+    """Pieces of the section in which a plane cuts a part. The first is the nearest to `origin`.
 
     The plane passes through `origin` (3, in m), and its normal is the first column of `axes` (3×3).
     The outlines are in the other two axes. `facets` is the boundary of the part on `nodes`. Raises

@@ -369,8 +369,8 @@ def _rings(diameters: Sequence[float], quarter: int, across: int) -> Blocks:
 def _tube_of_layers(section: LaminateTube, divisions: int) -> Blocks:
     """Blocks of each run of equal layers of a tube.
 
-    Every ring of elements is a ring of blocks: only on edges of blocks are nodes on arcs, and a
-    chord of a long element is farther from its arc than a layer is thick.
+    Every ring of elements is a ring of blocks, because only nodes on edges of blocks lie on arcs,
+    and the chord of a long element is farther from its arc than a layer is thick.
     """
     numbers, depths = _layer_runs(section)
     across = _across_run(divisions)

@@ -283,7 +283,7 @@ def _read_set(deck: _Deck, card: _Card) -> None:
 
 
 def _generated(line: DeckLine, words: list[str]) -> range:
-    """Numbers from the first to the second value, with the third value as increment (default 1)."""
+    """Members of a set with GENERATE, from its `words`: first, last and increment (default 1)."""
     first, *rest = (_whole(line, text) for text in words)
     last, step = (*rest, 1)[:2] if rest else (first, 1)
     if step < 1:

@@ -178,7 +178,10 @@ def _pieces(mesh: VolumeMesh) -> int:
 def _named(
     mesh: VolumeMesh, facets: Facets, groups: list[Group]
 ) -> tuple[dict[int, Facets], dict[int, str]]:
-    """Smooth faces of the boundary, divided by the groups of the file, with group names."""
+    """Faces by number, and the names of those that lie in a group of the file.
+
+    Faces are the smooth patches of the boundary `facets`, divided at the limits of groups.
+    """
     label = np.zeros(len(facets.cells), dtype=np.int64)
     for number, rows in enumerate(smooth_faces(mesh.nodes, facets)):
         label[rows] = number
