@@ -155,7 +155,7 @@ def _change(frequencies: Array, legs: Sequence[tuple[_LegInPieces, Array]], mode
     try:
         for _ in range(_MOST_STEPS):
             before = omega
-            differences = (_difference(leg, beam_omega, mode, omega) for leg, beam_omega in legs)
+            differences = (_difference(leg, shapes, mode, omega) for leg, shapes in legs)
             value = float(np.linalg.eigvalsh(np.diag(squares) + sum(differences))[mode])
             if value <= 0.0:
                 break

@@ -157,7 +157,7 @@ def line_meshes(leg: LineLeg, coarse: int, fine: int) -> TwoMeshes:
 def solid_tip(context: Context, leg: Leg, ends: Ends, *, mesh: Literal[0, 1] = 1) -> Array:
     """6×6 tip compliance (SI, leg axes) of a solid leg on the coarse (0) or fine (1) mesh.
 
-    If the leg is known by its 6×6, the result is that matrix.
+    If the leg is given by its 6×6, the result is that matrix.
     """
     if isinstance(leg, GivenLeg):
         return given_compliance(leg)
@@ -179,7 +179,7 @@ def straight_spring(leg: Leg) -> Array:
 def computed_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
     """6×6 tip compliance (SI, leg axes) of a beam with computed section constants.
 
-    If the leg is known by its 6×6, the result is that matrix.
+    If the leg is given by its 6×6, the result is that matrix.
     """
     if isinstance(leg, GivenLeg):
         return leg.compliance

@@ -276,7 +276,7 @@ def _stacked(robots: Sequence[VariedModels]) -> Compared:
         return curves
 
     # The first reference differs between robots if the variation gives a section, and thereby a
-    # solid, to a leg known by its 6×6.
+    # solid, to a leg given by its 6×6.
     references = list(dict.fromkeys(str(robot.names[robot.first_reference]) for robot in robots))
     differences = {
         name: curve for name, curve in stacked("differences").items() if name not in references
