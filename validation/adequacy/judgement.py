@@ -543,12 +543,12 @@ def shortest_remedy(
     """Remedy with the fewest steps after which the errors meet the limits in all poses.
 
     It is returned with the remaining error, in the pose in which this error is largest relative to
-    the limit. Half-widths are not considered. If no number of steps makes the model better than
-    inadequate, the remedy is a model equal to the reference; if there is no such model, the steps
-    with the smallest remaining error relative to the limit. A step is listed if it changes the
-    error in any pose by at least a tenth of the limit there. ("", None) if the error that remains
-    after the best steps is no smaller, relative to the limit, than the error in the deciding
-    `pose`.
+    the limit. Half-widths are not considered. If the model remains inadequate after any number of
+    steps, the remedy is a model equal to the reference; if there is no such model, it consists of
+    the steps with the smallest remaining error relative to the limit. A step is listed if it
+    changes the error in any pose by at least a tenth of the limit there. ("", None) if the error
+    that remains after the best steps is no smaller, relative to the limit, than the error in the
+    deciding `pose`.
     """
     subject = model_errors.subject
     tried: list[tuple[float, float, str, bool]] = []

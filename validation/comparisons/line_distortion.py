@@ -40,8 +40,8 @@ _SHORTEST, _LONGEST = 0.1, 10.0
 class _Mode:
     """Mode of a leg as a beam: kind and order, frequency (Hz), and samples along the leg.
 
-    `positions` (n, m along the line) with `weights` (n, m), twists (n×6) and kinetic energy per
-    length (n), in any unit.
+    `positions` (n values, m along the line) with `weights` (n, m), `twists` (n×6) and `energies`
+    (n, kinetic energy per length), both in any unit.
     """
 
     kind: CantileverFrequency

@@ -174,7 +174,7 @@ class PostureModes:
     def strain(self) -> Mapping[Portion, Array]:
         """Share of each mode's strain energy in each drive, body and elastic part of a joint.
 
-        Shares of a body are given by kind of deformation if its model distinguishes kinds. The
+        Shares of a body are listed by kind of deformation if its model distinguishes kinds. The
         shares of a mode sum to 1.
         """
         return strain_shares(self.system, self.modes.shapes)

@@ -45,9 +45,9 @@ class Samples:
     weights: Array
 
     def of_models(self, models: Mapping[str, BodyModel]) -> dict[str, Array]:
-        """Matrix (3k×n) for each body, from the n unknowns of its model to displacements of k points.
+        """Matrices (3k×n) that map n unknowns of each model to displacements of its k points.
 
-        The keys of both mappings are body names.
+        The keys of `models` and of the result are body names.
         """
         matrices: dict[tuple[BodyModel, bytes], Array] = {}
         matrix_by_body = {}

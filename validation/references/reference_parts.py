@@ -2,8 +2,8 @@
 
 Input: postures, end conditions of the interfaces and the mesh level (0 coarse, 1, 2 fine). Output:
 models of the parts, reduced to their interfaces with all modes below a cut-off frequency, and
-rigorous bounds of the robot's frequencies, which differ by at most the effect of the omitted modes.
-Rule for the cut-off: it lies above the highest judged frequency by the factor `CUTOFF["solid"]`.
+rigorous bounds of the robot's frequencies, which enclose the effect of the omitted modes. Rule for
+the cut-off: it lies above the highest judged frequency by the factor `CUTOFF["solid"]`.
 """
 
 from collections.abc import Mapping, Sequence
