@@ -106,7 +106,7 @@ class BeamProperties:
 
     @property
     def is_helical(self) -> bool:
-        """True if tension twists the leg, or if a shear force bends it at right angles to the force."""
+        """True if tension twists the leg, or if a shear force bends it at right angles to itself."""
         return bool(self.twist_x or self.turn_y or self.turn_z)
 
     @property
