@@ -510,9 +510,9 @@ def _removed_error(
     models: tuple[Model, Model],
     position: Position,
 ) -> float | None:
-    """Change of a model's error by the step from the first to the second of two models.
+    """Change of a model's error by the step from the first to the second of two `models`.
 
-    None if one of the two models is unsolved.
+    None if one of them is unsolved.
     """
     row, pose = position
     displacement = errors.displacement

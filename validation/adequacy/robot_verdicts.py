@@ -112,8 +112,8 @@ def finer_context(context: Context, factor: float) -> Context:
     """Context with finer meshes: the next finer preset for legs, more unknowns for CAD parts.
 
     The half-widths of CAD parts become smaller by `factor`. Raises InputError if neither mesh can
-    be refined, or, without --accuracy, if the preset does not refine or does not allow so many
-    unknowns. Raises ComputationError for lack of memory.
+    be refined, or, without --accuracy, if the preset refines no meshes or allows fewer unknowns.
+    Raises ComputationError for lack of memory.
     """
     robot_file = context.robot_file
     requested = robot_file.requirement.accuracy is not None

@@ -110,9 +110,10 @@ def _converged(body: str, model: RefinedModel, quantity: str, context: Context) 
 def convergence_check(
     study: ConvergenceStudy, model: RefinedModel, quantity: str, limits: AgreementLimits
 ) -> Checked:
-    """Check that a model's errors of a quantity are within `limits` from their element count on.
+    """Check of the errors of a model in one quantity.
 
-    Raises Skip if this element count was not computed, for example because a leg of pieces is not
+    They must be within the limit at the element count of `limits` and at all higher counts. Raises
+    Skip if that element count was not computed, for example because a leg of pieces is not
     divisible by it.
     """
     series, column = study.of(model), study.column(quantity)

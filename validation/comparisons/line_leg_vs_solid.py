@@ -80,7 +80,7 @@ def neglected(leg: LineLeg) -> float:
 
 
 def _line_legs(mechanism: Mechanism) -> list[tuple[str, float]]:
-    """Name of each leg along a line and the relative error of its beam theory."""
+    """Name of each leg along a line, and the error of its beam theory by `neglected`."""
     legs = legs_of(mechanism).items()
     return [(name, neglected(leg)) for name, leg in legs if isinstance(leg, LineLeg)]
 

@@ -402,8 +402,8 @@ def _beam_vibration(
 def _mode_count(context: Context) -> int:
     """Number of modes to compute for the comparison of the robot with its solids.
 
-    If the verdicts of adequacy use the same solids, it is their number of modes, so that the solids
-    are solved once. Otherwise it is smaller.
+    If the verdicts of adequacy use the same solids, it is the number of modes of these verdicts, so
+    that the solids are solved once. Otherwise it is smaller.
     """
     legs = known_legs(context.robot_file.mechanism).values()
     shared = all(isinstance(leg, ConstantLeg) for leg in legs)

@@ -480,10 +480,10 @@ def sectioned_legs(
 def as_printed(mechanism: Mechanism) -> Mechanism:
     """Mechanism whose passive revolute joints are released as eq. (25) of the paper prints it.
 
-    The row and column of the rotation are zeroed in the joint's stiffness, as for a joint in series
-    with a compliance without coupling to it. If a joint has no compliance and its second side is
-    the tip of a leg, the last spring of that leg's segments is released instead, and the joint is
-    fixed.
+    In the stiffness of a joint with compliance, the couplings of the free rotation with all other
+    motions are deleted; this equals the deletion of its row and column. If a joint has no
+    compliance and its second side is the tip of a leg, the last spring of that leg's segments is
+    released instead, and the joint is fixed.
     """
     return replace(mechanism, joints=tuple(_printed(mechanism, j) for j in mechanism.joints))
 

@@ -133,12 +133,12 @@ class Reference:
     """Most accurate model of a robot, under each interpretation that the robot file allows.
 
     `open`: text on the information that the robot file lacks; `decides`: instruction to add this
-    information. Further instructions: `masses`, to add the mass distribution on which loads act;
-    `interior`, to add the stiffness inside legs; `finer`, to reduce the uncertainty. `remedy`:
-    replacement of a judged model by that of the reference, None if no model of the program equals
-    it. `supposed`: text on the range that the interpretations are assumed to cover, "" if nothing
-    is assumed. `computed_by`: names of the functions that compute the reference. If `model` is None
-    there is no reference, and `decides` is the reason.
+    information. Further instructions: `masses`, to add the mass distribution, if loads act on
+    masses; `interior`, to add the stiffness inside legs; `finer`, to reduce the uncertainty.
+    `remedy`: replacement of a judged model by that of the reference, None if no model of the
+    program equals it. `supposed`: text on the range that the interpretations are assumed to cover,
+    "" if nothing is assumed. `computed_by`: names of the functions that compute the reference. If
+    `model` is None there is no reference, and `decides` is the reason.
     """
 
     title: str
