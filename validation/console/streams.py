@@ -80,7 +80,7 @@ QUIET = "FLEXPROOF_QUIET"
 
 
 def is_quiet() -> bool:
-    """True if no progress shall be written to stderr."""
+    """True if the environment variable FLEXPROOF_QUIET switches progress on stderr off."""
     return bool(os.environ.get(QUIET))
 
 

@@ -128,7 +128,7 @@ def _shape(scene: Scene) -> float:
 
 
 def render(scene: Scene, view: View) -> NDArray[np.uint8]:
-    """Pixels (height × width × 3) of a scene on white. Requires `can_draw`."""
+    """Pixels (height × width × 3) of a scene on white. Call `can_draw` before."""
     import pyvista  # noqa: PLC0415  VTK must not be loaded on a machine that cannot draw
 
     plotter = pyvista.Plotter(off_screen=True, window_size=list(view.size))

@@ -29,7 +29,10 @@ _TYPED_NAMES: Mapping[str, str] = {"φx": "phi_x", "φy": "phi_y", "φz": "phi_z
 
 
 def number(value: Any, digits: int = 5) -> str:
-    """Number with `digits` significant digits: "1.06 × 10⁻⁶", "0.4975". Texts are unchanged."""
+    """Number with `digits` significant digits: "1.06 × 10⁻⁶", "0.4975". "–" for None.
+
+    A text is returned unchanged.
+    """
     if value is None:
         return "–"
     if isinstance(value, str):

@@ -112,7 +112,7 @@ def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
 def agreement_statement(outcomes: Sequence[Outcome]) -> str:
     """Sentence on the compared models and their largest differences from solids.
 
-    It also has the numbers of undecided and failed comparisons. "" if there are no comparisons.
+    It also gives the numbers of undecided and failed comparisons. "" if there are no comparisons.
     """
     return " ".join(filter(None, (_judged_sentence(outcomes), _parts_sentence(outcomes))))
 
@@ -120,7 +120,7 @@ def agreement_statement(outcomes: Sequence[Outcome]) -> str:
 def agreement_reservations(outcomes: Sequence[Outcome]) -> str:
     """Sentences on the parts of differences with named causes, and on skipped comparisons.
 
-    "" if there are neither.
+    "" if there are neither, or if no comparison agrees or disagrees.
     """
     comparisons = [outcome for outcome in outcomes if outcome.case.kind == "agreement"]
     if all(outcome.verdict not in {"agree", "disagree"} for outcome in comparisons):
@@ -210,8 +210,8 @@ def _models(outcomes: Sequence[Outcome]) -> str:
 def _bound_text(agreeing: Sequence[Outcome]) -> str:
     """Text with the bound of all differences: "within 0.36 % (f3 of leg1: 0.19 % ± 0.17 %)".
 
-    The bound is the largest sum of an unexplained difference and its half-width. In the brackets, a
-    half-width that would be displayed as zero is omitted; such a bound is rounded up.
+    The bound is the largest sum of an unexplained difference and its half-width. A half-width that
+    would be displayed as zero is omitted. A bound that would be so is rounded up.
     """
     worst, parts = _largest_part(agreeing, lambda parts: abs(parts.unexplained) + parts.half_width)
     difference, bound = abs(parts.unexplained), abs(parts.unexplained) + parts.half_width
@@ -375,7 +375,7 @@ def _part_table(outcome: Outcome) -> AgreementTable:
 
 
 def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:
-    """Text with the compliance (SI with a prefix) or frequency (Hz) of the solid."""
+    """Text with the solid's compliance (SI with a prefix) or frequency (Hz). "" if not solved."""
     for outcome in outcomes:
         if outcome.case.label == quantity and outcome.measurement is not None:
             return _value(outcome.measurement.reference, outcome.case.unit)
@@ -443,7 +443,7 @@ def _explanations(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
 
 
 def _missing_reasons(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    """Lines with the reasons for missing comparisons and their quantities."""
+    """Lines with quantities and the reason why they were not compared."""
     return _quantities_by_text(
         (outcome.message, outcome) for outcome in outcomes if outcome.measurement is None
     )

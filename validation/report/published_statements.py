@@ -24,9 +24,10 @@ _YES = {True: "yes", False: "no"}
 
 @dataclass(frozen=True)
 class StatementCell:
-    """Table cell for a statement: its value if it has one curve, otherwise the number of curves.
+    """Table cell for a statement in one form, as printed or as corrected.
 
-    A statement has one cell for its printed and one for its corrected form.
+    `text`: value of its only curve, or "3 of 4 curves" if it holds for three of four. `verdict`
+    sets the colour. `hint`: all values, displayed beside the mouse pointer.
     """
 
     text: str

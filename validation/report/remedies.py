@@ -98,7 +98,7 @@ def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
 def _range(
     values: Sequence[float | None], format_error: Callable[..., str], *, signed: bool = False
 ) -> str:
-    """Smallest and largest magnitude as text, by `format_error`. "" if there are no values."""
+    """Values of smallest and largest magnitude, as text by `format_error`. "" without values."""
     finite = sorted((value for value in values if value is not None), key=abs)
     if not finite:
         return ""

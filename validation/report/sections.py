@@ -90,7 +90,7 @@ class PageSection:
     def reservations(self) -> str:
         """Sentences on amounts explained by named causes and on missing comparisons.
 
-        "" if there are neither.
+        "" if there are neither, or if no comparison agrees or disagrees.
         """
         return agreement_reservations(self.outcomes)
 

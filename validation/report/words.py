@@ -45,7 +45,7 @@ def model_name(model: str) -> str:
 
 
 def quantities_text(matrix: Matrix, quantities: Collection[Quantity]) -> str:
-    """Names of quantities inside a sentence, with one word for a complete group."""
+    """Names of quantities inside a sentence. "frequencies" and the like stand for whole groups."""
     judged = {entry.quantity for entry in matrix.entries}
     words: list[str] = []
     remaining = [quantity for quantity in matrix.quantities if quantity in quantities]

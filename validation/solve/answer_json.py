@@ -116,7 +116,7 @@ class SizeRecord(msgspec.Struct, frozen=True):
 class ResponseRecord(msgspec.Struct, frozen=True):
     """JSON object of a `HarmonicResponse`: receptance (m/N) over frequencies (Hz), and its peak.
 
-    `force` and `displacement` are points of the robot file (body and point).
+    `force` and `displacement` are points of the robot file (body and point), omitted for the tool.
     """
 
     frequencies: Array

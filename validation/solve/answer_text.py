@@ -166,7 +166,7 @@ def _response_text(response: HarmonicResponse) -> str:
 
 
 def _stability_text(stability: Stability | None) -> str:
-    """Text with the buckling factor, bodies with the largest shares, and the loss of stiffness."""
+    """Text with buckling factor, bodies with most of the buckling energy, and loss of stiffness."""
     if stability is None:
         return "none, the robot is rigid in this direction"
     buckling = "does not buckle"

@@ -190,7 +190,7 @@ class _DisplacedRobot:
 
 
 def _matching_shape(beam: PostureModes, lumped: PostureModes, mode: int) -> Array:
-    """Combination of modes of the segments (`lumped`) with the shape of a `mode` of the beams.
+    """Combination of modes of the segments (`lumped`) closest in shape to a `mode` of the beams.
 
     The result has the unknowns (n) of the segments. Only modes close to each other in frequency
     are combined. This also fixes the sign, and the combination of modes of equal frequency.

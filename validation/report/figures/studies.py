@@ -23,7 +23,8 @@ _DEVIATION = "deviation from the limit (%)"
 class Curve:
     """One series of a study, with its label in the family.
 
-    `limit`, observed `order`, and `uncertainty` of the finest value. Each is None if unknown.
+    `limit`: exact or extrapolated value. `order`: observed order of convergence. `uncertainty`:
+    half-width of the finest value, in its unit. Each is None if unknown.
     """
 
     label: str
@@ -61,7 +62,7 @@ class Family:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Notes of the studies, each once, with its curves unless it is common to all."""
+        """Notes of the studies, each once. A note on some of the curves contains their labels."""
         remarks: dict[str, list[str]] = {}
         for curve in self.curves:
             for note in curve.study.notes:
