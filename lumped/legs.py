@@ -106,7 +106,7 @@ class BeamProperties:
 
     @property
     def is_helical(self) -> bool:
-        """True if tension twists the leg, or if a shear force bends it at right angles to itself."""
+        """True if tension twists the leg, or a shear force bends it normal to the force."""
         return bool(self.twist_x or self.turn_y or self.turn_z)
 
     @property
