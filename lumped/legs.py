@@ -315,7 +315,10 @@ class GivenLeg:
 
 @dataclass(frozen=True)
 class Span:
-    """Part of a leg from `start` to `end` (m along its line), with linearly varying sections."""
+    """Part of a leg from `start` to `end` (m along its line), with linearly varying sections.
+
+    `first` and `last` are the sections at its ends.
+    """
 
     start: float
     end: float

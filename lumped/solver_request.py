@@ -61,7 +61,7 @@ def requested_ranks() -> int:
 
 
 def rank_count(text: str, source: str, hosts: int = 0) -> int:
-    """Number of MPI ranks typed as `text`, for this machine or, if `hosts` > 0, for so many hosts.
+    """Number of MPI ranks typed as `text`, for a number of `hosts`, or for this machine only (0).
 
     Raises InputError, with `source` (the option or variable) in its message, for an invalid number.
     """

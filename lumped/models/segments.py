@@ -193,7 +193,7 @@ def _last_at_tip(chain: SegmentChain) -> Array:
 def segment_leg(chain: SegmentChain) -> LegMatrices:
     """Stiffness and mass of a leg as a chain, eqs (13)–(23).
 
-    Unknowns: root 6, tip 6, inner bodies.
+    Unknowns: 6 of the root, 6 of the tip, and 6 of each inner body.
     """
     count = len(chain.points)
     # The order root, inner bodies, tip of the chain becomes root, tip, inner bodies.

@@ -69,7 +69,7 @@ def serial_chains(
     """Chains from the ground to the platform, and the chain from the platform to the tool.
 
     All chains are referred to the loaded point. Those from the ground are in the order of the
-    joints at their end.
+    joints and legs at the platform.
     """
     paths, series = _paths(posture.mechanism, legs)
     return (

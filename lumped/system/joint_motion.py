@@ -110,7 +110,7 @@ def joint_motion(
 
 
 def rotor_moves_alone(joint: Joint) -> bool:
-    """True if the rotor of a drive has inertia and springs on both sides.
+    """True if the drive of a joint has a rotor with inertia, and a spring on each side of it.
 
     The motion of the rotor is then not determined by the sides of the joint, but an unknown of its
     own.

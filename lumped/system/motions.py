@@ -47,9 +47,9 @@ class Structure:
 
     `nodes` are pairs (body, interface), with "" for the interface of a rigid body. `tree` contains,
     in the order of elimination, pairs of the index of a joint and the index of the node whose
-    motion the joint determines. The first entry is None for a node that moves freely. `closing` are
-    the indices of joints that close loops of rigid bodies. `reference_motions` are the motions of
-    all joints in the reference posture, base axes. `length` (m) is the size of the mechanism.
+    motion the joint determines. The joint is None for a node that moves freely. `closing` are the
+    indices of joints that close loops of rigid bodies. `reference_motions` are the motions of all
+    joints in the reference posture, base axes. `length` (m) is the size of the mechanism.
     """
 
     mechanism: Mechanism

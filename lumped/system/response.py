@@ -370,8 +370,8 @@ def _response_basis(solution: Solved, highest: float, loads: Array, dashpots: Ar
 
     The basis contains the real modes up to that frequency, the static responses to the loads that
     these modes lack, and the static responses to the dissipative forces in all these motions. The
-    latter make the error of second order in the loss factors. The forces of `dashpots` (k×outer)
-    may be large; they are added one by one.
+    latter make the error of second order in the loss factors. The forces of `dashpots`
+    (`_dashpot_rows`) may be large, so that the response to each is added.
     """
     real_modes = _modes_up_to(solution, highest)
     motions = real_modes.shapes / (2.0 * np.pi * real_modes.frequencies)

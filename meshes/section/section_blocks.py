@@ -107,7 +107,7 @@ def has_blocks(section: OutlinedSection | Composite) -> bool:
 def refinements(divisions: Divisions) -> int:
     """Number of times that each element of a polygon's coarsest mesh is divided into four.
 
-    The finest mesh has at least the given number of `divisions`.
+    It is the smallest for which the mesh has at least the required `divisions`.
     """
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     return max(0, ceil(log2(count / _COARSEST)))

@@ -98,7 +98,7 @@ def _unit_of(entity: str, by_number: dict[str, str], source: str) -> str:
 def _metres(entity: str, by_number: dict[str, str], conversions: int) -> float | None:
     """Size (m) of a unit of length, which is an SI unit or a multiple of another unit.
 
-    None if the file does not define it, or by more than `conversions` units one after another.
+    None if the file does not define it, or only through a chain of more than `conversions` units.
     """
     if si := _SI.search(entity):
         return _PREFIX.get((si[1] or "").upper())
