@@ -3,10 +3,10 @@
     python tests/benchmarks/cluster_overhead.py [--poses 1000]
 
 Each pose of the five-bar linkage is a task of its own. It is solved by beams in this process, in
-one and two processes of `on_cores`, and on one and two Dask workers of this machine. CPU time is
-that of all processes, scheduler included, per task; what exceeds the first row is overhead. Rates
-are by wall time, and depend on other work of the machine (last column). All frequencies must be
-equal. Needs the extra `cluster`.
+one and two local worker processes, and on one and two Dask workers of this machine. CPU time is
+that of all processes, scheduler included, per task; the excess over the first row is overhead.
+Rates are by wall time, and depend on other work of the machine (last column). All frequencies must
+be equal. Needs the extra `cluster`.
 """
 
 # ruff: noqa: T201, E402  a script that prints its figures

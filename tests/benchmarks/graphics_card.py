@@ -2,8 +2,9 @@
 
     python tests/benchmarks/graphics_card.py [--meshes FOLDER] [--out FOLDER] [ROW ...]
 
-Each row is a process of its own. A mesh is read from FOLDER if it is there, otherwise made by gmsh
-and kept there. Rows are written to FOLDER/rows.json as they are finished.
+Each row is a process of its own. A mesh is read from the folder of --meshes if it is there,
+otherwise made by gmsh and kept there. Each finished row is written to rows.json in the folder of
+--out.
 """
 
 # ruff: noqa: T201, E402  a script that prints its figures
@@ -95,7 +96,7 @@ def write_mesh(path: Path, mesh: SolidMesh) -> None:
 
 
 class Phases:
-    """Seconds by phase of the library, measured from outside."""
+    """Seconds of each phase of the solver library, by timing the calls of its functions."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, list[float]] = defaultdict(list)
@@ -194,7 +195,7 @@ def measured(row: str, meshes: Path) -> Figures:
 
 
 def agreement(rows: dict[str, Figures]) -> dict[str, Figures]:
-    """Differences of cuDSS from rslab for each mesh that both have solved."""
+    """Differences in compliance, frequencies and counts between cuDSS and rslab, by mesh."""
     differences = {}
     for size in LEGS:
         pair = [rows.get(f"{size} {solver}", {}) for solver in ("cudss", "rslab")]

@@ -5,8 +5,8 @@
 A row is a size, a solver and its threads or ranks. Each is a process of its own. Seconds, and CPU
 seconds of all threads and ranks, are those of order and factor, or of the set-up of multigrid, of
 the check of the support (two right-hand sides) and of six loads. GB are those of this process, of
-the largest rank, and of all together. `difference` is that from the first row of the size, relative
-to the energies of the loads.
+the largest rank, and of all together. `difference` is that of the compliance from the first row of
+the size, relative to the energies of the loads.
 """
 
 # ruff: noqa: T201, E402  a script that prints its figures

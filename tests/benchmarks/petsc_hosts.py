@@ -2,10 +2,10 @@
 
     python tests/benchmarks/petsc_hosts.py
 
-Runs as root on Linux with iproute2 and the packages of `--hosts`. The namespaces are connected by a
-virtual cable. This program runs in the first one, and mpiexec enters the second one by a script in
-place of ssh (`plm_rsh_agent`). One rank computes in each: MUMPS, then GAMG. The largest difference
-from rslab is printed, relative to the energies of the unit loads; it must be below 1e-9.
+Runs as root on Linux with iproute2 and the packages that option `--hosts` needs. A virtual cable
+connects the namespaces. This program runs in the first one, and mpiexec enters the second one by a
+script in place of ssh (`plm_rsh_agent`). One rank computes in each: MUMPS, then GAMG. The largest
+difference from rslab is printed, relative to the energies of the unit loads; it must be below 1e-9.
 """
 
 # ruff: noqa: T201, E402  a script that prints its figures

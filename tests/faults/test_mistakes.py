@@ -4,8 +4,8 @@
     ./flexproof test -m faults -k "shear or drive"          some of them
     FAULTS_AGAINST=validation ./flexproof test -m faults    tests/validation in place of the nearest
 
-A mistake that is noticed passes. Whoever changes a line that stands in the table changes the table:
-a quick test looks for it.
+A test passes if its mistake is noticed. If a line of the sources that mistakes.toml quotes is
+changed, the quotation must be changed, too, as a quick test checks.
 """
 
 import os

@@ -69,8 +69,10 @@ def test_matrices_equal_scikit_fem(name):
 
 
 def box(name, count, amount):
-    """Return a unit box of `count`³ cubes, or each cut into six tetrahedra, and its inner unknowns.
+    """Return a mesh of a unit box, and for each unknown whether it is inside.
 
+    The box consists of `count`³ cubes. If the element `name` is a tetrahedron, each cube is cut
+    into six.
     All nodes are moved by up to `amount`, so that the elements are curved.
     """
     kind, sides = ELEMENTS[name], np.eye(3)

@@ -318,7 +318,7 @@ def test_tension_raises_beam_frequency():
 
 
 def test_own_weight_buckling_is_greenhill():
-    """Q L²/EI = 7.8373 (Greenhill): the axial force grows from the tip to the ground."""
+    """A leg buckles at the weight Q with Q L²/EI = 7.8373 (Greenhill), clamped at its lower end."""
     p = COLUMN.properties("euler-bernoulli")
     half = np.array([-0.5, 0, 0, 0, 0, 0])
     spread = np.r_[half, half]
@@ -328,7 +328,7 @@ def test_own_weight_buckling_is_greenhill():
 
 
 def test_torsional_buckling_equals_wagner():
-    """Wagner: a leg with a thin section buckles by twist at P = GJ/i² for any length."""
+    """A thin leg of any length buckles by twist at P = GJ/i², polar gyration radius i (Wagner)."""
     p = ConstantLeg(0.08, Rectangle(width=0.004, height=0.1), STEEL).timoshenko
     leg = prestressed_leg(p, 0.08, 6, ALL)
     assert factor(leg, (9,), PUSH) == pytest.approx(p.GJ * p.mu / p.rho_J, rel=1e-9)
@@ -374,6 +374,7 @@ STEPS = """*STEP
 @pytest.mark.exhaustive
 @pytest.mark.skipif(not any(map(shutil.which, PROGRAMS)), reason="CalculiX (ccx) is not installed")
 def test_column_load_equals_calculix(tmp_path):
+    """Two buckling loads of a column, and two frequencies under a compressive load."""
     column = ConstantLeg(0.8, Rectangle(0.05, 0.06), Material.isotropic(2.1e11, 0.0, 7850.0))
     mesh = tetrahedra(column.section, column.length, 1)
     deck = replace(leg_deck(mesh, column.material), load_cases=(), modes=0)

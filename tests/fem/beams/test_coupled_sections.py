@@ -46,7 +46,7 @@ def scaled(difference, compliance):
 def test_shear_centre_force_causes_no_twist(section, theory):
     """A force at the shear centre causes no twist, F at the centroid a twist F e L/(GJ).
 
-    A torque T displaces the centroid by T e L/(G J).
+    A torque T displaces the centroid by T e L/(GJ). The shear centre is e beside the centroid.
     """
     beam = ConstantLeg(LENGTH, section, STEEL).properties(theory)
     compliance = tip_compliance(beam, LENGTH)

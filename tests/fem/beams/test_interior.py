@@ -61,6 +61,7 @@ def test_tube_from_6x6_has_polar_moment():
 
 
 def test_interior_stiffness_raises_6x6_frequencies():
+    """With both ends held, frequencies rise from soft over uniform to stiff inside."""
     soft, uniform, stiff = (
         held_frequencies(given_leg(PRISM), kind)[:6] for kind in ("soft", "uniform", "stiff")
     )

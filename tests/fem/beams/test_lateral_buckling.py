@@ -139,7 +139,7 @@ def factor_by_equilibrium(p: BeamProperties, length: float, force: float, moment
 
 @pytest.mark.parametrize("width", [0.02, 0.04, 0.06])
 def test_shear_lowers_lateral_buckling_load(width):
-    """The load falls by 0.6, 2.4 and 5.2 % for three widths; without −φ′ M γ by half of that."""
+    """The load falls by 0.6, 2.4, 5.2 % for three widths; half of that without the work −φ′ M γ."""
     leg = ConstantLeg(0.3, Rectangle(width, 0.06), STEEL)
     at_tip = np.array([0, 0, -1.0, 0, 0.3, 0, 0, 0, 1.0, 0, 0, 0])
     p, loads = leg.timoshenko, {}

@@ -110,7 +110,7 @@ def test_filled_tube_equals_hashin(inner, outer):
     assert stiffness - mixed == pytest.approx(extra, rel=2e-3)
 
 
-def test_equal_materials_give_one_solid():
+def test_composite_of_one_material_equals_plain_solid():
     mesh = extrude(section_mesh(STEPPED, 4), stations(0.1, 3))
     plain = stiffness_and_mass(mesh, STEEL)
     parted = composite_stiffness_and_mass(mesh, mesh.regions, [STEEL, STEEL])

@@ -166,7 +166,7 @@ def test_slide_axes_turn_with_first_body():
 
 @pytest.mark.parametrize("rigid", ["axial", "radial", "tilting"])
 def test_rigid_direction_is_limit_of_stiffness(rigid):
-    """The difference from the rigid joint falls as 1/k: 1e-3 of it at 1e3 k, 1e-6 at 1e6 k."""
+    """The difference from the rigid joint falls as 1/k: to 1e-3 at 1e3 k and to 1e-6 at 1e6 k."""
     values = {"axial": AXIAL, "radial": RADIAL, "tilting": TILTING}
 
     def with_value(value):

@@ -250,7 +250,10 @@ SLENDER = {
 
 
 def rigid_inertia(leg, masses):
-    """Mass (kg), mass centre (m from the root) and inertia about it (3×3, kg m²) of a leg."""
+    """Mass (kg), mass centre (m from the root) and inertia about it (3×3, kg m²) of a leg.
+
+    `masses` is the name of the mass distribution along the leg.
+    """
     matrices = leg_with_inside(leg, Inside(masses), HIGHEST)
     motions = np.zeros((matrices.size, 6))
     motions[:6], motions[6:12] = np.eye(6), shift(np.array([leg.length, 0.0, 0.0]))
@@ -301,7 +304,7 @@ def test_beam_from_6x6_has_beam_constants():
 
 
 def test_known_mass_centre_excludes_linear_masses():
-    """Plausible masses rise linearly towards one end only if a leg's mass centre is unknown."""
+    """A linear mass distribution is plausible only if the mass centre of a leg is unknown."""
     leg_with_centre = replace(GIVEN, mass_centre=0.4)
     assert plausible_masses([leg_with_centre, leg_with_centre]) == (MASSES[0], *MASSES[3:])
     assert plausible_masses([leg_with_centre, GIVEN]) == MASSES

@@ -27,7 +27,7 @@ MIXED = (A + B) / np.sqrt(2.0), (A - B) / np.sqrt(2.0)
 
 
 def vibration(frequencies, *shapes, visible=1.0):
-    """Modes at one pose; `seen` is their share of kinetic energy in the sampled points."""
+    """Modes at one pose; `visible` is their share of kinetic energy in the sampled points."""
     shares = np.broadcast_to(visible, (1, len(frequencies)))
     samples = np.column_stack(shapes)[None]
     return PathModes(np.array([frequencies]), samples, np.ones(len(shapes[0])), shares)
@@ -116,7 +116,7 @@ def test_mixed_modes_are_one_subspace(unsure, open_to):
     ("limit", "verdict"), [(0.05, "undecided"), (0.13, "adequate"), (0.01, "inadequate")]
 )
 def test_mixed_mode_error_covers_both_partners(limit, verdict):
-    """Modes at 100 and 104 Hz mix with those at 104 and 112 Hz: the error of f1 is 4 to 12 %."""
+    """The modes at 104 and 112 Hz mix the reference's at 100 and 104 Hz: f1 is 4 to 12 % off."""
     truth, model = (
         vibration([*pair, 200.0, 300.0], *shapes, C, D)
         for pair, shapes in (((100.0, 104.0), (A, B)), ((104.0, 112.0), MIXED))

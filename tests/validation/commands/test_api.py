@@ -256,7 +256,7 @@ FROZEN_ANSWERS = {
 }
 
 
-def test_api_results_are_unchanged(judged):
+def test_api_results_equal_frozen_values(judged):
     # Between machines eigenvalue solvers differ by 1e-9; 1e-6 is far below any limit of a model.
     for name, error in FROZEN_ERRORS.items():
         assert judged.entry(*name).error == pytest.approx(error, rel=1e-6), name

@@ -55,7 +55,7 @@ def shell(line, **environment):
         ("LC_ALL=C.UTF-8 flexproof faces µ-é-中-α", 2, "µ-é-中-α: not a part"),
     ],
 )
-def test_unusual_stream_gives_one_line(line, code, message):
+def test_unusual_shell_gives_at_most_one_error_line(line, code, message):
     completed = shell(line)
     assert completed.returncode == code, completed.stderr
     assert completed.stdout.isascii()

@@ -37,7 +37,7 @@ def test_displacements_are_compliance_times_load(index, quantity):
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES, ids=str)
-def test_statics_are_linear_in_displacements(quantity):
+def test_displacements_are_linear_in_statics(quantity):
     first, second, forces = statics(1), statics(2), wrenches()
     expected = 3.0 * first.displacements(quantity, forces) - second.displacements(quantity, forces)
     displacements = (3.0 * first - second).displacements(quantity, forces)

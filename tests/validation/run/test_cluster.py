@@ -298,7 +298,7 @@ def sleep_long(file):
 
 
 def test_late_close_keeps_results(monkeypatch, dask):
-    """The client's close raises TimeoutError: results, and the error of a call, are kept."""
+    """Dask's `Client.close` raises TimeoutError: results, and the error of a call, are kept."""
     distributed = pytest.importorskip("distributed")
     close = distributed.Client.close
 

@@ -131,7 +131,7 @@ def test_supported_body_is_not_free():
         free_frequencies(replace(matrices, stiffness=stiffness), 3)
 
 
-def test_free_ends_need_a_body(tmp_path, capsys):
+def test_free_free_ends_need_a_body(tmp_path, capsys):
     with pytest.raises(InputError) as refused:
         api.solve(THICK, "vjm", ends="free-free")
     assert refused.value.faults == (

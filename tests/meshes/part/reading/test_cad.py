@@ -179,7 +179,7 @@ def converted(name: str, factor: str, unit: str = MILLIMETRE):
 
 
 def other_unit(representation: str):
-    """Return an edit of STEP text that adds a view in metres, as exports of CAD programs do."""
+    """Return an edit of STEP text that adds a `representation` in metres, as CAD programs do."""
 
     def edit(text: str) -> str:
         added = (
