@@ -95,6 +95,7 @@ def test_frequency_error_estimates_are_bounds(bar):
 
 
 def test_double_mode_at_cut_off_is_complete():
+    """If one mode of a square bar is requested, both modes of its pair are counted."""
     clamped = leg(Rectangle(0.1, 0.1), slices=4)
     values, _ = dense_solution(clamped)
     assert values[1] / values[0] - 1.0 < 1e-9
@@ -106,7 +107,7 @@ def test_double_mode_at_cut_off_is_complete():
     np.testing.assert_array_equal(result.shapes, repeated.shapes)
 
 
-def test_leg_mode_count_is_dense_count(bar):
+def test_leg_mode_count_equals_dense_count(bar):
     clamped, values, _ = bar
     for below in (0, 2, 12, 100):
         lower = values[below - 1] if below else 0.0
@@ -160,6 +161,7 @@ def test_missing_mode_is_detected(bar):
 
 
 def test_shift_on_eigenvalue_is_moved(bar):
+    """A shift with zero pivots is moved three times. If all shifts have them, modes are refused."""
     clamped, values, _ = bar
     counts = iter([1, 1, 1, 0])
 

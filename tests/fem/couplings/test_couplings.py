@@ -283,6 +283,7 @@ def test_restrained_warping_equals_vlasov(length):
     ],
 )
 def test_solid_converges_to_end_effects(section, counts, length):
+    """The change of a solid's compliance by rigid ends converges to that by end effects."""
     mesh = section_mesh(section, counts)
     end_effect = restrained_compliance(mesh, STEEL, length)
     errors = []

@@ -105,6 +105,7 @@ def test_grounded_or_unstable_leg_is_refused():
 
 
 def test_free_ends_have_constraint_modes():
+    """Constraint modes have unit mean twists of the ends, and forces at the ends only."""
     solid = meshed(LEG_2, (2, 6), 8)
     clamped = clamped_leg(solid, "free")
     held_leg_body = held_solid_leg(clamped, solid.mesh)

@@ -90,6 +90,7 @@ NOTHING = (0.0, 0.0, 0.0)
     ],
 )
 def test_probability_of_one_vector_error_is_exact(start, limit, within):
+    """Size of an error vector that depends on one input ξ, for three formulas of this size."""
     probabilities = of_vectors(start, LONG).probabilities(limit)
     # Bisected to rounding; outside of the outermost of 4096 points there is nothing to be found.
     assert probabilities == pytest.approx([within, 1.0 - within], abs=1e-9)
@@ -281,7 +282,8 @@ def of_arm(arm):
     return robot_subject(Context(arm, "quick"))
 
 
-def test_probability_of_one_drive_is_exact(of_arm):
+def test_arm_on_uncertain_drive_matches_monte_carlo(of_arm):
+    """Error of rigid bodies in the deflection of an arm, by 200 000 draws of its two inputs."""
     # Deflection by the drive L²/k, by the arm L³/3EI + 6L/5GA (ν = 0: G = E/2).
     length, width, height, modulus = 0.5, 0.06, 0.04, 2.1e11
     area, inertia = width * height, height * width**3 / 12.0

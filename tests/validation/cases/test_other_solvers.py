@@ -117,7 +117,7 @@ def test_simplified_structure_is_rigid():
     assert len(frequencies) == 0
 
 
-def test_open_posture_is_refused():
+def test_posture_with_open_joint_is_refused():
     posture = first_pose("five-bar")
     rod = posture.frames["rod2"]
     moved_frame = Frame(rod.position + np.array([1e-5, 0.0, 0.0]), rod.rotation)
@@ -265,6 +265,7 @@ def test_pose_with_largest_error_is_reported(error, pose):
 
 
 def test_largest_entry_is_scaled_by_diagonal():
+    """The largest difference relative to the diagonal, 4.08 for 4, is returned as 1.02 for 1."""
     reference = np.diag([1.0, 4.0, 16.0])
     value = reference + np.diag([0.01, 0.08, 0.17])
     assert farthest_entry(value, reference) == pytest.approx((1.02, 1.0))

@@ -141,7 +141,8 @@ STATED = {
 }
 
 
-def test_statement_values_match_table(outcomes):
+def test_statement_values_equal_confirmed_ones(outcomes):
+    """Value, reference and tolerance equal earlier ones, confirmed by hand calculations."""
     for outcome in outcomes:
         assert_agrees_and_can_disagree(outcome)
     outcome_by_id = {outcome.case.id.removeprefix("paper."): outcome for outcome in outcomes}
