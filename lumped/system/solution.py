@@ -157,9 +157,9 @@ def modes_with_mass(solution: Solved, count: int) -> Modes:
 
 
 def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
-    """Matrix with the eigenvalues 1/ω², and the idle motions that follow each retained unknown.
+    """Matrix whose eigenvalues are 1/ω² of the modes, and idle motions that follow the unknowns.
 
-    The latter is an array of coefficients (number of idle motions × retained unknowns).
+    The latter are coefficients (number of idle motions × retained unknowns).
     """
     retained, scale = solution.retained, solution.scale
     full_mass = dense(solution.system.mass)

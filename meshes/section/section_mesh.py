@@ -257,7 +257,7 @@ def symmetrised(nodes: Array, part: str) -> Array:
 def require_section(section: Section, divisions: Divisions) -> None:
     """Raise InputError with all faults of the shape of a section and of its divisions.
 
-    Sections given by constants have no mesh.
+    A section given by constants is a fault, too, because it has no mesh.
     """
     if not section.has_outline:
         raise InputError(
