@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain, zip_longest
+from itertools import zip_longest
 from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -210,14 +210,9 @@ def numbers_without_effect(answers: VariedAnswers) -> list[str]:
         # Results of the robots that differ in this parameter alone, by their other parameters.
         results_by_others: dict[tuple[float, ...], set[bytes]] = {}
         for values, solution in zip(answers.values, answers.solutions, strict=True):
-            numbers = [
-                (answer.compliance.tobytes(), answer.frequencies.tobytes())
-                for answer in solution.answers
-            ]
+            numbers = b"".join(map(_numbers, solution.answers))
             other_values = values[:index] + values[index + 1 :]
-            results_by_others.setdefault(other_values, set()).add(
-                b"".join(chain.from_iterable(numbers))
-            )
+            results_by_others.setdefault(other_values, set()).add(numbers)
         if len(variation.values) > 1 and all(
             len(results) == 1 for results in results_by_others.values()
         ):
@@ -227,6 +222,18 @@ def numbers_without_effect(answers: VariedAnswers) -> list[str]:
                 "or --model"
             )
     return lines
+
+
+def _numbers(answer: Answer) -> bytes:
+    """Bits of the displacements, frequencies and receptances of an answer."""
+    arrays = (
+        answer.compliance,
+        answer.frequencies,
+        *answer.loads.values(),
+        *(answer.damped or ()),
+        *(response.receptance for response in answer.responses),
+    )
+    return b"".join(array.tobytes() for array in arrays)
 
 
 def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:

@@ -111,6 +111,15 @@ def test_variation_without_effect_is_refused(model, vary, capsys):
     assert capsys.readouterr().err == message
 
 
+@pytest.mark.parametrize("key", ["loads[1].wrench[3]=-100:-200:2", "damping.ratio=0.01:0.02:2"])
+def test_variation_of_load_or_damping_has_effect(key, tmp_path, capsys):
+    """Loads and damping change neither compliance nor undamped frequencies."""
+    load = '[[loads]]\nname = "push"\nwrench = [0.0, 0.0, -100.0, 0.0, 0.0, 0.0]\n'
+    arm = robot_of(f"{ARM}{load}[damping]\nratio = 0.01\n", tmp_path).source
+    assert main(["solve", str(arm), "--model", "beam", "--vary", key]) == 0
+    assert capsys.readouterr().err == ""
+
+
 @pytest.mark.exhaustive
 def test_run_curves_match_solve_vary(tmp_path, command):
     """Models match `solve --vary`. Solid and beam of a slender bar differ by end restraint only."""
