@@ -17,7 +17,7 @@ SCRIPTS = {int(path.name.split("_")[1]): path for path in GALLERY.glob("plot_*.p
 
 @pytest.fixture
 def example(tmp_path, monkeypatch):
-    """Run an example by its number in an empty folder, and return its variables."""
+    """Function that runs an example by its number in an empty folder and returns its variables."""
 
     def run(number):
         monkeypatch.chdir(tmp_path)

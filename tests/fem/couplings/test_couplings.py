@@ -335,7 +335,7 @@ def test_bending_wave_equals_ritz():
 
 
 def test_tube_ovalling_equals_hoppe():
-    """ω² = n²(n² − 1)²/(n² + 1) EI/(μR⁴) of a ring with n = 2 (Love, §293), E/(1 − ν²) for E."""
+    """ω² = n²(n² − 1)²/(n² + 1) EI/(μR⁴) of a ring, n = 2 (Love, §293), with E/(1 − ν²) for E."""
     radius, wall = 0.05, 0.003
     mesh = section_mesh(Tube(2.0 * radius + wall, wall), 6)
     plate = STEEL.E / (1.0 - STEEL.nu**2) * wall**2 / (12.0 * STEEL.rho)

@@ -102,7 +102,7 @@ def test_distortion_falls_with_slenderness_squared():
 
 
 def test_i_section_torsion_equals_solid():
-    """Warping is free at the tip of the I-section: Saint-Venant torsion alone is 3 % too low."""
+    """Warping is free at the tip. The frequency by Saint-Venant torsion alone is 3 % too low."""
     leg = ConstantLeg(0.8, ISection(0.1, 0.16, 0.012, 0.008), STEEL)
     solid = solid_frequencies(leg, (4,), "free", 1).frequencies.values[0, 0]
     kind = waves_by_kind(leg.section, STEEL)["torsion"]

@@ -264,9 +264,10 @@ SOFT = Material(E=1.0, G=2.0, nu=0.25, rho=1.0)
 @pytest.mark.parametrize("material", [STEEL, AUXETIC, SOFT])
 @pytest.mark.parametrize("section", [Circle(0.1), Tube(0.1, 0.02)])
 def test_curved_section_moments_equal_energy(section, material):
-    """Dense generalised plane strain: minimum energy over plane displacements for εxx = y or z.
+    """Reference: least strain energy over the displacements in the plane, with εxx = y or z.
 
-    The minimum is f₀ − fᵀK⁺f; divided by E it gives the second moments with restrained contraction.
+    The energy f₀ − fᵀK⁺f is computed with dense matrices (generalised plane strain). Divided by E
+    it is the second moment with restrained contraction.
     """
     quad = section_quadrature(section_mesh(section, 4))
     moduli, field = elasticity(material), strains(quad, 0.0)

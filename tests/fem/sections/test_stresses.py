@@ -86,7 +86,10 @@ def test_bending_stress_is_moment_over_modulus(section):
 
 
 def test_angle_bending_stress_equals_formula():
-    """σ = (My(Iz z − Iyz y) … )/(Iy Iz − Iyz²): Timoshenko, Strength of Materials I, §49."""
+    """σ = (My (Iz z − Iyz y) + Mz (Iyz z − Iy y))/(Iy Iz − Iyz²).
+
+    Source: Timoshenko, Strength of Materials I, §49.
+    """
     section = SECTIONS[5]
     computed = stresses(section, 2)
     iy, iz, iyz = section.second_moment_y, section.second_moment_z, section.product_moment

@@ -69,9 +69,10 @@ def displacement(text, model, pose=None, number=0):
 def closed_form(start, first, last):
     """Return the tip displacement of a cantilever under a linear load from `start` (m) to the tip.
 
-    With loads q (N/m) and moments m (N m/m): u = ∫ q dx x/EA; v = ∫ q (x³/3EI + x²(L − x)/2EI +
-    x/κGA) dx, φ = ∫ q x²/2EI dx; m rotates by ∫ m x/EI dx and moves by ∫ m (x²/2 + x(L − x))/EI dx;
-    torsion is ∫ m x/GJ dx.
+    The load has six components, `first` at `start` and `last` at the tip; x is the distance from
+    the root. With loads q (N/m) and moments m (N m/m): u = ∫ q x/EA dx; v = ∫ q (x³/3EI +
+    x²(L − x)/2EI + x/κGA) dx, φ = ∫ q x²/2EI dx; m rotates by ∫ m x/EI dx and moves by
+    ∫ m (x²/2 + x(L − x))/EI dx; torsion is ∫ m x/GJ dx.
     """
     x = np.polynomial.Polynomial([0.0, 1.0])
 

@@ -17,7 +17,7 @@ SAMPLES, JUDGED, LIMIT = 24, 7, 0.05
 
 
 def families(rng):
-    """Multiplicities of a robot's frequencies, these (Hz), and the frequencies of a model (Hz).
+    """Multiplicities of a robot's frequencies, its frequencies (Hz), and those of a model (Hz).
 
     Neighbouring frequencies differ by 1 to 9 %. Those of the model differ by up to 40 % from the
     robot's.

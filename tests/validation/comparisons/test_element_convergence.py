@@ -98,7 +98,7 @@ def test_leg_errors_match_known_values(leg1, model, layout, quantity, count, err
 
 
 def test_literal_layout_has_known_error():
-    """5.2 % at 20 elements against Euler–Bernoulli's cantilever (physics of §3.2 as printed)."""
+    """5.2 % at 20 elements against Euler–Bernoulli's cantilever (layout of §3.2 as printed)."""
     leg = equivalent_leg(legs_of(BIGLIDE.mechanism)["leg1"])
     discretisation = replace(LITERAL, theory="euler-bernoulli")
     study = leg_convergence(NO_ROBOT, "leg1", leg, [discretisation], [20])

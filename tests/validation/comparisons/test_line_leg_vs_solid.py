@@ -187,7 +187,7 @@ def test_distortion_explains_torsion_of_unequal_taper(monkeypatch):
 
 
 def test_leg_of_equal_sections_vibrates_as_prism(monkeypatch):
-    """The change by 3-D waves of a leg along a line whose sections are equal is that of a prism."""
+    """A line leg with equal sections has the frequency change by 3-D waves of a prism."""
     for module in (line_distortion, leg_theory):
         monkeypatch.setattr(module, "WAVE_DIVISIONS", 1)
     section, material = Tube(0.1, 0.01), LEG.material

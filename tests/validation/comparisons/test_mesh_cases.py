@@ -91,10 +91,10 @@ def random_leg(seed):
 
 @pytest.mark.parametrize("seed", range(10))
 def test_random_solids_have_formal_order(seed):
-    """Free ends have order h⁴ in bending, rigid ends the order of their edges, on any mesh.
+    """Errors in bending have order h⁴ with free ends, and that of singular edges with rigid ends.
 
-    Each half-width from two or more meshes contains the next finer mesh; for (1, 2) and (2, 4) that
-    is a mesh twice as fine.
+    Each half-width from two or more meshes contains the value on the next finer mesh. For divisions
+    1, 2 and 4 that is a mesh twice as fine.
     """
     leg = random_leg(seed)
     compliances = solid_compliances(leg, (1, 2, 3, 4))

@@ -358,7 +358,7 @@ def test_exchanged_nodes_give_no_verdict(tmp_path):
 
 
 def test_file_with_modes_and_functions_has_both(tmp_path):
-    """Modes were identified by other software; the functions are compared with the models, too."""
+    """Modes identified by other software, and frequency responses, are compared with the models."""
     poles = 2.0 * np.pi * FREQUENCIES * complex(-DAMPING, np.sqrt(1.0 - DAMPING**2))
     modes = [
         shape(number, FREQUENCIES[mode], SHAPES[:, mode] + 0j) | {"eig": poles[mode]}

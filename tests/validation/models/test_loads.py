@@ -327,7 +327,10 @@ ROTORS = {
 
 
 def with_rotor(kind, give, *, by_key):
-    """An arm on a drive. `by_key`: its rotor is a key of the drive, otherwise a body."""
+    """An arm on a drive with a rotor, given by keys of the drive if `by_key`, otherwise as a body.
+
+    `give` is empty, or has the compliance of the joint.
+    """
     axis, rotor = ROTORS[kind]
     drive = {"stiffness": 5.0e4, "simplified": 4.0e4}
     motor = {"type": kind, "between": ["ground", "arm"], "at": "A", "axis": axis, "drive": drive}

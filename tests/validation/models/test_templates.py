@@ -54,7 +54,7 @@ def box(width, height, thickness, nu):
 
 
 def tip(length, second, kappa_area, E, nu):
-    """Deflection of a cantilever's tip (m/N), Timoshenko."""
+    """Tip deflection (m/N) of a Timoshenko cantilever, `second` moment (m⁴), κA `kappa_area`."""
     return length**3 / (3.0 * E * second) + length * 2.0 * (1.0 + nu) / (E * kappa_area)
 
 

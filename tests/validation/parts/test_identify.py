@@ -336,7 +336,7 @@ def test_crank_frequencies_equal_mass_on_spring(crank):
 
 @pytest.mark.exhaustive
 def test_condensed_leg_beats_equivalent_leg(tmp_path):
-    """A tapered hollow leg with lugs: its solid, condensed, is closer than two equivalent legs.
+    """The condensed solid of a tapered hollow leg is closer to known values than equivalent legs.
 
     The known values were computed with meshes of another program on the same drawing and compared
     there with CalculiX. Tolerance 0.3 %: both meshes have errors of 0.1 to 0.2 % at the edges of

@@ -186,7 +186,7 @@ def test_tiny_half_width_is_hidden():
 
 
 def test_reference_row_has_reference_values():
-    """If 25 nm/N is a quarter too large, the reference deflects by 20 µm under 1000 N.
+    """If a model's 25 nm/N is a quarter too large, the reference deflects by 20 µm at 1000 N.
 
     Each value is the middle of the reference's interval: 100 Hz between 95 and 115 Hz is shown as
     105 Hz with a half-width of 9.5 %.

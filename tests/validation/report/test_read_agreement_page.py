@@ -170,7 +170,7 @@ def test_wrong_number_on_page_is_detected(run_of, mistake):
 
 
 def test_exchanged_columns_are_detected(run_of):
-    """Each case has the numbers of the next or the previous one, as if columns were exchanged."""
+    """Each case is given the numbers of the next or previous one, as if columns were exchanged."""
     page, document = run_of
     measured = [case for case in document["cases"] if case["verdict"] != "skipped"]
     numbers = ("value", "reference", "allowances", "numerical_uncertainty")

@@ -65,7 +65,8 @@ def test_free_slender_bar_is_euler_bernoulli():
 def timoshenko(length, second, area, kappa, near):
     """Frequency (Hz) of a free-free Timoshenko beam close to `near`, by its transfer matrix.
 
-    State (w, ψ, M, Q): Q = κGA (w′ − ψ), M = EI ψ′, M′ = −Q − ρIω²ψ, Q′ = −ρAω²w.
+    `second` is the second moment of area I (m⁴). State (w, ψ, M, Q): Q = κGA (w′ − ψ), M = EI ψ′,
+    M′ = −Q − ρIω²ψ, Q′ = −ρAω²w.
     """
 
     def determinant(frequency):

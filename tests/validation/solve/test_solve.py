@@ -161,7 +161,7 @@ def test_solid_leg_has_mesh_uncertainty(bar, command):
 def test_solid_robot_has_mesh_uncertainty():
     """All half-widths are Roache's factor 3/(rᵖ − 1) times the change from the coarse mesh.
 
-    Order p from 2λ(ν = 0.33) to 4, ratio r of element sizes from 1.5 to 2.
+    Order p from 2λ of a clamped edge (ν = 0.33) to 4, ratio r of element sizes from 1.5 to 2.
     """
     robot_file = load_robot("five-bar")
     bars = with_bars(reference_posture(robot_file.mechanism)).mechanism
