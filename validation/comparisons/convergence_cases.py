@@ -1,8 +1,9 @@
 """Cases on the convergence with element count, for each distinct leg and for the robot.
 
-Input: a robot file. Output: for each leg and formulation three verdicts: the observed order equals
-the formal one; the error with 20 elements is below 1 %, as the paper states, or below the limit
-that table [agree] sets; each half-width of the uncertainty is at least as large as the error.
+Input: a robot file. Output: for each leg and formulation three verdicts: the order for many
+elements equals the formal one; the error with 20 elements is below 1 %, as the paper states, or
+below the limit that table [agree] sets; each half-width of the uncertainty is at least as large as
+the error.
 """
 
 from dataclasses import replace

@@ -151,9 +151,9 @@ class ConvergenceSeries:
         """Order of a quantity in 1/n for many elements, and its half-width.
 
         Errors C n^−p (1 + a/n²) at counts k < m < n show the orders p₁ = p + b/(km) between the
-        first two counts and p₂ = p + b/(mn) between the last two, so that p = p₂ + (p₂ − p₁) k/(n −
-        k). The half-width is the distance of p from the order fitted to the three counts. It is
-        infinite if fewer than two pairs of counts have an order.
+        first two counts and p₂ = p + b/(mn) between the last two, with a constant b ≈ 2a, so that p
+        = p₂ + (p₂ − p₁) k/(n − k). The half-width is the distance of p from the order fitted to the
+        three counts. It is infinite if fewer than two pairs of counts have an order.
         """
         fitted, orders = float(self.orders[column]), self.pairwise_orders(column)
         *_, first, last = (-1, -1, *np.flatnonzero(~np.isnan(orders)))
