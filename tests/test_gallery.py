@@ -1,7 +1,7 @@
 """Examples of the gallery, run as scripts and compared with independent numbers.
 
 Sources: docs/guide/known-values.md (computed by other code before this program), closed forms, and
-values that other tests check against such sources; each stands beside its number.
+values that other tests check against such sources; each source stands beside its number.
 """
 
 import os

@@ -4,7 +4,7 @@
 
 Each row is a process of its own. A mesh is read from FOLDER if it is there, otherwise made by gmsh
 and kept there. CPU seconds are those of order, factor and count, of all ranks; GB are those of the
-largest process. Behind each row: modes below 1 kHz, first and last frequency.
+largest process. At the end of each row: number of modes below 1 kHz, first and last frequency (Hz).
 """
 
 # ruff: noqa: T201, E402  a script that prints its figures

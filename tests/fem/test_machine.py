@@ -1,4 +1,4 @@
-"""Settings of a process that computes."""
+"""Settings of computing processes: rarer searches of Python for reference cycles."""
 
 import gc
 

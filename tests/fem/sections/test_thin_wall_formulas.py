@@ -1,7 +1,7 @@
 """Published constants of thin-walled sections, from finite elements as the walls become thin.
 
 Middle lines are b = 50 mm along y and h = 100 mm along z, walls have the thickness t. Values at 4,
-2 and 1 mm are extrapolated to t = 0 by a parabola. Meshes leave up to 1.6e-3 of the limit.
+2 and 1 mm are extrapolated to t = 0 by a parabola. Meshes have errors up to 1.6e-3 of the limit.
 """
 
 import numpy as np

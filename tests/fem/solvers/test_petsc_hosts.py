@@ -23,7 +23,7 @@ from lumped.solver_request import (
 
 @pytest.fixture
 def hosts(tmp_path):
-    """Return a function that writes a hostfile."""
+    """Function that writes a hostfile."""
 
     def written(text):
         path = tmp_path / "hosts"

@@ -24,7 +24,7 @@ DEFAULTS = {
 
 @pytest.fixture
 def robot_with(tmp_path):
-    """Write the file of a built-in robot with this [agree] table and load it."""
+    """Function that writes a built-in robot with the given [agree] table, and loads the file."""
 
     def load(agree, robot="ifw", text=""):
         path = tmp_path / "mine.toml"

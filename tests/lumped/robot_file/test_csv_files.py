@@ -35,7 +35,7 @@ relative = 0.05
 
 @pytest.fixture
 def csv(tmp_path):
-    """Write a CSV file of measured values and return its path."""
+    """Function that writes a CSV file of measured values and returns its path."""
 
     def write(text):
         path = tmp_path / "measured.csv"

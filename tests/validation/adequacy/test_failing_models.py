@@ -34,7 +34,7 @@ def raising(*_):
 
 
 def failing(function, position, model, options):
-    """Wrap `function`: it raises if its arguments from `position` on are model and options."""
+    """Wrap `function` to raise if its arguments from `position` on are `model` and `options`."""
 
     def computed(*arguments):
         if arguments[position : position + 2] == (model, options):

@@ -73,7 +73,7 @@ def test_laminate_leg_agrees_with_orthotropic_solid(agreement):
 
 
 def test_unidirectional_leg_is_exact(agreement):
-    """E1 A, E1 I and G12 J are exact. Twelve parabolas for a circle leave 3e-4."""
+    """E1 A, E1 I and G12 J are exact. Twelve parabolas for a circle: an error of 3e-4."""
     outcomes = agreement(leg_of(LaminateTube(layers(0, thickness=3e-3), 0.06)))
     for motion in ("x", "φx", "φy"):
         verdict, found = outcomes[motion]

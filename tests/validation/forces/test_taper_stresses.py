@@ -37,7 +37,7 @@ def test_deep_taper_stress_peaks_at_twice_tip_height():
 
 
 def test_inclined_fibres_carry_shear_of_wedge():
-    """Michell: of the force F on a truncated wedge, F h_tip/h shears the section of height h."""
+    """Michell: a part F h_tip/h of the tip force F on a wedge shears the section of height h."""
     leg, member = cantilever((0.0, Rectangle(0.03, 0.1)), (LENGTH, Rectangle(0.03, 0.05)))
     heights, shearing = zip(
         *((section.height, forces[2]) for _, section, forces in _loaded_sections(leg, member)),

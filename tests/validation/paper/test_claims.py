@@ -349,8 +349,8 @@ def test_layout_misprint_gives_order_one():
     )
 
 
-def test_spring_errata_give_rotation_energy():
-    """They have energies ½ uᵀKu of one spring (EA/l, 12EI/l³, EI/l) in rotation and bending."""
+def test_spring_errata_have_energies_of_one_spring():
+    """Energies ½ uᵀKu of one spring (EA/l, 12EI/l³, EI/l) in rigid rotation and in bending."""
     beam = LEG_1.properties("euler-bernoulli")
     axial, shear = beam.EA / ELEMENT_LENGTH, 12.0 * beam.EIz / ELEMENT_LENGTH**3
     cosine = CENTRE / L1

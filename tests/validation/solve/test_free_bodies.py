@@ -152,7 +152,7 @@ def test_free_free_ends_need_a_body(tmp_path, capsys):
 
 
 def test_rounding_of_6x6_affects_free_modes():
-    """The 6×6 of the paper's leg has three digits: an uncertainty of frequencies.
+    """The 6×6 of the paper's leg is rounded to three digits: frequencies are uncertain.
 
     A free body has no compliance."""
     (answer,) = api.solve("ifw", "segments", leg=1, modes=3, ends="free-free").answers

@@ -135,7 +135,7 @@ def test_tallest_bar_has_smallest_deflection(curves_by_objective):
 
 
 def test_relied_models_have_decision_cases(light_bar):
-    """They judge the loss by a model's choice of a value, and the model's order of the values."""
+    """Cases judge the loss by a model's choice of a value, and the model's order of the values."""
     variations = variations_of(light_bar, ["tool.mass=2:4:3"])
     ids = {case.id for case in cases_over(light_bar, variations)}
     assert "decision.frequency.loss.beam[tool.mass]" in ids
