@@ -45,7 +45,7 @@ def test_rigid_direction_has_zero_flexibility():
 
 
 @pytest.mark.parametrize("entry", [0.0, -1.0])
-def test_negative_diagonal_is_refused(entry):
+def test_non_positive_diagonal_is_refused(entry):
     # Scaling this matrix to a unit diagonal would overflow.
     K = np.array([[1e300, 0.0], [0.0, entry]])
     for solve, arguments in ((solve_statics, (LOADS,)), (solve_modes, (np.eye(2), 1))):

@@ -275,6 +275,7 @@ def growing_load_factor() -> float:
 @pytest.mark.parametrize("shape", SPREAD)
 @pytest.mark.parametrize("across", ["y", "z"])
 def test_blade_buckles_under_distributed_load(across, shape):
+    """Distributed loads of several shapes along y and z, against known buckling loads."""
     thin, deep = 0.004, 0.1
     section = Rectangle(thin, deep) if across == "z" else Rectangle(deep, thin)
     p = ConstantLeg(1.0, section, STEEL).properties("euler-bernoulli")

@@ -117,6 +117,7 @@ def test_ring_solid_equals_elasticity():
 
 
 def test_section_twist_is_rigid_motion():
+    """If a curved leg moves rigidly, the mean twist of each section is that of the motion."""
     line = CentreLine((LinePiece((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.3, 0.1)),), UP)
     leg = tapered(line, Rectangle(0.06, 0.10), Rectangle(0.05, 0.04))
     mesh = solid_mesh(leg, 1)

@@ -206,6 +206,7 @@ def clamped(stiffness, mass):
 
 
 def test_free_interface_modes_bound_clamped_ones(bar, free_reduction):
+    """With one interface clamped, the reduction gives upper and lower bounds of frequencies."""
     exact = bar.frequencies(CLAMPED)[:COUNT]
     reduced, truncation = free_reduction
     assert exact[-1] < bar.cutoff

@@ -118,6 +118,7 @@ def test_inverted_tetrahedra_are_straightened():
 
 
 def test_sample_nodes_share_box_volume():
+    """Volumes of the sample nodes sum to that of the box, and the nodes reach its ends."""
     box = extrude(section_mesh(Rectangle(0.05, 0.08), 2), np.linspace(0.0, 0.5, 11))
     rows, volumes = spread_over(box)
     assert len(set(rows.tolist())) == len(rows) == len(volumes)

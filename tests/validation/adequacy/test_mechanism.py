@@ -138,6 +138,7 @@ def test_sampled_points_have_kinetic_energy(pose):
 
 
 def test_point_masses_equal_leg_inertia():
+    """Point masses at the samples have the mass and the rotary inertia of the leg."""
     mechanism = load_robot("five-bar").mechanism
     samples = samples_of(mechanism)
     counts = [points.size for points in samples.points.values()]

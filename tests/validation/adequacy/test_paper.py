@@ -67,6 +67,7 @@ def test_equivalent_prisms_of_6x6_legs_are_inadequate(paper, quantity):
 
 @pytest.mark.parametrize("model", BEAMS)
 def test_equivalent_legs_agree_with_their_solids(paper, model):
+    """Beams of equivalent legs are adequate for solids of these legs, not for the 6×6 legs."""
     for quantity in ("x", "y", "z"):
         assert paper.entry(model, quantity).verdict == "inadequate"
         entry = paper.formulation.entry(model, quantity)
@@ -241,6 +242,7 @@ def test_rounding_intervals_cover_truth(printed, draws):
 
 
 def test_rounding_sensitivity_is_derivative(printed, monkeypatch):
+    """Frequency changes by rounding equal differences of two solutions."""
     bodies, poses = printed.mechanism.bodies, printed.mechanism.poses[[2]]
     postures = tuple(postures_of(printed.mechanism, poses))
 

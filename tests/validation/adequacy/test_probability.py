@@ -218,6 +218,7 @@ def test_linear_error_is_normally_distributed(error, within, beyond):
 
 
 def test_input_shares_equal_variance_shares():
+    """Shares are squares of the slopes if the error is linear, otherwise Sobol's indices."""
     outcome = probability(linear(0.006, 0.008), "adequate", LIMIT, 0)
     assert outcome.half_width == pytest.approx(1.96 * 0.01, rel=0.01)
     assert outcome.value_half_width == pytest.approx(1.96 * 0.01, rel=1e-4)

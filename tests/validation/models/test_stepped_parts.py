@@ -203,6 +203,7 @@ def test_pieces_converge_with_order_two(legs, component, section):
 
 
 def test_pieces_have_equal_statics_as_segments(legs):
+    """Compliances of the pieces by beams and by segments agree to 1e-9."""
     for theory in ("timoshenko", "euler-bernoulli"):
         beam, segments = (compliance(legs[4], model, theory) for model in ("beam", "segments"))
         assert scaled_difference(segments, beam) < 1e-9

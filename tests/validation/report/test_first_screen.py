@@ -157,6 +157,7 @@ def test_inadequate_models_are_folded():
 
 
 def test_frequency_verdicts_state_assumption():
+    """Decided verdicts on frequencies hold for every plausible mass distribution of the legs."""
     assert plain(sentence(sample_matrix())) == (
         "Within the accepted errors, use vjm (deflections and rotations); undecided: frequencies."
     )

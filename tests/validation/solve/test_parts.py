@@ -138,6 +138,7 @@ def test_coupling_half_width_is_its_effect(crane_answer, crane):
 
 @pytest.mark.parametrize("interfaces", ["fixed", "free"])
 def test_omitted_modes_are_within_bound(crane_answer, crane, interfaces):
+    """Omitted modes of a part raise frequencies by zero to the stated bound."""
     answer = crane_answer if interfaces == "fixed" else answer_of(crane, reduction="free")
     ((count, below),) = answer.of_parts.counted.values()
     highest = 4.0 * below / CUTOFF["solid"]
