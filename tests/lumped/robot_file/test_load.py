@@ -87,6 +87,7 @@ def test_mass_and_modulus_are_read(tmp_path):
 
 
 def test_tool_compliance_is_symmetrised():
+    """Compliances of tool and foot are symmetric if their entries agree to seven digits."""
     loaded = load_robot("ifw")
     assert "spring" not in joints_of(loaded.mechanism)
     # Entries that agree to seven digits are accepted as symmetric.

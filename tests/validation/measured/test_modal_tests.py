@@ -403,7 +403,7 @@ def test_damaged_file_gives_one_error_line(tmp_path, monkeypatch, damaged, messa
         (lambda _: [shape(1, 0.0, SHAPES[:, 0])], "none of the 0 modes above 0 Hz"),
     ],
 )
-def test_ambiguous_file_is_refused(tmp_path, changed, message):
+def test_invalid_or_ambiguous_file_is_refused(tmp_path, changed, message):
     with pytest.raises(InputError) as raised:
         compared(tmp_path, changed(accelerations()))
     (fault,) = raised.value.faults

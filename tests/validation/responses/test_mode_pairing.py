@@ -140,6 +140,7 @@ def test_permuted_close_modes_are_recovered(seed):
 
 @pytest.mark.parametrize(("degrees", "mixed"), [(0.0, False), (30.0, False), (45.0, True)])
 def test_shapes_turned_by_45_degrees_are_mixed(degrees, mixed):
+    """Two close modes are paired one by one if turned by 30°, and as a mixed pair at 45°."""
     shapes, weights = orthonormal(RNG_OF(7), 2)
     cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     turned = shapes @ np.array([[cosine, -sine], [sine, cosine]])

@@ -241,6 +241,7 @@ def test_statics_and_modes_share_system(monkeypatch):
 
 
 def test_statics_and_modes_share_solid(monkeypatch):
+    """Condensation and reduction of a leg compute its solid once."""
     leg = ConstantLeg(0.2137, Rectangle(0.03, 0.02), Material.isotropic(2.1e11, 0.3, 7850.0))
     held_solid, calls = leg_models.held_solid, []
     monkeypatch.setattr(
