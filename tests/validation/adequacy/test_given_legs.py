@@ -225,7 +225,7 @@ def inertia(leg) -> Array:
 
 
 def knowing(twins, *keys):
-    """Twins whose legs have the specified `keys` of `mass_centre` and `inertia`, and no others."""
+    """Twins whose legs have only the specified `keys` out of `mass_centre` and `inertia`."""
     bodies = dict(twins.mechanism.bodies)
     unknown = dict.fromkeys({"mass_centre", "inertia"} - set(keys))
     for name, leg in legs_of(twins.mechanism).items():

@@ -140,7 +140,7 @@ def test_round_off_bound_covers_error(robot_file, model):
 
 
 def judged_cases(robot_file, is_selected):
-    """Yield (case, outcome or ComputationError) for the quick cases that `is_selected`."""
+    """Yield (case, outcome or ComputationError) for quick cases with `is_selected(case)`."""
     context = Context(robot_file, "quick")
     for case in catalogue(robot_file):
         if isinstance(case, Case) and "quick" in case.presets and is_selected(case):

@@ -311,9 +311,9 @@ def test_order_is_fitted_to_finest_counts():
 @pytest.mark.parametrize("deviation", [-0.03, 0.05])
 @pytest.mark.parametrize("counts", [(1, 2, 3), (2, 3, 5), (5, 10, 20), (20, 30, 40)])
 def test_asymptotic_order_is_formal_order(counts, deviation):
-    """Errors n⁻⁴ (1 + a/n²) have the order 4 for many elements, and other fitted orders.
+    """Errors n⁻⁴ (1 + a/n²) have the order 4 for many elements; orders fitted to few differ.
 
-    The term in a is `deviation` for the coarsest count. Higher powers of it are neglected.
+    `deviation` is a/n² for the coarsest count. Higher powers of it are neglected.
     """
     sizes = counts[0] / np.array(counts, dtype=float)[:, None]
     errors = 0.01 * sizes**4 * (1.0 + deviation * sizes**2)
