@@ -84,5 +84,5 @@ def test_unconnected_rings_are_refused():
         faces={},
         straightened=0,
     )
-    with pytest.raises(NotPositiveDefiniteError, match="^rings: .*free to move as a rigid body"):
+    with pytest.raises(NotPositiveDefiniteError, match="free to move as a rigid body"):
         free_modes(free_part(meshed_part(two_rings, Material.isotropic(E, NU, RHO)), "rings"), 2)
