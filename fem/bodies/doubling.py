@@ -73,10 +73,11 @@ class _FaceDeformations:
 class CondensedPiece:
     """A leg or a piece of it in the mixed form q = C w + H v, g = −Hᵀw + S v.
 
-    There are k deformations v per face. `compliance` is C (6×6, SI), with wrench and relative twist
-    at the middle of the piece. `twists` is the part of H for the root (6×k). `own` is the block
-    S_root,root (k×k, in N/m), `across` is S_root,tip s (k×k, symmetric). `mirror` s (k) and
-    `twist_mirror` Q (6) give the blocks of the tip from these.
+    w is the wrench and q the relative twist of the ends, at the middle of the piece. v are the k
+    deformations of each face and g their forces. `mirror` s (k) and `twist_mirror` Q (6) are the
+    signs by which a reflection maps the root to the tip. `compliance` is C (6×6, SI). `twists` is
+    the part of H for the root (6×k). `own` is the block S_root,root (k×k, in N/m). `across` is the
+    block S_root,tip (k×k) times diag(s), which is symmetric. Other blocks follow by reflection.
     """
 
     length: float

@@ -148,7 +148,8 @@ def _cowper(solution: SaintVenant, axis: int) -> float:
 def beam_properties(constants: SectionConstants, material: Material) -> BeamProperties:
     """Timoshenko beam of a section along the line of its centroids, with κ by strain energy.
 
-    EI is that of a prism with this section mesh, whose curved elements make it slightly stiffer.
+    EI is that of a solid prism with this section mesh. Curved elements make the prism slightly
+    stiffer than the exact section.
     Couplings of the size of rounding errors about an axis of symmetry are set to zero.
     """
     E, G, rho = material.E, material.G, material.rho

@@ -129,7 +129,8 @@ def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> lis
     body = posture.mechanism.bodies[name]
     if not isinstance(body.shape, ConstantLeg | GivenLeg):
         raise InputError(
-            f"bodies.{name}: a load along a leg needs a leg of constant section or with a 6×6"
+            f"bodies.{name}: a distributed load needs a leg of constant section, or one that is "
+            "specified by a 6×6"
         )
     leg = equivalent_leg(body.shape)
     try:

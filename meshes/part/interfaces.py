@@ -178,14 +178,15 @@ def _on_cylinder(faces: Sequence[Face], selection: ByCylinder, point: Array | No
         if distance > max(allowed, 1e-6):
             raise InputError(
                 f"the nearest cylinder of radius {selection.radius:g} m is face {nearest.number}, "
-                f"and its axis passes {1e3 * distance:.4g} mm from {_point_text(through)}; is the "
-                "part where the joints are?"
+                f"and its axis passes {1e3 * distance:.4g} mm from {_point_text(through)}; check "
+                "the position of the part"
             )
         return [f for f in fitting if _coaxial(f, nearest)]
     if not all(_coaxial(f, fitting[0]) for f in fitting):
         numbers = ", ".join(str(f.number) for f in fitting)
         raise InputError(
-            f"faces {numbers} are cylinders of this radius on different axes; say point = [x, y, z]"
+            f"faces {numbers} are cylinders of this radius on different axes; give "
+            "point = [x, y, z]"
         )
     return fitting
 

@@ -1,9 +1,10 @@
 """Cases of a whole robot against other programs: solids by CalculiX, beams by EXUDYN.
 
 Input: a posture of a robot whose legs are prisms. Output: verdicts on the 6×6 compliance and on
-natural frequencies. Rule: for CalculiX, legs are bars of their outer size on coarse meshes, which
-CalculiX solves unreduced and this program reduces to their ends. For EXUDYN, legs are chains
-of beam elements; frequencies are extrapolated to infinitely many elements per leg.
+natural frequencies. Rule: for CalculiX, each leg is a solid bar with the outer dimensions of the
+leg, meshed coarsely. CalculiX solves the whole mesh, and flexproof condenses each bar to its ends.
+For EXUDYN, legs are chains of beam elements; frequencies are extrapolated to infinitely many
+elements per leg.
 """
 
 import numpy as np

@@ -244,7 +244,7 @@ def solid_frequencies(
 def line_frequencies(
     leg: LineLeg, divisions: int, ends: Ends, beam: LegMatrices, count: int
 ) -> Array:
-    """Frequencies (count, Hz) of a clamped leg along a line as a solid.
+    """Frequencies (count, Hz) of a leg along a line with its root clamped, by its solid.
 
     They are those of the modes with the shapes of the first `count` modes of `beam`, and NaN if
     there is no such mode.

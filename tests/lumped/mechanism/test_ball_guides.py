@@ -23,9 +23,11 @@ def guide(lines):
 def test_guide_stiffness_is_sum_over_balls(lines, lever):
     """Each ball has k = dQ/dδ = (3/2) Q/δ along its contact line and Q/ℓ across it.
 
-    At 45° both sin² and cos² are ½. In roll (about the rail), contact lines of type O have the
-    lever arm (w + h)/2√2 and those of type X (w − h)/2√2; the directions across them have the
-    other lever arm. In pitch and yaw the lever arm of a ball is its distance x along the rail.
+    ℓ is the distance between the centres of curvature of the two grooves, w the distance of the
+    ball rows across the rail and h that above each other. At 45° both sin² and cos² are ½. In roll
+    (about the rail), contact lines of type O have the lever arm (w + h)/2√2 and those of type X
+    (w − h)/2√2; the directions across them have the other lever arm. In pitch and yaw the lever arm
+    of a ball is its distance x along the rail.
     """
     constant = hertz_constant((2.0 / D, 2.0 / D, 0.0, -1.0 / (0.52 * D))) / 2.0**1.5
     load = PRELOAD / (2.0 * BALLS * np.sin(ALPHA))

@@ -122,7 +122,7 @@ def test_rounding_half_width_is_half_unit_of_digit():
     assert (len(printed), of_designer.half.any()) == (3, False)
 
 
-def test_number_below_all_floats_is_exact_zero():
+def test_number_too_small_for_float_is_exact_zero():
     entries = {"c11": "1.67e-10", "c12": "1e-99999999999999999999"}
     (foot,) = printed_compliances(decimal_tables(f"[foot]\ncompliance = {rows(**entries)}\n"))
     assert foot.compliance[0].tolist() == [1.67e-10, 0.0, 0.0, 0.0, 0.0, 0.0]

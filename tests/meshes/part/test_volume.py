@@ -254,7 +254,7 @@ END, BORE = ByPlane((1.0, 0.0, 0.0), (0.2, 0.0, 0.0)), ByCylinder(0.008)
         (ByCylinder(0.009), "no cylinder of radius 0.009 m; the nearest is face"),
         (ByCylinder(0.008, axis=(1.0, 0.0, 0.0)), "of this radius, runs along"),
         (ByCylinder(0.008, axis=(0.0, 0.0, 0.0)), "must not be zero"),
-        (BORE, "its axis passes 10 mm from (0.03, 0, 0); is the part where the joints are?"),
+        (BORE, "its axis passes 10 mm from (0.03, 0, 0); check the position of the part"),
         (ByPlane((1.0, 1.0, 0.0), (0.0, 0.0, 0.0)), "no plane face has"),
         (ByPlane((1.0, 0.0, 0.0), (0.19, 0.0, 0.0)), "10 mm off"),
         (ByPlane((1.0, 0.0, 0.0)), "a plane needs point"),

@@ -292,7 +292,7 @@ def test_wrong_density_disagrees_despite_waves():
 def test_wave_correction_exists_for_fixed_ends():
     """The correction by 3-D waves exists for a leg that bends between fixed ends.
 
-    With ν = −0.9 its κ by strain energy is 0.007; waves are much stiffer in shear.
+    With ν = −0.9, κ of its section is 0.007 by strain energy and much larger by waves.
     """
     soft, stiff = (Material.isotropic(2.1e11, nu, 7850.0) for nu in (-0.9, 0.0))
     thin = ConstantLeg(0.06, Rectangle(0.0017, 0.0008), soft)

@@ -297,8 +297,8 @@ def test_foot_misprint_changes_y_stiffness():
     )
 
 
-def test_longitudinal_erratum_has_frequency_ratio():
-    """The erratum has the ratio of longitudinal to bending frequency of a clamped-free beam:
+def test_longitudinal_erratum_states_frequency_ratio():
+    """The erratum states the ratio of longitudinal to bending frequency of a clamped-free beam:
 
     π/2L √(EA/μ) over (1.8751/L)² √(EI/μ).
     """

@@ -84,7 +84,7 @@ def test_guide_interface_examples_are_valid():
 
 def test_point_selects_one_of_equal_bores(part):
     """Both small bores of the rocker have a radius of 16 mm; a point on one of them selects it."""
-    with pytest.raises(InputError, match=r"on different axes; say point = \[x, y, z\]"):
+    with pytest.raises(InputError, match=r"on different axes; give point = \[x, y, z\]"):
         interface_at(part, "{ cylinder = { radius = 0.016 } }")
     for point in ([0.26, 0.0, 0.01], [0.09, 0.18, 0.01]):
         interface = interface_at(part, f"{{ cylinder = {{ radius = 0.016 }}, point = {point} }}")
