@@ -28,8 +28,8 @@ def _percentage(name: str) -> Column:
 class AgreementRow(msgspec.Struct, frozen=True, kw_only=True):
     """A formulation compared with the solid of the same leg or robot.
 
-    The annotated fields are the columns of the table and of CSV, in this order. Numbers are NaN if
-    the comparison was skipped or failed.
+    The fields with a `Column` are the columns of the table and of CSV, in this order. Numbers are
+    NaN if the comparison was skipped or failed.
     """
 
     # Name of the leg, "robot" for the whole robot.
@@ -41,11 +41,13 @@ class AgreementRow(msgspec.Struct, frozen=True, kw_only=True):
     # Numbers of the formulation and of the solid, in `unit`.
     value: Annotated[float, COLUMN] = nan
     reference: Annotated[float, Column("solid")] = nan
-    # value − reference, its part with named causes and the rest, relative to |reference|.
+    # Difference value − reference, the part of it with named causes, and the rest. All three are
+    # relative to |reference|.
     difference: Annotated[float, _percentage("difference")] = nan
     explained: Annotated[float, _percentage("explained")] = nan
     unexplained: Annotated[float, _percentage("unexplained")] = nan
-    # Half-width of `unexplained` and the largest accepted size of it, relative to |reference|.
+    # Half-width of `unexplained`, and the largest accepted size of `unexplained`. Both are relative
+    # to |reference|.
     half_width: Annotated[float, _percentage("half-width")] = nan
     tolerance: Annotated[float, _percentage("tolerance")] = nan
     verdict: Annotated[Verdict | Literal["not judged"], COLUMN]

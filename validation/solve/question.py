@@ -149,6 +149,8 @@ class Question:
             faults.append("--leg: only for robot files of schema 1; name a body with --body")
         elif self.leg not in (None, 1, 2):
             faults.append(f"--leg = {self.leg}: must be 1 or 2")
+        elif self.leg is not None and self.body is not None:
+            faults.append("--leg and --body: each names a body; leave out one of them")
         return faults
 
     def _option_faults(self) -> list[str]:
@@ -225,7 +227,7 @@ class Question:
             )
         if self.accuracy is not None:
             faults.append("--accuracy: not for a free body (--ends free-free); leave it out")
-        if not self.count:
+        if self.modes == 0 and self.model not in STATIC:
             faults.append(
                 "--modes 0: a free body has only frequencies as results; must be at least 1"
             )

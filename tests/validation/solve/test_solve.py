@@ -94,6 +94,8 @@ REFUSED = [
     ("ROBOT beam --elements 10000000", "GB of memory are available"),
     ("delta beam --x 1", "--x: only for robot files of schema 1; give poses as --pose"),
     ("delta beam --leg 1", "--leg: only for robot files of schema 1; name a body"),
+    ("ifw beam --leg 1 --body leg2", "--leg and --body: each names a body; leave out one"),
+    ("ifw vjm --body leg1 --ends free-free", "model vjm of a body has no frequencies"),
     ("delta beam --pose 1,2", "--pose 1,2: must be x,y,z as finite"),
     ("delta beam --pose 0.1,0.0,-0.95 --vary tool.mass=1:2:2", "cannot be reached"),
     ("delta beam --body arm", "--body arm: does not exist; must be one of"),

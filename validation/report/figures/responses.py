@@ -1,7 +1,8 @@
 """Charts of receptances by all models: magnitude and phase over frequency.
 
-Input: the context of a run. Output: charts of the tool's responses with the reference's uncertainty
-band, and of a modal test's response.
+Input: a mechanism with harmonic forces, or a robot file with a modal test, and the context of a
+run. Output: charts of responses to these forces or in this test, with the uncertainty band of the
+reference.
 """
 
 from collections.abc import Mapping
