@@ -13,10 +13,11 @@ from lumped.centre_line import CentreLine, LinePiece
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, LineLeg
 from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.memo import forget
 from lumped.models.bodies import clamped_modes, legs_of
 from lumped.robot_file import load_robot
 from lumped.robot_file.load import robot_of
-from lumped.sections import HollowRectangle, Tube
+from lumped.sections import HollowRectangle, Rectangle, Tube
 from validation import api
 from validation.cases import leg_theory
 from validation.cases.leg_theory import distortion, exact_modes
@@ -92,6 +93,21 @@ def test_equivalent_prism_of_taper_disagrees(monkeypatch):
     outcome = outcome_of(boom(), "boom.agrees[links-solid-z]")
     assert outcome.verdict == "disagree"
     assert abs(outcome.measurement.value / outcome.measurement.reference - 1.0) > 0.1
+
+
+def test_wrong_area_of_taper_disagrees_in_frequency(monkeypatch):
+    """The cause "section constants by formula" must not explain an error of the formula."""
+    area = Rectangle.area.fget
+    forget()
+    monkeypatch.setattr(Rectangle, "area", property(lambda section: 1.3 * area(section)))
+    try:
+        outcome = outcome_of(boom(), "boom.agrees[beam-solid-f1]")
+    finally:
+        forget()
+    assert outcome.verdict == "disagree"
+    # The mass is 1.3 times as large.
+    error = outcome.measurement.unexplained / outcome.measurement.reference
+    assert error == pytest.approx(1.3**-0.5 - 1.0, abs=0.01)
 
 
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
