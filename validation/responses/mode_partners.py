@@ -176,9 +176,8 @@ def _sums(amounts: Array, paired: BoolArray, mixed: BoolArray) -> Array:
     frequency is computed. `paired` (p×m): true for modes with a partner. `mixed` (p×m×m): true for
     two modes that mix. Array sizes: p poses, m modes.
     """
-    amounts = np.where(paired, amounts, 0.0)
-    sums = amounts + np.where(mixed, amounts[:, None, :], 0.0).sum(axis=2)
-    return np.where(paired, sums, np.nan)
+    amounts = np.where(paired, amounts, np.nan)
+    return np.asarray(amounts + np.where(mixed, amounts[:, None, :], 0.0).sum(axis=2))
 
 
 def _sampled(reference: PathModes, model: PathModes) -> Iterator[tuple[SampledModes, SampledModes]]:

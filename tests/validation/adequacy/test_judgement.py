@@ -219,6 +219,15 @@ def test_cut_pair_leaves_half_widths_of_other_modes(angle):
     assert shares_by_shape(fine, fine, changes, 2) == pytest.approx(np.array([[0.01, 0.02]]))
 
 
+def test_mode_mixed_with_unpaired_mode_has_no_half_width():
+    """B is missing on the coarse mesh, and A has a part of it: the sum of both is unknown."""
+    cosine, sine = np.cos(np.radians(19.0)), np.sin(np.radians(19.0))
+    fine = vibration([100.0, 101.0], A, B)
+    other = 0.5 * (cosine * B - sine * A) + np.sqrt(0.75) * D
+    coarse = vibration([100.5, 130.0], cosine * A + sine * B, other)
+    assert np.isnan(frequency_changes(fine, coarse, 2)).all()
+
+
 @pytest.mark.parametrize(("common", "number"), [(0.4, -1), (0.6, 0)])
 def test_mac_below_half_is_not_a_partner(common, number):
     model = vibration([100.0], np.sqrt(common) * A + np.sqrt(1.0 - common) * D)
