@@ -23,6 +23,7 @@ from fem.beams.box_distortion import distortion_work
 from fem.beams.line_beam import line_beam
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array
+from lumped.errors import InputError
 from lumped.legs import BeamProperties, ConstantLeg, Ends, LineLeg
 from lumped.line_sections import LineSections
 from lumped.mechanism.body_model import LegMatrices
@@ -50,12 +51,13 @@ from validation.models.leg_models import leg_compliance, leg_frequencies
 from validation.models.options import ModelName, ModelOptions
 from validation.references.reference_legs import (
     line_divisions,
+    require_line_solid,
     slowest,
     solid_leg,
 )
 from validation.solids.leg_meshes import formal_order
 from validation.solids.solid_legs import ELEMENTS, line_frequencies, mesh_properties
-from validation.solids.solid_size import too_large, why_shapeless
+from validation.solids.solid_size import why_shapeless
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
 _HELD_SOURCE = "the same solid with ends free to warp and contract"
@@ -95,9 +97,12 @@ def _leg(context: Context, body: str) -> LineLeg:
     leg = legs_of(context.robot_file.mechanism)[body]
     if not isinstance(leg, LineLeg):
         raise TypeError(f"{body}: no leg along a line")
-    divisions = line_divisions(context.meshes, leg)
-    if reason := why_shapeless([leg]) or too_large([leg], divisions[1:], context.meshes):
+    if reason := why_shapeless([leg]):
         raise Skip(reason)
+    try:
+        require_line_solid(context.meshes, leg)
+    except InputError as error:
+        raise Skip(str(error)) from None
     return leg
 
 

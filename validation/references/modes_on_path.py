@@ -101,7 +101,9 @@ def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
     Legs given by a 6×6 alone have the mass distribution and interior stiffness that `reading`
     assumes. Thin walls have the same section mesh for one and for two divisions; the excess
     stiffness of that mesh against distortion does not appear if only the length of the elements is
-    halved. Therefore the fine mesh has at least four divisions.
+    halved. Therefore the section of the fine mesh has at least four divisions. Walls thinner than
+    about 1/30 of the section have one section mesh for one to four divisions; the error of that
+    mesh is in both solids, and their difference does not show it.
     """
     meshes = solid_meshes(robot.context.meshes)
     mesh = meshes.fine._replace(least=COARSEST_WALLS) if reading.mesh else meshes.coarse

@@ -7,6 +7,7 @@ limits the unknowns of a section mesh.
 """
 
 from collections.abc import Iterable
+from math import ceil
 from typing import Literal, get_args
 
 import numpy as np
@@ -31,6 +32,7 @@ from lumped.line_sections import LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.sections import Rectangle
+from meshes.section.section_mesh import section_mesh
 from validation.context import Context, Preset
 from validation.models.leg_models import clamped_solid
 from validation.references.reference import finer_by
@@ -44,7 +46,7 @@ from validation.solids.leg_meshes import (
     static_divisions,
 )
 from validation.solids.solid_legs import TwoMeshes, computed_properties, computed_rod, two_meshes
-from validation.solids.solid_size import larger_preset, why_shapeless
+from validation.solids.solid_size import larger_preset, too_large, why_shapeless
 from validation.uncertainty.mesh_half_widths import MeshPolicy
 
 # Largest number of unknowns in the section mesh of a solid leg. The second number applies if the
@@ -74,13 +76,17 @@ def slowest(ratio: float) -> MeshPolicy:
 def solid_leg(context: Context, leg: SectionedLeg) -> TwoMeshes:
     """Tip compliances of a leg as a solid on two meshes, computed once per run and process.
 
-    Raises InputError if the section has no shape, or if even one section mesh exceeds the limit of
-    unknowns; the message then names the larger preset that allows it.
+    Raises InputError if the section has no shape, if even one section mesh exceeds the limit of
+    unknowns, or if the preset allows only meshes of a varying section that do not differ across
+    it; the message then names the larger preset that allows them.
     """
     if shapeless := why_shapeless([leg]):
         raise InputError(shapeless)
     if isinstance(leg, LineLeg):
-        return context.get(line_meshes, leg, *line_divisions(context.meshes, leg))
+        divisions = line_divisions(context.meshes, leg)
+        if divisions[1] > _usual_divisions(context.meshes, leg)[1]:
+            require_line_solid(context.meshes, leg)
+        return context.get(line_meshes, leg, *divisions)
     limit = most_unknowns(context.meshes, leg)
     try:
         return context.get(two_meshes, leg, limit)
@@ -133,11 +139,44 @@ def line_divisions(preset: Preset, leg: LineLeg) -> tuple[int, int]:
     """Divisions across the section of the coarse and the fine mesh of a leg of varying section.
 
     The doubling method (`fem.bodies.doubling`), which needs equal slices along the leg, cannot be
-    used for such a leg.
+    used for such a leg. Polygons without blocks, and walls thinner than about 1/30 of the section,
+    have one section mesh for one to four divisions. The fine mesh then has the fewest divisions,
+    from those of the preset on, at which the section mesh differs, and the coarse mesh half as
+    many, rounded up. The ratio of divisions is then at most that of element sizes, so that
+    half-widths do not become too small.
     """
+    coarse, fine = _usual_divisions(preset, leg)
+    section = section_of(leg)
+
+    def differs(divisions: int) -> bool:
+        coarse_mesh, mesh = section_mesh(section, coarse), section_mesh(section, divisions)
+        return len(mesh.nodes) != len(coarse_mesh.nodes)
+
+    if not section.has_outline or differs(2 * coarse):
+        return coarse, fine
+    fine = next(filter(differs, range(fine, 2 * fine)), 2 * fine)
+    return ceil(fine / 2), fine
+
+
+def _usual_divisions(preset: Preset, leg: LineLeg) -> tuple[int, int]:
+    """Divisions of the coarse and the fine mesh, whether or not the section meshes differ."""
     if isinstance(section_of(leg), Rectangle):
         return DIVISIONS[preset] - 1, DIVISIONS[preset]
     return COARSEST_WALLS // 2, max(COARSEST_WALLS, WALL_DIVISIONS[preset])
+
+
+def require_line_solid(preset: Preset, leg: LineLeg) -> None:
+    """Raise InputError if a preset does not allow the fine solid of a leg of varying section.
+
+    The message contains the reason, and the larger preset that allows the solid.
+    """
+
+    def reason(candidate: Preset) -> str:
+        return too_large([leg], line_divisions(candidate, leg)[1:], candidate)
+
+    if refusal := reason(preset):
+        larger = larger_preset(preset, lambda candidate: not reason(candidate))
+        raise InputError(f"{refusal}; {larger} allows this solid")
 
 
 def line_meshes(leg: LineLeg, coarse: int, fine: int) -> TwoMeshes:

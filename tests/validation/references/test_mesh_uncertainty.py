@@ -2,13 +2,25 @@
 
 import numpy as np
 import pytest
+from support.fakes.toy_responses import NO_ROBOT
+from support.robots.paper_legs import STEEL
 
+from lumped.centre_line import CentreLine, LinePiece
+from lumped.errors import InputError
+from lumped.legs import LineLeg
 from lumped.robot_file import load_robot
+from lumped.sections import HollowRectangle
+from meshes.section.section_mesh import section_mesh
 from validation.context import Context
 from validation.references import mesh_uncertainty
-from validation.references.reference_legs import SECTION_DIVISIONS, SLOWEST_ORDER
+from validation.references.reference_legs import (
+    SECTION_DIVISIONS,
+    SLOWEST_ORDER,
+    line_divisions,
+    solid_leg,
+)
 from validation.references.robot_on_path import robot_on_path
-from validation.solids.leg_meshes import COARSEST_WALLS
+from validation.solids.leg_meshes import COARSEST_WALLS, section_of
 from validation.uncertainty.mesh_half_widths import UNPROVEN, half_widths_on
 
 
@@ -25,3 +37,32 @@ def test_section_half_width_uses_mesh_of_solid(row, monkeypatch):
         (0, 1), policy, lambda level: np.array(1.0 + errors[level]), lambda a, b, _: abs(a - b)
     )
     assert half_width == pytest.approx(UNPROVEN * errors[0], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("thickness", "expected"),
+    [(0.01, (2, 4)), (0.004, (2, 4)), (0.002, (3, 5)), (0.001, (3, 5))],
+)
+def test_taper_meshes_have_different_sections(thickness, expected):
+    """Walls of 2 mm and less have one section mesh for one to four divisions."""
+    leg = tapered_box(thickness, 0.2)
+    for preset in ("quick", "standard"):
+        assert line_divisions(preset, leg) == expected
+    # Thin walls have elements twice as long with up to four divisions as with eight.
+    assert line_divisions("fine", leg) == ((4, 8) if thickness < 0.004 else (2, 8))
+    coarse, fine = (len(section_mesh(section_of(leg), n).cells) for n in expected)
+    # Elements of half the size across the walls, or a third shorter along them, and less.
+    assert fine / coarse > 1.3
+
+
+def test_taper_too_thin_for_preset_is_refused():
+    leg = tapered_box(0.002, 0.8)
+    with pytest.raises(InputError, match=r"5 divisions .*; --preset standard allows this solid"):
+        solid_leg(Context(NO_ROBOT, "quick"), leg)
+
+
+def tapered_box(thickness, length):
+    """Straight steel box of 100 mm by 80 mm at the root and 100 mm by 56 mm at the tip."""
+    line = CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), (0.0, 0.0, 1.0))
+    root, tip = (HollowRectangle(0.1, height, thickness) for height in (0.08, 0.056))
+    return LineLeg(line, ((0.0, root), (length, tip)), STEEL, "box")
