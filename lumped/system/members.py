@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.legs import LineLeg
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side
 from lumped.mechanism.load import Loading
@@ -39,10 +40,10 @@ def member_forces(
 ) -> MemberForces:
     """Forces in the sections of the leg `name`.
 
-    Stations include the ends of line loads and the zeros of both shear forces, at which bending
-    moments are largest. If the line loads do not balance the wrenches on both ends, because their
-    mass is not that of the model, the difference is spread linearly along the leg and added to the
-    half-width.
+    Stations include the ends of line loads, the ends of the spans of a leg along a line, and the
+    zeros of both shear forces, at which bending moments are largest. If the line loads do not
+    balance the wrenches on both ends, because their mass is not that of the model, the difference
+    is spread linearly along the leg and added to the half-width.
     """
     root, tip = posture.mechanism.bodies[name].interfaces
     length = float(posture.mechanism.bodies[name].interfaces[tip].position[0])
@@ -50,8 +51,11 @@ def member_forces(
     if name in forces.bodies and (inertia := forces.bodies[name].inertia).any():
         loads.append(linear_load(-inertia[:6], -inertia[6:], length))
     at_root, at_tip = (_end_wrench(posture, name, point, forces, load) for point in (root, tip))
-    ends_of_loads = [station for along in loads for station in (along.start, along.stop)]
-    stations = _distinct(np.union1d(np.linspace(0.0, length, _STATIONS), ends_of_loads))
+    shape = posture.mechanism.bodies[name].shape
+    spans = shape.spans if isinstance(shape, LineLeg) else ()
+    ends = [end for part in loads for end in (part.start, part.stop)]
+    ends += [end for span in spans for end in (span.start, span.end)]
+    stations = _distinct(np.union1d(np.linspace(0.0, length, _STATIONS), ends))
     coarse = section_forces(at_root[:, 0], loads, stations)
     stations = _distinct(np.union1d(stations, list(_zeros(stations, coarse[:, 1:3]))))
     values = section_forces(at_root[:, 0], loads, stations)

@@ -5,13 +5,16 @@ its position. Rule: stresses are normal and shear stresses of Saint-Venant's the
 of the uncertainty of a stress is the change from a coarse to a fine section mesh, scaled by the
 order of convergence, plus the effect of the half-widths of the forces. In a taper each station has
 its own section, which is sheared by the forces Qy + λy Mz and Qz − λz My, where λ is the rate of
-change of the lever arm (`lumped.line_sections`). At a step both sections are judged.
+change of the lever arm (`lumped.line_sections`). At a step both sections are judged. In a taper the
+largest stress is also searched for between the decisive station and its neighbours.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+import scipy.optimize
 
 from fem.sections.stresses import SectionStresses, section_stresses
 from lumped.arrays import Array
@@ -28,6 +31,9 @@ from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 # with re-entrant corners.
 _DIVISIONS = (4, 8)
 _SMOOTH, _STEEP = 2.0, 1.0
+# Search between two stations, in fractions of their distance: point at which the stress must rise
+# for the search to start, and tolerance of the point found. Stresses are off by its square.
+_PROBE, _TOLERANCE = 0.01, 1e-3
 _WITHOUT_MESH = "its section has no mesh of one material"
 
 
@@ -35,7 +41,8 @@ _WITHOUT_MESH = "its section has no mesh of one material"
 class MemberStress:
     """Largest von Mises stress of a leg (Pa) with its `half_width` (Pa) and its position.
 
-    It acts at the distance `station` (m) from the root in the point (y, z) of the section (m, from
+    It acts at the distance `station` (m) from the root, which in a taper may lie between two of the
+    `stations`, in the point (y, z) of the section (m, from
     its centroid). There, `normal` is the normal stress σxx and `shear` the shear stress (Pa).
     `along` (s, Pa): largest stress in each of the s sections at `stations` (s, m). The half-width
     covers the mesh of the section and the half-widths of the section forces.
@@ -71,17 +78,22 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
     along = np.zeros(len(member.stations))
     largest, decisive = -1.0, None
     for row, section, forces in _loaded_sections(leg, member):
-        fine = section_stresses(section_mesh(section, _DIVISIONS[1]), leg.material)
-        stresses = np.where(fine.regular, fine.von_mises(forces[None])[0], 0.0)
-        node = int(np.argmax(stresses))
-        along[row] = max(along[row], stresses[node])
-        if stresses[node] > largest:
-            largest, decisive = float(stresses[node]), (row, node, section, forces, fine)
+        stress = _largest(_stresses(leg, section), forces)
+        along[row] = max(along[row], stress)
+        if stress > largest:
+            largest, decisive = stress, (row, section, forces)
     if decisive is None:
         raise TypeError(f"{member.leg}: section forces without stations")
-    row, node, section, forces, fine = decisive
+    row, section, forces = decisive
+    station = float(member.stations[row])
+    for peak, section_there, forces_there in _peaks_beside(leg, member, row):
+        stress = _largest(_stresses(leg, section_there), forces_there)
+        if stress > largest:
+            largest, station, section, forces = stress, peak, section_there, forces_there
+    fine = _stresses(leg, section)
+    node = int(np.argmax(np.where(fine.regular, fine.von_mises(forces[None])[0], 0.0)))
     coarse = section_stresses(section_mesh(section, _DIVISIONS[0]), leg.material)
-    change = np.array(abs(largest - _largest(coarse, forces[None])))
+    change = np.array(abs(largest - _largest(coarse, forces)))
     policy = MeshPolicy.of_order(2.0, _SMOOTH if fine.regular.all() else _STEEP)
     # The von Mises stress is a norm: it changes by at most that of the stresses due to the change
     # of the forces.
@@ -91,7 +103,7 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
         member.leg,
         largest,
         float(mesh_half_widths([change], policy) + of_forces),
-        float(member.stations[row]),
+        station,
         (float(y), float(z)),
         float(fine.normal[node] @ forces),
         float(np.linalg.norm(fine.shear[:, node] @ forces)),
@@ -126,5 +138,57 @@ def _in_span(span: Span, station: float, forces: Array) -> tuple[Section, Array]
     return span.section(share), shearing
 
 
+def _peaks_beside(
+    leg: SectionedLeg, member: MemberForces, row: int
+) -> Iterator[tuple[float, Section, Array]]:
+    """Yield peaks of the stress in tapers between the station `row` and its neighbours.
+
+    A peak is given by its station (m), the section there, and the forces (6) that stress it.
+    """
+    spans = () if isinstance(leg, ConstantLeg) else leg.spans
+    start = float(member.stations[row])
+    for neighbour in (row - 1, row + 1):
+        if not 0 <= neighbour < len(member.stations):
+            continue
+        pair = sorted((row, neighbour))
+        low, high = member.stations[pair].tolist()
+        span = next((s for s in spans if s.start <= (low + high) / 2.0 <= s.end), None)
+        if span is None or span.first == span.last:
+            continue
+        at = partial(_between, span, member.stations[pair], member.forces[pair])
+
+        def stress(station: float, at: Callable[[float], tuple[Section, Array]] = at) -> float:
+            section, forces = at(station)
+            return _largest(_stresses(leg, section), forces)
+
+        if stress(start + _PROBE * (float(member.stations[neighbour]) - start)) > stress(start):
+            peak = scipy.optimize.minimize_scalar(
+                lambda station, stress=stress: -stress(station),
+                bounds=(low, high),
+                method="bounded",
+                options={"xatol": _TOLERANCE * (high - low)},
+            )
+            yield float(peak.x), *at(float(peak.x))
+
+
+def _between(span: Span, ends: Array, forces: Array, station: float) -> tuple[Section, Array]:
+    """Section of `span` at `station`, and the forces that stress it.
+
+    They follow from `forces` (2×6) at the two stations `ends`; dMy/dx = Qz and dMz/dx = −Qy are
+    taken as linear between them.
+    """
+    length = ends[1] - ends[0]
+    share = (station - ends[0]) / length
+    there = (1.0 - share) * forces[0] + share * forces[1]
+    sagitta = 0.5 * length * share * (1.0 - share) * (forces[1] - forces[0])
+    there[4] -= sagitta[2]
+    there[5] += sagitta[1]
+    return _in_span(span, station, there)
+
+
+def _stresses(leg: SectionedLeg, section: Section) -> SectionStresses:
+    return section_stresses(section_mesh(section, _DIVISIONS[1]), leg.material)
+
+
 def _largest(stresses: SectionStresses, forces: Array) -> float:
-    return float(stresses.von_mises(forces)[:, stresses.regular].max())
+    return float(stresses.von_mises(forces[None])[0, stresses.regular].max())

@@ -1,13 +1,20 @@
 """Stresses along tapered and stepped legs, against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from support.robots.plane_frames import CANTILEVER, L
+from support.robots.robot_from_text import described
 
 from lumped.centre_line import CentreLine, LinePiece
 from lumped.legs import LineLeg, Material
+from lumped.mechanism.kinematics.postures import reference_posture
+from lumped.mechanism.load import Load
 from lumped.sections import Rectangle
 from lumped.system.members import MemberForces
 from validation.forces.stresses import _loaded_sections, member_stress
+from validation.models.loads.forces import load_forces
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH, FORCE = 1.2, 1000.0
@@ -54,3 +61,53 @@ def test_stress_at_step_is_larger_of_both_sides():
     assert stress.station == pytest.approx(0.6)
     # The mesh leaves a shear stress of 2e-3 of the bending stress at the outer face.
     assert stress.largest == pytest.approx(6.0 * FORCE * 0.6 / (0.03 * 0.04**2), rel=1e-5)
+
+
+def stress_of_clamped_leg(stations, **load):
+    """Stress of a clamped leg of length L, its sections at shares of L, under a load at its tip."""
+    line = CentreLine((LinePiece((0.0, 0.0, 0.0), (L, 0.0, 0.0)),), (0.0, 0.0, 1.0))
+    leg = LineLeg(line, tuple((share * L, section) for share, section in stations), STEEL)
+    robot = described(CANTILEVER)
+    bodies = {**robot.bodies, "bar": replace(robot.bodies["bar"], shape=leg)}
+    loads = (Load("load", robot.tool.body, robot.tool.point, **load),)
+    ((forces,),) = load_forces(
+        "beam", [reference_posture(replace(robot, bodies=bodies, loads=loads))]
+    )
+    (member,) = forces.members
+    return member_stress(leg, member)
+
+
+def test_stress_at_step_off_equal_stations_is_found():
+    """σ = 6 Fξ/bh² in the thin section at the step. Equal stations are L/20 apart."""
+    thick, thin = Rectangle(0.03, 0.08), Rectangle(0.03, 0.04)
+    stress = stress_of_clamped_leg(
+        ((0.0, thick), (0.63, thick), (0.63, thin), (1.0, thin)),
+        wrench=np.array([0.0, 0.0, FORCE, 0.0, 0.0, 0.0]),
+    )
+    assert stress.station == pytest.approx(0.63 * L, rel=1e-9)
+    assert abs(stress.normal) == pytest.approx(6.0 * FORCE * 0.37 * L / (0.03 * 0.04**2), rel=1e-6)
+    # Poisson's ratio causes a small shear stress in the outer face.
+    assert stress.largest == pytest.approx(abs(stress.normal), rel=1e-5)
+
+
+@pytest.mark.parametrize("load", [0.0, -1500.0])
+def test_peak_between_stations_of_taper_is_found(load):
+    """σ = 6 (Fξ + pξ²/2)/bh², h = t + kξ, is largest where Ft = ξ (kF − pt): there dσ/dξ = 0.
+
+    F acts on the tip, p on the length; ξ is the distance from the tip, whose height is t. Without
+    Poisson's ratio the outer faces have no shear stress.
+    """
+    tip, rate = 0.008, (0.1 - 0.008) / LENGTH
+    leg, _ = cantilever((0.0, Rectangle(0.03, 0.1)), (LENGTH, Rectangle(0.03, tip)))
+    stations = np.linspace(0.0, LENGTH, 21)
+    beyond, forces = LENGTH - stations, np.zeros((21, 6))
+    forces[:, 2] = FORCE + load * beyond
+    forces[:, 4] = -FORCE * beyond - load * beyond**2 / 2.0
+    leg = replace(leg, material=Material.isotropic(2.1e11, 0.0, 7850.0))
+    stress = member_stress(leg, MemberForces("arm", stations, forces, np.zeros(6)))
+    peak = FORCE * tip / (rate * FORCE - load * tip)
+    moment = FORCE * peak + load * peak**2 / 2.0
+    expected = 6.0 * moment / (0.03 * (tip + rate * peak) ** 2)
+    assert stress.station == pytest.approx(LENGTH - peak, abs=1e-3 * LENGTH)
+    assert abs(stress.normal) == pytest.approx(expected, rel=2e-6)
+    assert abs(stress.largest - expected) <= stress.half_width
