@@ -5,11 +5,11 @@ axis. Its reduced stiffness Q̄(θ) acts on the strains (εx, εs, γxs) along t
 (R. M. Jones, Mechanics of Composite Materials, §2.6, eqs 2.84-2.85). All layers of a wall have the
 same strains. The wall carries no stress along its circumference, so that with the sums A = Σ Q̄ t
 
-    E t = 1/a11        G t = A66        a = A⁻¹
+    E t = 1/a11        G t = 1/a66        a = A⁻¹
 
-are its stiffnesses in tension and shear. In a balanced layup A16 = A26 = 0 and 1/a11 = A11 −
-A12²/A22. Layers at +θ and −θ lie at different radii; the coupling of tension and shear that this
-leaves is of the order of the wall's thickness over its radius, and is left out.
+are its stiffnesses in tension and shear. In a balanced layup A16 = A26 = 0, so that 1/a66 = A66 and
+1/a11 = A11 − A12²/A22. Layers at +θ and −θ lie at different radii; the coupling of tension and
+shear that this leaves is of the order of the wall's thickness over its radius, and is left out.
 
 EA and EI, and GJ of a tube, are sums over the layers, each taken as a section of its own. The sums
 are exact if all layers have the same stiffness. GJ of a box follows from Bredt's formula. Shear
