@@ -50,7 +50,7 @@ laminate
         An unbalanced layup couples tension and shear of the wall. Strains differ from those of free
         coupling by t/r at other radii, and entirely at corners. The energy that comes with the
         coupling changes in second order if layers are alike, otherwise in first. Its shares are,
-        with a = A⁻¹ of the wall, w = a16²/(a11 a66 − a16²) + a66 A66 − 1; p = Σ |τ γ| t of the
+        with a = A⁻¹ of the wall, w = a16²/(a11 a66 − a16²) + 1 − 1/a66 A66; p = Σ |τ γ| t of the
         layers in tension; p' = Σ (|σx εx| + |σs εs|) t and d' = Σ |τ − γ Q̄66/(a66 A66)| |γ| t in
         shear. A tube has p t/r + w (t/r)² more error in EA and EI, and (p' + d') t/r + w (t/r)²
         in GJ and shear. In a box EA and EI lose the share l = c (d + s + s' + w + p + p') + c², an
@@ -255,7 +255,7 @@ def _coupled_shares(section: Laminate) -> _Shares:
     uneven = np.abs(flows[:, 2] - free * stiffnesses[:, 2, 2] * sheared[2])
     energy = float(energies[0] + energies[1])
     return _Shares(
-        wall=float(a[0, 2] ** 2 / (a[0, 0] * a[2, 2] - a[0, 2] ** 2) + 1.0 / free - 1.0),
+        wall=float(a[0, 2] ** 2 / (a[0, 0] * a[2, 2] - a[0, 2] ** 2) + 1.0 - free),
         tension=float(thicknesses @ np.abs(pulled[:, 2] * stretched[2]) / a[0, 0]),
         energy=energy,
         shear=energy + float(thicknesses @ uneven),
