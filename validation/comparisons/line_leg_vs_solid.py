@@ -196,6 +196,7 @@ def computed_tip(leg: LineLeg, divisions: int) -> Array:
     return _computed(leg, divisions).tip_compliance
 
 
+@memo(8)
 def _formula_band(leg: LineLeg, divisions: int) -> tuple[LineSections, LineSections]:
     """Sections of the softest and of the stiffest beam by correct textbook formulas."""
     mesh = _on_solid_mesh(leg, divisions)

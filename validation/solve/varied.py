@@ -204,7 +204,7 @@ def solve_varied(
 
 
 def numbers_without_effect(answers: VariedAnswers) -> list[str]:
-    """Lines on varied parameters that change neither a compliance nor a frequency."""
+    """Lines on varied parameters that change no displacement, frequency or receptance."""
     lines = []
     for index, variation in enumerate(answers.variations):
         # Results of the robots that differ in this parameter alone, by their other parameters.

@@ -308,6 +308,20 @@ def test_order_is_fitted_to_finest_counts():
     assert order == pytest.approx(-slope, rel=1e-12)
 
 
+def series_of_errors(formulation, formal_order, counts, errors):
+    """Series of one quantity with the exact limit 1 and these relative errors (n×1)."""
+    return ConvergenceSeries(
+        discretisation=Discretisation(formulation),
+        formal_order=formal_order,
+        counts=counts,
+        values=1.0 + errors,
+        limits=np.ones(1),
+        limit_half_widths=np.zeros(1),
+        orders=fitted_orders(counts, errors, np.zeros(1)),
+        needed=np.zeros((3, 1), dtype=int),
+    )
+
+
 @pytest.mark.parametrize("deviation", [-0.03, 0.05])
 @pytest.mark.parametrize("counts", [(1, 2, 3), (2, 3, 5), (5, 10, 20), (20, 30, 40)])
 def test_asymptotic_order_is_formal_order(counts, deviation):
@@ -317,16 +331,7 @@ def test_asymptotic_order_is_formal_order(counts, deviation):
     """
     sizes = counts[0] / np.array(counts, dtype=float)[:, None]
     errors = 0.01 * sizes**4 * (1.0 + deviation * sizes**2)
-    series = ConvergenceSeries(
-        discretisation=Discretisation("beam"),
-        formal_order=4.0,
-        counts=counts,
-        values=1.0 + errors,
-        limits=np.ones(1),
-        limit_half_widths=np.zeros(1),
-        orders=fitted_orders(counts, errors, np.zeros(1)),
-        needed=np.zeros((3, 1), dtype=int),
-    )
+    series = series_of_errors("beam", 4.0, counts, errors)
     order, half_width = series.asymptotic_order(0)
     assert order == pytest.approx(4.0, abs=0.006)
     assert half_width > 3.0 * abs(order - 4.0)
@@ -355,16 +360,7 @@ def test_half_width_by_order_uses_two_counts():
     """
     counts = (10, 20, 40, 80)
     errors = np.array(counts, dtype=float)[:, None] ** -2.0
-    series = ConvergenceSeries(
-        discretisation=Discretisation("segments"),
-        formal_order=2.0,
-        counts=counts,
-        values=1.0 + errors,
-        limits=np.ones(1),
-        limit_half_widths=np.zeros(1),
-        orders=fitted_orders(counts, errors, np.zeros(1)),
-        needed=np.zeros((3, 1), dtype=int),
-    )
+    series = series_of_errors("segments", 2.0, counts, errors)
     expected = [3.0 * errors[1, 0], 3.0 * errors[2, 0], 1.25 * errors[3, 0]]
     np.testing.assert_allclose(series.half_widths[1:, 0], expected, rtol=1e-5)
 
