@@ -2,10 +2,10 @@
 
 Reference cells are the unit square, the unit cube and the unit simplices. Quadrilaterals and
 simplices are numbered as in scikit-fem: corners counter-clockwise, then edge midpoints, then the
-centre. The hexahedron of 27 nodes is the product of a quadrilateral and a line: nodes of the
-quadrilateral at ζ = 0, ½, 1. The hexahedron of 20 nodes is numbered as corners, then edge
-midpoints. In an extruded leg, ξ and η lie in the section (y, z) and ζ along x, which is
-right-handed.
+centre. The hexahedron of 27 nodes is the product of a quadrilateral and a line: its nodes are the
+nine nodes of the quadrilateral at ζ = 0, then at ζ = ½, then at ζ = 1. In the hexahedron of 20
+nodes, the corners come first, then the edge midpoints. In an extruded leg, ξ runs along y, η along
+z (both in the section) and ζ along x, so that the axes (ξ, η, ζ) are right-handed.
 """
 
 from dataclasses import dataclass
@@ -25,10 +25,12 @@ ElementName: TypeAlias = SectionElement | SolidElement
 class ElementKind:
     """One type of finite element.
 
-    `nodes` (k×d) are the reference coordinates of its k nodes, `corner_nodes` the local numbers of
-    the vertices. `vtk_order` contains local node numbers in the order of VTK, so that `cells[:,
-    vtk_order]` is VTK's connectivity. `abaqus` is the name of the element in Abaqus and CalculiX,
-    which use the node order of this module. None if they do not have this element.
+    `order` is the polynomial order of its shape functions. `nodes` (k×d) are the reference
+    coordinates of its k nodes in d dimensions, `corner_nodes` the local numbers of its vertices.
+    `vtk_type` is the number of the cell type in VTK. `vtk_order` contains local node numbers in the
+    order of VTK, so that `cells[:, vtk_order]` is VTK's connectivity. `abaqus` is the name of the
+    element in Abaqus and CalculiX, which use the node order of this module. None if these programs
+    do not have the element.
     """
 
     name: ElementName

@@ -1,6 +1,7 @@
 """Access to gmsh, which has one global state, and conversion of gmsh's tags to arrays.
 
-Sessions print nothing, are repeatable and are always closed.
+A session lasts from the start of gmsh to its end. It prints nothing, gives the same mesh on every
+run, and is closed even if an error occurs.
 """
 
 import ctypes
@@ -52,9 +53,10 @@ _LOCK = RLock()
 def gmsh_model(part: str) -> Iterator[ModuleType]:
     """Context with a new, empty gmsh model. It provides the module gmsh.
 
-    It works in any thread, one model at a time. Models may be nested: at the end the inner model is
-    removed and the outer one becomes current again. Raises ComputationError, with `part` in its
-    message, if gmsh fails.
+    `part` is the name of the object to be meshed, for the model and for messages. The context works
+    in any thread, one model at a time. Models may be nested: at the end the inner model is removed
+    and the outer one becomes current again. Raises ComputationError, with `part` in its message, if
+    gmsh fails.
     """
     try:
         import gmsh  # noqa: PLC0415  slow to load, and most answers need no mesh
@@ -107,7 +109,11 @@ def _restore_ignored_signals() -> None:
 
 
 def connectivity(gmsh: ModuleType, element: ElementName, entity: int = -1) -> IntArray:
-    """Node tags (M×k) of all elements of one type in the whole model, or in one `entity`."""
+    """Node tags (M×k) of the M elements of one type, in the node order of `meshes.elements`.
+
+    `entity` is gmsh's tag of the curve, surface or volume that contains the elements. −1 stands for
+    the whole model.
+    """
     kind = _GMSH_TYPE[element]
     _, tags = gmsh.model.mesh.getElementsByType(kind, entity)
     _, _, _, count, _, _ = gmsh.model.mesh.getElementProperties(kind)
@@ -116,7 +122,7 @@ def connectivity(gmsh: ModuleType, element: ElementName, entity: int = -1) -> In
 
 
 def numbered(gmsh: ModuleType, cells: IntArray) -> tuple[IntArray, Array]:
-    """Node tags in `cells`, ascending, and the coordinates (N×3) of these nodes.
+    """The N different node tags in `cells`, ascending, and the coordinates (N×3) of these nodes.
 
     The index of a tag in the first array is the row of its node in the second.
     """

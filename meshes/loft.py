@@ -1,9 +1,9 @@
 """Solid meshes of tapered and curved legs: a section's mesh, moved along the line and stretched.
 
-Each plane of nodes has the size and the wall thickness of the section at its position, numbered as
-in the mesh of the section in the middle of the line. Within a linear taper the hexahedra have
-straight sides, and along an arc quadratic ones. Lines with corners and sections with steps have no
-such mesh.
+Each plane of nodes is the mesh of the section in the middle of the line, stretched to the size and
+to the wall thickness of the section at the position of the plane. The numbering of the nodes is the
+same in all planes. Hexahedra have straight sides within a linear taper, and quadratic sides along
+an arc. A leg whose line has corners, or whose section changes in steps, cannot be meshed this way.
 """
 
 from dataclasses import dataclass
@@ -36,11 +36,11 @@ _SAME_LINE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LoftedMesh(SolidMesh):
-    """Mesh of hex27 along a centre line. The end faces are normal to the line.
+    """Mesh of 27-node hexahedra along the centre line `line`. The end faces are normal to the line.
 
     Nodes are numbered plane by plane, as in an extruded mesh. `positions` (p values, in m along the
-    line) are those of the planes, and `sections` (p×n×2) the coordinates y and z of their nodes in
-    the axes of the line.
+    line) are the positions of the p planes of nodes. `sections` (p×n×2, in m) are the coordinates y
+    and z of the n nodes of each plane, in the axes of the line at this plane.
     """
 
     line: CentreLine
@@ -97,7 +97,7 @@ def mesh_section(leg: LineLeg) -> Section:
 def slices_along(leg: LineLeg, divisions: Divisions) -> int:
     """Number of slices that are about as long as the elements of the section are wide.
 
-    `divisions` are those of the section.
+    `divisions` is the number of elements across the smaller side of the section.
     """
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     return max(2, ceil(leg.line.length / element_length(mesh_section(leg), count)))
@@ -106,7 +106,7 @@ def slices_along(leg: LineLeg, divisions: Divisions) -> int:
 def loft(leg: LineLeg, divisions: Divisions, slices: int) -> LoftedMesh:
     """Mesh of a leg with about `slices` slices, and `divisions` as for `section_blocks`.
 
-    Raises InputError for a leg that has no such mesh, ComputationError if elements are too
+    Raises InputError if `why_no_loft` returns a reason, ComputationError if elements are too
     distorted.
     """
     if reason := why_no_loft(leg):
@@ -142,10 +142,11 @@ def loft(leg: LineLeg, divisions: Divisions, slices: int) -> LoftedMesh:
 def _planes(
     leg: LineLeg, face: SectionMesh, reference: Section, slices: int
 ) -> tuple[Array, IntArray, Array]:
-    """Positions (p) of the planes of nodes, indices (p) of pieces of the line, nodes (p×n×2).
+    """Positions (p, in m) of the planes of nodes, their pieces (p), and their nodes (p×n×2, in m).
 
-    The indices are those of the pieces of the centre line to which the planes belong. `face` is the
-    mesh of the section `reference`, from which the n nodes of each plane are stretched.
+    The second array contains the index of the piece of the centre line to which each plane belongs.
+    `face` is the mesh of the section `reference`, from which the n nodes of each plane are
+    stretched.
     """
     positions, shapes = [], []
     for number, span in enumerate(leg.spans):

@@ -19,18 +19,21 @@ from meshes.solid_mesh import EndFace, SolidMesh
 
 
 def stations(length: float, count: int) -> Array:
-    """Ends (count+1 values, in m) of `count` ≥ 1 equal slices between x = 0 and x = `length`."""
+    """Positions x (count+1 values, in m) of the ends of `count` ≥ 1 equal slices of a leg.
+
+    They run from 0 to `length` (m).
+    """
     if count < 1:
         raise InputError(f"slices = {count}: must be at least 1")
     return length * np.linspace(0.0, 1.0, count + 1)
 
 
 def extrude(section: SectionMesh, boundaries: Array) -> SolidMesh:
-    """Mesh of hex27 from a section mesh, with slices between the x coordinates `boundaries`.
+    """Mesh of 27-node hexahedra from a section mesh, with slices between given `boundaries`.
 
-    `boundaries` (S+1 values, in m) are ascending, from 0 at the root. Node p·N + n is node n of the
-    section (quad9, N nodes) in plane p. There is a plane at each boundary and in the middle of each
-    slice.
+    `boundaries` (S+1 values of x, in m) are ascending, from 0 at the root. There is a plane of
+    nodes at each boundary and in the middle of each slice. Node p·N + n of the solid is node n of
+    the section (quad9, N nodes) in plane p.
     """
     slices = len(boundaries) - 1
     x = np.empty(2 * slices + 1)
@@ -52,9 +55,9 @@ def extrude(section: SectionMesh, boundaries: Array) -> SolidMesh:
 
 
 def hexahedra(section: Section, length: float, divisions: Divisions, slices: int) -> SolidMesh:
-    """Leg of `length` (m), meshed with hex27 in the given number of slices.
+    """Mesh of a leg of `length` (m) with 27-node hexahedra in the given number of `slices`.
 
-    `divisions` are explained in `section_blocks`. Raises InputError for impossible requests,
+    `divisions` are explained in `section_blocks`. Raises InputError if an argument is not valid,
     ComputationError if gmsh fails or elements are too distorted.
     """
     require_leg(section, length, divisions)
@@ -64,9 +67,9 @@ def hexahedra(section: Section, length: float, divisions: Divisions, slices: int
 
 
 def tetrahedra(section: Section, length: float, divisions: int) -> SolidMesh:
-    """Leg of `length` (m), meshed with tet10, with `divisions` elements across the smaller side.
+    """Mesh of a leg of `length` (m) with 10-node tetrahedra, `divisions` across the smaller side.
 
-    Raises InputError for impossible requests and for sections other than solid rectangles,
+    Raises InputError if an argument is not valid or the section is not a solid rectangle,
     ComputationError if gmsh fails or elements are too distorted.
     """
     if not isinstance(section, Rectangle):
@@ -100,7 +103,7 @@ def tetrahedra(section: Section, length: float, divisions: int) -> SolidMesh:
 
 
 def _add_leg(gmsh: ModuleType, section: Rectangle, length: float) -> tuple[int, int]:
-    """Add the extruded rectangle to the model. Return its surfaces at x = 0 and at x = `length`."""
+    """Add a box to the model. Return the tags of its faces at x = 0 and at x = `length`."""
     occ = gmsh.model.occ
     y, z = section.width / 2.0, section.height / 2.0
     points = [occ.addPoint(0.0, *corner) for corner in ((-y, -z), (y, -z), (y, z), (-y, z))]

@@ -1,9 +1,10 @@
 """Computation in another process: a fresh interpreter that evaluates one call after the other.
 
-A call is a function with its arguments. Its value is returned, or the error that it raises. If a
-library crashes or runs out of memory, only that process ends. The script of the user is not run
-again in it. Ctrl-C and hang-ups do not reach it: the calling process decides how to proceed. The
-process ends when the calling process ends, for whatever reason.
+A call is a function with its arguments. The process answers it with the value of the function, or
+with the error that the function raises. If a library crashes or runs out of memory, only this
+process ends. It does not run the script of the user again. Ctrl-C and hang-ups do not reach it: the
+calling process decides whether to continue. The process ends when the calling process ends, for
+whatever reason.
 """
 
 import faulthandler
@@ -45,7 +46,7 @@ _POSIX = os.name == "posix"
 
 
 class Crashed(ComputationError):  # noqa: N818  names the event, as messages do
-    """Error: the process ended without an answer, or did not answer in time."""
+    """Error: the other process ended without an answer, or did not answer in time."""
 
 
 @dataclass(frozen=True)
@@ -56,13 +57,16 @@ class _Raised:
 
 
 class CallAnswer(NamedTuple):
-    """The value of a call or its error, and the remarks made during the computation."""
+    """Answer to a call: its `value` or error, and the `remarks` issued while it ran."""
 
     value: object
     remarks: list[Remark]
 
     def result(self) -> Any:
-        """Value of the call. Its remarks are repeated in this process, or its error is raised."""
+        """Value of the call. Raises the error that the call raised.
+
+        The remarks of the call are issued again in this process.
+        """
         for remark in self.remarks:
             warnings.warn(remark, stacklevel=2)
         if isinstance(self.value, _Raised):
@@ -71,7 +75,10 @@ class CallAnswer(NamedTuple):
 
 
 class _Question(NamedTuple):
-    """A call to be evaluated. If it is `persistent`, its value is kept in the other process."""
+    """A call to be evaluated in the other process.
+
+    If it is `persistent`, its value is kept there as first argument of all later calls.
+    """
 
     function: Callable[..., object]
     arguments: tuple[object, ...]
@@ -81,8 +88,8 @@ class _Question(NamedTuple):
 class Process:
     """An interpreter in another process, with the same search path for modules as this one.
 
-    The output of libraries is appended to the file `output`. `environment` contains environment
-    variables to be changed.
+    The output of libraries is appended to the file `output`. `environment` contains the environment
+    variables that differ from those of this process, by name.
     """
 
     def __init__(
@@ -130,10 +137,11 @@ class Process:
             return
 
     def answer(self, patience: float = inf) -> Any:
-        """Value of the earliest call not yet answered, for which it waits up to `patience` (s).
+        """Value of the earliest call not yet answered, waiting at most `patience` (s) for it.
 
-        Remarks of the call are repeated in this process. Raises the InputError or ComputationError
-        of the call, ProgramError for any other error of the call, and Crashed.
+        Remarks of the call are issued again in this process. Raises an InputError or
+        ComputationError of the call, ProgramError for any other error of the call, and Crashed if
+        the process ends or does not answer in time.
         """
         begun = monotonic()
         while not self.has_answer():
@@ -142,7 +150,7 @@ class Process:
         return self.receive().result()
 
     def has_answer(self) -> bool:
-        """True if an answer, or the end of the process, comes within half a second."""
+        """True if an answer or the end of the process arrives within half a second."""
         try:
             return self.connection.poll(_HEARTBEAT)
         except ConnectionError:
@@ -189,8 +197,9 @@ def in_own_process(function: Callable[..., T], *arguments: object, patience: flo
 def within_limits(seconds: float, function: Callable[..., T], *arguments: object) -> T:
     """Value of `function(*arguments)` in a fresh interpreter, with limits on CPU time and memory.
 
-    The limits are `seconds` of CPU time and 8 GB. For functions that read files of other programs.
-    Raises the errors of `in_own_process`, and Crashed if a limit is exceeded.
+    The limits are `seconds` of CPU time and 8 GB of memory. They protect against damaged files of
+    other programs and against libraries that run without end. Raises the errors of
+    `in_own_process`, and Crashed if a limit is exceeded.
     """
     value: T = in_own_process(_limited, seconds, function, *arguments)
     return value
@@ -224,7 +233,10 @@ def _limit(resource: ModuleType, kind: int, limit: int) -> None:
 
 
 def serve(descriptor: int) -> None:
-    """Answer the calls from a connection until it is closed."""
+    """Main function of the other process: answer calls until the calling process is gone.
+
+    `descriptor` is the file descriptor of the connection to the calling process.
+    """
     faulthandler.enable()
     connection = Connection(descriptor)
     questions: SimpleQueue[bytes] = SimpleQueue()
@@ -235,7 +247,10 @@ def serve(descriptor: int) -> None:
 
 
 def _answered(content: bytes, persistent: list[object]) -> bytes:
-    """Pickled answer to a pickled call. A persistent value is appended to `persistent`."""
+    """Pickled answer to a pickled call. `persistent` are the values kept so far.
+
+    They are the first arguments of the call. The value of a persistent call is appended to them.
+    """
     remarks: list[Remark] = []
     try:
         question: _Question = pickle.loads(content)  # noqa: S301  from the parent process

@@ -75,8 +75,8 @@ def check(mesh: SectionMesh | VolumeMesh, part: str) -> None:
 def _scaled_jacobian(element: ElementName, corners: Array, slopes: Array) -> Array:
     """Smallest scaled Jacobian (M) of each element.
 
-    `corners` (M×k×d, in m) are the nodes of the elements, `slopes` (k×d×Q) the gradients of the
-    shape functions at Q points.
+    `corners` (M×k×d, in m) are the positions of all k nodes of the elements, `slopes` (k×d×Q) the
+    gradients of the shape functions at Q reference points.
     """
     count, dimension, points = slopes.shape
     jacobian = np.swapaxes(corners, 1, 2) @ slopes.reshape(count, dimension * points)

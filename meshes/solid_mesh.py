@@ -13,8 +13,8 @@ from meshes.section.section_mesh import SectionMesh
 class EndFace:
     """End face of a leg: its `nodes` (n node numbers of the solid), and a plane `mesh` of the face.
 
-    The nodes of the plane mesh are in the same order. `axes` (3×3, columns) are the axes of the
-    plane mesh, its normal first. None if they are the axes of the leg.
+    Node i of the plane mesh is node `nodes[i]` of the solid. `axes` (3×3, columns) are the axes of
+    the plane mesh, its normal first. None if they are the axes of the leg.
     """
 
     nodes: IntArray
@@ -24,9 +24,10 @@ class EndFace:
 
 @dataclass(frozen=True, eq=False)
 class VolumeMesh:
-    """Mesh of a solid: `nodes` (N×3, in m), and node numbers of the `cells` (M×k), right-handed.
+    """Mesh of a solid: `nodes` (N×3, in m), and node numbers of the `cells` (M×k).
 
-    The nodes of a cell are in the order of `meshes.elements`.
+    The nodes of a cell are in the order of `meshes.elements`, and the cells are right-handed: their
+    Jacobians are positive.
     """
 
     nodes: Array
@@ -36,11 +37,12 @@ class VolumeMesh:
 
 @dataclass(frozen=True, eq=False)
 class SolidMesh(VolumeMesh):
-    """Mesh of a prismatic leg in leg axes. The centroids of its sections lie on the x axis.
+    """Mesh of a leg in leg axes.
 
-    `root` and `tip` are the end faces at exactly x = 0 and x = L. In an extruded mesh, nodes and
-    cells are numbered slice by slice from the root, and `slices` is the number of slices. None for
-    other meshes.
+    In a prismatic leg, the centroids of the sections lie on the x axis. `root` and `tip` are its
+    end faces. In a prismatic leg they lie exactly in the planes x = 0 and x = L. In an extruded or
+    lofted mesh, nodes and cells are numbered slice by slice from the root, and `slices` is the
+    number of slices. None for other meshes.
     """
 
     root: EndFace
@@ -49,7 +51,10 @@ class SolidMesh(VolumeMesh):
 
     @property
     def regions(self) -> IntArray | None:
-        """Index (M) of the part to which each cell belongs. None in a leg of one material."""
+        """Index (M) of the part of the section to which each cell belongs.
+
+        None in a leg of one material.
+        """
         regions = self.root.mesh.regions
         return None if regions is None or self.slices is None else np.tile(regions, self.slices)
 

@@ -65,9 +65,10 @@ class Facets:
 class PartMesh(VolumeMesh):
     """Mesh of a part in the axes of its file (m).
 
-    `faces` contains the outward facets of each face, by face number, `names` the names of faces, if
-    any. `empty_sets` are node sets of the file that do not contain a complete facet. `straightened`
-    is the number of elements whose edges were made straight because the elements were folded.
+    `faces` contains the outward facets of each face, by face number. `names` contains the names of
+    the faces that have one, by face number. `empty_sets` are the names of node sets of the file
+    that do not contain a complete facet. `straightened` is the number of elements whose edges were
+    made straight because the elements were folded.
     """
 
     faces: Mapping[int, Facets]
@@ -83,7 +84,10 @@ class PartMesh(VolumeMesh):
 
 @memo(8)
 def _local_facets(element: SolidElement) -> IntArray:
-    """Local nodes (facets × nodes) of each facet of a cell, in the node order of facet elements."""
+    """Local nodes (facets × nodes) of each facet of a cell, in the node order of facet elements.
+
+    A facet element is the plane element of `FACET` on the sides of a cell.
+    """
     kind, flat = ELEMENTS[element], ELEMENTS[FACET[element]]
     corners = _TETRAHEDRON if element.startswith("tet") else _HEXAHEDRON
     linear: SectionElement = "tri3" if element.startswith("tet") else "quad4"
@@ -96,7 +100,7 @@ def _local_facets(element: SolidElement) -> IntArray:
 
 
 def facets_of_cells(mesh: VolumeMesh) -> tuple[Facets, IntArray]:
-    """All facets of all cells, with outward normals, and the index of the cell of each."""
+    """All facets of all cells, with outward normals, and the index of the cell of each facet."""
     local = _local_facets(mesh.element)
     cells = mesh.cells[:, local].reshape(-1, local.shape[1])
     return Facets(cells, FACET[mesh.element]), np.repeat(np.arange(len(mesh.cells)), len(local))
@@ -121,10 +125,10 @@ def area_vectors(nodes: Array, facets: Facets) -> Array:
 
 
 def smooth_faces(nodes: Array, facets: Facets) -> list[IntArray]:
-    """Rows of `facets` that form each smooth face.
+    """Smooth faces of a surface: for each face the indices of its `facets`.
 
-    Facets of one face are connected by edges at which the normal turns by less than the angle
-    CREASE. Faces are in the order of their first facets.
+    Two facets belong to one face if the normal turns by less than the angle CREASE at their common
+    edge. Faces are in the order of their first facets. `nodes` are N×3 (m).
     """
     normals = area_vectors(nodes, facets)
     normals = normals / np.linalg.norm(normals, axis=1)[:, None]

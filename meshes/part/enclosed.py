@@ -1,6 +1,6 @@
 """Volume, centre and moments of a solid, and areas of its faces, by integrals over its surface.
 
-These integrals check those of gmsh's geometry kernel (OpenCASCADE).
+These integrals check those of gmsh's geometry kernel (OpenCASCADE), called CAD kernel here.
 """
 
 from collections.abc import Sequence
@@ -30,8 +30,9 @@ _DEGREE = 8
 class VolumeProperties:
     """Volume properties of a solid: `volume` (m³), `centre` (3, in m), `inertia` (3×3, in m⁵).
 
-    The inertia is that for density 1 about the centre. `error` (m³) is the half-width of the
-    volume's uncertainty from two surface meshes. Zero if the volume is exact.
+    The inertia is the moment of inertia about the centre for density 1. `error` (m³) is the
+    half-width of the volume's uncertainty if the volume was extrapolated from two surface meshes.
+    Zero if the volume is exact.
     """
 
     volume: float
@@ -47,9 +48,10 @@ def _tri6() -> tuple[Array, Array, Array]:
 
 
 def _integrated(nodes: Array, facets: Facets) -> tuple[Array, Array]:
-    """Quadrature points (F×Q×3, in m) of quadratic triangles, and weighted normals there.
+    """Quadrature points (F×Q×3, in m) of F quadratic triangles, and weighted normals at them.
 
-    The normals (F×Q×3, in m²) are multiplied by the quadrature weights.
+    The normals (F×Q×3, in m²) are multiplied by the quadrature weights, so that their lengths are
+    areas.
     """
     shapes, slopes, weights = _tri6()
     corners = nodes[facets.cells]
@@ -93,7 +95,12 @@ def half_width(coarse: float, fine: float) -> float:
 
 
 def is_limit(kernel: float, coarse: float, fine: float) -> bool:
-    """True if an integral by the CAD kernel agrees with the limit of its values on two meshes."""
+    """True if `kernel`, an integral by the CAD kernel, is confirmed by two surface meshes.
+
+    `coarse` and `fine` are the values of the same integral on these meshes. The integral is
+    confirmed if it agrees with the value extrapolated from them, within the uncertainty of the
+    extrapolation.
+    """
     limit = fine + _ERROR * (fine - coarse)
     return abs(kernel - limit) <= half_width(coarse, fine) + ROUNDING * abs(kernel)
 
@@ -101,9 +108,9 @@ def is_limit(kernel: float, coarse: float, fine: float) -> bool:
 def corrected(
     kernel: VolumeProperties, coarse: VolumeProperties, fine: VolumeProperties
 ) -> VolumeProperties:
-    """Volume properties of the CAD kernel if its volume agrees with two surface meshes.
+    """Volume properties by the CAD kernel, or by two surface meshes if these contradict its volume.
 
-    Otherwise the values extrapolated from the integrals over these meshes.
+    In the second case they are extrapolated from the properties `coarse` and `fine` on the two meshes.
     """
     if is_limit(kernel.volume, coarse.volume, fine.volume):
         return kernel
@@ -132,9 +139,9 @@ def face_area(nodes: Array, facets: Facets) -> FaceArea:
 
 
 def corrected_area(kernel: FaceArea, coarse: FaceArea, fine: FaceArea) -> FaceArea:
-    """Area and centre from the CAD kernel if the area agrees with two surface meshes.
+    """Area and centre of a face by the CAD kernel, or by two surface meshes if they contradict it.
 
-    Otherwise the values extrapolated from the integrals over these meshes.
+    In the second case they are extrapolated from the values `coarse` and `fine` on the two meshes.
     """
     if is_limit(kernel.area, coarse.area, fine.area):
         return kernel

@@ -24,13 +24,14 @@ _ACROSS = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """A face of a part. Lengths in m, axes of the file.
+    """A face of a part. Lengths are in m, vectors in the axes of the file.
 
-    `centre` (3) is that of the area. For a plane, `direction` is the outward normal. For a bore or
-    a boss (a cylinder seen from inside or outside), `direction` is the axis, `on_axis` the point in
-    the middle of the axis, and `radius` the radius. `radius` is zero for other faces, `direction`
-    for faces of type "other". `name` is the name in the file, or "". `facets` are the facets of the
-    face, with indices of the nodes of the surface.
+    `centre` (3) is the centre of the area. For a plane, `direction` is the outward normal. A bore
+    is a cylinder that surrounds a hole, a boss a cylinder that surrounds material. For both,
+    `direction` is the axis, `on_axis` the point in the middle of the axis, and `radius` the radius.
+    `radius` is zero for other faces, and `direction` is zero for faces of type "other". `name` is
+    the name in the file, or "" if the file gives none. `facets` are the facets of the face, with
+    indices of the nodes of the part's surface.
     """
 
     number: int
@@ -70,7 +71,10 @@ def face_of(number: int, nodes: Array, facets: Facets, name: str = "") -> Face:
 
 
 def _plain(direction: Array) -> Array:
-    """Direction in which round-off, which would be printed as -0 or 1e-17, is replaced by zero."""
+    """Direction (3) whose components below 1e-9 are set to zero.
+
+    These are round-off, which would be printed as -0 or 1e-17.
+    """
     return np.asarray(np.where(np.abs(direction) < 1e-9, 0.0, direction))
 
 

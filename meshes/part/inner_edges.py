@@ -3,11 +3,13 @@
 If material fills more than half of the space about an edge, stresses grow without bound towards the
 edge: at a right angle the warping function of torsion varies as r^(2/3), so that the energy error
 of elements of size h is of order h^(4/3) for any element order (Grisvard, Elliptic Problems in
-Nonsmooth Domains, §2.4). Uniform refinement would need many elements. Instead each element side
-that leaves such an edge is cut (anisotropic grading: Apel, Anisotropic Finite Elements, ch. 4). The
-shape of the part does not change, and the new mesh can represent all displacements of the old one.
+Nonsmooth Domains, §2.4). Uniform refinement would need many elements. Instead, each element side
+that starts on such an edge and ends elsewhere is cut near the edge (anisotropic grading: Apel,
+Anisotropic Finite Elements, ch. 4). The shape of the part does not change, and the new mesh can
+represent all displacements of the old one.
 
-A *simplex* is a tetrahedron, or a triangle of the boundary. It is cut into *pieces*.
+A *simplex* is a tetrahedron, or a triangle of the boundary. It is cut into *pieces*, which are
+simplices, too.
 """
 
 from collections.abc import Iterator, Sequence
@@ -76,10 +78,10 @@ def second_order_unknowns(mesh: PartMesh, *, cut: bool) -> int:
 
 
 def cut_at_inner_edges(mesh: PartMesh) -> PartMesh:
-    """Mesh of tet10 in which all element sides that leave a re-entrant edge are cut.
+    """Mesh of tet10 in which each element side from a re-entrant edge into the solid is cut.
 
-    The mesh is unchanged if there is no such edge. Sides that leave the edge at a node where a
-    piece of a curved element would be folded are not cut.
+    The mesh is unchanged if there is no such edge. If cutting would fold a piece of a curved
+    element, the sides that start at the nodes of this element are not cut.
     """
     edges = inner_edges(mesh)
     while edges.size:
@@ -95,7 +97,7 @@ def cut_at_inner_edges(mesh: PartMesh) -> PartMesh:
 def _renewed(mesh: PartMesh, edges: IntArray, cut: "_Cut", positions: Array) -> PartMesh:
     """Mesh of all P pieces of `cut`, whose nodes have the given `positions` (P×10×3, in m).
 
-    `edges` are the corner nodes of `mesh` on re-entrant edges.
+    `mesh` is the mesh that was cut. `edges` are its corner nodes on re-entrant edges.
     """
     corner_numbers, corners = _renumbered(cut.corners)
     sides, middles = np.unique(_middles(corners), return_inverse=True)
@@ -116,9 +118,10 @@ def _renewed(mesh: PartMesh, edges: IntArray, cut: "_Cut", positions: Array) -> 
 class _Cut:
     """P pieces of cut simplices.
 
-    `owner` (P) is the index of the simplex from which a piece is cut. `corners` (P×k) are the
-    corners of the pieces, each as the number (`_side`) of the side of the simplex on which it lies.
-    `shares` (P×k×k) are the barycentric coordinates of the corners in the simplex.
+    `owner` (P) is the index of the simplex to which a piece belongs. Each corner of a piece lies on
+    a side of the simplex or at one of its nodes. `corners` (P×k) are the numbers of these sides or
+    nodes (see `_side`). `shares` (P×k×k) are the barycentric coordinates of the corners in the
+    simplex.
     """
 
     owner: IntArray
@@ -136,27 +139,31 @@ class _Cut:
 def _side(start: IntArray, end: IntArray) -> IntArray:
     """Unique number of the element side between the nodes `start` and `end`.
 
-    If they are equal, the number stands for the node.
+    If both are the same node, the number stands for the node.
     """
     return (start << _BITS) + end
 
 
 def _renumbered(corners: IntArray) -> tuple[IntArray, IntArray]:
-    """Distinct numbers of `corners`, ascending, and the index of each corner among them."""
+    """Different numbers in `corners`, ascending, and for each corner the index of its number."""
     distinct, numbers = np.unique(corners, return_inverse=True)
     return distinct, numbers.reshape(corners.shape)
 
 
 def _middles(corners: IntArray) -> IntArray:
-    """Numbers (`_side`, from lower to higher node) of all sides of triangles or tetrahedra."""
+    """Numbers of all sides of triangles (`corners` M×3) or tetrahedra (M×4).
+
+    These numbers are those of `_side`, from the lower to the higher node number.
+    """
     ends = np.sort(corners[:, SIMPLEX_EDGES[corners.shape[1]]].reshape(-1, 2), axis=1)
     return _side(ends[:, 0], ends[:, 1])
 
 
 def _cut(cells: IntArray, edges: IntArray) -> _Cut:
-    """Pieces of simplices, cut between their nodes on `edges` and their other nodes.
+    """Pieces of simplices, cut between their nodes on re-entrant edges and their other nodes.
 
-    `cells` (M×k) are the node numbers of the simplices.
+    `cells` (M×k) are the node numbers of the simplices, `edges` the numbers of the nodes on
+    re-entrant edges.
     """
     size = cells.shape[1]
     on, order = np.isin(cells, edges), np.argsort(cells, axis=1)
@@ -181,11 +188,13 @@ def _cut(cells: IntArray, edges: IntArray) -> _Cut:
 
 
 def _pieces(on: Array, order: IntArray) -> IntArray:
-    """Corners (P×k×2) of the pieces of a simplex with some corners `on` a re-entrant edge.
+    """Corners (P×k×2) of the P pieces of one simplex that has corners on a re-entrant edge.
 
-    A corner is given by the two corners of the simplex between which it lies half way, or by one
-    corner of the simplex twice. `order` contains the corners of the simplex in ascending order of
-    their node numbers: diagonals start at the lower number, so that neighbours agree.
+    `on` (k) is True for the corners of the simplex on the edge. A corner of a piece is a pair of
+    indices of corners of the simplex. The pair (i, i) is corner i itself. The pair (i, j) is the
+    cut on the side from corner i, on the edge, to corner j. `order` contains the corners of the
+    simplex in ascending order of their node numbers. Diagonals start at the lower number, so that
+    neighbouring simplices are cut along the same diagonals.
     """
     inner = [int(i) for i in order if on[i]]
     outer = [int(i) for i in order if not on[i]]
@@ -203,9 +212,10 @@ def _pieces(on: Array, order: IntArray) -> IntArray:
 
 
 def _prism(foot: Sequence[_Corner], head: Sequence[_Corner]) -> Iterator[list[_Corner]]:
-    """Simplices that fill a prism between its faces `foot` and `head`.
+    """Simplices that fill a prism between its faces `foot` and `head`, each given by its corners.
 
-    Diagonals run from a corner of `foot` to later corners of `head`.
+    Both faces have their corners in the same order. Diagonals of the prism's other sides run from a
+    corner of `foot` to a later corner of `head`.
     """
     for i in range(len(foot)):
         yield [*foot[: i + 1], *head[i:]]

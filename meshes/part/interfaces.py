@@ -1,4 +1,4 @@
-"""Interfaces of a part: the faces, the reference point and the coupling of each."""
+"""Interfaces of a part: the faces, the reference point and the coupling of each interface."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -37,9 +37,11 @@ _SAME_DIRECTION = float(np.cos(np.radians(0.5)))
 class Interface:
     """Interface of a part: the `faces` to which a joint is attached, and its reference point.
 
-    `point` (3, in m, file axes) is the reference point. If the faces form a cylinder, `axis` is the
-    unit vector of its axis and `on_axis` (3, in m) a point on it; otherwise both are None. `area`
-    (m²) is that of the faces. `by_default` is True if the robot file does not specify the coupling.
+    `faces` are face numbers. `point` (3, in m, file axes) is the reference point. `coupling` is the
+    kind of coupling between the faces and the twist of the interface (`fem.couplings.grips`).
+    `by_default` is True if the robot file does not specify the coupling. If the faces form a
+    cylinder, `axis` is the unit vector of its axis and `on_axis` (3, in m) a point on the axis.
+    Otherwise both are None. `area` (m²) is the total area of the faces.
     """
 
     name: str
@@ -53,7 +55,7 @@ class Interface:
 
     @property
     def reason(self) -> str:
-        """Reason for the coupling, for the report."""
+        """Text for the report: the reason why the interface has its coupling."""
         return WHY_RIGID if self.by_default else "as specified"
 
 
@@ -64,9 +66,10 @@ def find_interfaces(
 ) -> tuple[Interface, ...]:
     """Interfaces of a part as specified in the robot file, in the same order.
 
-    `points` (m, file axes) are the reference points by name. A missing point is placed in the
-    middle of the axis of a cylinder, otherwise in the centre of the faces' area. Raises InputError
-    with all faults at once, each with the nearest face that might be meant.
+    `specified` contains their specifications by interface name, `points` (3 each, in m, file axes)
+    their reference points by name. A reference point that is missing is placed in the middle of the
+    axis of a cylinder, otherwise in the centre of the faces' area. Raises InputError with all
+    faults at once. If a selection matches no face, its fault names the nearest face.
     """
     interfaces, faults = [], []
     for name, interface in specified.items():
@@ -107,9 +110,10 @@ def _interface(
 
 
 def selected_faces(part: PartFile, selection: Selection, point: Array | None = None) -> list[Face]:
-    """Selected faces of a part. `point` (m, file axes) stands for a missing point of the selection.
+    """Faces of a part that match a selection.
 
-    Raises InputError with the nearest face that might be meant.
+    `point` (3, in m, file axes) is used if the selection of a cylinder or plane has no point of its
+    own. Raises InputError if no face matches, with the nearest face in its message.
     """
     match selection:
         case ByFaces(faces):
@@ -242,7 +246,7 @@ def _point_text(point: Array) -> str:
 
 
 def _shared(part: PartFile, interfaces: Sequence[Interface]) -> list[str]:
-    """Faults of pairs of interfaces that have common faces, or whose faces have common edges."""
+    """Messages about pairs of interfaces that have a common face or a common edge."""
     nodes = {
         interface.name: set().union(
             *(part.face(number).facets.nodes.tolist() for number in interface.faces)

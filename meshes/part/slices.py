@@ -32,12 +32,15 @@ _SECONDS = 120.0
 
 
 class NotPrismaticError(InputError):
-    """Error: a part cannot be cut into sections of prismatic legs."""
+    """Error: a part cannot be represented by prismatic pieces with its plane cross-sections."""
 
 
 @dataclass(frozen=True, eq=False)
 class Slice:
-    """One connected piece of a section: outer outline and holes (n×2 each, in m, in the plane)."""
+    """A connected piece of a plane cross-section: its outer outline and those of its holes.
+
+    Each outline is n×2 (in m), in the two axes of the plane.
+    """
 
     outer: Array
     holes: tuple[Array, ...]
@@ -72,11 +75,12 @@ class Slice:
 
 
 def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Slice]:
-    """Pieces of the section in which a plane cuts a part. The first is the nearest to `origin`.
+    """Connected pieces of the cross-section of a part by a plane.
 
-    The plane passes through `origin` (3, in m), and its normal is the first column of `axes` (3×3).
-    The outlines are in the other two axes. `facets` is the boundary of the part on `nodes`. Raises
-    NotPrismaticError if the plane does not cut the part.
+    The first piece is the one whose centroid is nearest to `origin`. The plane passes through
+    `origin` (3, in m), and its normal is the first column of `axes` (3×3). The outlines are given
+    in the other two axes, from `origin`. `facets` is the boundary of the part, `nodes` (N×3, in m)
+    are the nodes of its mesh. Raises NotPrismaticError if the plane does not cut the part.
     """
     from matplotlib.path import Path as Outline  # noqa: PLC0415  slow to import, and makes folders
 
@@ -105,7 +109,10 @@ def slices_of(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[
 
 
 def slice_meshes(pieces: Sequence[Slice]) -> list[SectionMesh]:
-    """Meshes of second-order triangles inside the outlines. Raises InputError if gmsh crashes."""
+    """Mesh of second-order triangles inside the outlines of each of the `pieces`.
+
+    Raises InputError if gmsh crashes.
+    """
     try:
         return within_limits(_SECONDS, _slice_meshes, pieces)
     except Crashed as crash:

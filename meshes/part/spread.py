@@ -14,10 +14,10 @@ _COUNT = 60
 
 
 def spread_over(mesh: VolumeMesh) -> tuple[IntArray, Array]:
-    """At most _COUNT corner nodes, far apart, and the volume (m³) of the cells nearest to each.
+    """Numbers of at most _COUNT corner nodes, far apart, and the volume (m³) that belongs to each.
 
     The node farthest from those already selected is added repeatedly (Gonzalez, Theor. Comput. Sci.
-    38 (1985) 293). The position of a cell is its centre.
+    38 (1985) 293). The volume of a cell belongs to the selected node that is nearest to its centre.
     """
     corners = mesh.cells[:, list(ELEMENTS[mesh.element].corner_nodes)]
     candidates = np.unique(corners)

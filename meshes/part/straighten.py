@@ -1,4 +1,4 @@
-"""Straightening of folded second-order tetrahedra, of as few as possible.
+"""Straightening of folded second-order tetrahedra. As few elements as possible are straightened.
 
 If two facets of an element lie on one smooth face, or on tangent faces, they are in one plane at
 the ends of their common edge, and the Jacobian vanishes there. Such an element integrates
@@ -58,12 +58,19 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
 
 
 def are_folded(positions: Array) -> NDArray[np.bool_]:
-    """True for each tet10 with nodes at `positions` (M×10×3, in m) that is (nearly) folded."""
+    """Flags (M) of M tet10: True if folded or nearly folded.
+
+    `positions` (M×10×3, in m) are those of their nodes.
+    """
     return np.asarray(_evenness(positions) < _FOLDED)
 
 
 def _evenness(positions: Array) -> Array:
-    """Ratio (M, at most 1) of smallest to largest Jacobian of each cell at quadrature points."""
+    """Ratio (M) of the smallest to the largest absolute Jacobian in each of M cells, at most 1.
+
+    `positions` (M×10×3, in m) are the nodes of the cells. The Jacobians are those at quadrature
+    points.
+    """
     points, _ = quadrature("tet10", _DEGREE)
     slopes = gradients("tet10", points)
     jacobians = np.einsum("mki,kjq->mqij", positions, slopes, optimize=True)
@@ -72,7 +79,7 @@ def _evenness(positions: Array) -> Array:
 
 
 def _fullness(nodes: Array, cells: IntArray) -> Array:
-    """Ratio (M) of the volume of each cell, with straight edges, to its longest edge cubed."""
+    """Ratio (M) of each cell's volume to the cube of its longest edge, with straight edges."""
     first, second = SIMPLEX_EDGES[4].T
     longest = np.linalg.norm(nodes[cells[:, first]] - nodes[cells[:, second]], axis=2).max(axis=1)
     sides = nodes[cells[:, 1:4]] - nodes[cells[:, :1]]

@@ -82,8 +82,8 @@ class Grading:
     """Element sizes of a mesh.
 
     `size` (m) applies away from curvature and interfaces. `sides` is the number of element sides
-    per full circle; zero if sizes do not follow the curvature. If `cut` is True, elements at
-    re-entrant edges are refined across these edges.
+    per full circle. Zero if sizes do not follow the curvature. If `cut` is True, elements at
+    re-entrant edges are refined in the direction away from these edges (`meshes.part.inner_edges`).
     """
 
     size: float
@@ -98,8 +98,9 @@ class Grading:
 def volume_mesh(part: PartFile, interfaces: Sequence[Interface], grading: Grading) -> PartMesh:
     """Mesh of a part with second-order tetrahedra, whose curved edges lie on the true surface.
 
-    If gmsh fails, slightly smaller sizes are attempted. Raises InputError if the surface cannot be
-    meshed, if gmsh crashes or if the part is a mesh already, ComputationError if no size succeeds.
+    If gmsh fails, other settings and slightly smaller sizes than those of `grading` are attempted.
+    Raises InputError if the surface cannot be meshed, if gmsh crashes or if the part is a mesh
+    already, ComputationError if all attempts fail.
     """
     if part.mesh is not None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed again")
@@ -156,13 +157,14 @@ def _meshed(
 def refined_gradings(
     part: PartFile, interfaces: Sequence[Interface], unknowns: int
 ) -> tuple[Grading, ...]:
-    """Gradings of three meshes, coarse to fine.
+    """Gradings of three similar meshes of a part, coarse to fine.
 
-    The finest has about the given number of `unknowns`. The element size is found with meshes of
-    the finest grading with straight edges, which are fast, starting from large elements, by the
-    secant method on logarithms. If facets of thin round walls intersect because they are too
-    coarse, all three gradings are made finer. A part that cannot be meshed with sizes that follow
-    its curvature is meshed without. Raises InputError as `volume_mesh` does.
+    The finest mesh has about the given number of `unknowns`. Its element size is found by the
+    secant method on the logarithms of size and unknowns, starting from large elements. The unknowns
+    of each trial size are counted on a mesh with straight edges, which is made fast. If elements
+    are so coarse that facets of thin round walls intersect, all three gradings are made finer. If a
+    part cannot be meshed with sizes that follow its curvature, its sizes do not follow it. Raises
+    InputError as `volume_mesh` does.
     """
     if part.exact is None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed again")
@@ -282,9 +284,10 @@ def _require_filled(mesh: PartMesh, part: PartFile) -> None:
     """Raise InputError if the volume of a mesh of tet10 differs from that of the part.
 
     The volume of the part is an integral over its faces, each with its own outline and orientation.
-    The tetrahedra fill the space between the faces. The allowed difference is the volume between
-    the curved facets of the mesh and the flat ones through their corners (curved facets are closer
-    to the surface), plus the gap times the area.
+    The tetrahedra fill the space between the faces. Two differences are allowed. The first is the
+    volume between the curved facets of the mesh and flat facets with the same corners, because
+    curved facets are closer to the surface than flat ones. The second is the uncertainty of the
+    part's volume, mainly the gap times the area.
     """
     if part.exact is None:
         return

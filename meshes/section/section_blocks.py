@@ -7,12 +7,12 @@
 - circle: this number, but at least three, across a diameter (a core with curved sides, and a ring
   of four blocks around it);
 - walls (hollow rectangle, tube, I, channel, angle, tee, and polygons and composites all of whose
-  edges are parallel to y or z): one element across the thickness per four divisions, and more in
-  a thick wall (`_across`); along the wall, elements of the length smaller side / divisions, but
-  not longer than `WALL_ASPECT` times their thickness.
+  edges are parallel to y or z): across the thickness, one element per four divisions, and more in
+  a thick wall (`_across`); along the wall, elements whose length is the smaller side divided by
+  `divisions`, but not longer than `WALL_ASPECT` times their thickness.
 
 So divisions of 4, 8, 16, … are uniform refinements of each other for every shape. Polygons and
-composites with other edges have no blocks (`meshes.section.section_mesh`).
+composites with other edges have no blocks: `meshes.section.section_mesh` fills them without blocks.
 """
 
 from collections.abc import Sequence
@@ -63,11 +63,12 @@ _SAME_LINE = 1e-9
 class Blocks:
     """Four-sided blocks that fill a section.
 
-    `points` (P×2) are coordinates y and z in m. `corners` contains four point numbers for each
-    block, counter-clockwise. An edge is a pair of point numbers, in one direction only. `counts` is
-    the number of elements along each edge, `arc_centres` (y and z, m) the centre of each edge that
-    is a circular arc. `regions` contains the index of the part to which each block of a section of
-    several materials belongs; it is () in other sections.
+    `points` (P×2) are coordinates y and z in m. `corners` contains the four point numbers of each
+    block, counter-clockwise. An edge is a pair of point numbers; the dictionaries contain each edge
+    in one of its two directions. `counts` is the number of elements along each edge. `arc_centres`
+    (y and z, in m) is the centre of each edge that is a circular arc. In a section of several
+    materials, `regions` contains for each block the index of the part to which it belongs. () in
+    other sections.
     """
 
     points: Array
@@ -96,7 +97,7 @@ def section_blocks(section: Section, divisions: Divisions) -> Blocks:
 
 
 def has_blocks(section: OutlinedSection | Composite) -> bool:
-    """True if all edges of an outline, of its holes or of parts are parallel to y or to z."""
+    """True if all edges of a section, of its holes and of its parts are parallel to y or to z."""
     gap = _SAME_LINE * max(section.extent)
     parts = section.parts if isinstance(section, Composite) else [section]
     loops = (loop for part in parts for loop in part.loops)
@@ -107,18 +108,18 @@ def has_blocks(section: OutlinedSection | Composite) -> bool:
 def refinements(divisions: Divisions) -> int:
     """Number of times that each element of a polygon's coarsest mesh is divided into four.
 
-    It is the smallest for which the mesh has at least the required `divisions`.
+    It is the smallest number for which the mesh has at least the required `divisions`.
     """
     count = min(divisions) if isinstance(divisions, tuple) else divisions
     return max(0, ceil(log2(count / _COARSEST)))
 
 
 def side_ratio(section: Section) -> float:
-    """Ratio of the numbers of elements along the larger and along the smaller side of a section.
+    """Number of elements along the larger side of a section per element along the smaller.
 
     A strip bends like a plate, over lengths of the order of its width. If a strip is wider than
-    `WALL_ASPECT` times its thickness, its elements are therefore stretched along its width and
-    length.
+    `WALL_ASPECT` times its thickness, its elements are therefore stretched along the width of the
+    strip.
     """
     smaller, larger = sorted(section.extent)
     ratio = larger / smaller
@@ -126,7 +127,10 @@ def side_ratio(section: Section) -> float:
 
 
 def element_length(section: Section, divisions: int) -> float:
-    """Length (m) along the leg of solid elements, `divisions` of which span the smaller side."""
+    """Length (m) along the leg of solid elements, `divisions` of which span the smaller side.
+
+    Elements are as long as they are wide across the smaller side, or longer in a wide strip.
+    """
     smaller, larger = sorted(section.extent)
     if not isinstance(section, Rectangle) or larger <= WALL_ASPECT * smaller:
         return smaller / divisions
@@ -146,7 +150,11 @@ def element_count(section: Section, divisions: Divisions) -> int:
 
 
 def sides_of(blocks: Blocks, corners: tuple[int, int, int, int]) -> tuple[int, int]:
-    """Numbers of elements along the first and the second side of the block with these `corners`."""
+    """Numbers of elements along the first and second side of a block.
+
+    `corners` are the four point numbers of the block. The first side runs from its first corner to
+    its second.
+    """
     a, b, c, _ = corners
     across, along = (
         blocks.counts.get(edge) or blocks.counts[edge[::-1]] for edge in ((a, b), (b, c))
@@ -155,17 +163,18 @@ def sides_of(blocks: Blocks, corners: tuple[int, int, int, int]) -> tuple[int, i
 
 
 def _across(thickness: float, side: float, divisions: int) -> int:
-    """Number of elements across a wall of the given thickness.
+    """Number of elements across a wall of the given `thickness` (m).
 
-    `side` is the section's smaller side.
+    `side` (m) is the section's smaller side.
     """
     return ceil(divisions / 4) * _fitting(thickness, side / 4.0)
 
 
 def _along(length: float, thickness: float, side: float, divisions: int) -> int:
-    """Number of elements along a wall: the number for four divisions, times divisions / 4.
+    """Number of elements along a wall of the given `length` and `thickness` (m).
 
-    It is increased if the aspect ratio would exceed `WALL_ASPECT`.
+    It is the number for four divisions, times divisions / 4. It is increased if the aspect ratio of
+    an element would exceed `WALL_ASPECT`. `side` (m) is the section's smaller side.
     """
     longest = WALL_ASPECT * thickness / _across(thickness, side, 4)
     of_four = _fitting(length, min(side / 4.0, longest))
@@ -223,7 +232,7 @@ def _i_section(section: ISection, divisions: int) -> Blocks:
 
 
 def _rectilinear(section: OutlinedSection | Composite, divisions: int) -> Blocks:
-    """Blocks within a section or its parts, bounded by the lines through all edges."""
+    """Rectangular blocks of a section, bounded by the lines through all its edges."""
     parts = section.centred_loops if isinstance(section, Composite) else (section.centred_loops,)
     corners = np.vstack([loop for loops in parts for loop in loops])
     ys, zs = (_lines(corners[:, axis], section) for axis in (0, 1))
@@ -250,7 +259,10 @@ def _part_at(parts: Sequence[Sequence[Loop]], point: Array) -> int:
 
 
 def _lines(coordinates: Array, section: Section) -> Array:
-    """Distinct coordinates of the lines on which edges lie, ascending."""
+    """Coordinates (m, ascending) of the parallel lines on which edges of a section lie.
+
+    `coordinates` are those of all corners along one axis.
+    """
     ordered = np.sort(coordinates)
     steps = np.diff(ordered, prepend=-np.inf)
     return np.asarray(ordered[steps > _SAME_LINE * max(section.extent)])
@@ -259,11 +271,14 @@ def _lines(coordinates: Array, section: Section) -> Array:
 def _strip_counts(
     widths: Array, across: Array, owners: IntArray, side: float, divisions: int
 ) -> list[int]:
-    """Number of elements across each of the parallel strips of a section, with given `widths`.
+    """Number of elements across each of the parallel strips into which a section is divided.
 
-    Perpendicular strips with the widths `across` divide these strips into blocks. `owners` contains
-    the number of the part of each block, −1 outside the section. The width of a strip is the
-    thickness of a wall, or a length along the thinnest wall that crosses the strip.
+    `widths` (m) are the widths of the strips. Perpendicular strips with the widths `across` (m)
+    divide them into blocks. `owners` (one row per strip, one column per block) contains the number
+    of the part to which a block belongs, −1 outside the section. Adjacent blocks of one part in a
+    strip form a run. A strip is a wall if it is not wider than its shortest run is long. It is then
+    divided like the thickness of a wall. Any other strip is divided along the thinnest wall that
+    crosses it. `side` (m) is the section's smaller side.
     """
     counts = []
     for width, blocks in zip(widths.tolist(), owners, strict=True):
@@ -279,7 +294,10 @@ def _strip_counts(
 
 
 def _mirrored(*sizes: float) -> list[float]:
-    """Coordinates of the sides of concentric strips of the given sizes (widest first)."""
+    """Coordinates (m, ascending) of the sides of strips centred at 0.
+
+    `sizes` (m) are the widths of the strips, the widest first.
+    """
     return [-size / 2.0 for size in sizes] + [size / 2.0 for size in reversed(sizes)]
 
 
@@ -292,8 +310,9 @@ def _grid(
 ) -> Blocks:
     """Rectangular blocks between lines at `ys` and `zs` (m).
 
-    `filled` has a row for each strip between two of the `zs`, with True for each block to make.
-    `counts_y` and `counts_z` are numbers of elements between the lines.
+    `filled` has a row for each interval of `zs`, and in it one flag for each interval of `ys`: True
+    if a block is made there. `counts_y` and `counts_z` are the numbers of elements in these
+    intervals.
     """
     numbers: dict[tuple[int, int], int] = {}
     counts: dict[Edge, int] = {}
@@ -367,7 +386,7 @@ def _rings(diameters: Sequence[float], quarter: int, across: int) -> Blocks:
 
 
 def _tube_of_layers(section: LaminateTube, divisions: int) -> Blocks:
-    """Blocks of each run of equal layers of a tube.
+    """Blocks of a tube of layers. Adjacent equal layers (a run) are meshed like one layer.
 
     Every ring of elements is a ring of blocks, because only nodes on edges of blocks lie on arcs,
     and the chord of a long element is farther from its arc than a layer is thick.
@@ -381,7 +400,10 @@ def _tube_of_layers(section: LaminateTube, divisions: int) -> Blocks:
 
 
 def _box_of_layers(section: LaminateBox, divisions: int) -> Blocks:
-    """Blocks of each run of equal layers of a box. The layers have sharp corners."""
+    """Blocks of a box of layers with sharp corners.
+
+    Adjacent equal layers are meshed like one layer.
+    """
     numbers, depths = _layer_runs(section)
     side, thickness, count = min(section.extent), section.thickness, len(numbers)
     lines, counts = [], []
@@ -399,15 +421,15 @@ def _box_of_layers(section: LaminateBox, divisions: int) -> Blocks:
 
 
 def _across_run(divisions: int) -> int:
-    """Number of elements across a run of equal layers: one per four divisions, rounded up."""
+    """Number of elements across adjacent equal layers: one per four divisions, rounded up."""
     return ceil(divisions / 4)
 
 
 def _layer_runs(section: Laminate) -> tuple[list[int], Array]:
-    """Runs of equal layers, the outermost first.
+    """Runs of adjacent layers that are equal except for their thickness, the outermost run first.
 
-    Returns the index of one layer of each of the r runs, and the depths (r + 1, in m) of the sides
-    of the runs below the outer face.
+    Returns the index of one layer of each of the r runs, and the depths below the outer face (r + 1
+    values, in m) at which the runs begin and end.
     """
     numbers: list[int] = []
     thicknesses: list[float] = []

@@ -40,8 +40,8 @@ class SectionMesh:
     """Mesh of a section in the y–z plane of the leg. Cells are counter-clockwise seen from +x.
 
     `nodes` (N×2) are y and z in m. `cells` (M×k) are node numbers in the order of
-    `meshes.elements`. `regions` (M) are the indices of the parts to which the cells of a section of
-    several materials belong. None in other sections.
+    `meshes.elements`. In a section of several materials, `regions` (M) are the indices of the parts
+    to which the cells belong. None in other sections.
     """
 
     nodes: Array
@@ -55,8 +55,8 @@ class SectionMesh:
 def section_mesh(section: Section, divisions: Divisions) -> SectionMesh:
     """Mesh of a section with `divisions` elements across its smaller side (see `section_blocks`).
 
-    All nodes on curved sides lie exactly on the curve. Raises InputError if the section is
-    impossible or the divisions do not suit it, ComputationError if gmsh fails.
+    All nodes on curved sides lie exactly on the curve. Raises InputError if the section has no
+    outline or a faulty one, or if the divisions do not suit it, ComputationError if gmsh fails.
     """
     require_section(section, divisions)
     part = f"section mesh ({section.shape})"
@@ -88,7 +88,10 @@ def section_mesh(section: Section, divisions: Divisions) -> SectionMesh:
 
 
 def _fill_parts(gmsh: ModuleType, section: Composite, refinements: int) -> list[int]:
-    """Mesh the parts of a section as polygons (see `_fill`). Return their surfaces."""
+    """Mesh the parts of a section without blocks. Return gmsh's tags of their surfaces.
+
+    Each element of the coarsest mesh is divided into four `refinements` times (see `_fill`).
+    """
     loops_by_part = section.centred_loops
     partition = partition_edges(loops_by_part)
     geo = gmsh.model.geo
@@ -124,9 +127,10 @@ def _generate_quadrilaterals(gmsh: ModuleType, refinements: int) -> None:
 
 
 def _vertex_sizes(partition: Partition, largest: float) -> Array:
-    """Element size (m) at each vertex: the distance to the nearest edge that does not meet it.
+    """Element size (m) at each vertex: the distance to the nearest edge not meeting there.
 
-    The size is at most `largest`.
+    `partition` contains the vertices and edges of all parts of a section. The size is at most
+    `largest` (m).
     """
     starts, ends = (partition.vertices[partition.ends[:, i]] for i in (0, 1))
     sizes = np.full(len(partition.vertices), largest)
@@ -138,9 +142,9 @@ def _vertex_sizes(partition: Partition, largest: float) -> Array:
 
 
 def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> list[int]:
-    """Add the blocks to the gmsh model in x = 0, as surfaces with structured quadrilaterals.
+    """Add blocks to the gmsh model in the plane x = 0, as surfaces with structured quadrilaterals.
 
-    Return the surfaces.
+    Return gmsh's tags of the surfaces.
     """
     geo = gmsh.model.geo
     points = [geo.addPoint(0.0, y, z) for y, z in blocks.points]
@@ -166,10 +170,10 @@ def _add_blocks(gmsh: ModuleType, blocks: Blocks) -> list[int]:
 
 
 def _fill(gmsh: ModuleType, section: OutlinedSection, refinements: int) -> int:
-    """Mesh a polygon with quadrilaterals, each divided into four `refinements` times.
+    """Mesh a polygon with quadrilaterals. Return gmsh's tag of its surface.
 
-    gmsh first fills it with triangles and pairs of triangles of twice the size, which are divided
-    into quadrilaterals. Return its surface.
+    gmsh first fills it with triangles and quadrilaterals of twice the element size, and divides
+    these into quadrilaterals. Then each quadrilateral is divided into four, `refinements` times.
     """
     geo = gmsh.model.geo
     curves = []
@@ -187,10 +191,10 @@ def _fill(gmsh: ModuleType, section: OutlinedSection, refinements: int) -> int:
 
 
 def _corner_sizes(section: OutlinedSection) -> list[Array]:
-    """Element size (m) at each corner: the distance to the nearest edge that is not adjacent.
+    """Element size (m) at each corner: the distance to the nearest edge not meeting there.
 
     This is the wall thickness at the corner. It is limited to a quarter of the section's smaller
-    side.
+    side. The list has one array for each outline of the section.
     """
     largest = 0.25 * min(section.extent)
     sizes = []
@@ -226,7 +230,7 @@ _REVERSED: dict[SectionElement, list[int]] = {
 
 
 def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) -> IntArray:
-    """Cells (M×k), reversed if they run clockwise about +x. `nodes` (N×2) are y and z."""
+    """Cells (M×k) with those reversed that run clockwise about +x. `nodes` (N×2) are y and z."""
     origin, first, last = (
         nodes[cells[:, i]] for i in (0, 1, len(ELEMENTS[element].corner_nodes) - 1)
     )
@@ -236,11 +240,13 @@ def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) ->
 
 
 def symmetrised(nodes: Array, part: str) -> Array:
-    """Nodes (N×2, in m), averaged with the mirror images of their partners across both axes.
+    """Nodes (N×2, in m) of a section mesh, made exactly symmetric about both axes.
 
-    gmsh positions points on arcs with errors of about 1e-9 of their length. After averaging,
-    products of inertia and couplings vanish to round-off. Raises ComputationError, with `part` in
-    its message, if a node has no mirror image within 1e-6 of the section's size.
+    For each axis in turn, a node is moved to the mean of its position and of the mirror image of
+    its partner, the node on the other side of the axis. gmsh positions points on arcs with errors
+    of about 1e-9 of their length. After averaging, products of inertia and couplings vanish to
+    round-off. Raises ComputationError, with `part` in its message, if a node has no partner whose
+    mirror image is within 1e-6 of the section's size.
     """
     tolerance = 1e-6 * float(np.ptp(nodes, axis=0).max())
     for mirror in ([-1.0, 1.0], [1.0, -1.0]):
@@ -257,7 +263,7 @@ def symmetrised(nodes: Array, part: str) -> Array:
 def require_section(section: Section, divisions: Divisions) -> None:
     """Raise InputError with all faults of the shape of a section and of its divisions.
 
-    A section given by constants is a fault, too, because it has no mesh.
+    A section given by constants is a fault, too, because it has no outline that could be meshed.
     """
     if not section.has_outline:
         raise InputError(

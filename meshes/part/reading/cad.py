@@ -43,8 +43,9 @@ _GAP = 1e-7
 class CadModel:
     """The solid with the number `tag` in the current gmsh model.
 
-    `unit` is the length unit of its file, `extent` (3, in m) its size. `gap` (m) is the largest
-    distance between faces, edges and corners of the solid that should coincide.
+    `gmsh` is the module with this model. `unit` is the length unit of the file, `extent` (3, in m)
+    the size of the solid along x, y and z. `gap` (m) is the largest distance between faces, edges
+    and corners of the solid that should coincide.
     """
 
     gmsh: ModuleType
@@ -54,7 +55,7 @@ class CadModel:
     gap: float
 
     def faces(self) -> list[int]:
-        """Numbers of the faces of the solid, in gmsh and in this program."""
+        """Numbers of the faces of the solid. They are gmsh's tags."""
         return sorted(
             tag for _, tag in self.gmsh.model.getBoundary([(3, self.tag)], oriented=False)
         )
@@ -106,9 +107,10 @@ class NotMeshedError(InputError):
 def cad_model(path: Path, unit: str | None = None) -> Iterator[CadModel]:
     """Context with the model of a CAD file that contains a single solid.
 
-    `unit` is that of a BREP file; None stands for metres. Raises InputError if the file cannot be
-    read, contains no solid or several, or a solid that cannot be meshed (open, torn, flat, with
-    tiny edges).
+    `unit` is the length unit of a BREP file, which does not contain it. None stands for metres. For
+    a STEP file, `unit` must be None or the unit in the file. Raises InputError if the file cannot
+    be read, contains no solid or several, or contains a solid that cannot be meshed (open, torn,
+    flat, or with tiny edges).
     """
     length_unit = _unit(path, unit)
     with gmsh_model(str(path)) as gmsh:
@@ -183,9 +185,10 @@ def _box_of_faces(gmsh: ModuleType, faces: Sequence[tuple[int, int]]) -> Array:
 def _largest_gap(gmsh: ModuleType, solid: int) -> tuple[float, Array]:
     """Largest gap (m) of a solid of the current model, and its position (3, in m).
 
-    Edges in space are compared with the same edges on the surfaces of their faces, and corners with
-    the ends of their edges. The kernel ignores such gaps: it considers a shape closed if its faces,
-    edges and corners refer to each other, regardless of their positions.
+    Two distances are measured: between an edge as a curve in space and the same edge as a curve on
+    each of its faces, and between a corner and the ends of its edges. The kernel ignores these
+    gaps: it considers a shape closed if its faces, edges and corners refer to each other,
+    regardless of their positions.
     """
     model = gmsh.model
     worst, position = 0.0, np.zeros(3)
@@ -212,8 +215,8 @@ def _largest_gap(gmsh: ModuleType, solid: int) -> tuple[float, Array]:
 def _require_cavities_inside(model: CadModel, path: Path) -> None:
     """Raise InputError if a cavity is not within the solid.
 
-    The bounding boxes of shells are compared. The kernel accepts any closed shell as a cavity,
-    regardless of its position.
+    The bounding boxes of the shells (closed sets of faces) are compared. The kernel accepts any
+    closed shell as a cavity, regardless of its position.
     """
     _, shells = model.gmsh.model.occ.getSurfaceLoops(model.tag)
     if len(shells) == 1:
@@ -245,7 +248,10 @@ def _require_all_points(model: CadModel, path: Path, box: Array) -> None:
 
 
 def _require_all_faces(model: CadModel, path: Path) -> None:
-    """Raise InputError if some faces do not bound the solid, such as those of an open cavity."""
+    """Raise InputError if the file contains faces that do not bound the solid.
+
+    Such faces belong to an open shell or cavity, or to a sheet body.
+    """
     listed, bounding = count_faces(path.read_bytes()), len(model.faces())
     if bounding < listed:
         lost = f"{listed - bounding} of its {counted(listed, 'face')}"
@@ -278,7 +284,10 @@ def _one_solid(gmsh: ModuleType, path: Path) -> int:
 
 
 def _opening(gmsh: ModuleType) -> str:
-    """Position, as text, of an edge that belongs to a single face (an open shell). "" if none."""
+    """Text with the position of an edge that belongs to one face only, so that the shell is open.
+
+    "" if there is no such edge.
+    """
     for _, tag in gmsh.model.getEntities(1):
         faces, _ = gmsh.model.getAdjacencies(1, tag)
         if len(faces) == 1:
@@ -322,9 +331,10 @@ def _require_sound(model: CadModel, path: Path, position: Array) -> None:
 
 @contextmanager
 def locating_mesh_failures(path: Path, model: CadModel) -> Iterator[None]:
-    """Context that converts an error of gmsh during meshing to one with the position of the fault.
+    """Context that converts an error of gmsh during meshing to NotMeshedError with its position.
 
-    A solid that intersects itself cannot be meshed, because gmsh fails to recover a face.
+    A solid that intersects itself cannot be meshed, because gmsh fails to recover one of its faces.
+    The position is that of a face without elements.
     """
     try:
         yield

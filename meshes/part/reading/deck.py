@@ -55,7 +55,9 @@ Members: TypeAlias = list[int | range]
 class _Card:
     """A keyword of a deck with its options and the data lines below it, split into fields.
 
-    Keyword and option names are in capitals without blanks, values as in the file.
+    `line` is the line with the keyword. `keyword` and the names of `options` are in capitals
+    without blanks. The values of options are as in the file. `data` contains each data line with
+    its fields.
     """
 
     line: DeckLine
@@ -68,8 +70,9 @@ class _Card:
 class _Scope:
     """Nodes, elements and sets of a part, an instance, the assembly, or of the deck itself.
 
-    `nodes` contains the row of each node among the points of the deck, by node number, `elements`
-    the node numbers of each element, by element number. Sets are keyed by their name in capitals.
+    Each scope has its own numbering of nodes and elements. `nodes` contains the index in the
+    `points` of the deck for each node number. `elements` contains the node numbers of each element,
+    by element number. Sets are keyed by their name in capitals.
     """
 
     nodes: dict[int, int] = field(default_factory=dict)
@@ -82,8 +85,11 @@ class _Scope:
 class _Deck:
     """Content of a deck while it is read.
 
-    `blocks` contains, by type of element, the scope and the nodes of each solid element. `titles`
-    are the names of node sets as typed.
+    `points` (m or the unit of the deck) are the positions of all nodes of all scopes. `blocks`
+    contains the solid elements by their type in meshio, each as a scope and its node numbers in
+    this scope. `titles` contains the names of node sets as typed, by the name in capitals. `scopes`
+    contains the scopes by keyword and name, "" for the deck itself. `open_scopes` are the keys of
+    the scopes that have been opened and not closed, the innermost last.
     """
 
     path: Path
@@ -178,9 +184,10 @@ def _require_supported(card: _Card) -> None:
 
 
 def _open_scope(deck: _Deck, card: _Card) -> None:
-    """Open or close the scope of a part, an instance or the assembly, each with its own numbering.
+    """Open or close the scope of a part, an instance or the assembly.
 
-    An instance without nodes of its own has those of its part.
+    Other cards have no effect. Each scope has its own numbering of nodes and elements. An instance
+    of a part shares the scope of this part.
     """
     name = card.options.get("NAME", "").upper()
     if card.keyword in ("PART", "ASSEMBLY", "INSTANCE"):
@@ -238,10 +245,10 @@ def _read_elements(deck: _Deck, card: _Card) -> None:
 
 
 def _solid_kind(card: _Card) -> tuple[str, int]:
-    """Type of the elements below a card in meshio, and their number of nodes.
+    """Name in meshio of the type of the elements below a card, and their number of nodes.
 
-    The type is "" if the elements are not solid. Raises InputError for unknown elements that might
-    be solid.
+    The name is "" if the elements are not solid. Raises InputError for elements of an unknown type,
+    which might be solid.
     """
     name = card.options.get("TYPE", "")
     solid = _SOLID.fullmatch(name.upper())
@@ -294,10 +301,12 @@ def _generated(line: DeckLine, words: list[str]) -> range:
 def _members(
     deck: _Deck, keyword: str, line: DeckLine, text: str, scope: _Scope | None
 ) -> tuple[_Scope | None, Members]:
-    """Scope and members that one value of a set adds: a number, or the members of an earlier set.
+    """Scope and members that one value in the data of a set adds to the set.
 
-    `text` is the value, `keyword` that of the set (NSET or ELSET). The value may be preceded by the
-    name of an instance and a full stop. The scope is then that of the instance.
+    `text` is the value: the number of a node or element, or the name of a set above it, whose
+    members are added. `keyword` is NSET or ELSET. The value may be preceded by the name of an
+    instance and a full stop. The returned scope is then the scope of this instance, otherwise the
+    given `scope`, which is None for the scope that is open.
     """
     name = text.strip('"')
     if _WHOLE.fullmatch(name):
@@ -322,7 +331,7 @@ def _instance(deck: _Deck, line: DeckLine, name: str) -> _Scope:
 def _point_sets(deck: _Deck) -> dict[str, np.ndarray[Any, Any]]:
     """Indices of the points in each node set, by the name of the set as typed.
 
-    Numbers without a node are ignored, for which CalculiX issues a warning.
+    Numbers in a set that belong to no node are ignored. CalculiX ignores them, too, with a warning.
     """
     rows: dict[str, list[int]] = {}
     for scope in {id(scope): scope for scope in deck.scopes.values()}.values():
@@ -335,7 +344,7 @@ def _point_sets(deck: _Deck) -> dict[str, np.ndarray[Any, Any]]:
 
 
 def _present(members: Members, numbers: dict[int, Any]) -> list[int]:
-    """Members of a set that exist among the `numbers`."""
+    """Numbers in the `members` of a set that are keys of `numbers`."""
     present: list[int] = []
     for member in members:
         if isinstance(member, int):
@@ -362,7 +371,7 @@ def _whole(line: DeckLine, text: str) -> int:
 
 
 def _real(line: DeckLine, text: str) -> float:
-    """A coordinate from its text. Zero if it is omitted."""
+    """A coordinate from its text. Zero if the text is empty, because the coordinate is omitted."""
     if not text:
         return 0.0
     try:

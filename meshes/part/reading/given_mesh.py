@@ -178,9 +178,9 @@ def _pieces(mesh: VolumeMesh) -> int:
 def _named(
     mesh: VolumeMesh, facets: Facets, groups: list[Group]
 ) -> tuple[dict[int, Facets], dict[int, str]]:
-    """Faces by number, and the names of those that lie in a group of the file.
+    """Faces by number, and by number the names of the faces that lie in a group of the file.
 
-    Faces are the smooth patches of the boundary `facets`, divided at the limits of groups.
+    Faces are the smooth patches of the boundary `facets`, divided at the limits of `groups`.
     """
     label = np.zeros(len(facets.cells), dtype=np.int64)
     for number, rows in enumerate(smooth_faces(mesh.nodes, facets)):
@@ -203,9 +203,9 @@ def _named(
 def _groups(raw: Any, facets: Facets, new_numbers: IntArray) -> list[Group]:
     """Name of each group of a mesh file, and for each of the `facets` True if it is in the group.
 
-    Groups are physical groups of surface elements, and node sets; those that contain all facets are
-    omitted. `raw` is the mesh as read by meshio, `new_numbers` the number of each of its nodes in
-    `facets`, −1 for omitted nodes.
+    Groups are physical groups of surface elements (gmsh), and node sets. A group that contains all
+    facets is omitted. `raw` is the mesh as read by meshio. `new_numbers` contains, for each node of
+    `raw`, its number in `facets`. It is −1 for nodes that no solid element uses.
     """
     corners = np.sort(facets.corners, axis=1)
     rows = {tuple(row): i for i, row in enumerate(corners.tolist())}

@@ -61,7 +61,7 @@ class PartFile:
 
     @property
     def size(self) -> str:
-        """Text of unit, size and bridged gaps, such as "read in mm: 905 × 170 × 210 mm"."""
+        """Text with unit, size and gaps of the part, such as "read in mm: 905 × 170 × 210 mm"."""
         text = f"read in {self.unit}: {describe(self.extent, self.unit)}"
         if not self.by_curvature:
             text += ", meshed without sizes from curvature"
@@ -168,10 +168,12 @@ def _read_cad(path: Path, unit: str | None, sides: float) -> PartFile:
 
 
 def _require_outward(path: Path, triangles: Mapping[int, IntArray]) -> None:
-    """Raise InputError if a face points inwards: the kernel would subtract the volume under it.
+    """Raise InputError if the normal of a face points into the solid.
 
-    `triangles` (F×3 node tags, by face) have the orientation of their face. If two neighbouring
-    faces are oriented consistently, the edge between them runs in opposite directions in the two.
+    The kernel would subtract the volume below such a face instead of adding it. `triangles`
+    contains the triangles of each face (F×3 node tags) by face number, oriented like the face. If
+    the normals of two neighbouring faces point to the same side, their common edge runs in opposite
+    directions in their triangles.
     """
     faces = np.repeat(list(triangles), [3 * len(cells) for cells in triangles.values()])
     edges = np.concatenate(list(triangles.values()))[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)

@@ -1,6 +1,6 @@
 """Checks on the text of a STEP file (ISO 10303-21) before the CAD kernel reads it.
 
-The kernel ignores text that it cannot interpret, or never returns from it.
+If the text is not valid, the kernel ignores a part of it without a message, or runs without end.
 """
 
 import re
@@ -45,7 +45,10 @@ def require_whole(content: bytes, source: str) -> None:
 
 
 def entities(content: bytes) -> dict[str, str]:
-    """Entities of a STEP file by their number, without character strings and comments."""
+    """Text of each entity of a STEP file, by its number.
+
+    Character strings are empty and comments are removed in the returned texts.
+    """
     text = _without_texts(content).decode("latin-1")
     return dict(_ENTITY.findall(text))
 

@@ -76,9 +76,10 @@ def triangulate(
 
 
 def surface_integrals(model: CadModel, triangles: Mapping[int, IntArray]) -> SurfaceIntegrals:
-    """Integrals over quadratic triangles with corners at the nodes of `triangles`.
+    """Integrals over quadratic triangles on the surface of the model.
 
-    The edge midpoints lie on the surface of the model.
+    Their corners are the nodes of `triangles` (F×3 node tags, by face number), and their edge
+    midpoints lie on the surface.
     """
     gmsh = model.gmsh
     tags, corners = numbered(gmsh, np.concatenate(list(triangles.values())))
@@ -153,8 +154,8 @@ def _middles_inside(gmsh: ModuleType, face: int, edges: IntArray) -> Array:
 def _curve_extremes(gmsh: ModuleType) -> Array:
     """Largest and smallest coordinates (2×3, in m) of the curves of the model.
 
-    Each is the vertex of a parabola through the most extreme of many points on a curve and its two
-    neighbours.
+    Each extreme is searched among many points on a curve. A parabola through the most extreme point
+    and its two neighbours then gives the value, if its vertex lies on the curve.
     """
     extremes = []
     for _, curve in gmsh.model.getEntities(1):
@@ -178,11 +179,12 @@ def _curve_extremes(gmsh: ModuleType) -> Array:
 def corrected_integrals(
     model: CadModel, triangles: Mapping[int, IntArray], coarse: SurfaceIntegrals | None
 ) -> SurfaceIntegrals:
-    """Integrals of the kernel, replaced by those over surface meshes if these do not confirm them.
+    """Integrals by the CAD kernel, or over two surface meshes if these contradict the kernel.
 
-    `coarse` are integrals over triangles larger than `triangles` by the factor COARSENESS. None if
-    the integrals of the kernel are exact. The extent is that of the mesh unless `coarse` is None,
-    because the kernel's boxes of splines are too large.
+    The volume and each area are examined separately. `coarse` are integrals over triangles larger
+    than `triangles` by the factor COARSENESS. None if the integrals of the kernel are exact. If
+    `coarse` is given, the extent of the result is that of the surface mesh, because the kernel's
+    bounding boxes of splines are too large.
     """
     areas = {tag: model.area(tag) for tag in model.faces()}
     kernel = SurfaceIntegrals(model.properties(), areas, np.array(model.extent))

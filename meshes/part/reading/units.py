@@ -1,4 +1,4 @@
-"""Unit of length of a part's file, from this file or from the robot file."""
+"""Unit of length of the file of a part, from this file or from the robot file."""
 
 import re
 from collections.abc import Iterable
@@ -65,9 +65,11 @@ def step_unit(content: bytes, source: str) -> str:
 
 
 def _contexts(by_number: dict[str, str]) -> Iterable[str]:
-    """Lists of units in the contexts of a file's entities (`by_number`).
+    """Texts with the lists of units that apply to the shapes in a STEP file.
 
-    Only contexts of solids are used; without any, those of shapes; without any, all contexts.
+    `by_number` contains the entities of the file. A STEP file has a list of units in each context
+    (of shapes, views, notes). The contexts of solids are used. If there are none, those of other
+    shapes are used. If there are none of these either, all contexts are used.
     """
     for shape in _SHAPES:
         contexts = [
@@ -84,7 +86,12 @@ def _contexts(by_number: dict[str, str]) -> Iterable[str]:
 
 
 def _unit_of(entity: str, by_number: dict[str, str], source: str) -> str:
-    """Name of a unit, from its size in metres: names of units in STEP files are arbitrary."""
+    """Name of a unit in the robot file ("mm", …), found by the size of the unit in metres.
+
+    The name in the STEP file is not used, because exporters choose it freely. `entity` is the text
+    of the unit, `by_number` contains all entities of the file. Raises InputError, with `source` in
+    its message, for a unit that is not supported.
+    """
     metres = _metres(entity, by_number, _CONVERSIONS)
     for name, size in METRES.items():
         if metres and isclose(metres, size, rel_tol=_SAME_UNIT):
@@ -98,7 +105,9 @@ def _unit_of(entity: str, by_number: dict[str, str], source: str) -> str:
 def _metres(entity: str, by_number: dict[str, str], conversions: int) -> float | None:
     """Size (m) of a unit of length, which is an SI unit or a multiple of another unit.
 
-    None if the file does not define it, or only through a chain of more than `conversions` units.
+    `entity` is the text of the unit, `by_number` contains all entities of the file. None if the
+    file does not define the size, or defines it only through a chain of more than `conversions`
+    units.
     """
     if si := _SI.search(entity):
         return _PREFIX.get((si[1] or "").upper())
@@ -114,9 +123,10 @@ def _metres(entity: str, by_number: dict[str, str], conversions: int) -> float |
 
 
 def chosen_unit(file_unit: str | None, specified: str | None, source: str) -> str:
-    """Unit of length in the file, otherwise the `specified` one, otherwise metres.
+    """Unit of length in the file of a part, otherwise the `specified` unit, otherwise metres.
 
-    Raises InputError if both units exist and differ.
+    `file_unit` is the unit in the file. Raises InputError, with `source` in its message, if both
+    units exist and differ.
     """
     if file_unit and specified and file_unit != specified:
         raise InputError(f"{source}: is in {file_unit}, and unit = {specified!r} contradicts it")

@@ -1,7 +1,8 @@
 """Uncompressed size of the arrays in a .vtu file: read in advance, and enforced when inflating.
 
-Each array begins with integers: number of blocks, bytes of a block, bytes of the last block if it
-is smaller, and compressed bytes of each block (VTK file formats, "XML file formats").
+Each compressed array begins with integers: number of blocks, bytes of a block, bytes of the last
+block if it is smaller (otherwise 0), and compressed bytes of each block (VTK file formats, "XML
+file formats").
 """
 
 import lzma
@@ -24,9 +25,9 @@ _COUNTS = 3
 
 
 def inflated_size(content: bytes) -> int:
-    """Uncompressed size (bytes) of all arrays of a .vtu file, from their headers.
+    """Uncompressed size (bytes) of all compressed arrays of a .vtu file, from their headers.
 
-    0 without arrays.
+    Zero if the arrays of the file are not compressed.
     """
     root = _ROOT.search(content)
     if root is None or b"compressor" not in root.group():
@@ -49,7 +50,10 @@ def inflated_size(content: bytes) -> int:
 
 
 def _arrays(content: bytes) -> Iterator[tuple[int, bool]]:
-    """Yield the position of the first byte of each array, and True if it is raw (not base64)."""
+    """Yield for each array of a file the position of its first byte, and True if it is raw.
+
+    An array that is not raw is coded in base64.
+    """
     appended = _APPENDED.search(content)
     for array in _ARRAY.finditer(content, 0, appended.start() if appended else len(content)):
         offset = _OFFSET.search(array.group(1))
@@ -78,7 +82,11 @@ def inflating(limit: int) -> Iterator[None]:
 
 @dataclass
 class _Bounded:
-    """Replacement of a decompression library with a limit `remaining` (bytes) for all blocks."""
+    """Replacement of the module zlib or lzma in meshio, with a limit on the uncompressed size.
+
+    `begin` creates a decompressor of one block. `remaining` (bytes) is the limit for all blocks
+    that are still to be decompressed.
+    """
 
     begin: Callable[[], Any]
     remaining: int
