@@ -110,7 +110,8 @@ def corrected(
 ) -> VolumeProperties:
     """Volume properties by the CAD kernel, or by two surface meshes if these contradict its volume.
 
-    In the second case they are extrapolated from the properties `coarse` and `fine` on the two meshes.
+    In the second case they are extrapolated from the properties `coarse` and `fine` on the two
+    meshes.
     """
     if is_limit(kernel.volume, coarse.volume, fine.volume):
         return kernel
