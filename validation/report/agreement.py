@@ -1,7 +1,10 @@
 """Tables and sentences on the agreement of all formulations with solids, for robot and legs.
 
 Input: outcomes of the comparisons. Output: a table for the robot, each leg and each CAD part, and
-sentences with the largest differences, their causes and the skipped comparisons.
+sentences with the largest differences, their causes and the skipped comparisons. A named cause is a
+known difference between a formulation and the solid, such as end faces that stay plane. Its effect
+is computed separately. The unexplained difference is the total difference without the effects of
+named causes; verdicts judge the unexplained difference.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -41,10 +44,11 @@ _IN_TEXT: Mapping[str, str] = dict(MODELS) | {"links": "links", "segments": "seg
 class AgreementCell:
     """Texts of a table cell with the difference of a formulation from the solid.
 
-    `text`: the difference that is judged, or the reason if the comparison was skipped. `raw`: the
-    total difference if a part of it has named causes, otherwise "". `spread`: the half-width of the
-    difference's uncertainty, "" if it would be displayed as zero. `case`: id of the comparison.
-    `mark`: symbol of the `verdict`. They are "" and None for a difference without a verdict.
+    `text`: the difference that is judged (relative, without the effects of named causes), or the
+    reason if the comparison was skipped or failed. `raw`: the total difference, "" if no named
+    cause contributes to it. `spread`: the half-width of the difference's uncertainty, "" if it
+    would be displayed as zero. `mark`: symbol of the `verdict`. A difference that is not judged has
+    the mark "" and the verdict None. `case`: id of the comparison.
     """
 
     text: str
@@ -59,12 +63,14 @@ class AgreementCell:
 class AgreementTable:
     """Differences of formulations from the solid: rows of formulations, columns of quantities.
 
-    `rows`: name of a formulation and its cells. A cell is None if there is no comparison.
-    `subject`: name of the compared leg, or the robot with its pose. `solid`: values of the solid
-    with units. Quantities without any value have no column. `causes`: rows of allowances by cause,
-    "" for a quantity without one; `explanations`: the same amounts in words. `missing`: comparisons
-    that were skipped or failed, with the reason. `judged` is False if the differences have no
-    verdicts; `notes` are displayed below the table.
+    `subject`: name of the compared leg, or the robot with its pose. `quantities`: headings of the
+    columns; a quantity that was compared for no formulation has no column. `solid`: value of the
+    solid with its unit, for each column. `rows`: name of a formulation, and a cell for each column;
+    the cell is None if there is no comparison. `causes`: name of a named cause, and the difference
+    due to it for each column as text, "" if the cause does not affect the quantity. `explanations`:
+    lines with the same differences and the quantities that they concern. `missing`: lines with the
+    comparisons that were skipped or failed, and the reason. `judged`: False if the differences have
+    no verdicts. `notes`: lines displayed below the table.
     """
 
     subject: str
@@ -79,7 +85,7 @@ class AgreementTable:
 
     @property
     def compared(self) -> bool:
-        """True if any formulation was compared. Otherwise only the reasons are displayed."""
+        """True if any formulation was compared. Otherwise only `missing` is displayed."""
         return bool(self.quantities)
 
 
@@ -88,8 +94,8 @@ def agreement_tables(
 ) -> tuple[AgreementTable, ...]:
     """Tables for the robot and each leg with comparisons, then for each CAD part.
 
-    The heading of the robot's table gives the pose, with the names of `coordinates`. It is "robot"
-    if there are none.
+    The heading of the robot's table gives the pose, with the names of `coordinates`. Without
+    `coordinates` the heading is "robot".
     """
     comparisons = [outcome for outcome in outcomes if outcome.case.kind == "agreement"]
     by_body = {
@@ -110,17 +116,17 @@ def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
 
 
 def agreement_statement(outcomes: Sequence[Outcome]) -> str:
-    """Sentence on the compared models and their largest differences from solids.
+    """Sentences on the compared models and their largest differences from solids.
 
-    It also gives the numbers of undecided and failed comparisons. "" if there are no comparisons.
+    They also give the numbers of undecided and failed comparisons. "" if there are no comparisons.
     """
     return " ".join(filter(None, (_judged_sentence(outcomes), _parts_sentence(outcomes))))
 
 
 def agreement_reservations(outcomes: Sequence[Outcome]) -> str:
-    """Sentences on the parts of differences with named causes, and on skipped comparisons.
+    """Sentences on the differences due to named causes, and on skipped comparisons.
 
-    "" if there are neither, or if no comparison agrees or disagrees.
+    "" if there are neither. Also "" if no comparison has the verdict "agree" or "disagree".
     """
     comparisons = [outcome for outcome in outcomes if outcome.case.kind == "agreement"]
     if all(outcome.verdict not in {"agree", "disagree"} for outcome in comparisons):
@@ -130,7 +136,11 @@ def agreement_reservations(outcomes: Sequence[Outcome]) -> str:
 
 
 def _parts_sentence(outcomes: Sequence[Outcome]) -> str:
-    """Sentence on the largest differences of stepped and condensed CAD parts from their solids."""
+    """Sentence on the largest differences of simplified CAD parts from their solids.
+
+    A CAD part is simplified to a stepped beam, or condensed to a stiffness between its interfaces.
+    "" if no CAD part was compared.
+    """
     values = [value for outcome in outcomes for value in _unjudged_values(outcome)]
     forms = {
         "stepped beams": [value for value in values if value.elements],
@@ -211,7 +221,8 @@ def _bound_text(agreeing: Sequence[Outcome]) -> str:
     """Text with the bound of all differences: "within 0.36 % (f3 of leg1: 0.19 % ± 0.17 %)".
 
     The bound is the largest sum of an unexplained difference and its half-width. A half-width that
-    would be displayed as zero is omitted. A bound that would be so is rounded up.
+    would be displayed as 0.00 % is omitted. A bound that would be displayed as 0.00 % is given as
+    0.01 %.
     """
     worst, parts = _largest_part(agreeing, lambda parts: abs(parts.unexplained) + parts.half_width)
     difference, bound = abs(parts.unexplained), abs(parts.unexplained) + parts.half_width
@@ -225,16 +236,16 @@ def _bound_text(agreeing: Sequence[Outcome]) -> str:
 def _largest_part(
     outcomes: Iterable[Outcome], part: Callable[[AgreementRow], float]
 ) -> tuple[Outcome, AgreementRow]:
-    """Comparison, and its row, for which the function `part` of the row is largest."""
+    """Comparison with the largest value of the function `part` of its row, and this row."""
     compared = [(outcome, agreement_row(outcome)) for outcome in outcomes if outcome.measurement]
     return max(compared, key=lambda pair: part(pair[1]))
 
 
 def _allowances_sentence(agreeing: Sequence[Outcome]) -> str:
-    """Sentence on the largest total difference and on named causes with their largest amounts.
+    """Sentences on the largest total difference, and on each named cause with its largest effect.
 
-    "Total differences reach 21.27 % (φx of leg2). Named causes, …: held end faces (…)." "" if there
-    are no named causes.
+    Example: "Total differences reach 21.27 % (φx of leg2). Named causes, computed separately: held
+    end faces (up to 1.46 % in x of leg1)." Returns "" if there are no named causes.
     """
     amounts: dict[str, tuple[float, str]] = {}
     for outcome in agreeing:
@@ -306,7 +317,10 @@ def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
 
 
 def _robot_at_pose(outcomes: Sequence[Outcome], coordinates: Sequence[Coordinate]) -> str:
-    """Text with the pose of the robot's comparisons: "robot at x = 0.4975 m"."""
+    """Text with the pose of the robot's comparisons: "robot at x = 0.4975 m".
+
+    "robot" if the pose is unknown or the number of `coordinates` differs from that of the pose.
+    """
     poses = {outcome.measurement.pose for outcome in outcomes if outcome.measurement}
     pose = next(iter(poses), ())
     complete = pose and len(pose) == len(coordinates)
@@ -424,7 +438,8 @@ def _cause_rows(
 ) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """Rows of the table: a named cause, and the difference due to it in each quantity, as text.
 
-    A text contains several differences if formulations differ.
+    If the difference varies between formulations, the text lists all values. "" if the cause does
+    not affect the quantity.
     """
     amounts: dict[str, dict[str, dict[str, None]]] = {}
     for outcome in outcomes:
@@ -458,11 +473,11 @@ def _quantities_by_text(pairs: Iterable[tuple[str, Outcome]]) -> tuple[str, ...]
 
 
 def _percent(share: float) -> str:
-    """Ratio in per cent with its sign and two decimals. Zero has no minus sign."""
+    """Ratio as text in per cent, with its sign and two decimals. Zero has no sign."""
     text = f"{100.0 * share:+.2f}".replace("-", "−")
     return f"{'0.00' if text[1:] == '0.00' else text}\N{NO-BREAK SPACE}%"
 
 
 def _unsigned(share: float) -> str:
-    """Ratio of at least zero, in per cent."""
+    """Non-negative ratio as text in per cent, without a plus sign."""
     return _percent(share).lstrip("+")

@@ -1,9 +1,10 @@
 """Sentences on design decisions: the value that each model chooses, and the cost of this choice.
 
 Input: outcomes of the comparisons of `--vary`. Output: a sentence for each varied parameter and
-objective. Rule: the loss of a choice is the relative distance of its objective from the best value,
-both by the reference. Models that lose at most 1 % are listed together, each other model with its
-choice and loss.
+objective. Rule: a model chooses the parameter value that is best by its own results. The reference
+model evaluates this choice: its loss is the relative amount by which the objective is worse than at
+the best value. Models with an acceptable loss are listed together. Every other model is listed with
+its choice and loss.
 """
 
 from collections.abc import Sequence

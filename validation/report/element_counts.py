@@ -75,7 +75,8 @@ def _row(label: str, studies: Sequence[ElementStudy]) -> ElementCount:
 def _needed(label: str, studies: Sequence[ElementStudy]) -> str:
     """Elements per leg for an error of 1 % by the formulation with this label, as text.
 
-    A bound, such as "more than 80", if the number lies outside the computed counts.
+    If the required number lies outside the computed counts, the text is a bound: "more than 80" or
+    "at most 4".
     """
     counts = [study.needed[label][_TARGET] for study in studies]
     needed = [count for count in counts if count is not None]
@@ -92,7 +93,7 @@ def _needed(label: str, studies: Sequence[ElementStudy]) -> str:
 
 
 def _stated_error(label: str, study: ElementStudy) -> float | None:
-    """Relative error by the formulation with this label and the element count of [agree].
+    """Relative error of the formulation `label` with the element count of table [agree].
 
     None if it was not computed.
     """

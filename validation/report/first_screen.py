@@ -103,7 +103,10 @@ def _undecided_reasons(matrix: Matrix, models: Collection[str]) -> Mapping[str, 
 
 
 def _input_texts(matrix: Matrix, models: Collection[str]) -> tuple[str, ...]:
-    """Texts with each uncertain input and its largest effect on an error of these models (95 %)."""
+    """Texts with each uncertain input and its largest effect on an error of the `models`.
+
+    The effect is a half-width at a confidence of 95 %.
+    """
     largest: dict[str, tuple[float, str]] = {}
     for entry in (candidate for candidate in matrix.entries if candidate.model in models):
         half_width = entry.uncertainties.get("inputs", 0.0)

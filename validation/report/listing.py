@@ -99,7 +99,8 @@ def _finding_lines(findings: Sequence[Finding]) -> list[str]:
 def outcome_line(outcome: Outcome, *further: Outcome) -> str:
     """Line on an outcome: verdict, id, and numbers or the reason why there are none.
 
-    `further`: outcomes without numbers, with the same verdict and reason, which are counted.
+    `further`: outcomes without numbers that have the same verdict and reason. The line gives their
+    number: "and 3 more".
     """
     case, measurement = outcome.case, outcome.measurement
     if measurement is None:

@@ -63,9 +63,10 @@ class Report:
 
     @property
     def answered(self) -> FirstScreen | None:
-        """First screen with the verdict of the page: that by computed references, if there is one.
+        """First screen with the verdict of the page.
 
-        Otherwise the one by measured values. None if there is neither.
+        It is `first` (computed references) if there is one, otherwise `measurements`. None if there
+        is neither.
         """
         return self.first or self.measurements
 
@@ -106,7 +107,11 @@ class Report:
 
     @property
     def verdict(self) -> Verdict:
-        """Worst verdict of the comparisons. An unfinished run counts as failed."""
+        """Verdict that determines the result of the run.
+
+        It is the first of "disagree", "failed", "undecided" and "agree" that any comparison has,
+        otherwise "skipped". An unfinished run counts as failed, unless a comparison disagrees.
+        """
         verdicts = {outcome.verdict for outcome in self.outcomes}
         if "disagree" in verdicts:
             return "disagree"

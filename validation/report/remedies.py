@@ -98,7 +98,10 @@ def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
 def _range(
     values: Sequence[float | None], format_error: Callable[..., str], *, signed: bool = False
 ) -> str:
-    """Values of smallest and largest magnitude, as text by `format_error`. "" without values."""
+    """Text of the range of the values: the one of smallest magnitude "to" the one of largest.
+
+    `format_error` formats a value. "" if there are no values.
+    """
     finite = sorted((value for value in values if value is not None), key=abs)
     if not finite:
         return ""
@@ -107,9 +110,9 @@ def _range(
 
 
 def _stiffness_sense(entries: Sequence[Entry]) -> str:
-    """Text with the sense of all errors along the load: " too stiff" or " too soft".
+    """Text on the sign of all errors: " too stiff" or " too soft".
 
-    "" if their signs differ or an error is not along the load.
+    "" if the signs differ, or if an error is mainly across the load.
     """
     along = [
         e.along for e in entries if e.along and abs(e.along) >= _ALONG_SHARE * abs(e.error or 0.0)

@@ -58,8 +58,9 @@ _BY_SEVERITY: tuple[Verdict, ...] = ("disagree", "failed", "undecided", "agree",
 class PageSection:
     """A group of cases with the figures that belong to it.
 
-    `plotted`: True to draw the studies behind the comparisons, and error budgets. If a plot cannot
-    be drawn, it alone is omitted. `coordinates`: those of the tool that a pose prescribes.
+    `plotted`: True to draw the studies behind the comparisons, and error budgets. A plot that
+    cannot be drawn is omitted, without an effect on the others. `coordinates`: coordinates of the
+    tool that a pose prescribes.
     """
 
     title: str
@@ -88,9 +89,9 @@ class PageSection:
 
     @property
     def reservations(self) -> str:
-        """Sentences on amounts explained by named causes and on missing comparisons.
+        """Sentences on the differences due to named causes, and on skipped comparisons.
 
-        "" if there are neither, or if no comparison agrees or disagrees.
+        "" if there are neither. Also "" if no comparison has the verdict "agree" or "disagree".
         """
         return agreement_reservations(self.outcomes)
 
@@ -153,17 +154,17 @@ class PageSection:
 
     @property
     def largest(self) -> float | None:
-        """Largest difference of a comparison from its reference, relative to the reference.
+        """Largest `unexplained_share` of a comparison. None if no comparison has one.
 
-        Parts with named causes are subtracted, see `unexplained_share`. None if no comparison has
-        such a ratio.
+        It is the difference from the reference, relative to the reference, without the effects of
+        named causes.
         """
         shares = (unexplained_share(outcome) for outcome in self.outcomes)
         return max((share for share in shares if share is not None), default=None)
 
     @cached_property
     def homes(self) -> Mapping[str, str]:
-        """Id of the family that contains a study, by the study's id."""
+        """Id of the family of each study, by the study's id."""
         return {curve.study.id: family.id for family, _ in self.plots for curve in family.curves}
 
     @property
@@ -227,8 +228,9 @@ def chapters_of(
 def unexplained_share(outcome: Outcome) -> float | None:
     """|unexplained difference| over |reference|. None if this ratio is meaningless.
 
-    The ratio has a meaning for cases that claim equality within a relative tolerance. It has none
-    for orders, ranks, counts and bounds.
+    The unexplained difference is the difference without the effects of named causes. The ratio has
+    a meaning for cases that claim equality within a relative tolerance. It has none for orders,
+    ranks, counts and bounds.
     """
     case, measurement = outcome.case, outcome.measurement
     if measurement is None or not measurement.reference:

@@ -64,10 +64,11 @@ _EULER_BERNOULLI = frozenset(
 
 @dataclass(frozen=True)
 class Cell:
-    """Displayed entry: number, half-width, verdict, and `hint` beside the mouse pointer.
+    """Displayed entry of the table.
 
-    `anchor` is the link to the detail `sheet` with its `title`. The sheet consists of pairs of a
-    term and its text.
+    `text`: error. `spread`: half-width of its uncertainty. `mark`: symbol of the verdict. `hint`:
+    line displayed beside the mouse pointer. `anchor`: target of the link to the detail `sheet` with
+    its `title`. A line of the sheet is a pair of a term and its text.
     """
 
     entry: Entry
@@ -96,11 +97,11 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of models under `headings` of quantities. `robot`: values of the reference.
+    """Rows of models under `headings` of quantities, with values of the reference in `robot`.
 
-    These are the largest deflections over the poses (µm, µrad) under `FORCE` and `MOMENT`, and
-    frequencies (Hz) in the deciding pose of the best model, each with its half-width. "" if
-    unknown.
+    `robot`: value and half-width of each quantity as texts. A deflection is the largest one over
+    the poses (µm, µrad) under `FORCE` or `MOMENT`. A frequency (Hz) is that of the pose in which
+    the model with the smallest error has its largest error. Both texts are "" for an unknown value.
     """
 
     headings: tuple[str, ...]
@@ -166,7 +167,10 @@ def _folded(matrix: Matrix, model: str) -> bool:
 
 
 def _robot_number(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
-    """Value of the reference and its half-width as texts, from the entry of the best model."""
+    """Value of the reference and its half-width as texts, as described in `Table`.
+
+    The best model of the quantity, which has the smallest error, provides the pose.
+    """
     entries = [
         entry
         for entry in matrix.entries
@@ -213,7 +217,7 @@ def csv_of_matrix(matrix: Matrix) -> str:
 def _csv_cell(value: Any) -> float | str | None:
     """CSV cell for the value of a field.
 
-    Numbers of a tuple are separated by spaces, pairs of a name and a number by semicolons.
+    Spaces separate the numbers of a tuple. Semicolons separate pairs of a name and a number.
     """
     match value:
         case Quantity():
@@ -231,7 +235,8 @@ def _csv_cell(value: Any) -> float | str | None:
 def _error_texts(entry: Entry) -> tuple[str, str]:
     """Texts of an entry's error and half-width.
 
-    If there is no error, "none" for the verdict inadequate, "open" for any other verdict.
+    Without an error, the texts are "none" and "" for the verdict "inadequate", "open" and "" for
+    any other verdict.
     """
     if entry.error is not None:
         return error_parts(entry, named=False)
@@ -332,7 +337,10 @@ def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:
 
 
 def _readings(entry: Entry) -> str:
-    """Error under each interpretation: "0 % with rigid pins, 33 % with averaged ones"."""
+    """Text with the error under each interpretation of the robot file.
+
+    Example: "0 % with rigid pins, 33 % with averaged ones".
+    """
     return ", ".join(
         f"{error_text(error, signed=entry.signed)} with {name}"
         for name, error in entry.readings.items()

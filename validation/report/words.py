@@ -45,7 +45,11 @@ def model_name(model: str) -> str:
 
 
 def quantities_text(matrix: Matrix, quantities: Collection[Quantity]) -> str:
-    """Names of quantities inside a sentence. "frequencies" and the like stand for whole groups."""
+    """Names of quantities inside a sentence.
+
+    A group of which all judged quantities are listed is replaced by its name, such as
+    "frequencies".
+    """
     judged = {entry.quantity for entry in matrix.entries}
     words: list[str] = []
     remaining = [quantity for quantity in matrix.quantities if quantity in quantities]
@@ -66,7 +70,7 @@ def capital(text: str) -> str:
 
 
 def listed(words: Sequence[str]) -> str:
-    """Words with commas and a final "and"."""
+    """Words joined by commas and a final "and"."""
     return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
 
 
@@ -90,9 +94,10 @@ def sentence(matrix: Matrix, rely: Sequence[str] = ()) -> str:
 def conditions(matrix: Matrix, rely: Sequence[str] = ()) -> str:
     """Sentences on the conditions under which decided verdicts hold. "" if there are none.
 
-    Only verdicts on the models of `rely` count, unless it is empty. Verdicts on frequencies depend
-    on the assumed distribution of masses. The verdict "adequate" covers only the poses in which
-    there is a comparison; their number is given if there are others.
+    If the models of `rely` are judged, only the verdicts on them count, otherwise all verdicts. One
+    condition is the assumed distribution of masses, on which verdicts on frequencies depend. The
+    other is the number of compared poses, given if the verdict "adequate" is based on some poses of
+    the path only.
     """
     entries = [e for model in rely for e in matrix.of_model(model)] or matrix.entries
     decided = [entry for entry in entries if entry.verdict != "undecided"]
@@ -163,8 +168,8 @@ def _largest_error_text(entries: Sequence[Entry]) -> str:
 def models_to_use(matrix: Matrix) -> list[tuple[str, set[Quantity]]]:
     """Models that together cover all quantities with an adequate model, each with its quantities.
 
-    Each step chooses the model that is adequate for most of the remaining quantities; the simplest
-    of several such models.
+    Each step chooses the model that is adequate for most of the remaining quantities. Of several
+    such models, it chooses the first in the order of the matrix.
     """
     adequate = {
         note.model: {e.quantity for e in matrix.of_model(note.model) if e.verdict == "adequate"}
@@ -196,7 +201,10 @@ def _recommendation(matrix: Matrix) -> str:
 
 
 def pose_text(coordinates: Sequence[Coordinate], pose: Sequence[float]) -> str:
-    """Coordinates of a pose with units, "x = 0.4975 m". "the root clamped" if it has none."""
+    """Coordinates of a pose as text with units: "x = 0.4975 m".
+
+    "the root clamped" for an empty pose, which belongs to a single leg.
+    """
     if not pose:
         return "the root clamped"
     return ", ".join(

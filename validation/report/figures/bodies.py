@@ -138,9 +138,10 @@ def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
 
 
 def leg_outlines(system: System, displaced: Array) -> Wire:
-    """Outlines of leg sections at the compared points, and edges between the faces of CAD parts.
+    """Displaced outlines of leg sections, and displaced edges between the faces of CAD parts.
 
-    `displaced`: unknowns (n) of the system, enlarged by the factor of the drawing.
+    The sections of straight legs lie at the points of `compared_points`, those of other legs along
+    the leg's line. `displaced`: unknowns (n) of the system, enlarged by the factor of the drawing.
     """
     mechanism = system.posture.mechanism
     surfaces = {name: _part_surface(part) for name, part in mechanism.parts.items()}
@@ -195,10 +196,11 @@ def _part_surface(part: Body) -> Surface:
 
 
 def _points_in_a_row(mechanism: Mechanism, part: str) -> Array:
-    """Points (`COMPARED_POINTS`×3, body axes) of a CAD part closest to a line between interfaces.
+    """Sample points (`COMPARED_POINTS`×3, body axes) of a CAD part near a line between interfaces.
 
-    The line runs from the first interface to the last. Every model provides the displacements of
-    these points.
+    The line runs from the first interface to the last. For each of `COMPARED_POINTS` points on the
+    line, the closest sample point is chosen. Every model provides the displacements of the sample
+    points.
     """
     body = mechanism.parts[part]
     ends = [frame.position for frame in body.interfaces.values()]

@@ -26,7 +26,11 @@ _NEAR, _LINE = 2.0, 9.0
 
 
 def mesh_curves(studies: Sequence[Study]) -> Chart:
-    """Chart of studies: errors relative to the limits, or values if there is no formal order."""
+    """Chart with a panel for each quantity of the studies: relative errors over unknowns.
+
+    Errors are relative to the extrapolated limits. A quantity without a formal order, such as CPU
+    time, is drawn as its values.
+    """
     formal = {study.variant: study.formal_order for study in studies if study.formal_order}
     titles = list(dict.fromkeys(study.panel for study in studies))
     panels = [
@@ -106,7 +110,7 @@ def _values(study: Study) -> tuple[float, ...]:
 
 
 def _error(study: Study, index: int) -> float | None:
-    """Relative error in per cent of one value of a study against its limit.
+    """Relative error in per cent of value number `index` of a study against the study's limit.
 
     None if the study has no limit.
     """
@@ -115,9 +119,9 @@ def _error(study: Study, index: int) -> float | None:
 
 
 def _sizes(study: Study) -> Array:
-    """Magnitudes of the errors in per cent. NaN for an error below round-off.
+    """Magnitudes (n, per cent) of the errors on n meshes. NaN for an error below round-off.
 
-    If the study has no formal order, its values are returned instead.
+    If the study has no formal order, its values are returned instead, in their unit.
     """
     if not study.formal_order:
         return np.array(_values(study))
@@ -128,10 +132,11 @@ def _sizes(study: Study) -> Array:
 
 
 def _bar(study: Study, sizes: Array) -> Array | None:
-    """Lengths (2×n, down and up, per cent) of the error bars of n errors `sizes`.
+    """Lengths (2×n, down and up, per cent) of the error bars at n errors `sizes`.
 
-    The last error, that on the finest mesh, has a bar of the half-width of its uncertainty, but
-    downwards at most 90 % of the error. NaN for the others. None if the half-width is unknown.
+    The bar at the last error, which belongs to the finest mesh, is the half-width of its
+    uncertainty. Downwards it is limited to 90 % of the error. The other lengths are NaN. None if
+    the half-width is unknown.
     """
     width = study.uncertainties.get(study.variant)
     if width is None:
@@ -151,7 +156,7 @@ def _order(study: Study) -> str:
 
 
 def _limit(study: Study) -> str:
-    """Text with limit, half-width and observed order of one study."""
+    """Text with limit, half-width and observed order of convergence of one study."""
     width = study.uncertainties.get(study.variant)
     spread = "" if width is None else f" ± {number(width, 2)}"
     value = number(study.limits[study.variant], 6)
@@ -161,7 +166,8 @@ def _limit(study: Study) -> str:
 def _notes(ends: Sequence[tuple[float, float, str]]) -> list[Note]:
     """Notes with orders of convergence at the `ends` of curves, stacked if close to each other.
 
-    An end consists of error, unknowns and text.
+    An element of `ends` consists of the last error (per cent), its number of unknowns, and the text
+    of the note.
     """
     notes: list[Note] = []
     height, last = -3.0, 0.0

@@ -73,7 +73,10 @@ class ModeNames:
         )
 
     def _without_axes(self) -> Mapping[str, Array]:
-        """Shares of strain energy. All bending is summed, because its axes differ between legs."""
+        """Shares (m) of strain energy by kind of deformation, with all bending as one kind.
+
+        Bending about y and about z are summed, because the axes differ between legs.
+        """
         bending = [self.strain[kind] for kind in _BENDING if kind in self.strain]
         remaining = {kind: share for kind, share in self.strain.items() if kind not in _BENDING}
         return remaining | ({"bending": np.sum(bending, axis=0)} if bending else {})

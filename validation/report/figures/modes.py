@@ -57,8 +57,9 @@ figures = FigureGroup(MODES, SHARED_SOLIDS)
 def finite_elements(context: Context, count: int) -> PostureModes:
     """First `count` modes in the middle of the path, with prisms as beams and CAD parts as solids.
 
-    If there are CAD parts, modes above the cut-off frequency of their reduction are omitted. This
-    frequency lies above twice as many modes as are judged.
+    If there are CAD parts, modes above the frequency up to which their reduced models are accurate
+    are omitted. If n modes are judged, at least the first 2n modes, and at least eight, lie below
+    that frequency.
     """
     postures = path_postures(context)
     if postures[0].mechanism.parts:
@@ -86,8 +87,9 @@ def _modes_with_solid_parts(
 ) -> PostureModes:
     """First `count` modes with CAD parts as solids, under the first end condition of the file.
 
-    If the file leaves it open, interfaces are rigid. `modes_of_run`: number of modes that the run
-    computes, which determines the cut-off frequency.
+    If the file leaves the end condition open, interfaces are rigid. `modes_of_run`: number of modes
+    that the run computes. It determines the frequency up to which reduced parts are accurate; modes
+    above it are omitted.
     """
     middle, mechanism = _middle_posture(postures), postures[0].mechanism
     parts = solid_parts(postures, modes_of_run, holding(mechanism).first)
@@ -112,7 +114,10 @@ def _modes_with_condensed_parts(middle: Posture, count: int) -> PostureModes:
 
 @figures.figure("mechanism.pairs", "Modes paired by shape with those of the reference", effort=2.0)
 def pairs(context: Context) -> Chart:
-    """Chart of the MAC and frequency differences of beams and segments with the reference."""
+    """Chart comparing modes of beams and of segments with those of the reference.
+
+    It has a panel with the MAC for each model, and one with the differences of frequency.
+    """
     robot = robot_on_path(context)
     responses = Responses(robot)
     reference = dynamic_reference(responses)

@@ -153,7 +153,7 @@ def _compared_modes(context: Context) -> tuple[PostureModes, PostureModes]:
 
 
 def _model_texts(context: Context) -> tuple[str, str]:
-    """Texts on the drawn model and on the model compared with it."""
+    """Texts for the caption: the drawn model with its pose, and the model drawn over it."""
     mechanism = context.robot_file.mechanism
     beams = " and other legs as beams" if legs_of(mechanism) else ""
     model = f"Parts as solids{beams}" if mechanism.parts else "Beam model"
@@ -192,8 +192,9 @@ class _DisplacedRobot:
 def _matching_shape(beam: PostureModes, lumped: PostureModes, mode: int) -> Array:
     """Combination of modes of the segments (`lumped`) closest in shape to a `mode` of the beams.
 
-    The result has the unknowns (n) of the segments. Only modes close to each other in frequency
-    are combined. This also fixes the sign, and the combination of modes of equal frequency.
+    The result has the unknowns (n) of the segments. Only modes close to each other in frequency are
+    combined. The least-squares fit also selects the sign of the shape, and the combination of modes
+    with equal frequency.
     """
     beam_samples = compared_points(beam.system, beam.modes.shapes[:, mode])[1].ravel()
     nearest = int(np.argmin(np.abs(lumped.modes.frequencies - beam.modes.frequencies[mode])))

@@ -98,7 +98,8 @@ def _chart(
 ) -> Chart:
     """Chart of magnitude and phase (−270° to 90°) of receptances (m/N) over frequencies x (Hz).
 
-    `size_ranges`: smallest and largest magnitude (2×n, µm/N) of some receptances, by name.
+    `size_ranges`: lowest and highest magnitude (2×n, µm/N) at each of n frequencies, by name of the
+    receptance. Receptances without an uncertainty are missing.
     """
     size, phase, intervals = "magnitude (µm/N)", "phase (°)", size_ranges or {}
     sizes = [

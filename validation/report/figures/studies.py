@@ -93,7 +93,8 @@ def families(outcomes: Sequence[Outcome]) -> tuple[Family, ...]:
 def family_of(studies: Iterable[Study]) -> Family:
     """Family of studies.
 
-    The label of a series contains the variant of its study, if there is one.
+    The label of a series is the variant of its study, or the name of the series if the study has no
+    variant.
     """
     members = tuple(studies)
     curves = tuple(
@@ -158,9 +159,10 @@ def study_curves(family: Family) -> Chart:
 
 
 def _deviation(curve: Curve) -> tuple[Array, Array | None]:
-    """Deviations from the limit in per cent, and error bar of the finest value.
+    """Deviations (n, per cent) from the limit, and half-lengths (n, per cent) of their error bars.
 
-    The error bar is None if the uncertainty is unknown.
+    Only the finest value has an error bar; the other half-lengths are NaN. None instead of
+    half-lengths if the uncertainty is unknown.
     """
     values = np.asarray(curve.values)
     limit = values[-1] if curve.limit is None else curve.limit
@@ -173,7 +175,7 @@ def _deviation(curve: Curve) -> tuple[Array, Array | None]:
 
 
 def _decaying(series: Series) -> Series:
-    """Magnitudes of the nonzero deviations, for a logarithmic axis."""
+    """Magnitudes of the nonzero deviations of a series, for a logarithmic axis."""
     nonzero = series.y != 0.0
     sizes = np.abs(series.y[nonzero])
     bars = None
