@@ -98,7 +98,7 @@ def cache_folder() -> Path | None:
 
 @contextmanager
 def some_cache() -> Iterator[None]:
-    """Context with a cache for processes started here: the user's, otherwise a temporary one."""
+    """Context with a cache for processes started in it: the user's, otherwise a temporary one."""
     if cache_folder() is not None:
         yield
         return
@@ -119,7 +119,7 @@ def key_of(*inputs: object) -> str:
 
 
 def find(key: str) -> Arrays | None:
-    """Arrays stored under a key. None if there is no valid file."""
+    """Arrays stored under a key, by name. None if there is no valid file."""
     remembered = _arrays_in_memory(key)
     if not remembered and (path := _path(key)) is not None:
         remembered |= _unsealed(key, read_regular(path) or b"")
@@ -165,7 +165,7 @@ def _read(key: str, read: Callable[[Arrays], T]) -> T | None:
 
 @memo(_ENTRIES_IN_MEMORY)
 def _arrays_in_memory(_key: str) -> Arrays:
-    """Arrays of a key in the memory of this process. Empty at first."""
+    """Arrays of a key, by name, in the memory of this process. Empty at first."""
     return {}
 
 

@@ -2,9 +2,9 @@
 
 Input: the address of a scheduler and functions that can be pickled. Output: results in order of
 completion. Rule: workers must have the same program and libraries as this process. A task whose
-worker is lost goes to another one; results come to this process when they are finished, so that
-nothing is lost with a worker or with the scheduler. Workers compute in the same kind of process as
-the cores of this machine (`validation.run.cluster_worker`).
+worker is lost goes to another worker. Each result comes to this process as soon as it is finished,
+so that it cannot be lost with a worker or with the scheduler. Workers compute in the same kind of
+process as the cores of this machine (`validation.run.cluster_worker`).
 """
 
 import gc
@@ -81,10 +81,11 @@ def requested_executor(address: str | None) -> Iterator[Executor]:
 def on_cluster(address: str, notify: Callable[[str], object]) -> Iterator["Cluster"]:
     """Context with an executor on the Dask cluster at `address` ("tcp://host:port").
 
-    Waits for workers without limit, with a notice after ten seconds. Raises InputError if Dask is
-    not installed, no scheduler answers, or a worker has another program. The executor raises
-    ComputationError if the scheduler is lost or a worker with another program joins. A call that is
-    lost with several workers counts as crashed.
+    Waits for workers without limit. `notify` receives a message after ten seconds without a worker.
+    Raises InputError if Dask is not installed, no scheduler answers, or a worker has another
+    program. The executor raises ComputationError if the scheduler is lost or a worker with another
+    program joins. A call during which several workers were lost, one after the other, counts as
+    crashed.
     """
     require_extra("cluster", "--cluster")
     require_scheduler(address)
@@ -165,13 +166,15 @@ class _SchedulerWatch:
 
     @property
     def is_due(self) -> bool:
-        """True half a second after the last check."""
+        """True if the last check was at least half a second ago."""
         return monotonic() - self._checked >= _HEARTBEAT
 
     def has_workers(self) -> bool:
-        """True if there are workers. After ten seconds without any, a notice is written.
+        """Check the connection. Return True if the scheduler has workers.
 
-        Raises ComputationError if the connection is closed, or lost for ten seconds.
+        `notify` receives a message after ten seconds without a worker, and another when one has
+        joined. Raises ComputationError if the connection is closed, or has been lost for ten
+        seconds.
         """
         fault, now = self._connection_fault(), monotonic()
         self._checked = now
@@ -219,8 +222,10 @@ def _connection_errors(distributed: ModuleType, address: str) -> Iterator[None]:
 class Cluster(ProcessExecutor):
     """Executor on the workers of a Dask cluster, see `on_cluster`.
 
-    A task is sent when a thread of a worker is free. The next task of its group goes to the same
-    worker as long as this worker is connected. `log` and `begin` as in `on_cores`.
+    A call is sent when a thread of a worker is free. The next call of its group goes to the same
+    worker as long as this worker is connected. `log`: file to which the output of the workers'
+    processes is appended. `begin`: function that is computed first in each process; its value is
+    the argument of all calls. If it is None, calls have no argument.
     """
 
     distributed: ModuleType
@@ -233,9 +238,11 @@ class Cluster(ProcessExecutor):
     advice = "continue with more memory for each worker, or a coarser mesh"
 
     def beginning(self, log: Path, begin: Work) -> "Cluster":
-        """Executor whose processes first compute `begin`, whose value is the argument of all calls.
+        """Executor with these values of `log` and `begin` on the same cluster.
 
-        Their output is appended to `log`. `begin` is sent to each worker once.
+        `log`: file to which the output of its processes is appended. `begin`: function that is
+        computed first in each process; its value is the argument of all calls. It is sent to each
+        worker once.
         """
         return replace(self, log=log, begin=begin)
 
@@ -292,7 +299,7 @@ _Arrived: TypeAlias = tuple[deque[tuple[Any, Call]], Any, str | None, bytes]
 
 
 class _SentCalls:
-    """Calls that are computed on the cluster, each the first of its group."""
+    """Calls that were sent to the cluster: the first unfinished call of each group."""
 
     def __init__(
         self,
@@ -353,9 +360,11 @@ class _SentCalls:
         self._finished.put((future.key, reply))
 
     def next_reply(self) -> _Arrived | None:
-        """Next reply of a worker. None after half a second, or if a call was sent again.
+        """Next reply of a worker. None if none arrives within half a second.
 
-        Raises ComputationError for a worker with another program, or one that cannot begin.
+        Also None if the call of the reply was lost with the connection and has been sent again.
+        Raises ComputationError for a worker with another program, or for one whose processes fail
+        before they compute a call.
         """
         try:
             key, reply = self._finished.get(timeout=_HEARTBEAT)
@@ -374,10 +383,11 @@ class _SentCalls:
         raise self._failure(f"a worker failed with {type(reply).__name__}: {reply}") from reply
 
     def _send_again(self, calls: deque[tuple[Any, Call]]) -> _Arrived | None:
-        """Send the first of `calls` again, which was lost with the connection, and return None.
+        """Send the first of `calls` again, which was lost with the connection. Return None.
 
-        If it was lost more than three times, return a reply with the exception `Crashed` instead.
-        Raises ComputationError if the scheduler does not come back.
+        If the call was lost more than three times, it is not sent again, and a reply with the
+        exception `Crashed` is returned. Raises ComputationError if the scheduler does not come
+        back.
         """
         name = calls[0][0]
         self._losses[name] += 1
@@ -420,7 +430,7 @@ def _itself(conditions: Conditions) -> Conditions:
 
 
 def _is_lost(distributed: ModuleType, error: object) -> bool:
-    """True for an error of a call that was lost with the connection to the scheduler."""
+    """True if `error` means that a call was lost with the connection to the scheduler."""
     return isinstance(
         error, distributed.client.FutureCancelledError | distributed.comm.CommClosedError
     )

@@ -57,9 +57,9 @@ class Reply(NamedTuple):
 class Conditions:
     """Conditions under which the processes of a run begin.
 
-    `content` is the pickled function without arguments whose value is the first argument of all
-    calls; b"" if calls have none. `program` identifies sources and libraries of the run, `request`
-    its linear solver (environment variables).
+    `content`: pickled function without arguments, which each process computes first. Its value is
+    the argument of all calls. b"" if calls have no argument. `program` identifies sources and
+    libraries of the run, `request` its linear solver (environment variables).
     """
 
     content: bytes
@@ -86,7 +86,8 @@ class Conditions:
 class _Pool:
     """Idle processes of this Dask worker, by the key of their conditions.
 
-    Each is paired with the group of its last call. `count`: number of log files made so far.
+    Each process is paired with the group of the call that it computed last. `count`: number of log
+    files made so far.
     """
 
     idle: dict[str, list[tuple[str, Interpreter]]] = field(default_factory=dict)
@@ -94,9 +95,10 @@ class _Pool:
     count: int = 0
 
     def take(self, key: str, group: str) -> Interpreter | None:
-        """Idle process whose conditions have this `key`, if possible the last one of the `group`.
+        """Take an idle process whose conditions have this `key`. None if there is none.
 
-        None if there is none. Processes with other conditions are ended.
+        A process that computed the last call of the `group` is preferred. Processes with other
+        conditions are ended.
         """
         self.end([other for other in self.idle if other != key])
         with self.lock:
@@ -111,9 +113,9 @@ class _Pool:
             return folder / f"flexproof-{self.count}.log"
 
     def give_back(self, key: str, group: str, interpreter: Interpreter) -> None:
-        """Keep the process `interpreter` for the next call with the same `key`.
+        """Keep the process `interpreter` for a later call with the same `key`.
 
-        Calls of the same `group` have priority.
+        A later call of the same `group` gets it if possible.
         """
         with self.lock:
             self.idle.setdefault(key, []).append((group, interpreter))
@@ -180,9 +182,10 @@ def _environment(conditions: Conditions, folder: Path) -> dict[str, str]:
 
 
 def _begin(interpreter: Interpreter, conditions: Conditions, is_needed: Callable[[], bool]) -> None:
-    """Wait until a new process can compute.
+    """Wait until a new process can compute calls.
 
-    Raises DifferentProgram, and Unable if the process ends or if `is_needed` returns False.
+    Raises DifferentProgram if its program differs from that of the run. Raises Unable if the
+    process ends or if `is_needed` returns False.
     """
     try:
         _next_answer(interpreter, is_needed).result()
@@ -209,7 +212,7 @@ def _is_wanted(worker: Any, key: object) -> bool:
 
 
 def _taken_log(log: Path) -> bytes:
-    """Content of a log file, which is then emptied."""
+    """Last part of a log file, at most `_LONGEST_LOG` bytes. The file is then emptied."""
     content = (read_regular(log) or b"")[-_LONGEST_LOG:]
     with suppress(OSError):
         os.truncate(log, 0)
@@ -218,7 +221,7 @@ def _taken_log(log: Path) -> bytes:
 
 @memo(2)
 def program(solver: str) -> Mapping[str, str]:
-    """Digest of the sources, versions of libraries, and `solver`.
+    """Digest of the sources, versions of libraries, and `solver`, by name.
 
     Equal programs give equal numbers.
     """
@@ -226,7 +229,10 @@ def program(solver: str) -> Mapping[str, str]:
 
 
 def requested_program(request: Mapping[str, str]) -> Mapping[str, str]:
-    """Program of a worker, with the linear solver that the run requests."""
+    """Program of a worker that uses the linear solver of the run.
+
+    `request`: environment variables that select this solver. They are set in the worker's process.
+    """
     os.environ.update(request)
     return program(solver_name())
 

@@ -35,7 +35,10 @@ _SLOWEST = 10
 
 @dataclass(frozen=True)
 class VerdictChange:
-    """Change of a case's verdict. From good to bad: agree, skipped, undecided, disagree, failed."""
+    """Change of a case's verdict.
+
+    The order from best to worst is agree, skipped, undecided, disagree, failed.
+    """
 
     id: str
     before: Verdict
@@ -45,7 +48,10 @@ class VerdictChange:
 
 @dataclass(frozen=True)
 class Drifted:
-    """Change of a value or reference (`what`) of a case. It is drift if it exceeds `allowed`."""
+    """Change of a number of a case, in `unit`. It counts as drift if it exceeds `allowed`.
+
+    `what`: "value" or "reference". `drift`: `after` − `before`.
+    """
 
     id: str
     what: str
@@ -57,7 +63,7 @@ class Drifted:
 
     @property
     def beyond(self) -> bool:
-        """True if the change exceeds the allowed one."""
+        """True if the magnitude of the change exceeds the allowed one."""
         return abs(self.drift) > self.allowed
 
 
@@ -90,7 +96,10 @@ class ValueChange:
 
 @dataclass(frozen=True)
 class AdequacyChange:
-    """Entry of a model and a quantity in each of two runs. None if a run lacks the entry."""
+    """Entry of a model and a quantity in each of two runs. None if a run lacks the entry.
+
+    `values`: values of the quantity in the poses that both entries have.
+    """
 
     model: str
     quantity: str
@@ -103,8 +112,11 @@ class AdequacyChange:
 class RunComparison:
     """Changes from one run to another.
 
-    `differs`: header fields that differ. `inputs`: keys of the robot file that differ, if both runs
-    contain its tables; drift is then not computed. `adequacy`: all entries of both runs, even if
+    `verdicts`: changed verdicts of cases. `drifted`: numbers that changed by more than the allowed
+    drift. `new`, `removed`: ids of cases that only the later or only the earlier run has.
+    `seconds`: computing times of the cases of both runs. `differs`: header fields that differ.
+    `inputs`: keys of the robot file that differ, if both runs contain its tables. If there are any,
+    drift is not computed. `adequacy`: entries of all models and quantities of both runs, also if
     equal. `different_robots`: names of two robots, whose cases are not compared; () if both runs
     are of one robot.
     """
@@ -287,10 +299,11 @@ def same_pose(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
 def drift(
     before: Outcome, after: Outcome, field: Literal["value", "reference"] = "value"
 ) -> Drifted | None:
-    """Drift of a case's value or reference. None if a run lacks it, or if the poses differ.
+    """Change of a case's value or reference, with the allowed drift.
 
-    The allowed drift is the larger of the known uncertainties of both runs, and at least 1e-9 times
-    the larger number. If the reference is zero, it is at least a thousandth of the tolerance.
+    None if a run lacks the number, or if the poses differ. The allowed drift is the larger of the
+    known numerical uncertainties of both runs, and at least 1e-9 times the larger number. If the
+    reference is zero, it is at least a thousandth of the tolerance.
     """
     if before.measurement is None or after.measurement is None:
         return None
@@ -310,7 +323,10 @@ def drift(
 
 
 def with_drift(outcome: Outcome, earlier: Outcome | None) -> Outcome:
-    """Outcome with its drift from an `earlier` one. Unchanged if the drift is unknown."""
+    """Copy of an outcome with its drift from an `earlier` one.
+
+    The outcome itself if the drift is unknown.
+    """
     change = drift(earlier, outcome) if earlier else None
     if change is None:
         return outcome

@@ -48,13 +48,13 @@ def in_order(executor: Executor, calls: Sequence[Callable[[], T]]) -> list[T]:
 
 
 def in_turn(calls: Sequence[Work]) -> Finished:
-    """Compute the calls one after the other in this process."""
+    """Compute calls one after the other in this process. Yield number and result of each."""
     for number, call in enumerate(calls):
         yield number, call()
 
 
 class OutOfMemoryCrash(Crashed):
-    """OpenBLAS ended a process for lack of memory."""
+    """Error: OpenBLAS ended a process for lack of memory."""
 
 
 @dataclass
@@ -75,8 +75,8 @@ class Interpreter:
     ) -> "Interpreter":
         """Start a process.
 
-        If `begin` is not None, it is computed first and its value passed to all calls. The answer
-        to `begin` is received like that of a call.
+        If `begin` is not None, it is computed first, and its value is the argument of all calls.
+        The answer to `begin` is received like that of a call.
         """
         process = Process(log, {**(environment or {}), **_SINGLE_THREADED})
         interpreter = cls(process, log, _size(log))
@@ -122,7 +122,10 @@ class ProcessExecutor(ABC):
     advice: ClassVar[str]
 
     def __call__(self, calls: Sequence[Work]) -> Finished:
-        """Results of the calls. Raises errors of calls, and ComputationError if a process dies."""
+        """Yield number and result of each call, in order of completion.
+
+        Raises the error of a call, and ComputationError if a process dies.
+        """
         groups = [[(number, call)] for number, call in enumerate(calls)]
         with closing(self.answers(groups)) as answers:
             for number, answer in answers:
@@ -142,8 +145,8 @@ class ProcessExecutor(ABC):
         """Yield (name, result or exception) of named calls in order of completion.
 
         Calls of a group are computed one after the other in one process. `started` is called with
-        each name. When `stopped` returns True, or the generator is closed, unfinished calls are
-        abandoned. Raises ComputationError if processes cannot begin.
+        the name of each call when it begins. If `stopped` returns True, or if the generator is
+        closed, unfinished calls are abandoned. Raises ComputationError if processes cannot begin.
         """
 
 
@@ -153,8 +156,9 @@ def on_cores(
 ) -> Iterator["Cores"]:
     """Context with an executor of `jobs` processes of one thread each, which end with the context.
 
-    Their output is appended to the `log`. The value of `begin` is computed first in each process
-    and is the argument of all its calls. If `begin` is None, calls have no argument.
+    The output of the processes is appended to the `log`. `begin` is computed first in each process,
+    and its value is the argument of all calls of this process. If `begin` is None, calls have no
+    argument.
     """
     cores = Cores(jobs, log, begin)
     try:

@@ -119,8 +119,9 @@ def unsealed(run: str, line: bytes) -> dict[str, Any] | None:
 class RunFolder:
     """An open, locked run folder. `remarks` list faults found in it.
 
-    `records`: records of finished tasks by id. `begun`: start of the run and computing time so far
-    (s). `complete`: set to True at the end of the run.
+    `records`: records of finished tasks by id. `begun`: time at which the run was started
+    ("started"), and computing time so far ("seconds"); empty for a new run. `complete`: set to True
+    at the end of the run.
     """
 
     path: Path
@@ -139,7 +140,7 @@ class RunFolder:
     def begin(self, former: Path) -> None:
         """Prepare the folder.
 
-        It takes over the finished tasks of the run in the folder `former`.
+        Finished tasks of the run in the folder `former` become finished tasks of this run.
         """
         shutil.rmtree(self.path / UNFINISHED, ignore_errors=True)
         (self.path / UNFINISHED).mkdir(exist_ok=True)
@@ -161,7 +162,11 @@ class RunFolder:
                 self._put(name, content.encode() if isinstance(content, str) else content)
 
     def keep(self, record: Mapping[str, Any], seconds: float) -> None:
-        """Append the record of a finished task, `seconds` after the start of the run."""
+        """Append the record of a finished task.
+
+        `seconds`: computing time of the run so far, without the time between an interruption and
+        its resumption.
+        """
         data = {"started": self.header.get("started", ""), "seconds": seconds, "record": record}
         # Records can contain NaN, which standard JSON excludes; only this program reads them.
         line = sealed(mark_of(self.header).run, json.dumps(data).encode())
@@ -175,7 +180,7 @@ class RunFolder:
 
     @contextmanager
     def exporting(self) -> Iterator[Path]:
-        """Context with a new folder for files, which are moved to `export` if no error is raised.
+        """Context with a temporary folder. Its files are moved to `export` if no error is raised.
 
         Raises StoreError on disk errors.
         """
@@ -245,8 +250,8 @@ def open_folder(path: Path, header: Header, start: Start) -> Iterator[RunFolder]
     """Context with the locked folder DIR.partial, which is renamed to `path` if it is `complete`.
 
     `start`: "afresh" begins a new run, "resumed" continues the last one. Raises InputError if the
-    folder cannot be used: not writable, with other files, in use, or of a different run. All checks
-    are made before any file is changed.
+    folder is not writable, contains files of other programs, is in use, or belongs to a different
+    run. All checks are made before any file is changed.
     """
     _file_locks()
     has_name = path.name not in {"", ".."} and not path.is_symlink()

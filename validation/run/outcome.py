@@ -2,8 +2,9 @@
 
 Input: a case and its measurement. Output: an `Outcome`. Rule: the case agrees if its unexplained
 difference is within the tolerance in all poses, and disagrees otherwise. The numerical uncertainty
-of both sides never widens the tolerance: if it exceeds the tolerance, the case is undecided, which
-does not count as agreement.
+of value and reference never widens the tolerance. If it exceeds the tolerance, the case is
+undecided, unless the difference exceeds the tolerance by more than the uncertainty. An undecided
+case does not count as agreement.
 """
 
 from collections.abc import Mapping
@@ -50,8 +51,8 @@ class Outcome(Result[Verdict, Measurement], frozen=True, kw_only=True):
 
     Workers, results.jsonl, results.json, `compare`, the API and the page use this class. Fields are
     listed here, in `Declaration` and in `Measurement` only. In results.json, an object of "cases"
-    contains the annotated fields of all three. Numbers are in the unit of the case; one that is not
-    finite is null in JSON.
+    contains the annotated fields of all three. Numbers are in the unit of the case. Infinite
+    numbers and NaN are null in JSON.
     """
 
     case: Declaration
@@ -80,7 +81,7 @@ class Outcome(Result[Verdict, Measurement], frozen=True, kw_only=True):
     def share(self) -> float:
         """Largest violation of the claimed relation, divided by the tolerance, over all poses.
 
-        Above 1, the comparison disagrees.
+        Above 1, the comparison disagrees, unless it is undecided. NaN if there is no measurement.
         """
         tolerance, relation = self.case.tolerance, self.case.relation
         if self.found is None or tolerance is None:
@@ -184,8 +185,8 @@ def from_plain(task: Task, record: Mapping[str, Any]) -> AnyResult:
 def valid_result(task: Task, record: Mapping[str, Any]) -> AnyResult | None:
     """Result of `task` recorded by an earlier process. None if it must be computed again.
 
-    It must be if the task failed, if the record is invalid, if the declaration of the case has
-    changed, or if the verdict does not follow from the recorded numbers.
+    A task is computed again if it failed, if the record is invalid, if the declaration of the case
+    has changed, or if the verdict does not follow from the recorded numbers.
     """
     try:
         result = from_plain(task, record)

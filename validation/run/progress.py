@@ -28,7 +28,7 @@ _RATE_SHARE = 0.1
 
 
 class RunProgress:
-    """Bar in proportion to the effort of finished tasks, and list of running tasks."""
+    """Progress of a run: bar in proportion to the effort of finished tasks, and running tasks."""
 
     def __init__(self, tasks: Sequence[Task]) -> None:
         self._whole = Progress(
@@ -50,7 +50,8 @@ class RunProgress:
     def line(self, forecast: str = "") -> str:
         """State as text: "12/243 done, 8 s elapsed, about 20 s left".
 
-        Until a tenth of the effort is done, the remaining time is `forecast`, if there is one.
+        `forecast`: text on the remaining time, used until a tenth of the effort is done. If it is
+        "", the measured speed is used from the start.
         """
         (bar,) = self._whole.tasks
         elapsed, total = bar.elapsed or 0.0, bar.total or 0.0

@@ -38,7 +38,7 @@ _LIBRARIES = (
 
 
 def header(robot_file: RobotFile, preset: Preset, options: Mapping[str, str]) -> dict[str, Any]:
-    """Header of results.json ("run") at the start of a run."""
+    """Header of a run at its start, the object "run" of results.json."""
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "robot": robot_file.name,

@@ -26,9 +26,9 @@ class Provisions:
     entries: Mapping[str, Arrays]
 
     def unpack(self, robot_file: RobotFile) -> RobotFile:
-        """Store the entries in the cache of this machine.
+        """Store the entries in the cache of this machine. Copy part files that it lacks.
 
-        Returns the robot with part files that exist on this machine.
+        Returns the robot with paths of part files on this machine.
         """
         for key, arrays in self.entries.items():
             if find(key) is None:
@@ -39,7 +39,7 @@ class Provisions:
         return replace(robot_file, mechanism=replace(robot_file.mechanism, bodies=bodies))
 
     def _local(self, body: Body) -> Body:
-        """The body, with a copy of its file if this machine has none or a different one."""
+        """The body, with a copy of its file if this machine lacks it or has a different one."""
         if not isinstance(body.shape, Part):
             return body
         file, content = body.shape.file, self.files[body.shape.file]

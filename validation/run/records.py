@@ -32,7 +32,12 @@ _LARGEST_NUMBER = 1e150
 
 
 class RunRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """Content of results.json. `run` is the header, `cases` the outcomes in catalogue order."""
+    """Content of results.json.
+
+    `run`: header. `cases`: outcomes in catalogue order. `adequacy`: entries of the matrices of
+    verdicts. `adequacy_of_parts`: entries of the matrices of single legs and of formulations.
+    `statements`: statements of publications. `studies`: convergence studies.
+    """
 
     schema: int = 1
     run: Mapping[str, Any] = {}
@@ -103,7 +108,7 @@ def _case_object(outcome: Outcome) -> dict[str, Any]:
 def _outcome_data(case_object: Mapping[str, Any]) -> dict[str, Any]:
     """Plain data of an `Outcome` from an object of "cases", the inverse of `_case_object`.
 
-    The tolerance is absolute. A null is an unknown number, or one that is not finite.
+    The tolerance is absolute. A null stands for an unknown or infinite number or NaN.
     """
     fields = {key: _nan_for_null(value) for key, value in case_object.items() if value is not None}
     tolerance = fields.get("tolerance")
@@ -132,7 +137,10 @@ def _nan_for_null(data: Any) -> Any:
 
 
 def stored_entries(matrix: Matrix, part: str | UnsetType = UNSET) -> list[StoredEntry]:
-    """Entries for results.json from the matrix of the robot, or of a `part` of it."""
+    """Entries for results.json from the matrix of the robot.
+
+    `part`: name of the leg or formulation, if the matrix is one of those attached to the robot's.
+    """
     entries = (
         replace(entry, quantity=entry.quantity.name, poses=matrix.poses, part=part)
         for entry in matrix.entries
@@ -142,7 +150,7 @@ def stored_entries(matrix: Matrix, part: str | UnsetType = UNSET) -> list[Stored
 
 
 def studies_of(outcomes: Sequence[Outcome]) -> list[Study]:
-    """Studies of the outcomes, each id once."""
+    """Studies of the outcomes. Of studies with the same id, only one is listed."""
     measured = [outcome.measurement for outcome in outcomes if outcome.measurement]
     return list({study.id: study for m in measured for study in m.studies}.values())
 

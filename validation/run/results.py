@@ -36,9 +36,10 @@ _REFERENCE_TEXTS = {ADEQUACY: "by finite elements", MEASURED: "against measured 
 class Standing:
     """Verdict on the tasks of a run.
 
-    `comparisons`: number by verdict. `figures`, `assessments`: numbers of failed ones. `faults`:
-    names of models, and of other computations within an assessment, that ended with an error of the
-    program. `refused`: models relied on that are inadequate or, if `strict`, undecided.
+    `comparisons`: number of comparisons by verdict. `figures`, `assessments`: numbers of failed
+    ones. `unfinished`: number of tasks that were not computed. `faults`: names of models, and of
+    other computations within an assessment, that ended with an error of the program. `refused`:
+    models relied on that are inadequate or, if `strict`, undecided.
     """
 
     comparisons: Mapping[Verdict, int]
@@ -53,8 +54,8 @@ class Standing:
     def exit_code(self) -> int:
         """0 for success, 1 if a case disagrees or a model relied on is inadequate, 3 for a failure.
 
-        A failure is anything that failed or was not computed. If `strict`, the code is 1 also for
-        undecided verdicts.
+        A failure is a task or model that failed or was not computed. If `strict`, the code is 1
+        also for undecided verdicts.
         """
         if self.failures:
             return 3
@@ -126,9 +127,9 @@ class Results:
     """Results of finished tasks, by id in `done`.
 
     `baseline`: earlier run from which drift is computed, None if the user names none. `path`:
-    folder of the report, which lies next to the final one until the run is finished. `remarks`:
-    faults in the folder. `rely`: models that must be adequate. `strict`: True if undecided counts
-    as inadequate.
+    folder of the report; until the run is finished, this is DIR.partial. `remarks`: faults found in
+    this folder. `rely`: models that must be adequate. `strict`: True if undecided counts as
+    inadequate.
     """
 
     header: Mapping[str, Any]
@@ -170,14 +171,14 @@ class Results:
 
     @property
     def missing_figures(self) -> list[tuple[PlannedFigure, str]]:
-        """Planned figures without a picture, with the reason."""
+        """Planned figures that could not be drawn, each with the reason."""
         planned = [task for task in self.tasks if isinstance(task, PlannedFigure)]
         messages = [(task, self.done[task.id].message) for task in planned if task.id in self.done]
         return [(task, message) for task, message in messages if message]
 
     @property
     def unjudged(self) -> list[str]:
-        """Sentences with the reason why models could not be judged against a reference."""
+        """Sentences on references against which no model could be judged, each with the reason."""
         results = [(kind, self.done.get(name)) for name, kind in _REFERENCE_TEXTS.items()]
         return [
             f"No model was judged {kind}: {result.message}"
@@ -192,12 +193,12 @@ class Results:
 
     @property
     def matrix(self) -> Matrix | None:
-        """Adequacy of the robot's models. None if it was not assessed."""
+        """Verdicts on the robot's models against computed references. None if there are none."""
         return self._matrix(ADEQUACY)
 
     @property
     def measured(self) -> Matrix | None:
-        """Models compared with measured values. None if there are no measured values."""
+        """Verdicts on the robot's models against measured values. None if there are none."""
         return self._matrix(MEASURED)
 
     def _matrix(self, name: str) -> Matrix | None:
@@ -216,7 +217,11 @@ class Results:
         }
 
     def compared_with(self, baseline: RunRecord) -> RunComparison:
-        """Changes since `baseline` among the cases requested in this run."""
+        """Changes since `baseline`.
+
+        Cases of the baseline that this run requests and has not computed yet are not compared. With
+        `--only`, neither are cases that this run does not request; otherwise they count as removed.
+        """
         requested = {task.id for task in self.tasks}
         is_partial = "only" in self.header["options"]
         before = tuple(
@@ -234,9 +239,10 @@ class Results:
 
     @property
     def refused(self) -> tuple[str, ...]:
-        """Models relied on that are inadequate in some matrix.
+        """Models relied on that are inadequate in some matrix, in the order of `rely`.
 
-        If `strict`, also undecided ones, and all models relied on if assessments gave no matrix.
+        If `strict`, models with undecided verdicts are included. If `strict` and the assessments
+        gave no matrix, all models relied on are returned.
         """
         if not self.matrices:
             return tuple(self.rely) if self.strict and {ADEQUACY, MEASURED} & set(self.done) else ()

@@ -53,8 +53,8 @@ def select(
 ) -> list[Task]:
     """Tasks of the preset whose id matches a shell-style pattern, with brackets taken literally.
 
-    Tasks with ids in `always` are added. Raises InputError if no matching task is a comparison or
-    an assessment.
+    All tasks of the preset if `pattern` is None. Tasks of the preset with ids in `always` are
+    added. Raises InputError if no matching task is a comparison or an assessment.
     """
     if len({task.id for task in tasks}) < len(tasks):
         raise ValueError("two cases or figures have the same id")
@@ -90,12 +90,13 @@ def run(
     keep: Callable[[Record], None],
     progress: "RunProgress",
 ) -> None:
-    """Compute some of the catalogue's tasks with `jobs` processes, or on the `cluster`.
+    """Compute `tasks` with `jobs` processes, or on the `cluster` if it is not None.
 
-    `sent`: files and cache entries that workers of the cluster need.
-    `keep` is called with each record on arrival; an exception in it ends the run. SIGINT, SIGTERM
-    and SIGHUP end the run within a second. Raises ComputationError if workers cannot start, or the
-    cluster is lost.
+    `catalogue`: function that lists all tasks, called in each process. `log`: file for the output
+    of the processes. `sent`: files and cache entries that workers of the cluster need. `keep` is
+    called with each record on arrival; an exception in it ends the run. SIGINT, SIGTERM and SIGHUP
+    end the run within a second. Raises ComputationError if workers cannot start, or if the cluster
+    is lost.
     """
     by_id = {task.id: task for task in tasks}
     groups = [[(name, partial(_compute, name)) for name in group] for group in _groups(tasks)]
@@ -132,9 +133,10 @@ def _without_numbers(
 
 
 def _groups(tasks: Sequence[Task]) -> list[list[str]]:
-    """Ids of tasks, grouped by process: assessments of models first, then by decreasing effort.
+    """Ids of tasks, grouped by process. Groups with assessments of models come first.
 
-    Short groups at the end balance the load of the processes.
+    The others follow by decreasing effort: short groups at the end balance the load of the
+    processes.
     """
     groups: dict[str, list[Task]] = {}
     for task in sorted(tasks, key=lambda task: not isinstance(task, Assessment)):
@@ -190,7 +192,11 @@ def _compute(identifier: str, assigned: _Assigned) -> Record:
 
 
 def execute(task: Task, context: Context) -> AnyResult:
-    """Result of a task. Errors become verdicts, tracebacks go to stderr."""
+    """Result of a task.
+
+    An error in the task gives the verdict "failed", `Skip` the verdict "skipped". The traceback of
+    an error goes to stderr.
+    """
     start = perf_counter()
     try:
         match task:

@@ -23,8 +23,8 @@ _SOURCES = (".py", ".toml", ".j2", ".css", ".js")
 def program(*places: str) -> str:
     """Fingerprint of the sources in `places` and of the libraries that compute.
 
-    `places` are folders and files, by default all packages. With "fem" among them, the requested
-    library for sparse systems is part of the fingerprint.
+    `places` are names of folders and files; without any, all packages are covered. If "fem" is
+    among them, the fingerprint also covers the requested library for sparse systems.
     """
     selected = places or PACKAGES
     return _program(selected, requested_library() if "fem" in selected else "")

@@ -30,8 +30,9 @@ def stored_arrays(
 ) -> dict[str, Arrays]:
     """Arrays of the tasks, by key. The executor computes those that the cache lacks.
 
-    Each task returns arrays with these `names`. A stored entry with other names counts as absent.
-    Raises the exception of the first task that fails.
+    `tasks`: function that computes the arrays of a task, by key of the cache. It returns arrays
+    with these `names`. A stored entry with other names counts as absent. Raises the exception of
+    the first task that fails.
     """
     wanted = set(names)
     stored = {key: arrays for key in tasks if (arrays := find(key)) and set(arrays) == wanted}
@@ -48,8 +49,9 @@ class StoringExecutor(Generic[T]):
     """Executor of calls whose results are made of arrays. Stored results are not computed again.
 
     Each call is a `partial` of a module-level function and plain data. The key of its result covers
-    function, data, `inputs`, sources and libraries. `executor` computes what the cache lacks.
-    `arrays_of` converts a result to arrays with these `names`, `read` converts them back.
+    function, data, `inputs`, sources and libraries. `executor` computes results that the cache
+    lacks. `arrays_of` converts a result to arrays with these `names`. `read` converts the arrays to
+    the result.
     """
 
     executor: Executor
