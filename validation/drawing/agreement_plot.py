@@ -22,7 +22,9 @@ _GREY, _BAND = "#999999", "#009E73"
 class Difference:
     """Difference of a formulation from the solid in one quantity, in % of the solid's value.
 
-    `whole`: before named causes are subtracted; `unexplained`: after that.
+    `whole`: total difference. `unexplained`: total difference without the effects of named causes,
+    which are computed separately. `half_width`: half-width of the uncertainty of `unexplained`.
+    `tolerance`: largest accepted magnitude of `unexplained`.
     """
 
     quantity: str
@@ -36,7 +38,8 @@ class Difference:
 def agreement_plot(panels: Mapping[str, Sequence[Difference]]) -> Figure:
     """Plot of differences: one panel for each title, one column for each quantity.
 
-    Each model has a marker. Bands are the tolerances.
+    Each model has a marker, with an error bar at its unexplained difference. Diamonds are total
+    differences. Bands are the tolerances.
     """
     models = list(
         dict.fromkeys(difference.model for panel in panels.values() for difference in panel)

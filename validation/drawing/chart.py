@@ -32,10 +32,10 @@ _SMALLEST_GAP = 0.07
 class Series:
     """One curve: `y` over `x` (n each, NaN is a gap), with its `label` in the legend.
 
-    Colour and marker are those of the model `of`, or if that is "" of the model `label`. `bars` (n,
+    `of`: name of the model whose colour and marker the curve has; "" if `label` is this name.
+    `quantity`: quantity with unit; with it, the table has the column "label: quantity". `bars` (n,
     or 2×n for down and up): error bars. `best`: index of the point with a star. `interval` (2×n,
-    lowest and highest): shaded band. With a `quantity`, the table has a column "label: quantity
-    (unit)".
+    lowest and highest): shaded band.
     """
 
     label: str
@@ -55,7 +55,10 @@ class Series:
 
 @dataclass(frozen=True, eq=False)
 class Bars:
-    """One part of each stacked bar of a panel, with length `y` (n). Parts are stacked from zero."""
+    """One part of each of n stacked bars of a panel, with lengths `y` (n).
+
+    The parts of a bar are stacked from zero, in the order of the `Bars` of the panel.
+    """
 
     label: str
     y: Array
@@ -94,11 +97,12 @@ class Panel:
 
     `below`: curves of differences in per cent, in lower axes. Curves with equal labels, for example
     of several modes, share their look and one entry in the legend. If `staggered`, markers of
-    different curves are shifted along x. `bars` are vertical at 1, 2, …, or horizontal in rows from
-    the top (`lying`), with `names`; curves in lying panels have one value for each row. `matrix`:
-    values from 0 to 1, shaded. `levels`: values of horizontal grey lines. `band`: shaded stripe
-    between two values, with `band_label` in the legend. `column_prefix`: beginning of the column
-    headings in the table. `x_label` replaces that of the chart.
+    different curves are shifted along x. `bars` are stacked bars, one for each of the `names`. They
+    are vertical at x = 1, 2, …, or, if `lying`, horizontal in rows from the top. A curve in a lying
+    panel has one value for each row. `matrix`: values from 0 to 1, shaded. `levels`: values of
+    horizontal grey lines. `band`: shaded stripe between two values, with `band_label` in the
+    legend. `column_prefix`: beginning of the column headings in the table. `x_label` replaces that
+    of the chart.
     """
 
     series: Sequence[Series] = ()
@@ -139,7 +143,7 @@ class Chart:
     studies: Sequence[FigureStudy] = ()
 
     def captioned(self, *sentences: str, title: str = "") -> "Chart":
-        """Copy with a title, and a caption of those sentences that are not empty."""
+        """Copy with a title, and a caption of all `sentences` that are not empty."""
         return replace(self, caption=" ".join(filter(None, sentences)), title=title)
 
 
@@ -197,7 +201,7 @@ def _ticker() -> Any:
 
 
 def from_zero(axes: "Axes", *, top: float | None = None) -> None:
-    """Let the y axis start at zero, with room above the curves, or above `top` if it is given."""
+    """Let the y axis start at zero, and end above the curves, or above `top` if it is not None."""
     axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1] if top is None else 1.15 * top)
 
 

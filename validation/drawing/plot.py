@@ -298,7 +298,7 @@ def _columns(labels: Sequence[str]) -> int:
 
 
 def _shortened(label: str, columns: int) -> str:
-    """Label whose lines are at most as long as an axis.
+    """Label whose lines are not longer than the x axis of a panel in a chart of `columns` panels.
 
     A longer line is shortened to "…" and its end.
     """

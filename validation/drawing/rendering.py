@@ -67,10 +67,10 @@ def pictured(
     width: float = WIDTH,
     title: str = "",
 ) -> Picture:
-    """Picture of scenes in `columns`, each `height` inches high.
+    """Picture of scenes in `columns`, each `height` inches high, `width` inches wide in total.
 
-    If the height is None, it follows from the proportions of the first scene. The picture is
-    omitted, with the reason, if this machine cannot draw it.
+    If `height` is None, it follows from the proportions of the first scene. The picture is omitted,
+    with the reason, if this machine cannot draw it.
     """
     if not can_draw():
         return Picture(left_out=MESSAGE)
@@ -85,9 +85,9 @@ def drawn_scenes(
     width: float = WIDTH,
     title: str = "",
 ) -> Canvas:
-    """Matplotlib figure of scenes, with the arguments of `pictured`.
+    """Matplotlib figure of scenes. The arguments are those of `pictured`.
 
-    If this machine cannot draw scenes, a figure with the reason.
+    If this machine cannot draw scenes, the figure contains only the reason.
     """
     if not can_draw():
         figure = Canvas(figsize=(width, 1.0))

@@ -28,7 +28,8 @@ MarkKind: TypeAlias = Literal["square", "dot", "cross", "ground"]
 class DrawnBody:
     """Surface in one colour, or coloured by `values` (n) at its points.
 
-    `motion` (n×3, m): largest displacements of its points. None if it does not move.
+    `motion` (n×3, m): displacement of each point in the extreme position of the animation. None if
+    the body does not move.
     """
 
     surface: Surface
@@ -41,7 +42,8 @@ class DrawnBody:
 class Wire:
     """Straight lines between pairs (e×2 indices) of points (n×3, m). `width` in pixels.
 
-    `motion` as in `DrawnBody`.
+    `motion` (n×3, m): displacement of each point in the extreme position of the animation. None if
+    the lines do not move.
     """
 
     points: Array
@@ -84,9 +86,10 @@ class Label:
 class Scene:
     """Contents of one panel, with `camera`: directions to the viewer (3) and upwards (3).
 
-    `limits`: values at both ends of the colour map; `bar`: label of its colour bar. `turned`:
-    bodies and lines that only the scene in the browser contains. `inside` (n×3, m): further points
-    that must lie within the picture.
+    `limits`: values at both ends of the colour map. `bar`: label of its colour bar. `turned`:
+    bodies and lines that only the scene in the browser contains. `motion`: animation in the
+    browser; "swing" moves bodies to both sides of the position at rest, "push" to one side.
+    `inside` (arrays n×3, m): further points that must lie within the picture.
     """
 
     bodies: Sequence[DrawnBody]
@@ -155,9 +158,9 @@ def fitted_view(points: Array, toward: Array, up: Array, size: tuple[int, int]) 
 
 
 def readable_factor(largest: float, target: float) -> float:
-    """Largest factor 1, 2 or 5 · 10ᵏ with which `largest` stays below `target` (same unit).
+    """Largest factor 1, 2 or 5 · 10ᵏ for which factor · `largest` is at most `target`.
 
-    1 if `largest` is zero.
+    `largest` and `target` have the same unit. 1 if `largest` is zero.
     """
     if not largest > 0.0:
         return 1.0
@@ -170,10 +173,11 @@ def readable_factor(largest: float, target: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class SceneGrid:
-    """Scenes in `columns` with their caption, each of a `height`, in a picture of `width` (inches).
+    """Scenes with a caption, in `columns`, in a picture of `width` (inches).
 
-    If the height is None, it follows from the proportions of the first scene. If `turned`, each
-    scene can be turned in the page. `data`: numbers of the scenes as CSV. `title` as in `Chart`.
+    `height`: height of each scene (inches). If it is None, it follows from the proportions of the
+    first scene. If `turned`, each scene can be turned in the page. `data`: numbers of the scenes as
+    CSV. `title` replaces the title of the planned figure if it is not "".
     """
 
     caption: str

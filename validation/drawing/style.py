@@ -132,18 +132,18 @@ OTHERS: tuple[Look, ...] = (
 
 
 def look_key(name: str) -> str:
-    """Key in `LOOKS` for the name of a model or reference. Any other name is unchanged."""
+    """Key in `LOOKS` for the name of a model or reference. A name without a look is unchanged."""
     return _LABELS.get(name) or _REFERENCES.get(name, name)
 
 
 def looks_of(names: Iterable[str]) -> Mapping[str, Look]:
-    """Look of each name: that of the model in `LOOKS`, otherwise an unused one."""
+    """Look of each name: the one in `LOOKS`, or a look that no model has."""
     other_looks = cycle(OTHERS)
     return {name: LOOKS.get(look_key(name)) or next(other_looks) for name in dict.fromkeys(names)}
 
 
 def fills_of(names: Collection[str]) -> Mapping[str, str]:
-    """Fill colour of each name: that in `FILLS`, otherwise an unused one."""
+    """Fill colour of each name: the one in `FILLS`, otherwise a colour that none of them has."""
     used = {FILLS[name] for name in names if name in FILLS}
     unused = cycle([colour for colour in _OTHER_FILLS if colour not in used])
     return {name: FILLS.get(name) or next(unused) for name in dict.fromkeys(names)}

@@ -74,7 +74,7 @@ def ball(radius: float) -> Surface:
 
 
 def plate(rim: Array) -> Surface:
-    """Flat polygon with corners `rim` (n×3, m), whose mean must lie inside the polygon."""
+    """Flat polygon with corners `rim` (n×3, m). The mean of the corners must lie inside it."""
     count = len(rim)
     ring = np.arange(count)
     edges = np.column_stack([ring, np.roll(ring, -1)])

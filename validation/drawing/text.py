@@ -55,9 +55,9 @@ def power_of_ten(exponent: int) -> str:
 
 
 def engineering(value: float) -> tuple[float, str]:
-    """Number and SI prefix, from "n" to "", such that the number lies between 1 and 1000.
+    """Number and SI prefix ("n", "µ", "m" or ""), such that the number lies between 1 and 1000.
 
-    For values outside the range of the prefixes the number is smaller or larger.
+    The number is smaller or larger for a value outside the range of these prefixes.
     """
     for prefix, factor in (("", 1.0), ("m", 1e3), ("µ", 1e6)):
         if abs(value) * factor >= 1.0:
@@ -79,7 +79,7 @@ def percent(fraction: float, *, signed: bool = True) -> str:
 
 
 def error_text(error: float, *, signed: bool = True) -> str:
-    """Error in per cent, rounded to hundredths of a per cent, then to two significant digits."""
+    """Error (a ratio) as text in per cent, rounded to 0.01 %, then to two significant digits."""
     return percent(round(error, 4), signed=signed)
 
 
@@ -102,12 +102,19 @@ def error_parts(
 ) -> tuple[str, str]:
     """Texts of an entry's error and of its half-width. ("", "") if there is no error.
 
-    There are five forms. If interpretations of the robot file differ by more than their half-width:
-    the lowest and the highest error, with the names of the interpretations if `named`. Otherwise,
-    if the interval of allowed errors contains zero: the bound of the error, "below 4.4 %". If the
-    interval extends beyond error ± half-width: its ends. If an end is infinite: the error and
-    "without bound". In all other cases: the error and the half-width. `written` formats the
-    numbers.
+    The error lies in the interval from `entry.low` to `entry.high`. The first condition that holds
+    determines the form:
+
+    - an end of the interval is infinite: the error, and "without bound";
+    - the interval contains zero, and the errors under the interpretations of the robot file
+      differ by at most the half-width: the bound of the error, "below 4.4 %", and "";
+    - there is one interpretation, and the interval extends beyond error ± half-width:
+      the ends of the interval, "0 to 33 %", and "";
+    - the errors under the interpretations differ: the lowest and the highest error, with
+      the names of their interpretations if `named`, and the half-width;
+    - otherwise: the error, and the half-width.
+
+    `written` formats the errors.
     """
     error, half_width = entry.error, entry.uncertainty or 0.0
     if error is None:
@@ -139,15 +146,16 @@ def error_with_spread(entry: EntryRecord[Any, Any], written: ErrorText = error_t
 
 
 def bound(entry: EntryRecord[Any, Any]) -> float:
-    """Largest magnitude of the error that the reference allows."""
+    """Largest magnitude of the error within its uncertainty."""
     ends = (entry.error, entry.low, entry.high)
     return max(abs(end) for end in ends if end is not None)
 
 
 def _readings_text(entry: EntryRecord[Any, Any], written: ErrorText, *, named: bool) -> str:
-    """Errors under the interpretations with the lowest and with the highest error.
+    """Errors under the interpretations with the lowest and with the highest error, as text.
 
-    "" if there is one interpretation, or if the two texts are equal.
+    With the names of the interpretations if `named`. "" if there is one interpretation, or if the
+    errors are nearly equal.
     """
     ranked = sorted(entry.readings.items(), key=lambda reading: reading[1])
     if len(ranked) < 2:
@@ -168,7 +176,10 @@ def _range(low: float, high: float, written: ErrorText, *, signed: bool) -> str:
 
 
 def share_text(share: float) -> str:
-    """Text with the ratio of difference to tolerance."""
+    """Ratio of difference to tolerance as text: "35 %", or "1.4 times" above 1.
+
+    "inside the bound" for a negative ratio, which only one-sided comparisons have.
+    """
     if share < 0.0:
         return "inside the bound"
     if share > 1.0:

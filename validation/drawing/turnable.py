@@ -23,10 +23,10 @@ _SIZE = (400, 300)
 
 
 def turnable(scene: Scene) -> InteractiveScene:
-    """Encoded scene for the browser, including the bodies and lines `Scene.turned`.
+    """Encoded scene for the browser, including the bodies and lines in `Scene.turned`.
 
-    The first view is that of the scene's camera. The data are a JSON header and the numbers to
-    which it refers, compressed.
+    The first view is that of the scene's camera. The data are compressed: a JSON header, followed
+    by the numbers to which the header refers.
     """
     view, numbers = scene.view(_SIZE), _Numbers()
     header = {
@@ -67,7 +67,7 @@ def page(scene: Scene, title: str) -> str:
 
 
 class _Numbers:
-    """Concatenated arrays, each identified by the position of its first byte and its length."""
+    """Concatenated arrays, each identified by the position of its first byte and its size."""
 
     def __init__(self) -> None:
         self.content = bytearray()
