@@ -60,10 +60,11 @@ def forces(
     on_path: bool = False,
     solids: bool = False,
 ) -> Forces:
-    """Forces in the poses of a question or of the path, under `loads` (names; all if empty).
+    """Forces in the poses of a question, or of the path if `on_path`.
 
-    With `solids`, stress fields of all bodies are included. Raises InputError for a wrong question,
-    a robot without loads or an unknown load, and ComputationError if the tool is free to move.
+    `loads`: names of loads; () for all loads of the robot file. With `solids`, stress fields of all
+    bodies are included. Raises InputError for an invalid question, a robot without loads or an
+    unknown load, and ComputationError if the tool is free to move.
     """
     if on_path and (question.x or question.poses):
         raise InputError("--path: takes all poses of [path]; leave out --pose or --path")
@@ -94,8 +95,9 @@ def forces_in(
 ) -> Forces:
     """Forces in the postures of a robot under all of its loads.
 
-    Half-widths include those of the meshes of CAD parts if `part_meshes`. With `solids`, stress
-    fields of all bodies are included.
+    `shown_options`: options of the model that the result displays, by name. Half-widths include
+    those due to the meshes of CAD parts if `part_meshes`. With `solids`, stress fields of all
+    bodies are included.
     """
     mechanism, tool = robot.mechanism, robot.mechanism.tool
     responses, solved_model = Responses(robot, strict=True), _force_model(model, options)
@@ -140,7 +142,10 @@ def forces_in(
 
 
 def _with_loads(robot_file: RobotFile, names: Sequence[str]) -> RobotFile:
-    """Robot with only the loads of these names; with all of its loads if no names are given."""
+    """Robot with only the loads of these `names`, or with all of its loads if there are none.
+
+    Raises InputError if the robot has no loads, or for an unknown name.
+    """
     mechanism = robot_file.mechanism
     load_names = [load.name for load in mechanism.loads]
     if not load_names:
@@ -201,7 +206,10 @@ def _force_model(model: ModelName, options: ModelOptions) -> Model:
 def _solved_forces(
     model: ModelName, options: ModelOptions, robot: RobotOnPath, reading: Reading
 ) -> PathForces:
-    """Forces by a model. Meshes of CAD parts have half as many unknowns per coarser level."""
+    """Forces of a robot by a model, under a reading.
+
+    Each coarser level of the meshes of CAD parts has half as many unknowns.
+    """
     postures: Sequence[Posture] = robot.postures
     if reading.part_mesh != FINEST:
         divisor = 2 ** (FINEST - reading.part_mesh)
@@ -246,8 +254,9 @@ def _count(rows: PathForces) -> int:
 def _changes(rows: PathForces, first: PathForces, second: PathForces) -> Array:
     """Magnitudes (P×L×n×6, N and N m) of the changes of forces between two solutions.
 
-    First the wrench of each joint, then the largest change along each leg, at the stations of the
-    solution `rows`. Zero if there is no solution. Shapes: P poses, L loads, n joints and legs.
+    The first of the n rows are changes of the joints' wrenches. Each of the others contains the
+    largest changes of a leg's section forces, compared at the stations of the solution `rows`. Zero
+    if there is no solution. Shapes: P poses, L loads, n joints and legs.
     """
     count = _count(rows)
     changes = [

@@ -34,9 +34,10 @@ if TYPE_CHECKING:
 class Forces:
     """Reactions, drive forces, member forces and stresses under the loads of a robot file.
 
-    A reaction is the wrench of a joint on its second body, at its point on the first, in joint axes
-    (N, N m): x along the joint's axis. Member forces act in sections of a leg on the part towards
-    its root, in leg axes. All have half-widths of their numerical uncertainty.
+    A reaction is the wrench (N, N m) that a joint exerts on its second body. It refers to the
+    joint's point on its first body and to joint axes: x along the joint's axis. Member forces act
+    in a section of a leg, on the part between the section and the root, in leg axes. All forces
+    have half-widths of their numerical uncertainty.
 
     Examples
     --------

@@ -60,7 +60,11 @@ def largest_of(result: ForcesUnderLoad) -> float:
 
 
 def shown(values: Array, scale: float) -> list[float | None]:
-    """Numbers for display: zero for round-off compared with `scale`, None for infinite or NaN."""
+    """Numbers for display.
+
+    A number that is negligible compared with `scale` is round-off and displayed as zero. None for
+    an infinite number or NaN.
+    """
     return [
         0.0 if value is not None and abs(value) <= _ROUND_OFF * scale else value
         for value in finite_items(values)

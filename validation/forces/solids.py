@@ -85,8 +85,8 @@ def solid_stresses(
 ) -> dict[str, SolidStress]:
     """Stress fields of all legs and CAD parts under a load, by name.
 
-    `ends` are the wrenches and twists of their interfaces. Raises InputError for a load distributed
-    along a leg, because its distribution over the section is not known.
+    `ends`: wrenches and twists of the interfaces, by name of the body. Raises InputError for a load
+    distributed along a leg, because its distribution over the section is not known.
     """
     if load.lines:
         raise InputError(f"--vtu: load {load.name} acts along legs, which solids do not support")

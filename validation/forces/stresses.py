@@ -41,11 +41,11 @@ _WITHOUT_MESH = "its section has no mesh of one material"
 class MemberStress:
     """Largest von Mises stress of a leg (Pa) with its `half_width` (Pa) and its position.
 
-    It acts at the distance `station` (m) from the root, which in a taper may lie between two of the
-    `stations`, in the point (y, z) of the section (m, from
-    its centroid). There, `normal` is the normal stress σxx and `shear` the shear stress (Pa).
-    `along` (s, Pa): largest stress in each of the s sections at `stations` (s, m). The half-width
-    covers the mesh of the section and the half-widths of the section forces.
+    The stress acts at the distance `station` (m) from the root, in the `point` (y, z) of the
+    section (m, from its centroid). In a taper this distance may lie between two of the `stations`.
+    `normal` is the normal stress σxx and `shear` the shear stress (Pa) at the point. `along` (s,
+    Pa): largest stress in each of the s sections at `stations` (s, m). The half-width covers the
+    mesh of the section and the half-widths of the section forces.
     """
 
     leg: str
@@ -117,7 +117,7 @@ def _loaded_sections(
 ) -> Iterator[tuple[int, Section, Array]]:
     """Yield the index of a station, a section there, and the forces (6) that stress it.
 
-    Of a taper, the shear forces are replaced by Qy + λy Mz and Qz − λz My, see the module.
+    In a taper, the shear forces are replaced by Qy + λy Mz and Qz − λz My, see the module.
     """
     if isinstance(leg, ConstantLeg):
         yield from ((row, leg.section, forces) for row, forces in enumerate(member.forces))
@@ -172,10 +172,10 @@ def _peaks_beside(
 
 
 def _between(span: Span, ends: Array, forces: Array, station: float) -> tuple[Section, Array]:
-    """Section of `span` at `station`, and the forces that stress it.
+    """Section of `span` at `station`, and the forces (6) that stress it.
 
-    They follow from `forces` (2×6) at the two stations `ends`; dMy/dx = Qz and dMz/dx = −Qy are
-    taken as linear between them.
+    The forces are interpolated between the rows of `forces` (2×6) at the two stations `ends`. Their
+    derivatives dMy/dx = Qz and dMz/dx = −Qy are taken as linear between the ends.
     """
     length = ends[1] - ends[0]
     share = (station - ends[0]) / length

@@ -35,8 +35,8 @@ class FreePart:
     rigid-body motions below them. `frequency_refinement` (Hz): half-widths due to the mesh, NaN if
     the file of the part is a mesh. `counted`: number of elastic modes below `counted_below` (Hz),
     by Sylvester's law of inertia; it proves that no mode is missing. `unknowns`: number of unknowns
-    of each mesh, from coarse to fine. `elements`, `straightened`: numbers of all and of
-    straightened elements of the finest mesh.
+    of each mesh, from coarse to fine. `elements`: number of elements of the finest mesh.
+    `straightened`: number of those whose edges were made straight, because they were folded.
 
     Examples
     --------

@@ -82,9 +82,9 @@ class Identified:
     `compliance_refinement` and `frequency_refinement`: half-widths due to the mesh in the units of
     the values. NaN if the file of the part is a mesh, which cannot be refined. `compliance_bracket`
     and `frequency_bracket` are the values with averaged interfaces less those with rigid ones.
-    `unknowns`: number of unknowns of each mesh, from coarse to fine. `elements`, `straightened`:
-    numbers of all and of straightened elements of the finest mesh. `by_curvature` is False if gmsh
-    fails with element sizes from curvature.
+    `unknowns`: number of unknowns of each mesh, from coarse to fine. `elements`: number of elements
+    of the finest mesh. `straightened`: number of those whose edges were made straight, because they
+    were folded. `by_curvature`: False if gmsh failed with element sizes from curvature.
 
     `places` (s×3, m): sample points over the part; `shares` (s, kg): their shares of its mass;
     `shapes` (3s×6m): their displacements for unit twists of the interfaces. `pressures` (F×6m):

@@ -79,8 +79,8 @@ def _content(path: Path) -> str:
 def _mesh_key(part: PartFile, interfaces: Sequence[Interface], *inputs: object) -> str:
     """Cache key of a mesh, which depends neither on the material nor on the couplings.
 
-    Parts with different couplings then share one mesh. gmsh can make different meshes from equal
-    inputs.
+    Parts that differ in their couplings only then share one mesh. Without a common key their meshes
+    could differ, since gmsh can make different meshes from equal inputs.
     """
     faces = [replace(interface, coupling="rigid", by_default=False) for interface in interfaces]
     return part_key(part, faces, _NO_MATERIAL, *inputs, sources=MESHING)
@@ -91,7 +91,7 @@ def part_mesh(
 ) -> PartMesh:
     """Mesh of a part at one of three levels, the finest with about `unknowns` unknowns.
 
-    A part whose file is a mesh is returned unchanged. Raises InputError if gmsh cannot mesh it.
+    If the part's file is a mesh, this mesh. Raises InputError if gmsh cannot mesh the part.
     """
     if part.mesh is not None:
         return part.mesh

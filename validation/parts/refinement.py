@@ -5,11 +5,12 @@ fine mesh. Rule: all numbers have one common order of convergence. It follows fr
 relative changes and is limited to the range from one to two.
 
 The tetrahedra of a part change at random from mesh to mesh, so the observed order of a single
-number means little: with an order between one and four for each number, a quarter of random parts
-lay outside their half-width. The lowest order that edges of rigid faces and inner corners cause is
-one. Orders above two are not used, because walls that are one element thick converge faster at
-first than on finer meshes. With the safety factor of `TETRAHEDRA`, the half-widths contained the
-error of at least 95 % of random parts (tests/validation/parts/test_refinement.py, calibration).
+number means little: with an order of its own between one and four for each number, the errors of a
+quarter of random parts exceeded their half-widths. The lowest order that edges of rigid faces and
+inner corners cause is one. Orders above two are not used, because walls that are one element thick
+converge faster at first than on finer meshes. With the safety factor of `TETRAHEDRA`, the
+half-widths contained the error of at least 95 % of random parts
+(tests/validation/parts/test_refinement.py, calibration).
 """
 
 from collections.abc import Sequence
@@ -31,9 +32,10 @@ TETRAHEDRA = MeshPolicy(RATIO, orders=(1.0, 2.0), safety=1.5, round_off=_ROUND_O
 def refinement_uncertainty(values: Sequence[Array], scale: Array | None = None) -> Array:
     """Half-widths of values on the finest mesh, in their unit and shape.
 
-    `values` on a coarse, a middle and a fine mesh. If there is only one mesh, which cannot be
-    refined, half-widths are NaN. Changes are relative to `scale` (same shape as the values), or to
-    the values if it is None. A number with scale 0 has half-width 0. NaN stays NaN.
+    `values`: arrays of equal shape on a coarse, a middle and a fine mesh. If there is only one
+    mesh, which cannot be refined, half-widths are NaN. Changes between meshes are relative to
+    `scale` (same shape as the values), or to the values if it is None. A number with scale 0 has
+    half-width 0. NaN stays NaN.
     """
     *coarser, fine = values
     if not coarser:

@@ -1,7 +1,8 @@
-"""Results for a CAD part that a worker of a cluster computes, with the content of its file.
+"""Computation of a CAD part's results by a worker of a cluster, which receives the part's file.
 
-Input: a part as it was read here, and a function that gives its cache entry. Output: the value of
-the entry. Rule: the cache of this machine is searched first. What a worker computes is stored here.
+Input: a part as it was read on this machine, and a function that returns its cache entry. Output:
+the value of the entry. Rule: the cache of this machine is searched first. Results of a worker are
+stored in it.
 """
 
 import tempfile
@@ -20,7 +21,10 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class _SentPart:
-    """Computation of a part's cache entry on a machine without the file of the part."""
+    """Computation of a part's cache entry on a machine without the file of the part.
+
+    `content`: content of the file. `entry_of`: function that returns the cache entry of a part.
+    """
 
     file: PartFile
     content: bytes
@@ -39,7 +43,10 @@ class _SentPart:
 def value_by_worker(
     executor: Executor, file: PartFile, entry_of: Callable[[PartFile], CacheEntry[T]]
 ) -> T:
-    """Value of the cache entry of a part, computed by a worker unless it is stored here."""
+    """Value of the cache entry of a part, computed by a worker unless this machine has stored it.
+
+    `entry_of`: function that returns the entry of a part.
+    """
     entry = entry_of(file)
     if not entry.is_stored:
         work = _SentPart(file, part_content(file.path), entry_of)
