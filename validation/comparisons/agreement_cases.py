@@ -1,8 +1,8 @@
 """Declarations of the cases that compare models with solids, for single legs and the robot.
 
-Input: a `CaseGroup` with the texts of a leg or of the robot. Output: decorators that declare a case
-for each model and motion, or for each model and mode. All cases share the named causes of a
-difference and their limits.
+Input: a `CaseGroup` for a leg or for the robot. Output: decorators of a function that compares a
+model with a solid. They declare one case for each model and motion of the tip or tool, or one for
+each model and mode. The names of the causes of a difference are defined here for all cases.
 """
 
 from collections.abc import Callable
@@ -31,7 +31,7 @@ DYNAMIC_MODELS: tuple[ModelName, ...] = ("segments", "beam")
 def agreement_group(*, over: Over | None = None, **fields: Unpack[CaseFields]) -> CaseGroup:
     """Group of cases that compare models with solids, with these `fields` in common.
 
-    `over`: values of the parameters of the whole group, as for `CaseGroup`.
+    Each case is repeated for the parameter values in `over` (see `CaseGroup`).
     """
     common: CaseFields = {
         "kind": "agreement",
@@ -48,8 +48,8 @@ def compliance_cases(
 ) -> Callable[[Compute], Compute]:
     """Decorator that declares a case for each static model and each motion in a group.
 
-    `identifier` and `heading` name the leg or robot in the id and in the title, and `solid` the
-    reference in the title.
+    `identifier` names the leg or robot in the id of each case, and `heading` names it in the title.
+    `solid` names the reference in the title. `fields` are further fields of the cases.
     """
     common: CaseFields = {
         "label": "{motion}",
@@ -74,7 +74,7 @@ def frequency_cases(
 ) -> Callable[[Compute], Compute]:
     """Decorator that declares a case for each dynamic model and each mode in a group.
 
-    Arguments as for `compliance_cases`.
+    The arguments are those of `compliance_cases`.
     """
     common: CaseFields = {
         "label": "f{mode}",
@@ -92,9 +92,11 @@ def frequency_cases(
 
 
 def limited(difference: float, band: tuple[float, float], uncertainty: float) -> float:
-    """Nearest number to `difference` in `band`.
+    """Part of a `difference` between two models that a named cause can explain.
 
-    The band is first extended to include zero and widened by `uncertainty` on both sides.
+    `band` contains the differences that the cause can make. The result is the number nearest to
+    `difference` in this band, after the band is extended to include zero and then widened by
+    `uncertainty` on both sides.
     """
     low, high = min(0.0, *band) - uncertainty, max(0.0, *band) + uncertainty
     return min(max(difference, low), high)

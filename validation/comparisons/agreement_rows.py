@@ -96,8 +96,8 @@ def agreement_row(outcome: Outcome) -> AgreementRow:
 def agreement_rows(outcomes: Iterable[Outcome]) -> ResultTable:
     """Table with a row for each comparison of a formulation with a solid.
 
-    The columns are those of `AgreementRow`. The last rows contain values of CAD part models, which
-    have neither verdict nor tolerance.
+    The columns are those of `AgreementRow`. The last rows contain values by models of CAD parts,
+    which are not judged and have no tolerance.
     """
     outcomes = tuple(outcomes)
     judged = [agreement_row(outcome) for outcome in outcomes if outcome.case.kind == "agreement"]

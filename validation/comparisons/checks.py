@@ -110,11 +110,11 @@ def _converged(body: str, model: RefinedModel, quantity: str, context: Context) 
 def convergence_check(
     study: ConvergenceStudy, model: RefinedModel, quantity: str, limits: AgreementLimits
 ) -> Checked:
-    """Check of the errors of a model in one quantity.
+    """Check of the discretisation errors of a model in one quantity.
 
-    They must be within the limit at the element count of `limits` and at all higher counts. Raises
-    Skip if that element count was not computed, for example because a leg of pieces is not
-    divisible by it.
+    The errors must be within the limit at the element count of `limits` and at all higher counts.
+    Raises Skip if that element count was not computed. For example, the count of a stepped leg must
+    be a multiple of the number of its pieces.
     """
     series, column = study.of(model), study.column(quantity)
     if limits.elements not in series.counts:

@@ -127,7 +127,10 @@ def _study_of_parts(
     sent: "Provisions",
     robot_file: "RobotFile",
 ) -> "ConvergenceStudy":
-    """Convergence study on another machine, to which the files of the CAD parts are `sent`."""
+    """Convergence study by `study_of`, called on a machine that lacks the files of the CAD parts.
+
+    `sent` contains these files and cache entries for the other machine.
+    """
     return study_of(sent.unpack(robot_file))
 
 

@@ -29,7 +29,7 @@ figures = FigureGroup(CONVERGENCE, GROUP)
 def element_convergence(context: Context) -> Chart:
     """Chart with a column for each of the first `_MOST_LEGS` legs and one for the robot.
 
-    It has a row for each quantity of which a formulation has an error.
+    The rows are quantities. A quantity is omitted if all formulations give its exact value.
     """
     bodies = subjects(context.robot_file.mechanism)
     if not bodies:

@@ -3,9 +3,10 @@
 Input: values f(n) of q quantities for ascending element counts n, and their limits f∞. Output:
 errors e(n) = f(n)/f∞ − 1, an observed order and half-widths for each quantity.
 
-Rule for the order: least squares to log |e| over the three finest counts whose errors exceed a
-hundred times the round-off, and only if the errors of all counts from five on decrease without
-change of sign and the orders of the two pairs of counts agree.
+Rule for the order: it is fitted by least squares to log |e| over the three finest counts whose
+errors exceed a hundred times the round-off. There is an order only if the errors of all counts of
+five or more elements decrease without a change of sign, and if the orders of the two pairs of
+neighbouring counts agree.
 
 Rule for the half-width of count n: it follows from n and the next lower count m, without the limit,
 as F |f(n) − f(m)| / ((n/m)^p − 1). p is the observed order, at most the formal one. F = 1.25 if the

@@ -68,11 +68,12 @@ Limits: TypeAlias = Callable[[Theory], tuple[Array, Array]]
 
 @dataclass(frozen=True, eq=False)
 class Discretised:
-    """Values of a leg or robot by any formulation, element count or mesh.
+    """Solver of a leg or robot by any formulation, with any element count or mesh.
 
-    `statics` and `modes` solve it by a formulation; `executor` calls them. `models`: a model for
-    each formulation, whose element count is the field `elements` of the reading. `solved`:
-    formulations, each with its count, that are already solved.
+    `statics` and `modes` are functions that solve the leg or robot by a formulation; `executor`
+    calls them, and `responses` stores their results. `models` are the models of the formulations so
+    far, one for all element counts of a formulation: the field `elements` of a reading is the
+    count. `solved`: formulations that are already solved, each with its element count.
     """
 
     responses: Responses
@@ -91,7 +92,10 @@ class Discretised:
         return np.concatenate([frequencies, np.diag(compliance)[: len(DEFLECTIONS)]])
 
     def solve_ahead(self, discretisations: Sequence[Discretisation]) -> None:
-        """Solve all formulations, each with its count, at once, except those in `solved`."""
+        """Solve all formulations, each with its count, in one call of the executor.
+
+        Formulations that are in `solved` are omitted.
+        """
         missing = [one for one in dict.fromkeys(discretisations) if one not in self.solved]
         if missing:
             self.responses.solve_ahead(list(map(self._request, missing)), self.executor)
@@ -194,7 +198,11 @@ _EXTRAPOLATED = "limit of the beam elements, extrapolated from 40 and 80 element
 def convergence_study(
     responses: Responses, subject: str, pose: Mapping[str, float], reference: str
 ) -> ConvergenceStudy:
-    """Study without series, of the leg `subject`, or of the whole robot if it is ""."""
+    """Study of the leg `subject`, or of the whole robot if `subject` is "", still without series.
+
+    `pose` has the coordinates (m, rad) of the robot by name. `reference` names the source of the
+    limits.
+    """
     return ConvergenceStudy(
         robot=responses.robot.mechanism.name,
         subject=subject,
@@ -212,7 +220,10 @@ def _all_series(
     discretisations: Sequence[Discretisation],
     counts: Sequence[int],
 ) -> tuple[ConvergenceSeries, ...]:
-    """Series of each formulation. All formulations and element counts are solved at once."""
+    """Series of each formulation in `discretisations`, over those `counts` that it allows.
+
+    All formulations and element counts are solved in one call of the executor.
+    """
     counts_by_row = [_checked_counts(discretisation, counts) for discretisation in discretisations]
     rows = list(zip(discretisations, counts_by_row, strict=True))
     discretised.solve_ahead(

@@ -5,10 +5,11 @@ motions and four frequencies. Rule: the difference between model and solid, less
 below, must be within the tolerance of [agree]. The end condition of the solid is that of [agree],
 otherwise `ends` of the leg, otherwise rigid faces.
 
-Allowances are made for three named causes, each computed without the judged model: the end
-restraint of rigid faces, from fields that decay from the faces of a prism; section constants by
-formula, up to the error of a correct formula (`validation.comparisons.section_formulas`);
-distortion of the section in vibration, from waves of 3-D elasticity in a prism.
+Allowances are made for three named causes. Each is computed without the judged model:
+- the restraint by rigid end faces, from fields that decay from the faces of a prism;
+- section constants by formula, up to the error of a correct formula
+  (`validation.comparisons.section_formulas`);
+- distortion of the section in vibration, from waves of 3-D elasticity in a prism.
 """
 
 from dataclasses import replace
@@ -211,7 +212,10 @@ def _solid_statics(context: Context, body: str, ends: Ends) -> tuple[Refinement,
 
 
 def is_strip(leg: ConstantLeg) -> bool:
-    """True if a section is thin-walled or flat, and wider than a tenth of the leg's length."""
+    """True if the section of a leg is a flat strip, so that the leg bends like a plate.
+
+    Its larger side exceeds `WALL_ASPECT` times its smaller side and a tenth of the leg's length.
+    """
     smaller, larger = sorted(leg.section.extent)
     return larger > max(WALL_ASPECT * smaller, _SHORT * leg.length)
 

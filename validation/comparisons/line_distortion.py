@@ -38,10 +38,11 @@ _SHORTEST, _LONGEST = 0.1, 10.0
 
 @dataclass(frozen=True, eq=False)
 class _Mode:
-    """Mode of a leg as a beam: kind and order, frequency (Hz), and samples along the leg.
+    """Mode of a leg as a beam: kind, order and frequency (Hz), with samples along the leg.
 
-    `positions` (n values, m along the line) with `weights` (n, m), `twists` (n×6) and `energies`
-    (n, kinetic energy per length), both in any unit.
+    `positions` (n, in metres along the line) are points of a quadrature with `weights` (n, in
+    metres). `twists` (n×6) are the mode shape and `energies` (n) the kinetic energy per length at
+    these points; their scale is arbitrary.
     """
 
     kind: CantileverFrequency
@@ -54,9 +55,10 @@ class _Mode:
 def frequency_change(leg: LineLeg, beam: LegMatrices, index: int) -> float:
     """Relative change of frequency `index` (from 0) of the clamped `beam` due to distortion.
 
-    Zero for a leg that is bent or has no walls, and for walled sections without two axes of
-    symmetry, of which the waves are not computed. Raises Skip if the mode lies above the
-    frequencies at which beam theory applies to the section.
+    Only boxes, tubes and I-sections along a straight line are computed. The result is zero for a
+    curved leg and for any other section: solid sections hardly distort, and the waves of sections
+    with walls are computed only if they have two axes of symmetry. Raises Skip if the mode lies
+    above the frequencies at which beam theory applies to the section.
     """
     walled = all(isinstance(section, _WALLED) for _, section in leg.stations)
     if not (leg.line.is_straight and walled):

@@ -2,16 +2,19 @@
 
 Input: a straight leg whose section varies, or an arc. Output: a verdict for each model on tip
 motions and frequencies. The solid is the same taper or arc in quadratic hexahedra, with the end
-condition of the robot file. Three causes of a difference are computed separately: held end faces,
-by the same solid with free ends; distortion of the section, by walls that converge in torsion
-(`fem.beams.box_distortion`) and in vibration (`line_distortion`); and the textbook's section
-constants along the line. The remainder is the difference between the solid with free ends and a
-beam with section constants computed on the solid's mesh. It converges with the order of its
-elements.
+condition of the robot file. Three causes of a difference are computed separately:
+- rigid end faces, by the same solid with free ends;
+- distortion of the section, because walls converge in torsion (`fem.beams.box_distortion`) and in
+  vibration (`line_distortion`);
+- section constants by textbook formulas along the line.
 
-Beam theory itself neglects the square of the slope of a taper's faces (torsion, tapers across the
-plane of bending, sections without two axes of symmetry) and the square of half the height over the
-radius of an arc. These are added to the tolerances of [agree].
+The remainder is the difference between the solid with free ends and a beam with section constants
+computed on the solid's mesh. It converges with the order of the solid's elements.
+
+Beam theory neglects terms of the size of two squares, which are added to the tolerances of [agree].
+One is the square of the slope of a taper's faces: it matters in torsion, if a leg tapers across the
+plane of bending, and for sections without two axes of symmetry. The other is the square of half the
+height of the section over the radius of an arc.
 """
 
 from collections.abc import Callable
@@ -82,7 +85,7 @@ def neglected(leg: LineLeg) -> float:
 
 
 def _line_legs(mechanism: Mechanism) -> list[tuple[str, float]]:
-    """Name of each leg along a line, and the error of its beam theory by `neglected`."""
+    """Name of each leg along a line, with the error that `neglected` allows for beam theory."""
     legs = legs_of(mechanism).items()
     return [(name, neglected(leg)) for name, leg in legs if isinstance(leg, LineLeg)]
 
@@ -169,7 +172,7 @@ def _free_half_width(leg: LineLeg, coarse: float, fine: float, ratio: float) -> 
 
 
 def _on_solid_mesh(leg: LineLeg, divisions: int) -> Callable[[ConstantLeg], SectionMesh]:
-    """Function that returns the mesh of one section of a leg, as in the solid of the leg.
+    """Function that returns the section mesh that the leg's solid has at one section of the leg.
 
     The argument of the function is a prism with this section.
     """

@@ -146,10 +146,11 @@ def _half_width(context: Context, body: str, ends: Ends) -> Measurement:
 
 
 def half_width_shares(refinement: Refinement) -> Array:
-    """Change of each diagonal tip compliance to the next finer mesh, over its half-width (m−2 × 6).
+    """Changes of the diagonal tip compliances to the next finer mesh, divided by their half-widths.
 
-    The half-width of each of m meshes follows from this mesh and the coarser ones. Values above 1
-    show a half-width that is too small.
+    The result is (m−2)×6 for the m meshes of `refinement`: one row for each mesh except the first,
+    which has no coarser mesh, and the last. The half-width of a mesh follows from this mesh and the
+    coarser ones. A value above 1 shows that a half-width is too small.
     """
     rows = []
     for count in range(2, len(refinement.divisions)):
@@ -307,7 +308,11 @@ def _study(
     convergence: Convergence,
     notes: tuple[str, ...] = (),
 ) -> Study:
-    """Study of values over the number of unknowns. `panel`: title, label of the y axis, unit."""
+    """Study of `values` over the number of `unknowns` of the meshes, for the report.
+
+    `name` is the last part of the study's id. `panel`: title of the panel, label of the y axis and
+    unit. `variant`: text on the element type and end condition. `order`: formal order.
+    """
     title, label, unit = panel
     observed = convergence.observed_order
     width, limit = convergence.uncertainty, convergence.extrapolated

@@ -6,8 +6,8 @@ interfaces (Guyan, AIAA J. 3 (1965) 380) restrain the part to static shapes, so 
 principle its k-th frequency cannot lie below the k-th frequency of the solid on the same mesh.
 
 Ribs, lugs and fillets are in the solid and not in a stepped beam, and a condensed part has six
-modes only. These differences are named but not bounded, so no small tolerance applies. The matrix
-of models judges them by the limits of [accept].
+modes only. These differences are named but not bounded, so no small tolerance applies here. The
+models of parts are judged in the matrix of verdicts, by the limits of [accept].
 """
 
 from collections.abc import Iterator
@@ -44,8 +44,8 @@ UNITS = (*(unit for _, unit in MOTIONS.values()), *MODES * ("Hz",))
 class PartValues:
     """Tip compliances (6, SI, leg axes), then frequencies (Hz, ascending) of a clamped part.
 
-    `half_widths` are those due to the mesh. NaN for a part whose file is a mesh, and for models
-    without a mesh.
+    `half_widths` are those due to the mesh of the part. They are NaN if the file of the part is
+    itself a mesh, which cannot be refined.
     """
 
     values: Array

@@ -40,9 +40,12 @@ def convergence(
 ) -> ConvergenceStudy:
     """Convergence study of the robot in the middle of its path, or of the leg `body`.
 
-    `model` None: segments in both layouts, and beam elements. `theory` None: Timoshenko's.
-    `elements` None: the counts of `element_convergence.COUNTS` and that of the robot file's limits.
-    `executor` computes the counts or meshes. Raises InputError with all faults of the arguments.
+    `model`: if None, segments in both layouts, and beam elements. `elements`: element counts per
+    leg; if None, the counts of `element_convergence.COUNTS` and the count of table [agree].
+    `divisions`: numbers of solid elements across the section of the leg; if they are given, the leg
+    is a solid, and if None, a solid has those of `mesh_convergence.DIVISIONS`. `theory`: if None,
+    Timoshenko's. `executor` computes the counts or meshes. Raises InputError with all faults of the
+    arguments.
     """
     mechanism, limits = robot_file.mechanism, robot_file.agreement
     if faults := _faults(mechanism, model, body, elements, divisions, theory):

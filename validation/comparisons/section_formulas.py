@@ -3,9 +3,10 @@
 Input: a leg of constant section, and its section constants by finite elements. Output: the softest
 and the stiffest beam that correct formulas allow. Rule: areas and second moments of area are exact
 for all sections, and so are the torsion constants and Cowper's shear coefficients of rectangle,
-circle and tube (`lumped.sections`). For outlines, constants are computed on the rim by boundary
-elements, and shear coefficients by strain energy. Formulas for thin walls, of thickness t, use the
-middle lines of the walls. Their errors are of first order in thickness over width:
+circle and tube (`lumped.sections`). The constants of outlines are computed by boundary elements,
+with shear coefficients by strain energy, and count as exact. Formulas for thin walls of thickness t
+use the middle lines of the walls, which enclose a width b and a height h. The relative errors of
+these formulas are of first order in thickness over width:
 
 box     Torsion constant J: Bredt's formula treats the corners, t×t, as walls. They are stiffer, at
         most rigid, which shortens the line about the hole from 2 (b + h) to 2 (b + h) − 4t.
@@ -24,40 +25,58 @@ I       Torsion constant: J = Σ b t³/3 omits 2αD⁴ where web and flanges joi
         to 12 (1 + ν)/(12 + 11ν) times the coefficient by strain energy.
 
 composite
-        Parts of different Poisson's ratios restrain each other's contraction, which the formulas
-        leave out. They are lower bounds of EA and EI. With a contraction of one ratio ν̄ over the
-        section, the strain energy gives the upper bounds Σ (E A + 4 k A (ν − ν̄)²), with the plane
-        strain bulk modulus k = E/2(1 + ν)(1 − 2ν) and ν̄ = Σ k A ν/Σ k A, and with second moments
-        of area for A. Shear is computed with one mean ν for all parts, so that their moduli G = E/2
-        (1 + ν) are in error by (1 + ν) over 1 plus the mean, and κ is that of one ν between the
-        smallest and the largest: the flexibility in shear is within both (minimum of complementary
-        energy).
+        Parts of different Poisson's ratios ν restrain each other's contraction. The formulas
+        neglect this restraint, so they are lower bounds of EA and EI. An upper bound of EA is the
+        strain energy if the whole section contracts with one ratio ν̄. Summed over the parts, it is
+        Σ (E A + 4 k A (ν − ν̄)²), with the plane-strain bulk modulus k = E/2(1 + ν)(1 − 2ν) and
+        ν̄ = Σ k A ν/Σ k A. The upper bounds of EI have the second moments of area of the parts
+        instead of their areas A.
+        Shear stiffness is computed with one mean ratio νm for all parts. The shear modulus
+        G = E/2(1 + ν) of a part is then (1 + ν)/(1 + νm) times its exact value, and κ is that of a
+        ratio between the smallest and the largest ν. The flexibility in shear lies between the
+        bounds of both effects (minimum of complementary energy).
 
 laminate
-        Layers are sections of their own with common strains, in a wall of thickness t. If they
-        have different stiffnesses, tension and bending leave stresses σ along the circumference,
-        whose resultant is zero. In a tube of middle radius r they work on the differences of the
-        circumferential strain, up to (1 + c) t/2r of the axial strain, with the wall's ratio of
-        contraction c: a relative error of s (1 + c) t/2r with s = Σ |σ| t/Et. Radial stresses,
-        and the couplings that layers of inclined fibres keep at different radii, are of second
-        order in t/r. The wall is softer in shear across than along it, by the ratio g of the
-        largest to the smallest shear modulus: relative errors are at most (t/r)² for EA and EI,
-        (1 + g)/4 times that for GJ and g times that for shear.
-        At the corners of a box, a share c = 2t/(b + h) of the area, layers end on others: they
-        are free from common strains, or have a stress s along the axis. EA and EI are in error by
-        c (d + s), with the share d by which layers on their own are less stiff than together, and
-        by c². J and κ are in error as those of a box, to either side and times g.
-        An unbalanced layup couples tension and shear of the wall. Strains differ from those of free
-        coupling by t/r at other radii, and entirely at corners. The energy that comes with the
-        coupling changes in second order if layers are alike, otherwise in first. Its shares are,
-        with a = A⁻¹ of the wall, w = a16²/(a11 a66 − a16²) + 1 − 1/a66 A66; p = Σ |τ γ| t of the
-        layers in tension; p' = Σ (|σx εx| + |σs εs|) t and d' = Σ |τ − γ Q̄66/(a66 A66)| |γ| t in
-        shear. A tube has p t/r + w (t/r)² more error in EA and EI, and (p' + d') t/r + w (t/r)²
-        in GJ and shear. In a box EA and EI lose the share l = c (d + s + s' + w + p + p') + c², an
-        error of l/(1 − l), with s' = Σ |τ| t/Et and, for EI, the share c = 2t/(b + h/3) of the
-        corners in the second moment. J and κ have c (w + p') and (w + p') t over the web's height
-        more. These are sizes of the terms that theory omits, checked by finite elements.
-        The factors hold for layups of carbon fibres up to E1/E2 = 53, and of glass.
+        The formulas add the layers of the wall as if each were a section of its own, with strains
+        that all layers have in common. Layers have thicknesses tᵢ, and the wall has t = Σ tᵢ. E is
+        the modulus of the wall in tension, and g the ratio of the largest shear modulus of a layer
+        to the smallest.
+
+        Tube of middle radius r: if layers have different stiffnesses, tension and bending cause
+        stresses σ along the circumference, whose resultant is zero. Circumferential strains differ
+        over the wall by up to (1 + c) t/2r of the axial strain, with the wall's ratio c of
+        contraction. The formulas omit the work of σ on this difference. The relative error of EA
+        and EI is s (1 + c) t/2r, where s = Σ |σ| tᵢ/Et for a unit axial strain. Further errors are
+        of second order in t/r: radial stresses, couplings that remain because layers of inclined
+        fibres lie at different radii, and shear across the wall, which is softer than shear in the
+        plane of the wall by up to g. They are at most (t/r)² for EA and EI, (1 + g)/4 (t/r)² for
+        GJ, and g (t/r)² for shear.
+
+        Box: at the corners, a share c = 2t/(b + h) of the area, layers of one wall end at layers of
+        the next one. There they do not have common strains, or they carry a further axial stress
+        with the ratio s. EA and EI are in error by c (d + s) + c², where d is the relative loss of
+        tensile stiffness if the layers were not bonded. The errors of J and κ are those of a box of
+        one material, but g times as large and of either sign.
+
+        Unbalanced layup: tension and shear of the wall are coupled. The formulas assume that the
+        wall can shear freely under tension, and stretch freely under shear. In a tube, strains
+        differ from this assumption by a ratio t/r away from the middle radius; in a box they differ
+        entirely at the corners. The energy of the coupling then changes, in second order if all
+        layers are alike, otherwise in first order. The following ratios of energies limit the
+        change. A is the stiffness of the wall and a = A⁻¹, with index 1 along the axis, 2 along the
+        circumference and 6 for shear. Stresses and strains in p are those of the wall in tension,
+        in p' and d' those of the wall in shear. All are relative to the energy under that load:
+        w = a16²/(a11 a66 − a16²) + 1 − 1/(a66 A66), p = Σ |τ γ| tᵢ,
+        p' = Σ (|σx εx| + |σs εs|) tᵢ and d' = Σ |τ − γ Q̄66/(a66 A66)| |γ| tᵢ.
+        Tube: the error of EA and EI grows by p t/r + w (t/r)², that of GJ and shear by
+        (p' + d') t/r + w (t/r)².
+        Box: EA and EI lose the share l = c (d + s + s' + w + p + p') + c², a relative error of
+        l/(1 − l), where s' = Σ |τ| tᵢ/Et. For EI, c = 2t/(b + h/3) is the share of the corners in
+        the second moment of area. The error of J grows by c (w + p'), and that of κ by (w + p') t
+        over the height of the web.
+
+        These expressions estimate the terms that the theory omits. Finite elements confirm them for
+        layups of carbon fibres up to E1/E2 = 53, and of glass.
 
 Cowper's coefficient follows from a mean displacement. The beam with computed section constants has
 the coefficient by strain energy (`fem.sections.section_constants`). Both are known from finite
@@ -104,15 +123,19 @@ _LARGEST_ERROR = 0.5
 
 @memo(16)
 def leg_formula_band(leg: ConstantLeg, divisions: int) -> Band:
-    """Softest and stiffest beam that correct formulas allow, from exact constants on a mesh.
+    """Softest and stiffest beam that correct textbook formulas allow for the section of a leg.
 
-    The mesh has `divisions` and is that of the end faces of the solid.
+    They are bounds about the section constants by finite elements, on the section mesh that the
+    solid has with this number of `divisions`.
     """
     return mesh_formula_band(leg, face_mesh(leg, divisions))
 
 
 def mesh_formula_band(leg: ConstantLeg, mesh: SectionMesh) -> Band:
-    """Softest and stiffest beam that correct formulas allow, from exact constants on `mesh`."""
+    """Softest and stiffest beam that correct textbook formulas allow for the section of a leg.
+
+    They are bounds about the section constants by finite elements on `mesh`.
+    """
     if isinstance(leg.section, Composite):
         return composite_band(leg.section, mesh_properties(leg, mesh))
     if isinstance(leg.section, Laminate):
@@ -139,7 +162,8 @@ def composite_band(section: Composite, exact: BeamProperties) -> Band:
         "EIz": [moments[0, 0] for moments in section.part_moments],
     }
     softer = {
-        name: getattr(exact, name) / _held_share(section, share) for name, share in shares.items()
+        name: getattr(exact, name) / _restraint_factor(section, share)
+        for name, share in shares.items()
     }
     return (
         replace(
@@ -156,10 +180,11 @@ def composite_band(section: Composite, exact: BeamProperties) -> Band:
     )
 
 
-def _held_share(section: Composite, shares: Sequence[float]) -> float:
-    """Largest ratio of a stiffness with restrained contraction to the sum of E × share.
+def _restraint_factor(section: Composite, shares: Sequence[float]) -> float:
+    """Largest ratio of a stiffness to its value by formula, due to restrained contraction.
 
-    `shares` are areas or second moments of area of the parts.
+    `shares` are the areas of the parts for EA, or their second moments of area for EI. The formula
+    is the sum of E × share over the parts.
     """
     E, nu = (np.array([getattr(part, name) for part in section.parts]) for name in ("E", "nu"))
     areas = np.array(shares)
@@ -193,7 +218,10 @@ def laminate_band(section: Laminate, exact: BeamProperties) -> Band:
 
 
 def laminate_errors(section: Laminate) -> dict[str, float]:
-    """Largest relative errors, by name, of the section constants of a wall of layers."""
+    """Largest relative errors of the formulas for a wall of layers.
+
+    The keys are the stiffnesses "EA", "EIy", "EIz", "GJ", "GAy" and "GAz".
+    """
     thickness, thicknesses = section.thickness, section.thicknesses
     tension = float(section.tensions @ thicknesses)
     hoop = float(np.abs(section.hoop_stresses) @ thicknesses) / tension
@@ -233,7 +261,10 @@ def laminate_errors(section: Laminate) -> dict[str, float]:
 
 
 class _Shares(NamedTuple):
-    """Shares of the energy of a wall that tension and shear couple in, by the module docstring."""
+    """Ratios of energies by which the coupling of tension and shear in a wall causes errors.
+
+    The module docstring defines them under "Unbalanced layup", with the symbols beside the fields.
+    """
 
     wall: float = 0.0  # w
     tension: float = 0.0  # p
@@ -243,7 +274,7 @@ class _Shares(NamedTuple):
 
 
 def _coupled_shares(section: Laminate) -> _Shares:
-    """Shares of an unbalanced layup, zero for a balanced one."""
+    """Ratios of energies of an unbalanced layup. All are zero for a balanced layup."""
     if section.is_balanced:
         return _Shares()
     thicknesses, a = section.thicknesses, np.linalg.inv(section.wall)
@@ -314,7 +345,10 @@ class ShearLimits(NamedTuple):
 
 
 def shear_limits(leg: ConstantLeg, axis: int) -> ShearLimits:
-    """Ratios of the shear coefficient κ by formula to the exact κ, along y (`axis` 0) or z (1)."""
+    """Limits of the ratio of the shear coefficient κ by formula to the exact κ.
+
+    `axis` is the direction of the shear force: 0 for y, 1 for z.
+    """
     section = leg.section
     if isinstance(section, HollowRectangle):
         web = section.extent[axis] - section.thickness
