@@ -1,8 +1,8 @@
-"""Robots in which one printed digit of a 6×6 is changed by half a unit.
+"""Robots in which one printed number of a 6×6 is slightly changed, to compute effects of rounding.
 
 Input: the printed 6×6 of a robot file and the postures of the robot. Output: for each number of a
-6×6, the postures with a small change of it, and the factor from this change to half a unit of the
-last digit. Numbers with nine digits or more are omitted.
+6×6, the postures with a small change of it, and the factor that converts this change to half a unit
+of the number's last digit. Numbers with nine digits or more are omitted.
 """
 
 from collections.abc import Iterable, Sequence
@@ -25,9 +25,9 @@ _NEGLIGIBLE = 1e-9
 
 
 class Rounding(NamedTuple):
-    """Postures with one number of a 6×6 changed.
+    """Postures of a robot in which one number of a 6×6 is slightly changed.
 
-    Half a unit of its last digit is `factor` times the change.
+    Half a unit of the number's last digit is `factor` times the change.
     """
 
     postures: list[Posture]

@@ -54,9 +54,10 @@ LINE_ON_BEAMS = 3e-2
 class MeshRow:
     """A kind of mesh: the field of `Reading` that selects it, its levels and its mesh policy.
 
-    `levels` are values of that field from the coarsest to the finest mesh. Half-widths are those on
-    the finest level, which the reference uses. Section meshes are the exception: the reference uses
-    their coarse level; for this reason, the ratio of element sizes in their policy is below one.
+    `kind` is the name of that field. `levels` are values of the field from the coarsest to the
+    finest mesh. Half-widths are those on the finest level, which the reference uses. Section meshes
+    are the exception: the reference uses their coarse level; for this reason, the ratio of element
+    sizes in their policy is below one.
 
     `policy` returns the rule that turns changes between meshes into half-widths. It returns a
     number instead if the half-width is known beforehand: 0 if the robot has no mesh of this kind, 1
@@ -100,8 +101,9 @@ def _static_leg_policy(robot: RobotOnPath) -> MeshPolicy | float:
 def _shared_section_policy(robot: RobotOnPath) -> MeshPolicy | float:
     """Mesh policy for section meshes in statics.
 
-    0 if the solids of each leg have two section meshes. If both solids of a leg share a section
-    mesh, their difference does not contain the error of that mesh, so that a policy is needed.
+    The coarse and the fine solid of a leg can have the same section mesh. Their difference then
+    does not contain the error of that mesh, so that a policy for it is needed. The result is the
+    half-width 0 if the two solids of every leg have different section meshes.
     """
     shared = any(shares_section(robot.context, leg) for leg in robot.legs.values())
     return slowest(SECTION_RATIO) if shared else 0.0

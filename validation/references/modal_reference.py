@@ -179,12 +179,15 @@ def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
 
 
 def _on_twice_as_many(robot: RobotOnPath, reading: Reading) -> PathModes | None:
-    """Modes by segments, with twice as many segments per leg as in the judged model."""
+    """Modes by segments, with twice as many segments per leg as in the judged model.
+
+    None if nothing has mass.
+    """
     return formulation_modes("segments", ModelOptions(), robot, replace(reading, elements=2))
 
 
 def _on_middle_mesh(robot: RobotOnPath, _: Reading) -> PathModes:
-    """Modes of solids on the second finest mesh of CAD parts, with the stiffest end conditions."""
+    """Modes of the reference with the second finest mesh of CAD parts and the stiffest ends."""
     return modes_of_solids(robot, replace(robot.first_reading, part_mesh=MIDDLE))
 
 

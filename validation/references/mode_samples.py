@@ -33,9 +33,10 @@ class Samples:
     """Sample points of all bodies of a mechanism, and the mass of each sampled displacement.
 
     `weights` (k): mass (kg) of each sampled displacement, moment of inertia (kg m²) of each sampled
-    rotation. `points` (m×3, in metres, body axes): sample points of each leg and CAD part.
-    `turned`: principal axes of inertia (3×3, columns) of each rigid body with mass. `prisms`:
-    masses (m, kg) of the points of each leg of constant section.
+    rotation. The keys of the mappings are body names. `points` (m×3, in metres, body axes): sample
+    points of each leg and CAD part. `turned`: principal axes of inertia (3×3, columns) of each
+    rigid body with mass. `prisms`: masses (m, kg) of the points of each leg with a cross-section,
+    that is, of each leg that is not specified by its 6×6.
     """
 
     mechanism: Mechanism
@@ -60,10 +61,10 @@ class Samples:
         return matrix_by_body
 
     def at(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
-        """Displacements (k×m) at k samples of m mode shapes (n×m), in the n unknowns of a system.
+        """Samples of m mode shapes: k displacements and rotations of each (k×m).
 
-        `of_models`: result of `Samples.of_models`. A body without a matrix in `of_models` moves
-        rigidly.
+        `shapes` (n×m): mode shapes in the n unknowns of `system`. `of_models`: result of
+        `Samples.of_models`. A body without a matrix in `of_models` moves rigidly.
         """
         outer = shapes[: system.outer]
         rows = [(system.tool @ shapes)[:3]]
@@ -87,9 +88,9 @@ class Samples:
     def energy_shares(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
         """Share (m) of each mode's kinetic energy that the sampled displacements represent.
 
-        `shapes` (n×m, in the n unknowns of the system) are mass-normalised. Samples of a prismatic
-        leg represent motions of rigid cross-sections, as in a beam; they do not contain the energy
-        of a deformation of the sections. All energy of other bodies counts as sampled.
+        `shapes` (n×m, in the n unknowns of the system) are mass-normalised. Samples of a leg with a
+        cross-section represent motions of rigid cross-sections, as in a beam; they do not contain
+        the energy of a deformation of the sections. All energy of other bodies counts as sampled.
         """
         inside = np.zeros(shapes.shape[1])
         for name in self.prisms.keys() & of_models.keys():

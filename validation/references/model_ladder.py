@@ -121,7 +121,8 @@ def computed_statics(robot: RobotOnPath, reading: Reading) -> Statics:
     """Statics with beams whose section constants are computed by finite elements of the section.
 
     The constants are computed on the fine section mesh. If `reading` selects the coarse section
-    mesh, legs whose two solids share a section mesh have constants computed on that mesh.
+    mesh, there is an exception for legs whose coarse and fine solid have the same section mesh:
+    their constants are computed on that mesh of the solids.
     """
 
     def divisions(leg: Leg) -> int:

@@ -58,8 +58,9 @@ class LegMesh(NamedTuple):
     """Element counts of a prism's mesh across its section.
 
     `across` is the count along the smaller side of a rectangle, `walls` that across the walls and
-    rims of any other section. `least` is a lower limit for the section mesh of walls, whatever the
-    element length along the leg.
+    rims of any other section. Both determine the element length along the leg, too. `least`: if it
+    exceeds `walls`, the section mesh has `least` elements across walls and rims, but the element
+    length along the leg remains that of `walls`.
     """
 
     across: int
@@ -67,11 +68,11 @@ class LegMesh(NamedTuple):
     least: int = 0
 
     def divisions(self, leg: SectionedLeg) -> int:
-        """Number of elements across the section, which also sets their length along the axis."""
+        """Number of elements across a section, from which their length along the leg follows."""
         return divisions_across(leg, self.across, self.walls)
 
     def section_divisions(self, leg: SectionedLeg) -> int:
-        """Number of elements across the section, in the mesh of the section alone."""
+        """Number of elements across a section in the section mesh, at least `least` for walls."""
         return divisions_across(leg, self.across, max(self.walls, self.least))
 
 

@@ -62,7 +62,10 @@ class PartWork:
 
     @contextmanager
     def _local_body(self) -> Iterator[Body]:
-        """Context with the part as a body whose file exists on the executing machine."""
+        """Context manager that yields the part as a body whose file exists on this machine.
+
+        If `remote`, the file is a temporary copy with the same `content`.
+        """
         shape = reduced_parts.shape_of(self.body)
         if not self.remote:
             yield self.body
@@ -111,9 +114,10 @@ def _reduction(body: Body, **options: Any) -> list[CacheEntry[Any]]:
 
 
 def _reductions(robot: RobotOnPath, bodies: Collection[Body]) -> Iterator[tuple[Body, Question]]:
-    """Bodies, each with the function that lists the cache entries of a reduction in this run.
+    """Pairs of a body and a function that lists the cache entries of one of its reductions.
 
-    The finest meshes, which take longest, are first.
+    There is a pair for each reduction that the run needs. The finest meshes, which take longest,
+    are first.
     """
     alternatives = tuple(robot.holding.alternatives.values())
     first = alternatives[:1]

@@ -76,9 +76,9 @@ def slowest(ratio: float) -> MeshPolicy:
 def solid_leg(context: Context, leg: SectionedLeg) -> TwoMeshes:
     """Tip compliances of a leg as a solid on two meshes, computed once per run and process.
 
-    Raises InputError if the section has no shape, if even one section mesh exceeds the limit of
-    unknowns, or if the preset allows only meshes of a varying section that do not differ across
-    it; the message then names the larger preset that allows them.
+    Raises InputError if the section has no outline, if even the coarsest section mesh exceeds the
+    limit of unknowns, or if the preset does not allow the fine solid of a leg of varying section.
+    In the last two cases the message names the larger preset that allows the meshes.
     """
     if shapeless := why_shapeless([leg]):
         raise InputError(shapeless)
@@ -117,9 +117,9 @@ def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
 
 
 def shares_section(context: Context, leg: Leg) -> bool:
-    """True if the fine solid of a leg has the section mesh of the coarse one.
+    """True if the coarse and the fine solid of a prism have the same section mesh.
 
-    This is so if a finer section mesh would be too large.
+    This is so if a finer section mesh would be too large. False for legs that are not prisms.
     """
     if not isinstance(leg, ConstantLeg):
         return False
@@ -127,9 +127,10 @@ def shares_section(context: Context, leg: Leg) -> bool:
 
 
 def most_unknowns(preset: Preset, leg: ConstantLeg) -> int:
-    """Limit of unknowns in a leg's section mesh.
+    """Largest number of unknowns that a preset allows in a leg's section mesh.
 
-    It is the second limit of the preset if the first one allows only one mesh.
+    It is the first of the two numbers in `UNKNOWNS`, or the second if the first does not allow two
+    section meshes.
     """
     first, second = UNKNOWNS[preset]
     return first if static_divisions(leg, first) else second
@@ -139,11 +140,11 @@ def line_divisions(preset: Preset, leg: LineLeg) -> tuple[int, int]:
     """Divisions across the section of the coarse and the fine mesh of a leg of varying section.
 
     The doubling method (`fem.bodies.doubling`), which needs equal slices along the leg, cannot be
-    used for such a leg. Polygons without blocks, and walls thinner than about 1/30 of the section,
-    have one section mesh for one to four divisions. The fine mesh then has the fewest divisions,
-    from those of the preset on, at which the section mesh differs, and the coarse mesh half as
-    many, rounded up. The ratio of divisions is then at most that of element sizes, so that
-    half-widths do not become too small.
+    used for such a leg. Polygons that are not divided into blocks, and walls thinner than about
+    1/30 of the section, have the same section mesh for one to four divisions. For these, the
+    divisions of the fine mesh are increased from those of the preset until its section mesh
+    differs, and the coarse mesh has half as many, rounded up. The ratio of divisions is then at
+    most that of element sizes, so that half-widths do not become too small.
     """
     coarse, fine = _usual_divisions(preset, leg)
     section = section_of(leg)

@@ -44,9 +44,9 @@ class Model:
     forces. `static_fields` are the fields of a reading on which statics and forces depend,
     `modal_fields` those on which modes depend. `undefined_reason`: reason why statics or
     modes are not defined. `rigid`: reason for zeros in the compliance. `computed_by`: names of the
-    functions that compute it. `stand_in`: a cheaper model whose changes by uncertain inputs are
-    applied to this one if the robot has solids. If it is None, this model is solved for each change
-    of inputs.
+    functions that compute the model. `stand_in`: a cheaper model for uncertain inputs. If the robot
+    has solids, the relative changes of the stand-in's results are applied to this model. If it is
+    None, this model is solved for each change of inputs.
     """
 
     name: str
@@ -197,10 +197,11 @@ class Responses:
     ) -> H | Unsolved:
         """Statics or modes of a model under `reading`, or the reason why they are unsolved.
 
-        `solve` computes the solution for a robot. If inputs are perturbed, the model has a stand-in
-        and the robot has solids, `transfer` instead applies the stand-in's changes to the
-        unperturbed solution; `required` returns the solutions that it needs. Any exception is
-        recorded as the failure of this solution alone, so that other models are still judged.
+        `solve` computes the solution for a robot. There is another way if inputs are perturbed, the
+        model has a stand-in and the robot has solids: `transfer` applies the changes of the
+        stand-in's solution to the unperturbed solution, and `required` returns the solutions that
+        `transfer` needs. Any exception is recorded as the failure of this solution alone, so that
+        other models are still judged; it is raised if `strict`.
         """
         nominal = replace(reading, factors=())
         stand_in = model.stand_in

@@ -60,8 +60,8 @@ class Reading:
     of stiffness in legs specified by their 6×6. `mesh`: mesh of solid legs, `section_mesh`: mesh
     for section constants; 1 is the fine, 0 the coarse mesh. `part_mesh`: mesh level of CAD parts.
     `elements`: factor on the element count of models. `factors`: relative changes of the robot's
-    inputs. `rounding`: index of the printed digit that is changed (`roundings_of`). It is None if
-    no digit is changed.
+    inputs. `rounding`: index, in `RobotOnPath.roundings`, of the printed number that is slightly
+    changed. It is None if no number is changed.
     """
 
     ends: Holds
@@ -164,7 +164,10 @@ class RobotOnPath:
 
     @property
     def prisms(self) -> list[SectionedLeg]:
-        """Legs of constant section, which are solids in the reference."""
+        """Legs with a constant or varying cross-section, which are solids in the reference.
+
+        These are all legs except those specified by their 6×6 only.
+        """
         return [leg for leg in self.legs.values() if not isinstance(leg, GivenLeg)]
 
     @property
@@ -174,7 +177,7 @@ class RobotOnPath:
 
     @property
     def has_solids(self) -> bool:
-        """True if the reference contains a solid: a prismatic leg or a CAD part."""
+        """True if the reference contains a solid: a leg with a cross-section or a CAD part."""
         return bool(self.prisms or self.mechanism.parts)
 
     @property
@@ -215,7 +218,7 @@ class RobotOnPath:
 
     @cached_property
     def roundings(self) -> list[Rounding]:
-        """Robots in each of which one printed digit of a 6×6 is changed by half a unit."""
+        """Robots in each of which one printed number of a 6×6 is slightly changed."""
         return roundings_of(self.printed, self.postures)
 
     @cached_property
@@ -344,7 +347,10 @@ def interior_instruction(legs: Iterable[str], schema: int = 2) -> str:
 
 
 def _tables(ends_by_body: Mapping[str, Ends | None], schema: int) -> str:
-    """Table names in the robot file of the bodies whose end condition is None, with commas."""
+    """Names of the robot file's tables for the bodies whose end condition is None.
+
+    Example: "[bodies.leg1], [bodies.leg2]".
+    """
     head = "" if schema == 1 else "bodies."
     return ", ".join(f"[{head}{name}]" for name, ends in ends_by_body.items() if ends is None)
 
@@ -367,15 +373,18 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def prismatic_legs(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of distinct legs that are prisms, or that prisms replace because a 6×6 is given."""
+    """Body names of the distinct legs that are prisms or can be replaced by equivalent prisms.
+
+    These are all distinct legs except those along a line.
+    """
     legs = legs_of(mechanism)
     return tuple(name for name in distinct_legs(mechanism) if not isinstance(legs[name], LineLeg))
 
 
 def why_not_serial(postures: Sequence[Posture]) -> str:
-    """Reason why the virtual joint method is impossible: legs that are not serial chains.
+    """Reason why the virtual joint method cannot be used because a leg is not a serial chain.
 
-    "" if they are serial chains.
+    "" if all legs are serial chains.
     """
     mechanism = postures[0].mechanism
     try:

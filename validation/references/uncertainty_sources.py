@@ -78,8 +78,8 @@ class SourceRow:
 class Perturbations:
     """Half-widths from solutions of a model under perturbed readings.
 
-    A reading is one meaning of the robot file. `readings` returns the perturbed readings that
-    belong to this one. `combiner`: rule that combines the changes of displacements to one
+    `readings` returns the perturbed forms of a reading of the robot file, each with a factor on the
+    change of displacements that it causes. `combiner`: rule that combines these changes to one
     half-width.
     """
 
@@ -107,7 +107,7 @@ def budget(rows: Sequence[SourceRow], responses: Responses, reading: Reading) ->
 
 
 def _flattened_statics(statics: Statics) -> Array:
-    """All compliances and load displacements of statics in one matrix (P poses × k numbers)."""
+    """All compliances and load displacements in one matrix (P×k): k numbers in each of P poses."""
     poses = len(statics.compliances)
     return np.hstack(
         [
@@ -118,10 +118,11 @@ def _flattened_statics(statics: Statics) -> Array:
 
 
 def _sizes(unperturbed: Statics, changes: Array) -> Array:
-    """Magnitudes (n×P×(7+L)) of n changes (n×P×k) relative to the unperturbed displacements.
+    """Magnitudes (n×P×(7+L)) of n changes relative to the unperturbed displacements.
 
-    Zero if the robot is rigid under the load, since no relative change exists then. Array sizes: P
-    poses, k numbers.
+    `changes` (n×P×k) are changes of the k numbers of `_flattened_statics` in P poses. The result is
+    for 7 unit loads and L loads of the robot file. It is zero if the robot is rigid under the load,
+    since no relative change exists then.
     """
     count, poses, _ = changes.shape
     loads = unperturbed.load_displacements.shape[1]
@@ -140,9 +141,10 @@ def _sizes(unperturbed: Statics, changes: Array) -> Array:
 
 
 def rounded_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
-    """Readings in each of which one printed digit of a 6×6 is off by half a unit.
+    """Pairs of a factor and a reading in which one number of a printed 6×6 is slightly changed.
 
-    Empty if the robot file contains no 6×6.
+    The factor converts the change of a result to the effect of half a unit of the number's last
+    digit. Empty if the robot file contains no 6×6.
     """
     return [
         (rounding.factor, replace(reading, rounding=number))
@@ -151,7 +153,7 @@ def rounded_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
 
 
 def _plausible_mass_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
-    """Readings with each plausible mass distribution of the legs specified by their 6×6."""
+    """Pairs of the factor 1 and a reading, for each plausible mass distribution of 6×6 legs."""
     return [
         (1.0, replace(reading, masses=masses)) for masses in plausible_masses(robot.given.values())
     ]
@@ -208,11 +210,11 @@ def _linearity(responses: Responses, _: Reading) -> SourceHalfWidths:
 def modes_by_digits(
     printed: Sequence[Printed], postures: tuple[Posture, ...], count: int, masses: Masses
 ) -> tuple[PathModes, Array]:
-    """Modes of a robot of beams and given 6×6, and frequency changes by each digit (R×P×m).
+    """Modes of the robot with legs as beams, and their frequency changes by printed digits (R×P×m).
 
-    The changes are relative and of first order, each due to one of the R changes of the `printed`
-    6×6 by `roundings_of`. `masses` is the mass distribution of the legs specified by a 6×6. There
-    are P poses and m = `count` modes.
+    Legs specified by a 6×6 keep it, with the mass distribution `masses`. Each change of frequency
+    is relative, of first order, and due to one of the R changes of the `printed` 6×6 by
+    `roundings_of`. There are P poses and m = `count` modes.
     """
     roundings = roundings_of(printed, postures)
     mechanism = postures[0].mechanism
@@ -336,10 +338,11 @@ def _digit_half_widths(
 ) -> tuple[Array, Array]:
     """Relative half-widths due to digits: of a peak's frequency (P), and of receptances (P×n).
 
-    `sizes` (P×n) are receptance magnitudes at `frequencies` (n, Hz); `peak` (P×1, Hz) is the
-    frequency of the peak. All natural frequencies are assumed to change together by the half-width
-    s, taken from `digits` for the nearest one, and all stiffness by 2s. The receptance h(ω) then
-    becomes h(ω(1 − s))/(1 + 2s).
+    `digits` (P×K): relative half-widths of the natural frequencies of the modes `fine`. `sizes`
+    (P×n) are receptance magnitudes at `frequencies` (n, Hz); `peak` (P×1, Hz) is the frequency of
+    the peak. All natural frequencies are assumed to change by the half-width s of the one that is
+    nearest to the excitation frequency, and all stiffnesses by 2s. The receptance h(ω) then becomes
+    h(ω(1 − s))/(1 + 2s).
     """
     modes = np.nan_to_num(fine.frequencies[:, : digits.shape[1]], nan=np.inf)
     evaluated = np.hstack([peak, np.broadcast_to(frequencies, sizes.shape)])
