@@ -94,9 +94,9 @@ def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) ->
 
 
 def filled(model: Model) -> Model:
-    """Copy of a model with dense instead of sparse matrices.
+    """Copy of a model with dense instead of sparse matrices, for reduced models.
 
-    Reduced matrices are small and full.
+    Their matrices are small and have hardly any zeros.
     """
     parts = {kind: dense(part) for kind, part in model.parts.items()}
     return replace(model, stiffness=dense(model.stiffness), mass=dense(model.mass), parts=parts)
@@ -136,9 +136,10 @@ def reduced_leg(
     highest: float,
     cutoff: float,
 ) -> LegMatrices:
-    """Leg reduced to its ends and its modes below `cutoff` (Hz), with rigid or free end faces.
+    """Leg reduced to the twists of its ends and its modes with fixed ends below `cutoff` (Hz).
 
-    It is accurate for frequencies of the robot up to `highest` (Hz).
+    It is accurate for frequencies of the robot up to `highest` (Hz). The end faces of a solid are
+    rigid or free, by `options.ends`.
     """
     return reduced_superelement(model, leg, options, highest, cutoff).matrices
 
@@ -243,5 +244,8 @@ def leg_modes(
 
 
 def constant_leg_of(context: Context, body: str) -> ConstantLeg:
-    """Equivalent leg of the leg `body` of the run's robot. A prism is returned unchanged."""
+    """Leg `body` of the run's robot as a prism of constant section.
+
+    A leg specified by its 6×6 is replaced by its equivalent prism.
+    """
     return context.get(equivalent_leg, legs_of(context.robot_file.mechanism)[body])

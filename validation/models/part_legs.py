@@ -52,7 +52,8 @@ def require_legs(mechanism: Mechanism) -> None:
 def part_springs(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
     """Tip compliance (6×6, SI, body axes) of each CAD part with two interfaces, by body name.
 
-    It is the identified one, or that of the equivalent prism if `options.legs` specifies so.
+    It is the compliance identified from the solid part, or that of the equivalent prism if
+    `options.legs` is "equivalent".
     """
     springs = {}
     for name, body in mechanism.parts.items():

@@ -104,9 +104,9 @@ def _read(path: Path, unit: str | None, _written: tuple[int, int] | None) -> Par
 
 
 def _written(path: Path) -> tuple[int, int] | None:
-    """Size and modification time of a file, by which a changed file is recognised.
+    """Size and modification time of a file, from which a change of the file is detected.
 
-    None if it cannot be read.
+    None if the file cannot be read.
     """
     try:
         status = path.stat()
@@ -194,7 +194,8 @@ def with_finer_parts(mechanism: Mechanism, factor: float) -> Mechanism:
 def identified(body: Body, unknowns: int | None = None, modes: int = _MODES) -> Identified:
     """Stiffness, compliance, mass and modes of a CAD part on its interfaces, with uncertainties.
 
-    The matrices are in body axes. `unknowns`: number on the finest mesh; that of the body if None.
+    The matrices are in body axes. `unknowns`: number of unknowns of the finest mesh; if None, the
+    number that the body specifies. `modes`: number of modes.
     """
     return identified_entry(body, unknowns, modes).value()
 
@@ -338,11 +339,12 @@ def reduced_entry(
 
 
 def interpolated(nodes: Array, recovery: Array) -> Callable[[Array], SparseMatrix]:
-    """Function from points (m×3) to the matrix (3m×n) of their displacements.
+    """Function that returns, for m points (m×3), the matrix (3m×n) of their displacements.
 
-    That matrix, and `recovery` (3N×n) for the `nodes` (N×3), map n unknowns to displacements. At a
-    node the result is the node's displacement. Elsewhere it is a mean over the nearest nodes, with
-    weights that reproduce linear fields exactly.
+    The matrix maps n unknowns of a model to the displacements of the points, as `recovery` (3N×n)
+    does for the `nodes` (N×3) of its mesh. At a node the result is the node's displacement.
+    Elsewhere it is a mean over the nearest nodes, with weights that reproduce linear fields
+    exactly.
     """
     fields = recovery.reshape(len(nodes), -1)
     size = float(np.ptp(nodes, axis=0).max())

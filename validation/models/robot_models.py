@@ -200,11 +200,12 @@ def mechanism_modes(
 ) -> list[PostureModes]:
     """Lowest `count` modes of one mechanism in each posture. `simplified` may have fewer.
 
-    `part_mesh`: mesh and coupling of CAD parts as solids. `spare`: number of further modes, as far
-    as they exist, for which the cut-off frequency of the reduction is not raised.
+    `part_mesh`: mesh and coupling of CAD parts as solids. `spare`: number of modes that are
+    computed in addition, as far as they exist. The cut-off frequency of the reduction is not raised
+    for them.
 
-    Raises InputError for a static model, and ComputationError if the tool is free to move or fewer
-    than `count` modes move mass.
+    Raises InputError for a static model, and ComputationError if the tool is free to move or, for
+    any model except `simplified`, fewer than `count` modes move mass.
     """
     _require_dynamic_model(model)
     if not postures:
@@ -376,7 +377,7 @@ def bodies_of(
     options: ModelOptions,
     build: Callable[[SectionedLeg | SteppedLeg, ModelOptions], LegMatrices],
 ) -> dict[str, BodyModel]:
-    """Model of each leg, and of each CAD part that a leg replaces, made by `build`."""
+    """Model of each leg and CAD part, made by `build` if the body is modelled as a leg."""
     legs: dict[str, BodyModel] = {
         name: filled(build(leg, leg_options))
         for name, leg, leg_options in sectioned_legs(mechanism, options)
@@ -457,7 +458,9 @@ def _swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[
 def sectioned_legs(
     mechanism: Mechanism, options: ModelOptions
 ) -> list[tuple[str, SectionedLeg, ModelOptions]]:
-    """Name, prism and options of each leg of a mechanism. Equal prisms are one object.
+    """Name, leg with its section, and model options of each leg of a mechanism.
+
+    A leg specified by its 6×6 is replaced by its equivalent prism. Equal legs are one object.
 
     If `options.release` is "printed", the last spring of a leg contains the joint at its tip;
     `as_printed` fixes that joint in the mechanism.

@@ -119,9 +119,11 @@ def why_not_stepped(mechanism: Mechanism) -> str:
 def _pieces_and_masses(
     mesh: PartMesh, positions: Array, span: tuple[float, float], count: int, material: Material
 ) -> dict[str, Any]:
-    """Arrays of a stepped leg: line, axes and properties of its pieces, masses of its rigid ends.
+    """Arrays of a stepped leg by name: "line", "axes", "properties", "root_mass" and "tip_mass".
 
-    Masses are 6×6 about the root, in leg axes.
+    The first three describe the `count` pieces: points of the centre line (count+1 × 3), axes
+    (count×3×3) and beam properties (one row for each piece). The masses (6×6 about the root, in leg
+    axes) are those of the part before the first and after the last piece.
     """
     facets = boundary(mesh)
     line = np.zeros((count + 1, 3))
@@ -149,11 +151,13 @@ def _pieces_and_masses(
 
 
 def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
-    """Raise NotPrismaticError if a section is divided, or changes over a length like its own size.
+    """Raise NotPrismaticError if a section of the part is in two pieces or changes too fast.
 
-    An opening divides a beam into two side by side. If these bend apart, they are much softer than
-    one section and much stiffer than either alone. A rib matters only if it lies at the middle of a
-    piece, since the section of a piece is taken there.
+    A change is too fast if it occurs over a length that is comparable to the size of the section.
+    An opening in the part divides a beam into two beams side by side, and so its section into two.
+    If the two beams bend apart, they are much softer than one section and much stiffer than either
+    beam alone. A rib matters only if it lies at the middle of a prismatic piece, since the section
+    of the piece is taken there.
     """
     cuts, sizes, middles, measured = [], [], [], []
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)

@@ -2,9 +2,10 @@
 
 Input: postures of a mechanism with loads, and a model. Output: twists of the loaded point (p
 postures × l loads × 6, m and rad, base axes). Rule: weight and inertia act on the masses of the
-model. In a model without mass, legs have the masses of beams, legs specified by their 6×6 those of
-the robot file, and CAD parts those of the part. If such a body is rigid, its mass acts by static
-equivalence.
+model. If the model has no mass, weight and inertia act on the following masses: those of beams for
+legs with a section, those of the robot file for legs specified by their 6×6, and those of the part
+for CAD parts. If a body is rigid in the model, the loads on its mass act as a statically equivalent
+wrench.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -79,9 +80,10 @@ def _assembled(prepared: Assembly) -> Callable[[Posture, list[Loading]], Array]:
 
 
 def by_chains(springs: Mapping[str, Array]) -> Callable[[Posture, list[Loading]], Array]:
-    """Function that computes displacements of the tool under loadings, by serial chains.
+    """Function of a posture and its l loadings that returns displacements of the tool (l×6).
 
-    `springs`: tip compliance (6×6, SI, body axes) of each leg, by body name.
+    They are computed by the virtual joint method along serial chains. `springs`: tip compliance
+    (6×6, SI, body axes) of each leg, by body name.
     """
     return lambda posture, loads: serial_chains.tool_displacements(posture, springs, loads)
 
@@ -131,10 +133,11 @@ def interface_loads(
     masses: Masses = MASSES[0],
     parts: Mapping[str, BodyModel] | None = None,
 ) -> InterfaceLoads:
-    """Masses and pressures for models without mass: legs have the mass of beams, parts their own.
+    """Masses and pressures on which loads act in models without mass.
 
-    `masses` is the mass distribution in legs specified by their 6×6. `parts` are models of the
-    parts; if None, they are condensed here. The result has no masses if no load acts on mass.
+    Legs have the masses of beams, CAD parts those of their models `parts`. If `parts` is None, the
+    parts are condensed here. `masses` is the mass distribution in legs specified by their 6×6. The
+    result has no masses if no load acts on mass.
     """
     pressures = unit_pressures(mechanism, parts)
     if not any(load.acts_on_mass for load in mechanism.loads):

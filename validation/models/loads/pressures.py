@@ -62,10 +62,10 @@ def pressed_faces(mechanism: Mechanism) -> list[PressedFaces]:
 def unit_pressures(
     mechanism: Mechanism, parts: Mapping[str, BodyModel] | None = None
 ) -> dict[tuple[str, Selection], Array]:
-    """Wrenches (6m, body axes) on the m interfaces that are equivalent to 1 Pa on faces.
+    """Wrenches (6m, body axes) on the m interfaces of a part that are equivalent to 1 Pa on faces.
 
-    The keys are the body and the selection of its faces.
-    `parts` are models of the CAD parts; if None they are condensed. {} without pressures.
+    The keys are pairs of the body's name and the selection of its faces. `parts` are models of the
+    CAD parts; if None, the parts are condensed. {} if there are no pressures.
     """
     wrenches = {}
     for row in pressed_faces(mechanism):
@@ -77,10 +77,10 @@ def unit_pressures(
 
 
 def resultants(mechanism: Mechanism) -> dict[str, list[PressureResultant]]:
-    """Resultants of all pressures on the finest meshes of the parts, by load.
+    """Resultants of all pressures on the finest meshes of the parts, by name of the load.
 
-    By equilibrium they are those of the wrenches on the interfaces. Loads without pressures are
-    left out.
+    By equilibrium, the resultant of a pressure equals that of its wrenches on the interfaces. Loads
+    without pressures are omitted.
     """
     by_load: dict[str, list[PressureResultant]] = {}
     for row in pressed_faces(mechanism):
@@ -98,8 +98,8 @@ def resultants(mechanism: Mechanism) -> dict[str, list[PressureResultant]]:
 def surface_resultants(mechanism: Mechanism) -> list[tuple[PressedFaces, PressureResultant]]:
     """Resultants of all pressures on the surfaces in the files of the parts, without any mesh.
 
-    They are exact on plane faces. On curved faces of CAD files they are those of the triangles
-    between points on the face.
+    They are exact on plane faces. A curved face of a CAD file is replaced by triangles between
+    points on the face.
     """
     return [
         (row, _resultant(body, row, _on_surface(found_in(body)[0], row.faces)))

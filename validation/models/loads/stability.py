@@ -57,8 +57,9 @@ def stabilities(
 ) -> list[list[Stability | None]]:
     """Stability in each posture under each load, with the lowest `count` frequencies under load.
 
-    None if the mechanism cannot move as a load requires, or if it has bent legs. Raises the
-    exceptions of `displacements`.
+    The outer list is over postures, the inner list over loads. None if the mechanism cannot move as
+    a load requires, or if the centre line of a leg is not straight. Raises the exceptions of
+    `displacements`.
     """
     mechanism = postures[0].mechanism
     if bent_legs(mechanism):
