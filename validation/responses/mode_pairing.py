@@ -189,8 +189,9 @@ def equal_frequency_groups(
     """Index (m) of the group of equal frequencies to which each mode belongs, ascending.
 
     Frequencies count as equal if their relative difference is at most the smallest of the group's
-    `frequency_uncertainties` (m, relative), or at most the gap of repeated frequencies if that is
-    larger. A chain of small gaps is split into several groups, so that no group is wider than this.
+    `frequency_uncertainties` (m, relative), or at most `_REPEATED` if that is larger. A chain of
+    small gaps is split into several groups, so that the lowest and the highest frequency of a group
+    do not differ by more than this.
     """
     width = (
         np.zeros(len(frequencies)) if frequency_uncertainties is None else frequency_uncertainties
@@ -209,9 +210,11 @@ def equal_frequency_groups(
 
 @dataclass(frozen=True, eq=False)
 class _Blocks:
-    """Overlaps (m×n) of two models' modes, with the group of equal frequencies of each mode (m, n).
+    """Overlaps (m×n) of m modes of one model with n modes of another, see `_overlaps`.
 
-    `partner` (m): index of the mode of the second model that is assigned to each mode.
+    `first_groups` (m) and `second_groups` (n): index of the group of equal frequencies to which
+    each mode of the first and of the second model belongs. `partner` (m): index of the mode of the
+    second model that is assigned to each mode of the first.
     """
 
     overlaps: Array
@@ -236,8 +239,9 @@ class _Blocks:
     def exchange(self, means: Array, mac: Array) -> Array:
         """Sum of the MAC (m×m) of two pairs with exchanged partners, over that without exchange.
 
-        `means` is the result of `_means`, `mac` (m) that of the method `mac`. Zero for modes of
-        equal frequency. Array sizes: m modes of the first model.
+        `means` is the result of `_means`, `mac` (m) that of the method `mac`. The ratio is zero if
+        the two modes, or their partners, have equal frequencies. Array sizes: m modes of the first
+        model.
         """
         crossed = means[:, self.partner] + means[:, self.partner].T
         together = np.add.outer(mac, mac)
@@ -269,7 +273,11 @@ class _Blocks:
         return group_mac, undecided
 
     def _spaces(self, modes: IntArray) -> tuple[IntArray, IntArray]:
-        """Indices of modes equal in frequency to `modes`, and of those equal to their partners."""
+        """Indices of the modes that span the spaces of `modes` and of their partners.
+
+        The first array has the modes of the first model with the same frequencies as `modes`. The
+        second has the modes of the second model with the same frequencies as the partners.
+        """
         partner_spaces = self.second_groups[self.partner[modes]]
         return (
             np.flatnonzero(np.isin(self.first_groups, self.first_groups[modes])),
@@ -277,7 +285,10 @@ class _Blocks:
         )
 
     def _cosines(self, modes: IntArray) -> Array:
-        """Squared cosines of principal angles between `modes` and their partners, descending."""
+        """Squared cosines of the principal angles between the two spaces of `_spaces`, descending.
+
+        Zeros are appended if there are fewer angles than `modes`.
+        """
         cosines = np.linalg.svd(self.overlaps[np.ix_(*self._spaces(modes))], compute_uv=False)
         return np.pad(np.square(cosines), (0, max(len(modes) - len(cosines), 0)))
 
@@ -336,12 +347,15 @@ def _components(linked: BoolArray) -> IntArray:
 
 
 def _sizes(groups: IntArray) -> IntArray:
-    """Number of modes in the group of each mode."""
+    """Number of modes in the group to which each mode belongs, from the `groups` of the modes."""
     return np.asarray(np.equal.outer(groups, groups).sum(axis=1))
 
 
 def _ascending(partner: IntArray, linked: BoolArray) -> IntArray:
-    """Partners (m), sorted in ascending order within each group of linked modes."""
+    """Partners (m), sorted in ascending order within each group of linked modes.
+
+    `linked` (m×m): true for two modes whose partners can be exchanged.
+    """
     sorted_partner, groups = partner.copy(), _components(linked)
     for group in np.flatnonzero(np.bincount(groups) > 1):
         inside = np.flatnonzero((groups == group) & (partner >= 0))

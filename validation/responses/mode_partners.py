@@ -1,9 +1,9 @@
 """Partner of each mode of the reference among the modes of a model, in each pose.
 
 Input: `PathModes` of the reference and of a model. Output: `Partners`, with the partner's frequency
-and the range of frequencies that ambiguous shapes allow; and for each mode of the reference a
-number that belongs to it and its partner, such as the change of frequency between two meshes. Rule:
-modes are partners if they have the same shape (`mode_pairing`).
+and the range of frequencies that ambiguous shapes allow. Further functions compute a number for
+each mode of the reference from its partners, such as its change of frequency between two meshes.
+Rule: modes are partners if they have the same shape (`mode_pairing`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -97,11 +97,12 @@ def partners(
 
 
 def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count: int) -> Array:
-    """Share (p×count) of the mode of `other` that is the partner of a mode of the reference.
+    """Numbers of the modes of another model, assigned to the modes of the reference by shape.
 
-    `shares` (p×n, ≥ 0): a number for each mode of `other`, NaN if unknown. The result, for the
-    first `count` modes of the reference, is NaN for a mode without a partner. Modes that mix have
-    the sum over all of them, see `_sums`. Array sizes: p poses, n modes of `other`.
+    `shares` (p×n, ≥ 0): a number for each mode of `other`, such as a relative half-width; NaN if
+    unknown. The result (p×count) has the number of the partner of each of the first `count` modes
+    of the reference, and NaN for a mode without a partner. Modes that mix have the sum over all of
+    them, see `_sums`. Array sizes: p poses, n modes of `other`.
     """
     indices, mixed = _pairs(reference, other)
     partner_shares = np.take_along_axis(shares, np.maximum(indices, 0), axis=1)
@@ -109,10 +110,11 @@ def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count
 
 
 def shape_ranges(readings: Sequence[PathModes]) -> list[tuple[Array, Array]]:
-    """Range (p×m each, Hz) of each mode's frequency over several `readings` of the robot file.
+    """Range of each mode's frequency over several `readings` of the robot file.
 
-    One pair of arrays (lowest, highest) for the modes under each reading. Frequencies of different
-    readings belong together if their modes have the same shape. Array sizes: p poses, m modes of
+    The list has a pair of arrays for each reading: the lowest and the highest frequency (p×m each,
+    Hz) of the mode that this reading's mode becomes under any of the readings. Modes under
+    different readings belong together if they have the same shape. Array sizes: p poses, m modes of
     the reading.
     """
     ranges = []
@@ -133,9 +135,9 @@ def frequency_changes(
 ) -> Array:
     """Relative changes of the first frequencies from a coarse mesh to a middle one (p×count, ≥ 0).
 
-    They are relative to the frequencies of the `fine` mesh, which is also the middle one if this is
-    None. Modes of `coarse` and `middle` are paired by shape with those of `fine`. NaN for a mode
-    that one of them does not have. Array sizes: p poses.
+    They are relative to the frequencies of the `fine` mesh. If `middle` is None, the changes are
+    those from the coarse to the fine mesh. Modes of `coarse` and `middle` are paired by shape with
+    those of `fine`. NaN for a mode that is missing on one of the meshes. Array sizes: p poses.
     """
     changes, mixed = np.zeros_like(fine.frequencies), np.zeros((1, 1, 1), dtype=bool)
     paired = np.isfinite(fine.frequencies)
@@ -168,13 +170,15 @@ def _pairs(reference: PathModes, other: PathModes) -> tuple[IntArray, BoolArray]
 
 
 def _sums(amounts: Array, paired: BoolArray, mixed: BoolArray) -> Array:
-    """Amount (p×m) of each mode, and of all modes that mix with it. NaN for modes without partner.
+    """Sum (p×m) of the `amounts` (p×m) of each mode and of all modes that mix with it.
 
-    A perturbation determines the sum of the squares of the changes of modes that mix, but not each
-    change. If an amount is unknown (NaN), so are the sums of the modes that mix with it, and no
-    others: the last computed modes often have no partner, because only a part of a multiple
-    frequency is computed. `paired` (p×m): true for modes with a partner. `mixed` (p×m×m): true for
-    two modes that mix. Array sizes: p poses, m modes.
+    `paired` (p×m): true for modes with a partner. `mixed` (p×m×m): true for two modes that mix. The
+    sum is NaN for a mode without a partner, and for a mode that mixes with a mode whose amount is
+    unknown (NaN). Other sums stay known: the last computed modes often have no partner, because
+    only some of the modes of a multiple frequency are computed.
+
+    Sums are used because a perturbation determines the sum of the squares of the changes of modes
+    that mix, but not each change. Array sizes: p poses, m modes.
     """
     amounts = np.where(paired, amounts, np.nan)
     return np.asarray(amounts + np.where(mixed, amounts[:, None, :], 0.0).sum(axis=2))

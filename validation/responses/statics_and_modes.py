@@ -88,7 +88,10 @@ class PathModes:
 
     @classmethod
     def unsampled(cls, frequencies: Array) -> "PathModes":
-        """Modes without shapes, which are not compared with other modes (P×m frequencies)."""
+        """Modes with `frequencies` (P×m, Hz) and without shapes.
+
+        They cannot be compared with modes of other models.
+        """
         samples = np.zeros((len(frequencies), 0, frequencies.shape[1]))
         return cls(frequencies, samples, np.zeros(0), np.ones_like(frequencies))
 
