@@ -40,9 +40,9 @@ class DisplacementErrors:
     minus that of the reference. `length` (R×P, m/N or rad/(N m)): length of the reference's
     displacement, by which the difference is divided. `between` (R×P, equal for all R): smallest
     error of the model against any displacement that lies between those of two interpretations;
-    infinite if there is one interpretation. `impossible` (R×P): true where the tool cannot move as
-    the load requires. Such poses are not compared; their errors are zero, or NaN if the load is
-    impossible in all poses.
+    infinite if there is one interpretation. `impossible` (R×P): true if the tool cannot move as the
+    load requires in this pose. Such poses are not compared; their errors are zero, or NaN if the
+    load is impossible in all poses.
     """
 
     wrench: Array
@@ -105,7 +105,7 @@ class Errors:
     numbers: IntArray | None = None
 
     def rows(self, rows: Sequence[int]) -> "Errors":
-        """Errors against some of the interpretations, given by their indices."""
+        """Errors against the interpretations with the indices `rows` only."""
 
         def selected(record: Any) -> dict[str, Any]:
             return {name: values[rows] for name, values in _arrays(record).items()}
@@ -535,7 +535,10 @@ class ModelErrors:
 
 
 def first_largest(sizes: Array) -> IntArray:
-    """Index of the largest number along the first axis; among nearly equal ones, the first."""
+    """Index of the largest number along the first axis.
+
+    If several numbers equal the largest up to round-off, it is the index of the first of them.
+    """
     largest = sizes.max(axis=0)
     threshold = np.where(largest > 0.0, (1.0 - _TIE) * largest, largest)
     return np.asarray(np.argmax(sizes >= threshold, axis=0))

@@ -383,11 +383,11 @@ def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[st
 
 
 def _interpretation_rows(errors: Errors, pose: int) -> IntArray:
-    """Index (P) of the interpretation with the largest error, whose numbers an entry shows.
+    """Index (P) of the interpretation whose numbers an entry contains in each pose.
 
-    All poses use the interpretation with the largest error in the deciding `pose`, so that a curve
-    over the poses is for one interpretation. The error of the order of modes jumps in any case; for
-    it, each pose uses its own interpretation. Array sizes: P poses.
+    It is the interpretation with the largest error in the deciding `pose`, so that a curve over the
+    poses belongs to one interpretation. For the order of modes, whose error jumps from pose to pose
+    in any case, it is the interpretation with the largest error in each pose. Array sizes: P poses.
     """
     largest = errors.largest
     return largest if errors.numbers is not None else np.full_like(largest, largest[pose])
@@ -405,7 +405,10 @@ def _readings(errors: Errors, pose: int) -> dict[str, float]:
 
 
 def _expected_range(errors: Errors, pose: int) -> tuple[float, float]:
-    """Lowest and highest value of the reference over all interpretations, half-widths included."""
+    """Lowest and highest value of the reference in a pose over all interpretations.
+
+    The half-widths of the reference are included.
+    """
     expected, spread = errors.expected[:, pose], errors.spread[:, pose]
     # Half-width of the error over the relative half-width of the reference.
     ratio = np.ones_like(expected)
@@ -432,9 +435,11 @@ def _worst_force(errors: Errors, quantity: Quantity, position: Position) -> tupl
 
 
 def _half_width_parts(errors: Errors, reference: Reference, position: Position) -> dict[str, float]:
-    """Half-width of the error by source.
+    """Half-width of the error by name of the source.
 
-    A further source is the choice between interpretations, with half the distance between them.
+    The sources of the reference's budget are completed by the pairing of modes, the stiffness
+    inside the legs, and whatever else the robot file leaves open. The half-width of a choice that
+    the robot file leaves open is half the distance between the errors under its alternatives.
     """
     parts: dict[str, float] = {
         source: float(half_widths[position])

@@ -36,9 +36,9 @@ class Compared:
     `values` (P×k, SI units), by name of the model or, for the reference, of its interpretation.
     `against`: name of the first interpretation of the reference. `differences` (P×k): relative
     differences from this interpretation, of all models and other interpretations; NaN if there is
-    no number to compare. `uncertainties` (P×k or more columns, relative): half-widths of the
-    reference under each interpretation. For frequencies of robots with legs specified by their 6×6,
-    these half-widths cover every plausible mass distribution and stiffness inside the legs.
+    no number to compare. `uncertainties` (P×k, relative): half-widths of the reference's
+    frequencies by name of the interpretation; empty for compliances. If legs are specified by their
+    6×6, these half-widths cover every plausible mass distribution and stiffness inside the legs.
     """
 
     values: Mapping[str, Array]
@@ -86,9 +86,11 @@ def compared_statics(robot: RobotOnPath) -> tuple[dict[str, Statics], dict[str, 
 def compared_compliances(
     statics: Mapping[str, Statics], uncertainties: Mapping[str, Array]
 ) -> Compared:
-    """Compliance (P×6, SI) along and about each base axis, under a load along or about it.
+    """Compliances of all models and of the reference: the diagonals of the 6×6 matrices (P×6, SI).
 
-    The arguments are the results of `compared_statics`. Array sizes: P postures.
+    They are displacements along, and rotations about, each base axis under a unit load along or
+    about the same axis. The arguments are the results of `compared_statics`. Array sizes: P
+    postures.
     """
     compliances = {
         name: np.diagonal(model_statics.compliances, axis1=1, axis2=2)
@@ -118,10 +120,10 @@ def _grouped_by_ends(reference: Reference) -> dict[str, list[Interpretation]]:
 
 
 def compared_frequencies(robot: RobotOnPath) -> Compared:
-    """First natural frequencies (P×k, Hz), ascending, with differences of modes of the same shape.
+    """First natural frequencies (P×k, Hz, ascending) of all models and of the reference.
 
-    Raises InputError or ComputationError if there is no reference. Array sizes: P postures, k
-    frequencies.
+    Each difference is between modes of the same shape. Raises InputError or ComputationError if
+    there is no reference. Array sizes: P postures, k judged frequencies.
     """
     responses = Responses(robot)
     modes_by_name = solved_modes(responses)

@@ -97,7 +97,7 @@ def judged_robot(context: Context) -> tuple[Subject, Matrix]:
 def _largest_mesh_half_width(matrix: Matrix, accuracy: float | None) -> float:
     """Largest half-width of an error due to meshes.
 
-    If `accuracy` is None, the half-width is divided by a fifth of the error's limit, and only
+    If `accuracy` is None, each half-width is relative to a fifth of the error's limit, and only
     undecided errors count.
     """
     shares = [
@@ -194,7 +194,7 @@ def _input_uncertainties(subject: Subject) -> InputUncertainties | None:
 def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
     """Subject of a robot with the reference for statics only.
 
-    It has no reference if legs cannot be solids.
+    If a leg cannot be modelled as a solid, the subject contains the reason instead of a reference.
     """
     responses, steps = Responses(robot), Steps()
     try:
@@ -216,7 +216,10 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
 
 
 def _without_modes(models: Iterable[Model]) -> list[Model]:
-    """Models reduced to their statics. They need no reason why modes are undefined."""
+    """Copies of the models without their modes, for a subject that is judged in statics only.
+
+    A model that defines statics has no reason for undefined quantities any more.
+    """
     return [
         replace(
             model,
