@@ -335,7 +335,8 @@ def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
 def beam_mode_count(context: Context, leg: ConstantLeg) -> int:
     """Number of the highest mode to which beam theory applies, at least 1.
 
-    Raises Skip if the section is too large for meshes of a solid; it is then too large for waves.
+    Raises Skip if the preset allows fewer than two solid meshes of the leg. The waves that decide
+    this question would then be too expensive, too.
     """
     _divisions(context, leg, modal_divisions, DYNAMICS, "solid meshes")
     follow_beam_theory = [not context.get(why_no_beam, leg, mode) for mode in exact_modes(leg)]
@@ -350,9 +351,10 @@ def _wave_number(leg: ConstantLeg, order: int) -> float:
 
 
 def why_no_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
-    """Reason why beam theory does not apply to a mode, judged from the section.
+    """Reason why beam theory does not apply to a mode of a leg with a given section.
 
-    "" if it applies.
+    "" if it applies. The criteria are the symmetry of the section, the wavelength over the height
+    of the section, and the frequency from which on the section distorts.
     """
     if not leg.section.is_doubly_symmetric:
         return (

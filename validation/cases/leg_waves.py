@@ -108,7 +108,11 @@ def wave_changes(
 
 @dataclass(frozen=True, eq=False)
 class _LegInPieces:
-    """A leg as a beam of equal `elements`, with its waves of each kind."""
+    """A leg as a beam that is divided into pieces of equal length, with its waves of each kind.
+
+    `beam` has `elements` equal elements; `reduced` is its reduction. A piece consists of whole
+    elements.
+    """
 
     reduced: Superelement
     beam: LegMatrices
@@ -130,7 +134,10 @@ class _LegInPieces:
         return float(np.sqrt(lowest[0]))
 
     def pieces(self, omega: float) -> int:
-        """Number of equal pieces, each of whole elements, that divide the leg at ω (rad/s)."""
+        """Smallest number of equal pieces of whole elements that are short enough at ω (rad/s).
+
+        A piece is short enough if its frequencies with both ends fixed are far above ω.
+        """
         # Frequencies of axial vibration are proportional to 1/L; those of bending rise faster.
         needed = omega / (_SHARE_OF_LOWEST * self.fixed_ends_omega)
         for pieces in range(1, self.elements + 1):
@@ -148,7 +155,8 @@ class _LegInPieces:
 def _change(frequencies: Array, legs: Sequence[tuple[_LegInPieces, Array]], mode: int) -> float:
     """Relative change of one mode's frequency due to waves in the legs.
 
-    `frequencies` (Hz) of all modes with beams; `legs` with their mode shapes; `mode` is the index.
+    `frequencies` (Hz): those of all modes with beams. `legs`: each leg with its mode shapes in
+    these modes. `mode`: index of the mode.
     """
     squares = np.square(2.0 * np.pi * frequencies)
     beam_omega = omega = float(np.sqrt(squares[mode]))

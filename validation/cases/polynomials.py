@@ -76,9 +76,10 @@ _DYNAMIC = {
 
 
 def _models(mechanism: Mechanism) -> Mapping[str, JudgedModel]:
-    """Judged models by name.
+    """Judged models by name, as far as Ritz's method with polynomials can check them.
 
-    Only `simplified` if there are CAD parts or legs along a line, which have no polynomials.
+    Only `simplified` if there are CAD parts or legs along a line, since the polynomials represent
+    prisms only.
     """
     models = judged_models(mechanism)
     lines = any(isinstance(leg, LineLeg) for leg in legs_of(mechanism).values())

@@ -5,7 +5,7 @@ frequencies, as an independent reference. Rule: legs are polynomials, with energ
 Unknowns are the coefficients of the legs, the twists of the rigid bodies and the free motions of
 the joints; joints are linear constraints between them, and all constraints are eliminated at once.
 Body positions are those of their frames, and the gaps of the joints are checked here again. CAD
-parts have no polynomials: they are rigid and massless.
+parts are not represented by polynomials: they are rigid and massless.
 """
 
 from collections.abc import Mapping

@@ -210,7 +210,10 @@ def _lowest_two(context: Context, variant: ModelOptions, point: str) -> Measurem
 def _perpendicular_displacement(
     context: Context, loads: _Axes = _PLANE, directions: _Axes = _ALONG_Z
 ) -> Measurement:
-    """Largest displacement along `directions` under unit `loads`, in % of that along the loads."""
+    """Largest displacement along `directions`, in per cent of the displacement along the loads.
+
+    `loads` and `directions` are axes. Both displacements are those under unit `loads`.
+    """
     robots = [robot for point in FIGURE_POINTS for robot in _members(context, point)]
     compliance = context.get(compliances, "vjm", robots, _EQUIVALENT)[:, :, loads]
     perpendicular, along = (
@@ -241,9 +244,10 @@ def _shorter_is_best(
     variant: ModelOptions,
     objective: Literal["deflection", "frequency"] = "deflection",
 ) -> Measurement:
-    """Best α by the refined model; reference: that by the simplified model less one step of α.
+    """Best leg length α by the refined model. The reference is one step below the simplified best.
 
-    The best robot has the highest first frequency, or the smallest largest deflection.
+    The best robot has the highest first frequency if `objective` is "frequency". Otherwise its
+    largest deflection over the directions of load is the smallest of all robots.
     """
     if objective == "frequency":
         best = np.argmax(_segment_frequencies(context, "centre", variant))

@@ -124,7 +124,10 @@ def stroke_of(mechanism: Mechanism) -> Stroke:
 
 @memo(8)
 def over_stroke(mechanism: Mechanism, count: int) -> tuple[RobotOnStroke]:
-    """Robot at `count` evenly spaced positions of point B, both ends of the stroke included."""
+    """Robot at `count` evenly spaced positions of point B, both ends of the stroke included.
+
+    The result is a tuple of this one robot, for functions that take several robots.
+    """
     return (RobotOnStroke(mechanism, np.linspace(*stroke_of(mechanism).ends, count)),)
 
 

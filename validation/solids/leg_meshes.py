@@ -143,7 +143,11 @@ def _ladder(leg: ConstantLeg, most: int, layers: Callable[[int], int]) -> tuple[
 
 
 def divisions_across(leg: SectionedLeg, rectangle: int, walls: int) -> int:
-    """Divisions: `rectangle` for a rectangular section, otherwise `walls` (of walls and rims)."""
+    """Divisions across the section of a leg.
+
+    These are `rectangle`, across the smaller side, if the section is a rectangle. Otherwise they
+    are `walls`, across its walls or rims.
+    """
     return rectangle if isinstance(section_of(leg), Rectangle) else walls
 
 
@@ -161,10 +165,11 @@ def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
 
 
 def slices(leg: ConstantLeg, divisions: int) -> int:
-    """Number of slices along the leg, each as long as a rectangle's elements are wide.
+    """Number of slices along the leg.
 
-    For other sections, whose divisions start at four, slices are four times as long: walls need
-    divisions across, not along.
+    In a leg of rectangular section, slices are as long as the elements are wide. In other sections
+    they are four times as long, because walls need four or more divisions across their thickness,
+    but not as short elements along the leg.
     """
     along = max(2, ceil(leg.length / element_length(leg.section, 1)))
     return divisions * along if isinstance(leg.section, Rectangle) else divisions * along // 4
@@ -190,12 +195,12 @@ def doubled_unknowns(leg: ConstantLeg, divisions: int) -> int:
 
 
 def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Divisions across the section and slices along it, of a coarse and a fine mesh.
+    """Divisions across the section and slices along the leg, for a coarse and a fine mesh.
 
-    These are the two finest whose section meshes have at most `most` unknowns. If only one section
-    mesh of thin walls is that small, both solids have it, and the coarser solid has half as many
-    slices along the leg. The error of the section mesh is then in the section constants of the beam
-    as well. Raises InputError if not even one is small enough.
+    These are the two finest meshes whose section meshes have at most `most` unknowns. If only one
+    section mesh of thin walls is that small, both solids have it, and the coarser solid has half as
+    many slices along the leg. The error of the section mesh is then in the section constants of the
+    beam as well. Raises InputError if even the coarsest section mesh has more than `most` unknowns.
     """
     meshes = static_divisions(leg, most)
     if meshes:

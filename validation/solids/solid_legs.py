@@ -288,8 +288,9 @@ def held_solid(
 ) -> HeldLeg:
     """Solid leg with the twists of both ends fixed; `ends` is the condition of its end faces.
 
-    `divisions` across the section, which also determine the length of the elements. If `section` is
-    not None, there are `section` divisions across the section, with elements of unchanged length.
+    `divisions` is the number of elements across the section, from which the length of the elements
+    follows. `section`: another number of elements across the section, which does not affect their
+    length; if None, it is `divisions`.
     """
     solid = solid_leg(leg, solid_mesh(leg, divisions, section=section))
     with naming(leg.name):

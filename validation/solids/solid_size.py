@@ -45,7 +45,10 @@ def solid_unknowns(leg: SectionedLeg, divisions: int) -> float:
 
 
 def why_shapeless(legs: Sequence[Leg]) -> str:
-    """Reason why some of `legs` cannot be meshed at all. "" if all can be meshed."""
+    """Reason why some of `legs` cannot be meshed with any preset. "" if all can be meshed.
+
+    An example is a section that is given by its constants, without an outline.
+    """
     # Equal legs have one name, that of the first.
     names = dict.fromkeys(
         f"{leg.name or 'a leg'} ({leg.section.shape})"
