@@ -14,12 +14,18 @@ for each combination of the parameters. Example:
     )
     def _lowest(context: Context, model: ModelName, theory: Theory) -> Measurement: ...
 
-`cases()` returns them in the order of their declaration. One declaration makes a case for each
-combination of the parameters in `over`. Texts, and tuples of texts, are templates of the parameters
-("{kind}", "{entry.unit}", "{alpha:g}"). Any field, and the parameters of a later key of `over`, may
-be a function of the parameters that it names. A parameter with the name of a field, such as
-`model`, is the default of that field; the title is the default of the quantity. The function that
-computes a case receives the parameters that it names.
+`cases()` returns all cases in the order of their declaration. One declaration makes a case for each
+combination of the parameters in `over`. The rules are:
+
+- Texts, and tuples of texts, are templates, into which the values of the parameters are inserted
+  ("{kind}", "{entry.unit}", "{alpha:g}").
+- A field can be given as a function. It is called with the values of those parameters that have the
+  names of its arguments. The values of a key of `over` can be given as a function of parameters
+  that come earlier.
+- If a parameter has the name of a field, such as `model`, its value is the default of this field.
+  The default of the field `quantity` is the title.
+- The function that computes a case is called with the context and the values of those parameters
+  that have the names of its arguments.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -67,10 +73,10 @@ class CaseFields(TypedDict, total=False):
 
 
 class CaseGroup:
-    """Cases with `common` fields, each repeated `over` the values of the same parameters.
+    """Cases with `common` fields, all of which are repeated for the parameter values in `over`.
 
-    The parameters of the group vary slowest: all its cases for the first value, then all for the
-    next.
+    The parameters of the group vary slowest: first come all cases of the group for the first value,
+    then all for the next value.
     """
 
     def __init__(self, *, over: Over | None = None, **common: Unpack[CaseFields]) -> None:
@@ -86,7 +92,10 @@ class CaseGroup:
         over: Over | None = None,
         **fields: Unpack[CaseFields],
     ) -> Callable[[Compute], Compute]:
-        """Decorator that declares a case, or one for each combination of parameters in `over`."""
+        """Decorator of a function that computes a case; it declares the case in this group.
+
+        With `over`, it declares one case for each combination of the parameters.
+        """
 
         def declare(compute: Compute) -> Compute:
             declared_fields = {"id": identifier, "title": title, **fields}
@@ -107,7 +116,8 @@ class CaseGroup:
     def __call__(self, **parameters: Any) -> tuple[Case, ...]:
         """All cases of the group, for `parameters` whose values depend on the robot file.
 
-        Raises KeyError for an unknown parameter in a template, and TypeError for one of a function.
+        Raises KeyError if a template contains a name that is not a parameter, and TypeError if a
+        function has an argument that is not a parameter.
         """
         return tuple(
             case
@@ -139,7 +149,11 @@ def _cases(
 
 
 def _combinations(parameters: Mapping[str, Any], over: Over) -> list[dict[str, Any]]:
-    """All combinations of parameters. The last one of `over` varies fastest."""
+    """All combinations of parameter values, as dictionaries by name of the parameter.
+
+    `parameters` have the same values in all combinations. The last parameter of `over` varies
+    fastest.
+    """
     combinations = [dict(parameters)]
     for key, values in over.items():
         names = key.split(", ")

@@ -127,8 +127,8 @@ class CrossValidation:
         Parameters
         ----------
         model, with_
-            Formulations: "vjm", "links", "segments" or "beam"; `with_` can also be "solid". Parts
-            with a named cause are then subtracted from the difference.
+            Formulations: "vjm", "links", "segments" or "beam"; `with_` can also be "solid". In a
+            comparison with "solid", allowances for named causes are subtracted from the difference.
         quantity
             "x", "y", "z", "phi_x", "phi_y", "phi_z" (motion along or about an axis under a unit
             load along or about it), or "f1" to "f4".

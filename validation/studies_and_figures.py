@@ -100,9 +100,10 @@ class ElementStudy(msgspec.Struct, frozen=True, kw_only=True, tag_field="kind", 
     `series` and all other mappings have the formulation as key.
 
     Fields with the names of fields of `Study` have the same meaning. A value of `series` is None if
-    the count was not computed. `needed`: smallest counts whose relative error is below a limit,
-    by the limit as text. None if it exceeds the largest computed count. `stated`: element count
-    from which on the error limit of `[agree]` applies. `body`: None for the robot.
+    the count was not computed. `needed`: for each formulation, the smallest count from which on the
+    relative error stays below each of several limits; the key is the limit as text, such as "0.01".
+    The count is None if it exceeds the largest computed count. `stated`: element count from which
+    on the error limit of `[agree]` applies. `body`: None for the robot.
     """
 
     id: str

@@ -220,10 +220,10 @@ def publish(results: Results, folder: RunFolder, findings: Sequence[Finding]) ->
 # Modules that few runs need are imported when needed, so that the other runs start sooner.
 @contextmanager
 def _executor(cluster: Executor | None, jobs: int) -> Iterator[Executor]:
-    """Context with an executor: the cluster, or processes on local cores.
+    """Context manager that yields an executor: the `cluster`, or `jobs` processes on this machine.
 
-    An error of the cluster is raised. A local failure is suppressed, because the run computes a
-    missing result again and then reports the error.
+    An error of the cluster is raised. An error of a local computation is suppressed, because the
+    run computes a missing result again and then reports the error.
     """
     if cluster is not None:
         yield cluster

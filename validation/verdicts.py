@@ -133,7 +133,7 @@ class EntryRecord(msgspec.Struct, Generic[Q, C], frozen=True, kw_only=True):
 
     @property
     def signed(self) -> bool:
-        """True if errors have a sign. That of a displacement vector has none."""
+        """True if errors have a sign. The error of a displacement vector is never negative."""
         return self.along is None
 
 
@@ -155,7 +155,11 @@ class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
 
     @property
     def chance(self) -> float | None:
-        """Probability of the verdict, or of the likelier verdict if undecided. None if unknown."""
+        """Probability that the verdict is true with uncertain inputs. None if unknown.
+
+        If the verdict is "undecided", it is the larger of the probabilities of "adequate" and of
+        "inadequate".
+        """
         if self.probability is None or self.probability_beyond is None:
             return None
         probabilities = {"adequate": self.probability, "inadequate": self.probability_beyond}
@@ -163,7 +167,7 @@ class Entry(EntryRecord[Quantity, Cause], frozen=True, kw_only=True):
 
     @property
     def signed(self) -> bool:
-        """True if errors have a sign. That of a displacement vector has none."""
+        """True if errors have a sign. The error of a displacement vector is never negative."""
         return not self.quantity.whole
 
 
