@@ -50,8 +50,8 @@ class Freedoms:
 class MeasuredResponse:
     """Measured frequency response function: complex displacement per harmonic force.
 
-    `receptance` (n values, in m/N) at `frequencies` (n values, in Hz). `ends` are two motions: the
-    displacement is measured along the first, the force acts along the second.
+    `receptance` contains n values (m/N), one for each of the n `frequencies` (Hz). `ends` are two
+    motions: the displacement is measured along the first, the force acts along the second.
     """
 
     name: str
@@ -119,9 +119,9 @@ def measured_value(
 ) -> Measured:
     """Measured value of the quantity `name`, with the fields of `Measured`.
 
-    `place` is the location of the value in messages. `responses` are the measurable values of the
-    harmonic responses in the robot file, by name without the prefix "response:". Raises InputError
-    with one line per fault.
+    `place` is the location of the value in the robot file or CSV file, for messages. `responses`
+    are the names of all measurable values of harmonic responses in the robot file, without the
+    prefix "response:". Raises InputError with one line per fault.
     """
     if (quantity := measured_quantity(name, responses)) is None:
         raise InputError(f"{place}.quantity = {shown(name)}: must be one of {_names(responses)}")
@@ -134,7 +134,8 @@ def measured_value(
 def _names(responses: Sequence[str]) -> str:
     """Comma-separated names of all measurable quantities of a robot, for messages.
 
-    `responses` are as in `measured_value`.
+    `responses` are the names of the measurable values of harmonic responses in the robot file,
+    without the prefix "response:".
     """
     names = ", ".join(
         (
@@ -164,9 +165,9 @@ def _value_faults(measured: Measured, place: str) -> list[str]:
 
 
 def _why_positive(quantity: Quantity) -> str:
-    """Reason why a measured value of the quantity must be positive.
+    """Reason, for messages, why a measured value of the quantity must be positive.
 
-    "" if it may be negative, as coupling terms of a compliance may.
+    "" if the value may be negative. Only off-diagonal entries of a compliance may.
     """
     if quantity.harmonic:
         return "the size or the frequency of a response"

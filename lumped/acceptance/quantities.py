@@ -25,9 +25,10 @@ _LEG_ENTRY = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
 
 
 class QuantityKind(StrEnum):
-    """Kinds of quantities. Kinds listed after SIZE occur for measured values only.
+    """Kinds of quantities that are judged or measured.
 
-    The texts of a kind are one row of `_TEXTS`.
+    Kinds after SIZE, from COMPONENT on, occur for measured values only. `_TEXTS` contains the unit,
+    the name and the descriptions of each kind.
     """
 
     # Displacement vector under a unit force along an axis; rotation vector under a unit moment.
@@ -56,7 +57,11 @@ class QuantityKind(StrEnum):
 
 
 class _Texts(NamedTuple):
-    """Unit of a kind of quantity, and templates of its `name`, `label`, `meaning` and `loading`."""
+    """Unit of a kind of quantity, and templates for four texts about a quantity of this kind.
+
+    The templates belong to the properties `name`, `label`, `meaning` and `loading` of `Quantity`.
+    They contain placeholders such as {key} and {axis}. `loading` is "" without a unit load.
+    """
 
     unit: str
     name: str
@@ -155,8 +160,8 @@ class Quantity:
     def unit(self) -> str:
         """SI unit of the quantity.
 
-        Deflections that verdicts compare are per unit load. Measured deflections are those under
-        the load that was applied.
+        A deflection under a unit load is a displacement per force (m/N) or a rotation per moment.
+        A displacement under a load of the robot file, and a measured deflection, are in m or rad.
         """
         if self.kind is not _KIND.COMPLIANCE:
             return _TEXTS[self.kind].unit
@@ -170,7 +175,7 @@ class Quantity:
 
     @property
     def static(self) -> bool:
-        """True for displacements and compliances."""
+        """True for static displacements and rotations, and for entries of a leg's compliance."""
         return self.kind in _STATIC
 
     @property
@@ -204,7 +209,10 @@ class Quantity:
 
     @property
     def leg(self) -> str:
-        """Name of the leg whose 6×6 compliance has this entry. Only for such entries."""
+        """Name of the leg, for a quantity that is an entry of a leg's 6×6 compliance.
+
+        It has no meaning for other quantities.
+        """
         return self.key.rpartition(".")[0]
 
     def _text(self, template: str) -> str:
@@ -283,7 +291,7 @@ def quantities(
 def measured_quantity(name: str, responses: Sequence[str] = ()) -> Quantity | None:
     """Measurable quantity with the name `name`. None if there is no such quantity.
 
-    `responses` are the measurable values of the harmonic responses in the robot file, by name
+    `responses` are the names of the measurable values of harmonic responses in the robot file,
     without the prefix "response:".
     """
     if entry := _LEG_ENTRY.fullmatch(name):

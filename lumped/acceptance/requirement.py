@@ -40,13 +40,13 @@ class Requirement:
 
     All errors are relative, unless a unit is given. `deflection` applies to static quantities,
     `frequency` to the first `modes` natural frequencies and to the sequence of modes, `response` to
-    the values of harmonic responses named in `responses`. `limits` maps names of single quantities
-    to limits that replace these. `displacement` (m), if it is not None, replaces `deflection` for
-    the loads named in `loads`.
+    the values of harmonic responses named in `responses`. `limits` maps the names of single
+    quantities to relative limits that replace the general limit for that quantity.
+    `displacement` (m), if it is not None, replaces `deflection` for the loads named in `loads`.
 
     `rely` names the models whose inadequacy makes a run fail. `accuracy` is the largest accepted
     half-width of the uncertainty that the meshes of the reference add to an error. If `accuracy` is
-    None, this half-width may be up to a fifth of the limit before meshes are refined.
+    None, meshes are refined only if this half-width exceeds a fifth of the limit.
     """
 
     deflection: float = 0.05
@@ -83,10 +83,10 @@ class AgreementLimits:
     """Largest relative differences between formulations of the same legs.
 
     `elements` is the number of segments or beam elements per leg. `convergence` limits the
-    discretisation error with that number. `compliance` and `frequency` limit the difference from
-    solids of the same legs that remains after the computed allowances. `ends` is the condition on
-    the end faces of the solids: "as given" is the condition in the robot file, or "rigid" for a leg
-    without one.
+    discretisation error with that number. `compliance` and `frequency` limit the difference between
+    a formulation and solids of the same legs, less the computed amounts of known causes such as
+    restrained warping. `ends` is the end condition of the solids. "as given" stands for the end
+    condition in the robot file, or "rigid" for a leg without one.
     """
 
     elements: int = 20
