@@ -1,8 +1,9 @@
 """Partial fractions of the receptance of a system with viscous dashpots.
 
-The receptance H(s) = A (K + sD + s²M)⁻¹ Aᵀ at s = iω is a sum of first-order terms. The
-displacements x = K⁻¹(Aᵀ − sDx − s²Mx), in the basis of undamped modes, and y = s√μ x form the state
-z = (x, y), which satisfies z + sNz = b. With the eigenvalues ν of N,
+The receptance H(s) = A (K + sD + s²M)⁻¹ Aᵀ of the outputs A is written as a sum of first-order
+terms. Let x be the displacements in the basis of undamped modes, which satisfy x = K⁻¹(Aᵀ − sDx −
+s²Mx), and let y = sx/ω with the natural frequency ω of each undamped mode. The state z = (x, y)
+satisfies z + sNz = b with a constant matrix N and vector b. With the eigenvalues ν of N,
 
     H = Σ G / (1 + sν)
 
@@ -10,8 +11,8 @@ and the poles are s = −1/ν. The two terms of an oscillation add up to one of 
 
     (g + sh) / (1 + sκ + s²μ),    μ = ν₁ν₂,  κ = ν₁ + ν₂,  g = G₁ + G₂,  h = G₁ν₂ + G₂ν₁.
 
-Its natural frequency is 1/√μ and its damping ratio is κ/(2√μ). Motions without mass have no y, so
-that N is not defective there.
+Its natural frequency is 1/√μ and its damping ratio is κ/(2√μ). A mode without mass has an infinite
+ω, and the state contains no y for it.
 """
 
 from dataclasses import dataclass
@@ -22,9 +23,9 @@ from lumped.arrays import Array, ComplexArray
 
 # Fraction of the largest 1/s² below which a motion has no mass.
 _MASSLESS = 1e-12
-# Relative imaginary part of a pole above which the motion oscillates.
+# Relative imaginary part of an eigenvalue above which the motion oscillates.
 _REAL = 1e-9
-# Relative distance of a pole from the conjugate of its partner. It is half the loss factor.
+# Relative distance of an eigenvalue from the conjugate of its partner. It is half the loss factor.
 _PARTNER = 0.9
 # Relative distance of a pole from zero below which the motion is idle.
 _IDLE = 1e-9
@@ -34,10 +35,10 @@ _DEFECTIVE = 1e8
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """The r terms (g + sh) / (1 + sκ + s²μ) of a receptance.
+    """The r terms (g + sh) / (1 + sκ + s²μ) of the receptance of k outputs.
 
-    `inverses` are μ (r values, in s²), `rates` are κ (r values, in s). For k outputs, `residues`
-    are g (r×k×k) and `rate_residues` are h (r×k×k).
+    `inverses` are μ (r values, in s²), `rates` are κ (r values, in s). `residues` are g and
+    `rate_residues` are h (r×k×k each).
     """
 
     inverses: ComplexArray
@@ -49,12 +50,13 @@ class Terms:
 def partial_fractions(
     elastic: ComplexArray, viscous: Array, inertia: Array, outputs: Array, shift: float = 0.0
 ) -> Terms | None:
-    """Terms of the receptance of k motions, the rows of A = `outputs` (k×n), in n unknowns.
+    """Terms of the receptance of k outputs, each a linear function of n unknowns.
 
-    The matrices (n×n) are K = `elastic`, D = `viscous` and M = `inertia`. If K is singular, a
-    positive `shift` (1/s) of s makes K + sD + s²M regular. Terms with a pole at zero are omitted;
-    their motions must not move the outputs. The result is None if a motion is damped critically, so
-    that eigenvectors are linearly dependent.
+    The rows of A = `outputs` (k×n) map the unknowns to the outputs. The stiffness K = `elastic`,
+    the damping D = `viscous` and the mass M = `inertia` are n×n (SI). A singular K needs a positive
+    `shift` (1/s): the terms are then computed from K + sD + s²M at s = `shift`, which is regular.
+    Terms with a pole at zero are omitted. Their motions must not move the outputs. None if a motion
+    is critically damped, so that two eigenvectors are linearly dependent.
     """
     shifted = elastic + shift * viscous + shift**2 * inertia
     inverses, shapes = np.linalg.eig(np.linalg.solve(shifted, inertia))
@@ -66,7 +68,7 @@ def partial_fractions(
     rates = np.arange(size, states)
     matrix[massive, rates] = np.sqrt(inverses[massive])
     matrix[rates, massive] = -np.sqrt(inverses[massive])
-    poles, vectors = np.linalg.eig(matrix)
+    eigenvalues, vectors = np.linalg.eig(matrix)
     if np.linalg.cond(vectors) > _DEFECTIVE:
         return None
     loads = np.zeros((states, len(outputs)), dtype=complex)
@@ -76,22 +78,23 @@ def partial_fractions(
         "ir,rj->rij", outputs @ shapes @ vectors[:size], participations
     )
     # 1 + (s − σ)ν = (1 − σν)(1 + sν/(1 − σν)).
-    scales = 1.0 - shift * poles
+    scales = 1.0 - shift * eigenvalues
     moving = np.abs(scales) > _IDLE
-    poles, residues = poles[moving] / scales[moving], residues[moving] / scales[moving, None, None]
-    return _paired(np.asarray(poles, dtype=complex), residues)
+    eigenvalues = np.asarray(eigenvalues[moving] / scales[moving], dtype=complex)
+    return _paired(eigenvalues, residues[moving] / scales[moving, None, None])
 
 
-def _paired(poles: ComplexArray, residues: ComplexArray) -> Terms:
+def _paired(eigenvalues: ComplexArray, residues: ComplexArray) -> Terms:
     """Terms of second order for oscillations, and of first order for all other motions.
 
-    The eigenvalues ν of N are `poles`, and the matrices G are `residues` (one k×k for each ν).
+    `eigenvalues` are the eigenvalues ν of the matrix N of the module docstring. `residues` are the
+    matrices G, one k×k matrix for each ν.
     """
-    sizes = np.abs(poles)
-    upper = [int(k) for k in np.flatnonzero(poles.imag > _REAL * sizes)]
-    lower = [int(k) for k in np.flatnonzero(poles.imag < -_REAL * sizes)]
+    sizes = np.abs(eigenvalues)
+    upper = [int(k) for k in np.flatnonzero(eigenvalues.imag > _REAL * sizes)]
+    lower = [int(k) for k in np.flatnonzero(eigenvalues.imag < -_REAL * sizes)]
     distances = [
-        (abs(poles[second] - poles[first].conjugate()) / sizes[first], first, second)
+        (abs(eigenvalues[second] - eigenvalues[first].conjugate()) / sizes[first], first, second)
         for first in upper
         for second in lower
     ]
@@ -100,13 +103,13 @@ def _paired(poles: ComplexArray, residues: ComplexArray) -> Terms:
         if distance < _PARTNER and first not in partners and second not in partners.values():
             partners[first] = second
     firsts, seconds = list(partners.keys()), list(partners.values())
-    single = np.setdiff1d(np.arange(len(poles)), [*firsts, *seconds])
-    a, b = poles[firsts], poles[seconds]
+    single = np.setdiff1d(np.arange(len(eigenvalues)), [*firsts, *seconds])
+    a, b = eigenvalues[firsts], eigenvalues[seconds]
     first_residues, second_residues = residues[firsts], residues[seconds]
     rate_residues = first_residues * b[:, None, None] + second_residues * a[:, None, None]
     return Terms(
         np.concatenate([a * b, np.zeros(len(single))]),
-        np.concatenate([a + b, poles[single]]),
+        np.concatenate([a + b, eigenvalues[single]]),
         np.concatenate([first_residues + second_residues, residues[single]]),
         np.concatenate([rate_residues, np.zeros_like(residues[single])]),
     )

@@ -53,8 +53,8 @@ def balanced_flexibility(loads: Array, displacements: Array, forces: Array, part
     """Symmetric flexibility FᵀX (…×m×m) from loads F, displacements X and elastic forces KX.
 
     `loads`, `displacements` and `forces` have shape …×n×m. Raises ComputationError, with `part` in
-    its message, if the work of the loads and the energy of the springs differ in the fourth digit,
-    or if a number is not finite.
+    its message, if the work of the loads and the energy of the springs differ by more than 1e-4, or
+    if a number is not finite.
     """
     flexibility = np.swapaxes(loads, -1, -2) @ displacements
     unbalanced_energy = np.swapaxes(displacements, -1, -2) @ (loads - forces)
@@ -85,17 +85,18 @@ def rounding_of_flexibility(
     `stiffness` is K (n×n), `displacements` is X (n×m). The first `rotated` unknowns are vectors of
     three components in axes that are rotated relative to those of the elements.
 
-    A change δK changes FᵀX by −XᵀδK X to first order. Each term of an entry of K = Σ TᵀK_e T is
-    rounded a dozen times by ±ε/2 (K_e, twice T, two products, three sums), which adds up to a
+    A change δK of the stiffness changes FᵀX by −XᵀδK X to first order. K = Σ TᵀK_e T is assembled
+    from element matrices K_e with rotations T. Each term of an entry of K is rounded about a dozen
+    times by up to ±ε/2, with the resolution ε of double precision. These errors add up to a
     standard deviation of √12 ε/2√3 = ε times the magnitude of the term. For rotated unknowns this
     magnitude is the norm of the 3×3 block, because the rotation mixes stiff with soft components
-    and the angle itself is rounded. Blocks of adjacent parts do not cancel, because each part is
-    positive semidefinite. δK is symmetric because only one triangle is used, so that its entries
-    act in pairs. For two columns x and y of X:
+    and the angle itself is rounded. Blocks of adjacent elements do not cancel, because each K_e is
+    positive semidefinite. Only one triangle of K is used, so that δK is symmetric and its entries
+    act in pairs. For two columns x and y of X, the half-width is two standard deviations:
 
         δ = 2ε √2 √Σ (|x_I| |K_IJ| |y_J|)²   with the sum over blocks I, J.
 
-    The bound is large for large motions with little strain: long thin legs, stiff parts next to
+    It is large if large motions cause little strain: in long thin legs, and in stiff parts next to
     soft ones.
     """
     size = len(displacements)
