@@ -64,7 +64,7 @@ class LinePiece:
 
     @property
     def radius(self) -> float:
-        """Radius (m) of an arc; infinite for a straight piece."""
+        """Radius (m) of an arc. Infinite for a straight piece."""
         angle = self._rotation[2]
         return self.length / angle if angle else np.inf
 
@@ -86,7 +86,7 @@ class LinePiece:
 
     @cached_property
     def turning(self) -> Array:
-        """Rotation of the tangent per length (3, rad/m), as a vector. Zero for a straight piece."""
+        """Rotation vector of the tangent per length (3, in rad/m). Zero for a straight piece."""
         _, axis, angle = self._rotation
         return axis * (angle / self.length)
 
@@ -121,7 +121,7 @@ class CentreLine:
 
     @cached_property
     def corners(self) -> tuple[float, ...]:
-        """Positions (m along the line) at which its direction jumps."""
+        """Positions (m along the line) at which the direction of the line jumps."""
         jumps = []
         for first, second, position in zip(
             self.pieces[:-1], self.pieces[1:], self.ends[1:-1], strict=True
@@ -133,21 +133,22 @@ class CentreLine:
 
     @property
     def smallest_radius(self) -> float:
-        """Radius of the tightest arc (m); infinite without arcs."""
+        """Radius (m) of the tightest arc. Infinite if the line has no arcs."""
         return min(piece.radius for piece in self.pieces)
 
     def piece_at(self, positions: Array) -> IntArray:
         """Index of the piece at each of n `positions` (m along the line).
 
-        A position at which two pieces meet belongs to the later one; the end of the line belongs to
-        the last piece.
+        A position at which two pieces meet belongs to the second of them. The end of the line
+        belongs to the last piece.
         """
         numbers = np.searchsorted(self.ends, positions, side="right") - 1
         return np.clip(numbers, 0, len(self.pieces) - 1)
 
     def frames(self, positions: Array, pieces: IntArray | None = None) -> tuple[Array, Array]:
-        """Points (n×3, in m) and section axes (n×3×3, columns) at n `positions` (m) along the line.
+        """Points (n×3, in m) and axes of the sections (n×3×3) at n `positions` (m along the line).
 
+        Both are in leg axes. The columns of a 3×3 matrix are the x, y and z axis of a section.
         `pieces` (n) are the indices of the pieces to which the positions belong. If it is None,
         `piece_at` determines them.
         """
@@ -163,14 +164,18 @@ class CentreLine:
         return points, np.stack([tangents, y, np.cross(tangents, y)], axis=2)
 
     def curvatures(self, axes: Array, pieces: IntArray) -> Array:
-        """Curvature of n `pieces` of the line: components (n×2, in 1/m) along y and z of `axes`."""
+        """Components (n×2, in 1/m) of the line's curvature along the y and z axes of n sections.
+
+        `axes` (n×3×3, columns) are the axes of the sections. `pieces` (n) are the indices of the
+        pieces of the line on which the sections lie.
+        """
         turning = np.array([piece.turning for piece in self.pieces])[pieces]
         change = np.cross(turning, axes[:, :, 0])
         return np.asarray(np.einsum("ni,nij->nj", change, axes[:, :, 1:]))
 
     @property
     def smallest_sine(self) -> float:
-        """Smallest sine of the angle between `up` and the tangent of the line."""
+        """Smallest sine, over the whole line, of the angle between `up` and the tangent."""
         samples = np.concatenate(
             [piece.at(np.linspace(0.0, 1.0, _SEARCHED))[1] for piece in self.pieces]
         )

@@ -19,8 +19,9 @@ def constant_leg(
 ) -> ConstantLeg:
     """Prismatic leg of solid rectangular section with given stiffnesses (N, N m²) and mass (kg).
 
-    h = √(12 EIy/EA) along z, b = √(12 EIz/EA) along y, E = EA/(bh), G = GJ/J(b, h), ν = 0. The
-    material is cubic: with an isotropic material, no section has four arbitrary stiffnesses.
+    The sides of the section are h = √(12 EIy/EA) along z and b = √(12 EIz/EA) along y. The material
+    has E = EA/(bh), G = GJ/J(b, h) and ν = 0. It is cubic, not isotropic, because no rectangle of
+    an isotropic material has four arbitrary stiffnesses.
     """
     section = Rectangle(width=sqrt(12.0 * EIz / EA), height=sqrt(12.0 * EIy / EA))
     material = Material(
@@ -69,6 +70,6 @@ def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
 def sectioned_leg(leg: Leg, by: EquivalentBy = "stiffness") -> SectionedLeg:
     """The leg itself if it has sections, otherwise its equivalent leg.
 
-    `by` is explained in `equivalent_leg`.
+    `by` selects the terms that the equivalent leg shares with the leg, as in `equivalent_leg`.
     """
     return equivalent_leg(leg, by) if isinstance(leg, GivenLeg) else leg

@@ -28,12 +28,12 @@ _LARGEST_RATIO = 0.999
 
 
 class NoBeamTheoryError(ComputationError):
-    """Error: the shear coefficient of a section is negative. No such Timoshenko beam is stable."""
+    """Error: a negative shear coefficient, with which no Timoshenko beam is stable."""
 
 
 @dataclass(frozen=True)
 class Material:
-    """Linear elastic material with cubic symmetry along the leg's axes.
+    """Linear elastic material with cubic symmetry, whose axes of symmetry are those of the leg.
 
     Young's modulus `E` and shear modulus `G` in Pa, Poisson's ratio `nu`, density `rho` in kg/m³.
     The material is isotropic if G = E/2(1+ν).
@@ -53,10 +53,11 @@ class Material:
     def shear_nu(self) -> float:
         """Poisson's ratio ν′ for Cowper's formulas, from ν′/2(1 + ν′) = νG/E.
 
-        Saint-Venant's shear stresses, and hence κ, depend on νG/E alone. If the shear modulus is
-        independent of E and ν, κ is therefore that of an isotropic material with ν′. As G
-        approaches E/2ν, ν′ grows without bound and κ tends to a limit. This limit is also used for
-        larger G, which changes bending by up to ν (i/L)² with the radius of gyration i.
+        Saint-Venant's shear stresses, and hence the shear coefficient κ, depend on νG/E alone. A
+        material whose G is independent of E and ν therefore has the κ of an isotropic material with
+        ν′. As G approaches E/2ν, ν′ grows without bound and κ tends to a limit. This limit is also
+        used for larger G. The relative error of the deflection is then at most ν (i/L)², with the
+        radius of gyration i.
         """
         share = min(2.0 * self.nu * self.G / self.E, _LARGEST_RATIO)
         return share / (1.0 - share)
@@ -66,21 +67,23 @@ class Material:
 class BeamProperties:
     """Stiffnesses and inertias of a prismatic leg, about the line of its centroids.
 
-    EA (N). GAy and GAz (N): κGA for shear along y and z, infinite without shear deformation. EIy,
-    EIz, GJ (N m²). `mu`: mass per length (kg/m). `rho_J`, `rho_Iy`, `rho_Iz` (kg m): rotary inertia
-    per length about x, y and z, the latter two zero in Euler–Bernoulli theory.
+    `EA` is in N, `EIy`, `EIz` and `GJ` are in N m². `GAy` and `GAz` (N) are κGA for shear along y
+    and along z, infinite without shear deformation. `mu` is the mass per length (kg/m). `rho_J`,
+    `rho_Iy` and `rho_Iz` (kg m) are the rotary inertia per length about x, y and z. `rho_Iy` and
+    `rho_Iz` are zero in Euler–Bernoulli theory.
 
-    The remaining fields are zero for a section of one material with two axes of symmetry: EIyz =
-    E∫yz dA (N m²), `rho_Iyz` = ρ∫yz dA (kg m), `shear_yz` (1/N), the shear strain along z for a
-    unit force along y, the position (`centre_y`, `centre_z`) (m) of the shear centre relative to
-    the centroid, and that of the centre of mass (`mass_y`, `mass_z`). Forces through the shear
-    centre do not twist the leg. The centroid is that of the stiffness. Rotary inertias are taken
-    about this centroid.
+    The remaining fields are zero for a section of one material with two axes of symmetry. `EIyz` is
+    E∫yz dA (N m²) and `rho_Iyz` is ρ∫yz dA (kg m). `shear_yz` (1/N) is the shear strain along z due
+    to a unit force along y. (`centre_y`, `centre_z`) is the position (m) of the shear centre,
+    through which forces do not twist the leg, and (`mass_y`, `mass_z`) that of the centre of mass.
+    Both are relative to the centroid, which is weighted by Young's modulus. Rotary inertias are
+    taken about this centroid.
 
-    Helical fibres couple unlike deformations: `twist_x` is the rate of twist per axial force, and
-    `turn_y` and `turn_z` are the rates of φy and φz per shear force along y and along z (1/(N m)).
-    EA, GJ, EI and κGA are then stiffnesses with all other stress resultants zero. These couplings
-    require that the centroid be also the shear centre and the centre of mass.
+    Helical fibres couple tension with torsion, and shear with bending: `twist_x` is the rate of
+    twist per axial force, and `turn_y` and `turn_z` are the rates of φy and φz per shear force
+    along y and along z (1/(N m)). `EA`, `GJ`, EI and κGA are then stiffnesses with all other stress
+    resultants zero. Such a section must have its shear centre and its centre of mass at the
+    centroid.
     """
 
     EA: float
@@ -133,10 +136,10 @@ class BeamProperties:
 
     @property
     def section_mass(self) -> Array:
-        """6×6 mass per length (kg/m, kg, kg m) of a section, for the twist of its centroid.
+        """6×6 mass matrix per length (kg/m, kg, kg m) of a section, for the twist of its centroid.
 
-        Euler–Bernoulli beams, which have no rotary inertia of bending, also lack the coupling of
-        axial motion and bending rotation by an eccentric mass.
+        An eccentric mass couples axial motion with bending rotations. Euler–Bernoulli beams have no
+        rotary inertia of bending, and this coupling is left out for them, too.
         """
         mass = np.diag([self.mu] * 3 + [self.rho_J, self.rho_Iy, self.rho_Iz])
         mass[4, 5] = mass[5, 4] = -self.rho_Iyz
@@ -183,12 +186,13 @@ class BeamProperties:
     def piece_compliance(self, length: float) -> Array:
         """6×6 compliance (SI, leg axes) of a piece of `length` l (m), referred to its middle.
 
-        The reference point is the centroid. For a section with two axes of symmetry the matrix is
-        diagonal: (l/EA, l³/12EIz + l/κGA, l³/12EIy + l/κGA, l/GJ, l/EIy, l/EIz). Rigid elements
-        joined by such springs have exact static deflections for any number of elements. For other
-        sections, bending and shear are 2×2 blocks. If the shear centre is not the centroid, the
-        compliance C_s for deflections of the shear centre, which torsion does not move, is
-        transformed to the centroid: C = T⁻¹ C_s T⁻ᵀ with T = `to_shear_centre`.
+        The reference point is the centroid of the section in the middle of the piece. For a section
+        with two axes of symmetry the matrix is diagonal: (l/EA, l³/12EIz + l/κGA, l³/12EIy + l/κGA,
+        l/GJ, l/EIy, l/EIz). Rigid elements joined by such springs have exact static deflections for
+        any number of elements. For sections without these symmetries, bending and shear are 2×2
+        blocks. If the shear centre is not the centroid, the compliance C_s is computed for the
+        shear centre, which torsion does not move, and transformed to the centroid: C = T⁻¹ C_s T⁻ᵀ
+        with T = `to_shear_centre`.
         """
         compliance = np.diag(
             [
@@ -221,9 +225,10 @@ class BeamProperties:
 class ConstantLeg:
     """Prismatic leg of `length` (m) with one section and one material.
 
-    Its x axis is the centroid line. `ends` is the end condition: end faces kept plane and rigid by
-    the bodies to which they are bolted, or free to warp. None if the robot file does not specify
-    it. `name` is used in messages only: legs that differ in their name alone are equal.
+    The x axis of the leg is its line of centroids. `ends` is the end condition: "rigid" if the
+    bodies to which the end faces are bolted keep them plane and rigid, "free" if they can warp.
+    None if the robot file does not specify it. `name` is used in messages only: legs that differ in
+    their name alone are equal.
     """
 
     length: float
@@ -239,7 +244,7 @@ class ConstantLeg:
 
     @cached_property
     def timoshenko(self) -> BeamProperties:
-        """Beam properties of Timoshenko theory, with textbook section constants.
+        """Beam properties of Timoshenko theory, with the constants in `lumped.sections`.
 
         Raises NoBeamTheoryError if the shear coefficient κ of the section is negative for the
         Poisson's ratio of the material: such a beam is not stable.
@@ -300,9 +305,9 @@ class ConstantLeg:
 class GivenLeg:
     """Leg specified by its 6×6 tip compliance (root clamped, leg axes, SI), length and mass.
 
-    `length` in m, `mass` in kg. `mass_centre` (m from the root along x) and `inertia` (3×3, in kg
-    m², leg axes, about the mass centre) describe the mass distribution. They are None if it is
-    unknown. `name` is used in messages only.
+    `length` is in m, `mass` in kg. `mass_centre` (m from the root along x) and `inertia` (3×3, in
+    kg m², leg axes, about the mass centre) describe the mass distribution. They are None if the
+    mass distribution is unknown. `name` is used in messages only.
     """
 
     length: float
@@ -340,16 +345,18 @@ class Span:
         """Rates d ln a/ds (p×2, 1/m) of the lever arms a = I/S at p fractions `shares` of the span.
 
         The columns are for bending about z and about y. I is the second moment of area, S the first
-        moment of half the section. Zero for shapes without two axes of symmetry.
+        moment of area of half the section. The rates are zero if the section is constant or has no
+        two axes of symmetry.
         """
         if not self.converges:
             return np.zeros((len(shares), 2))
         return taper_rates(self._sections, self.end - self.start, shares)
 
     def taper_flexibilities(self, material: Material) -> Array:
-        """Taper rates, and flexibility due to inclined fibres (p×7), at the p `NODES` of the span.
+        """Taper rates, and flexibility due to inclined fibres (p×7), at p points of the span.
 
-        The columns are named in `lumped.tapers.TAPER`. Zero for shapes without two axes of
+        The points are at the fractions `lumped.tapers.NODES` of the span. The columns are named in
+        `lumped.tapers.TAPER`. All entries are zero if the section is constant or has no two axes of
         symmetry.
         """
         if not self.converges:
@@ -359,9 +366,9 @@ class Span:
 
     @property
     def converges(self) -> bool:
-        """True if effects of converging fibres are computed.
+        """True if the effects of fibres that converge in a taper are computed for this span.
 
-        The section must vary, and its shape must have two axes of symmetry.
+        This requires that the section varies and that its shape has two axes of symmetry.
         """
         return self.first != self.last and symmetric_moments(self.first) is not None
 
@@ -374,10 +381,10 @@ class Span:
 class LineLeg:
     """Leg along a centre line, with sections at stations and one material.
 
-    `stations` are positions (m along the line, ascending, from its start to its end) with the
-    sections there. Dimensions of sections vary linearly between two stations, which therefore have
-    the same shape. Two stations at one position make a step. Centroids are on the line. `ends` and
-    `name` are explained in `ConstantLeg`.
+    `stations` are pairs of a position (m along the line, ascending, from its start to its end) and
+    the section there. Dimensions of sections vary linearly between two stations, which therefore
+    have the same shape. Two stations at one position make a step. The centroids of all sections are
+    on the line. `ends` and `name` have the same meaning as in `ConstantLeg`.
     """
 
     line: CentreLine
@@ -393,7 +400,10 @@ class LineLeg:
 
     @cached_property
     def spans(self) -> tuple[Span, ...]:
-        """Parts of the leg without jumps: between two stations and within one piece of the line."""
+        """Parts of the leg without jumps of section or direction, in order from root to tip.
+
+        Each lies between two neighbouring stations and within one piece of the centre line.
+        """
         slack = TOGETHER * self.line.length
         spans = []
         for (start, first), (end, last) in pairwise(self.stations):
@@ -425,11 +435,11 @@ class LineLeg:
         return float(along.masses(along.ends[[0, -1]], origin)[0, 0, 0])
 
     def inertia_points(self, positions: Array, corners: Array) -> tuple[Array, Array]:
-        """Points that represent the mass of sections, and the mass per length there (n, kg/m).
+        """Points (n×c×3) that represent the mass of n sections, and mass per length (n, kg/m).
 
-        The points (n×c×3, in m, leg axes) lie about the n `positions` (m along the line). `corners`
-        (c×2) are the coordinates y and z of the points of one section, in units of its radii of
-        gyration.
+        The sections are at the n `positions` (m along the line). Each is represented by c points
+        (m, leg axes). `corners` (c×2) are their coordinates y and z in the axes of the section, in
+        units of its radii of gyration.
         """
         along = self.sections("euler-bernoulli")
         constants = along.constants(along.span_at(positions), positions)
@@ -442,7 +452,7 @@ class LineLeg:
     def sections(self, theory: Theory) -> LineSections:
         """Flexibility and mass of the sections along the line, in the beam theory `theory`.
 
-        Raises errors as `ConstantLeg.timoshenko` does.
+        Raises NoBeamTheoryError for Timoshenko theory with a negative shear coefficient.
         """
         return _line_sections(self, theory)
 
@@ -457,7 +467,11 @@ class LineLeg:
     def _sections(
         self, beam: Callable[[ConstantLeg], BeamProperties], *, inclined: bool
     ) -> LineSections:
-        """Sections along the line. Fibres of tapers are taken as parallel unless `inclined`."""
+        """Flexibility and mass of the sections along the line.
+
+        `beam` computes the beam properties of a prism that has the section at one point of the
+        line. If `inclined` is False, the effects of converging fibres in tapers are left out.
+        """
         values = []
         for span in self.spans:
             prismatic = span.first == span.last
@@ -491,8 +505,8 @@ Leg: TypeAlias = GivenLeg | SectionedLeg
 def tip_compliance(properties: BeamProperties, length: float) -> Array:
     """6×6 compliance (SI, leg axes) at the tip of a prismatic cantilever of `length` L (m).
 
-    This is the compliance of the whole leg about its middle, transferred to its end. With two axes
-    of symmetry: c22 = L³/3EIz + L/κGA, c26 = L²/2EIz, c35 = −L²/2EIy.
+    It is the compliance of the whole leg about its middle, transferred to its end. For a section
+    with two axes of symmetry, c22 = L³/3EIz + L/κGA, c26 = L²/2EIz and c35 = −L²/2EIy.
     """
     return move_compliance(properties.piece_compliance(length), np.array([length / 2.0, 0.0, 0.0]))
 
@@ -500,7 +514,7 @@ def tip_compliance(properties: BeamProperties, length: float) -> Array:
 def prism_sections(properties: BeamProperties, length: float) -> LineSections:
     """Sections of a prism of `length` (m) along its centre line.
 
-    The centre of mass must be the centroid.
+    The sections have the given `properties`, whose centre of mass must be the centroid.
     """
     line = CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), (0.0, 0.0, 1.0))
     constants = [*(getattr(properties, name) for name in FIELDS), *[0.0] * len(FURTHER)]
@@ -523,7 +537,7 @@ def sectioned_compliance(leg: SectionedLeg, theory: Theory) -> Array:
 def given_compliance(leg: Leg) -> Array:
     """6×6 tip compliance (SI, leg axes) of a leg.
 
-    It is that in the robot file for a leg specified by its 6×6. For a leg with sections it is
+    For a leg specified by its 6×6 it is the matrix in the robot file. For a leg with sections it is
     computed by Timoshenko's theory.
     """
     if isinstance(leg, GivenLeg):

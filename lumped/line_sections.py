@@ -1,38 +1,42 @@
 """Sections along a centre line: flexibility and mass per length, and integrals of both.
 
-The flexibility of any piece follows from equilibrium alone (force method): sections carry the
-wrench at one end of the piece. With wrench and compliance referred to one point o
+The compliance C of a piece of the line follows from equilibrium alone (force method), because each
+section carries the wrench on one end of the piece. If C and the wrench are referred to a point o,
 
     C = ∫ X F Xᵀ ds,   X = shift(o − r(s)),
 
-where F is the flexibility of the section at r(s) (6×6, per length). In the beam theory of F this is
-exact for every taper, step, corner and arc. Constants of sections vary smoothly within a span, and
-are interpolated there by polynomials: areas and moments of area of linear tapers are polynomials.
+where F is the flexibility (6×6, per length) of the section at r(s). This is exact for every taper,
+step, corner and arc, in the beam theory of F. The constants of the sections vary smoothly within a
+span, and are interpolated there by polynomials. Areas and moments of area of linear tapers are
+polynomials themselves.
 
-In an arc of curvature k (ky, kz in the section's axes) a fibre at (y, z) is 1 − ky y − kz z = 1 − x
-times as long as the centre line (Winkler). An extension ε and a bending κ of the line cause its
-strain (ε + z κy − y κz)/(1 − x). The strain energy is that of a straight beam for the strains
+In an arc of curvature k, with the components ky and kz in the section's axes, the length of a fibre
+at (y, z) is that of the centre line times 1 − ξ with ξ = ky y + kz z (Winkler). An extension ε and
+a change κ of the line's curvature cause the strain (ε + z κy − y κz)/(1 − ξ) of the fibre. The
+strain energy is that of a straight beam with the strains
 
     ε,   κy + kz ε,   κz − ky ε
 
-if ∫ z²/(1 − x) dA and the like replace the moments of area. They are expanded to second order, ∫
-z²(1 + x²) dA, for shapes with two axes of symmetry. The next term is 0.03 (h/R)⁴ of a rectangle's
-bending stiffness. The mass of the longer fibres moves the mass centre off the line, by I/AR in an
-arc of radius R.
+and with ∫ z²/(1 − ξ) dA and similar integrals in place of the moments of area. For shapes with two
+axes of symmetry these integrals are expanded to second order: ∫ z²(1 + ξ²) dA. In an arc of radius
+R, the next term is 0.03 (h/R)⁴ of the bending stiffness of a rectangle of height h. Fibres on the
+outside of the arc are longer, so that the mass centre lies I/AR off the line.
 
-In a taper, fibres converge: that at (y, z) has the slope (λy y, λz z) against the centre line. Here
-λ is the rate of the lever arm a = I/S about each axis, λ = d ln a/ds, with the second moment I and
-the first moment S of half the section. Equilibrium of the part of the section beyond a fibre gives
-the shear flow d(M S/I)/ds, so that the forces that shear the section are
+In a taper, fibres converge: the fibre at (y, z) has the slope (λy y, λz z) against the centre line.
+Here λ = d ln a/ds is the rate of the lever arm a = I/S in bending about each axis, with the second
+moment of area I, and the first moment of area S of half the section. Equilibrium of the part of the
+section outside of a fibre gives the shear flow d(M S/I)/ds. The forces that shear the section are
+therefore
 
     Qy + λy Mz,   Qz − λz My
 
-(Bleich, Stahlhochbauten, 1932): none in a wedge that is loaded at its apex, as Michell found.
-Inclined fibres are softer than parallel ones, and shear stresses along them couple moment and shear
-force (`lumped.tapers`). These effects are computed for shapes with two axes of symmetry. They
-belong to Timoshenko's theory; that of Euler and Bernoulli takes fibres as parallel. In wedges,
-cones and pyramids, errors of bending and tension are of fourth order in the slope; torsion, and
-tapers that shrink in one direction more than in the other, leave errors of second order.
+(Bleich, Stahlhochbauten, 1932). They are zero in a wedge that is loaded at its apex, as Michell
+found. Inclined fibres are softer than parallel ones, and shear stresses along them couple moment
+and shear force (`lumped.tapers`). These effects are computed for shapes with two axes of symmetry,
+and in Timoshenko's theory only. In Euler–Bernoulli theory fibres are taken as parallel. In wedges,
+cones and pyramids the errors of bending and tension are of fourth order in the slope. Errors of
+torsion, and of other tapers that shrink more in one direction than in the other, are of second
+order.
 """
 
 from dataclasses import dataclass
@@ -86,7 +90,7 @@ def _cumulative_weights() -> Array:
 
 
 def cumulative(values: Array, lengths: Array) -> Array:
-    """Integrals from the start of each of e elements to its Gauss points.
+    """Integrals (e×GAUSS×…) from the start of each of e elements to each of its Gauss points.
 
     `values` (e×GAUSS×…) are values of the integrand at the Gauss points, `lengths` (e, in m) are
     the lengths of the elements.
@@ -104,12 +108,14 @@ def interpolation(coordinates: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SectionField:
-    """Sections at points of a line, leg axes, SI units.
+    """Flexibility, stiffness and mass of sections at points of a centre line, SI units.
 
-    All arrays have the same leading dimensions (…). `points` (…×3, in m) are positions. The columns
-    of `strains` (…×6×6) are the independent strains of the section, each as a rate of change (per
-    length) of its twist. `stiffness` (…×6×6) refers to these strains; those marked in `rigid` (6)
-    have no flexibility. `flexibility` and `mass` (…×6×6) are per length.
+    All arrays have the same leading dimensions (…). `points` (…×3, in m, leg axes) are the
+    positions. A section has six independent strains, in order: extension, shear along its y and z
+    axes, twist, and curvature about these axes. Column j of `strains` (…×6×6) is the rate of change
+    of the twist along the line (per m, leg axes) for a unit of strain j. `stiffness` (…×6×6) is for
+    the six strains. `rigid` (6) marks strains without flexibility, whose rows and columns of
+    `stiffness` are zero. `flexibility` and `mass` (…×6×6, leg axes) are per length.
     """
 
     points: Array
@@ -125,7 +131,8 @@ class LineSections:
     """Sections of a leg along its centre line.
 
     `ends` (k+1 values, in m along the line) are the ends of the k spans. `values` (k×p×28) are the
-    section constants named in `FIELDS` and `FURTHER`, at the p `NODES` of each span.
+    section constants named in `FIELDS` and `FURTHER`, at p points of each span. The points are at
+    the fractions `lumped.tapers.NODES` of the span.
     """
 
     line: CentreLine
@@ -136,7 +143,7 @@ class LineSections:
     def _coefficients(self) -> Array:
         """Chebyshev coefficients (k×p×28) of the section constants in each span.
 
-        An infinite constant has a first coefficient only, which is infinite.
+        If a constant is infinite, its first coefficient is infinite and the others are zero.
         """
         infinite = np.isinf(self.values).any(axis=1, keepdims=True)
         finite = np.where(infinite, 0.0, self.values)
@@ -161,8 +168,8 @@ class LineSections:
     def edges(self, elements: int) -> Array:
         """Ends (m along the line) of about `elements` elements, each of which lies within one span.
 
-        Numbers of elements are proportional to the lengths of the spans and rounded up, so that a
-        doubled count halves all elements.
+        The number of elements in a span is proportional to its length and rounded up. A doubled
+        count halves all elements if no number had to be rounded.
         """
         lengths = np.diff(self.ends)
         counts = np.ceil(elements * lengths / self.ends[-1] - TOGETHER).astype(int)

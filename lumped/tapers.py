@@ -1,25 +1,29 @@
-"""Flexibility of tapered sections beside that of parallel fibres, to second order in the slope.
+"""Additional flexibility of tapered sections due to inclined fibres, to second order in the slope.
 
-In a taper, fibres converge: that at (y, z) has the slope s = (λy y, λz z) against the centre line,
-with the rate λ = d ln a/dx of the lever arm a = I/S of each direction. The forces that shear the
-section are Qy + λy Mz and Qz − λz My (see `lumped.line_sections`). With the normal stress σ = Mz/I
-and the shear stress τ of that force Q, the complementary energy per length is
+In a taper, fibres converge: the fibre at (y, z) has the slope s = (λy y, λz z) against the centre
+line. Here λ = d ln a/dx is the rate of the lever arm a = I/S in bending about z for λy, and about y
+for λz, with the second moment of area I and the first moment S of half the section. The forces that
+shear the section are Qy + λy Mz and Qz − λz My (see `lumped.line_sections`).
+
+In bending about y, let M be the moment and Q the second of these forces, σ = (M/I) z the normal
+stress due to M, and τ the shear stress due to Q. The complementary energy per length is
 
     (1/2E) ∫ σ² dA + (1/2G) ∫ |s σ + τ|² dA − (ν/E) ∫ σ (σyy + σzz) dA.
 
-The last term has the transverse stresses of equilibrium. Their moment follows from the total shear
-stress t = s σ + τ by weighted equilibrium equations,
+The last term contains the transverse normal stresses that equilibrium requires. Only their moment
+about y is needed. It follows from the total shear stress t = s σ + τ, if the equations of
+equilibrium are multiplied by polynomials and integrated over the section:
 
-    ∫ (σyy + σzz) z dA = K′,   K = ∫ (yz ty + ½ (z² − y²) tz) dA = k Q + m M,
+    ∫ (σyy + σzz) z dA = dK/dx,   K = ∫ (yz ty + ½ (z² − y²) tz) dA = k Q + m M.
 
-and is zero in a prism. With P = I ∫ yz τy dA of a unit force and fourth moments Z = ∫ z⁴ dA and
-X = ∫ y²z² dA,
+This moment is zero in a prism. With P = I ∫ yz τy dA for a unit force Q, and with the fourth
+moments Z = ∫ z⁴ dA and X = ∫ y²z² dA,
 
     k = (2P + Z/6 − X/2)/I,   m = ((λy − λz/2) X + λz Z/2)/I.
 
-Moment and shear force are coupled by the coefficients of M Q, the moment is more flexible by those
-of M². For cones and pyramids, which shrink in all directions alike, ν cancels, and so does P of a
-wedge. Bending about z has y and z exchanged.
+The terms of the energy in M Q couple moment and shear force, and those in M² add to the flexibility
+in bending. Terms in ν cancel for cones and pyramids, which shrink in all directions alike. Terms in
+P cancel for wedges. For bending about z, y and z are exchanged.
 """
 
 from collections.abc import Sequence
@@ -42,8 +46,8 @@ def taper_rates(sections: Sequence[Section], length: float, shares: Array) -> Ar
     """Rates d ln a/dx (p×2, 1/m) of the lever arms a = I/S at p fractions `shares` of a span.
 
     The columns are for bending about z and about y. I is the second moment of area, S the first
-    moment of half the section. `sections` are those at the `NODES` of the span of `length` (m),
-    with two axes of symmetry.
+    moment of area of half the section. `length` (m) is the length of the span. `sections` are its
+    sections at the fractions `NODES`. Their shape must have two axes of symmetry.
     """
     arms = np.array([_lever_arms(section) for section in sections])
     fitted = chebyshev.chebfit(2.0 * NODES - 1.0, np.log(arms), len(NODES) - 1)
@@ -56,8 +60,9 @@ def taper_flexibilities(
 ) -> Array:
     """Taper rates, and flexibility due to inclined fibres (p×7), at the p `NODES` of a span.
 
-    `length` (m) is that of the span. The columns are named in `TAPER`. `sections` are those at the
-    nodes, with two axes of symmetry. `moduli` are E and G (Pa) and ν.
+    The columns are named in `TAPER`. `length` (m) is the length of the span. `sections` are its
+    sections at the fractions `NODES`. Their shape must have two axes of symmetry. `moduli` are E
+    and G (Pa) and ν.
     """
     E, G, nu = moduli
     rates = taper_rates(sections, length, NODES)
@@ -85,7 +90,7 @@ def taper_flexibilities(
 
 
 def _slope(values: Array, length: float) -> Array:
-    """Derivatives (p, per m) at the `NODES` of a span of `length` (m), from values at the nodes."""
+    """Derivatives (p, per m) at the p `NODES` of a span of `length` (m), from `values` there."""
     coordinates = 2.0 * NODES - 1.0
     fitted = chebyshev.chebfit(coordinates, values, len(NODES) - 1)
     return np.asarray(chebyshev.chebval(coordinates, chebyshev.chebder(fitted)) * 2.0 / length)
