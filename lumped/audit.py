@@ -33,10 +33,11 @@ class Finding:
 
     `where` is the key in the robot file or the location in the paper. `check` is the name of the
     check. `printed` is the printed text, `wrong` describes the fault, `evidence` is a sentence with
-    the computed `numbers` (SI, by name). `used` is the value with which the models compute instead.
-    `kind` is "computed" if a computation detects the fault, "read" if only a reader can. `severity`
-    is "error" if the result would be wrong or there would be none, "warning" if the data are
-    doubtful but usable, "note" if no result depends on them.
+    the computed `numbers` (SI, by name). `used` describes the value or formula that the models use
+    instead, "as given" if it is the printed one. `kind` is "computed" if a computation detects the
+    fault, and "read" if only a reader can detect it. `severity` is "error" if results with the data
+    would be wrong or impossible, "warning" if the data are doubtful but usable, "note" if no result
+    depends on them.
     """
 
     where: str
@@ -66,9 +67,10 @@ class DescribedPart:
 
 
 def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
-    """Parts described by the tables of a robot file.
+    """Parts of a robot that are checked, from the tables of its robot file.
 
-    These are foot, legs and tool of a biglide, or bodies and joints of any other mechanism.
+    The parts of a biglide are its foot, its legs and its tool. Those of any other mechanism are its
+    bodies and joints.
     """
     tables = written_out(tables)
     per_metre = length_unit_of(tables).per_metre
@@ -93,9 +95,10 @@ def parts(tables: Mapping[str, Any]) -> tuple[DescribedPart, ...]:
 
 
 def _length(tables: Mapping[str, Any], table: Mapping[str, Any]) -> float | None:
-    """Length of a leg in the file's unit: its key `length`, or the distance of its two points.
+    """Length of a leg, in the file's unit of length, from the `table` of a part.
 
-    None if the table does not describe a leg.
+    It is the value of the key `length`, or the distance between the points `from` and `to`. None if
+    the part is not a leg.
     """
     if "from" not in table:
         return table.get("length")
@@ -114,9 +117,9 @@ def _matrix(table: Mapping[str, Any], key: str) -> Array | None:
 def audit(robot_file: RobotFile) -> tuple[Finding, ...]:
     """All findings on a robot file, both on the data as printed and on the data as corrected.
 
-    If a correction in the file removes a finding on the printed data, the finding's `used`
-    describes the correction. Otherwise `used` is "as printed" if the file corrects other data, and
-    "as given" if the file has no corrections.
+    If a correction in the file removes a finding on the printed data, the field `used` of the
+    finding describes the correction. If the finding remains, `used` is "as printed" in a file that
+    corrects other data, and "as given" in a file without corrections.
     """
     findings_used = _data_audit(robot_file.tables)
     findings_printed = _data_audit(as_printed(robot_file))
@@ -237,9 +240,9 @@ def _slender_axis(part: DescribedPart) -> Iterator[Finding]:
 def _couplings(part: DescribedPart) -> Iterator[Finding]:
     """Check the signs of the coupling terms c26 (y with φz) and c35 (z with φy).
 
-    Both follow from the lever arm between the loaded point and the centre of bending: c26 = arm ·
-    c66, c35 = −arm · c55. The arm of a leg clamped at its root is positive. For a foot, both arms
-    must have the same sign.
+    Both follow from the lever arm along x between the loaded point and the point at which a force
+    causes no rotation: c26 = arm · c66, c35 = −arm · c55. The arms of a leg clamped at its root are
+    positive. The two arms of a part without a length, such as a foot, must have the same sign.
     """
     if part.compliance is None or part.name == "tool":
         return
@@ -274,7 +277,7 @@ def _couplings(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _tip_rotation(part: DescribedPart) -> Iterator[Finding]:
-    """Check that the tip does not rotate far more than that of a beam with equal deflection.
+    """Check that the tip rotates at most ten times as far as that of a beam with equal deflection.
 
     For a beam without shear deformation c66 = 3 c22/L² and c55 = 3 c33/L².
     """

@@ -59,8 +59,9 @@ def remarks_to(receive: Callable[[Remark], object]) -> Iterator[None]:
 class InputError(_SendableError):
     """Wrong input, with one line per fault: location, value and allowed values.
 
-    Long lines are shortened. After fifty faults, only the number of the remaining ones is given.
-    Each line begins with `part`, the affected part of the model, unless it is "".
+    Long lines are shortened. A message has at most fifty lines; if there are more faults, the last
+    line gives the number of the others. Each line begins with `part`, the affected part of the
+    model, unless `part` is "".
     """
 
     def __init__(self, faults: str | Iterable[str], part: str = "") -> None:
@@ -84,8 +85,8 @@ class ComputationError(_SendableError):
 class ProgramError(ComputationError):
     """An error of the program itself in another process.
 
-    The message contains the part of the model, and the error with its class. `traceback` contains
-    the lines of the traceback, for a report of the error.
+    The message contains the part of the model, and the class and text of the error. `traceback`
+    contains the lines of its traceback, for a report of the error.
     """
 
     def __init__(self, message: str, traceback: Iterable[str], part: str = "") -> None:
@@ -96,7 +97,7 @@ class ProgramError(ComputationError):
 def program_error(error: Exception) -> ProgramError:
     """ProgramError with the class and the text of `error`.
 
-    The parts of the model that `naming` added to `error` as notes precede them.
+    The message begins with the parts of the model that `naming` added to `error` as notes.
     """
     parts = [part for part in getattr(error, "__notes__", ()) if part]
     lines = "".join(format_exception(error)).splitlines()
@@ -121,7 +122,7 @@ def write_error(path: object, error: OSError, advice: str = "") -> InputError | 
 def collect_faults(
     function: Callable[[Item], Result], items: Iterable[Item]
 ) -> tuple[list[Result], list[str]]:
-    """Apply a function to items. Return the results, and the faults of all InputErrors raised."""
+    """Apply a function to each item. Return the results, and the faults of all InputErrors."""
     results: list[Result] = []
     faults: list[str] = []
     for item in items:
@@ -136,8 +137,8 @@ def collect_faults(
 def naming(part: str) -> Iterator[None]:
     """Context that prefixes the messages of errors raised in it with `part`, a part of the model.
 
-    Messages that begin with this part already, and all messages if `part` is "", remain unchanged.
-    Errors of the program itself get the part as a note.
+    A message that begins with `part` already remains unchanged. If `part` is "", all messages do.
+    Exceptions of other classes, which are errors of the program, get `part` as a note.
     """
     try:
         yield

@@ -28,9 +28,9 @@ class StoreError(Exception):
 def require_ordinary(path: Path | str, kind: str) -> int:
     """Size (bytes) of an ordinary file.
 
-    `kind` is the expected kind of file, for messages. Raises InputError if `path` is a broken link
-    or not an ordinary file (opening a pipe would wait for a writer). Raises OSError or ValueError
-    if its status cannot be read.
+    `kind` is the expected kind of file, for messages. Raises InputError if `path` is a broken link,
+    a folder, a pipe or a device. Raises OSError or ValueError if the status of the file cannot be
+    read.
     """
     try:
         status = Path(path).stat()
@@ -72,7 +72,7 @@ def read_ordinary(path: Path | str, kind: str, largest: int = LARGEST) -> bytes:
 def os_errors_as_store_errors(path: Path) -> Iterator[None]:
     """Context that converts errors of the operating system to StoreError.
 
-    `path` is the file written.
+    `path` is the file that is written, for the message.
     """
     try:
         yield
@@ -103,9 +103,10 @@ def write_whole(path: Path, content: bytes, temporary_folder: Path | None = None
 
 
 def read_regular(path: Path) -> bytes | None:
-    """Content of a regular file. None if `path` is not a readable regular file.
+    """Content of a regular file. None if `path` is anything else or cannot be read.
 
-    A pipe or a device is opened without waiting for its other end, and not read.
+    Links are not followed if the system supports this. A pipe or a device is not read, and the
+    function does not wait for its other end.
     """
     try:
         with os.fdopen(os.open(path, _READ), "rb") as file:

@@ -23,7 +23,7 @@ _memoised: list[_Memoised] = []
 
 
 def memo(size: int) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Decorate a pure function with hashable arguments so that its last `size` values are kept."""
+    """Decorator for a pure function with hashable arguments, whose last `size` values are kept."""
 
     def decorate(function: Callable[P, T]) -> Callable[P, T]:
         cached = lru_cache(maxsize=size)(function)
@@ -42,14 +42,14 @@ def forget() -> None:
 def fingerprint(value: object) -> str:
     """Hash of plain data: numbers, texts, paths, arrays, records with all fields, and collections.
 
-    A function is hashed by its name, a partial of it also by its arguments. Equal data have equal
-    hashes in every process. Raises TypeError for other types.
+    A function is hashed by its name, a `functools.partial` by its function and its arguments. Equal
+    data have equal hashes in every process. Raises TypeError for other types.
     """
     return _hashed(value, fields)
 
 
 def comparison_fingerprint(value: object) -> str:
-    """Fingerprint of the fields that take part in ==, so that equal records have equal ones."""
+    """Fingerprint without the fields that == ignores, so that equal records have equal ones."""
     return _hashed(value, _compared)
 
 
@@ -118,7 +118,7 @@ def _feed(
 
 
 def _items(value: Any) -> Sequence[Any]:
-    """Items of a sequence. For a partial: "partial", its function and its arguments."""
+    """Items of a sequence. For a `functools.partial`: "partial", its function, its arguments."""
     if isinstance(value, partial):
         return "partial", value.func, value.args, value.keywords
     return cast("Sequence[Any]", value)

@@ -16,7 +16,7 @@ _LONGEST_NAME = 100
 
 
 def shown(value: object) -> str:
-    """Text of a value from a file, approximately as typed and cut to one short line."""
+    """Text of a value from a file for a message: one short line, approximately as typed."""
     try:
         text = repr(value) if isinstance(value, float) else _as_json(value)
     except ValueError:
@@ -42,7 +42,7 @@ def shortened(line: str) -> str:
 
 
 def counted(count: int, singular: str, plural: str = "") -> str:
-    """Number and noun, such as "1 body" or "2 bodies". `plural` is needed if it is irregular."""
+    """Number and noun, such as "1 leg" or "2 legs". `plural` is needed if it is irregular."""
     return f"{count} {singular if count == 1 else plural or f'{singular}s'}"
 
 
