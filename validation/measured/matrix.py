@@ -191,7 +191,7 @@ class Predictions:
 
 
 def _restricted(postures: Sequence[Posture], model: Model, judged_model: JudgedModel) -> Model:
-    """Model without statics or modes that are not defined for this robot."""
+    """Copy of `model` without statics or modes that are not defined for this robot."""
     if judged_model.kind == "vjm" and why_not_serial(postures):
         return replace(model, statics=None, modes=None)
     return replace(model, modes=None) if judged_model.kind in STATIC else model
@@ -260,10 +260,10 @@ def _entry_without_values(
 
 
 def _with_missing_values(entry: Entry, reasons: Mapping[Measured, str]) -> Entry:
-    """Entry changed to undecided if the model could not compute some of the measured values.
+    """Entry changed to undecided if the model could not compute some values that were measured.
 
-    `reasons`: reason why the value is missing, for each such measured value. An inadequate entry
-    stays inadequate.
+    `reasons`: reason why the model has no value, for each measured value concerned. The entry is
+    unchanged if there are none, or if it is inadequate.
     """
     if not reasons or entry.verdict == "inadequate":
         return entry
@@ -276,8 +276,8 @@ def _test_value(
 ) -> float | None:
     """Value of a model for a modal test: frequency of a mode, or magnitude of a response.
 
-    Of a complex response, it is the part in phase with the measured one. None if the model has no
-    such value.
+    The magnitude is the part of the model's complex response that is in phase with the measured
+    response. None if the model has no such value.
     """
     prediction = modal_prediction(model, robot, test, options)
     frequency = measured.frequency

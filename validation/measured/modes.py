@@ -198,9 +198,10 @@ def modal_prediction(
 
 
 def _without_verdicts_if_most_misfit(partners: Sequence[Partner | None]) -> list[Partner | None]:
-    """Partners of measured modes. If most modes lack one, no pair is compared: all get a reason.
+    """Partners of the measured modes, without verdicts if most of the modes have no good partner.
 
-    If nodes of the test are mistaken for each other, some pairs of modes are similar by chance.
+    Each partner then gets a reason why it cannot be compared. If nodes of the test are mistaken for
+    each other, some pairs of modes are similar by chance only.
     """
     misfits = sum(partner is None or partner.mac < LEAST_MAC for partner in partners)
     if 2 * misfits <= len(partners):

@@ -42,9 +42,10 @@ def measured_responses(
 ) -> Iterator[Measured]:
     """Measured values from the responses of a test.
 
-    The response with the largest magnitude is used, at each mode and far below all modes.
-    Quantities of [[responses]] are taken from the response of the tool to a force on it. `numbers`:
-    number of the robot's mode for each measured mode, by its column in the arrays of the test.
+    At each mode, and far below all modes, the response with the largest magnitude is used.
+    Quantities of [[responses]] are taken from a response of the tool to a force on it. `numbers`:
+    number of the robot's mode for each measured mode, by the mode's column in the arrays of the
+    test. `hammer`: table [hammer] of the robot file. `source`: name of the test's file.
     """
     located = np.isin(tested.ends[:, :, 0], list(hammer.nodes)).all(axis=1)
     rows = [int(row) for row in np.flatnonzero(located)]
@@ -91,7 +92,7 @@ def _tool_quantities(
 ) -> Iterator[Measured]:
     """Measured values of [[responses]], from a response of the tool to a force on it.
 
-    There are none if response number `row` belongs to another point or direction.
+    None are yielded if response number `row` belongs to another point or direction.
     """
     ends, tool = hammer.freedoms(tested.ends[row]), robot.tool
     offsets = np.abs(ends.places - robot.bodies[tool.body].interfaces[tool.point].position)
@@ -134,9 +135,11 @@ def _fitted_value(
 ) -> tuple[complex, float]:
     """Receptance (m/N, complex) at a frequency (Hz), and its standard uncertainty, by a fit.
 
-    The uncertainty is the larger of two: the scatter about the fit, and √((1 − γ²)/2γ²N) of a
-    spectral line due to the coherence γ² of N averages (Bendat and Piersol, Random Data, 4th ed.,
-    table 9.6).
+    The fit uses the spectral lines of response number `row` near the frequency, and the damped mode
+    number `column` of the test. The uncertainty has two independent parts. The first is the larger
+    of the scatter about the fit and of √((1 − γ²)/2γ²N) of a spectral line due to the coherence γ²
+    of N averages (Bendat and Piersol, Random Data, 4th ed., table 9.6). The second is the
+    calibration of the hammer.
     """
     natural, ratio, line_frequencies = (
         test.frequencies[column],
