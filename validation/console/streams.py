@@ -129,8 +129,8 @@ def _discard(stream: TextIO) -> None:
 def _ascii_by_locale() -> str | None:
     """Encoding "ascii" if LC_ALL is C or POSIX, otherwise None.
 
-    In these locales, Python writes UTF-8 to a stream unless an encoding is set on it.
-    PYTHONIOENCODING and PYTHONUTF8 take precedence over LC_ALL.
+    In these locales, Python writes UTF-8 to a stream unless an encoding is set on it. None also if
+    PYTHONIOENCODING or PYTHONUTF8 is set, since they take precedence over LC_ALL.
     """
     python_settings = {"PYTHONIOENCODING", "PYTHONUTF8"} & os.environ.keys()
     ascii_locale = os.environ.get("LC_ALL") in {"C", "POSIX"}

@@ -2,8 +2,9 @@
 
 Input: texts from the command line. Output: whole numbers, options and paths. Rule: a path is
 checked before the computation and written after it. An existing file is replaced if it is an
-unchanged earlier result (`validation.console.marks`), or with `--force`; another file only by one
-of the same suffix, so that a table never replaces a robot file or a CAD file.
+unchanged earlier result (`validation.console.marks`). Any other file is replaced only with
+`--force`, and only if it has the suffix of the result, so that a table never replaces a robot file
+or a CAD file.
 """
 
 import os
@@ -128,7 +129,10 @@ class ModelChoices:
     parts: Literal["equivalent", "stepped", "condensed"] | None = None
 
     def given(self, **further: object) -> dict[str, object]:
-        """Options that were given, by name. `further` options are None if they were not given."""
+        """Options that the user gave, by name, together with `further` options.
+
+        Options that are None are omitted.
+        """
         choices = {**vars(self), **further}
         return {name: value for name, value in choices.items() if value is not None}
 
