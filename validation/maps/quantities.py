@@ -112,7 +112,10 @@ def mapped_quantities(responses: Responses, requirement: Requirement) -> list[Ma
 
 
 def _mapped_model(responses: Responses, references: References, requirement: Requirement) -> Model:
-    """Model to be mapped: beams if the error of no model is known."""
+    """Model to be mapped, by the rule in the docstring of this module.
+
+    Beams if no model is relied on and no error is known.
+    """
     models = {
         name: model
         for name, model in judged_models_of(responses.robot).items()

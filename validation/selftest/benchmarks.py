@@ -71,7 +71,7 @@ class KnownNumber:
 
 @dataclass(frozen=True)
 class Benchmark:
-    """Problem with the source of its numbers, the reason of the tolerances, and the computation."""
+    """Problem with a known solution: source, reason of the tolerances, and computation."""
 
     title: str
     problem: str
@@ -290,7 +290,10 @@ def torsion_constant(ratio: float) -> KnownNumber:
 
 
 def hexapod() -> list[KnownNumber]:
-    """Deflections of the hexapod's platform by beams; known from the stiffness of its legs."""
+    """Deflections of the hexapod's platform by beams.
+
+    The known deflections follow from the axial stiffnesses of its legs.
+    """
     mechanism = load_robot("hexapod").mechanism
     first_posture = posture(mechanism, mechanism.poses[0])
     (answer,) = answers("beam", [first_posture], 0, ModelOptions(elements=1))

@@ -285,9 +285,10 @@ def _stacked(robots: Sequence[VariedModels]) -> Compared:
 
 
 def decision_of(objective: Objective, robots: Sequence[VariedModels]) -> Decision:
-    """Values of an objective for all robots, by the models that solve each robot and the reference.
+    """Values of an objective for all robots, by models and by the reference.
 
-    The reference has values under each interpretation of the robot file.
+    Only models that solve every robot are included. The reference has values under each
+    interpretation of the robot file.
     """
     common_models = [
         str(name)

@@ -31,8 +31,8 @@ INDIFFERENT = 1e-6
 class Choice:
     """Index of the `design` that a model chooses, and its relative `loss` by the reference.
 
-    `equally_good`: ascending indices of designs that the model rates as equal; the chosen one is
-    the one that the reference rates best.
+    `equally_good`: ascending indices of the best designs by the model, which it rates as equal. Of
+    these, `design` is the one that the reference rates best.
     """
 
     design: int
@@ -73,9 +73,9 @@ class Decision:
     def loss_uncertainty(self, design: int) -> float:
         """Half-width of the loss of a design.
 
-        The values of the reference are changed by their half-widths: that of the design in one
-        direction, all others in the opposite one. The half-width also covers the losses under the
-        other interpretations of the robot file.
+        The reference's value of the design is changed by its half-width in one direction, the
+        values of all other designs in the opposite direction, and conversely. The half-width also
+        covers the losses under the other interpretations of the robot file.
         """
         signs = np.full(len(self.reference), -1.0)
         signs[design] = 1.0
@@ -84,9 +84,10 @@ class Decision:
     def correlation(self, model: str) -> tuple[float, float]:
         """Spearman's ρ between the rankings by a model and by the reference, and its half-width.
 
-        For the half-width, the values of the reference are changed by at most their half-widths, in
-        proportion to the rank of each design, towards the ranking by the model and away from it.
-        The half-width also covers ρ under the other interpretations of the robot file.
+        For the half-width, the reference's value of each design is changed by a factor from −1 to 1
+        times the value's half-width. The factor grows linearly with the design's rank by the model,
+        so that the reference's ranking moves towards that of the model. The opposite changes move
+        it away. The half-width also covers ρ under the other interpretations of the robot file.
         """
         model_values = self.models[model]
         ranks = _ranks(model_values)
