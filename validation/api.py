@@ -611,8 +611,6 @@ def run(
 
     Examples
     --------
-    Computed in processes that import the script: call it below ``if __name__ == "__main__"``.
-
     >>> finished = run(bar, out="report", preset="quick", only="bar.converged*")
     >>> finished.exit_code, finished.report.name
     (0, 'report.html')
@@ -845,8 +843,10 @@ def workspace(robot: Robot, *, preset: Preset = "standard") -> WorkspaceMaps:
     Returns
     -------
     WorkspaceMaps
-        Lowest stiffness (N/µm), first frequency (Hz) and error (%) of the chosen model over the
-        grid, each with its worst posture, which is also searched between the points of the grid.
+        Lowest stiffness (N/µm), first frequency (Hz) and error (%) over the grid, each with its
+        worst posture, which is also searched between the points of the grid. Stiffness and error
+        are those of the first model on which the robot file relies, otherwise of the simplest model
+        with an error within the limit, otherwise of the model with the smallest error.
 
     Raises
     ------

@@ -20,5 +20,5 @@ def main() -> None:
     print(finished.exit_code, finished.verdicts, finished.report)
 
 
-if __name__ == "__main__":  # a run computes in processes of its own, which import this file
+if __name__ == "__main__":
     main()
