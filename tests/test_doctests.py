@@ -68,6 +68,7 @@ def test_docstring_examples_of_functions_run(name, tmp_path, monkeypatch):
 
 
 def test_docstring_examples_of_tables_run():
+    """Examples of `ResultTable`, the class of all tables."""
     run_examples_of_result("ResultTable", {})
 
 
@@ -104,6 +105,7 @@ def members(name):
 
 @pytest.mark.parametrize("name", RESULTS)
 def test_method_docstrings_have_all_parameters(name):
+    """Methods of results: Parameters by name, and Returns or Raises."""
     for member, value in members(name).items():
         if isinstance(value, property):
             continue
@@ -118,6 +120,7 @@ def test_method_docstrings_have_all_parameters(name):
 
 @pytest.mark.parametrize("name", RESULTS)
 def test_every_result_has_a_table_and_a_plot(name):
+    """Each result class has `table`, `plot` and a form for notebooks."""
     result_class = getattr(fp, name)
     if name == "ResultTable":
         return

@@ -30,6 +30,7 @@ def example(tmp_path, monkeypatch):
 
 
 def test_gallery_is_numbered_without_gaps():
+    """File names of the examples begin with 1, 2, 3, …"""
     assert sorted(SCRIPTS) == list(range(1, len(SCRIPTS) + 1))
     assert len(SCRIPTS) >= 12
 
@@ -121,6 +122,7 @@ def test_response_peak_is_compliance_over_loss(example):
 
 @pytest.mark.exhaustive
 def test_worst_posture_is_worse_than_grid(example):
+    """The worst postures found by the search are at least as bad as all grid points."""
     maps = example(9)["maps"]
     rows = {row[0]: row[3] for row in maps.table().rows}
     assert rows["lowest stiffness"] <= np.nanmin(maps.values("lowest stiffness"))
@@ -159,6 +161,7 @@ def test_best_design_is_inside_range(example):
 
 @pytest.mark.exhaustive
 def test_pytest_example_fails_for_rigid_legs(example):
+    """Only the item of the simplified model's deflection along z fails."""
     items = example(12)["items"]
     assert [name for name, outcome in items.items() if outcome != "PASSED"] == [
         "arm.toml::simplified::z"
@@ -168,6 +171,7 @@ def test_pytest_example_fails_for_rigid_legs(example):
 
 @pytest.mark.exhaustive
 def test_exudyn_finds_exported_frequencies(example):
+    """EXUDYN runs the exported script. Its frequencies are those in the script's heading."""
     pytest.importorskip("exudyn")
     variables = example(13)
     header = [line.split() for line in variables["text"].splitlines() if line.startswith("#     ")]

@@ -58,6 +58,7 @@ def long_apart(paths):
 
 @pytest.mark.parametrize("page", long_apart(PAGES))
 def test_code_blocks_of_page_run(page, tmp_path, monkeypatch, capsys):
+    """Commands print the shown lines, and Python blocks run without an error."""
     monkeypatch.chdir(tmp_path)
     # Workers are tested elsewhere.
     monkeypatch.setattr(runner, "run", run_in_this_process)
@@ -79,6 +80,7 @@ def test_code_blocks_of_page_run(page, tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize("script", long_apart(sorted(EXAMPLES.glob("*.py"))))
 def test_example_scripts_of_guide_run(script, tmp_path, monkeypatch):
+    """Scripts of docs/examples that the guide quotes."""
     monkeypatch.chdir(tmp_path)
     # What the guide puts in place from outside is taken back afterwards.
     monkeypatch.setattr(sections, "SHAPES", dict(sections.SHAPES))
@@ -88,6 +90,7 @@ def test_example_scripts_of_guide_run(script, tmp_path, monkeypatch):
 
 @pytest.mark.exhaustive
 def test_design_team_example_passes(tmp_path):
+    """The example of a team's pytest suite contains one test, which passes."""
     line = (
         f"-m pytest -p no:cacheprovider -q --flexproof-preset quick --rootdir . {EXAMPLES}/design"
     )
@@ -130,6 +133,7 @@ def run_console(text: str, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_blocks_and_links_are_valid():
+    """Code blocks are closed, and the files of relative links exist."""
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         assert text.count("\n```") == 2 * len(blocks(page)), f"{page.name}: an open code block"
@@ -140,17 +144,20 @@ def test_blocks_and_links_are_valid():
 
 @pytest.mark.parametrize("page", PAGES[1:], ids=lambda page: page.stem)
 def test_page_has_aim_and_next_page(page):
+    """A page begins with "After this page you …" and ends with "Next:"."""
     paragraphs = page.read_text(encoding="utf-8").strip().split("\n\n")
     assert paragraphs[1].startswith("After this page you ")
     assert re.match(r"\*\*Next:\*\* .*\]\([a-z./-]+\.md", paragraphs[-1])
 
 
 def test_guide_lists_types_of_robots():
+    """describing.md lists all values of `type`, in the order of the code."""
     page = (ROOT / "docs" / "guide" / "describing.md").read_text(encoding="utf-8")
     assert re.findall(r"^\| `([\w-]+)` \|", page, re.MULTILINE) == list(get_args(RobotType))
 
 
 def test_mechanisms_of_guide_are_built_in():
+    """The robot files printed in mechanisms.md equal the built-in ones."""
     mechanisms = {
         name.removesuffix(".toml"): text
         for language, name, text in blocks(ROOT / "docs" / "guide" / "mechanisms.md")
@@ -168,6 +175,7 @@ def test_new_case_takes_ten_lines():
 
 
 def test_guide_lists_every_case_of_the_catalogue():
+    """Each case matches a pattern of cases.md, and each pattern matches a case."""
     page = (ROOT / "docs" / "guide" / "cases.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (`.*?) \|", page, re.MULTILINE)
     patterns = [pattern for row in rows for pattern in re.findall(r"`([^`]+)`", row)]

@@ -80,6 +80,7 @@ def test_imports_go_one_way_without_circles():
 
 
 def test_architecture_drawing_is_current():
+    """The picture is the one that docs/pictures/architecture.py draws."""
     assert MAP["drawing"]() == MAP["PICTURE"].read_text(encoding="utf-8")
 
 
@@ -115,6 +116,7 @@ def states(source: str) -> list[str]:
 
 
 def test_no_machine_path_is_committed():
+    """No home folders and no addresses of package indices in tracked files."""
     assert HOME.search("see /home/someone/x")
     assert not HOME.search("#!/bin/sh and docs/home/page")
     assert INDEX.search("--index-url https://pypi.example.org/simple")
@@ -126,6 +128,7 @@ def test_no_machine_path_is_committed():
 
 
 def test_program_does_not_parse_its_own_texts():
+    """No decision depends on the text of a message, title or remedy, but on fields and classes."""
     steering = (
         *("case.id.startswith('robot.')", "'solid' in case.title", "case.quantity[0]"),
         *("quantity.startswith('load:')", "one.quantity.name[:1]", "quantity.key.partition('.')"),

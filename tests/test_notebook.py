@@ -16,6 +16,7 @@ def maker():
 
 
 def test_notebook_equals_its_scripts(maker):
+    """The notebook is made of three scripts of the guide."""
     assert len(maker["SCRIPTS"]) == 3
     assert maker["NOTEBOOK"].read_text("utf-8") == maker["text_of"](maker["notebook"]())
 

@@ -33,6 +33,7 @@ def wheel(tmp_path_factory):
 
 
 def test_wheel_contains_data_and_type_markers(wheel):
+    """All sources, built-in robots and py.typed files."""
     names = set(zipfile.ZipFile(wheel).namelist())
     markers = {f"{name}/py.typed" for name in (*PACKAGES, "flexproof")}
     assert {"flexproof/__init__.py", *markers} <= names

@@ -43,6 +43,7 @@ sys.exit(validation.cli.main(["run", "ifw", "--preset", "quick", "--out", "repor
 
 
 def test_only_flexproof_run_needs_posix(tmp_path):
+    """Without fcntl and other POSIX modules, all other commands work; `run` names WSL."""
     completed = subprocess.run(
         [sys.executable, "-c", WITHOUT_POSIX + USE],
         cwd=tmp_path,
@@ -59,12 +60,14 @@ def test_only_flexproof_run_needs_posix(tmp_path):
 
 
 def test_child_process_without_posix_is_refused(monkeypatch):
+    """Meshing with limits needs processes of Linux or macOS."""
     monkeypatch.setattr(processes, "_POSIX", False)
     with pytest.raises(ComputationError, match="are available only on Linux and macOS"):
         processes.in_own_process(len, "abc")
 
 
 def test_run_folder_is_refused_without_locks(monkeypatch, tmp_path):
+    """The folder of a run is locked; without file locks no folder is made."""
     monkeypatch.setattr(folder, "fcntl", None)
     with (
         pytest.raises(InputError, match="needs locks of files"),
@@ -116,6 +119,7 @@ sys.exit(validation.cli.main(["solve", "five-bar", "--model", "solid"]))
 
 
 def test_only_solids_need_gmsh(tmp_path):
+    """Without gmsh, models of beams and segments are solved, and a solid gives one line."""
     hidden = tmp_path / "hidden"
     hidden.mkdir()
     # Worker processes inherit the path.

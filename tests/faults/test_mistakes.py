@@ -101,6 +101,7 @@ def test_mistakes_quote_unique_lines():
 @pytest.mark.faults
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda mistake: mistake.name)
 def test_nearest_tests_fail_for_mistake(mistake):
+    """Each mistake makes a test of its `nearest` files fail; without it these tests pass."""
     against = os.environ.get("FAULTS_AGAINST")
     nearest = (against,) if against else mistake.nearest
     assert first_failure(nearest, mistake), f"{mistake.instead!r} is noticed by none"

@@ -45,6 +45,7 @@ def inertia(u, v, _):
 
 @pytest.mark.parametrize("name", SKFEM)
 def test_matrices_equal_scikit_fem(name):
+    """Stiffness and mass of one bent element of each type, for a cubic material."""
     kind, element, *degrees = SKFEM[name]
     cell = skfem.MeshHex1 if name.startswith("hex") else skfem.MeshTet1
     straight = kind.from_mesh(cell.init_refdom())
@@ -131,6 +132,7 @@ def test_manufactured_solution_has_full_order(name, divisions, order, cap):
 
 
 def test_folded_element_is_reported():
+    """An element whose nodes are listed inside out: type and number in the message."""
     mesh, _ = box("hex8", 2, 0.0)
     mesh.cells[1] = mesh.cells[1, [4, 5, 6, 7, 0, 1, 2, 3]]
     with pytest.raises(ComputationError, match="hex8 element 1 is folded"):

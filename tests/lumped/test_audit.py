@@ -54,6 +54,7 @@ USED = {
 
 
 def test_paper_misprints_are_reported():
+    """Each printed number with an error, its severity and the number used instead."""
     findings = {(finding.where, finding.check): finding for finding in audit(IFW)}
     assert findings.keys() == PRINTED.keys()
     for key, (severity, numbers) in PRINTED.items():
@@ -66,6 +67,7 @@ def test_paper_misprints_are_reported():
 
 
 def test_corrected_paper_data_has_no_errors():
+    """As printed there are three errors."""
     for tables, count in ((as_printed(IFW), 3), (IFW.tables, 0)):
         findings = [finding for part in parts(tables) for finding in data_findings(part)]
         severities = [finding.severity for finding in findings]
@@ -91,6 +93,7 @@ def with_entries(matrix, **entries):
     [(0.8, 0.2, 0.02, 0.0), (1.3, 0.1, 0.16, 0.3), (2.0, 0.02, 0.2, 0.45)],
 )
 def test_wrong_compliance_sign_is_reported(length, width, height, nu):
+    """c26 > 0 and c35 < 0 in a right-handed beam; c55 and c66 are L/EI."""
     leg = ConstantLeg(length, Rectangle(width, height), Material.isotropic(2e11, nu, 7850.0))
     beam = tip_compliance(leg.timoshenko, length)
     inertia = np.diag([0.01, 1.0, 1.0]) * leg.mass * length**2 / 12.0
@@ -121,10 +124,12 @@ def test_wrong_compliance_sign_is_reported(length, width, height, nu):
     ],
 )
 def test_impossible_inertia_is_reported(data, findings):
+    """Moments of a body satisfy I1 ≤ I2 + I3; the mass centre lies within the leg."""
     assert checks("leg1", **data) == findings
 
 
 def test_audit_findings_have_keys():
+    """A finding names the key of the robot file. Three built-in robots have none."""
     beam = np.diag([1e-9, 1e-7, 1e-7, 1e-6, 6e-7, 6e-7])
     # A leg of 0.5 m with couplings of the wrong sign, a body with an impossible inertia, and a
     # joint with a negative compliance.

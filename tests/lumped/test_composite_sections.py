@@ -64,6 +64,7 @@ def layered(width, heights, materials):
     ids=["rectangle", "channel"],
 )
 def test_parts_of_equal_material_equal_one_section(parts, single):
+    """Rectangle of two parts and channel of three, all of steel: constants of one section."""
     section = composite(*parts)
     leg = ConstantLeg(1.0, single, Material.isotropic(*STEEL))
     composite_beam, single_beam = beam_of(section), leg.timoshenko
@@ -199,4 +200,5 @@ def test_composite_torsion_needs_only_g():
     ],
 )
 def test_invalid_composite_is_refused(parts, fault):
+    """Parts that overlap, do not touch, or have no bore: one line with the number of the part."""
     assert composite(*parts).faults() == [fault]

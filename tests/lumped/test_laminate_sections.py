@@ -34,6 +34,7 @@ def test_layer_at_45_degrees_equals_tsai():
 
 
 def test_axial_fibre_tube_has_fibre_modulus():
+    """Layers at 0°: EA = E1 A, EI = E1 I, GJ = G12 J."""
     tube = Tube(0.06, 1e-3)
     beam = beam_of(LaminateTube(layers(0, 0, 0, 0), 0.06))
     assert pytest.approx(CARBON["E1"] * tube.area, rel=1e-12) == beam.EA
@@ -145,4 +146,5 @@ def test_laminate_box_shear_equals_energy():
     ],
 )
 def test_invalid_laminate_is_refused(section, fault):
+    """A thick wall, and ν12 beyond √(E1/E2): one line with value and limit."""
     assert section.faults() == [fault]

@@ -55,6 +55,7 @@ def test_equivalent_leg_keeps_stiffness(rule):
 
 
 def test_indefinite_leg_has_no_equivalent():
+    """c66 = −0.001 makes the 6×6 indefinite."""
     with pytest.raises(InputError, match="not positive definite"):
         equivalent_leg(GivenLeg(1.0, 10.0, np.diag([1.0, 1.0, 1.0, 1.0, 1.0, -1e-3])))
 
@@ -105,6 +106,7 @@ def test_cowper_holds_for_independent_g(shape, nu, shear):
 
 
 def test_negative_shear_stiffness_is_refused():
+    """Cowper's κ of a wide I-section is negative for ν = −0.9. Beams without shear remain."""
     wide = ISection(width=6.9e-5, height=1.0e-5, flange=1.0e-6, web=1.0e-6)
     leg = ConstantLeg(0.07, wide, Material.isotropic(2.1e11, -0.9, 7850.0))
     with pytest.raises(ComputationError, match=r"i-section: .* κGA = -.* N is negative"):
@@ -113,6 +115,7 @@ def test_negative_shear_stiffness_is_refused():
 
 
 def test_leg_name_is_in_messages_only():
+    """Legs that differ only in their names are equal and share one solution."""
     first, second = replace(BEAM, name="leg 1"), replace(BEAM, name="leg 2")
     assert {first} == {second}
     short = GivenLeg(1.0, 1.0, np.diag([1e-7, 1e-9, 1e-9, 1e-9, 3e-9, 3e-9]), name="leg 2")
@@ -151,6 +154,7 @@ def constants(section):
 
 
 def test_hollow_rectangle_equals_four_walls():
+    """Area and second moments are sums over plates; J by Bredt, 4A_m² t/perimeter."""
     b, h, t = 0.10, 0.16, 0.008
     section = HollowRectangle(b, h, t)
     across, along = (b - t) / 2.0, (h - t) / 2.0

@@ -119,6 +119,7 @@ def test_wedge_equals_elasticity_to_fourth_order():
 
 
 def test_constant_sections_give_prism():
+    """Equal angle sections at both ends: compliance and mass of the prism."""
     section = Angle(0.05, 0.1, 0.005, 0.008)
     leg = straight((0.0, section), (LENGTH, section))
     prism = ConstantLeg(LENGTH, section, STEEL)
@@ -130,6 +131,7 @@ def test_constant_sections_give_prism():
 
 
 def test_stepped_leg_equals_two_prisms():
+    """Compliances of both parts, moved to the tip, in series."""
     stout, slender, step = Circle(0.08), Circle(0.05), 0.4
     leg = straight((0.0, stout), (step, stout), (step, slender), (LENGTH, slender))
     first = tip_compliance(ConstantLeg(step, stout, STEEL).timoshenko, step)
@@ -260,6 +262,7 @@ def test_curved_segments_are_exact(elements, theory):
 
 @pytest.mark.parametrize("layout", ["half", "literal"])
 def test_curved_segments_keep_mass(layout):
+    """Mass and inertia of a curved tube: those of its integrals, ρ times volume (Pappus)."""
     leg = arc(0.5, 2.0, Tube(0.05, 0.004))
     sections = leg.sections("timoshenko")
     chain = line_segment_chain(sections, 6, layout)

@@ -27,6 +27,7 @@ def test_rotation_moves_distant_point(rotation, velocity):
 
 @pytest.mark.parametrize("angle", [0.0, 1e-150, 1e-9, 0.7, 2.0, np.pi - 1e-9, np.pi])
 def test_rotation_vectors_equal_scipy(angle):
+    """Angles from zero to half a turn, in both directions of the conversion."""
     axes = np.random.default_rng(0).normal(size=(50, 3))
     vectors = angle * axes / np.linalg.norm(axes, axis=1, keepdims=True)
     rotations = Rotation.from_rotvec(vectors).as_matrix()
@@ -70,5 +71,6 @@ def test_transformation_keeps_energy(seed):
     ],
 )
 def test_twist_and_wrench_have_descriptions(name, screws, words):
+    """Such as "turn about z through a point" and "a force along y"."""
     description = name(np.array(screws, dtype=float), 0.8)
     assert description.replace("the loaded point", "B") == words

@@ -133,6 +133,7 @@ def test_zed_product_moment_is_exact():
 
 
 def test_tee_shear_centre_is_in_flange():
+    """In a thin tee it is where the middle lines of flange and web meet."""
     tee = Tee(width=1.0, height=1.0, flange=0.02, web=0.02)
     weights = np.array([1.0 * 0.02, 0.98 * 0.02])
     centroid = weights @ [0.99, 0.49] / weights.sum()
@@ -193,6 +194,7 @@ def test_section_ignores_outline_origin():
     ],
 )
 def test_impossible_section_is_refused(section, fault):
+    """Walls thicker than the section and other faults: one line with value and limit."""
     (message,) = section.faults()
     assert message.startswith(fault), message
 
@@ -244,6 +246,7 @@ def test_constants_and_shape_give_same_beam():
     ],
 )
 def test_invalid_constants_are_refused(changed, fault):
+    """Constants that no section has, such as |Iyz| above √(Iy Iz)."""
     sound = SectionProperties(1e-3, 2e-7, 3e-7, 1e-8, Ay=8e-4, Az=7e-4)
     assert sound.faults() == []
     (message,) = replace(sound, **changed).faults()

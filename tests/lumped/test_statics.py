@@ -36,16 +36,19 @@ LOST = chain(1.0, 1e13 + 1.0 / 3.0)
     ],
 )
 def test_solution_with_energy_imbalance_is_refused(K, X, message):
+    """Displacements 10 % or 0.1 % too large: work of loads and stored energy differ."""
     with pytest.raises(ComputationError, match=message):
         balanced_flexibility(LOADS, X, K @ X, "two springs")
 
 
 def test_rigid_direction_has_zero_flexibility():
+    """A load carried entirely by constraints does no work."""
     assert balanced_flexibility(LOADS, np.zeros((2, 1)), LOADS, "rigid") == 0.0
 
 
 @pytest.mark.parametrize("entry", [0.0, -1.0])
 def test_non_positive_diagonal_is_refused(entry):
+    """0 or −1 beside 1e300, for statics and for modes."""
     # Scaling this matrix to a unit diagonal would overflow.
     K = np.array([[1e300, 0.0], [0.0, entry]])
     for solve, arguments in ((solve_statics, (LOADS,)), (solve_modes, (np.eye(2), 1))):
@@ -55,6 +58,7 @@ def test_non_positive_diagonal_is_refused(entry):
 
 @pytest.mark.parametrize("stiff", [1.0, 1e8])
 def test_rounding_bound_covers_perturbation(stiff):
+    """2000 random perturbations of the entries of K by rounding errors: bound near their spread."""
     # Each entry is perturbed at random by a thousand times its rounding error, so that rounding
     # errors of this computation itself are negligible.
     K, rng = chain(stiff), np.random.default_rng(3)

@@ -46,6 +46,7 @@ def _points(kind) -> np.ndarray:
 
 @by_name
 def test_shape_functions_are_nodal_polynomials(kind):
+    """Reference: monomials through the nodes by a Vandermonde matrix, and central differences."""
     # Independent of scikit-fem: monomials and a Vandermonde matrix.
     powers = _exponents(kind)
     vandermonde = np.prod(kind.nodes[:, None, :] ** powers[None], axis=2)
@@ -69,6 +70,7 @@ def test_shape_functions_are_nodal_polynomials(kind):
 
 @by_name
 def test_curved_mapping_equals_vtk(kind):
+    """Elements with displaced nodes map points as VTK's elements do."""
     # VTK interpolates an element with scattered nodes: a wrong entry in the permutation of nodes
     # would move the mapped points by the scatter.
     nodes = np.random.default_rng(2).uniform(-0.1, 0.1, size=(kind.node_count, 3))
@@ -119,6 +121,7 @@ REGULAR = np.array([[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]])
     ],
 )
 def test_element_quality_is_exact(elements, sides, expected):
+    """Scaled Jacobian and aspect ratio of squares, cubes and sheared ones: sin 60° for 60°."""
     for element in elements:
         nodes = ELEMENTS[element].nodes
         d = nodes.shape[1]
@@ -128,6 +131,7 @@ def test_element_quality_is_exact(elements, sides, expected):
 
 
 def test_bad_elements_are_refused():
+    """Inverted elements of each type, and one 101 times as long as wide."""
     for element, kind in ELEMENTS.items():
         mirrored = kind.nodes * np.where(np.arange(kind.dimension) == 0, -1.0, 1.0)
         assert measures(element, mirrored)[0] < 0.0
@@ -184,6 +188,7 @@ def free_sides(mesh):
 
 @by_shape
 def test_section_meshes_are_valid(section):
+    """Area, second moments, quality and mirror symmetry for 1, 4 and 5 divisions."""
     for divisions in (1, 4, 5):
         mesh = section_mesh(section, divisions)
         free_sides(mesh)
@@ -212,6 +217,7 @@ def extruded(section, length, divisions):
     ids=lambda value: getattr(value, "shape", None),
 )
 def test_leg_meshes_have_moments_of_leg(section, family):
+    """Volume, first and second moments, and nodes on both ends, for each section."""
     mesh = family(section, LENGTH, 1)
     free = free_sides(mesh)
     # Rounding errors of some ten thousand terms; a circle of four parabolas errs by up to 5 %.
@@ -237,6 +243,7 @@ def _parabolas(radius: float, sides: int) -> float:
 
 
 def test_parabolic_sides_give_circle_area():
+    """The area of quadratic elements is that of the parabolas through their boundary nodes."""
     for divisions in (4, 16):
         # Equal up to rounding errors.
         circle = moments(section_mesh(Circle(0.1), divisions), [(0, 0)])
@@ -248,6 +255,7 @@ def test_parabolic_sides_give_circle_area():
 
 
 def test_wall_has_one_element_per_4_divisions():
+    """At least one across the wall; along it, thin walls have cells of limited length."""
     counts = []
     for divisions, across in ((1, 1), (4, 1), (8, 2), (16, 4)):
         mesh = section_mesh(HollowRectangle(0.1, 0.1, 0.005), divisions)
@@ -262,6 +270,7 @@ def test_wall_has_one_element_per_4_divisions():
 
 
 def test_extrusion_is_numbered_slice_by_slice():
+    """Nodes of a slice, and cells of a slice, differ from the next by a constant step."""
     # Two numbers of divisions are the numbers of elements along y and along z.
     section = section_mesh(Rectangle(0.1, 0.2), (4, 2))
     assert [len(np.unique(along.round(9))) for along in section.nodes.T] == [9, 5]
@@ -298,11 +307,16 @@ def test_extrusion_is_numbered_slice_by_slice():
     ],
 )
 def test_impossible_leg_mesh_is_refused(request_one, reason):
+    """Negative sizes and too many divisions, slices or unknowns, each with its reason."""
     with pytest.raises(InputError, match=reason):
         request_one()
 
 
-def test_too_long_leg_is_refused():
+def test_all_faults_of_section_are_listed():
+    """Sides of 0 and −1 m with 0 divisions: three faults.
+
+    Sections without symmetry have no mesh.
+    """
     require_leg(BOX, 0.26, 4)
     with pytest.raises(InputError) as caught:
         require_section(Rectangle(0.0, -1.0), 0)

@@ -20,6 +20,7 @@ REFUSED = "from lumped.errors import InputError; raise InputError(('one', 'two')
 
 
 def test_process_returns_values_and_errors():
+    """Values, InputError with its faults, and a program error with its traceback."""
     process = Process()
     # The process has its own session, so that Ctrl-C or the end of a terminal does not reach it.
     questions = (divmod, 7, 2), (os.getsid, 0), (exec, REFUSED), (lookup_of_robot, 3)
@@ -44,6 +45,7 @@ def lookup_of_robot(leg):
 
 
 def test_process_keeps_value_for_later_calls():
+    """A call may use the results of earlier calls of its process."""
     process = Process()
     process.begin(list, "ab")
     process.ask(len)
@@ -58,6 +60,7 @@ def zip_lists(*lists):
 
 
 def test_crash_ends_only_child_process():
+    """SIGABRT, a CPU limit of 0.5 s and a memory limit of 8 GB: named in the error."""
     with pytest.raises(Crashed, match="was ended by SIGABRT"):
         in_own_process(os.abort)
     with pytest.raises(Crashed, match="was ended by SIGXCPU, because it exceeded the time limit"):
@@ -69,6 +72,7 @@ def test_crash_ends_only_child_process():
 
 
 def test_gmsh_failure_names_part():
+    """gmsh is closed after its own errors and after those of the program."""
     reported = pytest.raises(ComputationError, match=r"leg 2: gmsh failed: .*NoSuchOption")
     with reported, gmsh_model("leg 2") as session:
         session.option.getNumber("Mesh.NoSuchOption")
@@ -79,6 +83,7 @@ def test_gmsh_failure_names_part():
 
 
 def test_inner_gmsh_model_restores_outer_one():
+    """A model opened within another is empty; the outer one is current afterwards."""
     with gmsh_model("outer") as session:
         session.model.geo.addPoint(0.0, 0.0, 0.0, tag=5)
         session.model.geo.synchronize()
@@ -94,6 +99,7 @@ def hashed():
 
 
 def test_threads_and_process_give_equal_meshes(capfd):
+    """One part meshed in two threads, a child process and here: equal hashes."""
     with ThreadPoolExecutor(2) as pool:
         in_threads = list(pool.map(lambda _: hashed(), range(2)))
     assert {*in_threads, in_own_process(hashed)} == {hashed()}
@@ -127,6 +133,7 @@ print("still here")
 
 
 def test_gmsh_keeps_signal_handlers():
+    """Under nohup, gmsh neither restores SIGHUP nor ends the process on an error."""
     command = ["nohup", sys.executable, "-c", SIGNALS]
     completed = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (completed.returncode, completed.stdout) == (0, "an error\nstill here\n"), (

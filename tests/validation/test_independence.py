@@ -253,6 +253,7 @@ def roots(compute) -> set[str]:
 
 
 def test_value_and_reference_are_independent():
+    """All cases but those of the paper are in `SIDES`; common basics are in `WITHIN`."""
     assert len(COMPARED) > 40
     assert not [key for key in CASES.keys() - COMPARED if not key[0].startswith("paper.")]
     common = {
@@ -280,6 +281,7 @@ def test_reference_by_same_code_is_detected():
 
 
 def test_every_model_has_independent_check():
+    """All code of each model is a side of a comparison with Ritz's method."""
     by_ritz = {
         value for value, reference in COMPARED.values() if ritz.simplified_response in reference
     }

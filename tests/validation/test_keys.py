@@ -79,6 +79,7 @@ def varied(robot: str | Path) -> VariedRobot:
     ids=["five-bar", "ifw", "rocker", "arguments"],
 )
 def test_cache_key_has_every_input_field(inputs):
+    """Each number and name in the inputs of a robot, a part and a leg is changed in turn."""
     keys = {key_of(inputs): ""}
     for path, changed in changed_leaves(inputs):
         key = key_of(changed)
@@ -88,6 +89,7 @@ def test_cache_key_has_every_input_field(inputs):
 
 
 def test_cache_key_includes_source_code(monkeypatch):
+    """Other sources, another key."""
     keys = set()
     for letter in "ab":
         monkeypatch.setattr(CURVES, "program", lambda letter=letter: letter)
@@ -114,6 +116,7 @@ def test_convergence_study_is_read_from_cache(tmp_path, monkeypatch):
 
 
 def test_convergence_key_includes_part_file(tmp_path):
+    """One byte more in a STEP file."""
     shutil.copytree(ROCKER.parent, tmp_path / "rocker")
     mechanism = load_robot(tmp_path / "rocker" / "robot.toml").mechanism
     inputs = storing(in_turn, mechanism).inputs
@@ -211,6 +214,7 @@ def test_part_key_includes_sources():
 
 
 def test_memo_key_has_all_arguments():
+    """Values, types, shapes and names of arguments. Names of legs do not count."""
     arguments = [
         *((), (1,), (1.0,), ("1",), (True,), ((1, 2), 3), (1, (2, 3))),
         *((np.zeros(6),), (np.zeros((2, 3)),), (np.zeros((3, 2)),), (np.zeros(6, np.float32),)),
@@ -233,6 +237,7 @@ def test_memo_key_has_all_arguments():
 
 
 def test_part_key_depends_on_every_input(tmp_path, monkeypatch):
+    """Interfaces and their order, material, unit, options, sources, library versions and file."""
     file, interfaces = file_and_interfaces(tmp_path)
     inputs = [(interfaces, STEEL), (interfaces[::-1], STEEL)]
     for position in (0, 1):
@@ -293,6 +298,7 @@ def test_results_have_unique_keys(tmp_path, monkeypatch):
 
 
 def test_run_key_contains_all_options():
+    """Each field of the header but the time of the start."""
     header = {
         "robot": "r",
         "robot_sha256": "1",
@@ -313,6 +319,7 @@ def test_run_key_contains_all_options():
 
 
 def test_run_digest_depends_on_measurements():
+    """Options, and each field of each measured value."""
     plain = Request(load_robot("ifw"), "quick", Path("out"), 1)
     changed = {"only": "leg*", "accept": ("x=0.1",), "vary": ("geometry.a=0.9:1:3",)}
     requests = [plain, *(replace(plain, **{name: other}) for name, other in changed.items())]
@@ -338,6 +345,7 @@ def with_part(folder: Path, change: bytes = b"") -> RobotFile:
 
 @pytest.mark.usefixtures("coarse_parts")
 def test_robot_digest_covers_file_and_parts(tmp_path):
+    """SHA-256 of the robot file, and of its part's file if it has one."""
     first, unchanged = with_part(tmp_path / "one"), with_part(tmp_path / "same")
     other = with_part(tmp_path / "other", b"/* other */\n")
     assert first.sha256 == unchanged.sha256 != other.sha256

@@ -97,6 +97,10 @@ def huang_function(p: BeamProperties, L: float, plane: str, omega):
 @pytest.mark.parametrize("plane", ["y", "z"])
 @pytest.mark.parametrize("leg", [LEG_1, square_leg(1.0)])
 def test_timoshenko_modes_equal_huang_roots(leg, plane):
+    """T. C.
+
+    Huang (1961): the first twenty frequencies are the roots of his equation, none is missing.
+    """
     p, L = softer_along_y(leg.timoshenko), leg.length
     omega = 2.0 * np.pi * bending_frequencies(p, L, plane, 20)
     # The cut-off of the second spectrum, √(κGA/ρI), lies below the 20th root of these legs.
@@ -111,6 +115,7 @@ def test_timoshenko_modes_equal_huang_roots(leg, plane):
 
 
 def test_rod_has_axial_and_torsional_modes():
+    """Steel rod of 1 m: √(E/ρ)/4L = 1293.05 Hz times 1, 3, 5; in torsion with GJ/ρI_p for E/ρ."""
     # Steel bar of 1 m: √(E/ρ)/4L = 5172.2/4 Hz; torsional frequencies times √(GJ/E(Iy + Iz)).
     p = square_leg(10.0).timoshenko
     tension = tension_frequencies(p, 1.0, 3)
@@ -123,6 +128,7 @@ def test_rod_has_axial_and_torsional_modes():
 @both_theories
 @pytest.mark.parametrize("part", PARTS)
 def test_beam_frequency_order_is_four(theory, part):
+    """Second frequencies in tension, torsion and bending, relative to exact ones: order n⁻⁴."""
     p, L = LEG_2.properties(theory), LEG_2.length
     kind, _, plane = part.partition(" ")
     exact = {
@@ -143,6 +149,7 @@ def test_beam_frequency_order_is_four(theory, part):
 
 @both_theories
 def test_beam_tip_compliance_is_exact(theory):
+    """For one, two and seven elements: closed form of a cantilever, with and without shear."""
     for leg in (square_leg(1.0), square_leg(1e4), LEG_2):
         properties = leg.properties(theory)
         for elements in (1, 2, 7):
@@ -154,6 +161,7 @@ def test_beam_tip_compliance_is_exact(theory):
 
 @both_theories
 def test_centreline_under_tip_load_is_exact(theory):
+    """Closed forms of a cantilever under unit tip loads, such as x²(3L − x)/6EI + x/κGA."""
     p, L = softer_along_y(LEG_2.properties(theory)), LEG_2.length
     leg = beam_leg(p, L, 3)
     x = np.linspace(0.0, L, 14)
@@ -187,6 +195,7 @@ def test_centreline_under_tip_load_is_exact(theory):
 
 
 def test_zero_elements_are_refused():
+    """Stations beyond the tip of the leg are refused, too."""
     with pytest.raises(InputError, match="elements = 0"):
         beam_leg(LEG_1.timoshenko, 0.85, 0)
     with pytest.raises(InputError, match="station"):
@@ -208,6 +217,7 @@ def warped(constants, elements, ends):
 
 
 def test_free_warping_is_saint_venant_torsion(flanged):
+    """Tip compliance L/GJ, and torsional frequencies (2k − 1)/4L √(GJ/ρI_p)."""
     leg = warped(flanged, 20, "free")
     expected = tip_compliance(beam_properties(flanged, STEEL), LENGTH)
     assert tip_compliance_of(leg) == pytest.approx(expected, rel=1e-8, abs=1e-16)
@@ -219,6 +229,10 @@ def test_free_warping_is_saint_venant_torsion(flanged):
 
 
 def test_fixed_warping_torsion_equals_vlasov(flanged):
+    """Tip compliance (L − 2d tanh(L/2d))/GJ, d² = EΓ/GJ.
+
+    A round section has no warping unknowns.
+    """
     expected = tip_compliance(beam_properties(flanged, STEEL), LENGTH)
     expected[3, 3] = held_torsion_compliance(warping_rod(flanged, STEEL), LENGTH)
     coarse, fine = (tip_compliance_of(warped(flanged, n, "rigid")) for n in (20, 40))
@@ -284,6 +298,7 @@ def critical(p: BeamProperties, ends: str) -> float:
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
 @pytest.mark.parametrize("ends", ENDS)
 def test_column_buckles_at_engesser_load(ends, theory):
+    """P = P_E/(1 + P_E/κGA) for four end conditions; P_E by Euler, with κGA = ∞ without shear."""
     p, (free, times) = COLUMN.properties(theory), ENDS[ends]
     expected = critical(p, ends)
     if theory == "euler-bernoulli":
@@ -298,6 +313,7 @@ def test_column_buckles_at_engesser_load(ends, theory):
 
 
 def test_column_buckling_has_order_four():
+    """Relative error of the load of a column with two clamped ends: order n⁻⁴."""
     p, counts = COLUMN.timoshenko, [6, 8, 12, 16]
     expected = critical(p, "fixed-fixed")
     errors = [factor(prestressed_leg(p, L, n, ALL), (), PUSH) / expected - 1.0 for n in counts]

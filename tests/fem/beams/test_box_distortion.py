@@ -34,6 +34,7 @@ def test_unequal_taper_twists_like_solid():
 
 
 def test_equal_taper_does_not_distort():
+    """A tube whose width and height fall in one ratio: no work of distortion."""
     first, last = HollowRectangle(0.1, 0.08, 0.004), HollowRectangle(0.07, 0.056, 0.0028)
     reference = distortion_work(tube(first, replace(first, height=0.056)), np.ones_like)
     assert distortion_work(tube(first, last), np.ones_like) < 1e-12 * reference

@@ -77,6 +77,7 @@ def test_helical_beam_equals_orthotropic_solid(shape, tolerance):
 
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 def test_helical_elements_are_exact_in_statics(theory):
+    """Two beam elements and three segments have the closed form's tip compliance."""
     leg = helix("box")
     beam = leg.properties(theory)
     expected = tip_compliance(beam, leg.length)

@@ -22,6 +22,7 @@ def given_leg(leg):
 
 
 def test_beam_from_6x6_recovers_prism():
+    """The beam fitted to the 6×6 of a prism has the constants of that prism."""
     interior = interior_properties(given_leg(PRISM), "uniform")
     assert astuple(interior) == pytest.approx(astuple(PRISM.timoshenko), rel=1e-8)
 
@@ -52,6 +53,7 @@ def test_fixed_warping_doubles_torsion_mode():
 
 
 def test_tube_from_6x6_has_polar_moment():
+    """The fitted beam of a tube has GJ = (EIy + EIz)/2(1 + ν), as any round section does."""
     tube = given_leg(ConstantLeg(0.5, Tube(0.1, 0.01), STEEL))
     uniform = interior_properties(tube, "uniform")
     core = (uniform.EIy + uniform.EIz) / 2.6

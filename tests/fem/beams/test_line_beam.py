@@ -31,6 +31,7 @@ def frequencies(leg, theory, elements, count=4):
 @pytest.mark.parametrize("theory", THEORIES)
 @pytest.mark.parametrize("section", [Rectangle(0.05, 0.1), Angle(0.05, 0.1, 0.005, 0.008)])
 def test_equal_sections_give_prism_beam(section, theory):
+    """A line leg with equal end sections has the frequencies and shapes of the prism."""
     leg = tapered(STRAIGHT, section, section)
     line, prism = (
         line_beam(leg.sections(theory), 4),
@@ -50,6 +51,7 @@ def test_equal_sections_give_prism_beam(section, theory):
 @pytest.mark.parametrize("theory", THEORIES)
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
 def test_tapered_beam_statics_are_exact(line, theory):
+    """Reference: flexibility integrals of a straight and of a curved tapered leg."""
     sections = tapered(line).sections(theory)
     expected = sections.tip_compliance
     for elements in (1, 3):
@@ -60,6 +62,7 @@ def test_tapered_beam_statics_are_exact(line, theory):
 @pytest.mark.parametrize("theory", THEORIES)
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
 def test_tapered_beam_has_order_four(line, theory):
+    """Frequencies of straight and curved tapered legs, relative to those of 80 elements."""
     leg = tapered(line)
     limit = frequencies(leg, theory, 80)
     coarse, fine = (frequencies(leg, theory, n) / limit - 1.0 for n in (10, 20))
@@ -71,6 +74,7 @@ def test_tapered_beam_has_order_four(line, theory):
 
 @pytest.mark.parametrize("line", [STRAIGHT, ARC])
 def test_tapered_segment_order_is_two(line):
+    """Frequencies relative to 80 beam elements; the literal layout has order one."""
     sections = tapered(line).sections("timoshenko")
     limit = clamped_modes(line_beam(sections, 80), 3).frequencies
     errors = [

@@ -116,6 +116,7 @@ def test_tube_at_45_degrees_twists_with_published_G():
     ids=["tube", "box"],
 )
 def test_layers_of_steel_equal_isotropic_solid(section):
+    """The matrices of a solid of steel layers are those of one solid of steel."""
     leg = leg_of(section)
     mesh = extrude(section_mesh(section, 2), stations(0.05, 1))
     solid = solid_leg(leg, mesh)
@@ -146,7 +147,7 @@ def test_equal_layers_share_elements():
 
 @pytest.mark.parametrize("ends", ["rigid", "free"])
 def test_condensed_inclined_fibres_equal_sparse_solid(ends):
-    """The halves of such a leg are equal after half a turn, not mirror images. Round-off 3e-12."""
+    """Halves of a leg with inclined fibres are equal after half a turn, not mirror images."""
     leg = leg_of(LaminateTube(layers(45, -45, thickness=1.5e-3), 0.06))
     mesh = solid_mesh(leg, 1)
     solid = clamped_leg(solid_leg(leg, mesh), ends).compliance

@@ -28,6 +28,7 @@ def clamped(leg, divisions, ends="free"):
 
 
 def test_equal_sections_give_prism_solid():
+    """A line leg with equal end sections has the tip compliance of the prism's solid."""
     section = Rectangle(0.06, 0.10)
     line, prism = tapered(STRAIGHT, section, section), ConstantLeg(1.0, section, STEEL)
     for ends in ("free", "rigid"):
@@ -58,6 +59,7 @@ def test_slender_cone_solid_equals_beam():
 
 
 def test_slender_tapered_solid_equals_beam():
+    """Taper 2:1 in height: bending and frequencies within 0.15 % of the beam, torsion 1 %."""
     leg = tapered(STRAIGHT, Rectangle(0.06, 0.10), Rectangle(0.06, 0.05))
     solid = clamped(leg, 2)
     beam = leg.sections("timoshenko")

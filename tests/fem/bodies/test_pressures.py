@@ -41,6 +41,7 @@ def resultants(mesh):
 
 
 def test_pressure_on_all_faces_is_in_equilibrium(file):
+    """One pressure on all faces, bores included, has no resultant force and moment."""
     total = sum(resultants(file.mesh).values())
     # Round-off of sums over 200 facets; a single face has 1e-3 m² or more.
     assert np.abs(total).max() <= 1e-16

@@ -71,6 +71,7 @@ def bar(request):
     ids=["nearly square", "nearly square, free", "circle", "tetrahedra"],
 )
 def test_leg_modes_equal_dense_solution(clamped):
+    """Reference: eigenvalues of the dense matrices; square bars have close or equal pairs."""
     clamped = clamped()
     values, _ = dense_solution(clamped)
     for number in (1, 5, 12, 8):
@@ -84,6 +85,7 @@ def test_leg_modes_equal_dense_solution(clamped):
 
 
 def test_frequency_error_estimates_are_bounds(bar):
+    """True errors, from dense eigenvalues, are at most the estimates of the solver."""
     clamped, values, _ = bar
     result = clamped.modes(20)
     true = np.abs(result.frequencies / hertz(values[:20]) - 1.0)
@@ -108,6 +110,7 @@ def test_double_mode_at_cut_off_is_complete():
 
 
 def test_leg_mode_count_equals_dense_count(bar):
+    """Eigenvalues below a shift, counted by the inertia of K − σM and by a dense solution."""
     clamped, values, _ = bar
     for below in (0, 2, 12, 100):
         lower = values[below - 1] if below else 0.0
@@ -150,6 +153,7 @@ def test_merged_modes_keep_residuals():
 
 
 def test_missing_mode_is_detected(bar):
+    """Five of six modes, or six of which two are equal, contradict the count by inertia."""
     clamped, values, _ = bar
     count, message = clamped.rooted_inertia, "leg: certificate of the modes failed: 6 lie"
     assert values[5] < certify(values[:6], values[6], count, "leg") < values[6]
@@ -194,6 +198,10 @@ def blinded_modes(clamped, lost, *, sees_again):
 
 
 def test_missed_mode_is_reported(bar):
+    """A search that misses one mode is refused.
+
+    If a second search finds the mode, it is included.
+    """
     clamped, values, vectors = bar
     with pytest.raises(ComputationError, match="certificate of the modes failed"):
         blinded_modes(clamped, vectors[:, 5], sees_again=False)
@@ -216,6 +224,7 @@ def test_slender_leg_has_both_bending_modes():
 
 
 def test_more_modes_than_unknowns_are_refused(bar):
+    """A 12×12 matrix has 12 modes; with four masses it has four, so that five are refused."""
     K, M = csr_array(np.diag(np.arange(1.0, 13.0))), csr_array(eye_array(12))
     solve = analyse(K).factorise().solve
     result = lowest_modes(solve, M, 12, partial(count_below, pencil(K, M)), "matrix")
@@ -305,6 +314,10 @@ def test_leg_1_has_known_modes_and_centreline():
 
 
 def test_default_elements_have_equal_sides():
+    """0.8 m with two divisions of 0.1 m give 16 slices.
+
+    Shorter legs and other stations are refused.
+    """
     mesh = solid_mesh(ConstantLeg(0.8, Rectangle(0.10, 0.16), STEEL), 2)
     assert (mesh.slices, mesh.element) == (16, "hex27")
     with pytest.raises(InputError, match="shorter than"):

@@ -47,6 +47,7 @@ from validation.adequacy.robot_verdicts import leg_alone
     ],
 )
 def test_calculix_failure_is_reported(behaviour, timeout, message, tmp_path, monkeypatch):
+    """A program that hangs, or that prints no results: message with the title of the deck."""
     program = tmp_path / "ccx"
     program.write_text(f"#!/bin/sh\n{behaviour}\n")
     program.chmod(0o755)
@@ -56,6 +57,7 @@ def test_calculix_failure_is_reported(behaviour, timeout, message, tmp_path, mon
 
 
 def test_missing_calculix_is_reported(monkeypatch):
+    """So are elements of 27 nodes, which CalculiX does not have."""
     mesh = meshed(ConstantLeg(0.2, Rectangle(0.1, 0.1), STEEL), 1, 2).mesh
     with pytest.raises(InputError, match=r"hex27 .*27 nodes; take tet10"):
         deck_text(leg_deck(mesh, STEEL))
@@ -65,6 +67,7 @@ def test_missing_calculix_is_reported(monkeypatch):
 
 
 def test_one_tetrahedron_deck_is_valid():
+    """All cards of the deck, with an equation, a mass, a load and a request for modes."""
     corners = np.vstack([np.zeros(3), np.eye(3)])
     # G is twice the isotropic value, like that of the paper's equivalent legs.
     cubic = Material(E=7.0e10, G=5.4e10, nu=0.3, rho=2700.0)
@@ -120,6 +123,7 @@ PRINTED_DECK = Deck("printed", np.zeros((8, 3)), (), load_cases=((),), watched=(
 
 
 def test_calculix_results_are_read():
+    """Displacements and frequencies of a printed file; incomplete or negative ones are refused."""
     results = read_results(PRINTED_RESULTS, PRINTED_DECK)
     assert results.displacements[0].tolist() == [
         [1.561671e-10, -1.184426e-13, -2.042256e-14],
@@ -194,6 +198,7 @@ def assert_equal_to_calculix(posture) -> int:
 
 @needs_calculix
 def test_five_bar_equals_calculix():
+    """Square legs, an offset rigid body, rotors and two elastic joints: statics and frequencies."""
     mechanism = of_squares("five-bar")
     *_, last = mechanism.bodies.values()
     rigid = Rigid(6.0, np.array([0.1, 0.02, 0.03]), np.diag([0.2, 0.3, 0.4]) + 0.01)
@@ -216,6 +221,7 @@ def test_five_bar_equals_calculix():
 @needs_calculix
 @pytest.mark.exhaustive
 def test_spinning_rods_delta_equals_calculix():
+    """Statics and frequencies; both programs have six idle motions, one for each rod."""
     assert assert_equal_to_calculix(reference_posture(of_squares("delta"))) == 6
 
 
@@ -264,6 +270,7 @@ def test_damped_leg_equals_calculix(tmp_path):
 
 @needs_calculix
 def test_calculix_error_names_its_deck():
+    """A deck whose equation refers to a missing node: CalculiX's message, with the deck's title."""
     deck = leg_deck(tetrahedra(Rectangle(0.1, 0.1), 0.2, 1), STEEL)
     foreign = Equation((10**6, 0), (((0, 0), 1.0),))
     broken = replace(deck, title="foreign node", equations=(*deck.equations, foreign))

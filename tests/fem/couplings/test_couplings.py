@@ -81,6 +81,7 @@ def ties(grip, nodes):
 
 
 def test_lug_compliance_equals_lagrange(lug):
+    """Lug with a rigid, a pinned and an averaged interface: eliminated and multiplier equations."""
     file, part = lug
     grips = grips_on(file, "rigid", "pin", "average")
     nodes, size, m = part.mesh.nodes, part.stiffness.shape[0], len(grips)
@@ -108,6 +109,7 @@ def test_lug_compliance_equals_lagrange(lug):
 
 @pytest.mark.parametrize("kind", ["rigid", "average", "pin"])
 def test_rigid_motion_needs_no_force(lug, kind):
+    """A coupled part moved as a rigid body: no force, interface twists and mass as expected."""
     file, part = lug
     grips = grips_on(file, kind, kind)
     M = on_three_components(part.scalar_mass)
@@ -186,7 +188,7 @@ def test_free_solution_equals_bordered_system(mesh):
 
 
 def test_strip_decay_rates_equal_papkovich_fadle():
-    """First roots of sin 2s ± 2s = 0 (tension, bending) with s = γc, by Fadle (1940)."""
+    """First roots s of sin 2s ± 2s = 0 (tension, bending), decay rate s/half-width (Fadle 1940)."""
     half = 0.05
     mesh = section_mesh(Rectangle(0.001, 2.0 * half), (1, 16))
     rates = {fields.name: _decays(fields)[0] for fields in section_fields(mesh, STEEL)}
@@ -225,6 +227,7 @@ def test_end_effects_are_independent_of_leg_length():
 
 
 def test_asymmetric_section_waves_are_refused():
+    """Waves are separated by symmetry; a skewed section mesh has none."""
     mesh = section_mesh(BLOCK.section, (2, 3))
     skew = replace(mesh, nodes=mesh.nodes + 0.1 * np.square(mesh.nodes[:, ::-1]))
     with pytest.raises(InputError, match="not symmetric"):
@@ -362,6 +365,7 @@ def test_slow_waves_equal_timoshenko(section):
 
 
 def test_singular_wave_equation_is_refused(monkeypatch):
+    """At 1500 Hz the walls of a box vibrate locally; infinite solutions are refused, too."""
     with pytest.raises(ComputationError, match="walls of the section vibrate locally"):
         waves_of(BOX, 2)["bending z"].stiffness(LENGTH, 2.0 * np.pi * 1500.0)
     # A zero pivot gives infinite numbers, as with legs of very different stiffness.

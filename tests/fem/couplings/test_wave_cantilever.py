@@ -113,6 +113,7 @@ def test_i_section_torsion_equals_solid():
 
 
 def test_cut_off_frequency_is_that_of_section_walls():
+    """The lowest cut-off of the waves is the lowest frequency of the section in its plane."""
     mesh = section_mesh(SCARA_ARM.section, 4)
     kinds = prism_waves(mesh, ALUMINIUM)
     assert_allclose(

@@ -75,6 +75,7 @@ def bar(request, tmp_path_factory):
 
 
 def test_interface_couples_all_its_faces():
+    """An interface of faces 1 and 2 contains the element faces of both."""
     faces = {number: Facets(np.array([[number, 8, 9]]), "tri3") for number in (1, 2, 3, 4)}
     interfaces = [
         Interface(name, numbers, np.eye(3)[index], "rigid", "", None, None, 1.0)
@@ -85,6 +86,7 @@ def test_interface_couples_all_its_faces():
 
 
 def test_box_has_exact_mass_properties(bar):
+    """m = ρLa², centre at L/2, moments m(a² + b²)/12 of a square bar."""
     properties = bar.part.properties()
     mass = STEEL.rho * LENGTH * SIDE**2
     assert properties.mass == pytest.approx(mass, rel=1e-12)
@@ -112,6 +114,7 @@ def test_mode_count_equals_dense_count(bar, free):
 
 
 def test_reduction_modes_equal_dense_modes(bar):
+    """Modes with all interfaces fixed, below a cut-off, against dense eigenvalues."""
     held_frequencies = bar.held_frequencies
     cutoff = 1.001 * held_frequencies[14]
     reduced = reduction(bar.held, 0.4 * cutoff, cutoff)
@@ -152,6 +155,7 @@ def search_returning(rows, searches):
 
 
 def test_missed_body_mode_is_reported(bar, monkeypatch):
+    """A mode that the first search misses is found by the next; otherwise the part is refused."""
     cutoff = 1.001 * bar.held_frequencies[9]
     for missed in (0, 7):
         blind = search_returning(
@@ -224,6 +228,7 @@ def test_free_interface_modes_bound_clamped_ones(bar, free_reduction):
 
 
 def test_cut_off_above_all_modes_is_refused(bar):
+    """So is a cut-off below the highest requested frequency."""
     if len(bar.rooted.solid.points) == 1:
         with pytest.raises(ComputationError, match=r"bar, free: modes up to .* contain all of the"):
             free_interface(bar.rooted, 1e8, 1e9)

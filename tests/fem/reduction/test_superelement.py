@@ -93,6 +93,7 @@ def test_condensed_leg_keeps_rigid_mass(model):
 
 
 def test_grounded_or_unstable_leg_is_refused():
+    """A stiffness to ground makes rigid motions cost energy; a negative one has no minimum."""
     leg = MODELS["beam"](LEG_1)
     grounded, loose = leg.stiffness.toarray(), leg.stiffness.toarray()
     grounded[13, 13] *= 1.0 + 1e-3
@@ -126,6 +127,7 @@ def test_free_ends_have_constraint_modes():
 
 
 def test_solid_leg_equals_matrix_reduction():
+    """Condensation slice by slice against that of the assembled matrices of one leg."""
     solid = meshed(LEG_1, 1, 3)
     condensed = static_superelement(held_solid_leg(clamped_leg(solid), solid.mesh)).matrices
     expected = static_superelement(held_leg(solid_leg_matrices(solid))).matrices
@@ -187,6 +189,7 @@ def test_reduced_robot_equals_unreduced_robot(robots):
 
 @pytest.mark.parametrize("factor", [1.1, 2.5])
 def test_frequency_bounds_enclose_truth(robots, factor):
+    """Truth: the unreduced robot. Cut-offs of 1.1 and 2.5 times the highest frequency."""
     _, held_legs, unreduced_robots = robots
     reduced, robot_at = reduced_to(held_legs, HIGHEST, factor * HIGHEST)
     # Rounding error of the dense frequencies, 1e-12, with a margin.
@@ -206,6 +209,7 @@ def test_frequency_bounds_enclose_truth(robots, factor):
 
 
 def test_low_cut_off_is_refused():
+    """The cut-off must be above the highest frequency that is requested."""
     held_legs = {name: held_leg(MODELS["beam"](leg)) for name, leg in LEGS.items()}
     with pytest.raises(InputError, match=r"cut-off = 900 Hz: must be above .*, 1000 Hz"):
         reduced_to(held_legs, 1000.0, 900.0)

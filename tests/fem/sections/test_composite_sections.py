@@ -111,6 +111,7 @@ def test_filled_tube_equals_hashin(inner, outer):
 
 
 def test_composite_of_one_material_equals_plain_solid():
+    """Stiffness and mass of a stepped section with two parts, both of steel."""
     mesh = extrude(section_mesh(STEPPED, 4), stations(0.1, 3))
     plain = stiffness_and_mass(mesh, STEEL)
     parted = composite_stiffness_and_mass(mesh, mesh.regions, [STEEL, STEEL])
@@ -158,6 +159,7 @@ def test_composite_beam_has_section_compliance():
 
 
 def test_one_material_warps_as_saint_venant():
+    """Torsion, shear, bimoment and inertia of warping of a channel, by both formulations."""
     mesh = section_mesh(Channel(0.05, 0.1, 0.02, 0.02), 4)
     rod = composite_rod(mesh, part_moduli(mesh, [STEEL]))
     expected = warping_rod(section_constants(mesh, STEEL.nu), STEEL)

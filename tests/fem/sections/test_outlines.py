@@ -76,6 +76,7 @@ def test_constants_equal_boundary_elements(section):
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
 def test_outline_mesh_is_centred_and_valid(section):
+    """Each refinement gives four times the cells; all are well shaped, centroid at the origin."""
     coarse, fine = (section_mesh(section, divisions) for divisions in (4, 8))
     assert len(fine.cells) == 4 * len(coarse.cells)
     jacobians, aspects = quality(fine)

@@ -31,6 +31,7 @@ from meshes.section.section_mesh import SectionMesh, section_mesh
 
 
 def test_torsion_constant_has_twice_the_element_order():
+    """Rectangle, J by Saint-Venant's series: quadratic elements have an error of order h⁴."""
     # The warping function minimises an energy, so that the error of J of a convex section falls as
     # h^2p; for rectangles slightly slower, because of a logarithmic corner term.
     meshes = [section_mesh(Rectangle(0.1, 0.2), divisions) for divisions in (3, 6)]
@@ -119,6 +120,7 @@ def test_energy_shear_coefficients_equal_renton():
 
 
 def test_cubic_material_shear_is_exact():
+    """With independent G, κ depends on νG/E alone: that of the isotropic material of equal νG/E."""
     mesh = section_mesh(Rectangle(0.3, 0.1), 6)
     # Shear coefficients depend on ν G/E, equal for the first two: 0.25 · 0.4 = 0.2 · 0.5.
     isotropic, cubic, other = (
@@ -209,6 +211,7 @@ def test_split_or_mirrored_mesh_is_refused():
 
 
 def test_mesh_properties_equal_formulas():
+    """Stiffnesses and masses of a rectangular beam, from a mesh and in closed form (ν = 0)."""
     material = Material(E=2.1e11, G=1.1e11, nu=0.0, rho=7850.0)
     section = Rectangle(0.1, 0.16)
     computed = beam_properties(section_constants(section_mesh(section, 16), 0.0), material)
@@ -254,6 +257,7 @@ def test_thin_i_section_wave_equals_vlasov():
     ("section", "nu"), [(HollowRectangle(0.1, 0.16, 0.01), 0.3), (Circle(0.1), 0.0)]
 )
 def test_straight_sided_section_contracts_freely(section, nu):
+    """Only curved elements with ν > 0 restrain contraction in bending."""
     assert not held_contraction(section_quadrature(section_mesh(section, 2)), nu, 0.4).any()
 
 

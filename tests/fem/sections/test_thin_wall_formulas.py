@@ -123,6 +123,7 @@ CASES = {
 
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
 def test_thin_section_has_published_constant(case):
+    """Torsion and warping constants and shear centres of open and closed sections."""
     section, quantity, published = case
     size = np.abs(published).max()
     assert limit(section, quantity) == pytest.approx(np.array(published), abs=2e-3 * size)

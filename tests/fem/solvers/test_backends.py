@@ -98,6 +98,7 @@ def backend(request, monkeypatch):
 class TestEveryLibrary:
     @pytest.mark.parametrize("columns", [0, 1, 8, 40])
     def test_solution_equals_superlu(self, matrices, columns):
+        """None to forty right-hand sides, against SciPy's SuperLU."""
         K, _ = matrices
         loads = np.random.default_rng(1).standard_normal((K.shape[0], columns))
         solution = analyse(K).factorise().solve(loads)
@@ -108,6 +109,7 @@ class TestEveryLibrary:
             assert np.abs(solution - expected).max() <= 1e-9 * np.abs(expected).max()
 
     def test_backward_error_is_small(self, matrices):
+        """Residual of the solution below 1e-13 of |K||u| + |f|."""
         K, _ = matrices
         load = np.random.default_rng(2).standard_normal(K.shape[0])
         solution = analyse(K).factorise().solve(load)
@@ -133,6 +135,7 @@ class TestEveryLibrary:
         np.testing.assert_allclose(repeated, before, rtol=0.0, atol=1e-9 * size)
 
     def test_eigenvalue_count_equals_dense_count(self, matrices):
+        """Counts by inertia below shifts between the eigenvalues of a dense solution."""
         K, M = matrices
         exact, matrix_pencil = eigvalsh(K.toarray(), M.toarray()), pencil(K, M)
         for below in (0, 1, 5, 40):
@@ -144,15 +147,18 @@ class TestEveryLibrary:
         assert analyse(csr_array((0, 0))).indefinite("held").inertia == Inertia(0, 0, 0)
 
     def test_indefinite_matrix_is_refused(self, matrices):
+        """Dynamic stiffness K − ω²M at 10 kHz, above the first frequencies of the leg."""
         K, M = matrices
         with pytest.raises(NotPositiveDefiniteError, match="leg 1"):
             analyse(K - 2.0 * (2.0 * np.pi * 1e4) ** 2 * M).factorise("leg 1")
 
     def test_unsupported_body_is_refused(self, leg):
+        """The stiffness of a leg without supports is singular: six rigid-body motions."""
         with pytest.raises(NotPositiveDefiniteError, match="rigid body"):
             analyse(leg.stiffness).factorise()
 
     def test_chain_on_round_off_support_is_refused(self):
+        """Chain on a support of 40 or 4000 rounding units: the stiffer one is accepted."""
         chain = 2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1)
         for roundings in (40.0, 4000.0):
             chain[0, 0] = chain[-1, -1] = 1.0
@@ -229,10 +235,12 @@ CARD, SMALL = Device("card", 80_000_000_000), Device("small card", 4_000_000_000
     ],
 )
 def test_solver_follows_request_size_and_card(request_, unknowns, card, expected):
+    """`auto` takes cudss from GAIN_FROM unknowns on if the card's memory suffices, else rslab."""
     assert choose(Solver(request_), unknowns, card) is Solver(expected)
 
 
 def test_invalid_environment_variable_is_refused(monkeypatch):
+    """FLEXPROOF_SOLVER: empty is auto, unknown names are refused with the valid ones."""
     for text, expected in (("", "auto"), ("auto", "auto"), ("rslab", "rslab"), ("petsc", "petsc")):
         monkeypatch.setenv(VARIABLE, text)
         assert requested_solver() is Solver(expected)
@@ -244,6 +252,7 @@ def test_invalid_environment_variable_is_refused(monkeypatch):
 
 
 def test_cudss_without_card_is_refused(monkeypatch, matrices):
+    """Missing packages and a missing card are two different messages."""
     monkeypatch.setenv(VARIABLE, "cudss")
     monkeypatch.setattr("fem.extras.find_spec", lambda _: None)
     discard_card()
@@ -258,6 +267,7 @@ def test_cudss_without_card_is_refused(monkeypatch, matrices):
 
 
 def test_failing_gpu_driver_means_no_card(monkeypatch):
+    """`auto` then takes rslab. `cudss` is refused with the message of the driver."""
     insert_card(monkeypatch)
     import cupy  # noqa: PLC0415  the fake one
 
@@ -273,6 +283,7 @@ def test_failing_gpu_driver_means_no_card(monkeypatch):
 
 
 def test_solver_name_has_libraries_and_card(monkeypatch):
+    """The name in results: library, version and card, and the size from which `auto` takes it."""
     insert_card(monkeypatch)
     assert cudss.device() == Device("fake card", 8_000_000_000)
     monkeypatch.setenv(VARIABLE, "cudss")
@@ -284,6 +295,7 @@ def test_solver_name_has_libraries_and_card(monkeypatch):
 
 
 def test_small_matrix_is_solved_on_host(monkeypatch, matrices):
+    """A matrix that a graphics card would not solve faster is never sent to it."""
     monkeypatch.setenv(VARIABLE, "auto")
     card = insert_card(monkeypatch)
     assert analyse(matrices[0]).space is HOST
@@ -334,6 +346,7 @@ def test_failing_card_gives_one_warning(leg, card, monkeypatch, call, error, mes
 
 
 def test_full_card_memory_gives_warning(leg, card):
+    """A matrix that needs more than the card's free memory is factorised on the host."""
     card.free = 1_000_000
     with pytest.warns(SolverFallbackWarning, match=r"unknowns need about 0\.0 GB of its memory"):
         body = clamped_leg(leg)
@@ -353,6 +366,7 @@ def test_mode_search_stays_on_card(leg, card):
 
 
 def test_deleted_factor_frees_memory(matrices, card):
+    """All handles of the graphics card are released with the Python object."""
     symbolic = analyse(matrices[0])
     symbolic.factorise().solve(np.ones(symbolic.size))
     assert card.alive == 3

@@ -46,6 +46,7 @@ def assert_solves(factor, matrix, columns=2):
 
 
 def test_two_factors_are_independent(short_leg):
+    """Three matrices factorised at a time; each solution is that of its own matrix."""
     K, M = short_leg
     pieces = csr_array(block_diag([K[:size, :size] for size in (300, 90, 600, 60)]))
     matrices = K, K + 1e6 * M, pieces
@@ -60,6 +61,7 @@ def test_two_factors_are_independent(short_leg):
 
 
 def test_solution_bits_are_independent_of_threads(short_leg, monkeypatch):
+    """One, two and four threads give equal bits. OMP_NUM_THREADS sets their number."""
     loads = np.random.default_rng(5).standard_normal((short_leg[0].shape[0], 8))
     solutions = []
     for setting in ("1", "2", "4"):
@@ -73,6 +75,7 @@ def test_solution_bits_are_independent_of_threads(short_leg, monkeypatch):
 
 
 def test_indefinite_factor_is_refused(short_leg, capfd):
+    """Also a chain with one negative eigenvalue; one with all eigenvalues above zero is solved."""
     K, M = short_leg
     with pytest.raises(NotPositiveDefiniteError, match=r"leg 1: .*not positive definite"):
         analyse(K - 2.0 * (2.0 * np.pi * 1e4) ** 2 * M).factorise("leg 1")
@@ -115,6 +118,7 @@ def test_factor_of_chain_held_by_round_off_is_refused():
 
 
 def test_memory_is_checked_before_factoring(short_leg, monkeypatch):
+    """The estimate is above the matrix itself. One byte less of free memory is refused."""
     symbolic = analyse(short_leg[0])
     # The factor needs at least the memory of the lower triangle of K.
     assert 8 * short_leg[0].nnz / 2 < symbolic.peak_bytes < 1e9
@@ -129,6 +133,7 @@ def test_memory_is_checked_before_factoring(short_leg, monkeypatch):
     "error", [NotPositiveDefiniteError("leg 1"), MissedModesError("leg 1: 2 missing", 2)]
 )
 def test_solver_errors_survive_pickling(error):
+    """Errors raised in worker processes are pickled; their class, text and data arrive."""
     arrived = pickle.loads(pickle.dumps(error))  # noqa: S301  its own bytes
     assert (type(arrived), str(arrived), vars(arrived)) == (type(error), str(error), vars(error))
 

@@ -58,6 +58,7 @@ def relative_difference(compliance, expected):
     ],
 )
 def test_gamg_compliance_equals_factor(gamg, monkeypatch, nu, length, tolerance):
+    """Stubby to slender legs, ν up to 0.4999; reference: rslab."""
     assert gamg
     leg = hexahedral_leg(nu, length)
     body = clamped_leg(leg)
@@ -87,6 +88,7 @@ def test_gamg_is_set_up_once(gamg, monkeypatch):
 
 
 def test_gamg_refuses_matrix_without_support(gamg):
+    """Wrong near-null space, and an indefinite matrix."""
     assert gamg
     solid = clamped_leg(hexahedral_leg()).solid
     places = np.zeros((solid.size, 3))
@@ -98,6 +100,7 @@ def test_gamg_refuses_matrix_without_support(gamg):
 
 
 def test_gamg_without_convergence_names_part_and_cause(gamg, monkeypatch):
+    """An unreachable tolerance: iterations, error, allowed error and remedy in one line."""
     assert gamg
     monkeypatch.setattr("fem.solvers.backends.petsc.iteration._ENERGY", 1e-20)
     monkeypatch.setattr("fem.solvers.backends.petsc.iteration._BACKWARD", 0.0)
@@ -139,6 +142,7 @@ def test_petsc_solves_without_factor(monkeypatch):
 
 
 def test_modes_by_gamg_are_counted_by_a_factor(gamg, monkeypatch):
+    """Frequencies and their count equal those by rslab."""
     assert gamg
     leg = hexahedral_leg()
     modes = clamped_leg(leg).modes(6)
@@ -150,5 +154,6 @@ def test_modes_by_gamg_are_counted_by_a_factor(gamg, monkeypatch):
 
 
 def test_solver_name_has_gamg(gamg):
+    """The name in results tells statics of solids by GAMG from other solutions."""
     assert ", GAMG (statics of solids) on " in solver_name()
     assert os.environ[RANKS_VARIABLE] == gamg

@@ -62,6 +62,7 @@ def assert_nothing_left(folder: Path) -> None:
 
 
 def test_killed_server_is_replaced(ranks, tmp_path):
+    """The current factor fails with the reason, and the next one starts new processes."""
     factor = analyse(CHAIN).factorise()
     servers = [
         number
@@ -97,6 +98,7 @@ sys.stdin.read()
 
 @pytest.mark.parametrize("end", ["exit", "SIGKILL", "SIGINT"])
 def test_ended_client_ends_petsc_processes(ranks, tmp_path, end):
+    """After exit, SIGKILL or SIGINT of the main process no process and no file remains."""
     folder = tmp_path / "of client"
     folder.mkdir()
     environment = os.environ | {"TMPDIR": str(folder)}
@@ -129,6 +131,7 @@ def test_deleted_petsc_factor_leaves_no_files(ranks, tmp_path):
 
 
 def test_petsc_name_has_versions_and_ranks(ranks):
+    """The name in results has the versions of PETSc and MUMPS and the number of ranks."""
     plural = "" if ranks == 1 else "s"
     name = solver_name()
     assert name.startswith("PETSc 3.")
@@ -138,6 +141,7 @@ def test_petsc_name_has_versions_and_ranks(ranks):
 
 
 def test_petsc_memory_is_checked_before_factoring(ranks, monkeypatch):
+    """One byte less of free memory than the estimate is refused."""
     assert ranks
     symbolic = analyse(diags_array([np.full(20_000, 2.0)], offsets=[0], format="csr"))
     assert 20_000 * 16 < symbolic.peak_bytes < 1e9
@@ -149,6 +153,7 @@ def test_petsc_memory_is_checked_before_factoring(ranks, monkeypatch):
 
 @pytest.mark.parametrize("text", ["0", "-1", "two", "1.5", "100000"])
 def test_invalid_rank_count_is_refused(monkeypatch, text):
+    """FLEXPROOF_RANKS is a whole number from 1 on, also if another solver is requested."""
     monkeypatch.setenv(RANKS_VARIABLE, text)
     message = f'FLEXPROOF_RANKS = "{text}": must be a whole number from 1 to'
     with pytest.raises(InputError, match=message):
@@ -166,6 +171,7 @@ def test_invalid_rank_count_is_refused(monkeypatch, text):
     ],
 )
 def test_missing_petsc_names_packages(monkeypatch, interpreter, reason):
+    """No interpreter, no petsc4py, or a failing one: reason and Debian packages in one line."""
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(PYTHON_VARIABLE, interpreter)
     with pytest.raises(InputError) as refused:
@@ -176,6 +182,7 @@ def test_missing_petsc_names_packages(monkeypatch, interpreter, reason):
 
 
 def test_full_temporary_folder_is_reported(ranks, monkeypatch, tmp_path):
+    """One line during a factorisation or before the start, with the reason; no files remain."""
     assert ranks
     symbolic = analyse(CHAIN)
 
@@ -195,6 +202,7 @@ def test_full_temporary_folder_is_reported(ranks, monkeypatch, tmp_path):
 
 
 def test_missing_mpiexec_names_package(monkeypatch):
+    """One rank needs no mpiexec; three do."""
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(PYTHON_VARIABLE, sys.executable)
     monkeypatch.setenv(RANKS_VARIABLE, "3")

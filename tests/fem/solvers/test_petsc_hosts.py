@@ -44,6 +44,7 @@ def hosts(tmp_path):
     ],
 )
 def test_invalid_host_file_is_refused(hosts, text, fault):
+    """Empty file, unknown or repeated host, or another machine first: file and line are named."""
     with pytest.raises(InputError) as refused:
         read_hosts(hosts(text))
     assert len(refused.value.faults) == 1
@@ -51,6 +52,7 @@ def test_invalid_host_file_is_refused(hosts, text, fault):
 
 
 def test_missing_host_file_is_refused(tmp_path, monkeypatch):
+    """`--hosts` without `--solver petsc` or `gamg` is refused, too."""
     monkeypatch.setenv(VARIABLE, "petsc")
     missing = tmp_path / "hosts"
     with pytest.raises(InputError, match=r"hosts: No such file or directory; must be a hostfile"):
@@ -60,6 +62,7 @@ def test_missing_host_file_is_refused(tmp_path, monkeypatch):
 
 
 def test_each_host_has_equally_many_ranks(hosts, monkeypatch):
+    """By default one per host. Others must be multiples of the number of hosts."""
     monkeypatch.setenv(HOSTS_VARIABLE, str(hosts("127.0.0.1 slots=2 # this\n192.0.2.1\n")))
     monkeypatch.delenv(RANKS_VARIABLE, raising=False)
     assert requested_ranks() == 2

@@ -35,6 +35,7 @@ def damaged(monkeypatch, tmp_path):
 
 @pytest.mark.usefixtures("damaged")
 def test_small_systems_fall_back_to_scipy():
+    """With a warning that names the reason. Deflections of a chain are n(301 − n)/2."""
     with pytest.warns(SolverFallbackWarning, match=re.escape(f"cannot be loaded ({REASON}): Sc")):
         symbolic = analyse(CHAIN)
     assert type(symbolic.analysis.ordering) is SuperluOrdering
@@ -56,6 +57,7 @@ def test_superlu_off_diagonal_pivot_is_refused():
 
 @pytest.mark.usefixtures("damaged")
 def test_large_system_without_petsc_is_refused(monkeypatch):
+    """The message has the number of unknowns and how to install rslab or PETSc."""
     monkeypatch.setattr("fem.solvers.backends.superlu.LARGEST", 299)
     monkeypatch.setenv(PYTHON_VARIABLE, "/nowhere/python")
     with pytest.raises(ComputationError) as refused:
@@ -69,6 +71,7 @@ def test_large_system_without_petsc_is_refused(monkeypatch):
 
 @pytest.mark.usefixtures("damaged")
 def test_large_systems_fall_back_to_petsc(monkeypatch):
+    """With a warning; the name in results has both SuperLU and MUMPS."""
     require_petsc()
     monkeypatch.setattr("fem.solvers.backends.superlu.LARGEST", 299)
     with pytest.warns(SolverFallbackWarning, match="PETSc larger ones"):
@@ -80,6 +83,7 @@ def test_large_systems_fall_back_to_petsc(monkeypatch):
 
 @pytest.mark.usefixtures("damaged")
 def test_missing_requested_rslab_is_reported(monkeypatch):
+    """FLEXPROOF_SOLVER=rslab excludes a fallback: the reason is an error."""
     monkeypatch.setenv(VARIABLE, "rslab")
     message = re.escape(f"solver rslab: cannot be loaded ({REASON}); install rslab again")
     for use in (lambda: analyse(CHAIN), lambda: request_solver(None)):

@@ -30,6 +30,7 @@ def measurable():
 
 
 def test_quantity_names_match_robot_file_keys():
+    """Names of all judged quantities in display order: x, …, f1, …, load:NAME, response:NAME."""
     modes = [f"f{number}" for number in range(1, MOST_MODES + 1)]
     assert [str(quantity) for quantity in JUDGED] == [
         *("x", "y", "z", "phi_x", "phi_y", "phi_z", "any_force", "load:cutting", "load:f1"),
@@ -39,10 +40,12 @@ def test_quantity_names_match_robot_file_keys():
 
 
 def test_quantity_names_are_unique():
+    """Names identify quantities in files and options."""
     assert len({quantity.name for quantity in JUDGED}) == len({*JUDGED}) == len(JUDGED)
 
 
 def test_measured_quantity_name_round_trips():
+    """A name in a CSV file gives the quantity of this name."""
     assert {name: quantity.name for name, quantity in measurable().items()} == {
         name: name for name in measurable()
     }
@@ -107,6 +110,7 @@ def test_each_quantity_has_one_kind():
 
 
 def test_quantity_columns_are_numbered_per_kind():
+    """Columns of static, load, response and frequency arrays are numbered from zero each."""
     assert [quantity.static_column for quantity in JUDGED if quantity.whole] == list(range(9))
     assert [quantity.column for quantity in load_quantities(LOADS)] == [0, 1]
     assert [quantity.column for quantity in response_quantities(RESPONSES)] == [0, 1, 2, 3, 4]
@@ -118,6 +122,7 @@ def test_quantity_columns_are_numbered_per_kind():
 
 
 def test_quantities_have_labels_and_meanings():
+    """Short names in tables (φx) and their meanings in words."""
     words = {quantity.name: (quantity.label, quantity.meaning) for quantity in JUDGED}
     assert words["phi_x"] == ("φx", "rotation under a moment about x")
     assert words["load:cutting"] == ("load cutting", "displacement under the load cutting")

@@ -193,6 +193,7 @@ FAULTS = {
 
 @pytest.mark.parametrize("bearing", FAULTS)
 def test_invalid_bearing_is_refused(bearing):
+    """Each fault of `bearings` gives one line with key, value and range."""
     with pytest.raises(InputError) as error:
         described(ARM.replace("BEARING", bearing))
     assert error.value.faults == (FAULTS[bearing],)

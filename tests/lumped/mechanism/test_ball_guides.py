@@ -99,6 +99,7 @@ FAULTS = {
 
 @pytest.mark.parametrize("text", FAULTS, ids=["up", "spacing"])
 def test_invalid_guide_is_refused(text):
+    """Without `up`, or with balls that are closer than their diameter: one line each."""
     with pytest.raises(InputError) as error:
         described(text)
     assert error.value.faults == (FAULTS[text],)

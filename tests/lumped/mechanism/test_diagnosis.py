@@ -43,6 +43,7 @@ def test_tilted_hinge_axis_is_reported(joint, towards):
 
 @pytest.mark.parametrize("joint", ["hinge_x", "pin_x1", "eye_x1", "pin_x2", "eye_x2", "wrist_x"])
 def test_tilted_orthoglide_axis_is_reported(joint):
+    """One axis tilted by 1°: the message names it, or two that it cannot tell apart."""
     fault = tilted(ORTHOGLIDE, joint, 1 if joint in TWINS else 2)[0]
     key = f"joints.{joint}.axis"
     if joint in TWINS:
@@ -54,6 +55,7 @@ def test_tilted_orthoglide_axis_is_reported(joint):
 
 
 def test_impossible_tool_moves_are_reported():
+    """A planar robot cannot move along z."""
     new = deepcopy(dict(FIVE_BAR))
     new["tool"] = FIVE_BAR["tool"] | {"moves": ["x", "z"]}
     new.pop("path")
@@ -86,6 +88,7 @@ def test_collinear_rods_are_reported():
 
 
 def test_stretched_legs_are_reported():
+    """All three legs of a 3-RRR stretched: each is named, and the motions lost and free."""
     points = load_robot("3-rrr").tables["points"]
     middles = {f"B{i}": 0.5 * (np.array(points[f"A{i}"]) + points[f"C{i}"]) for i in (1, 2, 3)}
     (fault,) = faults(with_points(load_robot("3-rrr").tables, middles))

@@ -182,6 +182,7 @@ def test_rigid_direction_is_limit_of_stiffness(rigid):
 
 
 def test_all_rigid_directions_give_rigid_joint():
+    """`stiffness` with "rigid" in all directions is a joint without compliance."""
     lines = (*REVOLUTE[:3], 'stiffness = { axial = "rigid", radial = "rigid", tilting = "rigid" }')
     assert joined(*lines).joints[0].compliance is None
 
@@ -270,6 +271,7 @@ FAULTS = {
 
 @pytest.mark.parametrize("lines", FAULTS)
 def test_invalid_stiffness_is_refused(lines):
+    """Each fault gives one line with key, value and what is allowed."""
     unit = str((1e-9 * np.eye(6)).tolist())
     with pytest.raises(InputError) as error:
         joined(*REVOLUTE[:2], *lines.replace("UNIT", unit).split("\n"))
@@ -289,6 +291,7 @@ SLIDE_FAULTS = {
 
 @pytest.mark.parametrize("up", SLIDE_FAULTS)
 def test_invalid_slide_normal_is_refused(up):
+    """`up` of a slide with stiffness: missing, zero or along the slide."""
     with pytest.raises(InputError) as error:
         joined(*SLIDE[:2], up, *SLIDE[3:])
     assert error.value.faults == (SLIDE_FAULTS[up],)

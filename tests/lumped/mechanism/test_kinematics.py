@@ -56,6 +56,7 @@ def single_joint(kind):
     ],
 )
 def test_joint_allows_its_free_twists(kind, position, turn, values):
+    """Known relative positions of each joint: closed, with its coordinates and free twists."""
     mechanism = single_joint(kind)
     closure = Closure(mechanism)
     # Both bodies are moved together first: only their relative placement matters.
@@ -102,6 +103,7 @@ def test_joint_allows_its_free_twists(kind, position, turn, values):
     ],
 )
 def test_invalid_cardan_axes_are_refused(axes, message):
+    """Axes of a universal joint are two directions that are not parallel."""
     with pytest.raises(InputError, match=message):
         Joint("j", "universal", Side("a", "P"), Side("b", "P"), np.array(axes))
 
@@ -117,6 +119,7 @@ def test_invalid_cardan_axes_are_refused(axes, message):
     ],
 )
 def test_leg_z_axis_is_closest_to_up(end, up, z):
+    """Legs along, across and opposite to base z, with and without `up`."""
     x, y, z_axis = leg_frame(np.zeros(3), np.array(end), up).rotation.T
     assert x == pytest.approx(np.array(end) / np.linalg.norm(end), abs=1e-14)
     assert z_axis == pytest.approx(z, abs=1e-14)
@@ -145,6 +148,7 @@ def random_poses(mechanism, count):
 
 
 def test_loops_close_at_random_poses(mechanism):
+    """All built-in robots; the numerical solution equals the closed inverse kinematics."""
     closure = Closure(mechanism)
     along = [i for i, move in enumerate(mechanism.tool.moves) if move in "xyz"]
     datum = np.array(mechanism.tool.datum)
@@ -165,6 +169,7 @@ def test_loops_close_at_random_poses(mechanism):
 
 
 def test_jacobian_is_derivative_of_residual(mechanism):
+    """Central differences in a displaced posture, for all built-in robots."""
     closure, rng = Closure(mechanism), np.random.default_rng(1)
     placement = closure.reference
     size = closure.jacobian(placement).shape[1]
@@ -185,6 +190,7 @@ def test_jacobian_is_derivative_of_residual(mechanism):
 
 
 def test_mobility_equals_kutzbach(mechanism):
+    """6 (bodies − 1 − joints) + Σ freedoms, plus redundant constraints."""
     computed = mobility(reference_posture(mechanism))
     freedoms = sum(FREEDOMS[joint.kind] for joint in mechanism.joints)
     kutzbach = 6 * (len(mechanism.bodies) - 1 - len(mechanism.joints)) + freedoms
@@ -196,6 +202,7 @@ def test_mobility_equals_kutzbach(mechanism):
 
 
 def test_delta_kinematics_equal_closed_form():
+    """Angles of the three arms by hand, from arm and rod length and the platform's offset."""
     mechanism = load_robot("delta").mechanism
     arm, rod, offset, droop = 0.24, 0.56, 0.18 - 0.06, np.radians(20.0)
     for pose in random_poses(mechanism, 2):
@@ -236,6 +243,7 @@ def test_joint_angle_exceeds_half_turn(five_bar):
 
 
 def test_open_joint_is_reported(five_bar):
+    """A rod displaced by 1 µm: joint and gap are named."""
     frame = five_bar.reference["rod2"]
     shifted = replace(frame, position=frame.position + 1e-6 * np.eye(3)[1])
     open_five_bar = replace(five_bar, reference={**five_bar.reference, "rod2": shifted})
@@ -244,6 +252,10 @@ def test_open_joint_is_reported(five_bar):
 
 
 def test_imprecise_axis_is_reported():
+    """Tilted by 1e-7 rad, redundant constraints contradict.
+
+    By 1e-4 rad, one is no longer redundant.
+    """
     mechanism = load_robot("3-rrr").mechanism
 
     def tilted(angle):
@@ -261,6 +273,7 @@ def test_imprecise_axis_is_reported():
 
 
 def test_unreachable_pose_names_joint():
+    """x = 0.9 m is beyond the stroke: open joint, and the last pose that is reachable."""
     iterated = replace(load_robot("ifw").mechanism, inverse_kinematics=None)
     # Of the way of 0.4025 m from the reference pose to x = 0.9 m, 0.3525 m lie within the stroke:
     # 88 %.
@@ -308,6 +321,7 @@ def test_leg_height_is_exact_at_stroke_ends(short):
 
 @pytest.mark.parametrize("x", [0.1449, 0.8501, -1.0, np.nan, np.inf])
 def test_position_outside_stroke_is_refused(x):
+    """The stroke of the paper's robot is 0.145 to 0.85 m."""
     with pytest.raises(InputError, match=r"outside the stroke 0.145 m to 0.85 m"):
         STROKE.legs_at(x)
 
@@ -336,6 +350,7 @@ def test_robot_family_needs_legs_that_meet():
 
 
 def test_repeated_posture_is_not_solved_again(monkeypatch):
+    """Postures of a mechanism loaded again come from memory."""
     forget()
     mechanism = load_robot("five-bar").mechanism
     monkeypatch.setattr("lumped.mechanism.kinematics.postures._continued", pytest.fail)

@@ -100,6 +100,7 @@ def test_joint_motion_replaces_rigid_spring():
     ],
 )
 def test_chain_without_compliance_names_direction(joints, springs, words):
+    """Joints or springs that leave one force direction rigid: it is named in words."""
     compliances = [(frame, 1e-9 * np.diag(diagonal)) for frame, diagonal in springs]
     with pytest.raises(ComputationError, match=rf"arm is rigid against {words}"):
         stiffness(O, joints, compliances)
@@ -129,6 +130,7 @@ def spring_behind(*joints):
     ],
 )
 def test_free_platform_reports_motion(K, words):
+    """A singular platform stiffness: its free motion in words, such as a turn about a point."""
     with pytest.raises(ComputationError, match=f"free to {words}"):
         vjm.platform_compliance(K)
 

@@ -35,12 +35,14 @@ def robot_with(tmp_path):
 
 
 def test_agreement_limits_have_defaults(robot_with):
+    """Without [agree] all limits have the defaults of the guide."""
     assert asdict(load_robot("ifw").agreement) == DEFAULTS
     assert asdict(robot_with("").agreement) == DEFAULTS
 
 
 @pytest.mark.parametrize("robot", ["ifw", "five-bar"])
 def test_agreement_limits_are_read(robot_with, robot):
+    """All keys of [agree], in both formats of robot files."""
     table = 'elements = 12\nconvergence = 0.02\ncompliance = 0.003\nfrequency = 0.04\nends = "free"'
     agreement = robot_with(table, robot).agreement
     assert agreement == AgreementLimits(12, 0.02, 0.003, 0.04, "free")
@@ -61,6 +63,7 @@ def test_agreement_limits_are_read(robot_with, robot):
     ],
 )
 def test_invalid_agreement_is_refused(robot_with, agree, fault):
+    """Each fault of [agree] gives one line with file, key and range."""
     with pytest.raises(InputError) as raised:
         robot_with(agree)
     (line,) = raised.value.faults
@@ -78,7 +81,7 @@ def test_invalid_agreement_is_refused(robot_with, agree, fault):
     ],
 )
 def test_table_agree_sets_ends_of_solids(ends, leg_ends, expected):
-    """The end condition in [agree] precedes that of the leg. The default is rigid."""
+    """The end condition in [agree] overrides that of the leg. The default is rigid."""
     assert AgreementLimits(ends=ends).ends_of(leg_ends) == expected
 
 
@@ -94,6 +97,7 @@ def test_agreement_limit_is_not_uncertain(robot_with):
 
 @pytest.mark.parametrize("kind", ["biglide", "five-bar"])
 def test_new_file_has_agreement_limits(tmp_path, kind):
+    """`flexproof new` writes each key of [agree] as a comment with its default."""
     write_template(tmp_path / "new.toml", kind)
     lines = (tmp_path / "new.toml").read_text(encoding="utf-8").replace("\n#     ", " ").split("\n")
     for key, value in DEFAULTS.items():

@@ -52,6 +52,7 @@ def test_repeated_csv_column_is_refused(csv):
 
 
 def test_measurements_are_read(tmp_path):
+    """Tables [accept], rely, [[measured]] and [[input_uncertainty]] added to a robot file."""
     original = load_robot("ifw")
     robot = robot_of(original.text + ADDED_TABLES, tmp_path)
     requirement = robot.requirement
@@ -71,6 +72,7 @@ def test_measurements_are_read(tmp_path):
 
 
 def test_accept_option_overrides_file():
+    """`--accept` replaces single limits of [accept]; a group such as deflection sets several."""
     requirement = Requirement(rely=("beam",))
     quantities = ("x", "y", "z", "phi_x", "phi_y", "phi_z", "any_force", "f1", "f2", "f3", "f4")
     assert [quantity.name for quantity in requirement.quantities] == [*quantities, "order"]
@@ -87,6 +89,7 @@ def test_accept_option_overrides_file():
     "option", ["deflction=0.1", "x", "x=", "x=five", "x=5", "x=0", "x=nan", "modes=0", "modes=2.5"]
 )
 def test_invalid_accept_option_is_refused(option):
+    """Unknown name, missing value or value out of range: one line for each fault."""
     with pytest.raises(InputError) as refused:
         with_options(Requirement(), (option, "y=1e9"), ("vjmm",))
     assert len(refused.value.faults) == 3
@@ -94,6 +97,7 @@ def test_invalid_accept_option_is_refused(option):
 
 
 def test_csv_values_are_read(csv):
+    """Deflection, frequency and compliance entry with pose, force, uncertainty, source and unit."""
     x = "x,0.4975,8.9e-6,1e-7,laser tracker,1000\n"
     rows = "f1,0.4975,113.2,0.5,hammer,\nleg1.c22,,1.77e-7,2e-9,test stand,\n"
     measured = with_measured(load_robot("ifw"), csv(HEAD + x + rows)).measured
@@ -128,6 +132,7 @@ def test_csv_values_are_read(csv):
     ],
 )
 def test_csv_error_has_line_and_value(csv, line, message):
+    """Each fault of a file of measured values names file, line and column."""
     path = csv(f"{HEAD}{line}\n")
     with pytest.raises(InputError) as raised:
         with_measured(load_robot("ifw"), path)
@@ -137,6 +142,7 @@ def test_csv_error_has_line_and_value(csv, line, message):
 
 
 def test_csv_without_values_is_refused(csv, tmp_path):
+    """Wrong columns, a heading alone, or no such file."""
     for text, message in (("a,b\n1,2\n", "lacks the column"), (HEAD, "contains no")):
         with pytest.raises(InputError, match=message):
             read_measured(csv(text))
@@ -159,6 +165,7 @@ def read(folder, csv, robot=ROBOT):
 
 
 def test_wrench_rows_match_pose_or_coordinates(tmp_path):
+    """Rows are assigned by the number of the pose or by its coordinates, in any order."""
     by_number = read(tmp_path, WRENCHES)
     by_coordinate = f"time,{AXES},x\n0,{CELLS[2]},0.2\n1,{CELLS[1]},0.05\n2,{CELLS[0]},-0.1\n"
     for robot in (by_number, read(tmp_path, by_coordinate)):
@@ -169,6 +176,7 @@ def test_wrench_rows_match_pose_or_coordinates(tmp_path):
 
 
 def test_wrenches_of_a_pose_must_be_equal(tmp_path):
+    """A path that visits a pose twice needs equal wrenches for both visits."""
     repeated = ROBOT.replace(LINE, "poses = [[0.1], [0.1]]")
     rows = f"pose,{AXES}\n1,{CELLS[0]}\n2,"
     (load,) = read(tmp_path, f"{rows}{CELLS[0]}\n", repeated).mechanism.loads
@@ -194,6 +202,7 @@ def test_wrenches_of_a_pose_must_be_equal(tmp_path):
     ],
 )
 def test_wrench_error_has_line_and_column(tmp_path, csv, message):
+    """Each fault names the key `loads[1].file`, the CSV file and the cell."""
     with pytest.raises(InputError) as raised:
         read(tmp_path, csv)
     fault = raised.value.faults[0]
@@ -203,6 +212,7 @@ def test_wrench_error_has_line_and_column(tmp_path, csv, message):
 
 
 def test_missing_wrench_csv_is_refused(tmp_path):
+    """A wrench beside the file is refused in a line of its own."""
     text = f"{ROBOT.replace('cutting.csv', 'none.csv')}wrench = [1, 0, 0, 0, 0, 0]\n"
     with pytest.raises(InputError) as raised:
         robot_of(text, tmp_path)

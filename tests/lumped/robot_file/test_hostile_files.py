@@ -91,6 +91,7 @@ def little_memory():
 
 @pytest.mark.usefixtures("little_memory")
 def test_malformed_file_is_refused(path, capsys):
+    """Binary, nested, huge or cut texts: `check` prints short lines, with exit code 2."""
     for content in HOSTILE:
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         code = cli.main(["check", str(path)])
@@ -111,6 +112,7 @@ ODD_VALUES = (
 
 @pytest.mark.parametrize("value", ODD_VALUES, ids=lambda value: str(value)[:9])
 def test_malformed_value_is_refused(value):
+    """Each key of a valid file gets a value of another kind. At most three keys accept it."""
     key_paths = [
         key_path for key_path in places(tomllib.loads(SOUND)) if isinstance(key_path[-1], str)
     ]
@@ -133,6 +135,7 @@ def faults_of(path, content):
 
 
 def test_many_errors_are_counted_and_cut(path):
+    """At most 50 lines and 150 characters of a value are printed."""
     faults = faults_of(path, with_keys(70, "lenght{} = 1\n"))
     assert (len(faults), faults[-1]) == (50, "and 21 more faults")
     (fault,) = faults_of(path, SOUND.replace("a = 0.9", f"a = 0x{'f' * 9999}"))
@@ -180,6 +183,7 @@ GRID = {"from": [0.0, 0.0], "to": [0.1, 0.1], "counts": [1000, 100]}
     ids=lambda value: value[:20],
 )
 def test_oversized_file_is_refused(path, content, message):
+    """Upper limits of points, bodies and other entries of a robot file."""
     assert any(message in fault for fault in faults_of(path, content))
 
 
@@ -195,6 +199,7 @@ READERS = {
 
 @pytest.mark.parametrize("name", READERS)
 def test_pipe_link_or_device_is_refused(name, tmp_path):
+    """Named pipe, dangling link, /dev/zero and 300 MB, for each reader of a file."""
     path = tmp_path / name
 
     def assert_refused(message):
@@ -215,6 +220,7 @@ def test_pipe_link_or_device_is_refused(name, tmp_path):
 
 
 def test_file_of_largest_size_is_read(tmp_path):
+    """One byte more is refused."""
     path = tmp_path / "file"
     path.write_bytes(b"x" * 100)
     assert read_ordinary(path, "a file", 100) == b"x" * 100

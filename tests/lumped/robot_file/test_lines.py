@@ -48,6 +48,7 @@ def test_line_length_of_corner_and_arc():
 
 
 def test_stations_are_fractions_or_points():
+    """`at` of a section: a fraction of the length, or a point on the line."""
     leg = leg_of(
         points={"K": [0.4, 0.2, 0.0]},
         through=["K"],
@@ -71,6 +72,7 @@ def test_tapered_leg_mass_is_exact():
 
 
 def test_tapered_leg_in_mm_is_equal():
+    """One tapered leg in a file in m and in a file in mm: equal compliances."""
     file = tables(through=[[0.3, 0.0, 0.0]], sections=TAPER)
     small = tables(through=[[300.0, 0.0, 0.0]])
     small |= {"units": "mm", "points": {"A": [0.0, 0.0, 0.0], "B": [600.0, 300.0, 0.0]}}
@@ -94,6 +96,7 @@ def test_sizes_at_stations_have_keys():
 
 
 def test_copied_tapered_leg_is_rotated():
+    """Three copies of a curved leg about z have equal compliances in their own axes."""
     three = {"about": "z", "count": 3}
     file = tables(points={"K": {"at": [0.3, 0.0, 0.1], "pattern": three}})
     for name in ("A", "B"):
@@ -181,6 +184,7 @@ FAULTS = {
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_invalid_tapered_leg_is_refused(fault):
+    """Each fault gives one line that begins with its key."""
     leg = {"material": STEEL, **FAULTS[fault]}
     file = tables(**{key: value for key, value in leg.items() if value is not None})
     if leg["material"] is None:
@@ -200,6 +204,7 @@ def test_equal_sections_give_prism():
 
 
 def test_built_in_robots_have_prisms():
+    """Robots without `sections` have legs of constant section, as before."""
     assert not any(
         isinstance(body.shape, LineLeg) for body in load_robot("delta").mechanism.bodies.values()
     )

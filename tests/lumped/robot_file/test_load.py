@@ -39,6 +39,7 @@ def joints_of(mechanism):
 
 
 def test_valid_biglide_file_is_read(tmp_path):
+    """Legs by section and by 6×6, end condition, tool offset, and SHA-256 of the file."""
     loaded = robot_of(SOUND.replace("[leg1]", '[leg1]\nends = "rigid"'), tmp_path)
     path = tmp_path / "robot.toml"
     assert (loaded.source, loaded.built_in) == (str(path), False)
@@ -55,6 +56,7 @@ def test_valid_biglide_file_is_read(tmp_path):
 
 
 def test_byte_order_mark_and_crlf_are_read(tmp_path):
+    """Files written by Windows editors."""
     path = tmp_path / "windows.toml"
     path.write_bytes(b"\xef\xbb\xbf" + SOUND.replace("\n", "\r\n").encode())
     slides = load_robot(path).mechanism.reference
@@ -78,6 +80,7 @@ def test_all_loss_factors_are_read(tmp_path):
 
 
 def test_mass_and_modulus_are_read(tmp_path):
+    """`mass` replaces the density. G is E/2(1 + ν) unless the file gives it."""
     text = SOUND.replace(", rho = 7850.0", "").replace("length = 0.85", "length = 0.85\nmass = 60")
     leg = legs_of(robot_of(text, tmp_path).mechanism)["leg1"]
     # E over 2(1 + ν)
@@ -105,6 +108,7 @@ def rows(**entries):
 
 
 def test_rounding_half_width_is_half_unit_of_digit():
+    """1.67e-10 has a half-width of 5e-13; zeros and the foot chosen by the designer have none."""
     entries = {"c11": "1.67e-10", "c22": "5.870E-9", "c33": "0.0025", "c44": "2e-7"}
     mirrored = {"c12": "0.0", "c21": "-0.0", "c23": "-1.5e-9", "c32": "-1.50e-9"}
     leg_text = f"compliance = {rows(**entries, **mirrored)}\n"
@@ -123,6 +127,7 @@ def test_rounding_half_width_is_half_unit_of_digit():
 
 
 def test_number_too_small_for_float_is_exact_zero():
+    """1e-99999999999999999999 has no rounding uncertainty."""
     entries = {"c11": "1.67e-10", "c12": "1e-99999999999999999999"}
     (foot,) = printed_compliances(decimal_tables(f"[foot]\ncompliance = {rows(**entries)}\n"))
     assert foot.compliance[0].tolist() == [1.67e-10, 0.0, 0.0, 0.0, 0.0, 0.0]
@@ -137,6 +142,7 @@ def faults_of(tables):
 
 @pytest.mark.parametrize("wrong", list(invalid_files()), ids=str)
 def test_error_names_allowed_values(wrong):
+    """For each kind of wrong file: the expected lines, and no others."""
     faults = faults_of(wrong.tables())
     assert len(faults) == len(wrong.messages), faults
     for line in wrong.messages:
@@ -145,12 +151,14 @@ def test_error_names_allowed_values(wrong):
 
 
 def test_empty_file_lists_missing_keys():
+    """All required keys at once, not the first one only."""
     missing = {fault.split(": missing")[0] for fault in faults_of({})}
     keys = ("schema", "name", "type", "geometry", "platform", "actuators", "leg1", "leg2")
     assert missing == set(keys)
 
 
 def test_unreadable_path_is_refused(tmp_path):
+    """Missing file, misspelt robot, folder, other encoding, and a too long name."""
     latin = tmp_path / "latin.toml"
     latin.write_bytes(b'name = "Gr\xf6\xdfe"')
     robots = f"must be a robot file or a built-in robot ({', '.join(built_in_robots())})"
@@ -173,6 +181,7 @@ PATH = "from = [-0.20, 0.45]\nto = [0.20, 0.55]\ncount = 9"
 
 
 def test_bodies_are_placed_by_points():
+    """Arm, rod and platform of the built-in Delta, against coordinates by hand."""
     mechanism = load_robot("delta").mechanism
     arm, frame = mechanism.bodies["arm1"], mechanism.reference["arm1"]
     assert isinstance(arm.shape, ConstantLeg)
@@ -235,10 +244,12 @@ def test_digest_covers_included_files(tmp_path):
     ],
 )
 def test_interface_faces_are_read(table, expected):
+    """Faces by number, by name, as a cylinder or as a plane, with the kind of coupling."""
     assert interface_of(INTERFACE.read(table)) == expected
 
 
 def test_path_poses_form_line_or_grid(tmp_path):
+    """`from`, `to` and `count` give a line, `counts` a grid."""
     text = load_robot("five-bar").text.replace("[path]", "[accept]\nmodes = 2\n[path]")
     line = robot_of(text, tmp_path)
     assert line.requirement.modes == 2
@@ -251,6 +262,7 @@ def test_path_poses_form_line_or_grid(tmp_path):
 
 
 def test_two_points_give_slide_axis():
+    """The axis of a hexapod's drive is the direction of its leg."""
     mechanism = load_robot("hexapod").mechanism
     drive = next(joint for joint in mechanism.joints if joint.name == "drive1")
     leg = mechanism.reference["strut1"].rotation[:, 0]
@@ -275,6 +287,7 @@ def numbers(mechanism):
 
 
 def test_guide_biglide_is_built_in_biglide(tmp_path):
+    """The robot file that the guide writes out body by body has all numbers of the built-in one."""
     guide = (ROOT / "docs" / "guide" / "mechanisms.md").read_text(encoding="utf-8")
     text = re.search(r"(?ms)^```toml written-out.toml\n(.*?)^```", guide)[1]
     robots = (robot_of(text, tmp_path), load_robot("biglide"))
@@ -331,6 +344,7 @@ def fits(rules, value):
 
 
 def test_robot_files_satisfy_schema():
+    """All built-in robots and examples are valid by the JSON schema."""
     files = [*ROOT.glob("lumped/robots/*.toml"), *ROOT.glob("examples/*/*.toml")]
     texts = [SOUND, *(path.read_text("utf-8") for path in files)]
     assert len(texts) > 8
@@ -340,6 +354,7 @@ def test_robot_files_satisfy_schema():
 
 @pytest.mark.parametrize("robot", ["five-bar", "biglide"])
 def test_misspelt_keys_violate_schema(robot):
+    """Each key with a letter more, or with null, is invalid, except names that the user chooses."""
     text = load_robot(robot).text
     key_paths = [
         key_path for key_path in places(tomllib.loads(text)) if isinstance(key_path[-1], str)
@@ -361,6 +376,7 @@ def test_wrong_values_violate_schema():
 
 
 def test_guide_lists_all_keys():
+    """The list of keys in the guide is the one that `docs/pictures/keys.py` writes."""
     script = runpy.run_path(str(ROOT / "docs" / "pictures" / "keys.py"))
     page = script["PAGE"].read_text("utf-8")
     assert script["renewed"](page) == page, "renew it: python docs/pictures/keys.py"
@@ -371,6 +387,7 @@ def test_guide_lists_all_keys():
     [("biglide", ("leg1.section", "foot.compliance")), ("delta", ("bodies.NAME.up",))],
 )
 def test_template_is_a_valid_robot(robot, keys, tmp_path):
+    """The file of `flexproof new` is that built-in robot, with comments on all keys."""
     path = tmp_path / "new.toml"
     write_template(path, robot)
     text = path.read_text("utf-8")
@@ -379,12 +396,14 @@ def test_template_is_a_valid_robot(robot, keys, tmp_path):
 
 
 def test_schema_command_prints_schema(capsys):
+    """`flexproof schema` prints a JSON schema of draft 2020-12."""
     assert cli.main(["schema"]) == 0
     assert '"https://json-schema.org/draft/2020-12/schema"' in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("axes", ["[0.0, 0.0, 1.0]", "[[0.0, 0.0, 1.0]]"])
 def test_key_axes_needs_universal_joint(axes):
+    """Other joints have one direction, `axis`."""
     with pytest.raises(InputError, match=r"joints.pivot.axes .*one axis has axis = \[x, y, z\]"):
         described(PENDULUM.replace("axis = [0.0, 0.0, 1.0]", f"axes = {axes}"))
 
@@ -457,12 +476,14 @@ def test_tiny_acceleration_is_refused(key, tmp_path):
 
 @pytest.mark.parametrize("stiffness", ["1e-300", "1e-150", "5e-324"])
 def test_tiny_drive_stiffness_is_refused(stiffness, tmp_path):
+    """Below 1e-12 N/m the inverse overflows."""
     soft = GANTRY.replace(f"stiffness = {STIFFNESSES[0]}", f"stiffness = {stiffness}")
     with pytest.raises(InputError, match=r"drive\.stiffness = .*: must be at least 1e-12 N/m"):
         robot_of(soft, tmp_path)
 
 
 def test_robot_file_is_parsed_once(tmp_path, monkeypatch):
+    """Changed numbers need a new mechanism, but no new reading of the text."""
     calls = []
     (tmp_path / "robot.toml").write_text(
         f"{load_robot('five-bar').text}\n# a text of its own\n", encoding="utf-8"

@@ -135,6 +135,7 @@ def test_pattern_gives_built_in_delta():
 
 
 def test_varied_number_applies_to_all_copies():
+    """`--vary` of a section or of a point that has three copies."""
     loaded = robot_of(TABLES)
     key = "bodies.arm.section.height"
     ((_, robot),) = varied(loaded, variations_of(loaded, [f"{key}=0.09:0.09:1"]))
@@ -310,6 +311,7 @@ def test_audit_reports_each_copy_in_mm():
     ],
 )
 def test_pattern_error_names_entry(old, new, message):
+    """Each fault of a pattern gives a line with the joint, body or point that has it."""
     assert old in DELTA
     tables = tomllib.loads(DELTA.replace(old, new))
     with pytest.raises(InputError) as refused:

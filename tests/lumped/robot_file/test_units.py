@@ -144,6 +144,7 @@ def test_file_in_mm_gives_same_robot(path, monkeypatch):
     ],
 )
 def test_error_has_length_unit_of_file(key, value, message):
+    """Ranges in messages are in mm for a file in mm."""
     with pytest.raises(InputError) as refused:
         robot_of(with_value(MILLI, key, value))
     assert any(fault.startswith(f"dictionary: {message}") for fault in refused.value.faults), (
@@ -175,6 +176,7 @@ def test_vary_uses_length_unit_of_file():
 
 
 def test_pose_in_file_unit_gives_si_results(tmp_path, capsys):
+    """`--pose 50,500` of a file in mm equals 0.05,0.5 of the file in m; JSON is in SI units."""
     written(toml_of(MILLI), tmp_path)
     solve = ["solve", "--model", "links", "--json", "--pose"]
     cli.main([*solve, "50,500", str(tmp_path / "robot.toml")])
@@ -193,6 +195,7 @@ def test_pose_in_file_unit_gives_si_results(tmp_path, capsys):
 
 
 def test_accuracy_limits_use_length_unit_of_file(tmp_path):
+    """Limits on displacements and poses of measured values are in mm, measured values in m."""
     milli = robot_of(MILLI | {"accept": {"displacement": 0.02}})
     assert milli.requirement.displacement == 2e-5
     option = with_options(milli.requirement, ["displacement=0.03"], (), milli.mechanism.lengths)
@@ -207,6 +210,7 @@ def test_accuracy_limits_use_length_unit_of_file(tmp_path):
 
 
 def test_wrench_poses_use_length_unit(tmp_path, monkeypatch):
+    """Coordinates of poses in a file of wrenches are in mm, forces in N."""
     monkeypatch.chdir(tmp_path)
     poses = {"poses": [[0.0, 500.0], [50.0, 500.0]]}
     rows = ["x,y,Fx,Fy,Fz,Mx,My,Mz", "0,500,1,0,0,0,0,0", "50,500,2,0,0,0,0,0"]
@@ -220,6 +224,7 @@ def test_wrench_poses_use_length_unit(tmp_path, monkeypatch):
 
 
 def test_pose_angles_are_not_converted():
+    """x and y of a pose are in mm, φz stays in rad."""
     robot = load_robot("3-rrr")
     assert robot.mechanism.tool.moves == ("x", "y", "phi_z")
     milli = robot_of(in_millimetres(robot.tables) | {"path": {"poses": [[10.0, 20.0, 0.1]]}})
@@ -229,6 +234,7 @@ def test_pose_angles_are_not_converted():
 
 
 def test_key_list_uses_length_unit():
+    """Ranges in the comments of `flexproof new` and in the schema follow `units`."""
     lines = key_comments(MILLI).split("\n")
     for line in (
         "# bodies.NAME.mass_centre: a number from -10000 to 10000 mm; ",

@@ -92,6 +92,7 @@ def test_screw_stiffens_towards_bearing():
 
 
 def test_each_pose_has_its_screw_stiffness():
+    """Compliances and frequencies of a slide in three poses, with k by hand."""
     mechanism = slide_mechanism()
     postures = [posture(mechanism, pose) for pose in mechanism.poses]
     result = swept(assembly(mechanism, {}), postures, 1)
@@ -124,6 +125,7 @@ def test_screw_rotor_adds_mass():
     ],
 )
 def test_nut_stiffness_follows_its_table(load, expected):
+    """0.8 K (F/0.1 C)^⅓ with preload F and load rating C; 0.8 K (F/0.3 C)^⅓ with play."""
     table = f"{{ rigidity = {NUT}, load_rating = 2.5e4, {load} }}"
     mechanism = slide_mechanism("", SLIDE.replace(f"nut = {NUT}", f"nut = {table}"))
     axial_compliance = compliance(solved(assemble(posture(mechanism, np.array([0.5])), {})))[0, 0]
@@ -131,6 +133,7 @@ def test_nut_stiffness_follows_its_table(load, expected):
 
 
 def test_nut_beyond_screw_bearing_is_refused():
+    """In a pose, and as pose 1 of the path when the file is read."""
     with pytest.raises(ComputationError, match="the nut is 50 mm beyond its bearing"):
         assemble(posture(slide_mechanism(), np.array([0.05])), {})
     with pytest.raises(InputError) as error:
@@ -156,6 +159,7 @@ FAULTS = {
     [("", "has no load"), (", preload = 1.0, load = 1.0", "has preload and load")],
 )
 def test_nut_needs_exactly_one_kind_of_load(load, reason):
+    """`preload`, or `load` of a nut with play."""
     table = f"{{ rigidity = {NUT}, load_rating = 2.5e4{load} }}"
     with pytest.raises(InputError) as error:
         slide_mechanism("", SLIDE.replace(f"nut = {NUT}", f"nut = {table}"))
@@ -166,12 +170,14 @@ def test_nut_needs_exactly_one_kind_of_load(load, reason):
 
 @pytest.mark.parametrize("keys", FAULTS)
 def test_invalid_screw_is_refused(keys):
+    """Each fault of `drive.screw` gives one line with key, value and range."""
     with pytest.raises(InputError) as error:
         slide_mechanism(keys)
     assert error.value.faults == (FAULTS[keys],)
 
 
 def test_drive_without_stiffness_is_refused():
+    """A drive has a stiffness, a screw, or is "rigid"."""
     lines = [line for line in SLIDE.splitlines() if "screw" not in line]
     with pytest.raises(InputError) as error:
         described("\n".join(lines).replace("[[loads]]", "drive.loss = 0.1\n[[loads]]"))

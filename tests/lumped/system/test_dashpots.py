@@ -218,6 +218,7 @@ FAULTS = {
 
 @pytest.mark.parametrize("line", FAULTS)
 def test_invalid_joint_damping_is_refused(line):
+    """Each fault of `damping` of a joint gives one line with key, value and range."""
     with pytest.raises(InputError) as error:
         described(CARRIAGE.replace("DRIVE", "").replace("SLIDE", line) + "[damping]\nratio = 0.1\n")
     assert error.value.faults == (FAULTS[line],)

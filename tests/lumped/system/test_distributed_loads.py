@@ -196,6 +196,7 @@ FAULTS = {
 
 @pytest.mark.parametrize("line", FAULTS)
 def test_invalid_line_load_is_refused(line):
+    """Each fault of `lines` of a load gives one line with key, value and range."""
     with pytest.raises(InputError) as error:
         described(f"{ARM}lines = [{{ {line} }}]")
     assert error.value.faults == (FAULTS[line],)

@@ -188,6 +188,7 @@ def null_space_system(posture, legs):
     ("seed", "planar"), [*((n, False) for n in range(27)), *((n, True) for n in range(8))]
 )
 def test_assembly_equals_null_space_solution(seed, planar):
+    """35 random mechanisms: compliance of the tool, number of idle motions and frequencies."""
     posture = random_posture(seed, planar=planar)
     legs = tip_compliances(posture.mechanism)
     system = assemble(posture, links(posture.mechanism, legs))
@@ -233,8 +234,8 @@ def postures_of(name):
 def test_sweep_equals_single_postures(name, elements, loss):
     """The biglide, a robot of unreduced bodies, and a Delta robot whose rods spin idly.
 
-    `loss`: unreduced elements are 4³ times as stiff as the leg, which costs a single posture two
-    digits.
+    Four elements of an unreduced leg are 4³ times as stiff as the leg. Round-off of a single
+    posture is therefore larger by the factor `loss`.
     """
     postures, options = postures_of(name), ModelOptions(elements=elements)
     mechanism = postures[0].mechanism
@@ -265,6 +266,7 @@ def test_unreduced_bodies_are_solved_together(monkeypatch):
 
 
 def test_too_few_modes_name_posture():
+    """Bodies of the model `links` have no mass, so that four modes do not exist."""
     postures = postures_of("five-bar")
     mechanism = postures[0].mechanism
     prepared = assembly(mechanism, static_bodies("links", mechanism))

@@ -195,6 +195,7 @@ FAULTS = {
 
 @pytest.mark.parametrize("lines", FAULTS)
 def test_invalid_point_is_refused(lines):
+    """Each fault of the points of a response gives one line with key and reason."""
     with pytest.raises(InputError) as error:
         described(BAR + response_table("a", [1.0, 0.0, 0.0], lines))
     assert error.value.faults == (FAULTS[lines],)

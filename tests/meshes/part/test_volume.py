@@ -33,6 +33,7 @@ def bar(box_step):
 
 
 def test_crashing_optimiser_is_skipped(bar, monkeypatch):
+    """gmsh crashes in Netgen's optimiser at two sizes: the part is meshed without it."""
     tried = []
 
     def crashing(_seconds, function, *arguments):
@@ -56,6 +57,8 @@ def test_crashing_optimiser_is_skipped(bar, monkeypatch):
     ],
 )
 def test_unmeshable_part_is_reported(bar, monkeypatch, error, kind):
+    """A crash of gmsh or flat tetrahedra: part, size and remedy in one message."""
+
     def failing(*_):
         raise error
 
@@ -82,6 +85,8 @@ def test_size_search_skips_bad_facets(tmp_path):
 
 @pytest.mark.exhaustive
 def test_rounded_bar_mesh_keeps_volume(tmp_path):
+    """Quadratic elements on rounded edges lack less than 1 % of the volume that chords cut off."""
+
     def rounded(occ):
         """Draw a bar of 80 × 40 × 40 mm whose long edges are rounded with a radius of 8 mm."""
         bar = occ.addBox(0, -20, -20, 80, 40, 40)
@@ -102,6 +107,7 @@ def test_rounded_bar_mesh_keeps_volume(tmp_path):
 
 
 def test_inverted_tetrahedra_are_straightened():
+    """Its mid-edge nodes move to the edges' middles. Flat and mirrored ones are refused."""
     # Two tetrahedra with a common face; a mid-edge node of that face is pulled through one of them.
     tetrahedron = ELEMENTS["tet10"].nodes
     cells = np.arange(20).reshape(2, 10)
@@ -160,12 +166,14 @@ def mesh_of(folder, build):
 
 
 def test_part_without_sharp_inner_edge_is_not_cut(tmp_path):
+    """A rounded inner edge is no re-entrant corner."""
     mesh = mesh_of(tmp_path, rounded_corner)
     assert cut_at_inner_edges(mesh) is mesh
 
 
 @pytest.mark.parametrize("shape", [box_tube, with_boss])
 def test_cut_at_reentrant_edge_keeps_part_shape(tmp_path, shape):
+    """Elements at inner edges of a box or a boss are divided: mass and faces are unchanged."""
     mesh = mesh_of(tmp_path, shape)
     x, y, z = mesh.nodes[inner_edges(mesh)].T
     assert len(x) >= 12
@@ -201,6 +209,7 @@ def lug(tmp_path_factory):
 
 
 def test_faces_are_selected_by_geometry(lug):
+    """Two bores by radius and axis, an end by its normal: faces, points and coupling of each."""
     interfaces = {
         "A": PartInterface(ByCylinder(0.008)),
         "C": PartInterface(ByCylinder(0.005, axis=(0.0, 0.0, -2.0)), "average"),
@@ -229,6 +238,7 @@ def fork(occ):
 
 @pytest.mark.parametrize("suffix", ["step", "msh"])
 def test_equal_bores_are_selected_by_position(suffix, tmp_path):
+    """Two bores of one radius, one of them in two halves; selected by a point on the axis."""
     path = tmp_path / f"fork.{suffix}"
     file = meshed(path, fork, 20.0, 12.0) if suffix == "msh" else written(path, fork)
     interfaces = {
@@ -262,6 +272,7 @@ END, BORE = ByPlane((1.0, 0.0, 0.0), (0.2, 0.0, 0.0)), ByCylinder(0.008)
     ],
 )
 def test_wrong_selection_names_nearest_face(lug, selection, message):
+    """Number, radius, direction or point that fits no face: the nearest face in one line."""
     points = {"A": np.array([0.03, 0.0, 0.0])} if selection is BORE else {}
     with pytest.raises(InputError) as error:
         find_interfaces(lug, {"A": PartInterface(selection)}, points)
@@ -283,5 +294,6 @@ def test_wrong_selection_names_nearest_face(lug, selection, message):
     ],
 )
 def test_shared_interface_faces_are_refused(lug, interfaces, message):
+    """A face belongs to one interface."""
     with pytest.raises(InputError, match=message):
         find_interfaces(lug, {name: PartInterface(*choice) for name, choice in interfaces.items()})

@@ -153,6 +153,7 @@ def alone(leg):
 
 
 def test_end_conditions_change_torsion_verdict():
+    """I-section: with free ends only formulas are in error. Without an end condition: undecided."""
     entry = alone(replace(FLANGED, ends="free"))
     # The thin-walled J alone is off; inward corners leave the quick mesh 4 % uncertain.
     assert entry.along == pytest.approx(0.0, abs=0.02)
@@ -178,6 +179,7 @@ def test_end_conditions_change_torsion_verdict():
     ],
 )
 def test_half_widths_cover_finer_mesh(section, ends):
+    """Changes of frequencies from preset quick to finer meshes are within the half-widths."""
     leg = ConstantLeg(0.9, section, STEEL, ends=ends)
     robot = variant_of_ifw(a=1.0, platform_mass=30.0, leg1=leg, leg2=leg)
     quick, finer = (
@@ -196,6 +198,7 @@ def test_half_widths_cover_finer_mesh(section, ends):
 
 
 def test_tenth_mode_with_lumped_mass_is_undecided():
+    """With the mass in lumps the robot has nine modes, with other mass distributions more."""
     # Three ways each for the platform and two point masses: fewer modes than are judged.
     leg1, leg2 = (replace(leg, inertia=None, mass_centre=None) for leg in (LEG1, LEG2))
     requirement = Requirement(modes=10)
@@ -269,6 +272,7 @@ def rigid_inertia(leg, masses):
 
 @pytest.mark.parametrize("masses", MASSES)
 def test_mass_distributions_have_known_inertia(masses):
+    """Mass, centre and inertia of each plausible distribution in a prism, by integrals along it."""
     mass, centre, inertia = rigid_inertia(GIVEN, masses)
     expected, squared = SLENDER[masses]
     assert mass == pytest.approx(PRISM.mass, rel=1e-9)

@@ -46,6 +46,7 @@ def failing(function, position, model, options):
 
 @pytest.mark.parametrize("model", ["simplified", "links", "beam"])
 def test_failing_model_keeps_other_verdicts(arm, monkeypatch, capsys, model):
+    """A program error makes this model undecided in all quantities, with the error as reason."""
     due = verdicts_of(arm)[1]
     for name in ("model_statics", "modes_by_model"):
         function = failing(getattr(model_ladder, name), 1, model, DEFAULT_OPTIONS)
@@ -82,6 +83,8 @@ def test_missing_stability_keeps_verdicts(arm, monkeypatch):
 
 
 def test_refused_model_is_undecided_without_fault(arm, monkeypatch):
+    """A refusal with a reason, such as a thin arm, is no error of the program."""
+
     def refusing(*_):
         raise ComputationError("the arm is too thin")
 

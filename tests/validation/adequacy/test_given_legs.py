@@ -162,6 +162,7 @@ def test_f1_of_i_section_known_by_6x6_is_undecided(flanged):
 
 
 def test_i_section_intervals_contain_errors(flanged):
+    """True errors of beams lie between `low` and `high` of their entries."""
     errors = [error for (model, _), error in flanged[1].items() if model == "beam"]
     finite_errors = [error for error in errors if np.isfinite(error).all()]
     assert len(finite_errors) >= 3

@@ -58,6 +58,7 @@ def entry(modes, quantity, *further_truths, unsure=0.0):
 
 
 def test_inconsistent_mode_order_is_undecided():
+    """Modes 2 and 3 are exchanged with one end condition and not with the other."""
     # The same robot with other ends: its second and third shape change places.
     swapped = vibration([100.0, 160.0, 190.0, 300.0], A, C, B, D)
     like_the_first = vibration([101.0, 151.0, 202.0, 303.0], *AXES)
@@ -76,6 +77,7 @@ def test_inconsistent_mode_order_is_undecided():
 
 
 def test_missing_mode_is_inadequate():
+    """No mode of the reference's shape, or fewer modes than the reference."""
     missing = entry(vibration([100.0, 200.0], A, C), "f2")
     assert (missing.verdict, missing.error) == ("inadequate", None)
     assert "no mode of this shape" in missing.reason
@@ -138,7 +140,7 @@ def test_half_local_mode_is_undecided():
 
 
 def test_local_mode_has_no_partner():
-    """A local mode has 5 % of its energy in the sampled points, shaped there as a model's mode."""
+    """A local mode has 5 % of its energy at the samples, where it looks like a model's mode."""
     truth = vibration([100.0, 150.0, 152.0, 300.0], A, B, B, D, visible=[1.0, 0.05, 1.0, 1.0])
     subject = subject_of(truth, vibration([100.0, 153.0, 250.0, 300.0], A, B, C, D))
     matrix = verdict_matrix(subject, Requirement(modes=3))
@@ -219,7 +221,7 @@ def test_cut_pair_leaves_half_widths_of_other_modes(angle):
     assert shares_by_shape(fine, fine, changes, 2) == pytest.approx(np.array([[0.01, 0.02]]))
 
 
-def test_mode_mixed_with_unpaired_mode_has_no_half_width():
+def test_mode_mixed_with_unpaired_has_no_half_width():
     """B is missing on the coarse mesh, and A has a part of it: the sum of both is unknown."""
     cosine, sine = np.cos(np.radians(19.0)), np.sin(np.radians(19.0))
     fine = vibration([100.0, 101.0], A, B)
@@ -230,6 +232,7 @@ def test_mode_mixed_with_unpaired_mode_has_no_half_width():
 
 @pytest.mark.parametrize(("common", "number"), [(0.4, -1), (0.6, 0)])
 def test_mac_below_half_is_not_a_partner(common, number):
+    """Shapes with a MAC of 0.4 are no partners, with 0.6 they are."""
     model = vibration([100.0], np.sqrt(common) * A + np.sqrt(1.0 - common) * D)
     pairs = partners(vibration([100.0, 150.0, 200.0], A, B, C), model, 1)
     assert pairs.partner_indices.tolist() == [[number]]
@@ -292,6 +295,7 @@ def static_entry(*factors, unsure=0.0, limit=0.05):
 
 
 def test_equal_model_has_zero_error():
+    """Reference uncertain by 4.4 %: the error is between 0 and 4.4 %."""
     compliance_entry = static_entry(1.0, unsure=0.044)
     assert (compliance_entry.error, compliance_entry.uncertainty) == (
         0.0,
@@ -303,6 +307,7 @@ def test_equal_model_has_zero_error():
 
 
 def test_error_text_includes_half_width():
+    """1.2 for 1 ± 1 %: an error of 20 % ± 1.2 %."""
     # |u − u*|/|u*| is 0.2; 1 % of the reference moves it by 1 % of |u|/|u*|.
     compliance_entry = static_entry(1.2, unsure=0.01)
     assert (compliance_entry.error, compliance_entry.uncertainty) == pytest.approx(
@@ -313,6 +318,10 @@ def test_error_text_includes_half_width():
 
 
 def test_error_text_lists_differing_readings():
+    """0 % with rigid and 33 % with averaged interfaces: both are shown.
+
+    Close ones give one bound.
+    """
     compliance_entry = static_entry(1.0, 1.33)
     assert (compliance_entry.verdict, compliance_entry.readings) == (
         "undecided",
@@ -342,6 +351,7 @@ def test_error_text_lists_differing_readings():
     ],
 )
 def test_first_of_equal_largest_values_is_chosen(sizes, number):
+    """Values that differ by rounding are equal; infinite ones are the largest."""
     assert first_largest(np.array(sizes)) == number
 
 
@@ -370,6 +380,7 @@ def test_interval_between_readings_contains_zero(limit, verdict):
 
 @pytest.mark.parametrize(("value", "text"), [(98.0, "−2 % ± 0.98 %"), (100.5, "below 1.5 %")])
 def test_frequency_error_keeps_its_sign(value, text):
+    """98 for 100 Hz ± 1 %: −2 % ± 0.98 %. An interval that contains zero is shown by its bound."""
     frequency_entry = entry(vibration([value, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
     assert (frequency_entry.low, frequency_entry.high) == pytest.approx(
         (
@@ -382,6 +393,7 @@ def test_frequency_error_keeps_its_sign(value, text):
 
 
 def test_wide_interval_is_shown_by_bounds():
+    """Intervals that are not symmetric about the error: "19 to 35 %"."""
     compliance_entry = static_entry(1.2, unsure=0.01)
     assert plain(error_with_spread(structs.replace(compliance_entry, high=0.35))) == "19 to 35 %"
     signed = entry(vibration([90.0, 150.0, 200.0, 300.0], *AXES), "f1", unsure=0.01)
@@ -505,6 +517,7 @@ def same(value, expected):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_entries_equal_independent_rules(seed):
+    """Numbers and verdicts of random entries, by rules that are written again for this test."""
     for entry, rule in entries(seed):
         expected = rule.entry(entry.limit)
         shares = expected.pop("causes", None)

@@ -144,6 +144,7 @@ def test_impossible_load_pose_is_not_compared(tmp_path):
 
 
 def test_limit_in_metres_replaces_relative(arm, subject):
+    """[accept] displacement, in m, applies to loads; unit loads keep their relative limit."""
     requirement = replace(arm.requirement, deflection=1e-6, limits={OF_HIT[0]: 0.3}, response=0.01)
     matrix = verdict_matrix(subject, requirement)
     assert [matrix.entry("beam", name).limit for name in OF_HIT] == [0.3, 0.01, 0.01]
@@ -186,6 +187,7 @@ def test_displacements_are_in_micrometres(arm, subject):
 
 
 def test_table_shows_peaks_of_reference(arm, subject):
+    """The row of the robot has peak and frequency of each response, its figure all models."""
     matrix = verdict_matrix(subject, arm.requirement)
     robot_row = dict(zip(table_of(matrix).headings, table_of(matrix).robot, strict=True))
     peak, frequency, _ = (matrix.entry("beam", name).expected for name in OF_HIT)

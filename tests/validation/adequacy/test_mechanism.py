@@ -62,6 +62,7 @@ drive = {{ stiffness = 5.0e4 }}
 
 @pytest.mark.usefixtures("coarse_legs")
 def test_mechanism_has_verdicts_and_mass_note(tmp_path):
+    """An arm on a slide: its models, poses, causes, remedies and notes."""
     short = robot_of(ARM, tmp_path)
     matrix = robot_adequacy(Context(short, "quick"))
     assert list(map(str, matrix.coordinates)) == ["x (m)"]
@@ -81,12 +82,14 @@ def test_mechanism_has_verdicts_and_mass_note(tmp_path):
 
 
 def test_branching_robot_has_no_vjm_model():
+    """The Delta's arms branch into two rods. The five-bar consists of two serial chains."""
     delta, five_bar = (Context(load_robot(name), "quick") for name in ("delta", "five-bar"))
     assert why_not_serial(path_postures(five_bar)[:1]) == ""
     assert "branches at" in why_not_serial(path_postures(delta)[:1])
 
 
 def test_unspecified_ends_give_two_readings():
+    """Rigid and free ends, for all legs whose end condition the robot file does not specify."""
     mechanism = load_robot("five-bar").mechanism
     legs, bodies = legs_of(mechanism), dict(mechanism.bodies)
     assert list(holding(mechanism).alternatives) == ["ends rigid", "ends free"]
@@ -102,6 +105,7 @@ def test_unspecified_ends_give_two_readings():
 
 
 def test_long_path_is_sampled_evenly():
+    """Of 41 poses, preset quick takes its largest number at equal distances."""
     robot_file = load_robot("five-bar")
     poses = np.linspace(*robot_file.mechanism.poses[[0, -1]], 41)
     longer = replace(robot_file, mechanism=replace(robot_file.mechanism, poses=poses))
@@ -111,6 +115,7 @@ def test_long_path_is_sampled_evenly():
 
 
 def test_other_mechanism_has_no_biglide_cases():
+    """A hexapod has no cases of the paper and of the biglide's legs, but all others."""
     ids = {task.id for task in catalogue(load_robot("hexapod"))}
     assert {"adequacy", "mechanism.exudyn[start]", "robot.portrait"} <= ids
     assert not any(name.startswith(("robot.beam", "leg1", "decision", "paper")) for name in ids)

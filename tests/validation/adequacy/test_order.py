@@ -43,7 +43,7 @@ def vibration(rng, sizes, frequencies, shapes):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_mode_order_follows_families(seed):
-    """A mode number is correct if the modes of this number belong to one repeated frequency."""
+    """Mode k of the model is in order if mode k of the robot has the same repeated frequency."""
     rng = np.random.default_rng([43, seed])
     sizes, true_frequencies, model_frequencies = families(rng)
     shapes = np.linalg.qr(rng.normal(size=(SAMPLES, sizes.sum())))[0]

@@ -106,6 +106,7 @@ def test_orthogonal_inputs_are_rayleigh():
 
 
 def test_three_inputs_match_monte_carlo():
+    """Probability of an error vector's size, its 95 % width and input shares, by 400 000 draws."""
     ways = np.array([LONG, ACROSS, OBLIQUE])
     error = of_vectors((0.01, 0.0, -0.02), *ways)
     draws = np.random.default_rng(11).normal(size=(400_000, 3))
@@ -213,6 +214,7 @@ def test_fitted_drive_depends_on_its_inputs(tmp_path):
     ],
 )
 def test_linear_error_is_normally_distributed(error, within, beyond):
+    """Probability within a limit by the normal distribution, for errors linear in the inputs."""
     outcome = probability(error, "adequate", LIMIT, 0)
     assert [outcome.within, outcome.beyond] == pytest.approx([within, beyond], abs=2e-3)
 
@@ -243,6 +245,7 @@ def test_input_shares_equal_variance_shares():
 
 
 def test_proposed_input_uncertainty_gives_95_percent():
+    """The standard uncertainty in the remedy, put into the normal distribution, gives 95 %."""
     outcome = probability(linear(0.002, 0.02), "adequate", LIMIT, 0)
     # The second one's own part: what 1.645 standard uncertainties of 1 % leave beside the first.
     allowed_deviation = sqrt(((LIMIT - ERROR) / ndtri(0.95)) ** 2 - 0.002**2)
@@ -313,6 +316,7 @@ OPEN_INPUTS = "undecided because of uncertain inputs; "
 
 
 def test_unsolved_input_change_lowers_probability(of_arm):
+    """If one input change, or one draw of all inputs, has no solution, the verdict is undecided."""
     first_below, *_ = of_arm.inputs.alone(-1)
     first_draw, *draws = of_arm.inputs.together
     for lost, within, reason in (
@@ -333,6 +337,10 @@ def test_unsolved_input_change_lowers_probability(of_arm):
 
 
 def test_inputs_option_replaces_missing_table(arm):
+    """`--inputs` makes moduli, stiffnesses and lengths uncertain.
+
+    A table in the file overrides it.
+    """
     five_bar, ifw = (load_robot(name) for name in ("five-bar", "ifw"))
     assert five_bar.uncertain_inputs == {}
     drives = [f"joints.motor{k}.drive.stiffness" for k in (1, 2)]

@@ -77,6 +77,7 @@ def refusing(monkeypatch, module, function, refused=lambda _: True):
 
 
 def test_unsolved_model_keeps_other_verdicts(monkeypatch, arm, sound):
+    """Segments without a solution are undecided, with the reason."""
     refusing(monkeypatch, model_ladder, "answers", lambda model: model == "segments")
     refusing(monkeypatch, modes_on_path, "with_dynamic_bodies", lambda model: model == "segments")
     matrix = robot_adequacy(Context(arm, "quick"))
@@ -133,6 +134,7 @@ def test_leg_without_solid_keeps_other_leg_verdicts(changed, message):
 
 
 def test_open_joints_raise_error(monkeypatch, tmp_path):
+    """Wrong inverse kinematics (angles 0.1 % too large) would give wrong verdicts."""
     sound = biglide.rotation_z
     monkeypatch.setattr(biglide, "rotation_z", lambda angle: sound(1.001 * angle))
     with pytest.raises(ComputationError, match="leaves the joints open"):
@@ -169,6 +171,7 @@ def widest(matrix):
 
 @pytest.mark.exhaustive
 def test_requested_accuracy_is_reached(arm):
+    """`--accuracy` of half the widest mesh half-width. Errors change within their half-widths."""
     # Also where no verdict hangs on meshes.
     rough = judged_by(arm, "quick", limit=10.0)
     rough_half_width = widest(rough).uncertainties["meshes"]
@@ -185,6 +188,7 @@ def test_requested_accuracy_is_reached(arm):
 
 @pytest.mark.exhaustive
 def test_finer_mesh_decides_verdict(arm):
+    """A limit between the bounds on two meshes: the finer mesh is used and decides."""
     entry = widest(judged_by(arm, "standard"))
     finest = judged_by(arm, "fine", 1e-6)
     assert finest.notes[-1].endswith("; no preset has finer meshes of the bodies")
@@ -213,6 +217,7 @@ def test_finer_mesh_decides_verdict(arm):
     ],
 )
 def test_too_large_refined_reference_is_refused(tmp_path, preset, length, refused):
+    """Finer meshes are limited by the preset and by a number of unknowns."""
     text = f"{ONE_ARM}[path]\nposes = [[0.0]]\n".replace("P = [0.0, 0.5", f"P = [0.0, {length}")
     context = Context(robot_of(text, tmp_path), preset)
     if refused:
@@ -277,6 +282,7 @@ def test_finer_reference_remedy_is_option_of_run(remedy_text):
     ],
 )
 def test_mass_remedy_names_missing_keys(leg1, leg2, remedy_text):
+    """Such as "mass_centre and inertia in [leg1]": keys that the file lacks and the schema has."""
     legs = known_legs(load_robot("ifw").mechanism)
     for name, keys in (("leg1", leg1), ("leg2", leg2)):
         legs[name] = replace(legs[name], **dict.fromkeys(keys))
@@ -288,6 +294,7 @@ def test_mass_remedy_names_missing_keys(leg1, leg2, remedy_text):
 
 
 def test_proposed_end_condition_is_valid_key(tmp_path):
+    """Keys and values in the remedy, written into the robot file, specify all end conditions."""
     arm = ONE_ARM + "[path]\nposes = [[0.0]]\n"
     decides = holding(robot_of(arm, tmp_path).mechanism).decides
     (table,) = re.findall(r"\[[\w.]+\]", decides)

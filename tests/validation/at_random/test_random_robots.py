@@ -89,6 +89,7 @@ def formulations(robot_file):
     ),
 )
 def test_formulations_of_random_robots_are_equal(robot_file, command):
+    """Random files are valid, and all models that share their statics have one compliance."""
     assert ": valid" in command.output("check", robot_file.source).splitlines()[0]
     assert compliance(robot_file, "simplified") is not None
     answered = formulations(robot_file)
@@ -101,6 +102,7 @@ def test_formulations_of_random_robots_are_equal(robot_file, command):
 @pytest.mark.exhaustive
 @extreme(*UNRESOLVED)
 def test_ill_conditioning_is_refused(robot_file):
+    """Robots whose stiffnesses differ by more than double precision resolves."""
     assert compliance(robot_file, "simplified") is not None
     assert len(formulations(robot_file)) < 3
 
@@ -127,6 +129,7 @@ def planar_exactly(posture):
 @extreme(0, 7, 9, 20, 26)
 @pytest.mark.parametrize("model", ["vjm", "segments", "beam"])
 def test_round_off_bound_covers_error(robot_file, model):
+    """Error of planar compliances against exact rational arithmetic."""
     robot = robot_file.mechanism
     options = ModelOptions(legs="equivalent", theory="euler-bernoulli")
     for posture in placed_at(robot, *stations(robot, 5)):
@@ -166,6 +169,7 @@ def judged_cases(robot_file, is_selected):
     indirect=["robot_file"],
 )
 def test_round_off_gives_undecided_or_message(robot_file, cases, expected):
+    """Cases of ill-conditioned robots: never a wrong verdict, and no proposal of finer models."""
     verdicts = set()
     for _, outcome in judged_cases(
         robot_file, lambda case: case.id.removeprefix("mechanism.anchor.").startswith(cases)
@@ -207,6 +211,7 @@ def test_ritz_solutions_keep_their_digits(robot_file):
 
 @extreme(27)
 def test_negative_shear_stiffness_has_message(robot_file):
+    """A leg with a negative κ by Cowper: its case is skipped with κGA and the section."""
     # Cowper's κ of a wide-flanged I changes its sign at a Poisson's ratio far below zero.
     case = next(
         candidate
@@ -226,6 +231,7 @@ SOLIDS = (*(f"leg{n}.{group}" for n in (1, 2) for group in ("solid", "modes")), 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize(("groups", "count"), [(("mechanism.lumped",), 12), (SOLIDS, 2)])
 def test_ordinary_robots_raise_no_message(groups, count, tmp_path):
+    """All comparisons of moderate random robots agree, or are undecided for known reasons."""
     for text in random_robots(count, 1, MILD):
         for case, outcome in judged_cases(
             robot_of(text, tmp_path), lambda case: case.group in groups

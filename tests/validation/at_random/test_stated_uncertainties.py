@@ -53,6 +53,7 @@ def test_edge_has_full_order_without_contraction():
 
 
 def test_rigid_faces_reduce_order_in_tension():
+    """ν = −0.9: exact with free ends; with rigid ends the order 2λ of a clamped edge."""
     leg = ConstantLeg(0.2, Rectangle(0.05, 0.04), Material.isotropic(2.1e11, -0.9, 7850.0))
     divisions = (1, 2, 3, 4, 6)
     compliances = solid_compliances(leg, divisions)

@@ -133,6 +133,7 @@ def frequency_errors(robot, ends):
     ],
 )
 def test_static_verdicts_match_true_errors(chunk, tmp_path):
+    """No adequate entry has a true error beyond its limit, and no inadequate entry one within."""
     for robot, ends in robots(chunk, 2, tmp_path):
         context = Context(file_of(robot), "quick")
         places = placed_at(context.robot_file.mechanism, *stations(robot, POSTURES))
@@ -151,6 +152,7 @@ def test_static_verdicts_match_true_errors(chunk, tmp_path):
     ],
 )
 def test_frequency_verdicts_match_true_errors(chunk, tmp_path):
+    """No adequate entry has a true error beyond its limit, and no inadequate entry one within."""
     for robot, ends in robots(chunk, 2, tmp_path):
         subject = robot_subject(Context(file_of(robot), "quick"))
         assert not contradictions(subject, frequency_errors(robot, ends))

@@ -109,6 +109,7 @@ def test_one_mode_robot_has_reasoned_skips(tmp_path):
     ],
 )
 def test_cases_have_ids_sources_and_figures(name, expected):
+    """Unique ids, a source and a reason for each tolerance, and figures that exist."""
     ids = {task.id for task in TASKS[name]}
     assert len(ids) == len(TASKS[name])
     cases = [task for task in TASKS[name] if isinstance(task, Case)]
@@ -130,6 +131,7 @@ def measured(group):
 
 @pytest.mark.parametrize("group", OTHERS, ids=" ".join)
 def test_shifted_reference_makes_case_disagree(group):
+    """Each case agrees, and with a reference moved beyond its tolerance it disagrees."""
     measurements, reasons = measured(group)
     if any("not installed" in reason for reason in reasons):
         pytest.skip(reasons[0])
@@ -142,6 +144,7 @@ def test_shifted_reference_makes_case_disagree(group):
 
 @pytest.mark.parametrize("group", BEYOND_QUICK, ids=" ".join)
 def test_quick_run_skips_large_groups(group):
+    """Groups that are too large for preset quick, each with its reason."""
     measurements, reasons = measured(group)
     assert not measurements
     assert reasons

@@ -108,6 +108,7 @@ def differences(leg: ConstantLeg, divisions: int):
 
 @pytest.mark.parametrize("name", LEGS)
 def test_each_difference_has_known_order(name):
+    """Exponents of the length: end effects −1, shear and rotary inertia −2, warping by shear −3."""
     for cause, amounts in differences(*LEGS[name]).items():
         # −p of C s⁻ᵖ (1 + D/s + …): exponents of the longest legs, extrapolated in 1/s.
         before, last = np.diff(np.log2(amounts[-3:]))
@@ -218,6 +219,8 @@ STUB = ConstantLeg(0.2, Rectangle(0.08, 0.1), STEEL)
     ("mistake", "verdict"), [({}, "agree"), ({"GAz": 1.03}, "disagree"), ({"mu": 1.03}, "disagree")]
 )
 def test_wrong_beam_disagrees_despite_distortion(mistake, verdict, monkeypatch):
+    """Beam with 3 % too much shear stiffness or mass: distortion must not explain this error."""
+
     def wrong(leg, divisions):
         right = computed_properties(leg, divisions)
         return replace(
@@ -237,6 +240,7 @@ def heavier_solid(leg, *arguments):
 
 
 def test_wrong_solid_disagrees_despite_distortion(monkeypatch):
+    """Solid with too much mass: distortion of the section must not explain this error."""
     monkeypatch.setattr(leg_theory, "solid_frequencies", heavier_solid)
     monkeypatch.setattr(leg_theory, "modal_divisions", two_coarse_meshes)
     assert measured_mode(STUB, 2).verdict == "disagree"
@@ -336,6 +340,7 @@ def test_wave_correction_exists_for_fixed_ends():
     ids=["formal", "low", "moving", "diverging"],
 )
 def test_unsettled_mesh_order_is_undecided(monkeypatch, values, verdict):
+    """The formal order agrees, a low order disagrees, one that still changes is undecided."""
     divisions = (1, 2, 3, 4) if verdict == "undecided" else (2, 3, 4, 6)
     refinement = Refinement(divisions, np.multiply.outer(values, np.eye(6)))
     monkeypatch.setattr(mesh_cases, "compliances", lambda *_: refinement)

@@ -48,6 +48,7 @@ def first_pose(name):
 @pytest.mark.parametrize("theory", ["timoshenko", "euler-bernoulli"])
 @pytest.mark.parametrize("prism", [ConstantLeg(0.85, Rectangle(0.1, 0.16), STEEL), FOIL])
 def test_ritz_leg_equals_textbook(prism, theory):
+    """Tip compliance of a stout bar and of a foil, with and without shear."""
     beam = prism.properties(theory)
     stiffness_and_mass = ritz.ritz_beam(beam, prism.length, ritz.STATIC_DEGREE)
     free = ritz.free_basis(stiffness_and_mass.stiffness, stiffness_and_mass.root)
@@ -59,6 +60,7 @@ def test_ritz_leg_equals_textbook(prism, theory):
 
 
 def test_ritz_hexapod_has_stiffness_of_bars():
+    """K = Σ k j jᵀ over the six legs, with k = 1/(L/EA + 1/k_drive)."""
     posture = first_pose("hexapod")
     stiffness = hexapod_stiffness(posture.mechanism, posture.pose)
     np.testing.assert_allclose(ritz.compliance(posture) @ stiffness, np.eye(6), atol=1e-8)
@@ -100,6 +102,7 @@ def test_ritz_omits_idle_rod_spin():
 
 
 def test_simplified_model_of_parts_equals_ritz():
+    """Rocker of the examples as a rigid body: compliance and first frequency."""
     posture = first_pose(ROCKER)
     (answer,) = answers("simplified", [posture], 1)
     compliance, frequencies = ritz.simplified_response(posture, 1)
@@ -118,6 +121,7 @@ def test_simplified_structure_is_rigid():
 
 
 def test_posture_with_open_joint_is_refused():
+    """A rod displaced by 10 µm would couple its end at a wrong point."""
     posture = first_pose("five-bar")
     rod = posture.frames["rod2"]
     moved_frame = Frame(rod.position + np.array([1e-5, 0.0, 0.0]), rod.rotation)
@@ -167,6 +171,7 @@ def propped(tmp_path):
 
 @needs_exudyn
 def test_frame_on_plane_joint_equals_exudyn(propped):
+    """Frequencies within 5e-4 and within the uncertainty stated for EXUDYN's elements."""
     assert len(listed(propped, "exudyn")) == 1
     computed, theirs, uncertain = beams_and_exudyn(reference_posture(propped))
     np.testing.assert_allclose(computed.frequencies, theirs, rtol=5e-4)
@@ -214,6 +219,7 @@ def test_frame_response_equals_exudyn(propped):
     [("exudyn", r"\./flexproof extras exudyn"), ("calculix", "is not installed")],
 )
 def test_missing_program_is_named_in_skip(monkeypatch, program, message):
+    """EXUDYN or CalculiX is missing: the reason of the skip contains how to install it."""
     monkeypatch.setattr("fem.extras.find_spec", lambda _module: None)
     monkeypatch.setattr(calculix_run, "PROGRAMS", ("no-such-program",))
     cases = listed(FIVE_BAR.robot_file.mechanism, program)
@@ -238,6 +244,7 @@ def test_exudyn_refusal_names_bodies():
     not any(map(shutil.which, calculix_run.PROGRAMS)), reason="CalculiX (ccx) is not installed"
 )
 def test_rotated_five_bar_equals_calculix():
+    """All cases agree, and with a shifted reference they disagree."""
     cases = listed(FIVE_BAR.robot_file.mechanism, "calculix")
     assert len(cases) == 2
     for case in cases:
@@ -245,6 +252,7 @@ def test_rotated_five_bar_equals_calculix():
 
 
 def test_solid_bars_have_outer_size_of_legs():
+    """Hollow legs become full bars, which CalculiX meshes with few elements."""
     posture = reference_posture(load_robot("delta").mechanism)
     for name, body in with_bars(posture).mechanism.bodies.items():
         shape = posture.mechanism.bodies[name].shape
@@ -256,6 +264,7 @@ def test_solid_bars_have_outer_size_of_legs():
 @pytest.mark.parametrize("error", [0.01, -0.01, np.nan])
 @pytest.mark.parametrize("pose", range(4))
 def test_pose_with_largest_error_is_reported(error, pose):
+    """Of four poses; NaN counts as the largest, and differences by rounding are ignored."""
     even, anywhere = np.array([2.0, 4.0, 8.0, 16.0]), np.ones(4, dtype=bool)
     values = even * (1.0 + np.where(np.arange(4) == pose, error, 0.005))
     assert farthest_posture(values, even, anywhere) == pose

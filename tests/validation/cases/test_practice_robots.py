@@ -19,6 +19,7 @@ NAMES = sorted(path.stem for path in ROBOTS.glob("*.toml"))
 
 
 def test_ten_practice_robots_are_valid():
+    """Ten files with ten different names."""
     assert len(NAMES) == 10
     names = {load_robot(ROBOTS / f"{name}.toml").mechanism.name for name in NAMES}
     assert len(names) == 10
@@ -66,6 +67,10 @@ def waves_and_solids(*_):
     ],
 )
 def test_strips_have_no_wave_correction(monkeypatch, width, reason, tmp_path):
+    """Leaves of 0.5 by 20 mm bend as plates near their ends.
+
+    Leaves 5 mm thick have a correction.
+    """
     monkeypatch.setattr(robot_beam_vs_solid, "robot_modes", waves_and_solids)
     text = (ROBOTS / "leaf-stage.toml").read_text(encoding="utf-8")
     robot = robot_of(text.replace("width = 0.0005", f"width = {width}"), tmp_path)
@@ -144,6 +149,7 @@ OFTEN = ("leaf-stage", "packaging-delta", "scara")
     ],
 )
 def test_practice_robot_run_has_no_failure(name, preset, tmp_path):
+    """Exit code 0 and more than 20 agreements for each robot and preset."""
     results = api.run(ROBOTS / f"{name}.toml", out=tmp_path / "report", preset=preset)
     assert results.exit_code == 0
     assert not {"disagree", "failed"} & results.verdicts.keys()

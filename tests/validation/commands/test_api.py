@@ -19,6 +19,7 @@ def judged(paper, paper_subject):
 
 @pytest.mark.exhaustive
 def test_api_solve_equals_command(command):
+    """`fp.solve` and `flexproof solve --json`: equal bits."""
     options = ["--model", "segments", "--x", "0.3", "--theory", "euler-bernoulli", "--modes", 2]
     (printed,) = command.json("solve", "ifw", *options)["results"]
     # A pose of one coordinate may be a number.
@@ -31,6 +32,7 @@ def test_api_solve_equals_command(command):
 
 @pytest.mark.exhaustive
 def test_api_adequacy_equals_run(tmp_path):
+    """`fp.adequacy` and `fp.run(only="adequacy")`: equal entries, parts and notes."""
     judged = api.adequacy("ifw", preset="quick")
     finished = api.run("ifw", out=tmp_path / "run", preset="quick", only="adequacy", jobs=1)
     assert (finished.exit_code, finished.verdicts) == (0, {})
@@ -56,6 +58,7 @@ def test_api_run_counts_verdicts(tmp_path):
 
 
 def test_wrong_name_error_has_valid_names(judged):
+    """Unknown model, unknown quantity, or a frequency of a static model."""
     for model, quantity, message in (
         ("bem", "x", 'model "bem" is not judged; there are simplified'),
         ("beam", "f99", 'quantity "f99" is not judged; there are x, y'),
@@ -66,6 +69,7 @@ def test_wrong_name_error_has_valid_names(judged):
 
 
 def test_arguments_override_file_limits():
+    """`fp.load(accept=…)` replaces single limits of [accept]; wrong ones are refused."""
     assert api.load("ifw").requirement == load_robot("ifw").requirement
     loaded = api.load("ifw", accept={"deflection": 0.2, "z": 0.5})
     limits = {
@@ -79,6 +83,7 @@ def test_arguments_override_file_limits():
 
 
 def test_results_are_frozen_and_have_repr(judged):
+    """Attributes cannot be set, and notebooks show a table."""
     html = judged._repr_html_()
     assert escape(judged.sentence) in html
     assert html.count("<tr>") == 1 + len(judged.matrix.models)
@@ -113,6 +118,7 @@ def test_solution_has_table_and_plot():
 
 
 def test_solution_at_one_pose_has_bars():
+    """Bars are the diagonal of the compliance under 1000 N, in µm."""
     solution = api.solve("ifw", "vjm", poses=[0.4975])
     (deflection,) = solution.plot().axes
     heights = [patch.get_height() for patch in deflection.patches]
@@ -120,6 +126,7 @@ def test_solution_at_one_pose_has_bars():
 
 
 def test_adequacy_has_table_and_plot(judged):
+    """A row for each entry, a panel for each quantity."""
     table = judged.table()
     column = {name: index for index, name in enumerate(table.headings)}
     assert len(table.rows) == len(judged.matrix.entries) > 20
@@ -209,6 +216,7 @@ LIST = "must be a list, each entry a number or a list, each entry a number"
     ],
 )
 def test_error_names_the_wrong_argument(call, message, tmp_path, monkeypatch):
+    """Unknown names and values of Python arguments: one line, and no files are written."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match=message):
         call()
@@ -216,6 +224,7 @@ def test_error_names_the_wrong_argument(call, message, tmp_path, monkeypatch):
 
 
 def test_adequacy_arguments_are_checked(judged):
+    """Wrong types of model, limit and quantities."""
     for call in (
         lambda: judged.entry(3, "x"),
         lambda: judged.entry("beam", "x", within="y"),
@@ -257,6 +266,7 @@ FROZEN_ANSWERS = {
 
 
 def test_api_results_equal_frozen_values(judged):
+    """Errors, uncertainties and solutions of an earlier version, to 1e-6."""
     # Between machines eigenvalue solvers differ by 1e-9; 1e-6 is far below any limit of a model.
     for name, error in FROZEN_ERRORS.items():
         assert judged.entry(*name).error == pytest.approx(error, rel=1e-6), name

@@ -40,11 +40,13 @@ def test_structure_measurement_is_plotted():
 
 
 def test_robot_without_measurements_is_refused():
+    """`fp.compare_measured` needs [[measured]] values."""
     with pytest.raises(InputError, match=r"has no \[\[measured\]\] values"):
         api.compare_measured(BAR)
 
 
 def test_displacements_are_in_table_and_plot():
+    """A push of 10 N on a clamped bar: F/k along z, and its buckling factor."""
     load = {"name": "push", "wrench": [0.0, 0.0, 10.0, 0.0, 0.0, 0.0]}
     solution = api.solve({**BAR, "loads": [load]}, "beam", modes=0, theory="euler-bernoulli")
     ((pose_text, name, *numbers),) = solution.load_table().rows
@@ -57,6 +59,7 @@ def test_displacements_are_in_table_and_plot():
 
 
 def test_robot_without_loads_has_no_load_plots():
+    """Methods that need [[loads]] or [[responses]] are refused without these tables."""
     solution = api.solve(BAR, "beam", modes=0)
     for plot in (solution.load_table, solution.plot_loads, solution.plot_responses):
         with pytest.raises(InputError, match=r"has no \[\["):
@@ -64,6 +67,7 @@ def test_robot_without_loads_has_no_load_plots():
 
 
 def test_abscissa_is_varying_coordinate():
+    """If several coordinates vary, the abscissa is the number of the pose."""
     solution = api.solve("ifw", "vjm", poses=[0.2, 0.3])
     (axes,) = solution.plot().axes
     assert axes.get_xlabel() == "x (m)"
@@ -73,6 +77,7 @@ def test_abscissa_is_varying_coordinate():
 
 
 def test_workspace_without_a_grid_is_refused():
+    """Maps need a path with `counts`."""
     with pytest.raises(InputError, match=r"path: must be a grid of poses, counts"):
         api.workspace("five-bar")
 
@@ -107,6 +112,7 @@ def test_unknown_key_cannot_be_varied():
 
 
 def test_missing_opengl_names_packages(monkeypatch):
+    """The picture then contains a text with the packages to install."""
     monkeypatch.setenv("FLEXPROOF_OPENGL", "off")
     (text,) = api.draw("five-bar").texts
     assert "libegl1" in text.get_text()

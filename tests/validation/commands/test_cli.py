@@ -39,6 +39,7 @@ def with_catalogue(monkeypatch):
 
 
 def test_run_prints_verdict_and_report(with_catalogue, tmp_path, capsys):
+    """Verdict and path of the report on stdout, omitted figures on stderr."""
     with_catalogue(toys.sound, runner.run)
     assert cli.main(["run", "--out", str(tmp_path / "out"), "--jobs", "2"]) == 0
     printed = capsys.readouterr()
@@ -63,6 +64,7 @@ def test_quiet_run_requests_no_progress(with_catalogue, tmp_path):
 
 
 def test_cases_are_listed_as_text_and_json(with_catalogue, command):
+    """`flexproof cases`: id, kind, source and tolerance."""
     with_catalogue(toys.sound)
     assert "closed-form: made up" in command.output("cases")
     listed = command.json("cases")
@@ -71,6 +73,7 @@ def test_cases_are_listed_as_text_and_json(with_catalogue, command):
 
 
 def test_audit_of_robot_is_printed(command):
+    """`flexproof check ifw`: doubts about the data that are used, then misprints of the paper."""
     used, errata = command.output("check", "ifw").split(
         "misprints and errors of the printed source"
     )
@@ -115,6 +118,7 @@ def test_audit_of_robot_is_printed(command):
 def test_wrong_input_exits_with_2(
     arguments, message, with_catalogue, tmp_path, monkeypatch, command
 ):
+    """Misspelt options, values and files: one line with a suggestion, and no files."""
     with_catalogue(toys.sound)
     monkeypatch.chdir(tmp_path)
     assert message in command.error_line(*arguments)
@@ -123,6 +127,7 @@ def test_wrong_input_exits_with_2(
 
 
 def test_full_disk_exits_with_3(with_catalogue, tmp_path, monkeypatch, capsys):
+    """The message contains the command that continues the run, with all its options."""
     with_catalogue(toys.sound)
     # Of what is kept, not of what is found out beforehand.
     monkeypatch.setattr(
@@ -139,6 +144,7 @@ def test_full_disk_exits_with_3(with_catalogue, tmp_path, monkeypatch, capsys):
 
 
 def test_system_error_is_one_line(tmp_path, monkeypatch, capsys):
+    """The system has too many open files to start a process."""
     monkeypatch.setattr("meshes.processes.Process.__init__", refusing(errno.EMFILE))
     # A file of its own: what is known of others is not read again.
     part = tmp_path / "rocker.step"
@@ -151,6 +157,7 @@ def test_system_error_is_one_line(tmp_path, monkeypatch, capsys):
 
 
 def test_help_imports_no_heavy_module():
+    """`flexproof --help` imports neither SciPy, gmsh nor matplotlib."""
     program = (
         "import sys; from validation.cli import main; code = main(['--help']);"
         f"loaded = [name for name in {HEAVY!r} if name in sys.modules];"
@@ -163,6 +170,7 @@ def test_help_imports_no_heavy_module():
 
 
 def test_worse_verdict_than_baseline_exits_1(with_catalogue, tmp_path, command):
+    """Worse, drifted, new and removed cases are counted and listed."""
     with_catalogue(toys.sound)
     first = tmp_path / "first"
     command.output("run", "--out", first)
@@ -188,6 +196,7 @@ def test_worse_verdict_than_baseline_exits_1(with_catalogue, tmp_path, command):
 
 
 def test_export_is_in_run_folder(with_catalogue, tmp_path, monkeypatch, command):
+    """A later run without --export removes the exported files."""
     with_catalogue(toys.sound)
     monkeypatch.setattr(
         "validation.export.files.export_mechanism",
@@ -217,6 +226,8 @@ def test_program_error_of_process_has_traceback(monkeypatch, capsys):
 
 
 def test_program_error_is_not_disagreement(with_catalogue, tmp_path, monkeypatch, capsys):
+    """Exit code 3, not 1; results computed so far are kept."""
+
     def broken(*_arguments):
         raise RuntimeError("no template")
 

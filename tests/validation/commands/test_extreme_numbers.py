@@ -114,6 +114,7 @@ def written(tmp_path, monkeypatch):
     ],
 )
 def test_extreme_number_is_refused_or_finite(name, key_path, written, capsys):
+    """No traceback, no warning of NumPy, and no infinite number in JSON."""
     for value in VALUES:
         written(name, key_path, value)
         with warnings.catch_warnings():

@@ -56,6 +56,7 @@ def computed(monkeypatch):
     ],
 )
 def test_api_accepts_all_limit_forms(quantity, general, limit, verdict):
+    """A limit as argument `accept` or `within`, by quantity or by group: one verdict."""
     by_default = api.adequacy("ifw")
     entries = [by_default.entry("beam", quantity, within=limit)]
     for accept in ({quantity: limit}, {general: limit}):
@@ -74,6 +75,7 @@ def test_api_accepts_all_limit_forms(quantity, general, limit, verdict):
 
 
 def test_preset_and_limits_are_applied(computed):
+    """The number of modes in `accept` gives the columns of the matrix."""
     for preset in ("quick", "standard", "fine"):
         judged = api.adequacy("ifw", preset=preset, accept={"modes": 6})
         context = computed.pop()
@@ -92,6 +94,7 @@ VARY = ("geometry.a=0.9:1:3",)
 
 
 def test_run_forwards_every_keyword(monkeypatch):
+    """Each argument of `fp.run` arrives in the request of the run."""
     requests = []
     monkeypatch.setattr(session, "validate", lambda request, _: requests.append(request) or 1 / 0)
     assert set(inspect.signature(api.run).parameters) == {"robot", "vary", *RUN}
@@ -103,6 +106,7 @@ def test_run_forwards_every_keyword(monkeypatch):
 
 @pytest.mark.parametrize("disagreeing", [0, 2])
 def test_run_returns_counts_and_exit_code(monkeypatch, disagreeing):
+    """Counts of verdicts, and exit code 1 if a comparison disagrees."""
     outcomes = [measured(f"toy[{k}]", 1.0, 1.0) for k in range(3)]
     outcomes += [measured(f"wrong[{k}]", 2.0, 1.0) for k in range(disagreeing)]
     outcomes.append(unmeasured("left", "skipped", "nothing to compare"))
@@ -216,6 +220,7 @@ def test_robots_of_equal_name_are_separate(in_folder, pytester, computed):
     [(BELOW * ERROR, "failed", "undecided"), (ABOVE * F2[1], "passed", "passed")],
 )
 def test_robot_file_is_collected_as_tests(limit, sure, unsure, in_folder, computed):
+    """`pytest --flexproof FILE`: verdicts become passed, failed and skipped items."""
     accept = f"deflection = {limit!r}\nfrequency = {limit!r}"
     names = ("beam.x", "beam.phi_z", "beam.f1", "beam.f2")
     selection = (
@@ -253,6 +258,7 @@ def test_program_error_fails_its_item(in_folder, monkeypatch):
 
 
 def test_robot_file_gives_pytest_item_per_verdict(in_folder, capsys):
+    """96 verdicts on models, and 138 on agreement and convergence."""
     in_folder("", "--flexproof", "mine.toml", "--collect-only", "-q")
     # Eight models by six axes and any force, four frequencies and their order; comparisons of
     # formulations with each other, see test_checks.
@@ -276,6 +282,7 @@ def test_item_location_is_robot_file(in_folder, pytester):
 
 @pytest.mark.parametrize("workers", [(), ("-n", "2")], ids=["alone", "workers"])
 def test_broken_robot_file_gives_one_error_line(workers, in_folder, pytester):
+    """A usage error of pytest, also with two workers."""
     in_folder("x = -1.0")
     completed = pytester.runpytest_subprocess(*PLUGIN_OPTIONS, "--flexproof", "mine.toml", *workers)
     assert completed.ret == pytest.ExitCode.USAGE_ERROR

@@ -97,6 +97,7 @@ def test_new_limit_rejudges_stored_results(mine, tmp_path, capsys):
 
 
 def test_converge_uses_limits_of_robot_file(mine, capsys):
+    """Segments of leg 1, f1: 0.055 % at 8 elements, 0.0089 % at 20; --within overrides the file."""
     for agree, code in (("", 0), ("elements = 8", 0), ("elements = 8\nconvergence = 0.0004", 1)):
         counts = ["--model", "segments", "--elements", "4,8,20"]
         exit_code = main(["converge", mine(agree), "--body", "leg1", *counts])

@@ -38,6 +38,7 @@ def exact(*values, **fields):
 @pytest.mark.parametrize("relation", list(Relation))
 @pytest.mark.parametrize(("value", "reference"), [(nan, 1.0), (1.0, nan), (inf, 1.0), (-inf, 1.0)])
 def test_non_finite_value_never_agrees(relation, value, reference):
+    """NaN or infinity on either side, for each relation."""
     measured = Measurement(value, reference, exact=True)
     outcome = judge(replace(EQUAL, relation=relation), measured, 0.0)
     assert outcome.verdict == "disagree"
@@ -59,12 +60,14 @@ def test_non_finite_value_never_agrees(relation, value, reference):
     ],
 )
 def test_invalid_tolerance_or_source_is_refused(make, message):
+    """Tolerances are positive and finite, sources are not empty, half-widths are stated."""
     with pytest.raises(ValueError, match=message):
         make()
 
 
 @pytest.mark.parametrize("uncertainty", [0.11, inf, nan])
 def test_undecided_comparison_has_remedy(uncertainty):
+    """A half-width beyond the tolerance: finer models, or another remedy of the case."""
     measured = Measurement(10.0, 10.0, value_uncertainty=uncertainty)
     outcome = judge(EQUAL, measured, 0.0)
     assert outcome.verdict == "undecided"
@@ -132,6 +135,7 @@ def written(*outcomes):
 
 
 def test_json_record_has_only_finite_numbers():
+    """NaN and infinity become null; the keys of all records are equal."""
     measurement = Measurement(nan, 10.0, inf, table={"x": (nan, 1.0), "name": ("a", "b")})
     other, lost = replace(EQUAL, id="toy.other"), replace(EQUAL, id="toy.lost")
     outcomes = (
@@ -205,6 +209,7 @@ def test_file_of_earlier_version_is_read(exact_as_written):
     ],
 )
 def test_case_verdict_is_worst_over_poses(value, uncertainty, expected):
+    """The message names the other pose if its verdict is worse."""
     # 2.5 % of what the reference is there, not of the 1.0 in the measurement's own place.
     other_pose = Elsewhere("x = 0.2 m", value, 2.0, uncertainty)
     measured = exact(1.0, elsewhere=(Elsewhere("x = 0", 3.0, 3.0), other_pose))
@@ -215,6 +220,7 @@ def test_case_verdict_is_worst_over_poses(value, uncertainty, expected):
 
 
 def test_worst_verdict_prevails_in_any_order():
+    """Disagree is worse than undecided, whichever pose comes first."""
     undecided, wrong = Elsewhere("there", 1.0, 1.0, 1.0), Elsewhere("far", 2.0, 1.0)
     assert judge(EQUAL, exact(2.0, elsewhere=(undecided,)), 0.0).verdict == "disagree"
     outcome = judge(EQUAL, exact(1.0, elsewhere=(undecided, wrong, undecided)), 0.0)
@@ -280,6 +286,7 @@ def test_case_fields_have_priorities():
     ],
 )
 def test_invalid_declaration_is_an_error(declaration, fault):
+    """Misspelt parameters in a function, a title or a field of a case."""
     cases = CaseGroup(over={"length": (1, 2)}, **COMMON)
     fields = {"title": "One", "compute": exact, **declaration}
     compute = fields.pop("compute")

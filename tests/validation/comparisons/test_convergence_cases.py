@@ -69,6 +69,7 @@ def test_distinct_legs_and_robot_are_studied():
 @pytest.mark.parametrize("subject", ["order", "20", "half-width"])
 @pytest.mark.parametrize("model", ["segments", "beam"])
 def test_leg_of_paper_converges(model, subject):
+    """Order, error at 20 elements and half-widths of segments and beams agree for leg 1."""
     assert verdict_with(leg1_study(), f"leg1.converged[{model}-{subject}]") == "agree"
 
 
@@ -156,6 +157,8 @@ def outcomes_of(robot_file, body):
 
 
 def test_program_error_in_study_is_failure(monkeypatch):
+    """Cases that share the study all have its error, and none a verdict."""
+
     def broken(*_):
         raise ComputationError("leg1: its matrices are lost in rounding")
 
@@ -193,6 +196,7 @@ def test_part_without_prisms_is_skipped(tmp_path):
 
 
 def test_figure_shows_every_leg_and_robot():
+    """Errors and element counts in the caption, and all curves as studies."""
     context = Context(BIGLIDE)
     figure = figure_of(context)
     rows = list(csv.DictReader(io.StringIO(figure.data)))
@@ -303,6 +307,7 @@ def theory_of(label):
 
 
 def test_run_has_convergence_verdicts(tmp_path, capsys):
+    """A run of the five-bar with --only: order, error at 20 elements and half-width, all agree."""
     code = main(
         [
             "run",

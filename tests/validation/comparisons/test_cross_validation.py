@@ -86,11 +86,13 @@ def crossed(studies):
 
 @pytest.mark.parametrize("within", [0.00151, None])
 def test_explained_difference_agrees(crossed, within):
+    """A difference of 1 %, of which 0.9 % is explained; 0.1 ± 0.05 % remain."""
     # 1 % less 0.9 % and the half-width of 0.05 %; the case's own tolerance is 1 %.
     crossed.assert_agrees("beam", quantity="f1", within=within, body="arm")
 
 
 def test_half_width_counts_against_agreement(crossed):
+    """0.1 + 0.05 % exceed a limit of 0.149 %; the message contains each of these numbers."""
     with pytest.raises(AssertionError) as raised:
         crossed.assert_agrees("beam", quantity="f1", within=0.00149, body="arm")
     assert str(raised.value) == (
@@ -100,6 +102,7 @@ def test_half_width_counts_against_agreement(crossed):
 
 
 def test_formulations_compare_without_solid(crossed):
+    """Beam and segments are 202 and 206 Hz: −1.94 %, with nothing explained."""
     # 202/206 − 1 = −1.94 %.
     crossed.assert_agrees("beam", "segments", quantity="f1", within=0.0195, body="arm")
     with pytest.raises(AssertionError, match=r"202 against 206, -1.94 %; allowed 1.94 %"):
@@ -107,12 +110,14 @@ def test_formulations_compare_without_solid(crossed):
 
 
 def test_comparison_without_body_is_of_whole_robot(crossed):
+    """−202 against −200 Hz is −1 %, by size."""
     with pytest.raises(AssertionError, match=r"f1 of the robot: -202 against -200 Hz, -1 %"):
         crossed.assert_agrees("beam", quantity="f1", within=0.009)
     crossed.assert_agrees("beam", quantity="f1", within=0.0101)
 
 
 def test_skipped_comparison_does_not_agree(crossed):
+    """The assertion fails with the reason of the skip."""
     with pytest.raises(AssertionError, match="not compared, because too large"):
         crossed.assert_agrees("beam", quantity="phi_x", body="arm")
 
@@ -129,11 +134,13 @@ def test_skipped_comparison_does_not_agree(crossed):
     ],
 )
 def test_unknown_names_are_refused(crossed, arguments, message):
+    """Unknown model, quantity or body: the message lists those that were compared."""
     with pytest.raises(InputError, match=message):
         crossed.assert_agrees(**arguments)
 
 
 def test_convergence_of_a_leg_is_asserted(crossed):
+    """f1 by segments is 0.0089 % off at 20 elements."""
     # Huang's cantilever: segments 0.0089 % off at 20 elements, the literal layout's 5 % left out.
     crossed.assert_converged("f1", body="arm", within=0.0001)
     with pytest.raises(AssertionError, match=r"reaches 0\.0089 %"):
@@ -143,6 +150,7 @@ def test_convergence_of_a_leg_is_asserted(crossed):
 
 
 def test_table_has_explained_difference_in_percent(crossed):
+    """Value, reference, difference, explained, unexplained, half-width and tolerance."""
     rows = crossed.table().rows
     assert rows[0][:4] == ("arm", "beam", "f1", "Hz")
     np.testing.assert_allclose(rows[0][4:11], [202.0, 200.0, 1.0, 0.9, 0.1, 0.05, 1.0], rtol=1e-9)
@@ -163,6 +171,7 @@ def test_pandas_is_optional(crossed, monkeypatch):
 
 
 def test_plot_has_unexplained_and_tolerance(crossed):
+    """A panel for each body, error bars for half-widths, and a band for the tolerance."""
     figure = crossed.plot()
     arm, robot = figure.axes
     assert [axes.get_title(loc="left") for axes in (arm, robot)] == ["arm", "toy, whole robot"]

@@ -63,6 +63,7 @@ def whole_robot():
     ],
 )
 def test_segments_equal_independent_values(leg1, layout, count, frequency):
+    """f2 of leg 1 for 5 to 40 segments, in both layouts."""
     series = leg1.of("segments", layout)
     computed = series.values[series.counts.index(count), leg1.column("f2")]
     # The source has five or six digits.
@@ -71,12 +72,14 @@ def test_segments_equal_independent_values(leg1, layout, count, frequency):
 
 @pytest.mark.parametrize(("count", "frequency"), [(2, 181.887), (5, 181.808)])
 def test_elements_equal_independent_values(leg1, count, frequency):
+    """f2 of leg 1 for two and five beam elements."""
     series = leg1.of("beam")
     computed = series.values[series.counts.index(count), leg1.column("f2")]
     assert computed == pytest.approx(frequency, abs=6e-4)
 
 
 def test_leg_limit_is_exact_cantilever(leg1):
+    """The limit is known without refinement and has no half-width."""
     np.testing.assert_allclose(leg1.of("beam").limits[:2], [114.518, 181.806], atol=6e-4)
     assert not leg1.of("beam").limit_half_widths.any()
 
@@ -92,6 +95,7 @@ def test_leg_limit_is_exact_cantilever(leg1):
     ],
 )
 def test_leg_errors_match_known_values(leg1, model, layout, quantity, count, error):
+    """Errors of leg 1 at 5 or 20 elements, computed by independent code."""
     series = leg1.of(model, layout)
     computed = series.errors[series.counts.index(count), leg1.column(quantity)]
     assert computed == pytest.approx(error, rel=5e-3)
@@ -126,6 +130,7 @@ def test_euler_bernoulli_has_formal_orders(index):
 
 
 def test_statics_are_exact_for_every_count(leg1):
+    """Deflections by half-length end springs and by beams: errors below 1e-9."""
     for model in ("segments", "beam"):
         series = leg1.of(model)
         columns = [leg1.column(axis) for axis in "xyz"]
@@ -144,6 +149,7 @@ def test_statics_are_exact_for_every_count(leg1):
     ],
 )
 def test_legs_have_formal_orders(leg1, model, layout, order, tolerance):
+    """f1 to f4: order 2 by segments, 1 in their literal layout, 4 by beams."""
     series = leg1.of(model, layout)
     np.testing.assert_allclose(series.orders[:4], order, atol=tolerance)
     assert series.formal_order == order
@@ -232,6 +238,7 @@ def random_leg(seed):
     "seed", [*range(4), *(pytest.param(seed, marks=EXHAUSTIVE) for seed in range(4, 10))]
 )
 def test_random_legs_have_formal_order(seed):
+    """Random sections and lengths; half-widths contain the error of each count."""
     study = leg_convergence(NO_ROBOT, f"random {seed}", random_leg(seed))
     for series, tolerance in zip(study.series, (0.05, 0.1, 0.1), strict=True):
         np.testing.assert_allclose(series.orders[:4], series.formal_order, atol=tolerance)
@@ -264,6 +271,7 @@ def require_true_half_widths(series):
     ],
 )
 def test_robots_have_formal_orders(robot):
+    """f1 to f4 of whole robots: order 2 by segments, 4 by beams."""
     study = convergence(load_robot(robot))
     require_true_half_widths(study.of("segments", "literal"))
     for series, tolerance in ((study.of("segments"), 0.05), (study.of("beam"), 0.1)):
@@ -411,5 +419,6 @@ def test_zero_deflection_is_exact(tmp_path):
 
 
 def test_error_relative_to_zero_is_infinite():
+    """Zero relative to zero has no error."""
     errors = relative_errors(np.array([[0.0, 1e-9, 2.0]]), np.array([0.0, 0.0, 1.0]))
     np.testing.assert_array_equal(errors, [[0.0, np.inf, 1.0]])

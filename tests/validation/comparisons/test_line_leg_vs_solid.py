@@ -76,6 +76,7 @@ def outcome_of(robot, identifier):
 
 
 def test_beam_of_taper_agrees_with_its_solid():
+    """A slender boom: deflection and f1. Terms of the slope that beams neglect are 1/40²."""
     robot = boom()
     outcome = outcome_of(robot, "boom.agrees[beam-solid-z]")
     assert outcome.verdict == "agree"
@@ -119,6 +120,7 @@ def test_bent_arm_models_have_equal_statics(model):
 
 
 def test_tapered_elements_have_formal_orders():
+    """Frequencies of a bent tapered arm: order 2 by segments; beams gain a factor of 8 and more."""
     study = leg_convergence(NO_ROBOT, "arm", LEG, counts=(5, 10, 20, 40))
     assert study.of("segments").orders[:4] == pytest.approx(2.0, abs=0.1)
     # Two smooth parts share the elements, rounded up: the ratio of sizes is not quite 2.
@@ -128,6 +130,7 @@ def test_tapered_elements_have_formal_orders():
 
 
 def test_prism_cases_exclude_tapered_legs():
+    """Cases that need a constant section are not listed for a tapered arm."""
     assert isinstance(LEG, LineLeg)
     assert prismatic_legs(ROBOT.mechanism) == ()
     names = [task.id for task in catalogue(ROBOT) if hasattr(task, "measure")]
@@ -136,6 +139,7 @@ def test_prism_cases_exclude_tapered_legs():
 
 
 def test_only_straight_tapers_have_stability():
+    """Its buckling load lies between those of prisms of the smallest and largest section."""
     load = {"name": "push", "wrench": [-1000.0, 0.0, 0.0, 0.0, 0.0, 0.0]}
     straight = boom(loads=[load])
     posture = reference_posture(straight.mechanism)
@@ -151,6 +155,7 @@ def test_only_straight_tapers_have_stability():
 
 
 def test_exudyn_refuses_tapered_legs():
+    """Solids refuse a section that jumps."""
     with pytest.raises(InputError, match="only for straight legs of one section"):
         require_beams(ROBOT.mechanism)
     steps = [TAPER[0], {**TAPER[0], "at": 0.5}, {**TAPER[1], "at": 0.5}, TAPER[1]]

@@ -43,6 +43,7 @@ def outcome(identifier):
 
 
 def test_mesh_cases_of_leg_agree():
+    """Orders, half-widths and f1 of hexahedra and tetrahedra, with free and rigid ends."""
     assert {result.case.id for result in outcomes()} == {
         "refinement.leg1.solid.order[c22]",
         "refinement.leg1.solid.order[c44]",

@@ -52,6 +52,7 @@ def test_needed_divisions_are_smallest(study):
 
 
 def test_half_width_contains_doubled_mesh():
+    """Values for 4 divisions lie within the half-widths of 2."""
     coarse = leg_mesh_convergence(NO_ROBOT, "leg", LEG, [FREE], (1, 2)).series[0]
     fine = leg_mesh_convergence(NO_ROBOT, "leg", LEG, [FREE], (2, 4)).series[0]
     assert (np.abs(fine.values[-1] / coarse.values[-1] - 1.0) <= coarse.half_widths[-1]).all()
@@ -83,5 +84,6 @@ def test_random_free_legs_have_fourth_order(seed):
 
 
 def test_single_mesh_is_refused():
+    """Convergence needs two different meshes."""
     with pytest.raises(InputError, match="two or more different"):
         leg_mesh_convergence(NO_ROBOT, "leg", LEG, divisions=(3, 3))

@@ -47,6 +47,7 @@ def shares(outcome):
 
 
 def test_robot_case_ids_are_stable():
+    """Four models with six unit loads, two with four frequencies."""
     assert len(BY_ID) == 4 * 6 + 2 * 4
     assert "robot.agrees[beam-solid-f1]" in BY_ID
     assert "robot.agrees[vjm-solid-φz]" in BY_ID
@@ -108,6 +109,7 @@ MISTAKES = {
 
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_wrong_leg_model_disagrees(monkeypatch, mistake):
+    """Beams without shear in z, and the literal layout of segments in φz."""
     options, name = MISTAKES[mistake]
     monkeypatch.setattr(robot_beam_vs_solid, "DEFAULT_OPTIONS", options)
     context = Context(load_robot("ifw"), "quick")
@@ -167,6 +169,7 @@ def elsewhere_named(function):
 
 
 def test_robot_of_cad_parts_is_skipped(tmp_path):
+    """The comparison is for legs of constant section."""
     write_crane(tmp_path)
     context = Context(load_robot(tmp_path / "robot.toml"), "quick")
     for case in BY_ID.values():

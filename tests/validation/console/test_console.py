@@ -56,6 +56,7 @@ def shell(line, **environment):
     ],
 )
 def test_unusual_shell_gives_at_most_one_error_line(line, code, message):
+    """Closed or full standard streams, small limits of files and memory, other encodings."""
     completed = shell(line)
     assert completed.returncode == code, completed.stderr
     assert completed.stdout.isascii()
@@ -64,6 +65,7 @@ def test_unusual_shell_gives_at_most_one_error_line(line, code, message):
 
 
 def test_unencodable_characters_are_replaced():
+    """An ASCII terminal shows µ as u and ± as +-; control characters are shown as codes."""
     streams.prepare()
     text = "µ − ′ “” × · ± ≤ ≥ → ø § √ ∫ ° Φ ² é 中"
     plain = 'u - \' "" x * +- <= >= -> o section  sqrt  integral   deg Phi 2 e \\u4e2d'
@@ -73,6 +75,7 @@ def test_unencodable_characters_are_replaced():
 
 
 def test_refused_run_leaves_home_empty(tmp_path):
+    """No cache and no settings of libraries are written."""
     home = {"HOME": str(tmp_path), "XDG_CACHE_HOME": "", "MPLCONFIGDIR": ""}
     completed = shell("flexproof run five-bar --only nothing", **home)
     assert completed.returncode == 2, completed.stderr
@@ -91,6 +94,7 @@ def test_relative_home_is_replaced_for_one_run(monkeypatch):
 
 
 def test_second_sigterm_has_no_effect():
+    """It arrives while the message "interrupted" is written."""
     program = """
 import os, signal
 from validation import cli
@@ -103,6 +107,7 @@ raise SystemExit(cli.main())
 
 
 def test_address_space_limit_is_respected(monkeypatch):
+    """A limit by `ulimit -v` counts as the available memory."""
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     monkeypatch.setattr(resource, "getrlimit", lambda _: (used + 10**8, -1))
     assert 0.5e8 < available_memory() <= 1.1e8
@@ -114,6 +119,7 @@ PICTURE = ("kinematics", "five-bar", "--picture")
 
 @pytest.mark.parametrize("words", [TABLE, PICTURE], ids=["table", "picture"])
 def test_file_of_other_kind_is_not_replaced(words, tmp_path, command):
+    """A robot file as --csv or --picture, directly or by a link, stays unchanged."""
     robot = tmp_path / "robot.toml"
     command.output("new", "--type", "five-bar", robot)
     content = robot.read_bytes()
@@ -132,6 +138,7 @@ def test_file_of_other_kind_is_not_replaced(words, tmp_path, command):
 
 
 def test_missing_folders_are_created(tmp_path, capsys, monkeypatch):
+    """Only when the file is written, not when its path is checked."""
     path = tmp_path / "new" / "deeper" / "table"
     require_writable(path, ".csv")
     assert not (tmp_path / "new").exists()
@@ -144,6 +151,7 @@ def test_missing_folders_are_created(tmp_path, capsys, monkeypatch):
 
 
 def test_failed_write_prints_results(tmp_path, capsys, command):
+    """The computed table is printed although its file cannot be written."""
     # No file can be made there, which cannot be detected in advance.
     assert cli.main([*TABLE, "/proc/none/table"]) == 2
     printed = capsys.readouterr()
@@ -218,6 +226,7 @@ def test_full_disk_writes_no_template(tmp_path):
 
 
 def test_output_link_is_not_followed(tmp_path):
+    """The link is replaced by the result; the file that it pointed to stays unchanged."""
     foreign, link = tmp_path / "foreign.csv", tmp_path / "link.csv"
     foreign.write_bytes(b"mine")
     link.symlink_to(foreign)
@@ -228,6 +237,7 @@ def test_output_link_is_not_followed(tmp_path):
 
 
 def test_failed_write_keeps_the_earlier_file(tmp_path, monkeypatch):
+    """The disk is full while the new file is written."""
     path = tmp_path / "table.csv"
     path.write_bytes(b"earlier")
     monkeypatch.setattr(os, "fsync", refusing(errno.ENOSPC))

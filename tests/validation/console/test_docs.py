@@ -77,6 +77,7 @@ def site(tmp_path_factory):
 
 @pytest.mark.exhaustive
 def test_site_has_every_guide_page(site):
+    """Each file of docs/guide is a page of the site."""
     folder, pages = site
     guide = {file.stem for file in (docs.SOURCES / "guide").glob("*.md")}
     assert {page.stem for page in pages if page.parent == folder / "guide"} == guide
@@ -84,6 +85,7 @@ def test_site_has_every_guide_page(site):
 
 @pytest.mark.exhaustive
 def test_site_needs_no_network(site):
+    """Pages load scripts, styles and pictures from files only."""
     _, pages = site
     for file, page in pages.items():
         assert page.loaded, file
@@ -93,6 +95,7 @@ def test_site_needs_no_network(site):
 
 @pytest.mark.exhaustive
 def test_site_links_are_valid(site):
+    """Files and anchors of all links within the site."""
     _, pages = site
     checked = 0
     for file, page in pages.items():
@@ -134,6 +137,7 @@ def test_gallery_has_pictures_of_examples(site):
 
 @pytest.mark.exhaustive
 def test_api_reference_has_all_names(site):
+    """Names in `flexproof.__all__`."""
     folder, pages = site
     anchors = {anchor.rpartition(".")[2] for anchor in pages[folder / "api.html"].anchors}
     assert set(fp.__all__) <= anchors
@@ -199,11 +203,13 @@ def test_search_finds_newcomer_questions(site, question, tmp_path):
     ],
 )
 def test_search_finds_subject_pages(site, words, page, tmp_path):
+    """Words such as "buckling" and "nastran" find the page on them."""
     folder, _ = site
     assert page in found_pages(folder, words, tmp_path)
 
 
 def test_foreign_output_folder_is_refused(command, tmp_path):
+    """A folder with other files is not overwritten."""
     (tmp_path / "notes.txt").write_text("mine", "utf-8")
     assert "is not an earlier site" in command.error_line("docs", "--out", str(tmp_path))
     assert [file.name for file in tmp_path.iterdir()] == ["notes.txt"]
@@ -218,5 +224,6 @@ def test_earlier_site_is_replaced(tmp_path, monkeypatch):
 
 
 def test_docs_without_sources_are_refused(command, monkeypatch):
+    """An installed package has no docs folder."""
     monkeypatch.setattr(docs, "SOURCES", Path("/nonexistent-sources"))
     assert re.search("in a clone of the sources", command.error_line("docs"))

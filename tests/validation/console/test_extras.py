@@ -48,6 +48,7 @@ def missing(*requirements):
 
 
 def test_missing_dependencies_are_listed(packages):
+    """Packages needed by packages, with extras and conditions, that are absent or too old."""
     assert missing("First>=1") == ["first"]
     packages["first"] = ("1.0", "second[more]>2", "windows; sys_platform == 'win32'")
     assert missing("first") == ["second"]
@@ -63,11 +64,13 @@ def test_missing_dependencies_are_listed(packages):
 @pytest.mark.usefixtures("packages")
 @pytest.mark.parametrize("name", ["fourth", "windows"])
 def test_package_missing_in_lock_is_named(name):
+    """A dependency for which the lock file has no version for this machine."""
     with pytest.raises(ComputationError, match=f"no version of {name} for this machine in req"):
         missing(name)
 
 
 def test_packages_are_installed_by_hash(packages, monkeypatch, tmp_path):
+    """pip gets the lines of the lock file, and no package is installed twice."""
     for lock, content in zip(locked.LOCKS, (LOCK, ""), strict=True):
         (tmp_path / lock).write_text(content)
     project = '[project.optional-dependencies]\nsample = ["first"]\n'
@@ -96,6 +99,7 @@ def test_packages_are_installed_by_hash(packages, monkeypatch, tmp_path):
 
 
 def test_lock_has_every_extra():
+    """Each requirement of an extra has an allowed version and a hash."""
     project = tomllib.loads((extras.ROOT / locked.PROJECT).read_text("utf-8"))["project"]
     optional = project["optional-dependencies"]
     assert set(EXTRAS) == set(optional) - {"test", "dev"}
@@ -110,6 +114,7 @@ def test_lock_has_every_extra():
 
 
 def test_extras_are_listed_and_names_checked(command, monkeypatch):
+    """Outside a virtual environment the message contains the command of pip."""
     lines = command.output("extras").splitlines()
     assert [line.split()[0] for line in lines] == list(EXTRAS)
     message = command.error_line("extras", "nastrn")

@@ -68,6 +68,7 @@ def extras_lines(log):
 
 
 def test_first_setup_installs_no_extras(start):
+    """The lock file and flexproof itself; a second start installs nothing."""
     log = start("check", "ifw")
     assert start.stdout == "runs check ifw\n"
     assert any("--require-hashes --requirement" in line for line in log)
@@ -79,6 +80,7 @@ def test_first_setup_installs_no_extras(start):
 
 @pytest.mark.parametrize("later", ["new-recipe", "unfinished", "broken-environment"])
 def test_later_setup_reinstalls_extras(start, later):
+    """After new lock files, an unfinished set-up or a broken environment."""
     start("check", "ifw")
     environment = start.root / ".venv"
     (environment / NOTE).write_text("hammer\nnastran\n")
@@ -98,6 +100,7 @@ def test_later_setup_reinstalls_extras(start, later):
 
 
 def test_failed_extras_are_retried_at_start(start):
+    """The command is not run until they are installed."""
     start("check", "ifw")
     (start.root / ".venv" / NOTE).write_text("hammer\n")
     (start.root / "requirements.lock").write_text("other packages")
@@ -110,5 +113,6 @@ def test_failed_extras_are_retried_at_start(start):
 
 
 def test_extras_command_is_passed_on(start):
+    """`./flexproof extras` is a command of the program, not of the launcher."""
     start("extras", "hammer")
     assert start.stdout == "runs extras hammer\n"

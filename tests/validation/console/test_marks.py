@@ -71,6 +71,7 @@ def test_marked_output_file_keeps_content(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_changed_file_loses_its_mark(kind, tmp_path):
+    """One changed byte anywhere in a result file; CSV files are recognised by their line ends."""
     content, path = KINDS[kind][0], tmp_path / f"own{kind}"
     result = with_mark(content, kind)
     path.write_bytes(result)
@@ -121,6 +122,7 @@ WRITTEN = {
 
 @pytest.mark.parametrize("name", WRITTEN)
 def test_command_replaces_only_own_results(name, folder, command):
+    """Files of the user and results changed by the user need --force."""
     path, words = folder / name, WRITTEN[name]
     path.write_bytes(FOREIGN)
     message = command.error_line(*words)

@@ -39,6 +39,7 @@ def no_request(monkeypatch):
 
 
 def test_unknown_solver_is_refused(command, monkeypatch):
+    """By option in four commands, and by FLEXPROOF_SOLVER."""
     for words in (SOLVE, ("run",), ("converge",), ("selftest",)):
         assert 'Invalid value "pardiso" for --solver' in command.error_line(
             *words, "--solver", "pardiso"
@@ -50,6 +51,7 @@ def test_unknown_solver_is_refused(command, monkeypatch):
 
 
 def test_cudss_without_extra_is_refused(command, monkeypatch):
+    """The message has the missing packages and the command that adds them."""
     monkeypatch.setattr("fem.extras.find_spec", lambda _: None)
     discard_card()
     message = command.error_line(*SOLVE, "--solver", "cudss")
@@ -59,6 +61,7 @@ def test_cudss_without_extra_is_refused(command, monkeypatch):
 
 
 def test_invalid_ranks_are_refused(command, monkeypatch):
+    """--ranks 0, and --ranks without --solver petsc or gamg."""
     for words in (SOLVE, ("run",), ("converge",), ("selftest",)):
         message = command.error_line(*words, "--solver", "petsc", "--ranks", "0")
         assert message.startswith('flexproof: --ranks = "0": must be a whole number from 1 to ')
@@ -70,6 +73,7 @@ def test_invalid_ranks_are_refused(command, monkeypatch):
 
 
 def test_missing_petsc_is_refused(command, monkeypatch):
+    """Reason, Debian packages and the environment variable, in one line."""
     monkeypatch.setenv("FLEXPROOF_PETSC_PYTHON", "/nowhere/python")
     assert command.error_line(*SOLVE, "--solver", "petsc") == (
         "flexproof: solver petsc: /nowhere/python does not exist; install the Debian packages "
@@ -79,6 +83,7 @@ def test_missing_petsc_is_refused(command, monkeypatch):
 
 
 def test_petsc_equals_rslab(command, monkeypatch):
+    """Solid five-bar on two ranks: compliances to 1e-10, frequencies to 1e-9."""
     require_petsc()
     words = ("solve", "five-bar", "--model", "solid", "--modes", "3", "--json")
     expected = json.loads(command.output(*words, "--solver", "rslab"))
@@ -96,6 +101,7 @@ def test_petsc_equals_rslab(command, monkeypatch):
 
 
 def test_solver_option_overrides_variable(command, monkeypatch):
+    """An invalid FLEXPROOF_SOLVER is ignored beside --solver, and unchanged afterwards."""
     monkeypatch.setenv(VARIABLE, "pardiso")
     command.output(*SOLVE, "--solver", "rslab")
     assert os.environ[VARIABLE] == "pardiso"
@@ -105,6 +111,7 @@ def test_solver_option_overrides_variable(command, monkeypatch):
 
 
 def test_solver_request_reaches_workers(monkeypatch):
+    """Child processes and worker processes use the requested solver."""
     monkeypatch.setenv(VARIABLE, "rslab")
     assert in_own_process(requested_solver) is Solver.RSLAB
     with on_cores(1) as cores:
@@ -122,6 +129,7 @@ class OneWorker:
 
 
 def test_solver_request_reaches_cluster(monkeypatch):
+    """A worker uses the solver and the ranks of the requesting machine, not its own."""
     monkeypatch.setenv(VARIABLE, "petsc")
     monkeypatch.setenv(RANKS_VARIABLE, "2")
     request = request_variables()
@@ -143,6 +151,7 @@ def warn_of_fallback():
 
 
 def test_worker_warning_is_repeated():
+    """A fallback in a child process gives one warning in this process."""
     with pytest.warns(SolverFallbackWarning, match="graphics card: lost") as caught:
         assert in_own_process(warn_of_fallback) == 1
     assert len(caught) == 1
@@ -163,6 +172,7 @@ def test_equal_warnings_give_one_line(command, monkeypatch, capsys):
 
 
 def test_version_names_the_solver(command, monkeypatch):
+    """`flexproof --version` and the versions in results.json."""
     insert_card(monkeypatch)
     for request, expected in (("cudss", "cuDSS 0.8.0 on fake card"), ("rslab", "rslab")):
         monkeypatch.setenv(VARIABLE, request)
@@ -171,6 +181,7 @@ def test_version_names_the_solver(command, monkeypatch):
 
 
 def test_cache_keys_depend_on_solver(monkeypatch):
+    """And on the number of ranks. Keys of meshes do not."""
     keys = set()
     for request, ranks in (("auto", 1), ("rslab", 1), ("cudss", 1), ("petsc", 1), ("petsc", 2)):
         monkeypatch.setenv(VARIABLE, request)

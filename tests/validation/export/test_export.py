@@ -57,6 +57,7 @@ def folder(tmp_path_factory):
 
 
 def test_equal_legs_are_exported_once(folder):
+    """README.txt lists the rods that share one mesh; the deck has six loads and one modal step."""
     assert_read_back(folder)
     solids = {path.name for path in folder.glob("*_solid.vtu")}
     assert solids == {"mechanism_solid.vtu", "rod1l_solid.vtu"}
@@ -68,6 +69,7 @@ def test_equal_legs_are_exported_once(folder):
 
 
 def test_exported_displacement_is_compliance(folder):
+    """End displacements under unit loads are those of the compliance; the root does not move."""
     mesh = read_vtk(folder / "mechanism_solid.vtu")
     assert mesh.bounds[1] == pytest.approx(LEG.length, rel=1e-12)
     assert mesh.volume == pytest.approx(LEG.section.area * LEG.length, rel=1e-9)
@@ -87,6 +89,7 @@ def test_exported_displacement_is_compliance(folder):
 
 @pytest.mark.parametrize("model", ["segments", "beam"])
 def test_centreline_equals_timoshenko_beam(folder, model):
+    """Tip displacements and rotations in the VTP file, against the closed form."""
     line = read_vtk(folder / f"mechanism_{model}.vtp")
     assert (line.n_lines, line.length) == (1, pytest.approx(LEG.length))
     tip = [
@@ -100,6 +103,7 @@ def test_centreline_equals_timoshenko_beam(folder, model):
 
 
 def test_leg_matrices_give_known_values(folder):
+    """K and M of the NPZ files: tip compliance and first frequency of the beam."""
     leg = leg_matrices("beam", LEG)
     K, M = (load_npz(folder / f"mechanism_beam_{letter}.npz").toarray()[6:, 6:] for letter in "KM")
     compliance = np.linalg.inv(K)[:6, :6]
@@ -213,6 +217,7 @@ def crank():
 
 @pytest.mark.exhaustive
 def test_exported_deck_runs_in_calculix(folder, tmp_path):
+    """CalculiX reads the deck's meshes, couplings and static steps without an error."""
     try:
         program = calculix_program()
     except CalculixMissing as missing:
@@ -228,6 +233,7 @@ def test_exported_deck_runs_in_calculix(folder, tmp_path):
 
 
 def test_state_space_has_modes_and_statics(robot):
+    """Poles and gain at zero frequency, by NumPy and by the package `control`."""
     arrays = np.load(BytesIO(as_statespace(robot, ".npz")))
     A, B, C, D = (arrays[name] for name in "ABCD")
     (solid,) = mechanism_modes("solid", [reference_posture(FIVE_BAR)], COUNT, COARSE)
@@ -262,6 +268,7 @@ def test_state_space_has_modal_damping():
 
 
 def test_drive_torque_is_stiffness_times_angle(robot):
+    """Virtual work: the torque under a tool force is ∂x/∂q, by differences of postures."""
     ports, solution = robot.matrices.ports, robot.solution
     joint = next(joint for joint in FIVE_BAR.joints if joint.name == "motor1")
     reference, step = reference_posture(FIVE_BAR), 1e-6
@@ -281,6 +288,7 @@ def test_drive_torque_is_stiffness_times_angle(robot):
 
 
 def test_frequency_bounds_cover_finer_reduction(crank):
+    """Reference: modes up to 4000 Hz. Frequencies are upper bounds, within the stated error."""
     finer = reduced_body(FIVE_BAR, "crank1", 4000.0)
     count = len(crank.frequencies)
     assert count >= 2
@@ -292,6 +300,7 @@ def test_frequency_bounds_cover_finer_reduction(crank):
 
 
 def test_npz_and_simscape_have_matrices(crank):
+    """Equal matrices; unknowns are named, origins are those of the interfaces."""
     arrays = np.load(BytesIO(as_npz(crank)))
     assert np.array_equal(arrays["K"], crank.stiffness)
     assert np.array_equal(arrays["M"], crank.mass)
@@ -306,6 +315,7 @@ def test_npz_and_simscape_have_matrices(crank):
 
 
 def test_nastran_deck_has_matrices(crank):
+    """DMIG cards read by pyyeti: frequencies and positions of the interfaces."""
     nastran = pytest.importorskip("pyyeti.nastran", reason="pyyeti is not installed")
     text = as_nastran(crank).decode()
     matrices = nastran.rddmig(StringIO(text))
@@ -319,6 +329,7 @@ def test_nastran_deck_has_matrices(crank):
 
 
 def test_exudyn_script_prints_frequencies(robot, tmp_path):
+    """The exported script runs; a robot name with quotes does no harm."""
     pytest.importorskip("exudyn", reason="EXUDYN (extra exudyn) is not installed")
     script = tmp_path / "robot.py"
     renamed = replace(robot.matrices, name='end""" + 1 / 0 \\N{')

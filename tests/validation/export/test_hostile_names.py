@@ -54,6 +54,7 @@ def reduced():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_script_runs_for_any_robot_name(name, reduced):
+    """The syntax tree of the script is the same for every name."""
     script = as_exudyn(replace(reduced, name=name))
     # ast.parse decodes bytes as Python decodes a file, with the declared encoding.
     assert ast.dump(ast.parse(script)) == ast.dump(ast.parse(as_exudyn(reduced)))
@@ -83,6 +84,7 @@ def body():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_deck_cards_ignore_robot_name(name, body):
+    """Only comments of the Nastran deck contain the name, in ASCII."""
     pytest.importorskip("pyyeti.nastran", reason="pyyeti is not installed")
 
     def cards(content):
@@ -114,6 +116,7 @@ def test_deck_has_one_point_per_unknown(body):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_npz_needs_no_pickle_for_names(name, reduced):
+    """Names are stored as texts, which NumPy loads with allow_pickle=False."""
     renamed = replace(reduced, name=name)
     arrays = np.load(io.BytesIO(as_npz(renamed)), allow_pickle=False)
     assert str(arrays["about"]).startswith(f"{name}: ")
@@ -123,6 +126,7 @@ def test_npz_needs_no_pickle_for_names(name, reduced):
 
 @pytest.mark.parametrize("sign", ["\\u0085", "\\u009b2J", "\\u2028", "\\u202e", "\\u2066", "\\n"])
 def test_control_characters_are_refused(sign, tmp_path):
+    """Line ends, terminal codes and text direction marks in a robot's name."""
     with pytest.raises(
         InputError, match=r"name = .*: must be a text of 1 to 100 characters on one"
     ):
@@ -130,6 +134,7 @@ def test_control_characters_are_refused(sign, tmp_path):
 
 
 def test_spreadsheet_formulas_are_escaped():
+    """Texts that a spreadsheet would compute begin with an apostrophe; numbers do not."""
     formulas = ("=1+2", "+A1", "-A1*2", "@SUM(A1)", "\t=1", " =1", "\uff1d1", "-1-1", "-cmd|' '!A")
     numbers = ("-0.3", "+1.5e-3", "-0.6 0.8 0", "0.1, -0.2", "-12 %", "", "vjm", "a=1", "x-y")
     columns = {"=HYPERLINK(A1)": [*formulas, *numbers, -1.5, None]}
@@ -140,6 +145,7 @@ def test_spreadsheet_formulas_are_escaped():
 
 
 def test_face_names_keep_json_valid(tmp_path, command):
+    """Control characters and quotes in the name of a CAD face, and in a robot's name."""
     part = read_part(ROCKER)
     renamed = replace(part.faces[0], name="\x85\x9b\u202e\U000e0001\"</script>'")
     part = replace(part, faces=(renamed, *part.faces[1:]))
@@ -155,6 +161,7 @@ HOSTILE = '</text><script>alert(1)</script> --><svg onload="x"> id="a" &amp; ]]>
 
 
 def test_drawing_shows_markup_as_text():
+    """Labels and titles of a chart are escaped in its SVG."""
     curve = np.array([0.0, 1.0])
     panels = [Panel([Series(HOSTILE, curve, curve)], HOSTILE, y_label=HOSTILE)]
     figure = Figure("a", "A", "", "Toys", svg=chart_svg(Chart(panels, HOSTILE)))
@@ -177,6 +184,8 @@ class Elements(HTMLParser):
 
 @pytest.mark.usefixtures("blank_charts")
 def test_names_add_no_page_elements(monkeypatch):
+    """The report with markup in all texts has the elements of the report with plain texts."""
+
     def page(text):
         def with_text(record, *names):
             copy = msgspec.structs.replace if isinstance(record, msgspec.Struct) else replace
@@ -224,5 +233,6 @@ def test_names_add_no_page_elements(monkeypatch):
     ],
 )
 def test_active_drawing_is_refused(markup):
+    """Scripts, event handlers and foreign objects in an SVG."""
     with pytest.raises(ValueError, match="is not allowed in a drawing"):
         Figure("a", "A", "", "Toys", svg=f"<svg >{markup}</svg>")

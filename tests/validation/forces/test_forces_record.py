@@ -95,6 +95,7 @@ def test_solid_reactions_equal_beam_reactions():
 
 
 def test_json_csv_and_table_are_equal(loaded, command):
+    """Reactions and stresses of a cantilever by `fp.forces` and `flexproof forces`."""
     analysis = fp.forces(loaded)
     printed = command.json("forces", str(loaded))
     assert printed == json.loads(analysis.json())
@@ -118,6 +119,7 @@ def test_json_csv_and_table_are_equal(loaded, command):
 
 
 def test_solve_json_has_reactions(loaded, command):
+    """`solve` and `forces` print equal reactions."""
     solved = command.json("solve", str(loaded), "--model", "beam", "--modes", "0")
     record = command.json("forces", str(loaded))
     for name, load in solved["results"][0]["loads"].items():
@@ -125,6 +127,7 @@ def test_solve_json_has_reactions(loaded, command):
 
 
 def test_undetermined_force_is_a_dash(tmp_path, command):
+    """Null in JSON, "–" in the text, and a member without stress with its reason."""
     robot = tmp_path / "five-bar.toml"
     text = (Path(fp.__file__).parent / "lumped/robots/five-bar.toml").read_text("utf-8")
     robot.write_text(text + LOADS, "utf-8")
@@ -138,6 +141,7 @@ def test_undetermined_force_is_a_dash(tmp_path, command):
 
 
 def test_forces_command_writes_all_outputs(loaded, command, tmp_path):
+    """Text, --csv and --picture."""
     table, picture = tmp_path / "forces.csv", tmp_path / "forces.png"
     output = command.output("forces", str(loaded), "--csv", str(table), "--picture", str(picture))
     assert "cantilever, beam" in output
@@ -158,16 +162,19 @@ def test_forces_command_writes_all_outputs(loaded, command, tmp_path):
     ],
 )
 def test_invalid_request_is_refused(loaded, command, arguments, message):
+    """Unknown load, and --path beside --pose."""
     assert message in command.error_line("forces", str(loaded), *arguments)
 
 
 def test_robot_without_loads_is_refused(command):
+    """Also a load that the robot file does not define."""
     assert "the robot file has no [[loads]]" in command.error_line("forces", "five-bar")
     with pytest.raises(fp.InputError, match="loads pull: must be one of push"):
         fp.forces(robot_of(CANTILEVER + LOADS), loads=["pull"])
 
 
 def test_force_figure_has_all_elements():
+    """Panels of joints, drives and stresses, with a curve over the path for each of them."""
     text = (Path(fp.__file__).parent / "lumped/robots/five-bar.toml").read_text("utf-8")
     drag = '[[loads]]\nname = "drag"\nwrench = [100.0, 50.0, -30.0, 0.0, 0.0, 0.0]\n'
     analysis = fp.forces(robot_of(text + LOADS + drag), path=True, loads=["drag", "push"])

@@ -102,6 +102,7 @@ def test_peak_stress_covers_beam_at_clamp(bar):
 
 
 def test_vtu_has_the_fields_of_all_bodies(bar, tmp_path):
+    """PyVista reads nodes, von Mises stresses and numbers of bodies."""
     pyvista = pytest.importorskip("pyvista")
     analysis, field = bar
     path = tmp_path / "bar.vtu"
@@ -114,6 +115,7 @@ def test_vtu_has_the_fields_of_all_bodies(bar, tmp_path):
 
 
 def test_reentrant_corner_nodes_are_excluded():
+    """Nodes within a given distance of a corner; without corners none are excluded."""
     nodes = np.array([[0.0, 0.0, 0.0], [0.0, 0.02, 0.0], [1.0, 0.0, 0.0]])
     assert away_from(nodes, np.array([0]), 0.01).tolist() == [False, True, True]
     assert away_from(nodes, np.zeros(0, dtype=int), 0.01).all()
@@ -127,6 +129,7 @@ def test_reentrant_corner_nodes_are_excluded():
     ],
 )
 def test_vtu_of_two_fields_is_refused(words, message, command, tmp_path):
+    """--vtu is for one load in one pose by solids."""
     robot = tmp_path / "arm.toml"
     robot.write_text(LOADED + LOADED[LOADED.index("[[loads]]") :].replace("push", "pull"), "utf-8")
     line = command.error_line("forces", robot, *words, "--vtu", tmp_path / "x.vtu")

@@ -55,6 +55,7 @@ def test_inclined_fibres_carry_shear_of_wedge():
 
 
 def test_stress_at_step_is_larger_of_both_sides():
+    """σ = 6Fξ/bh² with the height h of the thin side."""
     thick, thin = Rectangle(0.03, 0.08), Rectangle(0.03, 0.04)
     leg, member = cantilever((0.0, thick), (0.6, thick), (0.6, thin), (LENGTH, thin))
     stress = member_stress(leg, member)

@@ -15,6 +15,7 @@ COUNTS = {"delta": (9, 6, 69, 0), "biglide": (2, 0, 31, 3)}
 
 @pytest.mark.parametrize("robot", COUNTS)
 def test_json_has_mobility_and_loops(robot, command):
+    """Numbers of free and idle motions, constraints and redundant ones; loops close to 1e-12."""
     document = command.json("kinematics", robot)
     names = ("mobility", "idle", "constraints", "redundant")
     assert tuple(document["reference"][name] for name in names) == COUNTS[robot]
@@ -33,6 +34,7 @@ def test_json_has_mobility_and_loops(robot, command):
     ],
 )
 def test_text_has_degrees_and_millimetres(robot, joint, pose, pose_text, factor, unit, command):
+    """Joint coordinates of the JSON output (rad, m), times 180/π or 1000."""
     arguments = ("kinematics", robot, "--pose", pose)
     (value,) = command.json(*arguments)["results"][0]["coordinates"][joint]
     assert abs(value) > 1e-3
@@ -43,6 +45,7 @@ def test_text_has_degrees_and_millimetres(robot, joint, pose, pose_text, factor,
 
 
 def test_invalid_poses_have_messages(capsys):
+    """Wrong number of coordinates and no numbers: one line each."""
     assert cli.main(["kinematics", "five-bar", "--pose", "1,2,3", "--pose", "a,b"]) == 2
     faults = capsys.readouterr().err.splitlines()
     assert len(faults) == 2
@@ -50,6 +53,7 @@ def test_invalid_poses_have_messages(capsys):
 
 
 def test_many_poses_have_time_estimate(monkeypatch, capsys):
+    """Before long computations, on stderr."""
     monkeypatch.setattr("validation.kinematics.poses._SILENT_SECONDS", 0.0)
     assert cli.main(["kinematics", "five-bar", *["--pose=0,0.5"] * 11]) == 0
     assert capsys.readouterr().err.startswith("flexproof: 11 poses, about ")
@@ -59,6 +63,7 @@ def test_many_poses_have_time_estimate(monkeypatch, capsys):
     "robot", ["biglide", "five-bar", "3-rrr", "delta", "orthoglide", "hexapod"]
 )
 def test_new_keeps_existing_robot_file(robot, tmp_path, command):
+    """A new file is valid, with comments, and its path is within reach."""
     path = tmp_path / "a\nforged.toml"
     (line,) = command.output("new", "--type", robot, path).splitlines()
     assert "a\\nforged.toml written" in line
@@ -71,6 +76,7 @@ def test_new_keeps_existing_robot_file(robot, tmp_path, command):
 
 
 def test_picture_has_leg_and_drive_colours(tmp_path, command):
+    """Shares of blue, red and white pixels."""
     path = tmp_path / "robot.png"
     pose = ",".join(f"{value:g}" for value in load_robot("five-bar").mechanism.reference_pose)
     command.output("kinematics", "five-bar", f"--pose={pose}", "--picture", path)

@@ -74,6 +74,7 @@ def bipod(tmp_path_factory):
 
 
 def test_bipod_maps_match_closed_form(bipod):
+    """Two legs: lowest stiffness, √(k/m)/2π, and no error of `links`."""
     studies = studies_by_id(bipod)
     x, y = studies["map.stiffness"]["x"]
     stiffness = np.array([[lowest_stiffness(a, b) for b in y] for a in x])
@@ -137,6 +138,7 @@ def test_search_finds_minimum_between_points(tmp_path):
 
 @pytest.mark.exhaustive
 def test_large_3d_grid_is_thinned(tmp_path, monkeypatch):
+    """At most 12 of 60 poses here, evenly chosen; the caption states their number."""
     monkeypatch.setitem(_MAX_POSES, "quick", 12)
     monkeypatch.setattr("validation.maps.workspace._EVALUATIONS", 4)
     figure = maps(Context(robot_of(GRID_OF_THREE, tmp_path), "quick"))
@@ -164,6 +166,7 @@ def five_bar(tmp_path_factory):
 
 
 def test_grid_values_match_solve(five_bar, command):
+    """Lowest stiffness and f1 of one pose, by `flexproof solve`."""
     context, figure = five_bar
     stiffness, frequency = (studies_by_id(figure)[name] for name in ("map.stiffness", "map.f1"))
     pose = f"--pose={frequency['x'][0][2]!r},{frequency['x'][1][1]!r}"
@@ -214,6 +217,7 @@ def test_mapped_error_is_largest_of_references():
 
 
 def test_unreachable_poses_are_blank(five_bar, tmp_path, command):
+    """Poses farther than both legs reach; the caption and `check` count them."""
     context, figure = five_bar
     study = studies_by_id(figure)["map.stiffness"]
     blank = np.equal(study["values"], None)
@@ -234,6 +238,7 @@ def test_unreachable_poses_are_blank(five_bar, tmp_path, command):
 
 
 def test_only_grids_have_maps(five_bar):
+    """A path along a line has none. Stored maps are read back unchanged."""
     context, figure = five_bar
     planned = {task.id: task for task in catalogue(context.robot_file)}
     assert "mechanism.maps" not in {task.id for task in catalogue(load_robot("five-bar"))}

@@ -31,6 +31,7 @@ LOAD = 1000.0
 
 
 def test_uncertainties_add_as_squares():
+    """Numerics, inputs and measurement; a comparison by size."""
     compared = Comparison(10.0, -8.0, 0.1, 0.2, 0.2)
     assert compared.error == pytest.approx(18.0 / 8.0)
     # 95 % of a standard uncertainty of 0.3.
@@ -39,6 +40,7 @@ def test_uncertainties_add_as_squares():
 
 
 def test_input_uncertainties_propagate_to_first_order():
+    """Half the differences of two changed inputs, 0.01 and 0.04, by Pythagoras."""
     # y = a·b² with relative uncertainties 1 % and 2 %: √(1² + (2·2)²) % to first order.
     propagated_uncertainty = propagated([(0.99, 1.01), (0.98**2, 1.02**2)])
     assert propagated_uncertainty == pytest.approx(hypot(0.01, 0.04))
@@ -46,6 +48,7 @@ def test_input_uncertainties_propagate_to_first_order():
 
 
 def test_verdict_uses_whole_interval():
+    """Limit of 5 %: adequate within, inadequate beyond, undecided across it."""
     for verdict, intervals in {
         "adequate": [(1.02, 0.001), (0.98, 0.001)],
         "inadequate": [(1.12, 0.001), (0.90, 0.001)],
@@ -116,6 +119,7 @@ def test_measured_leg_compliances_are_plotted():
 
 
 def test_unsolved_value_affects_one_entry(monkeypatch):
+    """A model without a solution in one pose is judged in the other."""
     robot_file = load_robot("five-bar")
     robot = robot_file.mechanism
     first, last = (tuple(map(float, robot.poses[index])) for index in (0, -1))
@@ -147,6 +151,7 @@ def test_unsolved_value_affects_one_entry(monkeypatch):
 
 
 def test_program_error_affects_one_value(monkeypatch, capsys):
+    """Undecided with the error as reason; the model is listed as faulty."""
     robot_file = load_robot("five-bar")
     pose = tuple(map(float, robot_file.mechanism.poses[0]))
     measurements = tuple(
@@ -252,6 +257,7 @@ relative = 0.1
 
 
 def test_predictions_are_at_pose_of_measurement(tmp_path):
+    """Deflection under 200 N and f1 at a pose that is not on the path, by `answers`."""
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     measured_postures = postures_of(robot_file.mechanism, np.array([[0.1, 0.525]]))
     matrix = measured_matrix(Context(robot_file, "quick"))
@@ -288,6 +294,7 @@ def test_predictions_are_at_pose_of_measurement(tmp_path):
 
 
 def test_predictions_equal_values_of_models():
+    """Compliance entries of legs, deflections under a force, and frequencies."""
     five_bar = load_robot("five-bar")
     mechanism = five_bar.mechanism
     predictions = Predictions.of(Context(five_bar, "quick"))
@@ -315,6 +322,7 @@ def test_predictions_equal_values_of_models():
 
 
 def test_program_error_in_model_is_reported(monkeypatch, capsys):
+    """Other models keep their values, and the traceback is printed."""
     robot_file = load_robot("five-bar")
     pose = tuple(map(float, robot_file.mechanism.poses[0]))
     measured = Measured(measured_quantity("x"), 1e-6, 1e-9, "gauge", pose)

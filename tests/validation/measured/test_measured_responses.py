@@ -118,7 +118,7 @@ def test_response_matches_theory(robot_with, derivatives):
 
 
 def test_low_response_is_largest_of_directions(robot_with):
-    """The force hardly excites the lowest mode: below it, the largest response is along others."""
+    """The force hardly excites the lowest mode, so that other directions respond most below it."""
     struck = (1, 10, 10)
     text = robot_text().replace("x = [1, 1, 1]", f"x = {list(struck)}")
     entry = entries_of(robot_with(functions(struck=struck), text))["hammer.low"]
@@ -129,6 +129,7 @@ def test_low_response_is_largest_of_directions(robot_with):
 
 
 def test_stiff_model_has_known_error(robot_with):
+    """Springs 20 % too stiff: 1/1.2 − 1 in each peak, and less below the first one."""
     entries = entries_of(robot_with(functions(), robot_text(stiffer=1.2)))
     for n in (1, 2, 3):
         assert entries[f"hammer.f{n}"].error == pytest.approx(1 / 1.2 - 1, abs=1e-3)
@@ -138,6 +139,7 @@ def test_stiff_model_has_known_error(robot_with):
 
 
 def test_models_use_damping_of_robot_file(robot_with):
+    """Twice the measured damping: peaks half as high."""
     entries = entries_of(robot_with(functions(), robot_text("[damping]\nratio = 0.02")))
     assert entries["hammer.f2"].error == pytest.approx(-0.5, abs=1e-3)
     assert entries["hammer.low"].error == pytest.approx(0.0, abs=1e-3)
@@ -153,6 +155,7 @@ def test_models_use_damping_of_robot_file(robot_with):
     ],
 )
 def test_wrong_sign_or_unit_is_detected(robot_with, factor, verdict, message):
+    """A response times −1 or 1000: the reason names the mistake."""
     for entry in entries_of(robot_with(functions(factor=factor))).values():
         assert entry.verdict == verdict
         assert message in entry.reason
@@ -176,6 +179,7 @@ def test_noise_is_within_uncertainty(robot_with):
 
 
 def test_tool_response_gives_its_peak(robot_with):
+    """Peak, its frequency and the size at 40 Hz, against the closed form."""
     tables = """[damping]
 ratio = 0.01
 [[responses]]

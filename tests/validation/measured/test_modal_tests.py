@@ -103,6 +103,7 @@ def read_in_this_process(monkeypatch):
 
 @pytest.mark.parametrize("binary", [0, 1])
 def test_identified_poles_match_two_masses(tmp_path, monkeypatch, binary):
+    """Chain of two masses: frequencies, damping ratios 0.5 and 2 %, shapes (1, 1) and (1, −1)."""
     if binary:
         monkeypatch.undo()
     # Equal masses m between three springs k: ω² = k/m and 3k/m, shapes (1, 1) and (1, −1).
@@ -169,6 +170,7 @@ def test_model_order_stops_before_singularity(tmp_path, monkeypatch, singular):
 
 
 def test_trailing_blanks_are_ignored(tmp_path):
+    """Lines that separate the data sets of a universal file."""
     path = written(tmp_path / "h.uff", accelerations())
     plain = read_modes(path)
     path.write_bytes(path.read_bytes().replace(b"    -1\n", b"    -1   \n"))
@@ -218,6 +220,7 @@ def struck_all_over(sets):
     [list, in_mm_and_g, as_displacements, turned_over, struck_from_behind, struck_all_over],
 )
 def test_text_and_binary_modes_are_equal(tmp_path, changed):
+    """Other units, kinds of response, and directions of force and sensors: equal modes."""
     modes = read_modes(written(tmp_path / "h.uff", changed(accelerations())))
     order = np.argsort(FREQUENCIES)
     assert np.abs(modes.poles) == pytest.approx(2 * np.pi * FREQUENCIES[order], rel=1e-4)
@@ -244,6 +247,7 @@ def compared(folder, sets, robot=ROBOT + ALONG):
 
 
 def test_noisy_test_has_verdict_on_each_mode(tmp_path):
+    """1 % of noise: frequencies to 0.1 %, MAC above 0.99, all adequate."""
     robot_file, matrix = compared(tmp_path, accelerations(noise=0.01))
     frequencies = [f"f{n}" for n in range(1, 7)]
     responses = [f"response:hammer.{name}" for name in (*frequencies, "low")]
@@ -261,6 +265,7 @@ def test_noisy_test_has_verdict_on_each_mode(tmp_path):
 
 @pytest.mark.parametrize("scatter", [None, 0.05], ids=["normal", "complex"])
 def test_measured_modes_are_paired_by_shape(tmp_path, scatter):
+    """The first measured mode is 10 % too high and of the shape of f2; real and complex shapes."""
     # An eighth of a turn, and a little more or less from place to place.
     phases = 0.25 * np.pi + (scatter or 0.0) * (-1.0) ** np.arange(len(PLACES))
     turned = np.exp(1j * phases) if scatter else 1.0
@@ -296,6 +301,7 @@ def test_similar_modes_are_undecided(tmp_path):
 
 
 def test_nearest_similar_mode_is_partner(tmp_path):
+    """Of modes of similar shape, the one of nearest frequency."""
     sets = [shape(n, 0.95 * FREQUENCIES[mode], SHAPES[:, mode]) for n, mode in ((1, 0), (2, 4))]
     _, matrix = compared(tmp_path, sets, ROBOT)
     errors = {entry.quantity.name: entry.error for entry in matrix.of_model("beam")}
@@ -330,6 +336,7 @@ def test_one_point_mode_is_paired_by_frequency(tmp_path):
 
 
 def test_distant_one_point_mode_is_undecided(tmp_path):
+    """Measured at one point at 2.2 times the frequency of the nearest mode."""
     _, matrix = compared(tmp_path, [at_one_point(2.2 * FREQUENCIES[0])])
     (entry,) = matrix.of_model("beam")
     assert (entry.verdict, entry.error) == ("undecided", None)
@@ -380,6 +387,7 @@ def test_file_with_modes_and_functions_has_both(tmp_path):
     ],
 )
 def test_damaged_file_gives_one_error_line(tmp_path, monkeypatch, damaged, message):
+    """Truncated, changed or empty universal files."""
     if message == "cannot be read":
         monkeypatch.undo()
     path = written(tmp_path / "h.uff", accelerations()[:2])
@@ -404,6 +412,7 @@ def test_damaged_file_gives_one_error_line(tmp_path, monkeypatch, damaged, messa
     ],
 )
 def test_invalid_or_ambiguous_file_is_refused(tmp_path, changed, message):
+    """Units of zero, two units, repeated functions, and modes that are not finite."""
     with pytest.raises(InputError) as raised:
         compared(tmp_path, changed(accelerations()))
     (fault,) = raised.value.faults
@@ -411,6 +420,7 @@ def test_invalid_or_ambiguous_file_is_refused(tmp_path, changed, message):
 
 
 def test_missing_extra_names_command(tmp_path, monkeypatch):
+    """Universal files need pyuff, which `./flexproof extras hammer` installs."""
     path = written(tmp_path / "h.uff", accelerations()[:2])
     monkeypatch.setitem(sys.modules, "pyuff", None)
     with pytest.raises(InputError, match=r"h.uff: needs pyuff, not .* \./flexproof extras hammer"):
@@ -444,6 +454,7 @@ root = { type = "fixed", between = ["ground", "beam"], at = "A", stiffness = 1.5
 
 @pytest.mark.exhaustive
 def test_report_shows_mac_beside_verdict(tmp_path, command):
+    """A run with a modal test: entries, figure and MAC on the page."""
     path, out = written(tmp_path / "h.uff", accelerations()), tmp_path / "out"
     robot = robot_of(ROBOT + ALONG, tmp_path).source
     words = ["run", robot, "--preset", "quick", "--only", "adequacy.measured", "--jobs", 1]

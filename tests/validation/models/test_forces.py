@@ -236,6 +236,7 @@ SEEDS = (2, 3, 5, 16, 17, 20, 26, 29, 31, 32, 45, 46, 51, 52, 55, 58, 59, 66, 71
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_bodies_are_in_equilibrium(seed):
+    """Reactions, a wrench on the tool and weight sum to zero on each body."""
     loaded_posture = random_posture(seed)
     tool = loaded_posture.mechanism.tool
     load = Load("load", tool.body, tool.point, np.array([7.0, 5.0, -3.0, 1.0, 2.0, 3.0]), GRAVITY)
@@ -292,6 +293,7 @@ def test_rigid_loop_reactions_are_undetermined():
 
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_joint_frame_has_x_along_axis(robot):
+    """Right-handed orthonormal axes of each joint of all built-in robots."""
     robot_posture = reference_posture(load_robot(robot).mechanism)
     for joint in robot_posture.mechanism.joints:
         axes = joint_axes(robot_posture, joint)

@@ -202,6 +202,7 @@ def test_accelerations_equal_differences(name):
 
 
 def test_impossible_acceleration_is_refused():
+    """At the end of its stroke the biglide cannot move along x; a weight acts nevertheless."""
     robot = load_robot("ifw").mechanism
     end, pull = posture(robot, robot.poses[0]), np.array([1.0, 0.0, 0.0])
     with pytest.raises(ComputationError, match="cannot move in this direction"):
@@ -213,6 +214,7 @@ def test_impossible_acceleration_is_refused():
 
 
 def test_path_wrench_acts_in_its_pose_only():
+    """NaN in a pose that is not on the path."""
     arm = described(ARM + "path = { poses = [[0.1], [-0.2]] }")
     rows = np.array([[3.0, 0, 5.0, 0, 0, 0], [0, 2.0, 0, 0, 0.4, 0]])
     over = Load("cutting", "inner", "M", path_wrenches=rows)
@@ -226,6 +228,7 @@ def test_path_wrench_acts_in_its_pose_only():
 
 @pytest.mark.parametrize("name", ["ifw", "3-rrr", "hexapod"])
 def test_vjm_and_links_are_equal_under_loads(name):
+    """Wrenches on all points of all bodies, weight, and inertia with speed."""
     robot = load_robot(name).mechanism
     wrench = np.array([1.0, 2.0, 3.0, 0.4, 0.5, 0.6])
     loads = [
@@ -381,5 +384,6 @@ WITH_MASS = ("simplified", "segments", "beam", "solid")
     ],
 )
 def test_rotors_without_effect_are_refused(drive, fault):
+    """A rotor on a rigid drive, or a gear ratio without a rotor."""
     with pytest.raises(InputError, match=fault):
         described(PENDULUM.replace("4.0e4", drive))

@@ -63,6 +63,7 @@ def test_threefold_robot_has_symmetric_results(name, model):
 
 
 def test_equal_bodies_are_reduced_once():
+    """The hexapod has as many reductions as it has pairs of section and length."""
     mechanism = load_robot("hexapod").mechanism
     bodies = dynamic_bodies("beam", mechanism, 500.0)
     # The field of displacement is made with the body and kept with it.
@@ -104,6 +105,7 @@ def test_printed_release_is_at_leg_tip():
 
 
 def test_simplified_model_ignores_joint_compliance():
+    """Its compliance is that of the robot with rigid joints."""
     robot_posture = reference_posture(load_robot("ifw").mechanism)
     joints = tuple(replace(joint, compliance=None) for joint in robot_posture.mechanism.joints)
     stiff = replace(robot_posture, mechanism=replace(robot_posture.mechanism, joints=joints))
@@ -114,6 +116,7 @@ def test_simplified_model_ignores_joint_compliance():
 
 
 def test_legs_are_shared_only_if_identical():
+    """Lengths that differ by 1e-12, a rounding error, are identical; by 1e-6 they are not."""
     described = load_robot("five-bar").mechanism
     lengths = {name: leg.length for name, leg, _ in sectioned_legs(described, DEFAULT_OPTIONS)}
     assert len(set(lengths.values())) < len(lengths)
@@ -128,6 +131,7 @@ def test_legs_are_shared_only_if_identical():
 
 
 def test_element_count_grows_for_many_modes():
+    """Ten elements have too few unknowns for 60 modes."""
     middle = reference_posture(load_robot("ifw").mechanism)
     (answer,) = answers("beam", [middle], 60, ModelOptions(elements=10))
     assert len(answer.frequencies) == 60
@@ -201,6 +205,7 @@ def test_energy_shares_sum_to_one():
 
 
 def test_modes_of_model_are_paired_with_themselves(command):
+    """MAC 1, equal frequencies and energy shares of 1 for twelve modes of the Orthoglide."""
     words = ("--model", "beam", "--modes", "12", "--against", "beam")
     (result,) = command.json("solve", "orthoglide", *words)["results"]
     pairs = result["partners"]["pairs"]

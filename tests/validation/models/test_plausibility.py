@@ -115,10 +115,12 @@ moves = ["x"]
 
 @pytest.mark.parametrize("robot", ["ifw", *get_args(RobotType), *EXAMPLES], ids=str)
 def test_ordinary_robot_has_no_warning(robot):
+    """Built-in robots, templates and examples."""
     assert robot_findings(load_robot(str(robot)).mechanism) == ()
 
 
 def test_lengths_in_mm_have_warning():
+    """A leaf stage of 60 m and 4710 t."""
     findings = robot_findings(described(LEAVES))
     assert [finding.where for finding in findings] == [
         "bodies.leaf1",
@@ -133,11 +135,13 @@ def test_lengths_in_mm_have_warning():
 
 
 def test_large_crane_has_no_warning():
+    """Its lengths are plausible in m."""
     assert robot_findings(described(CRANE)) == ()
 
 
 @pytest.mark.parametrize("gravity", [[0, 0, -9810.0], [0, 9810.0, 0], [0, -6937.0, -6937.0]])
 def test_gravity_in_mm_has_warning(gravity):
+    """9810 in any direction is plausible in mm/s² only."""
     load = f'[[loads]]\nname = "weight"\ngravity = {gravity}\n'
     (finding,) = robot_findings(described(PENDULUM + load))
     assert finding.where == "loads.weight.gravity"
@@ -151,6 +155,7 @@ def test_earth_and_moon_gravity_has_no_warning(gravity):
 
 
 def test_bore_across_joint_axis_has_warning(tmp_path):
+    """The bore of a lug at 90° to the axis of its hinge."""
     written(tmp_path / "lug.step", lug)
     along = ARM.format(at="[-0.02, 0.0, 0.0]", y="[0.0, 1.0, 0.0]")
     assert robot_findings(robot_of(along, tmp_path).mechanism) == ()
@@ -162,6 +167,7 @@ def test_bore_across_joint_axis_has_warning(tmp_path):
 
 @pytest.mark.parametrize(("start", "gap"), [(0.2, None), (0.5, None), (0.7, 0.2)])
 def test_gap_in_sliding_joint_has_warning(start, gap):
+    """Bodies of a telescope that are 0.2 m apart."""
     findings = robot_findings(described(TELESCOPE.format(start=start)))
     assert [finding.numbers["gap"] for finding in findings] == pytest.approx(
         [] if gap is None else [gap]

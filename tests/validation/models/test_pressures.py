@@ -95,6 +95,7 @@ def test_equivalent_beam_carries_wrenches_of_part(block):
 
 @pytest.mark.parametrize("model", ["solid", "beam", "simplified"])
 def test_reactions_balance_pressures(block, model):
+    """Reactions of a clamped block by hand: pA on its end, pLb on its top, none all around."""
     block_posture = reference_posture(block.mechanism)
     (by_load,) = load_forces(model, [block_posture])
     by_hand = {
@@ -132,6 +133,7 @@ def test_uniform_pressure_does_not_buckle_bar(block):
 
 
 def test_check_and_solve_list_pressure_resultants(block):
+    """Face, area, force and moment of each pressure, and why there is no buckling factor."""
     checked = parts_text(block.mechanism)
     assert "force (-6000, 0, 0) N, moment (0, 0, 0) N m" in checked
     solution = solve(Question(block, "links", {}, 0))
@@ -145,6 +147,7 @@ def test_check_and_solve_list_pressure_resultants(block):
 
 
 def test_points_of_pressures_have_the_file_unit():
+    """Points and radii in mm; pressures stay in Pa."""
     plane = "plane = { normal = [1, 0, 0], point = [120.0, 0.0, 0.0] }"
     bore = "cylinder = { radius = 12.0, point = [60.0, 0.0, 0.0] }"
     text = BLOCK.replace("schema = 2", 'schema = 2\nunits = "mm"').replace(f"[{LENGTH},", "[120.0,")
@@ -202,6 +205,7 @@ at = "C"
 
 @pytest.mark.parametrize("pressure", FAULTS)
 def test_invalid_pressure_is_refused(pressure):
+    """Each fault of `pressures` gives one line with key, value and range."""
     text = BLOCK.replace("B = [", "C = [0.2, 0.0, 0.0], B = [", 1) + OTHER_BODIES
     with pytest.raises(InputError) as error:
         described(f'{text}[[loads]]\nname = "press"\npressures = [{{ {pressure} }}]')
@@ -212,6 +216,7 @@ def test_invalid_pressure_is_refused(pressure):
 
 
 def test_pressure_on_missing_face_names_its_key(block):
+    """A block has six faces; the seventh is refused in `check` and in statics."""
     on_seventh = replace(block.mechanism.loads[-1].pressures[0], faces=ByFaces((7,)))
     loads = (
         *block.mechanism.loads[:-1],

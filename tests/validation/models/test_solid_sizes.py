@@ -43,6 +43,7 @@ def refused(*_):
 
 @pytest.mark.parametrize("divisions", [1, 3])
 def test_estimated_unknowns_equal_mesh(divisions):
+    """Exact for rectangles; for circles at most 1.8 times the unknowns of the mesh."""
     for section in (Rectangle(0.1, 0.06), Rectangle(0.002, 0.06)):
         leg = ConstantLeg(0.5, section, STEEL)
         assert solid_unknowns(leg, divisions) == 3 * len(solid_mesh(leg, divisions).nodes)
@@ -53,6 +54,7 @@ def test_estimated_unknowns_equal_mesh(divisions):
 
 
 def test_too_large_legs_are_listed():
+    """Name, divisions and unknowns, and the limit of the preset."""
     stout = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL, name="leg 2")
     assert too_large([stout, stout], [2, 2], "quick") == ""
     message = too_large([BLADE, stout], [4, 2], "fine")
@@ -70,11 +72,13 @@ def test_missing_reference_has_reason(context):
 
 
 def test_unpaired_modes_figure_has_reason(context):
+    """The figure of paired modes is skipped if the reference is too large."""
     with pytest.raises(Skip, match="no reference for the frequencies: leg1 as a solid"):
         modes.pairs(context)
 
 
 def test_too_large_export_is_refused_before_run(tmp_path):
+    """`--export` of solids beyond the limit: no folder is made."""
     request = Request(SLENDER, "quick", tmp_path / "run", 1, exports=True)
     with pytest.raises(InputError, match=REASON.replace("^", "^--export: ")):
         validate(request, catalogue)
@@ -85,6 +89,7 @@ def test_too_large_export_is_refused_before_run(tmp_path):
     ("thickness", "message"), [(2e-4, "preset fine allows it$"), (5e-5, "no preset allows it$")]
 )
 def test_too_large_leg_names_preset(thickness, message):
+    """The message names the preset that allows the solid, or states that none does."""
     foil = ConstantLeg(0.85, Tube(0.12, thickness), STEEL, name="leg 1")
     with pytest.raises(InputError, match=message):
         solid_leg(Context(IFW, "quick"), foil)
@@ -95,6 +100,7 @@ def test_too_large_leg_names_preset(thickness, message):
     [("quick", "--preset fine"), ("standard", "--preset fine"), ("fine", "no preset")],
 )
 def test_undecided_entry_names_preset(preset, message):
+    """The remedy for mesh uncertainty is the next finer preset, if there is one."""
     # 0.1 m by 0.06 m: 900 unknowns are six divisions, and so they are at standard; fine has more.
     leg = ConstantLeg(0.5, Rectangle(0.1, 0.06), STEEL)
     uncertain = "undecided because of the mesh uncertainty of the reference"

@@ -389,6 +389,7 @@ def test_column_buckles_by_own_weight(up):
 
 
 def test_models_with_equal_statics_buckle_alike():
+    """Paper's robot under weight: VJM and links exactly, segments and beams to 1e-3."""
     robot = load_robot("ifw").mechanism
     weight = Load("weight", robot.tool.body, robot.tool.point, gravity=np.array([0, 0, -9.81]))
     stop = replace(weight, gravity=np.zeros(3), acceleration=np.array([1.0, 0, 0]))

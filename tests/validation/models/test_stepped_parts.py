@@ -75,6 +75,7 @@ def test_channel_twists_about_shear_centre(tmp_path):
 
 
 def test_part_without_pieces_has_reason(tmp_path):
+    """Interfaces that overlap along the line between them; the condensed model remains."""
     write_overlapping_crane(tmp_path)
     mechanism = load_robot(tmp_path / "robot.toml").mechanism
     part_posture = posture(mechanism, mechanism.poses[0])
@@ -146,6 +147,7 @@ def hollow_wedge(occ):
 
 @pytest.mark.parametrize(("draw", "why"), REFUSED.values(), ids=REFUSED)
 def test_section_varying_along_part_is_refused(tmp_path, draw, why):
+    """Holes, a neck or a collar within one piece: one line with the position of the section."""
     with pytest.raises(InputError, match=why) as error:
         stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0, 12.0), 0.4))
     (line,) = error.value.faults
@@ -154,6 +156,7 @@ def test_section_varying_along_part_is_refused(tmp_path, draw, why):
 
 @pytest.mark.parametrize(("draw", "remaining"), PRISMS.values(), ids=PRISMS)
 def test_long_uniform_sections_become_pieces(tmp_path, draw, remaining):
+    """A prism with cut-outs: ten pieces have the area of the full or of the reduced section."""
     leg = stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0), 0.4))
     areas = np.array([piece.properties.mu for piece in leg.pieces]) / STEEL.rho
     # Of the bar, of what is left of it, and nothing between: a plane in a step's face is on one
@@ -179,6 +182,7 @@ def sections(x):
 
 
 def test_hollow_wedge_pieces_match_formula(legs):
+    """EA and EI of eight pieces of a hollow wedge, in the middle of each."""
     exact = sections(0.4 * (np.arange(8) + 0.5) / 8.0)
     for name, values in zip(("EA", "EIy", "EIz"), exact, strict=True):
         constants = [getattr(piece.properties, name) for piece in legs[8].pieces]
@@ -195,6 +199,7 @@ def compliance(leg, model="beam", theory="timoshenko"):
 
 @pytest.mark.parametrize(("component", "section"), [(0, 0), (4, 1)])
 def test_pieces_converge_with_order_two(legs, component, section):
+    """Tension and bending flexibility of the wedge: ∫ dx/EA and ∫ dx/EI."""
     exact = quad(lambda x: 1.0 / (STEEL.E * sections(x)[section]), 0.0, 0.4)[0]
     coarse, fine = (compliance(leg)[component, component] / exact - 1.0 for leg in legs.values())
     # Sections in the middle of the pieces: the midpoint rule.
@@ -243,6 +248,7 @@ def coarse(monkeypatch, tmp_path):
 @pytest.mark.exhaustive
 @pytest.mark.usefixtures("coarse")
 def test_rocker_with_three_bores_has_models():
+    """Statics to 2 % and f1 to 2 % of the solid. It is no link of a serial chain."""
     robot = load_robot(ROCKER / "robot.toml")
     postures = [reference_posture(robot.mechanism)]
     (links,) = answers("links", postures, 0)
@@ -273,7 +279,8 @@ def test_rocker_with_three_bores_has_models():
         ),
     ],
 )
-def test_misplaced_part_has_warning(tmp_path, command, words, old, new, message):
+def test_faulty_part_gives_one_error_line(tmp_path, command, words, old, new, message):
+    """Wrong radius of an interface, missing file, or a unit that contradicts the file."""
     text = (ROCKER / "robot.toml").read_text("utf-8")
     assert old in text
     (tmp_path / "robot.toml").write_text(text.replace(old, new), "utf-8")
@@ -284,6 +291,7 @@ def test_misplaced_part_has_warning(tmp_path, command, words, old, new, message)
 
 
 def test_check_command_opens_part_files(command):
+    """Size and unit of the file, and the face that each interface selects."""
     output = command.output("check", ROCKER / "robot.toml")
     assert "rocker: rocker.step, read in mm: 343 × 263 × 60 mm" in output
     for point, radius in (("A", 22), ("B", 16), ("C", 16)):

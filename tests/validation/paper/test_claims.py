@@ -51,6 +51,7 @@ YES, NO, PRINTED, CORRECTED = (True, True), (False, False), (True, False), (Fals
     ],
 )
 def test_claim_holds_if_all_its_curves_hold(curves, standing):
+    """As printed, as corrected, both or neither."""
     claimed = tuple(
         ClaimedCurve("", "1", 1.0, printed, 2.0, corrected) for printed, corrected in curves
     )
@@ -88,6 +89,7 @@ def claim_starting(claims: dict[str, Claim], start: str) -> Claim:
     ],
 )
 def test_claim_counts_its_valid_curves(claims, start, standing, holding):
+    """Numbers of curves that hold as printed and as corrected, for some claims of the paper."""
     claim = claim_starting(claims, start)
     assert (claim.printed, claim.corrected, len(claim.curves)) == holding
     assert claim.standing == standing
@@ -154,6 +156,7 @@ def test_statement_values_equal_confirmed_ones(outcomes):
 
 
 def test_results_and_report_have_all_statements(outcomes, claims):
+    """Records in results.json and rows of the page's table, in order."""
     records = run_record({}, outcomes, ()).statements
     assert [record["statement"] for record in records] == list(claims)
     assert {"as_printed", "as_corrected"} <= set(records[0]["curves"][0])
@@ -209,6 +212,7 @@ def test_longer_legs_are_softer_along_z():
 
 
 def test_simplified_model_is_rigid_along_x_at_end():
+    """There √(k/m)/2π = 742 Hz along y is the only frequency."""
     stroke = stroke_of(IFW.mechanism)
     for x in stroke.ends:
         assert_allclose(drive_compliance(stroke, x)[0], 0.0, atol=1e-16)
@@ -218,6 +222,7 @@ def test_simplified_model_is_rigid_along_x_at_end():
 
 
 def test_impossible_family_member_is_refused():
+    """α = 0.4 is too short; the printed foot is indefinite."""
     with pytest.raises(InputError, match=r"geometry\.alpha"):
         family_member(IFW, 0.4)
     with pytest.raises(InputError, match="foot"):
@@ -225,6 +230,7 @@ def test_impossible_family_member_is_refused():
 
 
 def test_cosine_spacing_has_ends_and_centre():
+    """21 positions over the stroke, from 0.145 to 0.85 m."""
     x = cosine_spaced(0.145, 0.85, 21)
     assert (x[0], x[10], x[-1]) == pytest.approx((0.145, 0.4975, 0.85), rel=1e-12)
     assert (np.diff(x) > 0.0).all()
@@ -249,6 +255,7 @@ def test_figure_has_release_of_eq_25_as_printed():
 
 
 def test_planned_figures_can_be_pickled():
+    """Workers draw figures, so that their plans are sent to other processes."""
     figures = pickle.loads(pickle.dumps(paper.figures()))  # noqa: S301  our own
     assert len({figure.id for figure in figures}) == len(figures) == 4
 
@@ -279,6 +286,7 @@ def test_caption_erratum_gives_stroke_ends():
 
 
 def test_foot_misprint_changes_y_stiffness():
+    """c66 of the foot as printed and as corrected: (k⁻¹)₂₂, and y with a free joint by eq. (25)."""
     printed, used = (
         np.array(tables["foot"]["compliance"]) for tables in (as_printed(IFW), IFW.tables)
     )
@@ -335,6 +343,7 @@ def test_eq_12_as_printed_has_wrong_stiffness():
 
 
 def test_layout_misprint_gives_order_one():
+    """First frequency of leg 1 against Euler–Bernoulli's cantilever, with 20 and 40 segments."""
     beam = LEG_1.properties("euler-bernoulli")
     exact = ROOT**2 / (2.0 * np.pi * L1**2) * np.sqrt(beam.EIz / beam.mu)
     coarse, fine = (
@@ -373,6 +382,7 @@ def test_text_errata_are_notes():
 
 
 def test_copied_robot_has_no_errata(tmp_path):
+    """Errata belong to the built-in robot of the paper alone."""
     path = tmp_path / "copy.toml"
     path.write_text(IFW.text, encoding="utf-8")
     for robot in ("biglide", "five-bar", path):

@@ -42,6 +42,7 @@ def interface_at(part, choice):
 
 @pytest.mark.usefixtures("read_once")
 def test_faces_are_listed_in_mm_and_drawn(capsys, tmp_path):
+    """Rocker of the examples: size, a row for each face, a picture and a page."""
     image = pytest.importorskip("PIL.Image")
     assert cli.main(["faces", str(ROCKER), "--out", str(tmp_path)]) == 0
     written = capsys.readouterr()
@@ -60,12 +61,14 @@ def test_faces_are_listed_in_mm_and_drawn(capsys, tmp_path):
 
 @pytest.mark.usefixtures("read_once")
 def test_json_of_faces_is_in_metres(command):
+    """Radii of the rocker's four bores."""
     document = command.json("faces", ROCKER)
     bores = {face["number"]: face["radius"] for face in document["faces"] if face["kind"] == "bore"}
     assert bores == pytest.approx({8: 0.022, 9: 0.028, 10: 0.016, 11: 0.016}, rel=1e-9)
 
 
 def test_printed_interface_example_is_valid(part):
+    """The examples at the end of the list select the same bore by radius and by number."""
     choices = re.findall(r"\{ (?:cylinder|faces) = .*? \}(?: \})?", as_text(part))
     by_cylinder, by_number = (interface_at(part, choice) for choice in choices)
     assert set(by_number.faces) <= set(by_cylinder.faces)
@@ -73,6 +76,7 @@ def test_printed_interface_example_is_valid(part):
 
 
 def test_guide_interface_examples_are_valid():
+    """The four forms in the table of parts.md."""
     guide = (HOME / "docs" / "guide" / "parts.md").read_text(encoding="utf-8")
     choices = re.findall(r"^\| `(\{.*\})` \|", guide, re.MULTILINE)
     assert len(choices) == 4
@@ -93,6 +97,7 @@ def test_point_selects_one_of_equal_bores(part):
 
 
 def test_unknown_interface_key_has_suggestion(part):
+    """`at` instead of `point`."""
     with pytest.raises(InputError, match=r"at.*point"):
         interface_at(part, "{ cylinder = { radius = 0.016 }, at = [0.26, 0.0, 0.0] }")
 
@@ -138,6 +143,7 @@ def test_cached_part_equals_file(tmp_path, monkeypatch):
     ids=lambda command: command[0],
 )
 def test_crashing_cad_file_gives_one_error_line(tmp_path, capfd, coarse_parts, command):
+    """`faces`, `identify` and `check` on a file that crashes the CAD kernel."""
     coarse_parts.undo()
     part, robot = tmp_path / "rocker.step", tmp_path / "robot.toml"
     part.write_text(ROCKER.read_text().replace("MANIFOLD_SOLID_BREP", "SHELL_BASED_SURFACE_MODEL"))

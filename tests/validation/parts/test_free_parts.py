@@ -67,6 +67,7 @@ def test_free_bar_equals_timoshenko(bar):
 
 
 def test_free_part_command_prints_modes(bar, capsys):
+    """Text and JSON: six rigid-body motions are counted, and one frequency."""
     options = ["--material", "{ E = 2.1e11, nu = 0.3, rho = 7850.0 }", "--unknowns", "2000"]
     assert cli.main(["identify", str(bar), "--free", "--modes", "1", *options]) == 0
     assert "rigid-body motions, counted and omitted: 6" in capsys.readouterr().out
@@ -77,6 +78,7 @@ def test_free_part_command_prints_modes(bar, capsys):
 
 
 def test_invalid_free_request_is_refused(bar, capsys):
+    """Interfaces, zero modes or no material."""
     options = ["--interface", "A = { faces = [1] }", "--modes", "0"]
     assert cli.main(["identify", str(bar), "--free", *options]) == 2
     errors = capsys.readouterr().err

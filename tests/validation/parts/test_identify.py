@@ -138,6 +138,7 @@ def shaft(folder):
 
 
 def test_shaft_compliance_matches_integrals(folder, shaft):
+    """The difference is within the half-width plus the error of the reference."""
     exact = compliance_of_sections()
     error = np.diag(shaft["compliance"]) / np.diag(exact) - 1.0
     half_width = np.diag(shaft["uncertainty"]) / np.diag(exact)
@@ -149,6 +150,7 @@ def test_shaft_compliance_matches_integrals(folder, shaft):
 
 
 def test_shaft_mass_is_sum_of_discs(shaft):
+    """Mass, centre and inertia of thin discs, scaled by the volume of the mesh."""
     masses = [STEEL.rho * np.pi * radius**2 * length for _, radius, length in sections()]
     centres = np.array([disc_centre for disc_centre, _, _ in sections()])
     centre = masses @ centres / sum(masses)
@@ -165,6 +167,7 @@ def test_shaft_mass_is_sum_of_discs(shaft):
 
 
 def test_condensed_shaft_has_rigid_motions(shaft):
+    """Condensed 12×12 matrices: rigid motions have the mass of the shaft and need no force."""
     motions = np.vstack([np.eye(6), wrench_transport(END - START).T])
     mass_at_centre = np.zeros((6, 6))
     mass_at_centre[:3, :3], mass_at_centre[3:, 3:] = shaft["mass"] * np.eye(3), shaft["inertia"]
@@ -191,6 +194,7 @@ def test_uncounted_frequencies_have_remark(command, folder, monkeypatch):
 
 
 def test_cached_identification_has_all_values(command, folder, shaft, monkeypatch):
+    """The text printed from the cache has the numbers computed before."""
     forget()
     monkeypatch.setattr(identifying, "_identification", lambda *_: pytest.fail("computed again"))
     text = command.output(*arguments(folder / "shaft.step", *SMALL))
@@ -216,6 +220,7 @@ def test_cached_identification_has_all_values(command, folder, shaft, monkeypatc
 
 
 def test_imported_mesh_has_no_half_width(command, folder):
+    """A mesh from a file cannot be refined: "–" instead of a number."""
     text = command.output(*arguments(folder / "shaft.msh", "--unit", "mm", "--modes", "1"))
     assert "one mesh, from the file, of " in text
     assert re.search(r"^  1 +\d+\.\d\d  ± +–  ", text, re.MULTILINE)
@@ -269,6 +274,7 @@ WRONG = [
 def test_wrong_request_is_refused_at_once(
     command, folder, monkeypatch, ends, material, options, message
 ):
+    """Before any mesh is made: one line with option and reason."""
     monkeypatch.setattr(identifying, "identify", lambda *_: pytest.fail("computed"))
     part = folder / "shaft.step"
     words = options.format(part=part).split()
@@ -320,6 +326,7 @@ def crank_compliance():
     [("vjm", "equivalent"), *((model, "condensed") for model in ("links", "segments", "solid"))],
 )
 def test_crank_compliance_is_shaft_and_drive(crank, model, parts):
+    """The shaft's integrals in series with the drive's spring."""
     (answer,) = answers(model, [crank], 0, ModelOptions(parts=parts))
     assert scaled_difference(answer.compliance, crank_compliance()) < REFERENCE_ERROR
 

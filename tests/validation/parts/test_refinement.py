@@ -14,6 +14,7 @@ H = np.array([RATIO**2, RATIO, 1.0])
 
 @pytest.mark.parametrize(("order", "width"), [(1.0, 1.5), (1.42, 1.5), (2.0, 1.5), (4.0, 9.0)])
 def test_half_width_covers_series_of_known_order(order, width):
+    """1.5 times the error for orders from 1 to 2, and 9 times for order 4."""
     values = 2.0 + np.outer(0.01 * H**order, [0.3, -0.1])
     half_widths = refinement_uncertainty(values)
     # Orders above two are not believed, so that the half-width is then wider than necessary.
@@ -31,6 +32,7 @@ def test_half_width_uses_common_order():
 
 
 def test_compliance_half_width_uses_diagonal():
+    """Off-diagonal entries are weighed by the diagonal, so that units do not matter."""
     fine = np.diag([1e-8, 1e-6])
     change = np.array([[1e-10, 1e-10], [1e-10, 1e-8]])
     half_widths = compliance_uncertainty([fine + 2.0 * change, fine + change, fine])
@@ -46,6 +48,7 @@ def test_compliance_half_width_uses_diagonal():
     ids=["one", "calibration"],
 )
 def test_half_widths_cover_random_parts(seeds, tmp_path, monkeypatch):
+    """At least 93 % of the half-widths contain the error; their median is below 6 %."""
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     parts = (random_part(np.random.default_rng([1, seed])) for seed in seeds)
     uncertainty, error = np.moveaxis([stated(part, tmp_path) for part in parts], 1, 0)

@@ -56,6 +56,7 @@ def test_taper_meshes_have_different_sections(thickness, expected):
 
 
 def test_taper_too_thin_for_preset_is_refused():
+    """Walls of 2 mm need more divisions than preset quick allows."""
     leg = tapered_box(0.002, 0.8)
     with pytest.raises(InputError, match=r"5 divisions .*; --preset standard allows this solid"):
         solid_leg(Context(NO_ROBOT, "quick"), leg)

@@ -55,6 +55,7 @@ def test_rows_have_worst_quantity():
 
 
 def test_unreached_limit_needs_more_elements():
+    """The largest count of the study is 40: "more than 40"."""
     first, second = rows(study((5, 2, 3), (0, 0, 0)), study((None, 2, 3), (0, 0, 0)))
     assert (first.needed, second.needed) == ("more than 40", "2")
 
@@ -75,4 +76,5 @@ def test_error_is_empty_without_element_count():
 
 @pytest.mark.parametrize("figures", [[], [figure()]])
 def test_no_study_gives_no_table(figures):
+    """A report without convergence studies."""
     assert element_counts(figures) is None

@@ -103,6 +103,7 @@ ALIKE = matrix_of(*(entry(m, "x", 0.0) for m in ("vjm", "beam")))
     ],
 )
 def test_summary_has_verdicts_on_relied_models(rely, matrix, expected):
+    """One sentence: adequate, inadequate and undecided quantities, with the largest error."""
     accepted = "3 % to 5 %" if matrix is LOADED else "5 %"
     if rely.split()[:1] == [expected.partition(":")[0]]:
         expected = f"You rely on {expected}. Accepted error: {accepted}."
@@ -177,6 +178,7 @@ def test_frequency_verdicts_state_assumption():
 
 
 def test_tiny_half_width_is_hidden():
+    """Half-widths below 0.05 % are not shown beside the error."""
     small = [1e-9, 4e-4, 6e-4]
     table = table_of(matrix_of(*(entry(f"m{u}", "x", u, uncertainty=u) for u in small)))
     texts = [(plain(cell.text), plain(cell.spread)) for cell in table.cells]
@@ -209,6 +211,7 @@ def test_reference_row_has_reference_values():
 
 
 def test_equal_remedies_share_a_line():
+    """Models and quantities with one remedy, their errors without it, and causes with shares."""
     matrix = sample_matrix()
     *simple, last = lines = remedies_of(matrix, {entry.model for entry in matrix.entries})
     equivalent = "VJM on equivalent legs, segments and beams"
@@ -267,6 +270,7 @@ def test_remedy_error_range_is_sorted():
 
 
 def test_legs_and_measurements_have_tables():
+    """Matrices of legs, of formulations and of measured values, with links to their sheets."""
     by_gauge = tuple(
         entry(model, "z", size, measured=True, reference="measured: gauge")
         for model, size in (("vjm", 0.01), ("segments", -0.2))
@@ -299,6 +303,7 @@ def test_legs_and_measurements_have_tables():
 
 
 def test_matrix_has_inputs_and_probabilities():
+    """The cell has the words "97 % sure", the sheet the inputs with their shares."""
     uncertain = entry(
         *("beam", "f1", 0.03),
         probability=0.97,

@@ -90,11 +90,13 @@ def as_printed(share):
 
 
 def test_random_outcomes_have_every_verdict():
+    """Otherwise the tests below would not read all kinds of cells."""
     assert {outcome.verdict for outcomes in DRAWN for outcome in outcomes} == set(MARKS)
 
 
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_cells_match_their_comparisons(outcomes):
+    """Each cell is at its leg, model and quantity, with the mark of its verdict."""
     by_place = {
         (outcome.case.body, outcome.case.model, outcome.case.label): outcome for outcome in outcomes
     }
@@ -128,6 +130,7 @@ def assert_cell(cell, outcome):
 
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_solid_values_have_unit_and_prefix(outcomes):
+    """Between 1 and 1000 times a prefix, to three digits."""
     for table in agreement_tables(outcomes):
         for label, text in zip(table.quantities, table.solid, strict=True):
             (first, *_) = [
@@ -219,6 +222,7 @@ def test_explanations_name_quantities(outcomes):
 
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_csv_matches_comparisons(outcomes):
+    """Each row of the CSV file, recomputed from its comparison."""
     rows = list(csv.DictReader(io.StringIO(agreement_rows(outcomes).csv())))
     assert len(rows) == len(outcomes)
     for row, outcome in zip(rows, outcomes, strict=True):
@@ -245,6 +249,7 @@ def test_csv_matches_comparisons(outcomes):
 
 
 def test_page_and_folder_have_comparison_csv():
+    """The file in the page's link is the one in the folder."""
     outcomes = [redeclared(outcome, section=AGREEMENT, group="bodies") for outcome in DRAWN[0]]
     report = sample_report(outcomes=outcomes)
     markup = render(report)
@@ -318,6 +323,7 @@ def assert_causes(sentence, agreed):
 
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_summary_separates_statics(outcomes):
+    """Largest differences of compliances and of frequencies, with the models of each."""
     agreed = [outcome for outcome in outcomes if outcome.verdict == "agree"]
     sentence = agreement_sentence(agreed)
     for kind, outcomes_of_kind in (
@@ -340,6 +346,7 @@ def test_summary_separates_statics(outcomes):
 
 @pytest.mark.parametrize("outcomes", DRAWN)
 def test_summary_counts_decided_cases(outcomes):
+    """Numbers of disagreeing, undecided and failed comparisons."""
     decided = [outcome for outcome in outcomes if outcome.verdict in {"agree", "disagree"}]
     sentence = agreement_sentence(outcomes)
     wrong = sum(outcome.verdict == "disagree" for outcome in decided)
@@ -357,6 +364,7 @@ def test_summary_counts_decided_cases(outcomes):
 
 @pytest.mark.parametrize("verdict", ["undecided", "failed"])
 def test_summary_counts_undecided_cases(verdict):
+    """Also if no comparison has a verdict."""
     fields = {"kind": "agreement", "model": "beam", "tolerance": Relative(TOLERANCE)}
     good = measured("good", 1.0001, 1.0, **fields)
     start = "Beam FE agree with solid FE of the same legs within 0.01"
@@ -371,6 +379,7 @@ def test_summary_counts_undecided_cases(verdict):
 
 
 def test_summary_uses_specified_elements():
+    """Errors at the element count of [agree] only."""
     errors = {15: (0.002, 0.007), 0: (0.4,)}
     outcomes = [
         redeclared(outcome, kind="convergence", elements=elements)

@@ -134,6 +134,7 @@ def run_of(request, folder):
 
 
 def test_page_shows_numbers_of_results(run_of):
+    """All cells of the tables of agreement."""
     page, document = run_of
     assert any(case["verdict"] == "agree" for case in document["cases"])
     assert misread(page, document) == ([], set())
@@ -159,6 +160,7 @@ def rel(case):
 
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_wrong_number_on_page_is_detected(run_of, mistake):
+    """Each kind of number in results.json is changed; the reader of the page finds it."""
     page, document = run_of
 
     def change(case):

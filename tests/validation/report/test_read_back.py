@@ -129,6 +129,7 @@ def assert_error_is_printed(entry, text, spread):
 
 
 def test_printed_numbers_are_read_back():
+    """The reader of the tests understands powers of ten, minus signs and per cent."""
     assert numbers("−1.06 × 10⁻⁶ m/N, +12 %, 0 %") == pytest.approx([-1.06e-6, 0.12, 0.0])
 
 
@@ -196,6 +197,7 @@ def test_cells_and_sheets_match_entries(matrix):
 
 @pytest.mark.parametrize("matrix", MATRICES)
 def test_csv_lines_match_entries(matrix):
+    """Each column of the CSV file of a matrix."""
     rows = list(csv.DictReader(io.StringIO(csv_of_matrix(matrix))))
     assert {"error", "uncertainty", "limit", "value", "error with remedy"} <= rows[0].keys()
     fields = {"error along the load": "along", "reference value": "expected"}
@@ -221,6 +223,7 @@ def test_csv_lines_match_entries(matrix):
 
 @pytest.mark.parametrize("matrix", MATRICES)
 def test_curves_match_their_tables(matrix):
+    """Errors, intervals and limits of the error curves."""
     chart = error_curves(matrix)
     # Two coordinates: the number of the pose, from 1.
     assert chart.x_label == "pose"
@@ -355,6 +358,7 @@ def test_remedy_line_has_range_of_errors():
 
 
 def test_matrix_record_round_trip_keeps_keys():
+    """Keys of entries in results.json are fixed; a stored matrix is read back unchanged."""
     record = to_builtins(stored_entries(MATRICES[0])[0])
     keys = (
         "model quantity verdict error uncertainty low high limit along value expected reference "
@@ -399,6 +403,7 @@ def test_api_line_matches_record():
 
 
 def test_numbers_and_tolerances_are_formatted():
+    """Powers of ten, signs, infinities and dashes; random numbers are read back."""
     written = {1.06e-6: "1.06\u00a0×\u00a010⁻⁶", -123456.0: "−123460", 0.0: "0", None: "–"}
     written |= {"centre": "centre", float("inf"): "∞"}
     assert {value: text.number(value) for value in written} == written
@@ -417,6 +422,7 @@ def test_numbers_and_tolerances_are_formatted():
 
 
 def test_console_and_junit_verdicts_are_equal():
+    """Values about 2 ± 10 %, a failed, a skipped and an undecided case."""
     values = (1.6, 2.19, 2.21, 1.79, 1.81, 2.0, 9.5)
     wrong = [True, False, True, True, False, False, True]
     fields = {"quantity": "deflection", "unit": "µm", "tolerance": Relative(0.1)}

@@ -51,6 +51,7 @@ def scene(title, height=None):
 
 @pytest.mark.skipif(EXECUTABLE is None, reason="no Chromium (Debian: chromium)")
 def test_browser_shows_report_and_scenes(tmp_path):
+    """No error on the console, no request, all pictures loaded, nothing wider than the window."""
     scenes = (scene("(a) a box"), scene("(b) the same box"), scene("(c) it swings", 0.4))
     turned = Figure("turnable", "A box", "Made up.", "Leg 1", png=PIXEL, scenes=scenes)
     report = sample_report(figures=(FIG_5, turned))

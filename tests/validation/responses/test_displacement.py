@@ -47,6 +47,7 @@ def compliance(rng: np.random.Generator, yields: Array) -> Array:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_worst_force_matches_direct_search(seed: int) -> None:
+    """Largest relative error over 8000 random directions, improved by Nelder–Mead."""
     rng = np.random.default_rng([24, seed])
     # From one direction that alone yields to a reference that is singular.
     yields = 10.0 ** -rng.uniform(0.0, 3.0, 3) * 1e-8
@@ -75,6 +76,7 @@ def test_worst_force_matches_direct_search(seed: int) -> None:
 
 
 def test_stiff_direction_is_not_the_worst() -> None:
+    """Errors of 3 % along x and 1000 % along the stiff z: the worst force has 3.6 %."""
     reference, difference = np.diag([1.0, 1.0, 1e-4]), np.diag([0.03, 0.0, 1e-3])
     worst = worst_force(difference[None], reference[None])
     # Along z alone ten times too soft: 2 % of a twentieth. The worst force has both errors in it.
@@ -106,6 +108,7 @@ def test_error_has_norm_and_signed_component() -> None:
 
 
 def test_rigid_reference_gives_infinite_error() -> None:
+    """Zero relative to zero is no error; a reference that yields in no direction has none."""
     reference, rigid, yielding = (statics(compliances) for compliances in np.zeros((3, 2, 6, 6)))
     reference.compliances[:, 0, 0] = 1e-8
     yielding.compliances[1, 1, 1] = 1e-9

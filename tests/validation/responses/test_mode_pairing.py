@@ -80,6 +80,7 @@ def test_pairs_maximise_sum_of_mac():
 @pytest.mark.parametrize("size", [2, 3])
 @pytest.mark.parametrize("tilt", [0.0, 0.3])
 def test_repeated_modes_use_principal_angles(size, tilt):
+    """MAC of two and three equal frequencies: cos² of SciPy's `subspace_angles`."""
     rng = RNG_OF([2, size])
     shapes, weights = orthonormal(rng, 6)
     repeated, single = shapes[:, :size], shapes[:, size : size + 2]
@@ -101,6 +102,7 @@ def test_repeated_modes_use_principal_angles(size, tilt):
 
 
 def test_missing_mode_of_triple_has_no_partner():
+    """Two of three equal frequencies have partners with a MAC of 1."""
     shapes, weights = orthonormal(RNG_OF(3), 4)
     triple = modes_of(np.full(3, 10.0), shapes[:, :3] @ rotation(RNG_OF(4), 3), weights)
     other = modes_of(np.full(3, 11.0), shapes[:, [0, 1, 3]], weights)

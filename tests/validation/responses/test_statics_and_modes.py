@@ -38,6 +38,7 @@ def test_displacements_are_compliance_times_load(index, quantity):
 
 @pytest.mark.parametrize("quantity", QUANTITIES, ids=str)
 def test_displacements_are_linear_in_statics(quantity):
+    """3 A − B of two models gives 3 and −1 times their displacements, for each quantity."""
     first, second, forces = statics(1), statics(2), wrenches()
     expected = 3.0 * first.displacements(quantity, forces) - second.displacements(quantity, forces)
     displacements = (3.0 * first - second).displacements(quantity, forces)
@@ -45,6 +46,7 @@ def test_displacements_are_linear_in_statics(quantity):
 
 
 def test_nan_modes_of_pose_are_omitted():
+    """Poses with two and one modes of three; shapes are weighted by the root of the masses."""
     frequencies = np.array([[10.0, 20.0, np.nan], [11.0, np.nan, np.nan]])
     samples = np.random.default_rng(1).normal(size=(2, 4, 3))
     weights, energy_shares = (

@@ -27,6 +27,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_invalid_entries_are_ignored(folder):
+    """Torn, changed, exchanged or foreign files, links and pipes: computed again."""
     keep("a", ARRAYS)
     forget()
     assert_array_equal(find("a")["powers"], ARRAYS["powers"])
@@ -63,6 +64,7 @@ def read_powers(arrays):
     "wrong", [{"total": 1.0}, {**ARRAYS, "powers": np.zeros(0)}, {**ARRAYS, "total": np.ones(2)}]
 )
 def test_cache_entry_with_wrong_arrays_is_ignored(wrong):
+    """Missing or empty arrays and wrong shapes, although the checksum is valid."""
     keep("a", wrong)
     for computed in (lambda: ARRAYS, pytest.fail):
         forget()
@@ -70,6 +72,7 @@ def test_cache_entry_with_wrong_arrays_is_ignored(wrong):
 
 
 def test_cache_entry_with_valid_arrays_is_used():
+    """An entry is stored if those that it needs are stored, too."""
     needed = CacheEntry("needed", lambda: {"half": 3.0}, lambda arrays: float(arrays["half"]))
     entry = CacheEntry("a", lambda: ARRAYS | {"half": needed.value()}, read_powers, (needed,))
     # Nothing is computed for the answer.
@@ -103,6 +106,7 @@ class Bomb:
 
 
 def test_unwritable_cache_recomputes_all(folder, monkeypatch, tmp_path):
+    """A file in place of the folder; FLEXPROOF_CACHE=off; a relative XDG_CACHE_HOME is ignored."""
     folder.write_text("a file")
     assert CacheEntry("a", lambda: ARRAYS, dict).value()["total"] == 6.0
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
@@ -125,6 +129,7 @@ def test_unwritable_cache_recomputes_all(folder, monkeypatch, tmp_path):
 
 
 def test_full_cache_drops_least_recently_used(folder, monkeypatch):
+    """Files of the user remain; old lock files are deleted."""
     for number, key in enumerate("abcd"):
         keep(key, {"much": np.zeros(1000)})
         os.utime(folder / f"{key}.npz", (number, number))
@@ -158,6 +163,7 @@ def computing(seconds):
 
 
 def test_killed_run_leaves_valid_cache(folder):
+    """No entry or a complete one. Two runs compute one entry once."""
     for moment in (0.0, 0.02):
         process = computing(0.0)
         process.stdout.readline()

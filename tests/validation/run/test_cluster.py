@@ -143,6 +143,7 @@ def workers(dask):
 def test_command_on_cluster_equals_local_one(
     line, calls, command, monkeypatch, tmp_path, dask, workers
 ):
+    """`solve`, `solve --vary` and `converge` with --cluster: equal JSON, computed by workers."""
     for module in (on_dask, varied):
         monkeypatch.setattr(module, "on_cluster", lambda *_: nullcontext(workers))
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "there"))
@@ -406,6 +407,7 @@ def test_killed_worker_loses_no_results(cluster, monkeypatch):
     ],
 )
 def test_missing_scheduler_keeps_earlier_run(address, message, tmp_path, command):
+    """Invalid addresses and addresses without an answer: one line, and no file is changed."""
     with open_folder(tmp_path / "run", {}, "afresh") as folder:
         folder.write({"results.json": "precious"})
         folder.complete = True
@@ -422,6 +424,7 @@ def test_missing_scheduler_keeps_earlier_run(address, message, tmp_path, command
     [(b"HTTP/1.1 400", 60.0, "is not a Dask scheduler"), (b"", 0.2, "timed out")],
 )
 def test_non_dask_service_is_refused(greeting, answer, message, monkeypatch):
+    """An HTTP server, and one that never answers."""
     monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", answer)
     with socket.create_server(("127.0.0.1", 0)) as server:
         if greeting:
@@ -445,6 +448,7 @@ def test_non_dask_service_is_refused(greeting, answer, message, monkeypatch):
     ],
 )
 def test_invalid_greeting_is_refused(greeting, monkeypatch):
+    """Services whose first bytes look like a message of Dask."""
     monkeypatch.setattr(on_dask, "_ANSWER_TIMEOUT", 2.0)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
@@ -461,6 +465,7 @@ def test_invalid_greeting_is_refused(greeting, monkeypatch):
 
 
 def test_missing_dask_names_command(monkeypatch):
+    """Dask is installed by `./flexproof extras cluster`."""
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.setattr(on_dask, "require_scheduler", silent)
     needed = r"--cluster: needs distributed, not installed; \./flexproof extras cluster adds"
@@ -470,6 +475,7 @@ def test_missing_dask_names_command(monkeypatch):
 
 @pytest.mark.exhaustive
 def test_worker_of_other_version_is_refused(tmp_path):
+    """Before the run, and during it when such a worker joins."""
     other = tmp_path / "other"
     for package in ("lumped", "meshes", "fem", "validation"):
         shutil.copytree(ROOT / package, other / package)

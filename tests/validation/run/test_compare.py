@@ -45,6 +45,7 @@ def saved(tmp_path):
 
 
 def test_changed_verdicts_are_listed():
+    """All 20 changes between five verdicts, from agree to failed; new and removed cases."""
     from_good_to_bad = ("agree", "skipped", "undecided", "disagree", "failed")
     for (i, before), (j, after) in permutations(enumerate(from_good_to_bad), 2):
         comparison = compare(
@@ -76,6 +77,7 @@ def test_changed_verdicts_are_listed():
     ],
 )
 def test_drift_is_change_beyond_uncertainty(values, uncertainties, beyond):
+    """Allowed: the larger half-width, or 1e-9 of the value for round-off."""
     reference = {} if values[0] == 1.0 else {"reference": 0.0}
     case = Declaration(id="steady", title="", tolerance=Absolute(1e-9 if reference else 0.1))
     before, after = (
@@ -98,6 +100,7 @@ def test_drift_is_change_beyond_uncertainty(values, uncertainties, beyond):
 
 
 def test_compare_lists_exactly_the_changes():
+    """Presets, verdicts, values, times, new and removed cases; equal runs list none."""
     before = run_of(STEADY, replace(STEADY, id="worse"), replace(STEADY, id="gone"))
     case = dataclasses.replace(STEADY.case, unit="Hz")
     after = run_of(
@@ -128,6 +131,7 @@ def test_compare_lists_exactly_the_changes():
 
 
 def test_worse_verdict_exits_with_1(tmp_path, saved, command):
+    """Runs without a common case are refused."""
     (tmp_path / "bad").mkdir()
     good = saved("good.json", STEADY)
     saved("bad/results.json", replace(STEADY, verdict="failed", found=None))
@@ -156,6 +160,7 @@ def test_worse_verdict_exits_with_1(tmp_path, saved, command):
     ],
 )
 def test_invalid_run_exits_with_2(content, message, tmp_path, command):
+    """Missing, empty or damaged results.json."""
     path = tmp_path / "x.json"
     if content is not None:
         path.write_bytes(content.encode(errors="surrogateescape"))
@@ -236,6 +241,7 @@ def test_errors_are_compared_in_percent(saved, command):
 
 
 def test_runs_without_cases_compare_models(saved, command):
+    """Errors and verdicts of both runs, model by model."""
     verdicts = ("adequate", "inadequate")
     paths = [saved(f"{verdict}.json", adequacy=(judged("x", verdict),)) for verdict in verdicts]
     output = command.output("compare", *paths)
@@ -279,6 +285,7 @@ def test_variants_have_no_drift():
 
 
 def test_different_postures_are_not_compared():
+    """Equal poses drift; values of different poses have no drift."""
     at_start = changed(pose=(0.21,))
     at_equal_pose, at_other_pose = (changed(value=2.0, pose=(x,)) for x in (0.21, 0.6))
     assert drift(at_start, at_equal_pose).beyond

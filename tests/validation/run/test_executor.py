@@ -46,6 +46,7 @@ class Unit:
 
 
 def test_finished_calls_are_computed_once(tmp_path, monkeypatch):
+    """After an interruption only the missing calls are computed, in any order."""
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path))
     units = [Unit(base) for base in (2.0, 3.0, 2.0, 5.0)]
 
@@ -67,6 +68,7 @@ def test_finished_calls_are_computed_once(tmp_path, monkeypatch):
 
 
 def test_results_are_computed_without_cache(monkeypatch):
+    """200 results with FLEXPROOF_CACHE=off."""
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     powers = computed([Unit(float(base)) for base in range(200)], Powers, in_turn, "raising")
     assert [power.powers[1] for power in powers] == list(range(200))
@@ -90,6 +92,7 @@ except KeyboardInterrupt:
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
 def test_ctrl_c_and_kill_end_all_processes(tmp_path, monkeypatch, how):
+    """SIGINT or SIGKILL of the main process also ends its workers."""
     # A script that does not ask whether it is run by hand is not run again by its processes.
     (tmp_path / "script.py").write_text(SCRIPT, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -144,6 +147,7 @@ def test_lost_process_is_reported():
 
 
 def test_cancelled_calls_end_at_once():
+    """Calls of a minute end when the first result stops the run."""
     begun = time.monotonic()
     with on_cores(2) as cores:
         groups = [[(number, partial(time.sleep, 60.0 * (number > 0)))] for number in range(3)]

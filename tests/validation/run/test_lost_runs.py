@@ -46,6 +46,7 @@ def undisturbed(tmp_path_factory):
 
 @pytest.mark.exhaustive
 def test_resumed_run_equals_uninterrupted_run(undisturbed, tmp_path):
+    """Killed at four random moments and resumed: equal numbers, finished results kept."""
     expected, duration = undisturbed
     path = tmp_path / "run"
     moments = random.Random(0)  # noqa: S311  any moments will do
@@ -88,6 +89,7 @@ def test_nohup_run_ignores_hangup(undisturbed, tmp_path):
 
 
 def test_hangup_ends_run_like_ctrl_c(tmp_path):
+    """SIGHUP of a closed terminal: results are kept, with the command that continues."""
     path = tmp_path / "run"
     # The tests themselves may run under nohup.
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
@@ -103,6 +105,7 @@ def test_hangup_ends_run_like_ctrl_c(tmp_path):
 
 
 def test_ctrl_c_on_terminal_ends_run(tmp_path):
+    """The screen shows the number of missing cases and --resume."""
     path = tmp_path / "run"
     line = toys.command("endless", "run", "--out", path)
     code, screen = toys.run_on_terminal(line, toys.ENVIRONMENT, pressed=lambda _: toys.lines(path))
@@ -116,6 +119,7 @@ def test_ctrl_c_on_terminal_ends_run(tmp_path):
 @pytest.mark.exhaustive
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a small disk")
 def test_full_disk_keeps_finished_results(tmp_path):
+    """A disk of 256 kB; enlarged, the run continues."""
     disk = tmp_path / "disk"
     disk.mkdir()
     words = ("verbose", "run", "--out", disk / "run", "--jobs", "1")
@@ -210,6 +214,7 @@ def damage(path, chance):
     [*range(FEW), *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(FEW, COUNT))],
 )
 def test_corrupted_run_resumes_to_same_results(untouched, tmp_path, seed):
+    """One to three random damages; files of the user are unchanged."""
     path = tmp_path / "run"
     shutil.copytree(untouched, path)
     mark, records = path / "run.json", path / "results.jsonl"

@@ -41,6 +41,7 @@ def assert_refused(message, path, header, start):
 
 
 def test_records_keep_nan_and_infinity(tmp_path):
+    """And all digits. Similar ids are separate records, and a later record prevails."""
     path = tmp_path / "run"
     with open_folder(path, HEADER, "afresh") as folder:
         folder.keep({"id": "a[x=0.5]/b", "value": nan}, 3.0)
@@ -55,6 +56,7 @@ def test_records_keep_nan_and_infinity(tmp_path):
 
 
 def test_earlier_run_is_kept_until_completion(tmp_path):
+    """The new run grows in FOLDER.partial and replaces the earlier one at its end."""
     path = tmp_path / "run"
     finished(path)
     before = content(path)
@@ -74,6 +76,7 @@ def test_earlier_run_is_kept_until_completion(tmp_path):
 
 
 def test_abandoned_run_is_replaced(tmp_path):
+    """Its files are removed, files of the user are kept."""
     path = tmp_path / "run"
     with open_folder(path, OTHER, "afresh") as folder:
         fill(folder, 2.0)
@@ -112,6 +115,7 @@ def killed(moment, path):
 
 
 def test_kill_leaves_old_or_new_run(tmp_path, monkeypatch):
+    """Killed at each step of the replacement; the new run can be resumed."""
     # Costs time, and saves from other ends than these.
     monkeypatch.setattr(os, "fsync", lambda _: None)
     replaced = 0
@@ -142,6 +146,7 @@ def test_kill_leaves_old_or_new_run(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("suffix", ["", ".partial"])
 def test_foreign_folder_is_refused(tmp_path, suffix):
+    """A folder with files but without a run, also as FOLDER.partial."""
     path, foreign = tmp_path / "run", tmp_path / f"run{suffix}"
     (foreign / "figures").mkdir(parents=True)
     (foreign / "figures" / "thesis.png").write_text("years of work")
@@ -154,6 +159,7 @@ def test_foreign_folder_is_refused(tmp_path, suffix):
 
 
 def test_only_own_files_are_removed(tmp_path):
+    """Listed paths outside the folder and changed files are kept."""
     path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
     finished(path)
     elsewhere.mkdir()
@@ -217,6 +223,7 @@ def test_links_in_folder_are_ignored(tmp_path, complete, shift):
 
 @pytest.mark.parametrize("complete", [True, False])
 def test_linked_figures_folder_is_not_written(tmp_path, complete):
+    """The link is kept under another name, and a folder takes its place."""
     path, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
     finished(path, complete=complete)
     figures = (path if complete else partial(path)) / "figures"
@@ -231,6 +238,7 @@ def test_linked_figures_folder_is_not_written(tmp_path, complete):
 
 
 def test_linked_out_folder_is_used(tmp_path):
+    """`--out` may be a link to another disk."""
     (tmp_path / "disk").mkdir()
     (tmp_path / "report").symlink_to("disk")
     finished(tmp_path / "report")
@@ -243,6 +251,7 @@ ODD = [b"", b"[]", b"5", b"{}", b"null", b'{"seal": "', 100_000 * b"[", b"\x00\x
 
 
 def test_invalid_records_are_recomputed(tmp_path):
+    """Damaged lines of results.jsonl, and lines of another run, each with a remark."""
     path = tmp_path / "odd"
     finished(path)
     records = path / "results.jsonl"
@@ -265,6 +274,7 @@ def test_invalid_records_are_recomputed(tmp_path):
 
 @pytest.mark.parametrize("lost", ["run.json", "results.jsonl"])
 def test_resume_needs_only_one_run_record(tmp_path, lost):
+    """run.json or results.jsonl, whichever is intact, identifies the run."""
     path = tmp_path / "run"
     finished(path)
     (path / lost).write_bytes(b"\xff odd")
@@ -274,6 +284,7 @@ def test_resume_needs_only_one_run_record(tmp_path, lost):
 
 
 def test_second_run_is_refused(tmp_path):
+    """A folder in use is locked; the message has the number of the process."""
     path = tmp_path / "run"
     finished(path)
     with open_folder(path, HEADER, "afresh") as folder:
@@ -286,6 +297,7 @@ def test_second_run_is_refused(tmp_path):
 
 @pytest.mark.parametrize("complete", [True, False])
 def test_different_run_is_not_resumed(tmp_path, complete):
+    """Other preset, robot file, versions or sources: the difference is named."""
     finished(tmp_path / "run", complete=complete)
     for change, difference in (
         ({"preset": "fine"}, "preset"),
@@ -298,6 +310,7 @@ def test_different_run_is_not_resumed(tmp_path, complete):
 
 
 def test_unusable_folder_is_unchanged(tmp_path, monkeypatch):
+    """Files, mount points, the current folder, and full or read-only disks."""
     (tmp_path / "empty").mkdir()
     (tmp_path / "file").write_text("")
     finished(tmp_path / "run")
@@ -323,6 +336,7 @@ def test_unusable_folder_is_unchanged(tmp_path, monkeypatch):
 
 
 def test_export_is_complete_or_absent(tmp_path):
+    """A failed export leaves nothing; a run without --export removes it."""
     path = tmp_path / "run"
     with open_folder(path, HEADER, "afresh") as folder:
         with pytest.raises(KeyError), folder.exporting() as target:
@@ -341,6 +355,7 @@ def test_export_is_complete_or_absent(tmp_path):
 
 
 def test_failed_write_keeps_old_file(tmp_path, monkeypatch):
+    """Full disk or program error during a write; temporary files are removed later."""
     path = tmp_path / "run"
     finished(path, complete=False)
     with open_folder(path, HEADER, "resumed") as folder, monkeypatch.context() as patch:

@@ -38,6 +38,7 @@ def troubled_run(robot_file, tmp_path_factory):
 
 
 def test_run_folder_has_all_results(troubled_run):
+    """Files, figures, JUnit counts and records of a run in which several cases fail."""
     gathered, path = troubled_run
     written = {*("log.txt", "run.json", "results.json", "results.jsonl")}
     written |= {"junit.xml", "report.html", "figures"}
@@ -60,6 +61,7 @@ def test_run_folder_has_all_results(troubled_run):
 
 
 def test_error_in_case_becomes_its_verdict(troubled_run):
+    """Error with a message, program error, crash and lack of memory; later cases are computed."""
     gathered, path = troubled_run
     messages = {name: outcome.message for name, outcome in gathered.done.items()}
     assert gathered.standing.exit_code == 3
@@ -78,6 +80,7 @@ def test_error_in_case_becomes_its_verdict(troubled_run):
 
 @pytest.mark.usefixtures("blank_charts")
 def test_resumed_run_computes_missing_tasks(robot_file, troubled_run, capfd, monkeypatch):
+    """Finished ones keep their values and times; failed ones are computed again."""
     first, path = troubled_run
     # A busy machine takes as long as it likes: no line says how far the work is.
     monkeypatch.setattr(telling, "_SILENT_SECONDS", 1e6)
@@ -93,6 +96,7 @@ def test_resumed_run_computes_missing_tasks(robot_file, troubled_run, capfd, mon
 
 
 def test_failed_worker_start_ends_run(robot_file, tmp_path, monkeypatch):
+    """Sources that cannot be imported in a worker."""
     monkeypatch.setenv("TOY_PARENT", str(os.getpid()))
     with pytest.raises(ComputationError, match="before it began"):
         validate(request_for(robot_file, tmp_path / "run"), toys.unloadable)
@@ -101,6 +105,7 @@ def test_failed_worker_start_ends_run(robot_file, tmp_path, monkeypatch):
 
 @pytest.mark.usefixtures("blank_charts")
 def test_inconsistent_verdict_is_recomputed(robot_file, tmp_path, monkeypatch):
+    """A stored value that contradicts its stored verdict."""
     monkeypatch.setattr(runner, "run", run_in_this_process)
     request = request_for(robot_file, tmp_path, only="toy.agrees")
     validate(request, toys.disagreeing)
@@ -117,6 +122,7 @@ def test_inconsistent_verdict_is_recomputed(robot_file, tmp_path, monkeypatch):
 
 
 def test_brackets_in_patterns_are_literal(robot_file):
+    """Only * and ? are wildcards in --only."""
     tasks = toys.sound(robot_file)
     for pattern, expected in {
         "toy.first*": ["toy.first[x=1]"],
@@ -138,6 +144,7 @@ def test_junit_xml_escapes_control_characters():
 
 
 def test_only_long_runs_report_progress(monkeypatch, capsys):
+    """Finished and failed cases, elapsed time, and remaining time by efforts."""
     tasks = list(toys.sound(load_robot("ifw")))
     with progress.showing(tasks, 0.0) as reporter:
         reporter.started(tasks[0])
@@ -161,6 +168,7 @@ def test_only_long_runs_report_progress(monkeypatch, capsys):
 
 
 def test_progress_escapes_file_names(monkeypatch, capsys):
+    """Brackets in a file name are no markup of the terminal library."""
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     with telling.stage("reading [/red]a[bold].step"):
@@ -190,6 +198,7 @@ def test_time_forecast_uses_machine_speed(monkeypatch, capsys):
 
 
 def test_quiet_command_writes_no_progress(monkeypatch, capsys):
+    """FLEXPROOF_QUIET=1, as --quiet sets it."""
     monkeypatch.setattr(telling, "_ESTIMATE_DELAY", 0.02)
     for variable, written in (("", True), ("1", False)):
         monkeypatch.setenv(streams.QUIET, variable)

@@ -61,6 +61,7 @@ def results(tasks, *verdicts, **fields):
     ],
 )
 def test_summary_of_run_matches_exit_code(tasks, task_verdicts, sentence, code):
+    """0: all agree; 1: disagreement or an inadequate relied model; 3: failure."""
     run_results = results(tasks, *task_verdicts)
     assert run_results.standing.exit_code == code
     assert run_results.standing.sentence.startswith(sentence)
@@ -91,6 +92,7 @@ def test_program_error_of_model_is_failure():
 
 
 def test_failed_run_never_reports_success():
+    """All combinations of agree, skipped, failed and missing over four kinds of tasks."""
     kinds = [CASES[0], CASES[1], FIGURE, MODELS]
     for task_verdicts in product(["agree", "skipped", "failed", None], repeat=len(kinds)):
         done = {
@@ -124,6 +126,7 @@ def by_gauge(size):
 
 @pytest.mark.parametrize(("size", "code"), [(16.0, 1), (0.001, 0)])
 def test_relied_model_off_measured_value_exits_with_1(size, code):
+    """The simplified model is 16 times, or 0.1 %, off the measured value."""
     done = {MEASURED: Result(MEASURED, "made", 0.1, found=by_gauge(size))}
     tasks = [Assessment(MEASURED, "", never)]
     run_results = Results(HEADER, tasks, done=done, rely=("simplified",))

@@ -60,6 +60,7 @@ MISSING = CalculixMissing("CalculiX is not installed")
     ],
 )
 def test_selftest_result_is_quoted_by_runs(selftest, outcomes, code, message):
+    """Runs quote the last self-test of this version: passed, failed or not run."""
     assert provenance.last_selftest(HEADER) == "not run"
     text = selftest(*outcomes, code=code)
     assert message in text
@@ -69,11 +70,13 @@ def test_selftest_result_is_quoted_by_runs(selftest, outcomes, code, message):
 
 
 def test_explained_benchmark_difference_agrees():
+    """A known effect of 1 %, in the benchmark or not."""
     assert KnownNumber("q", "Hz", 2.0, 2.02, 1e-3, explained=0.01).agrees
     assert not KnownNumber("q", "Hz", 2.0, 2.0, 1e-3, explained=0.01).agrees
 
 
 def test_selftest_of_other_version_is_ignored(selftest, tmp_path):
+    """Other libraries or sources, or a damaged record: "not run"."""
     selftest(numbers(2.0))
     changes = {"versions": {**HEADER["versions"], "numpy": "0"}, "suite_sha256": "0"}
     for name, changed in changes.items():
@@ -87,6 +90,7 @@ def test_selftest_of_other_version_is_ignored(selftest, tmp_path):
 
 @pytest.mark.parametrize("cache", ["off", "in the way"])
 def test_selftest_runs_without_a_cache(selftest, cache, tmp_path, monkeypatch):
+    """Its result is then not quoted by runs."""
     monkeypatch.chdir(tmp_path)
     Path("in the way").write_text("a file")
     monkeypatch.setenv("FLEXPROOF_CACHE", cache)
@@ -103,6 +107,7 @@ LISTED = {benchmark.title: benchmark for benchmark in (*OWN, *FURTHER)}
 
 @pytest.mark.parametrize("title", LISTED)
 def test_benchmarks_agree_with_guide(title):
+    """Each benchmark agrees, and its section of verification.md has the computed numbers."""
     outcome = benchmarks.outcome(LISTED[title])
     if outcome.verdict == "skipped":
         pytest.skip(outcome.message)

@@ -120,6 +120,7 @@ def test_missing_mode_meets_no_condition():
 
 
 def test_equally_good_robots_give_the_first():
+    """Masses that differ by 1e-13 are equal."""
     purpose = purpose_of(load_robot("ifw"), "mass", None, [], 1)
     (mass,) = purpose.quantities
     choice = DesignChoice(purpose, {mass: np.array([3.0, 2.0, 2.0 * (1.0 + 1e-13)])})
@@ -146,11 +147,13 @@ def test_mass_counts_bodies_and_tool(tmp_path):
     ],
 )
 def test_invalid_objective_is_refused(minimise, where, message):
+    """Unknown or missing quantities of --minimise, --maximise and --where."""
     with pytest.raises(InputError, match=message):
         purpose_of(load_robot("ifw"), minimise, None, where, 2)
 
 
 def test_objective_needs_a_variation(tmp_path, capsys):
+    """--where without --vary, and --maximise beside --minimise."""
     path = tmp_path / "bar.toml"
     path.write_text(BAR, encoding="utf-8")
     command = ["solve", str(path), "--model", "beam", "--where", "f1>=1"]

@@ -99,6 +99,7 @@ def test_free_thick_bar_is_timoshenko():
 
 
 def test_free_segments_converge_to_beam():
+    """Thick bar, 20 and 40 segments against 80 beam elements: order two."""
     coarse, fine = (free(THICK, "segments", 2, elements=n) for n in (20, 40))
     beam = free(THICK, "beam", 2, elements=80)
     order = np.log2((coarse - beam) / (fine - beam))
@@ -133,6 +134,7 @@ def test_supported_body_is_not_free():
 
 
 def test_free_free_ends_need_a_body(tmp_path, capsys):
+    """And a model with mass. JSON then has frequencies and no compliance."""
     with pytest.raises(InputError) as refused:
         api.solve(THICK, "vjm", ends="free-free")
     assert refused.value.faults == (

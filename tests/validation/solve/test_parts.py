@@ -65,6 +65,7 @@ def crane_answer(crane):
 
 @pytest.mark.exhaustive
 def test_part_half_width_covers_finer_mesh(crane_answer, crane, coarse_parts):
+    """20 000 unknowns: at most one of the values changes by more than its half-width."""
     with coarse_parts.context() as patch:
         patch.setattr(reduced_parts, "UNKNOWNS", 20_000)
         (finer,) = answers("solid", [reference_posture(crane.mechanism)], COUNT)
@@ -103,6 +104,7 @@ def test_f1_uncertainty_ignores_mode_count(crane, monkeypatch):
 
 @pytest.mark.exhaustive
 def test_accuracy_option_refines_part_meshes(crane, coarse_parts):
+    """Requested: 0.8 times the largest half-width."""
     with coarse_parts.context() as patch:
         patch.setattr(reduced_parts, "UNKNOWNS", 1500)
         rough = answer_of(crane, 0)
@@ -199,6 +201,7 @@ def test_load_and_compliance_share_half_width(crane):
 
 
 def test_part_modes_have_partners(crane):
+    """First mode of the crane by solids and by segments, MAC above 0.95."""
     (answer,) = solve(Question(crane, "solid", {}, 2, against="segments")).answers
     first = answer.paired.pairs[0]
     # An equivalent leg swings alike, at a frequency of its own.
@@ -208,6 +211,7 @@ def test_part_modes_have_partners(crane):
 
 @pytest.mark.parametrize("interfaces", ["fixed", "free"])
 def test_incomplete_reduction_is_refused(crane, monkeypatch, interfaces):
+    """A stored reduction that lacks one of the counted modes."""
     arm = crane.mechanism.bodies["arm"]
     complete = reduced_parts.reduced(arm, 1000.0, 2500.0, by=interfaces)
     entry = reduced_parts.reduced_entry(arm, 1000.0, 2500.0, by=interfaces)
@@ -246,6 +250,7 @@ def test_uniform_leg_is_softer_than_tapered(crane, matrix):
 
 @pytest.mark.exhaustive
 def test_condensed_part_matches_solid(matrix):
+    """Exact with rigid interfaces; the error is the difference to averaged ones."""
     for model in ("vjm", "links", "segments-condensed"):
         for quantity in ("x", "y", "z"):
             entry = matrix.entry(model, quantity)
@@ -263,6 +268,7 @@ def test_condensed_part_matches_solid(matrix):
 
 
 def test_specified_coupling_has_no_uncertainty(crane):
+    """`coupling` of all interfaces in the robot file leaves one reading."""
     mechanism = crane.mechanism
     assert list(holding(mechanism).alternatives) == ["interfaces rigid", "interfaces averaged"]
     arm = mechanism.bodies["arm"]
@@ -277,6 +283,7 @@ def test_specified_coupling_has_no_uncertainty(crane):
 
 
 def test_report_has_reduction_error(crane):
+    """Number of modes kept, cut-off frequency, and bound of the omitted ones."""
     postures = path_postures(Context(crane, "quick"))
     (note,) = reduction_note(postures, 8, {"arm": "rigid"}, 4)
     (arm,) = solid_parts(postures, 8, {"arm": "rigid"}).values()

@@ -109,6 +109,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("typed", "message"), REFUSED, ids=lambda words: words[:40])
 def test_options_without_effect_are_refused(robot, typed, message, command):
+    """Such as --elements with VJM: one line with option, model and alternative."""
     name, *words = typed.split()
     line = command.error_line("solve", robot if name == "ROBOT" else name, "--model", *words)
     assert message in line
@@ -116,6 +117,8 @@ def test_options_without_effect_are_refused(robot, typed, message, command):
 
 
 def test_answer_lists_effective_options(robot, command):
+    """The key `options` in JSON has those on which the model depends, with defaults."""
+
     def heard(*words):
         document = command.json("solve", robot, *words)
         return document["options"], document["results"][0]["compliance"]
@@ -134,6 +137,7 @@ def test_answer_lists_effective_options(robot, command):
 
 
 def test_round_off_result_is_refused(tmp_path, capsys):
+    """Solid with ν near −1: exit code 3 and the reason."""
     robot_of(SOUND.replace("nu = 0.3", "nu = -0.999999999"), tmp_path)
     words = ["solve", str(tmp_path / "robot.toml"), "--model", "solid", "--divisions", "2"]
     assert cli.main(words) == 3
@@ -143,6 +147,8 @@ def test_round_off_result_is_refused(tmp_path, capsys):
 
 
 def test_solid_leg_has_mesh_uncertainty(bar, command):
+    """Change from one to two divisions times 3/(rᵖ − 1), p from a clamped edge."""
+
     def answer(divisions):
         words = ["--model", "solid", "--leg", 1, "--divisions", divisions, "--modes", 1]
         return command.json("solve", bar, *words)["results"][0]
@@ -291,6 +297,7 @@ SECTIONS = [
 
 @pytest.mark.parametrize("section", SECTIONS, ids=str)
 def test_uncertainty_uses_another_mesh(section):
+    """The second mesh has at least 1.44 times as many, or as few, cells across the section."""
     # A circle has five elements with one to three divisions, a thin tube forty with one to four.
     leg = ConstantLeg(5.0, section, Material.isotropic(2.1e11, 0.3, 7850.0))
     for divisions in (1, 2, 4, 8):
@@ -301,6 +308,7 @@ def test_uncertainty_uses_another_mesh(section):
 
 
 def test_single_mesh_has_no_half_width(bar, command, monkeypatch):
+    """Memory suffices for one mesh only: null in JSON, with a note in the text."""
     words = ["solve", bar, "--model", "solid", "--leg", "1", "--divisions", "1", "--modes", "0"]
     leg = equivalent_leg(legs_of(load_robot(bar).mechanism)["leg1"])
     only = 1.2 * solid_cost((leg,), 1, 0).memory
@@ -311,6 +319,7 @@ def test_single_mesh_has_no_half_width(bar, command, monkeypatch):
 
 
 def test_json_numbers_have_unique_names():
+    """A result whose numbers are all different: each has its name in JSON."""
     numbers = iter(np.arange(1.0, 200.0))
 
     def take(count):
@@ -407,6 +416,7 @@ RIGID_DRIVE = (
 
 @pytest.mark.parametrize("driven", [True, False], ids=["rigid-drive", "no-drive"])
 def test_simplified_with_rigid_drives_is_rigid(tmp_path, command, driven):
+    """No displacement, no buckling factor, and the assumption in the text."""
     text = RIGID_DRIVE
     if not driven:
         text = re.sub("joints.motor = .*", "joints.root = ROOT", text).replace('["x"]', "[]")
@@ -465,6 +475,7 @@ def test_models_with_mass_have_responses(tmp_path, command):
 
 
 def test_round_off_is_printed_as_zero():
+    """1.8e-52 beside −15.7 µm."""
     compliance, displacement = np.zeros((6, 6)), np.array([1.8e-52, -1.57e-5, 0.0, 0.0, 0.0, 0.0])
     np.fill_diagonal(compliance, [5e-7, 2e-7, 3e-71])
     answer = Answer(Place(pose=()), compliance, np.zeros(0), loads={"weight": displacement})
@@ -482,6 +493,7 @@ def test_round_off_is_printed_as_zero():
     ids=lambda section: section.shape,
 )
 def test_cost_estimate_is_near_true_cost(section):
+    """Unknowns within a factor of 1.7, memory within 4."""
     leg = ConstantLeg(0.3, section, Material.isotropic(2.1e11, 0.3, 7850.0))
     solid = solid_leg(leg, solid_mesh(leg, 4))
     unknowns = solid.stiffness.shape[0]
@@ -496,12 +508,14 @@ def test_cost_estimate_is_near_true_cost(section):
 
 
 def test_answer_above_one_hour_is_refused():
+    """3599 s are allowed, 3601 s are not."""
     require_affordable(Cost(9.0, 1.0, 3599.0), "--elements 9")
     with pytest.raises(InputError, match="and 1 h, more than the allowed 60 minutes"):
         require_affordable(Cost(9.0, 1.0, 3601.0), "--elements 9")
 
 
 def test_ctrl_c_ends_long_solve(robot):
+    """Exit code 3 and the word "interrupted", while a solid is factorised."""
     program = "import sys; from validation.cli import main; sys.exit(main())"
     words = [sys.executable, "-c", program, "solve", robot, "--model", "solid", "--divisions", "6"]
     # What is computed, and what it will take, is shown while one waits.
@@ -512,6 +526,7 @@ def test_ctrl_c_ends_long_solve(robot):
 
 
 def test_non_finite_json_number_is_refused():
+    """Infinity and NaN have no form in JSON."""
     for document in ({"frequencies": [1.0, float("inf")]}, {"compliance": float("nan")}):
         with pytest.raises(ComputationError, match="a result is not a finite number"):
             finite_json(document)

@@ -31,6 +31,7 @@ COARSE = HALVING[:6]
 
 
 def test_pure_power_has_exact_order():
+    """f = limit + 0.7 h^p on grids of unequal ratios, five random p."""
     draws = np.random.default_rng(0).uniform([0.5, 1.2, 1.2, -5.0], [8.0, 3.0, 3.0, 5.0], (5, 4))
     for order, first, second, limit in draws:
         sizes = np.array([first * second, second, 1.0])
@@ -50,11 +51,13 @@ def test_pure_power_has_exact_order():
     ],
 )
 def test_convergence_behaviour_is_classified(values, behaviour):
+    """Monotone, oscillating, diverging or constant sequences."""
     assert classify(COARSE, values, 1e-12) == behaviour
 
 
 @pytest.mark.parametrize(("order", "safety"), [(2.0, 1.25), (1.85, 1.25), (1.7, 3.0), (2.4, 3.0)])
 def test_safety_factor_is_small_near_formal_order(order, safety):
+    """1.25 within 10 % of the formal order 2, otherwise 3 (Roache)."""
     study = analyse(COARSE, 3.0 + 0.7 * COARSE**order, formal_order=2.0)
     assert study.observed_order == pytest.approx(order, rel=1e-6)
     # The true error of the finest value, 0.7 hᵖ, times the safety factor; with an order above the
@@ -74,12 +77,14 @@ def test_safety_factor_is_small_near_formal_order(order, safety):
     ],
 )
 def test_non_asymptotic_range_is_undecided(values, reason):
+    """No order, limit and half-width, but a reason."""
     study = analyse(COARSE, values, formal_order=2.0)
     assert (study.uncertainty, study.extrapolated, study.observed_order) == (None, None, None)
     assert reason in study.refusal
 
 
 def test_uncertainty_of_equal_values_is_round_off():
+    """Changes below the round-off of 1e-9: the half-width is that of the round-off."""
     study = analyse(HALVING, 3.0 + 0.7 * HALVING**4, formal_order=4.0, round_off=1e-9)
     assert study.uncertainty == pytest.approx(3e-9, rel=1e-6)
     assert study.extrapolated == study.values[-1]
@@ -97,6 +102,7 @@ def test_uncertainty_of_equal_values_is_round_off():
     ],
 )
 def test_invalid_study_is_refused(sizes, values, reason):
+    """Fewer than four grids, or sizes that do not decrease."""
     with pytest.raises(ValueError, match=reason):
         analyse(np.array(sizes), np.array(values), formal_order=2.0)
 
@@ -131,6 +137,7 @@ def test_fit_weights_grids_by_1_over_h():
 
 
 def test_published_study_is_reproduced():
+    """NPARC example: 0.96178, 0.96854, 0.97050 have order 1.78618 and limit 0.9713."""
     # NASA Glenn: pressure recovery on three grids of ratio 2, p = 1.786, limit 0.97130.
     coarse, middle, fine = 0.96178, 0.96854, 0.97050
     order = three_grid_order(coarse, middle, fine, 2.0, 2.0)
@@ -142,6 +149,7 @@ def test_published_study_is_reproduced():
 
 
 def test_two_grids_use_formal_order():
+    """Half-width 3/(rᵖ − 1) times the change, with r = 2."""
     for order, half_width in ((2.0, 1.0), (4.0, 0.2)):
         policy = MeshPolicy.of_order(2.0, order)
         assert mesh_half_widths([1.0], policy) == pytest.approx(half_width)
@@ -161,12 +169,14 @@ def test_two_grids_use_formal_order():
     ],
 )
 def test_three_mesh_half_width_is_exact(changes, half_width) -> None:
+    """Observed order within 1 to 2, safety factor 1.5, ratio 2."""
     policy = MeshPolicy(2.0, orders=(1.0, 2.0), safety=1.5)
     half_widths = mesh_half_widths([np.array([change]) for change in changes], policy)
     assert half_widths == pytest.approx([half_width], rel=1e-12)
 
 
 def test_richardson_intervals_contain_limit():
+    """Powers of random order: the half-width is one to four times the error."""
     rng = np.random.default_rng(14)
     for ladder in ((1, 2, 3, 4), (2, 4, 8, 16)):
         limits, orders = rng.uniform(1.0, 3.0, 4), rng.uniform(1.0, 4.0, 4)
@@ -198,6 +208,7 @@ def refined_to(accuracy: float):
 
 @pytest.mark.parametrize("accuracy", [0.2, 0.01, 1e-4])
 def test_refinement_stops_if_accurate(accuracy: float) -> None:
+    """The coarsest mesh that meets the accuracy, by doubling."""
     reached, note = refined_to(accuracy)
     assert error_of_mesh(reached) <= accuracy
     assert note == Accuracy(accuracy, error_of_mesh(reached))
@@ -205,6 +216,7 @@ def test_refinement_stops_if_accurate(accuracy: float) -> None:
 
 
 def test_unreached_accuracy_is_reported() -> None:
+    """Reached and requested accuracy, and the reason why there is no finer mesh."""
     reached, note = refined_to(1e-6)
     assert (reached, note.reached) == (64, error_of_mesh(64))
     assert note.text.startswith("accuracy ±0.0024 %, requested ±0.0001 %; --divisions 128: takes m")

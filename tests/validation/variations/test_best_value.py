@@ -116,6 +116,7 @@ def test_best_height_has_equal_frequencies(curves_by_objective):
 
 
 def test_tallest_bar_has_smallest_deflection(curves_by_objective):
+    """Deflections by hand; the simplified model, rigid but for its drive, cannot choose."""
     decision = curves_by_objective["deflection"].decision
     area, inertia = WIDTH * HEIGHTS, WIDTH * HEIGHTS**3 / 12.0
     shear = LENGTH / (5.0 / 6.0 * area * E / 2.0)
@@ -177,6 +178,7 @@ def test_value_without_reference_is_skipped(tmp_path, monkeypatch):
 
 
 def test_stored_results_keep_all_digits(light_bar, tmp_path, monkeypatch):
+    """Computed here, in a worker, and read from the cache: equal bits."""
     (variation,) = variations_of(light_bar, ["tool.mass=2:4:2"])
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
     in_process = variation_study(light_bar, variation, "quick")
@@ -214,6 +216,7 @@ def test_single_reading_serves_all_values():
 
 
 def test_uncertain_reference_widens_losses(light_bar, monkeypatch):
+    """Interval of the loss over two references, of which one is uncertain by 0.2 %."""
     values = {"first": np.array([1.0, 1.001, 2.0]), "second": np.array([1.02, 1.0, 2.0])}
     uncertainties = {"first": np.full(3, 0.002), "second": np.zeros(3)}
     decision = Decision("deflection", {"model": values["second"]}, values, uncertainties)

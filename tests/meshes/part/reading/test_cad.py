@@ -21,6 +21,7 @@ pytestmark = pytest.mark.usefixtures("in_this_process")
 
 
 def test_box_part_has_size_and_inertia(box_step):
+    """Bar of 100 × 20 × 30 mm: volume, centre, moments V(b² + c²)/12, six faces outwards."""
     part = read_part(box_step)
     assert part.size == "read in mm: 100 × 20 × 30 mm"
     # Volume and moments of a box: V = abc, I = V(b² + c²)/12.
@@ -37,6 +38,8 @@ def test_box_part_has_size_and_inertia(box_step):
 
 
 def test_spline_bore_is_a_cylinder(tmp_path):
+    """A bore that the file contains as a spline surface is recognised, radius 8 mm."""
+
     def splines(occ):
         bar, bore = occ.addBox(-30, -20, 0, 60, 40, 30), occ.addCylinder(0, 0, -10, 0, 0, 60, 8)
         occ.cut([(3, bar)], [(3, bore)])
@@ -101,12 +104,14 @@ def test_spline_cylinder_equals_analytic_one(tmp_path):
 
 
 def test_ellipsoid_has_exact_volume(tmp_path):
+    """Half-axes 50, 50, 10 mm, V = 4/3 π abc, within the stated error, below 1e-4."""
     part = read_part(written(tmp_path / "ellipsoid.step", ellipsoid))
     volume = 4.0 / 3.0 * np.pi * 0.05 * 0.05 * 0.01
     assert abs(part.exact.volume - volume) < part.exact.error < 1e-4 * volume
 
 
 def test_bored_spline_has_exact_volume(tmp_path):
+    """Cylinder with a cross bore, V by an integral, as analytic and as spline surfaces."""
     # Volume of the cylinder less that of the bore; chords of the cylinder at y = 10 + 30 sin t mm
     # are the lengths of the bore.
     t = np.linspace(0.0, 2.0 * np.pi, 2000, endpoint=False)
@@ -130,6 +135,7 @@ def test_cone_tip_is_not_an_inverted_face(tmp_path):
 
 
 def test_surface_mesh_retries_without_curvature(box_step, monkeypatch):
+    """If gmsh fails with sizes from curvature, sizes are equal everywhere. The part has a note."""
     triangulate = read.triangulate
 
     def failing(path, model, sides, *options):
@@ -144,6 +150,7 @@ def test_surface_mesh_retries_without_curvature(box_step, monkeypatch):
 
 
 def test_volume_mesh_retries_without_curvature(box_step, monkeypatch):
+    """If gmsh fails with sizes from curvature, equal sizes are used everywhere."""
     find_gradings = volume._find_gradings
 
     def failing(part, interfaces, unknowns, sides):
@@ -227,6 +234,7 @@ METRE = "SI_UNIT($,.METRE.)"
     ],
 )
 def test_step_length_unit_is_used(tmp_path, edit, unit, length):
+    """A bar of 10 units in m, cm, mm or inch, in several forms of the unit's text."""
     path = written(tmp_path / "bar.step", lambda occ: occ.addBox(0, 0, 0, 10, 2, 3))
     path.write_text(edit(path.read_text()))
     part = read_part(path)
@@ -251,6 +259,7 @@ def refused(path, unit=None) -> str:
 
 
 def test_brep_file_uses_specified_unit(tmp_path):
+    """BREP files have no unit. An implausible size suggests one."""
     path = written(tmp_path / "bar.brep", lambda occ: occ.addBox(0, 0, 0, 100, 20, 30))
     part = read_part(path, "mm")
     assert part.extent == pytest.approx([0.1, 0.02, 0.03], rel=1e-6)
@@ -329,6 +338,7 @@ SHAPES = {
 
 @pytest.mark.parametrize(("build", "message"), SHAPES.values(), ids=SHAPES.keys())
 def test_shape_needs_exactly_one_solid(tmp_path, build, message):
+    """None, two, open shells and loose sheets are refused, each with its reason."""
     assert re.search(message, refused(written(tmp_path / "shape.step", build)))
 
 
@@ -345,6 +355,7 @@ TEXTS = [
 
 
 def test_damaged_cad_file_is_refused(tmp_path, box_step):
+    """Wrong or cut content, a folder, a contradicting unit, more than 500 MB."""
     for number, (content, suffix, message) in enumerate(TEXTS):
         path = tmp_path / f"part{number}{suffix}"
         if content is not None:
@@ -474,6 +485,7 @@ def is_silent(path, sound) -> bool:
 )
 @pytest.mark.parametrize("name", ["rocker", "leg", "bracket"])
 def test_damaged_step_token_is_reported(files, name, seeds, tmp_path, monkeypatch):
+    """One random token of a STEP file is changed: the part is unchanged, or refused."""
     # The files are read in a process of their own again, because some of them crash the reader.
     monkeypatch.undo()
     source = files[name]
@@ -512,6 +524,7 @@ DAMAGES = {
 
 @pytest.mark.parametrize(("name", "old", "new", "message"), DAMAGES.values(), ids=DAMAGES.keys())
 def test_damaged_step_file_is_refused(files, tmp_path, monkeypatch, name, old, new, message):
+    """Chosen damages of a STEP file, each with its message."""
     if message == "its reader fails":
         monkeypatch.undo()
     text, path = files[name].read_text(), tmp_path / "damaged.step"

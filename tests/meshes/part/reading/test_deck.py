@@ -127,6 +127,7 @@ def written(folder, included_files):
 
 @pytest.mark.parametrize("form", [*FORMS, *OF_ABAQUS, *INCLUDED, *INCLUDED_OF_ABAQUS])
 def test_deck_forms_give_same_part(tmp_path, form):
+    """Bar of 1 × 1 × 2 m in each form of cards: the same mesh, faces and named interface."""
     text = (FORMS | OF_ABAQUS).get(form, "")
     if not text:
         text, included_files = (INCLUDED | INCLUDED_OF_ABAQUS)[form]
@@ -184,6 +185,7 @@ def test_calculix_runs_legal_deck_forms(tmp_path):
     ],
 )
 def test_deck_error_has_line(tmp_path, text, fault):
+    """Each fault gives one message with the line of the deck."""
     with pytest.raises(InputError, match=fault) as error:
         read(tmp_path, text)
     (line,) = error.value.faults
@@ -211,6 +213,7 @@ def test_deck_error_has_line(tmp_path, text, fault):
     ],
 )
 def test_include_error_has_its_line(tmp_path, included_files, fault):
+    """Missing file, circle, or fault inside an included file: the line of the cause."""
     written(tmp_path, included_files)
     with pytest.raises(InputError) as error:
         read(tmp_path, "\n*INCLUDE, INPUT=a.inp\n" + PLAIN)
@@ -220,6 +223,7 @@ def test_include_error_has_its_line(tmp_path, included_files, fault):
 
 
 def test_include_outside_folder_is_refused(tmp_path):
+    """A link in the folder that leads outside it."""
     (tmp_path / "secret.inp").write_text(NODES)
     folder = tmp_path / "deck"
     folder.mkdir()

@@ -44,6 +44,7 @@ def files(tmp_path_factory):
 
 
 def test_mesh_formats_give_one_part(files):
+    """Plate with a bore as .msh, .inp and .vtu: equal nodes, elements and bore."""
     parts = [read_part(files / f"plate{suffix}", "mm") for suffix in (".msh", ".inp", ".vtu")]
     first = parts[0]
     assert first.size == "read in mm: 60 × 40 × 10 mm"
@@ -58,6 +59,7 @@ def test_mesh_formats_give_one_part(files):
 
 
 def test_physical_group_selects_interface(files):
+    """A group of gmsh called "bore" selects the faces of that cylinder."""
     part = read_part(files / "plate.msh", "mm")
     by_name, by_radius = (
         find_interfaces(part, {"A": PartInterface(choice)})[0]
@@ -107,6 +109,7 @@ def mesh_file(folder, points, kind, cells, **mesh_options):
     ],
 )
 def test_bad_mesh_is_refused(tmp_path, points, kind, cells, message):
+    """Wedges, mixed types, inverted or flat elements and other faults, each with its reason."""
     with pytest.raises(InputError) as error, np.errstate(all="ignore"):
         read_part(mesh_file(tmp_path, points, kind, np.array(cells)))
     assert message in error.value.faults[0]
@@ -123,6 +126,7 @@ def test_bad_mesh_is_refused(tmp_path, points, kind, cells, message):
     ],
 )
 def test_unknown_keyword_is_refused(files, tmp_path, added, refused):
+    """Cards that generate nodes or elements are refused, cards of materials are ignored."""
     text = (files / "plate.inp").read_text()
     path = tmp_path / "plate.inp"
     path.write_text(f"{text}\n{added}\n")
@@ -134,6 +138,7 @@ def test_unknown_keyword_is_refused(files, tmp_path, added, refused):
 
 
 def test_missing_deck_node_is_refused(tmp_path):
+    """An element with an unlisted node, and a set of nodes that is no element face."""
     path = tmp_path / "mesh.inp"
     nodes = "1, 0., 0., 0.\n2, .1, 0., 0.\n3, 0., .1, 0."
     path.write_text(f"*NODE\n{nodes}\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n")
@@ -146,6 +151,7 @@ def test_missing_deck_node_is_refused(tmp_path):
 
 @pytest.mark.parametrize("kind", ["hexahedron", "hexahedron20", "hexahedron27"])
 def test_hexahedra_have_six_plane_faces(tmp_path, kind):
+    """One cube of 8, 20 or 27 nodes: six plane faces with outward normals."""
     element = ELEMENTS[{"hexahedron": "hex8", "hexahedron20": "hex20"}.get(kind, "hex27")]
     points = element.nodes[list(element.vtk_order)]
     part = read_part(mesh_file(tmp_path, points, kind, np.arange(len(points))[None]))
@@ -165,6 +171,7 @@ def test_hexahedra_have_six_plane_faces(tmp_path, kind):
     ],
 )
 def test_file_without_mesh_is_refused(tmp_path, capfd, name, text, message):
+    """Other texts named .msh, .vtu or .inp: one line with the reason."""
     path = tmp_path / name
     path.write_text(text)
     with pytest.raises(InputError) as error:
@@ -221,6 +228,7 @@ def test_invalid_vtu_header_is_refused(tmp_path, encoding, compressor, library):
 
 @pytest.mark.parametrize("compression", ["zlib", "lzma", None])
 def test_vtu_header_gives_inflated_size(files, tmp_path, compression):
+    """Size of all arrays after decompression, from their headers; 0 without compression."""
     mesh, path = meshio.read(files / "plate.vtu"), tmp_path / "plate.vtu"
     meshio.vtu.write(path, mesh, compression=compression)
     (cells,) = mesh.cells

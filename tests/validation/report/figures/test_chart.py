@@ -54,6 +54,7 @@ def test_differences_are_below_curves():
 
 
 def test_csv_has_abscissa_and_finite_curves():
+    """Curves without a finite value and marks are not in the table."""
     chart = Chart(
         [
             Panel([series("a", [1, 2, 3]), series("b", [np.nan] * 3)], column_prefix="left end"),
@@ -68,6 +69,7 @@ def test_csv_has_abscissa_and_finite_curves():
 
 
 def test_equal_labels_share_a_legend_entry():
+    """Curves of equal values are drawn one upon the other, the upper ones thinner."""
     first = Panel([*(series("a", [n, 2, 3]) for n in (1, 2)), series("b", [np.nan] * 3)], "first")
     second_series = [*(series(name, [1, 2, 3]) for name in "ac"), series("d", [1, 1, 1], best=2)]
     with plot_style():
@@ -84,6 +86,7 @@ def test_equal_labels_share_a_legend_entry():
 
 @pytest.mark.parametrize("names", [list(LOOKS), ["a much longer entry " * 3] * 9])
 def test_legend_shows_all_entries_above_axes(names):
+    """Long entries and many models fit into the picture."""
     labels = [f"{name} {number}" for number, name in enumerate(names)]
     with plot_style():
         picture = drawn_chart(Chart([Panel([series(name, X) for name in labels])], "x (m)", 1))
@@ -97,6 +100,7 @@ def test_legend_shows_all_entries_above_axes(names):
 
 
 def test_bars_stack_away_from_zero():
+    """Negative parts of a difference to the left, positive ones to the right, a point as sum."""
     bars = [Bars("shear", np.array([1.0, -2.0])), Bars("unexplained", np.array([-3.0, -4.0]))]
     point = Series("difference", X[:2], np.array([-2.0, -6.0]), bars=np.array([0.1, 0.2]))
     fields = {"names": ["upper", "lower\nin two lines"], "band": (-1.0, 1.0)}
@@ -129,6 +133,7 @@ def test_bars_stack_away_from_zero():
 
 
 def test_percent_axis_has_tick_at_limit():
+    """Ticks at 0, ± 1 % and ± 10 %; with a limit of 5 % at 5 %."""
     with plot_style():
         axes, finer = Figure().subplots(1, 2)
         axes.plot([0.0, 1.0], [0.5, -50.0])
@@ -141,6 +146,7 @@ def test_percent_axis_has_tick_at_limit():
 
 
 def test_tick_labels_are_plain_numbers():
+    """0.0125, 1250, 1.5 × 10⁵ and 10⁻⁶."""
     expected = {0.0: "0", 0.0125: "0.0125", -1000.0: "-1000", 1250.0: "1250", 150000.0: "1.5 × 10⁵"}
     expected |= {1e-6: "10⁻⁶", 2e-6: "2 × 10⁻⁶", 500.0: "500"}
     assert {value: short_number(value) for value in expected} == expected
@@ -156,6 +162,7 @@ def test_tick_labels_are_plain_numbers():
 
 
 def test_every_line_has_a_marker():
+    """Markers of lines in one panel are at different positions."""
     assert [marker_positions(1, rank, 3)[0] for rank in range(3)] == [0, 0, 0]
     assert [marker_positions(2, rank, 4)[0] for rank in range(4)] == [0, 1, 0, 1]
     assert [marker_positions(41, rank, 2) for rank in range(2)] == [(0, 10), (5, 10)]
@@ -216,6 +223,7 @@ def test_panels_and_legend_share_styles(declare):
 
 
 def test_names_are_not_drawn_as_math():
+    """A dollar sign in the name of a body."""
     with plot_style():
         picture = Figure()
         picture.suptitle("a $\\frac{1$")

@@ -30,6 +30,7 @@ def robot():
 
 
 def test_each_load_has_a_figure(robot):
+    """Robots without [[loads]] have none."""
     planned = [task.id for task in catalogue(robot)]
     assert [name for name in planned if name.startswith("mechanism.forces.")] == [
         "mechanism.forces.cutting",

@@ -120,6 +120,7 @@ def test_mode_pictures_of_segments_equal_beams():
 
 
 def test_scenes_move_by_mode_and_load(five_bar):
+    """Frequencies in the titles, and displacements in the caption, are those of the beams."""
     shapes, deformed = pictures.mode_shapes(five_bar), pictures.deformed(five_bar)
     mechanism = five_bar.robot_file.mechanism
     (expected,) = answers("beam", postures_of(mechanism, mechanism.poses[4:5]), 4)
@@ -136,6 +137,7 @@ def test_scenes_move_by_mode_and_load(five_bar):
 
 
 def test_strain_energies_of_mode_sum_to_one(five_bar, monkeypatch):
+    """Shares of drives, and of torsion, tension and bending of the legs, for twelve modes."""
     monkeypatch.setattr(modes, "ENERGY_MODES", 12)
     rows = table(modes.energies(five_bar))
     assert len(rows) == 12
@@ -219,6 +221,7 @@ def test_part_is_drawn_solid_and_condensed(tmp_path):
 
 
 def test_linear_fields_are_interpolated_exactly():
+    """Any field is exact at its nodes."""
     rng = np.random.default_rng(5)
     nodes, points, gradient = rng.random((300, 3)), rng.random((40, 3)), rng.random((3, 3))
     interpolated = reduced_parts.interpolated(nodes, (nodes @ gradient + 2.0).reshape(-1, 1))(
@@ -265,6 +268,7 @@ def closed_forms():
 
 @pytest.mark.parametrize("model", ["beam", "segments"])
 def test_cantilever_mode_names_are_correct(model):
+    """Names by strain energy, against the closed form of nearest frequency."""
     (solved_modes,) = mechanism_modes(model, [reference_posture(described(BLADE))], 6)
     names = mode_names(solved_modes.system, solved_modes.modes.shapes)
     texts = [names.name(mode) for mode in range(6)]

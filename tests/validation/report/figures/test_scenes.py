@@ -55,6 +55,7 @@ def volume(surface):
     ],
 )
 def test_prism_is_closed_and_faces_outwards(section, area):
+    """Volume by Gauss's theorem, also of a moved prism and of two prisms."""
     corners, bore = outlines(section)
     hollow_prism = prism(corners, np.array([0.0, 0.4, 2.0]), bore)
     turned = hollow_prism.placed(
@@ -69,6 +70,7 @@ def test_prism_is_closed_and_faces_outwards(section, area):
 
 
 def test_rectangular_prism_has_twelve_edges():
+    """Diagonals of triangles are no edges."""
     solid_prism = prism(outlines(Rectangle(width=0.2, height=0.4))[0], np.array([0.0, 1.0]))
     # So are those of a box whose faces are given.
     for surface in (solid_prism, faceted(solid_prism.points, solid_prism.faces[:, None])):
@@ -107,11 +109,13 @@ def test_bodies_and_joints_are_drawn_in_place(robot):
 
 
 def test_magnification_is_round_and_bounded():
+    """Displacements of 10 µm are drawn 10 000 times as large, to 0.1 m at most."""
     factors = {1e-5: 1e4, 1.9e-5: 5e3, 2e-5: 5e3, 0.3: 0.2, 0.0: 1.0}
     assert {size: readable_factor(size, target=0.1) for size in factors} == pytest.approx(factors)
 
 
 def test_fitted_view_shows_all_points():
+    """A box fills 86 % of the picture in one direction."""
     points = np.array([[x, y, z] for x in (0.0, 2.0) for y in (0.0, 1.0) for z in (-0.2, 0.2)])
     view = fitted_view(points, np.array([1.0, -2.0, 0.7]), np.array([0, 0, 1.0]), (800, 600))
     pixels = view.pixels(points)

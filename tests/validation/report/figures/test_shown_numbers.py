@@ -46,6 +46,7 @@ def vibration(scale=1.0):
 
 
 def test_response_band_is_at_middle_pose(robot, monkeypatch):
+    """Band of two references with half-widths: 10 − 2.5 to 15 + 7.5, and 20 − 2.5 to 30 + 7.5."""
     modes_by_ends = {"rigid": vibration(1.0), "free": vibration(1.5)}
     budgets = [meshes(receptances=[wide * LEFT_OPEN]) for wide in (1.0, 2.0)]
     truth = reference("s", modes_by_ends, budgets)
@@ -86,6 +87,7 @@ def test_mass_note_is_at_middle_pose(robot):
 
 
 def test_varied_robot_is_at_middle_pose(monkeypatch):
+    """Values and errors of the second of three poses."""
     values = {"beam": np.arange(3.0)[:, None] + 1.0, "solid": np.arange(3.0)[:, None] + 10.0}
     errors = {"beam": np.arange(3.0)[:, None] / 10.0}
     compared = Compared(values, errors, "solid")

@@ -21,6 +21,7 @@ SECTIONS = [
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
 def test_end_triangles_fill_section(section):
+    """Their areas are positive, and sum to that of the section."""
     loops = section.centred_loops
     a, b, c = (np.vstack(loops)[end_triangles(loops)[:, k]] for k in range(3))
     (uy, uz), (vy, vz) = (b - a).T, (c - a).T
