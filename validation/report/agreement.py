@@ -303,7 +303,7 @@ def _quantity_text(outcome: Outcome) -> str:
 def convergence_sentence(outcomes: Sequence[Outcome]) -> str:
     """Sentence on the largest discretisation error with the element count of table [agree].
 
-    "" if that count was not computed.
+    The table is in the robot file. "" if no error with this count was computed.
     """
     stated = [
         outcome

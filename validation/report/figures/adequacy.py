@@ -24,8 +24,8 @@ _COLUMNS = 3
 def error_curves(matrix: Matrix) -> Chart | None:
     """Chart of the errors of deflections and first frequencies. None if no error is known.
 
-    Errors within the limit lie in the shaded band, on a linear scale; beyond it the scale is
-    logarithmic.
+    The shaded band contains errors within the limit. The scale is linear in the band and
+    logarithmic beyond it.
     """
     modes = [quantity for quantity in matrix.quantities if quantity.kind is QuantityKind.FREQUENCY][
         :_MODES

@@ -1,8 +1,8 @@
 """Plot of error budgets as stacked bars: difference, named causes and unexplained remainder.
 
-Input: outcomes with allowances. Output: a figure. In the terms of ASME V&V 20: comparison error E =
-value − reference, allowances for named model differences, and the unexplained remainder, which is
-compared with numerical uncertainty and tolerance.
+Input: outcomes with allowances. Output: a figure. In the terms of ASME V&V 20, the comparison error
+E = value − reference is the sum of allowances for named model differences and of an unexplained
+remainder. The remainder is compared with numerical uncertainty and tolerance.
 """
 
 from collections.abc import Sequence
@@ -44,7 +44,11 @@ def budget_figure(
 
 
 def budget_curves(budgeted: Sequence[tuple[Outcome, Measurement]]) -> Chart:
-    """Chart of differences with named causes (left), and of unexplained parts over tolerances."""
+    """Chart of differences split into named causes (left), and of unexplained parts (right).
+
+    The differences are in per cent of the reference, the unexplained parts in per cent of the
+    tolerance.
+    """
     measurements = [measurement for _, measurement in budgeted]
     causes = {
         allowance.cause: np.zeros(len(budgeted))

@@ -161,7 +161,10 @@ def figures_over(variations: Sequence[Variation]) -> tuple[PlannedFigure, ...]:
 
 
 def _deflections(context: Context, variation: Variation) -> Chart:
-    """Chart with a panel for each axis: deflection under a force along it or a moment about it."""
+    """Chart of deflections over the varied parameter, with a panel for each axis.
+
+    The deflection is that under a force along the axis or a moment about it.
+    """
     deflection = varied_curves(context, variation)["deflection"]
     return deflection_chart(deflection.compared, *_varied_abscissa(context, variation)).captioned(
         f"{_OF_THE_POINT}, {_location(context, deflection)}.",
@@ -172,7 +175,10 @@ def _deflections(context: Context, variation: Variation) -> Chart:
 
 
 def _frequencies(context: Context, variation: Variation) -> Chart:
-    """Chart with a panel for each of the first frequencies, ascending for each value."""
+    """Chart with a panel for each of the first frequencies, over the varied parameter.
+
+    The frequencies ascend at each value of the parameter.
+    """
     frequency = varied_curves(context, variation)["frequency"]
     location = _location(context, frequency)
     return frequency_chart(frequency.compared, *_varied_abscissa(context, variation)).captioned(

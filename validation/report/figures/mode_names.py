@@ -52,8 +52,8 @@ class ModeNames:
     def name(self, mode: int) -> str:
         """Name of a mode (index from 0): "torsion", "in the plane", "along z".
 
-        For a mechanism that is not planar, its kind of deformation, such as "bending". "" if
-        unknown.
+        If the mechanism is not planar, the mode's leading kind of deformation, such as "bending".
+        "" if this kind is deformation of CAD parts.
         """
         kind = leading_kind(self._without_axes(), mode)
         if kind == "torsion":
@@ -100,7 +100,8 @@ def mode_names(system: System, shapes: Array) -> ModeNames:
 def shares_by_kind(strain: Mapping[Portion, Array], mechanism: Mechanism) -> dict[str, Array]:
     """Shares of strain energy by kind of deformation.
 
-    All drives are one kind, and so are all joints and all CAD parts.
+    The shares of all drives are summed to one kind. The same is done for all joints and for all CAD
+    parts.
     """
     legs = legs_of(mechanism)
 
