@@ -218,7 +218,10 @@ def _draw_matrix(axes: Axes, matrix: Array) -> None:
 
 
 def _draw_contours(axes: Axes, contours: Contours) -> None:
-    """Draw shaded contours with a colour bar. Points with a value are dots, blanks are grey."""
+    """Draw shaded contours with a colour bar.
+
+    Grid points with a value are marked by dots. Areas without values are grey.
+    """
     low, high = contours.span
     # A constant needs one contour step, so a range of zero is widened.
     smallest = _SMALLEST_RANGE * abs(low) or _SMALLEST_RANGE

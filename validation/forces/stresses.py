@@ -60,7 +60,7 @@ class MemberStress:
 
 
 def reason_without_stress(shape: Shape) -> str:
-    """Reason why no stresses are computed for a leg. "" if they are."""
+    """Reason why no stresses are computed for a leg. "" if stresses are computed."""
     if not isinstance(shape, ConstantLeg | LineLeg):
         return "its section is not known"
     sections = [shape.section] if isinstance(shape, ConstantLeg) else [s for _, s in shape.stations]

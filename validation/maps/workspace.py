@@ -1,9 +1,9 @@
 """Postures on the grid of a path, values in them, and a search for the worst posture.
 
-Input: a mechanism whose path is a grid, and a function with a number for each posture. Output:
+Input: a mechanism whose path is a grid, and a function that returns a number for a posture. Output:
 values at the grid points, and the pose with the worst value. Rule: the search (Nelder and Mead)
-starts at the worst local extrema of the grid; each value is computed in a posture with closed
-loops, none is interpolated.
+starts at the worst local extrema of the grid. Each value is computed in a posture with closed
+loops; no value is interpolated.
 """
 
 from collections.abc import Callable, Sequence

@@ -215,7 +215,10 @@ class RunFolder:
         write_whole(self._clear_path(name), content, self.path / UNFINISHED)
 
     def _clear_path(self, name: str) -> Path:
-        """Path for the file `name`. A folder there, or a file in place of a folder, is renamed."""
+        """Path for the file `name`.
+
+        A folder with this name is renamed, and so is a file in the place of a parent folder.
+        """
         path = self.path / name
         for folder in reversed(path.relative_to(self.path).parents[:-1]):
             if os.path.lexists(self.path / folder) and not is_folder(self.path / folder):

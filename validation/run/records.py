@@ -88,7 +88,7 @@ def run_json(run: RunRecord) -> str:
 def _case_object(outcome: Outcome) -> dict[str, Any]:
     """Object of "cases": fields of declaration, measurement and outcome next to each other.
 
-    Without a measurement, the values of its keys are null or empty.
+    If there is no measurement, the values of the measurement's keys are null or empty.
     """
     measurement = outcome.measurement
     numbers = json_object(measurement or Measurement(nan, nan, exact=True), "results.json")
