@@ -114,7 +114,10 @@ def family_of(studies: Iterable[Study]) -> Family:
 
 
 def study_figure(family: Family) -> Figure:
-    """Figure of a family: `mesh_curves` if its studies name panels, otherwise `study_curves`."""
+    """Figure of a family of studies.
+
+    `mesh_curves` draws it if the studies name panels, otherwise `study_curves`.
+    """
     chart = mesh_curves(family.studies) if family.panels else study_curves(family)
     return drawn_figure(chart, family.id, family.title, "studies", family.computed_by)
 
