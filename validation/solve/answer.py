@@ -65,7 +65,7 @@ class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
 
     @property
     def axes(self) -> str:
-        """Text with the axes of the compliance and, except for a leg, its point."""
+        """Text with the axes of the compliance, and for all but a leg its point of reference."""
         if self.leg is not None:
             return "leg axes"
         if self.body is not None:
@@ -110,9 +110,9 @@ class HalfWidths:
 class MeshUncertainty(HalfWidths):
     """Half-widths of 95 % intervals, from the change to a second mesh of the prisms.
 
-    `divisions`: elements across the section in that mesh. If it is too large to be solved, the
-    half-widths are infinite. `meshes`: divisions of all meshes from which numbers are extrapolated,
-    () if no order was observed.
+    `divisions`: elements across the section in the second mesh. If that mesh is too large to be
+    solved, the half-widths are infinite. `meshes`: divisions of all meshes from which numbers are
+    extrapolated, () if no order was observed.
     """
 
     divisions: int
@@ -137,22 +137,24 @@ class PartUncertainty(HalfWidths):
 
 
 class ModePair(msgspec.Struct, frozen=True, kw_only=True):
-    """A mode and its partner in another model, as in "partners" of the JSON."""
+    """A mode and its partner in another model, an object of "partners" in the JSON.
 
-    # Numbers of both modes, from 1. The partner is None if there is none.
+    `mode`, `partner`: numbers of the two modes, from 1; `partner` is None if there is none.
+    `frequency`: that of the partner (Hz). `mac`: energy-weighted MAC of the two modes, or the
+    largest one with any mode if there is no partner. `seen`: share of the mode's kinetic energy in
+    rigid motions of cross-sections and bodies. `local`: True for a local mode of a section, which
+    the other model does not have. `open`: lowest and highest frequency (Hz) of the modes that can
+    be the partner if shapes mix. `undecided`: True if the shapes do not show whether the other
+    model has the mode.
+    """
+
     mode: int
     partner: int | None
-    # Frequency of the partner (Hz).
     frequency: float | None
-    # Energy-weighted MAC of mode and partner, or the largest with any mode if there is no partner.
     mac: float
-    # Share of the mode's kinetic energy in the rigid motion of cross-sections and bodies.
     seen: float
-    # True for a local mode of a section, which the other model does not have.
     local: bool
-    # Lowest and highest frequency (Hz) of the modes that can be the partner if shapes mix.
     open: tuple[float, float] | None
-    # True if the shapes do not show whether the other model has the mode.
     undecided: bool
 
 

@@ -173,7 +173,7 @@ def as_json(solution: Solution) -> str:
 def finite_json(document: Any) -> str:
     """Document as JSON, which has no infinite numbers.
 
-    Raises ComputationError if it contains one.
+    Raises ComputationError if the document contains an infinite number or NaN.
     """
     try:
         return json_text(document)

@@ -264,7 +264,7 @@ def _part_lines(answer: Answer, parts: PartUncertainty) -> list[str]:
 
 
 def _share_lines(answer: Answer, half_widths: HalfWidths, digits: str = ".2g") -> list[str]:
-    """Lines with the half-widths of diagonal compliances and frequencies, in per cent of these."""
+    """Lines with the relative half-widths (%) of diagonal compliances and frequencies."""
     shares = 100.0 * half_widths.compliance / np.abs(np.diag(answer.compliance))
     lines = []
     if len(shares):

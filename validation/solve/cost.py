@@ -75,7 +75,10 @@ def dense_cost(unknowns: int, postures: int) -> Cost:
 
 
 def require_affordable(cost: Cost, subject: str, longest: float = LONGEST) -> None:
-    """Raise InputError, with the estimate, if it exceeds the available memory or `longest` (s)."""
+    """Raise InputError if a cost exceeds the available memory or the time `longest` (s).
+
+    The message contains the estimated cost. `subject`: beginning of the message.
+    """
     available = available_memory() or inf
     if cost.memory > available:
         raise InputError(

@@ -64,9 +64,11 @@ _EXTRA_MODES = 6
 
 @dataclass(frozen=True, eq=False)
 class _Meshed:
-    """Solved question with half-widths due to its meshes in each pose.
+    """Solved question with half-widths due to its meshes in each of P poses.
 
-    `compliances` and `frequencies` of each pose are extrapolated if an order is observed.
+    `compliances` (P×6×6) and `frequencies` (an array for each pose) are extrapolated if an order is
+    observed. `prisms`, `parts`: half-widths in each pose due to meshes of prisms and of CAD parts,
+    () if the model has no such solids.
     """
 
     solved: SolvedQuestion
@@ -103,9 +105,11 @@ def checked(question: Question) -> Cost:
 
 
 def solve(question: Question) -> Solution:
-    """Solution of the requested model. If `modes` is None, six modes, or all if there are fewer.
+    """Solution of the requested model.
 
-    Raises the exceptions of `checked`, and ComputationError if the tool is free to move.
+    If the question has no number of modes, there are six frequencies, or fewer if the model has
+    fewer modes. Raises the exceptions of `checked`, and ComputationError if the tool is free to
+    move.
     """
     checked(question)
     if "ends" in question.given:
@@ -157,7 +161,7 @@ def _meshed(solved: SolvedQuestion) -> _Meshed:
 
 
 def _is_affordable(question: Question, divisions: int) -> bool:
-    """True if a mesh with other `divisions` is not too expensive."""
+    """True if the question could be solved with these `divisions` at an acceptable cost."""
     try:
         _cost(replace(question, given={**question.given, "divisions": divisions}))
     except InputError:
@@ -166,7 +170,7 @@ def _is_affordable(question: Question, divisions: int) -> bool:
 
 
 def _finer(solved: SolvedQuestion, factor: float) -> SolvedQuestion:
-    """Question with finer meshes, whose half-widths are expected to be smaller by `factor`.
+    """Question with finer meshes, expected to divide the half-widths by `factor`.
 
     Divisions grow at most by a factor of two. Raises InputError if the cost is too high, or if the
     file of a CAD part is a mesh, which cannot be refined.
@@ -354,7 +358,10 @@ def _place(question: Question, posture: Posture) -> Place:
 
 
 def _defined_compliance(question: Question, compliance: Array) -> Array:
-    """Block of the compliance that the model defines: x and y in the paper's simplified model."""
+    """Part of the compliance (6×6) that the model defines.
+
+    It is the block of x and y (2×2) for the paper's simplified model, otherwise the whole matrix.
+    """
     planar = question.numbered and question.model == "simplified"
     return compliance[:2, :2] if planar else compliance
 

@@ -52,13 +52,13 @@ _LOWEST = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class SolvedModes(PathModes):
-    """Modes of an answer, and those of nearly the same frequency as its last mode.
+    """Modes of an answer, and further modes whose frequency is close to that of its last mode.
 
-    The latter are candidates for partners of the modes on another mesh. Any combination of modes of
-    equal frequency is a mode; some of these modes alone therefore have no partner.
-
-    `count`: number of modes of the answer. `postures`: solution of a robot in each pose with these
-    modes, from which strain energies and damping follow. () for a body alone.
+    `count`: number of modes of the answer. The further modes are candidates when modes are paired
+    with those on another mesh. Modes of equal frequency can be combined at will, so that a mode may
+    have a partner only among combinations of the answer's modes and the further ones. `postures`:
+    solution of a robot in each pose with the answer's modes, from which strain energies and damping
+    follow. () for a body alone.
     """
 
     count: int = 0
@@ -86,7 +86,8 @@ def _statics(
 ) -> Statics:
     """Compliance and displacements under the loads of the robot file.
 
-    `modes_of` returns the modes, from whose systems the compliance follows if there are any.
+    `modes_of`: function that returns the modes. If modes are requested, the compliance follows from
+    the systems that were assembled for them.
     """
     mechanism, postures = robot.mechanism, robot.postures
     model, options = question.model, question.options
@@ -115,9 +116,9 @@ def _statics(
 
 
 def _modes(question: Question, robot: RobotOnPath, reading: Reading) -> SolvedModes | None:
-    """Modes, as many as requested. If no number is requested, six, or all if there are fewer.
+    """Modes, as many as the question requests. None if nothing has mass.
 
-    None if nothing has mass.
+    If the question has no number of modes: six modes, or all if there are fewer.
     """
     if question.modes is not None:
         return _first_modes(question, robot, reading, question.modes)

@@ -52,7 +52,8 @@ _FEW_ELEMENTS = 6
 class SolvedQuestion:
     """A question with the solutions of its model on all meshes of prisms that were solved so far.
 
-    `legs`: distinct prisms of the answer. `models`: model of the question by divisions.
+    `legs`: distinct prisms of the answer. `models`: models of the question, by the divisions of
+    their meshes.
     """
 
     question: Question
@@ -70,7 +71,10 @@ class SolvedQuestion:
 
     @property
     def reading(self) -> Reading:
-        """Choices of modelling: CAD parts with rigid interfaces, on their finest mesh."""
+        """Reading under which the question is solved.
+
+        CAD parts have rigid interfaces and their finest mesh.
+        """
         return Reading(dict.fromkeys(self.question.mechanism.parts, "rigid"))
 
     @property
@@ -153,8 +157,8 @@ def _half_widths(
 ) -> list[HalfWidths]:
     """Half-widths of compliance, frequencies and displacements due to one kind of mesh.
 
-    `mesh_model` returns model and reading for each of the mesh `levels`. A number as `policy` is
-    the relative half-width itself; then no mesh is solved.
+    `mesh_model`: function that returns model and reading for each of the mesh `levels`. If `policy`
+    is a number, it is the relative half-width itself, and no mesh is solved.
     """
     responses, statics, modes = solved.responses, solved.statics, solved.modes
 
@@ -194,9 +198,10 @@ def of_prisms(
 ) -> list[MeshUncertainty]:
     """Half-widths due to the mesh of prisms in each pose, from the change to a second mesh.
 
-    They are the change times Roache's factor for the refinement ratio r, where r³ is the ratio of
-    the element counts (Celik et al., J. Fluids Eng. 130 (2008) 078001). Infinite if the second mesh
-    is finer and its divisions are not `affordable`. Empty if there are no solid prisms.
+    A half-width is the change times Roache's factor for the refinement ratio r, where r³ is the
+    ratio of the element counts (Celik et al., J. Fluids Eng. 130 (2008) 078001). It is infinite if
+    the second mesh is finer and its divisions are not `affordable`. The list is empty if there are
+    no solid prisms.
     """
     options, legs = solved.question.options, solved.legs
     if solved.question.model != "solid" or not legs:
@@ -217,7 +222,7 @@ def of_prisms(
 def of_parts(solved: SolvedQuestion) -> list[PartUncertainty]:
     """Half-widths due to CAD parts in each pose: meshes, couplings and reduction.
 
-    Empty if there are no solid parts.
+    The list is empty if there are no solid parts.
     """
     question, modes, model = solved.question, solved.modes, solved.model()
     mechanism = question.mechanism
@@ -315,7 +320,7 @@ def _diagonals_and_frequencies(
 ) -> Array:
     """Diagonal compliances (SI) and `count` frequencies (Hz) in each of P poses: P×(6 + count).
 
-    Without compliances for a free body. Infinite and missing frequencies are zero.
+    A free body has no compliances: P×count. Infinite and missing frequencies are zero.
     """
     model, options = question.model, question.options
     if question.alone is None and count:
@@ -338,8 +343,8 @@ def _diagonals_and_frequencies(
 def second_divisions(options: ModelOptions, legs: Sequence[Leg]) -> int:
     """Divisions of a second mesh, whose element sizes differ enough from those of the first mesh.
 
-    These numbers are tried in order: half the divisions of the first mesh, one, then each number
-    above those divisions. The first that suffices is returned.
+    The first sufficient number is returned. Half the divisions of the first mesh are tried first,
+    then one division, then increasing numbers from one more than in the first mesh.
 
     Round and thin-walled sections need so many elements that fewer divisions often give the same
     mesh, whose uncertainty would then appear to be zero.
@@ -380,10 +385,10 @@ def extrapolated(
 ) -> tuple[Array, Array, Sequence[MeshUncertainty]]:
     """Compliances (P×6×6), frequencies (P×m) and half-widths, extrapolated if an order is observed.
 
-    `widths` are the half-widths from two meshes. Each number is extrapolated on its own, if there
-    are at least four meshes and all sections are rectangles: thin walls keep one element across
-    over several divisions, so that only the length of the elements along the leg would change. A
-    mode without a partner on one of the meshes is not extrapolated.
+    `widths`: half-widths from two meshes, returned if nothing is extrapolated. Each number is
+    extrapolated on its own, from at least four meshes. All sections must be rectangles: thin walls
+    keep one element across over several divisions, so that only the length of the elements along
+    the leg would change. A mode without a partner on one of the meshes is not extrapolated.
     """
     statics, modes, options = solved.statics, solved.modes, solved.question.options
     compliances, frequencies = solved.compliances.copy(), solved.frequencies.copy()

@@ -174,10 +174,9 @@ def solve_varied(
 ) -> VariedAnswers:
     """Answers for each robot of the variations, by `jobs` processes or on a `cluster`.
 
-    With a `purpose`, also the best of the robots.
-
-    Raises InputError, which names the values, before any computation if a robot is invalid or
-    cannot reach a requested pose. Raises ComputationError if a robot cannot be solved.
+    If there is a `purpose`, the best of the robots is chosen. Raises InputError, which names the
+    values, before any computation if a robot is invalid or cannot reach a requested pose. Raises
+    ComputationError if a robot cannot be solved.
     """
     robots = varied(question.robot_file, variations)
     units, seconds = [], 0.0
@@ -225,7 +224,7 @@ def numbers_without_effect(answers: VariedAnswers) -> list[str]:
 
 
 def _numbers(answer: Answer) -> bytes:
-    """Bits of the displacements, frequencies and receptances of an answer."""
+    """Bytes of the displacements, frequencies and receptances of an answer, for comparisons."""
     arrays = (
         answer.compliance,
         answer.frequencies,
@@ -239,9 +238,10 @@ def _numbers(answer: Answer) -> bytes:
 def columns(answers: VariedAnswers) -> dict[str, list[float | str]]:
     """Columns of the table, one row for each robot and posture.
 
-    Varied parameters, pose, deflections and frequencies. With a purpose, also its other quantities:
-    mass, and displacements under loads (of the robot, in its worst pose). With conditions, also
-    "yes" for a robot that meets all of them, otherwise "no".
+    The columns are the varied parameters, pose, deflections and frequencies. If there is a purpose,
+    its other quantities are added: mass, and displacements under loads in the worst pose of the
+    robot. If there are conditions, a last column contains "yes" for a robot that meets all of them,
+    otherwise "no".
     """
     rows = answers.rows
     table: dict[str, list[float | str]] = {
@@ -330,8 +330,9 @@ def require_few_curves(variations: Sequence[Variation], places: int) -> None:
 def png(robot_file: RobotFile, answers: VariedAnswers) -> bytes:
     """PNG of deflections and frequencies over the varied parameters, one panel each.
 
-    Panels are maps if two parameters with several values each are varied in one pose. Otherwise
-    they have curves over the first, one for each combination of the other parameters and poses.
+    If two parameters with several values each are varied in one pose, panels are maps. Otherwise
+    they have curves over the first parameter, one for each combination of the other parameters and
+    poses.
     """
     # Imported here: only a picture needs the plotting library.
     from validation.drawing.chart import Chart, few_ticks  # noqa: PLC0415
@@ -422,7 +423,10 @@ def _curves(answers: VariedAnswers, *, several: bool) -> list["Panel"]:
 
 
 def _curve(variations: Sequence[Variation], values: Sequence[float], answer: Answer | None) -> str:
-    """Label of a curve: values of all varied parameters but the first, and the pose of `answer`."""
+    """Label of a curve: values of all varied parameters except the first, and the pose of `answer`.
+
+    Without the pose if `answer` is None.
+    """
     texts = [assignments(variations, values)] if variations else []
     if answer is not None:
         name = "x" if answer.place.pose is None else "pose"
