@@ -1,4 +1,5 @@
 """Legs as beams: beam elements, exact theory of the cantilever, stepped legs, loaded legs.
 
-Input: section constants and lengths. Output: `LegMatrices`, and frequencies in closed form.
+Input: section constants and lengths. Output: matrices of a leg (`LegMatrices`), and frequencies in
+closed form.
 """

@@ -69,12 +69,13 @@ _NO_WARPING = 1e-4
 
 @dataclass(frozen=True)
 class _Member:
-    """Tension, torsion or bending in one plane within one element.
+    """Tension, torsion or bending in one plane within one beam element.
 
-    `stiffness` and `mass` (k×k) refer to the k unknowns of `element`, those of its nodes first.
-    `mesh` consists of one element. Its fields are deflection and rotation in bending, otherwise the
-    axial displacement or the twist angle alone. `components` are the indices of the fields in the
-    twist of a section, `signs` the signs of these twist components relative to the fields.
+    `element` is the scikit-fem element, `mesh` a mesh of this one element. In bending the element
+    has two fields, deflection and rotation. In tension its only field is the axial displacement, in
+    torsion the twist angle. `stiffness` and `mass` (k×k) refer to the k unknowns of `element`,
+    those of its nodes first. `components` are the indices of the fields in the twist of a section.
+    `signs` (±1) are the signs of these twist components relative to the fields.
     """
 
     element: Element
@@ -96,7 +97,10 @@ class _Member:
 
 
 class _Entries(NamedTuple):
-    """Entries of a sparse matrix with their rows and columns. Those at the same place are added."""
+    """Entries of a sparse matrix with their rows and columns.
+
+    Entries in the same row and column are added.
+    """
 
     values: Array
     rows: IntArray
@@ -226,9 +230,10 @@ def _coupling_stiffness(first: _Member, second: _Member, EI: float, GA: float) -
 def _coupling_mass(
     first: _Member, second: _Member, fields: tuple[int, int], inertia: float
 ) -> Array:
-    """Mass matrix ∫ `inertia` u₁u₂ dx (k₁×k₂) between two deformations with k₁ and k₂ shapes.
+    """Mass matrix ∫ `inertia` u₁u₂ dx (k₁×k₂) between two deformations with k₁ and k₂ unknowns.
 
-    `fields` contains the index of the field u₁ of the first deformation, and of u₂ of the second.
+    `fields` contains the index of u₁ among the fields of the first deformation, and that of u₂
+    among the fields of the second.
     """
     weights, (first_fields, second_fields) = _integrated(first, second)
     first_field, other = first_fields[fields[0]][0], second_fields[fields[1]][0]
@@ -236,9 +241,10 @@ def _coupling_mass(
 
 
 def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]]]]:
-    """Weights (in m) of an element's quadrature points, and each member's fields at these points.
+    """Quadrature weights (p, in m) of an element, and the fields of each member at the p points.
 
-    Each field is a pair of its values and gradients (k×p) for the member's k unknowns.
+    The second result has an entry for each member. This entry contains, for each field of the
+    member, a pair of its values and its gradients (both k×p) for the member's k unknowns.
     """
     points, weights = _quadrature()
     fields = [_fields(member.element, member.mesh, points) for member in members]
@@ -246,7 +252,7 @@ def _integrated(*members: _Member) -> tuple[Array, list[list[tuple[Array, Array]
 
 
 def _on_centroids(leg: LegMatrices, nodes: int, to_shear_centre: Array) -> LegMatrices:
-    """Transform a leg with deflections of the shear centre to twists of the centroids.
+    """Transform a leg with deflections of the shear centre to a leg with twists of the centroids.
 
     The first unknowns of the leg are the twists of its nodes, whose number is `nodes`. The matrix
     `to_shear_centre` (6×6) gives the twist at the shear centre for a twist at the centroid.
@@ -278,9 +284,11 @@ def _on_centroids(leg: LegMatrices, nodes: int, to_shear_centre: Array) -> LegMa
 
 
 def _bar(mesh: MeshLine, stiffness: float, inertia: float, component: int) -> _Member:
-    """Member for tension (EA, μ) or torsion (GJ, ρJ): ∫ `stiffness` u′² dx, ∫ `inertia` u² dx.
+    """Member for tension or torsion with the displacement or rotation u.
 
-    `component` is the index of the displacement or rotation u in the twist of a section.
+    Twice its strain energy is ∫ `stiffness` u′² dx, and twice its kinetic energy ∫ `inertia` u̇²
+    dx. In tension these are EA and μ, in torsion GJ and ρJ. `component` is the index of u in the
+    twist of a section.
     """
 
     def energy(u: Any, v: Any, _: Any) -> Any:
@@ -302,7 +310,12 @@ def _bending(
     components: tuple[int, int],
     signs: tuple[float, float],
 ) -> _Member:
-    """Bending in one plane: ∫ EI θ′² + κGA (w′ − θ)² dx and ∫ μ w² + ρI θ² dx."""
+    """Member for bending in one plane with deflection w and rotation θ.
+
+    Twice its strain energy is ∫ EI θ′² + κGA (w′ − θ)² dx, with κGA = `GA`. Twice its kinetic
+    energy is ∫ μ ẇ² + ρI θ̇² dx. `components` are the indices of w and θ in the twist of a section,
+    `signs` the signs of these twist components relative to w and θ.
+    """
     shears = np.isfinite(GA)
     # Without shear deformation w′ − θ is zero, so that the value of the shear stiffness is
     # irrelevant.
@@ -338,7 +351,7 @@ def _member(
 
 
 def _fields(element: Element, mesh: MeshLine, points: Array) -> list[tuple[Array, Array]]:
-    """Values and gradients (k×p) of the k basis functions of each field at p reference points."""
+    """Values and gradients (k×p each) of each field's k basis functions at p reference points."""
     count = 2 * element.nodal_dofs + element.interior_dofs
     by_function = [element.gbasis(mesh.mapping(), points, i) for i in range(count)]
     return [
@@ -351,7 +364,10 @@ def _fields(element: Element, mesh: MeshLine, points: Array) -> list[tuple[Array
 
 
 def _places(members: dict[str, _Member], elements: int) -> tuple[dict[str, IntArray], int]:
-    """Indices (elements × k) of each member's k unknowns, and number of the leg's unknowns."""
+    """Indices of the leg's unknowns in each element, by member, and number of the leg's unknowns.
+
+    The indices are an array (elements × k) for a member with k unknowns.
+    """
     ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of nodes in order from root to tip
     size = 6 * (elements + 1)
     places = {}
@@ -364,9 +380,10 @@ def _places(members: dict[str, _Member], elements: int) -> tuple[dict[str, IntAr
 
 
 def _twists(member: _Member, places: IntArray, length: float, stations: Array) -> _Entries:
-    """Entries (6k × unknowns) of a member's contribution to the twists of sections at k `stations`.
+    """Entries of the matrix (6k × unknowns) from the leg's unknowns to the twists of k sections.
 
-    `stations` are distances (m) from the root.
+    They are the contribution of one `member`. `places` are its indices from `_places`, `length` (m)
+    is that of the leg, and `stations` are distances (m) of the sections from the root.
     """
     stations = np.atleast_1d(np.asarray(stations, dtype=float))
     slack = ROUNDING * length
@@ -390,8 +407,8 @@ def warping_beam_leg(
     """Free Timoshenko leg of `length` (m) with warping, consisting of `elements` beam elements.
 
     The unknowns are those of `beam_leg`, followed by the warping intensity χ (1/m) at the nodes and
-    inside the elements. If `ends` is "rigid", χ is zero at both end faces. Round sections have no
-    χ, and neither have walls of helical fibres.
+    inside the elements. If `ends` is "rigid", χ is zero at both end faces. Legs with a round
+    section or with walls of helical fibres have no χ and are those of `beam_leg`.
     """
     leg = beam_leg(properties, length, elements)
     if properties.is_helical or rod.shear <= _NO_WARPING * rod.twist:
@@ -402,8 +419,8 @@ def warping_beam_leg(
 def with_warping(leg: LegMatrices, rod: WarpingRod, elements: int, ends: Ends) -> LegMatrices:
     """Leg of `beam_leg` in which the torsion of `rod`, with warping, replaces Saint-Venant torsion.
 
-    `elements` must be the number of elements of the leg. If `ends` is "rigid", both end faces do
-    not warp.
+    `elements` must be the number of elements of the leg. If `ends` is "rigid", warping is prevented
+    at both end faces.
     """
     basis = Basis(MeshLine(np.linspace(0.0, leg.length, elements + 1)), ElementLineP2())
     places = basis.doflocs[0]
@@ -479,11 +496,12 @@ class ElementLineBeam(Element):  # type: ignore[misc]  # scikit-fem has no types
 class ElementLineShearBeam(ElementLineBeam):
     """Beam element with two additional unknowns inside, for vibration with shear deformation.
 
-    They approximate M′ + V = −ω²ρI θ and V′ = −ω²μ w. The first is a parabolic deflection by shear
-    alone, with linear γ. The second is a parabolic rotation with the cubic deflection for which γ
-    is constant. Without them γ is coupled to w‴, and the frequencies of a Timoshenko beam converge
-    with second order in l; with them the order is four. Both vanish at the nodes and do no work on
-    the static solutions, which remain unchanged.
+    The fields of these unknowns make it possible to satisfy M′ + V = −ω²ρI θ and V′ = −ω²μ w
+    approximately. The first field is a parabolic deflection by shear alone, with linear γ. The
+    second is a parabolic rotation with the cubic deflection for which γ is constant. Without them γ
+    is coupled to w‴, and the frequencies of a Timoshenko beam converge with second order in l. With
+    them the order is four. Both fields vanish at the nodes and do no work on the static solutions,
+    which remain unchanged.
     """
 
     interior_dofs = 2

@@ -3,11 +3,11 @@
 Tension, torsion and Euler–Bernoulli bending have explicit solutions. Timoshenko bending (and its
 limit with rotary inertia only, Rayleigh) has the transcendental equation of Huang, J. Appl. Mech.
 28 (1961) 579. Its roots are found here from the exact dynamic stiffness K(ω) of the beam divided
-into pieces. This matrix has the same roots, but no case distinction at the cut-off of the second
-spectrum and no overflow of hyperbolic functions. If each piece is so short that its own first
-clamped–clamped frequency is higher, the k-th smallest eigenvalue of K decreases monotonically with
-ω and is zero only at the k-th frequency (Wittrick & Williams, Q. J. Mech. Appl. Math. 24 (1971)
-263). No root can be missed.
+into pieces. This matrix is singular at the same frequencies, but requires no case distinction at
+the cut-off of the second spectrum and does not overflow as hyperbolic functions do. The pieces are
+so short that the first frequency of each, with both its ends clamped, is above ω. Then the k-th
+smallest eigenvalue of K decreases monotonically with ω and is zero only at the k-th natural
+frequency (Wittrick & Williams, Q. J. Mech. Appl. Math. 24 (1971) 263). No root can be missed.
 
 In sections without two axes of symmetry, bending in both planes is coupled, or bending is coupled
 with torsion (`BeamProperties`). These vibrations form one kind "coupled", for which the same method
@@ -42,9 +42,9 @@ _ROOM = 1.0 + 1e-6
 
 @dataclass(frozen=True)
 class CantileverFrequency:
-    """Natural frequency (Hz) of a cantilever.
+    """Natural `frequency` (Hz) of a cantilever.
 
-    It is number `order` (1, 2, …) of the frequencies of one kind of deformation.
+    It is number `order` (1, 2, …) among the frequencies of one `kind` of deformation.
     """
 
     frequency: float
@@ -73,7 +73,7 @@ def cantilever_frequencies(
 
 
 def kinds_of(properties: BeamProperties) -> tuple[Kind, ...]:
-    """Kinds of deformation that vibrate independently of each other."""
+    """Kinds of deformation that vibrate independently of each other, such as "tension"."""
     if properties.is_eccentric or properties.is_helical:
         return ("coupled",)
     if properties.couples_bending or properties.couples_torsion:
@@ -91,9 +91,9 @@ def _ascending(
 
 
 def frequency_of_kind(properties: BeamProperties, length: float, kind: Kind, order: int) -> float:
-    """Natural frequency (Hz) number `order` (from 1) of one kind of deformation.
+    """Natural frequency (Hz) number `order` (from 1) of one `kind` of deformation.
 
-    `length` in m. Raises ComputationError if κGA is negative.
+    `length` is in m. Raises ComputationError if κGA is negative.
     """
     match kind:
         case "tension":
@@ -111,7 +111,7 @@ def frequency_of_kind(properties: BeamProperties, length: float, kind: Kind, ord
 def tension_frequencies(properties: BeamProperties, length: float, count: int) -> Array:
     """Frequencies (Hz) of longitudinal vibration, (2k − 1)/4L √(EA/μ) for k = 1 … `count`.
 
-    `length` in m.
+    `length` is L in m.
     """
     return _of_kind(properties, length, "tension", count)
 
@@ -119,7 +119,7 @@ def tension_frequencies(properties: BeamProperties, length: float, count: int) -
 def torsion_frequencies(properties: BeamProperties, length: float, count: int) -> Array:
     """Frequencies (Hz) of torsion, (2k − 1)/4L √(GJ/ρJ) for k = 1 … `count`, with free warping.
 
-    `length` in m.
+    `length` is L in m.
     """
     return _of_kind(properties, length, "torsion", count)
 
@@ -127,11 +127,12 @@ def torsion_frequencies(properties: BeamProperties, length: float, count: int) -
 def bending_frequencies(
     properties: BeamProperties, length: float, plane: Plane, count: int
 ) -> Array:
-    """Frequencies (Hz) of bending in one plane, for k = 1 … `count`. `length` in m.
+    """Frequencies (Hz) of bending in one plane, for k = 1 … `count`. `length` is in m.
 
-    `plane` "y" is bending about y (EIy, deflection along z), "z" about z (EIz, deflection along y).
-    Euler–Bernoulli theory if κGA is infinite and ρI zero, Rayleigh theory if only κGA is infinite,
-    otherwise Timoshenko theory with both spectra. Raises ComputationError if κGA is negative.
+    `plane` "y" is bending about y (EIy, deflection along z), "z" is bending about z (EIz,
+    deflection along y). The theory is that of Euler and Bernoulli if κGA is infinite and ρI zero,
+    Rayleigh's if only κGA is infinite, otherwise Timoshenko's with both spectra. Raises
+    ComputationError if κGA is negative.
     """
     return _of_kind(properties, length, "bending y" if plane == "y" else "bending z", count)
 
@@ -190,9 +191,9 @@ def _quarter_waves(speed_squared: float, length: float, order: int) -> float:
 def _upper_bound(beam: _Plane, length: float, order: int, euler_bernoulli: float) -> float:
     """Upper bound of the angular frequency ω (rad/s) of mode `order`, by the minimax principle.
 
-    It is the smallest of the frequencies number `order` of three beams, each with one additional
-    constraint: without shear strain (Euler–Bernoulli, `euler_bernoulli`), without rotation (shear
-    beam), without inertia of the deflection and shear strain (a bar of EI and ρI).
+    It is the smallest of the frequencies number `order` of three stiffer or lighter beams: without
+    shear strain and rotary inertia (Euler–Bernoulli, `euler_bernoulli`), without rotation of the
+    sections (shear beam), and without shear strain and inertia of the deflection (EI and ρI only).
     """
     bound = euler_bernoulli
     odd = 0.5 * pi * (2.0 * order - 1.0) / length
@@ -219,10 +220,11 @@ def _root(beam: _Plane, length: float, index: int, bound: float) -> float:
 
 
 def _pieces(beam: _Plane, length: float, omega: float) -> int:
-    """Number of pieces whose first clamped–clamped frequency is above `omega` (rad/s).
+    """Smallest number of equal pieces with a first clamped–clamped frequency above `omega` (rad/s).
 
-    With ‖w‖ ≤ (l/π)‖w′‖, ‖θ‖ ≤ (l/π)‖θ′‖ and w′ = θ + γ, Rayleigh's quotient gives 1/ω² ≤ p² μ/EI +
-    p (μ/κGA + ρI/EI) with p = (l/π)². The inequality is solved for p.
+    A lower bound of that frequency is used. With ‖w‖ ≤ (l/π)‖w′‖, ‖θ‖ ≤ (l/π)‖θ′‖ and w′ = θ + γ
+    for a piece of length l, Rayleigh's quotient gives 1/ω² ≤ p² μ/EI + p (μ/κGA + ρI/EI) with p =
+    (l/π)². The inequality is solved for p.
     """
     a = beam.mu / beam.EI
     b = beam.mu * beam.shear_flexibility + beam.rho_I / beam.EI
@@ -233,7 +235,8 @@ def _pieces(beam: _Plane, length: float, omega: float) -> int:
 def _dynamic_stiffness(beam: _Plane, length: float, pieces: int, omega: float) -> Array:
     """Dynamic stiffness K(ω) of the clamped–free beam, in units of EI/l.
 
-    The unknowns are (w/l, θ) at the ends of all pieces of length l except the root.
+    The beam is divided into `pieces` of length l. The unknowns are (w/l, θ) at the ends of the
+    pieces, except at the root.
     """
     return _clamped_chain(_piece_stiffness(beam, length / pieces, omega), pieces)
 
@@ -281,8 +284,9 @@ class _Coupled:
 
     The n displacements are v_s and w_s of the shear centre, the twist φx, the rotations θ of the
     section in bending along y and along z, and u if the centre of mass is offset from the centroid
-    or fibres are helical. The n forces are work conjugate to these displacements.
-    `flexibility` and `mass` are n×n. `unit_squared` is the unit of ω².
+    or fibres are helical. The n forces are work conjugate to these displacements. `flexibility`
+    (n×n) gives the strains for the forces, `mass` (n×n) the inertia forces per length for the
+    displacements. `unit_squared` (rad²/s²) is the unit of ω².
     """
 
     flexibility: Array
@@ -291,7 +295,10 @@ class _Coupled:
 
 
 def _coupled(p: BeamProperties, size: float) -> _Coupled:
-    """Dimensionless state equations: unit of length `size` (m), unit of ω² EI/(μ `size`⁴)."""
+    """Dimensionless state equations: unit of length `size` (m), unit of ω² EI/(μ `size`⁴).
+
+    EI is the larger one of both planes.
+    """
     EI, mu = max(p.EIy, p.EIz), p.mu
     count = 6 if p.is_eccentric or p.is_helical else 5
     flexibility = np.zeros((count, count))
@@ -342,12 +349,14 @@ def _coupled_count(p: BeamProperties, length: float, omega: float) -> int:
 
 
 def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
-    """Number of pieces whose first clamped–clamped frequency is above `omega` (rad/s).
+    """Number of equal pieces with a first clamped–clamped frequency above `omega` (rad/s).
 
-    A lower bound of that frequency is used: |v_m|² ≤ 2|v_s|² + 2 r² φx², with the distance r of the
-    shear centre from the centre of mass, separates bending and torsion. Tension is separated in the
-    same way. Bending is bounded with the smaller stiffness and the larger inertia of both planes.
-    Two coupled strains have at most twice the flexibility that they have without coupling.
+    A lower bound of that frequency is used, for which bending, torsion and tension are separated.
+    Bending is separated from torsion by |v_m|² ≤ 2|v_s|² + 2 r² φx², with the displacements v_m of
+    the centre of mass and v_s of the shear centre, and the distance r between them. Tension is
+    separated in the same way. Bending is bounded with the smaller stiffness and the larger inertia
+    of both planes. Two coupled strains have at most twice the flexibility that they have without
+    coupling.
     """
     if p.is_helical:
         doubled = {

@@ -1,19 +1,20 @@
 """Distortion of tapered rectangular tubes in torsion: the angles between their walls change.
 
 In torsion the walls carry the shear flow q = T/2bh, with the distances b and h of opposite walls.
-Where they converge, the flow along both inclined edges of a wall balances the change of its shear
-force q b only if b and h decrease in the same ratio. Otherwise the walls push against each other:
-top and bottom with q b Δ per length, the two sides in the opposite sense, Δ = b′/b − h′/h. The work
-of this load on the change γ of the angle between walls is m γ per length, with m = T Δ/2. The walls
-resist it by bending out of their planes, as a frame, and in their planes, along the leg. Their
-strain energy V is
+In a tapered tube these distances vary along the leg, and the shear force q b of a wall varies, too.
+The flow along the two inclined edges of the wall balances this variation only if b and h decrease
+in the same ratio. Otherwise the walls push against each other: top and bottom with q b Δ per
+length, the two sides in the opposite sense, Δ = b′/b − h′/h. The work of this load on the change γ
+of the angle between walls is m γ per length, with m = T Δ/2. The walls resist γ by bending out of
+their planes, as a frame, and in their planes, along the leg. Their strain energy V is
 
     2V = ∫ 24 D/(b* + h*) γ² + E t (b + h) b² h²/96 γ″² dx,   D = E t³/12(1 − ν²),
 
-with the clear widths b* and h* between the corners, which are rigid (V. Z. Vlasov, Thin-Walled
-Elastic Beams, ch. IV, for prisms). Without diaphragms the ends are free. The rotation of the tip
-due to a torque grows by ∫ m γ dx, with the square of Δ and with t⁻³, against t⁻¹ of the twist
-itself. No beam theory has this flexibility: it is one of the named causes between beam and solid.
+with the wall thickness t, and with the clear widths b* and h* between the corners, which are rigid
+(V. Z. Vlasov, Thin-Walled Elastic Beams, ch. IV, for prisms). Without diaphragms the ends are free.
+Due to a unit torque, the rotation of the tip grows by ∫ m γ dx. This is proportional to Δ² and to
+t⁻³, whereas the twist of the tube is proportional to t⁻¹. No beam theory has this flexibility. It
+is therefore one of the causes to which the report attributes a difference between beam and solid.
 """
 
 from collections.abc import Callable
@@ -33,9 +34,9 @@ _DEGREE, _POINTS = 8, 16
 def distortion_work(leg: LineLeg, torques: Callable[[Array], Array]) -> float:
     """Work ∫ m γ dx (J) of torques on the distortion of a leg with ends free to distort.
 
-    `torques` returns the torques (n, in N m) at n positions (m along the line). For a unit torque
-    the work is the additional rotation of the tip (rad/(N m)). Zero if the leg is bent or is not a
-    rectangular tube.
+    `torques` is a function that returns the torques (n, in N m) at n positions (m along the line).
+    For a unit torque the work is the additional rotation of the tip (rad/(N m)). Zero if the leg is
+    bent or is not a rectangular tube.
     """
     shapes = [section for _, section in leg.stations]
     if not (leg.line.is_straight and all(isinstance(shape, HollowRectangle) for shape in shapes)):
@@ -54,7 +55,7 @@ def distortion_work(leg: LineLeg, torques: Callable[[Array], Array]) -> float:
 
 
 def _walls(leg: LineLeg, span: Span) -> tuple[Array, Array, tuple[Array, Array, Array]]:
-    """Gauss points (n, m along the line) of a span, their weights (n, m), and factors there.
+    """Gauss points (n, m along the line) of a span, their weights (n, m), and factors at them.
 
     The three factors are the stiffness of the frame on γ² (n, in N), the stiffness along the leg on
     γ″² (n, in N m⁴), and the load m per unit torque (n, in 1/m).
@@ -82,7 +83,10 @@ def _middle_lines(section: object) -> tuple[float, float, float]:
 
 
 def _curvatures(positions: Array, length: float) -> Array:
-    """Second derivatives (n×k, 1/m²) of k Legendre polynomials on `length` at n positions (m)."""
+    """Second derivatives (n×k, 1/m²) of k Legendre polynomials at n `positions` (m).
+
+    The polynomials are those on the interval from 0 to `length` (m).
+    """
     coordinates = 2.0 * positions / length - 1.0
     second = [legendre.legder(row, 2) for row in np.eye(_DEGREE + 1)]
     values = [legendre.legval(coordinates, row) for row in second]

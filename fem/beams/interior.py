@@ -1,9 +1,9 @@
 """Uniform beams that represent the inside of a leg of which only the 6×6 compliance is known.
 
-A straight uniform beam of length L has the tip compliances c66 = L/EI, c26 = L²/2EI and c22 =
-L³/3EI + L/κGA, so that EI follows from c66. Its transverse stiffness (K = c⁻¹, all other twists
-fixed) is 1/K22 = L³/12EI + L/κGA: the excess over L² c66/12 is attributed to shear. A 6×6 does not
-contain
+They are used for the modes of the leg with fixed ends, which the 6×6 does not determine. A straight
+uniform beam of length L has the tip compliances c66 = L/EI, c26 = L²/2EI and c22 = L³/3EI + L/κGA,
+so that EI follows from c66. Its transverse stiffness (K = c⁻¹, all other twists fixed) is 1/K22 =
+L³/12EI + L/κGA: the excess over L² c66/12 is attributed to shear. A 6×6 does not contain
 
 - whether this excess is due to shear along the leg or to compliance at its ends. With shear, the
   frequencies with fixed ends are lower: the deflections under a uniform load have the ratio 1 + 4Φ
@@ -14,10 +14,13 @@ contain
   same c44, the latter has a first frequency with fixed ends up to 22.37/(π√12) = 2.06 times as
   high.
 
-The stiffness of the leg with fixed ends lies between those of the "soft" and of the "stiff" beam,
-and with it each frequency of the robot (Rayleigh), except that different shapes between the ends
-also change the mass matrix, which affects the lowest frequencies by about 1e-3. Radii of gyration
-are those of a homogeneous leg, I/A = EI/EA with the EI that follow from c55 and c66.
+The "uniform" beam attributes the excess to shear, and the whole stiffness to the leg between its
+ends. The "soft" beam additionally attributes a part of the stiffness to rigid end faces, so that
+the leg itself is softer. The "stiff" beam has no shear deformation, and its torsion is resisted by
+warping. The stiffness of the leg with fixed ends lies between those of the "soft" and of the
+"stiff" beam. So does each frequency of the robot (Rayleigh), except for an effect of about 1e-3 on
+the lowest frequencies: different shapes between the ends also change the mass matrix. Radii of
+gyration are those of a homogeneous leg, I/A = EI/EA with the EI that follow from c55 and c66.
 """
 
 from math import sqrt
@@ -56,12 +59,14 @@ class _Bending(NamedTuple):
 
 
 def interior_properties(leg: GivenLeg, interior: Interior) -> BeamProperties:
-    """Properties of a uniform beam with the stiffnesses K11, K22, K33 and K44 of a leg.
+    """Properties of the uniform beam that represents the inside of a leg given by its 6×6.
 
-    Unless `interior` is "stiff", the beam also has the compliances c55 and c66 of the leg. κGA is
-    at most EA/2.6. If c55 or c66 would require a larger κGA (because the ends of the leg are
-    locally compliant), only K33 or K22 is matched. Raises InputError if the compliance of the leg
-    is not positive definite.
+    K is the inverse of the compliance c of the leg. A beam of the `interior` "uniform" or "stiff"
+    has the stiffnesses K11, K22, K33 and K44. The "soft" one has them on the shorter length between
+    the end regions that rigid faces stiffen. Unless `interior` is "stiff", the compliances c55 and
+    c66 are matched, too, and κGA is at most EA/2.6. If c55 or c66 would require a larger κGA
+    (because the ends of the leg are locally compliant), only K33 or K22 is matched. Raises
+    InputError if the compliance of the leg is not positive definite.
     """
     require_positive_definite(leg)
     length = leg.length
@@ -102,11 +107,11 @@ def _between_ends(length: float, squared_height: float) -> float:
 
 
 def _bending(transverse: float, turning: float, axial: float, elastic: float) -> _Bending:
-    """Bending and shear stiffness of a beam with a given transverse end stiffness.
+    """Bending and shear stiffness of a beam with a given transverse stiffness of its ends.
 
-    `transverse` (N/m) is that stiffness with all other end motions fixed. `turning` is the rotation
-    per moment (rad/(N m)), `axial` the axial stiffness (N/m), which limits κGA, and `elastic` the
-    length (m) that deforms.
+    `transverse` (N/m) is the force per deflection of one end with all other end motions fixed.
+    `turning` (rad/(N m)) is the rotation of the tip per moment, `axial` (N/m) the axial stiffness,
+    which limits κGA, and `elastic` (m) the length that deforms.
     """
     # Transverse flexibility (m/N) due to shear.
     shear = max(1.0 / transverse - elastic**2 * turning / 12.0, _E_OVER_G / axial)
@@ -115,7 +120,7 @@ def _bending(transverse: float, turning: float, axial: float, elastic: float) ->
 
 
 def interior_beam(leg: GivenLeg, interior: Interior, elements: int) -> LegMatrices:
-    """Free uniform beam with `elements` elements in place of a leg given by its 6×6.
+    """Free uniform beam with `elements` elements for the inside of a leg given by its 6×6.
 
     The unknowns are those of `warping_beam_leg`.
     """

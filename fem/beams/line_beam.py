@@ -1,20 +1,23 @@
 """Beam elements along a centre line: tapered, stepped, curved and bent legs.
 
-An element takes its stiffness from equilibrium (force method, `lumped.line_sections`). With twists
-referred to one point o, F the sections' flexibility and H(s) = ∫ F ds from the element's start, the
-displacement under loads at the ends alone is
+The stiffness of an element follows from equilibrium (force method, `lumped.line_sections`). Twists
+are referred to one point o. With the flexibility F of the sections and H(s) = ∫ F ds from the start
+of the element, the displacement under loads at the ends alone is
 
     t(s) = X(s) [t₁ + H(s) C⁻¹ (t₂ − t₁)],   C = H(end),
 
-with the twists t₁, t₂ of the ends and the shift X(s) from o to the section. It is exact at the
-nodes for every taper and arc, and free of locking. The consistent mass uses the same displacements,
-and six inner ones that vanish at both ends: each has a strain b p of one kind, with p linear in s,
-and a displacement of the form above that makes it vanish at the end of the element. Loads at the
-ends do no work on the inner displacements. Their stiffness is therefore a block of its own, ∫ p² k
-ds − hᵀC⁻¹h, with h = ∫ p b ds and the section's stiffness k. Without them the strains inside an
-element, which inertia makes linear, would be constant in tension, torsion and shear, and
-frequencies of second order in its length. With them frequencies are of fourth order if sections and
-direction are smooth within each element. In prisms the element is that of `fem.beams.beam`.
+with the twists t₁, t₂ of the ends and the shift X(s) from o to the section. This displacement is
+exact at the nodes for every taper and arc, and free of locking.
+
+The consistent mass uses the same displacements, and inner ones that vanish at both ends. Each inner
+displacement belongs to one kind of strain (up to six). It has the strain b p, in which b is the
+unit strain of this kind and p is linear in s, and a displacement of the form above, which makes it
+vanish at the end of the element. Loads at the ends do no work on the inner displacements. Their
+stiffness is therefore a block of its own, ∫ p² k ds − hᵀC⁻¹h, with h = ∫ p b ds and the section's
+stiffness k. Without inner displacements the strains in tension, torsion and shear would be constant
+within an element, whereas inertia makes them linear, and frequencies would converge with second
+order in the element length. With them the order is four if sections and direction are smooth within
+each element. In prisms the element is that of `fem.beams.beam`.
 """
 
 import numpy as np
@@ -31,10 +34,11 @@ ROUNDING = 1e-8
 
 
 def line_beam(sections: LineSections, elements: int) -> LegMatrices:
-    """Free leg along a line in about `elements` beam elements (`LineSections.edges`).
+    """Free leg along a line with about `elements` beam elements, between `LineSections.edges`.
 
     Unknowns: twist of the root, twist of the tip, twists of the inner nodes from root to tip, then
-    those inside the elements. Stations of its centreline are positions along the line.
+    the unknowns inside the elements. The argument of the leg's `centreline` are positions along the
+    line.
     """
     if elements < 1:
         raise InputError(f"beam leg: elements = {elements!r}: must be 1 or more")
@@ -92,9 +96,9 @@ def line_beam(sections: LineSections, elements: int) -> LegMatrices:
 def _inner_strains(rigid: tuple[bool, ...]) -> IntArray:
     """Indices of the strains that vary linearly inside an element.
 
-    These are the strains that are not `rigid`. If both shear strains are rigid, only tension and
-    torsion are returned: bending without shear has fourth order without inner strains, as in
-    Hermite's element.
+    These are the strains that are not `rigid` (one flag per strain). If both shear strains are
+    rigid, only tension and torsion are returned: bending without shear has fourth order without
+    inner strains, as in Hermite's element.
     """
     if rigid[1] and rigid[2]:
         return np.array([0, 3])
@@ -102,7 +106,10 @@ def _inner_strains(rigid: tuple[bool, ...]) -> IntArray:
 
 
 def _places(elements: int, inner: int) -> tuple[IntArray, int]:
-    """Indices (elements × (12 + inner)) of each element's unknowns, and number of all unknowns."""
+    """Indices (elements × (12 + inner)) of each element's unknowns, and number of all unknowns.
+
+    `inner` is the number of unknowns inside each element.
+    """
     ranks: IntArray = np.r_[0, 2 : elements + 1, 1]  # of nodes in order from root to tip
     nodal = 6 * ranks[:, None] + np.arange(6)
     size = 6 * (elements + 1)
@@ -121,8 +128,10 @@ def _twists(
 ) -> SparseMatrix:
     """6k × `size` matrix that maps the unknowns to the twists of the sections at k `stations`.
 
-    `stations` are distances (m) along the line. Displacements between Gauss points are
-    interpolated. At both ends they are those of the nodes.
+    `stations` are distances (m) along the line. `edges` (m) are the ends of the elements, `places`
+    the indices of each element's unknowns. `about_origin` contains, for unit unknowns of each
+    element, the twists of the sections at its Gauss points. These twists are referred to the
+    element's point in `origins` (3 each, in m). Twists at the stations are interpolated from them.
     """
     positions = np.atleast_1d(np.asarray(stations, dtype=float))
     length, elements = edges[-1], len(edges) - 1

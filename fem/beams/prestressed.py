@@ -15,15 +15,15 @@ of which ε² is small compared with the strain itself. If both axes are axes of
 The first term is Engesser's: with Green's strains and the shear modulus of solids, columns with
 Euler's load P buckle at P/(1 + P/κGA) (Bažant, J. Appl. Mech. 38 (1971) 919, on Haringx, who omits
 it). The second is Wagner's term of sections that rotate about the leg, with the polar radius of
-gyration i. The third reduces the lateral buckling load of stout legs in the presence of shear,
-which would otherwise increase it. A rigid rotation of the whole leg only rotates its forces.
+gyration i. The third reduces the lateral buckling load of stout legs with shear deformation, which
+would otherwise increase this load. A rigid rotation of the whole leg only rotates its forces.
 
-Bending before buckling is neglected, as in any linear theory of buckling. A leg that spins idly
-about its axis is an exception: its bent shape does not rotate with it, and the torsion due to a
-bending moment is proportional to the difference of EIy and EIz (Kirchhoff's rod). For a round rod
-it is zero. Without friction, any other leg would turn over under the smallest load. For such a leg,
-the work of bending moments and shear forces on the twist is therefore omitted. Of the terms above
-with φx,
+Bending before buckling is neglected, as in any linear theory of buckling. A leg that can spin idly
+about its axis needs a correction of this theory. Its bent shape does not rotate with it, and the
+torsion due to a bending moment is proportional to the difference of EIy and EIz (Kirchhoff's rod).
+For a round rod this torsion is zero. For other sections it would turn the leg over under the
+smallest load, if there were no friction. For any leg that spins idly, the work of bending moments
+and shear forces on the twist is therefore omitted. Of the terms above with φx,
 
     φx (θ′·(eₓ × m) + γ·(eₓ × n)) − φx′ m·γ − ½ [φx θ·(eₓ × m)]′,
 
@@ -58,11 +58,12 @@ _ACROSS = np.diag([0.0, 1.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class PrestressedLeg:
-    """A leg reduced to the twists of its ends and its modes with fixed ends: r unknowns.
+    """A leg reduced to the twists of its ends and the amplitudes of its modes with fixed ends.
 
-    `matrices` are stiffness and mass on these unknowns. `fields` (s×9×r) is the matrix from the
-    unknowns to u′, θ and θ′ at s `stations` (m from the root), with the quadrature `weights` (m).
-    `gyration` (s) is the squared polar radius of gyration i² (m²) there.
+    These are its r unknowns: 12 end twists, then the modal amplitudes. `matrices` are stiffness and
+    mass on these unknowns. `fields` (s×9×r) is the matrix from the unknowns to u′, θ and θ′ at s
+    `stations` (m from the root), with the quadrature `weights` (m). `gyration` (s) is the squared
+    polar radius of gyration i² (m²) of the sections at the stations.
     """
 
     matrices: LegMatrices
@@ -72,11 +73,12 @@ class PrestressedLeg:
     gyration: Array
 
     def geometric_stiffness(self, ends: Array, distributed: Array, *, spins: bool = False) -> Array:
-        """Geometric stiffness (r×r, SI) of the leg under forces on its ends.
+        """Geometric stiffness (r×r, SI) of the leg under forces on its ends and along its length.
 
-        `ends` (12, in N and N m, leg axes) are the forces on root and tip that the leg's stiffness
-        balances, `distributed` the part of them that is equivalent to the load along the length.
-        `spins` is True if the leg spins idly about its axis.
+        `ends` (12, in N and N m, leg axes) are the end forces that the leg's stiffness balances:
+        force and moment on the root, then on the tip. They include `distributed` (12), the end
+        forces that are equivalent to the load along the length. `spins` is True if the leg can spin
+        idly about its axis.
         """
         load = linear_load(distributed[:6], distributed[6:], self.matrices.length)
         at_root = ends[:6] - distributed[:6]
@@ -188,7 +190,7 @@ def _prestressed(
 
 
 def between(leg: PrestressedLeg, ends: Array) -> LegMatrices:
-    """Leg in which `ends` (12×12, SI, leg axes) replaces the stiffness between the two ends."""
+    """Leg whose stiffness between its two ends is replaced by `ends` (12×12, SI, leg axes)."""
     stiffness = dense(leg.matrices.stiffness).copy()
     stiffness[:ENDS, :ENDS] = ends
     return replace(leg.matrices, stiffness=stiffness)

@@ -1,7 +1,8 @@
-"""A leg of prismatic pieces along the centre line of a part, each with the part's section there.
+"""A leg of prismatic pieces along the centre line of a part.
 
-The regions at the interfaces are rigid and have their own mass. Pieces extend between them. The
-section in the middle of a piece is used, so that the error is of second order in 1/k for k pieces.
+Each piece has the section of the part in its middle, so that the error is of second order in 1/k
+for k pieces. The pieces extend between the two interfaces. The regions of the part at the
+interfaces are rigid and have their own mass.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,8 +21,8 @@ from lumped.screws import shift, turn
 class Piece:
     """A prismatic piece of a stepped leg, between the centroids of two sections of the part.
 
-    `start` and `end` (3, in m) are these centroids in leg axes. `properties` are in the piece's own
-    `axes` (3×3, columns), the first of which is along the piece.
+    `start` and `end` (3, in m) are these centroids in leg axes. `axes` (3×3, columns) are the axes
+    of the piece, the first of which is along the piece. `properties` are given in these axes.
     """
 
     start: Array
@@ -50,9 +51,11 @@ class SteppedLeg:
 
 
 def stepped_leg(leg: SteppedLeg, build: Callable[[Piece], LegMatrices]) -> LegMatrices:
-    """Matrices of a leg of prismatic pieces, assembled from the model `build` of each piece.
+    """Matrices of a leg of prismatic pieces, assembled from the matrices of the pieces.
 
-    The unknowns are the twists of root (6) and tip (6), then those inside.
+    `build` is a function that returns the free beam or solid model of a piece. The unknowns are the
+    twists of root (6) and tip (6), the twists of the nodes between pieces (6 each), then the
+    unknowns inside the pieces.
     """
     models = [build(piece) for piece in leg.pieces]
     count = len(models)
@@ -91,7 +94,9 @@ def stepped_leg(leg: SteppedLeg, build: Callable[[Piece], LegMatrices]) -> LegMa
 def _node(node: int, count: int, length: float) -> tuple[int, Array | None]:
     """Index of the first unknown of a node, and the point to which the node's twist is referred.
 
-    The point is None if the twist is that of the node itself.
+    Nodes are numbered from 0 at the root to `count` at the tip, which are referred to the ends of
+    the straight line of `length` (m). The point is None for other nodes: their twist is that of the
+    node itself.
     """
     if node == 0:
         return 0, np.zeros(3)
@@ -106,7 +111,8 @@ def _twists(
     """6k × n matrix that maps the n unknowns to the twists at k `stations` of the line.
 
     `stations` are distances (m) along the straight line from root to tip. Points of the line move
-    with the section of the piece in which they lie.
+    with the section of the piece in which they lie. `models` are the matrices of the pieces, `maps`
+    the matrices from the n unknowns to the unknowns of each piece.
     """
     size = maps[0].shape[1]
     starts = np.array([piece.start[0] for piece in leg.pieces])
