@@ -13,23 +13,26 @@ loads g = Nᵀf of the faces
     g = −Hᵀw + S v
 
 This is the force method for the six resultants, which are determined by statics in every face, and
-the displacement method for deformations, which decay along the piece (Saint-Venant's principle). A
-common face has g = 0, hence v = M⁻¹(…) with M the sum of the two pieces' S on it, and
+the displacement method for deformations, which decay along the piece (Saint-Venant's principle).
+
+If a piece a and a piece b are joined, their common face has g = 0, so that v = M⁻¹(…) there, with M
+the sum of the two pieces' S on this face. The compliance of the new piece is
 
     C′ = X_a C_a X_aᵀ + X_b C_b X_bᵀ + H_m M⁻¹ H_mᵀ
 
-with the shifts X of twists to the middle of the new piece and H_m = X_a H_a + X_b H_b on the common
-face, is a sum of positive terms: nothing cancels, rigid motions are exact, and the condition of M
-is that of a face's mesh for any length. C is the compliance with rigid ends (v = 0), C + H S⁻¹ Hᵀ
-that with free ends (g = 0). Slices far thinner than the section's size h lose digits, because S
-contains shear between the faces, ~1/l, and stretching in their planes, ~l: the error is at most
-(h/l)² times the round-off.
+with the shifts X of twists to the middle of the new piece, and H_m = X_a H_a + X_b H_b on the
+common face. All three terms are positive: nothing cancels, rigid motions are exact, and the
+condition of M is that of a face's mesh for any length. C is the compliance with rigid ends (v = 0).
+The compliance with free ends (g = 0) is C + H S⁻¹ Hᵀ. Slices much shorter than the section's size h
+lose digits, because S contains two very different stiffnesses: shear between the faces,
+proportional to 1/l for slices of length l, and stretching of the faces, proportional to l. The
+error is at most (h/l)² times the round-off.
 
-A piece is its own image under a reversal of the leg (`fem.sections.reversal`), as a rule its mirror
-image: with s (−1 for odd v, which are axial, +1 for even v, in the face) and Q = diag(−1, 1, 1, 1,
-−1, −1) for twists, S_tip,tip = s S_root,root s, S_root,tip s is symmetric, and H_tip = −Q H_root s.
-At the middle of two equal pieces, odd and even deformations are therefore uncoupled. A wall of
-inclined fibres is its own image after half a turn about y, with Q = diag(−1, 1, −1, −1, 1, −1).
+A reversal of the leg (`fem.sections.reversal`) maps each piece to itself. As a rule, the reversal
+is a reflection. With s (−1 for odd v, which are axial, +1 for even v, in the face) and Q = diag(−1,
+1, 1, 1, −1, −1) for twists, S_tip,tip = s S_root,root s, S_root,tip s is symmetric, and H_tip = −Q
+H_root s. At the middle of two equal pieces, odd and even deformations are therefore uncoupled. For
+a wall of inclined fibres, the reversal is half a turn about y, with Q = diag(−1, 1, −1, −1, 1, −1).
 """
 
 from dataclasses import dataclass, replace
@@ -53,10 +56,11 @@ from meshes.solid_mesh import SolidMesh
 
 @dataclass(frozen=True, eq=False)
 class _FaceDeformations:
-    """Deformations N (m×k, k = m − 6) of a face, on which Saint-Venant's loads do no work.
+    """Deformations N (m×k) of a face with m unknowns, on which Saint-Venant's six loads do no work.
 
-    They are orthonormal. The first are combinations `odd` (n×i) of the odd fields of `reversal`,
-    the others combinations `even` (n×j) of its even fields.
+    There are k = m − 6 of them, and they are orthonormal. The first i are combinations `odd`
+    (columns) of the odd fields of `reversal`, the other j are combinations `even` (columns) of its
+    even fields.
     """
 
     reversal: Reversal
@@ -74,10 +78,11 @@ class CondensedPiece:
     """A leg or a piece of it in the mixed form q = C w + H v, g = −Hᵀw + S v.
 
     w is the wrench and q the relative twist of the ends, at the middle of the piece. v are the k
-    deformations of each face and g their forces. `mirror` s (k) and `twist_mirror` Q (6) are the
-    signs by which a reflection maps the root to the tip. `compliance` is C (6×6, SI). `twists` is
-    the part of H for the root (6×k). `own` is the block S_root,root (k×k, in N/m). `across` is the
-    block S_root,tip (k×k) times diag(s), which is symmetric. Other blocks follow by reflection.
+    deformations of each face and g the forces conjugate to v. `mirror` s (k) and `twist_mirror` Q
+    (6) are the signs by which a reversal maps deformations and twists of the root to the tip.
+    `compliance` is C (6×6, SI). `twists` (6×k) is the part of H for the root. `own` (k×k, in N/m)
+    is the block S_root,root. `across` (k×k, in N/m) is the block S_root,tip times diag(s), which is
+    symmetric. The other blocks follow by reversal. `length` is in m.
     """
 
     length: float
@@ -107,9 +112,9 @@ class CondensedPiece:
 def condensed_leg(leg: ConstantLeg, section: SectionMesh, slices: int) -> CondensedPiece:
     """Leg of `slices` equal slices of hexahedra on the mesh `section` (quad9), condensed.
 
-    The discrete model is that of `extrude(section, stations(length, slices))`. Raises InputError
-    for an impossible leg or fewer than one slice, ComputationError if elements are folded or the
-    stiffness of a slice is not positive definite.
+    The finite element model is that of `extrude(section, stations(length, slices))`. Raises
+    InputError if the leg is not valid or `slices` is below 1, ComputationError if elements are
+    folded or the stiffness of a slice is not positive definite.
     """
     with naming(leg.name):
         require_leg(leg.section, leg.length, 1)
@@ -171,9 +176,10 @@ def joined(first: CondensedPiece, second: CondensedPiece) -> CondensedPiece:
 def doubled(piece: CondensedPiece) -> CondensedPiece:
     """Join two equal pieces: the result of `joined(piece, piece)` with half the work, by symmetry.
 
-    Odd and even deformations v of the middle face are uncoupled. With Y = L⁻¹ S_tip,root, M =
-    LLᵀ, the sum of YᵢᵀYᵢ over both kinds of deformation is subtracted from S_root,root, and their
-    difference is S_root,tip s.
+    The deformations v of the middle face are odd or even, and both kinds are uncoupled. For each
+    kind, with the sum M = LLᵀ of the stiffnesses of both pieces on this face, Y = L⁻¹ S_tip,root is
+    computed. S_root,root decreases by the sum of YᵀY over both kinds. The new S_root,tip s is YᵀY
+    of odd deformations minus that of even ones.
     """
     to_middle = shift(np.array([piece.length / 2.0, 0.0, 0.0]))
     from_middle = shift(np.array([-piece.length / 2.0, 0.0, 0.0]))
@@ -230,11 +236,13 @@ def _complement(loads: Array) -> Array:
 def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> CondensedPiece:
     """One slice of a leg in the mixed form, condensed to its two faces.
 
-    Deformations of the tip that mirror those of the root (+) are not coupled with those of opposite
-    sign (−): S is split into own ± across. With +, the nodes in the middle plane have even motions,
-    within this plane as a rule, and the relative twist has only the components that a reversal
-    changes, conjugate to Fx, My and Mz. With −, their motions are odd. Both blocks of stiffnesses
-    are averaged over root and tip, because round-off in K would otherwise resist rigid motions.
+    Deformations of the faces are divided into a part (+), in which the tip mirrors the root, and a
+    part (−), in which it mirrors the root with opposite sign. The two parts are not coupled: they
+    give the stiffnesses `own` + `across` and `own` − `across`. With (+), the nodes in the middle
+    plane have even motions, within this plane as a rule, and the relative twist has only the
+    components that a reversal changes, conjugate to Fx, My and Mz. With (−), their motions are odd,
+    and the relative twist has the other components. Both stiffnesses are averaged over root and
+    tip, because round-off in K would otherwise resist rigid motions.
     """
     K = solid_leg(leg, mesh).stiffness
     reversal = face.reversal
@@ -291,7 +299,7 @@ def _by_deformations(matrix: Array | SparseMatrix, face: _FaceDeformations) -> A
 
 
 def _deformation_stiffness(piece: CondensedPiece) -> Array:
-    """Stiffness S (2k×2k, in N/m) of the faces' deformations under loads without a resultant."""
+    """Stiffness S (2k×2k, in N/m) of the deformations of both faces without a wrench."""
     across = piece.root_tip
     return np.block([[piece.own, across], [across.T, piece.tip_own]])
 

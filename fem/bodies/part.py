@@ -24,7 +24,10 @@ _BYTES, _UNKNOWNS, _POWER = 1.6e9, 150e3, 1.4
 
 @dataclass(frozen=True)
 class MassProperties:
-    """Mass (kg), mass centre (3, in m), and inertia about it (3×3, in kg m²), mesh axes."""
+    """Mass (kg), mass centre (3, in m), and inertia about the mass centre (3×3, in kg m²).
+
+    The axes are those of the mesh.
+    """
 
     mass: float
     centre: Array
@@ -33,7 +36,11 @@ class MassProperties:
 
 @dataclass(frozen=True, eq=False)
 class MeshedPart:
-    """A part on a mesh: `stiffness` (csr 3N×3N) and `scalar_mass` (csr N×N), SI, file axes."""
+    """A part on a mesh: `stiffness` (csr 3N×3N, in N/m) and `scalar_mass` (csr N×N, in kg).
+
+    The axes are those of the part's file. The scalar mass applies to each component of
+    displacement.
+    """
 
     mesh: PartMesh
     material: Material
@@ -77,7 +84,7 @@ def require_memory(unknowns: float, part: str) -> None:
 def grips_of(
     mesh: PartMesh, interfaces: Sequence[Interface], coupling: Kind | None = None
 ) -> tuple[Grip, ...]:
-    """Faces of the mesh and kind of coupling for each interface of a part.
+    """Faces of the mesh and kind of coupling for each interface of a part, in the same order.
 
     If `coupling` is not None, it replaces the coupling of each interface.
     """
@@ -97,10 +104,11 @@ def grips_of(
 
 
 def free_part(part: MeshedPart, name: str) -> RootedBody:
-    """Part without interfaces whose mean motion is fixed, with factorised stiffness.
+    """Part without interfaces. Its mean motion is fixed, and its stiffness is factorised.
 
     The mean motion of displacements u is weighted with the mass M: Bᵀu = (RᵀMR)⁻¹ RᵀMu, with the
-    rigid motions R. Raises errors as `rooted_body` does.
+    rigid motions R. It takes the place of the twist of a first interface. `name` is used in
+    messages. Raises errors as `rooted_body` does.
     """
     nodes, mass = part.mesh.nodes, on_three_components(part.scalar_mass)
     centre = part.properties().centre
@@ -121,7 +129,8 @@ def free_part(part: MeshedPart, name: str) -> RootedBody:
 def held_part(part: MeshedPart, grips: Sequence[Grip], name: str) -> RootedBody:
     """Part clamped at its first interface, with factorised stiffness.
 
-    Raises errors as `rooted_body` does.
+    `grips` are the faces and couplings of all interfaces, `name` is used in messages. Raises errors
+    as `rooted_body` does.
     """
     solid = coupled_solid(
         part.stiffness, on_three_components(part.scalar_mass), part.mesh.nodes, grips

@@ -21,9 +21,10 @@ _DEGREE = 5
 
 
 def pressure_forces(nodes: Array, facets: Facets) -> Array:
-    """Nodal forces (n×3, in N) of a pressure of 1 Pa on `facets`, for their n nodes, ascending.
+    """Nodal forces (n×3, in N) of a pressure of 1 Pa on `facets`.
 
-    `nodes` (N×3, in m) are those of the whole mesh.
+    They act on the n nodes of the facets, in ascending order. `nodes` (N×3, in m) are those of the
+    whole mesh.
     """
     points, weights = quadrature(facets.element, _DEGREE)
     shapes, slopes = values(facets.element, points), gradients(facets.element, points)
@@ -45,10 +46,11 @@ def forces_on_faces(mesh: PartMesh, pressures: Mapping[int, float]) -> Array:
 
 
 def wrenches_of_faces(mesh: PartMesh, shapes: Array) -> dict[int, Array]:
-    """Wrenches (6m) on the m interfaces that are equivalent to 1 Pa on a face, by face number.
+    """Wrenches (6m) on the m interfaces that are equivalent to a pressure of 1 Pa on a face.
 
-    `shapes` Ψ (3N×6m) are the displacements of the nodes for unit twists of the interfaces. Ψᵀf
-    does the work of the nodal forces f on them, so that the displacements of the interfaces are
+    The result contains them for each face, by face number. `shapes` Ψ (3N×6m) are the displacements
+    of the nodes for unit twists of the interfaces. The wrenches Ψᵀf do the same work on these
+    twists as the nodal forces f of the pressure, so that the displacements of the interfaces are
     exact.
     """
     return {
@@ -58,7 +60,7 @@ def wrenches_of_faces(mesh: PartMesh, shapes: Array) -> dict[int, Array]:
 
 
 def as_columns(wrenches: Mapping[int, Array]) -> tuple[Array, Array]:
-    """Face numbers (F) and wrenches (F×6m) as two arrays, from wrenches by face number."""
+    """Face numbers (F) and wrenches (F×6m) as two arrays, from `wrenches` by face number."""
     return np.array(list(wrenches)), np.array(list(wrenches.values()))
 
 

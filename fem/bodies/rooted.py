@@ -1,12 +1,13 @@
 """A solid with any number of interfaces, clamped at its first one.
 
-The module provides the data for statics, modes and reduction. Rigid motions are removed by means of
-the twist of the first interface, P = I − R̂B₀ᵀ, with the rigid motions R̂ and the unit wrenches B₀
-at this interface. Six springs on single unknowns make K̂ positive definite; loads in equilibrium
-cause no force in these springs. With the unit wrenches B at the other interfaces, U = P(K̂ +
-springs)⁻¹Pᵀ B are the displacements and C = BᵀU is the compliance. Then Ψ = U C⁻¹ are the
-displacements for unit twists of the other interfaces with the first clamped. If all interfaces are
-fixed, the flexibility G = P(K̂ + springs)⁻¹Pᵀ becomes G − U C⁻¹Uᵀ.
+The module provides the data for statics, modes and reduction. The matrix P = I − R̂B₀ᵀ subtracts
+from displacements the rigid motion of the first interface, with the rigid motions R̂ of the solid
+and the unit wrenches B₀ at this interface. Six springs on single unknowns make K̂ positive
+definite; loads in equilibrium cause no force in these springs. The flexibility of the clamped solid
+is G = P(K̂ + springs)⁻¹Pᵀ. With the unit wrenches B at the other interfaces, U = G B are the
+displacements and C = BᵀU is the compliance. Then Ψ = U C⁻¹ are the displacements for unit twists of
+the other interfaces with the first clamped. If all interfaces are fixed, the flexibility is G − U
+C⁻¹Uᵀ.
 """
 
 from dataclasses import dataclass, replace
@@ -44,11 +45,11 @@ class _Rooting:
     wrenches: Any
 
     def expanded(self, x: Any) -> Any:
-        """Displacements P x: those of `x` less the rigid motion of the first interface."""
+        """Displacements P x: those of `x` minus the rigid motion of the first interface in them."""
         return x - self.motions @ (self.wrenches.T @ x[self.rows])
 
     def equilibrated(self, forces: Any) -> Any:
-        """The forces together with the reaction of the first interface, which balances them."""
+        """Sum of the forces (n×k) and of the reaction at the first interface that balances them."""
         balanced = forces.copy()
         balanced[self.rows] -= self.wrenches @ (self.motions.T @ forces)
         return balanced
@@ -62,10 +63,10 @@ class _Rooting:
 class RootedBody:
     """A solid coupled to its interfaces, clamped at the first one, with factorised stiffness.
 
-    `name` is used in messages. `pencil` contains stiffness and mass, with springs on six unknowns,
-    and `factor` is the factor of the stiffness, or an iteration in place of it. Forces and
-    displacements are in the memory of the host, or of a graphics card on which the factor is
-    stored.
+    `name` is used in messages. `pencil` contains stiffness and mass, with springs on six unknowns.
+    `factor` is the factor of the stiffness, or an iterative solver if the factor does not fit the
+    memory. Forces and displacements are in the memory of the host, or of a graphics card if the
+    factor is stored there.
     """
 
     name: str
@@ -94,16 +95,16 @@ class RootedBody:
         return self.factor.countable
 
     def require_count(self) -> None:
-        """Raise ComputationError if no factor fits the memory, so that modes cannot be counted."""
+        """Raise ComputationError if no factor fits the memory: modes cannot be counted then."""
         if not self.countable:
             require_memory(self.pencil.symbolic.peak_bytes, self.solid.size, self.name)
 
     def expanded(self, x: Any) -> Any:
-        """Displacements with the deformation of `x`, and with the first interface clamped."""
+        """Displacements `x` minus the rigid motion of the first interface in them."""
         return self._rooting(x).expanded(x)
 
     def equilibrated(self, forces: Any) -> Any:
-        """The forces together with the reaction of the first interface, which balances them."""
+        """Sum of the forces (n×k) and of the reaction at the first interface that balances them."""
         return self._rooting(forces).equilibrated(forces)
 
     def _rooting(self, array: Any) -> _Rooting:
@@ -130,19 +131,20 @@ class RootedBody:
 
     @cached_property
     def compliance(self) -> Array:
-        """Compliance C (6(m−1) × 6(m−1), SI, body axes) of all interfaces but the clamped first.
+        """Compliance C (6(m−1) × 6(m−1), SI, body axes) of m interfaces.
 
-        Raises ComputationError if round-off dominates.
+        The first interface is clamped and has no compliance. Raises ComputationError if round-off
+        dominates.
         """
         forces = self.solid.stiffness @ self.response
         return balanced_flexibility(self.equilibrated(self.loads), self.response, forces, self.name)
 
     @cached_property
     def relative(self) -> Array:
-        """Matrix [−X I] from the twists of all m interfaces to the relative twists of m − 1.
+        """Matrix [−X I] (6(m−1) × 6m) from the twists of the m interfaces to m − 1 relative twists.
 
-        These are the twists of all interfaces but the first, relative to a rigid motion of the body
-        with the first interface.
+        These are the twists of all interfaces but the first, minus their twists in the rigid motion
+        of the body with the first interface.
         """
         points = self.solid.points
         carried = [shift(point - points[0]) for point in points[1:]]
@@ -212,28 +214,31 @@ class RootedBody:
         return searched_modes(self.flexibility, mass, count, self.name, space).frequencies
 
     def held_inertia(self, sigma: float) -> Inertia:
-        """Numbers of eigenvalues of K − σM by sign, with all interfaces fixed. σ in rad²/s²."""
+        """Numbers of negative, zero and positive eigenvalues of K − σM, with all interfaces fixed.
+
+        `sigma` is σ in rad²/s².
+        """
         return self._inertia(sigma, self.solid.twists)
 
     def free_inertia(self, sigma: float) -> Inertia:
-        """Numbers of eigenvalues of K − σM by sign, for the free body.
+        """Numbers of negative, zero and positive eigenvalues of K − σM, for the free body.
 
-        Its six rigid motions are included. σ in rad²/s².
+        Its six rigid motions are included. `sigma` is σ in rad²/s².
         """
         return self._inertia(sigma, None)
 
     def rooted_inertia(self, sigma: float) -> Inertia:
-        """Numbers of eigenvalues of K − σM by sign, with the first interface clamped.
+        """Numbers of negative, zero and positive eigenvalues of K − σM.
 
-        σ in rad²/s².
+        The first interface is clamped, and the others are free. `sigma` is σ in rad²/s².
         """
         return self._inertia(sigma, self.root)
 
     def _inertia(self, sigma: float, held: Array | None) -> Inertia:
-        """Numbers of eigenvalues of K − σM by sign, on the displacements x with Bᵀx = 0.
+        """Numbers of negative, zero and positive eigenvalues of K − σM.
 
-        `sigma` is σ (rad²/s²). `held` (n×6k) is B, the unit wrenches at k fixed interfaces. None if
-        all x are admissible.
+        `sigma` is σ (rad²/s²). Only displacements x with Bᵀx = 0 are admissible. `held` (n×6k) is
+        B, the unit wrenches at k fixed interfaces. None if all displacements are admissible.
         """
         solid, constraints = self.solid, None
         if held is not None:
@@ -246,7 +251,8 @@ class RootedBody:
 def rooted_body(solid: CoupledSolid, name: str) -> RootedBody:
     """Clamp a coupled solid at its first interface and factorise its stiffness.
 
-    Raises ComputationError if it cannot be clamped or the memory is insufficient.
+    `name` is used in messages. Raises ComputationError if the solid cannot be clamped or the memory
+    is insufficient.
     """
     supported = _statically_determinate(solid, name)
     springs = np.zeros(solid.size)
@@ -267,9 +273,11 @@ def _places(solid: CoupledSolid) -> Array:
 
 
 def _statically_determinate(solid: CoupledSolid, name: str) -> IntArray:
-    """Six unknowns of nodes that prevent all rigid motions, as far apart as possible.
+    """Indices of six unknowns of nodes that prevent all rigid motions, as far apart as possible.
 
-    With springs at a rigid root, the results for a leg 87 diameters long would lose one digit.
+    Springs act on these unknowns. With springs at a rigid root instead, the results for a leg 87
+    diameters long would lose one digit. Raises ComputationError, with `name` in its message, if all
+    nodes lie on a straight line.
     """
     first_node_unknown = solid.size - 3 * len(solid.places)
     size = float(np.ptp(solid.places, axis=0).max())

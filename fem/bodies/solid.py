@@ -57,10 +57,11 @@ class SolidLeg:
 def solid_mesh(
     leg: SectionedLeg, divisions: Divisions, section: Divisions | None = None
 ) -> SolidMesh:
-    """Extruded mesh of a leg, with `divisions` elements across the smaller side of its section.
+    """Extruded or lofted mesh of a leg, `divisions` elements across the section's smaller side.
 
-    Slices are as long as these elements, even if `section` gives other divisions for the section.
-    Raises InputError if the leg or the divisions are impossible.
+    `section` gives other divisions for the section alone. None if they are the same. The slices are
+    in any case as long as elements of `divisions` are wide. Raises InputError if the leg or the
+    divisions are not valid.
     """
     if isinstance(leg, LineLeg):
         return loft(leg, section or divisions, slices_along(leg, divisions))
@@ -97,10 +98,11 @@ def _anisotropic(mesh: SolidMesh, moduli: Moduli) -> tuple[SparseMatrix, SparseM
 
 
 def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:
-    """Solid leg whose unknowns are the twists of root and tip and the displacements of other nodes.
+    """Solid leg on the twists of root and tip and the displacements of all other nodes as unknowns.
 
     `ends` is the condition on the end faces: "rigid", or "free" to warp and contract as in
-    Saint-Venant's theory.
+    Saint-Venant's theory. With "free" ends, the displacements of the nodes of the end faces are
+    unknowns, and the twists of root and tip are not.
     """
     mesh, grips = solid.mesh, []
     for face, x in ((mesh.root, 0.0), (mesh.tip, mesh.length)):
@@ -114,7 +116,7 @@ def coupled_leg(solid: SolidLeg, ends: Ends = "rigid") -> CoupledSolid:
 
 
 def _end_tractions(solid: SolidLeg, face: EndFace, point: Array) -> Array:
-    """Nodal loads (3n×6, leg axes) of unit wrenches at a point of an end face."""
+    """Nodal loads (3n×6, leg axes) of unit wrenches at a `point` (3, in m) of an end face."""
     leg, points = solid.leg, solid.mesh.nodes[face.nodes]
     if moduli := leg_moduli(leg, face.mesh):
         # The axis of the leg goes through the centroid of the stiffness of every section.
@@ -132,10 +134,11 @@ def _end_tractions(solid: SolidLeg, face: EndFace, point: Array) -> Array:
 def _along_fibres(tractions: Array, section: SectionMesh, rates: Array) -> Array:
     """Nodal loads (3n×6) of unit wrenches on the end of a taper, along its inclined fibres.
 
-    A fibre at (y, z) has the slope (λy y, λz z); `rates` (2): λ (1/m) of both directions. The axial
-    tractions alone would bend thin walls near the end. Loads across the line are therefore added,
-    so that the tension has the direction of the walls. Shear stresses balance the resultants of
-    these loads (see `lumped.line_sections`).
+    `tractions` (3n×6) are the loads on the end of a prism. A fibre of the taper at (y, z) has the
+    slope (λy y, λz z), and `rates` (2, in 1/m) are λy and λz. The axial tractions alone would bend
+    thin walls near the end. Loads across the line are therefore added, so that the tension has the
+    direction of the walls. Shear stresses balance the resultants of these loads (see
+    `lumped.line_sections`).
     """
     quad = section_quadrature(section)
     y, z = quad.points
@@ -156,7 +159,8 @@ def _along_fibres(tractions: Array, section: SectionMesh, rates: Array) -> Array
 def clamped_leg(solid: SolidLeg, ends: Ends = "rigid") -> RootedBody:
     """Solid leg with clamped root and factorised stiffness.
 
-    Raises ComputationError if it cannot be clamped or the memory is insufficient.
+    `ends` is the condition on the end faces, see `coupled_leg`. Raises ComputationError if the leg
+    cannot be clamped or the memory is insufficient.
     """
     coupled = coupled_leg(solid, ends)
     part = f"{solid.leg.name or 'leg'} as a solid, {ends} ends"
@@ -189,8 +193,8 @@ def line_of(mesh: SolidMesh) -> CentreLine | None:
 def centreline_of(mesh: SolidMesh, coupled: CoupledSolid) -> Callable[[Array], SparseMatrix]:
     """Function that returns the matrix from the unknowns of a coupled leg to twists of sections.
 
-    Its argument is the positions of k sections (m from the root), its result is 6k×n for n
-    unknowns.
+    The function is called with the positions of k sections (m from the root). Its matrix is 6k×n
+    for the n unknowns of `coupled`.
     """
     # The function must not refer to the other matrices of the coupled solid, which are larger.
     transformation = coupled.transformation
@@ -200,10 +204,11 @@ def centreline_of(mesh: SolidMesh, coupled: CoupledSolid) -> Callable[[Array], S
 def section_twists(mesh: SolidMesh, stations_x: Array) -> SparseMatrix:
     """6k × 3N matrix (csr) that maps nodal displacements u to twists of k sections.
 
-    `stations_x` are their distances (m) from the root along the centre line. Translations are means
-    over the section. Rotations follow from first moments: φy and φz from those of u_x, φx from that
-    of the displacement about the axis. Between planes of nodes the shape functions interpolate.
-    Raises InputError for positions outside the leg and for a mesh that is not extruded.
+    `stations_x` are the distances (m) of the sections from the root along the centre line.
+    Translations are means over the section. Rotations follow from first moments over the section:
+    φy and φz from those of u_x, φx from that of the displacement about the axis. Between planes of
+    nodes the shape functions interpolate. Raises InputError for positions outside the leg and for a
+    mesh that is neither extruded nor lofted.
     """
     if mesh.slices is None:
         raise InputError(

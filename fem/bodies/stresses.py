@@ -1,9 +1,9 @@
 """Stresses of a solid at its nodes, from the displacements of its nodes.
 
-Each node has the mean of the stresses of its elements there. For elements of second order, the
-error is of second order in the element size. Towards a sharp re-entrant edge, and towards the edge
-of a rigid face, stresses have no bound: values nearer to such an edge than a given distance are not
-results.
+The stress at a node is the mean of the stresses there in all elements that contain the node. For
+elements of second order, the error is of second order in the element size. Stresses grow without
+bound towards a sharp re-entrant edge and towards the edge of a rigid face. Values within a given
+distance of such an edge are therefore not results (`away_from`).
 """
 
 import numpy as np
