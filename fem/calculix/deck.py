@@ -2,8 +2,8 @@
 
 Rigid faces, joints and supports are linear equations between nodal displacements. These are exact
 in a linear step; *RIGID BODY, which is made for finite rotations, need not be. A rotation is
-represented by the displacement of a separate node. Nodes are numbered from 0 here and from 1 in the
-text. Components 0, 1, 2 are x, y, z. Units are SI.
+represented by the displacement of a separate node. A freedom is a pair (node, component), with the
+components 0, 1, 2 for x, y, z. Nodes are numbered from 0 here and from 1 in the text. Units are SI.
 """
 
 from collections.abc import Iterator, Sequence
@@ -36,8 +36,9 @@ class ElementSet:
 
     `cells` (M×k) are node numbers in the order of `meshes.elements`. The columns of `axes` (3×3)
     are the axes of the material in the axes of the deck. None if both are the same. `elasticity`
-    (6×6, Pa; xx yy zz yz xz xy) of an orthotropic material in these axes. None if it is that of
-    `material`, which always gives the density.
+    (6×6, in Pa; xx yy zz yz xz xy) is the elasticity matrix of an orthotropic material in the axes
+    of the material. None if `material` gives the elasticity. The density is always that of
+    `material`.
     """
 
     cells: IntArray
@@ -49,9 +50,10 @@ class ElementSet:
 
 @dataclass(frozen=True)
 class Equation:
-    """Linear equation u_dependent = Σ coefficient · u_freedom.
+    """Linear equation u(dependent) = Σ coefficient · u(freedom) between displacements u.
 
-    A dependent freedom must not occur in any other equation.
+    `terms` are pairs of a freedom and its coefficient. The `dependent` freedom must not occur in
+    any other equation.
     """
 
     dependent: Freedom
@@ -62,9 +64,11 @@ class Equation:
 class Deck:
     """A linear model with its load cases and the number of requested modes.
 
-    `nodes` (N×3, in m) are positions. `held` are freedoms fixed at zero. `masses` (kg) are point
-    masses at nodes. Each of the `load_cases` is one static step. Displacements are printed for the
-    `watched` nodes. If `modes` is 0, no frequencies are computed.
+    `nodes` (N×3, in m) are positions, `parts` the elements. `held` are freedoms fixed at zero.
+    `masses` are pairs of a node and a point mass (kg). `springs` are pairs of a freedom and the
+    stiffness (N/m or N m/rad) of a spring to the ground. Each of the `load_cases` is one static
+    step, given by pairs of a freedom and a force (N or N m). Displacements are printed for the
+    nodes `watched`. `modes` is the number of modes. If it is 0, no frequencies are computed.
     """
 
     title: str
@@ -153,7 +157,7 @@ def _part(part: ElementSet, name: str, first: int) -> Iterator[str]:
 
 
 def _continued(entries: Sequence[str]) -> Iterator[str]:
-    """Lines with at most `_ENTRIES_PER_LINE` of the `entries`. All but the last end in a comma."""
+    """Lines with at most `_ENTRIES_PER_LINE` entries each. All but the last end with a comma."""
     starts = range(0, len(entries), _ENTRIES_PER_LINE)
     lines = [", ".join(entries[start : start + _ENTRIES_PER_LINE]) for start in starts]
     yield from (f"{line}," for line in lines[:-1])
@@ -173,7 +177,10 @@ def _elastic(material: Material) -> Iterator[str]:
 
 
 def _orthotropic(elasticity: Array) -> Iterator[str]:
-    """Lines of an orthotropic elasticity matrix: 1111, 1122, 2222, 1133, …, 1212, 1313, 2323."""
+    """Lines of the card *ELASTIC for an orthotropic elasticity matrix (6×6, Pa).
+
+    CalculiX expects its entries in the order 1111, 1122, 2222, 1133, 2233, 3333, 1212, 1313, 2323.
+    """
     places = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2), (5, 5), (4, 4), (3, 3))
     *first, last = (_number(float(elasticity[index])) for index in places)
     yield "*ELASTIC, TYPE=ORTHO"

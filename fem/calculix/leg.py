@@ -66,10 +66,10 @@ def leg_deck(mesh: SolidMesh, material: Material, modes: int = 20) -> Deck:
 def compliance_and_frequencies(
     mesh: SolidMesh, material: Material, modes: int = 20
 ) -> tuple[Array, Array]:
-    """6×6 tip compliance (SI, leg axes, at (L, 0, 0)) and natural frequencies (Hz) by CalculiX.
+    """Tip compliance (6×6, SI, leg axes, at (L, 0, 0)) and natural frequencies (Hz) by CalculiX.
 
-    Column j is the twist under unit wrench j as printed, with seven digits, not symmetrised. Raises
-    errors as `run_calculix` does.
+    Column j of the compliance is the twist under unit wrench j. Its values are those that CalculiX
+    prints, with seven digits. They are not made symmetric. Raises errors as `run_calculix` does.
     """
     results = run_calculix(leg_deck(mesh, material, modes))
     return results.displacements.reshape(6, 6).T, results.frequencies
@@ -78,9 +78,9 @@ def compliance_and_frequencies(
 def mass_at_stiffness_points(mesh: VolumeMesh, rho: float) -> SparseMatrix:
     """Mass matrix (csr 3N×3N, in kg) of tet10 summed at its stiffness points, as in CalculiX.
 
-    M = Nᵀ diag(ρ w det J) N with the shape functions N (points × nodes) at all points. It is too
-    inaccurate for models of legs, but needed to compare frequencies with CalculiX to the last
-    digit.
+    M = Nᵀ diag(ρ w det J) N, with the shape functions N (points × nodes) at all points and the
+    quadrature weights w. It is too inaccurate for models of legs, but needed to compare frequencies
+    with CalculiX to the last digit. `rho` is the density (kg/m³).
     """
     points, weights = quadrature(mesh.element, _STIFFNESS_POINTS_DEGREE)
     shapes, slopes = values(mesh.element, points), gradients(mesh.element, points)
@@ -112,10 +112,11 @@ def with_bars(posture: Posture) -> Posture:
 
 
 def bar_solids(mechanism: Mechanism) -> dict[str, SolidLeg]:
-    """Each leg meshed with second-order tetrahedra, one across the section, by name.
+    """Solid model of each leg of a mechanism, by name of the leg, on a coarse mesh.
 
-    Legs given by a 6×6 are replaced by their equivalent legs. Equal legs share one solid. Mass is
-    summed over the points that CalculiX uses.
+    The mesh consists of second-order tetrahedra, one across the section. Legs given by a 6×6 are
+    replaced by their equivalent legs. Equal legs share one model. The mass is summed over the
+    points that CalculiX uses. Raises InputError for a leg along a line.
     """
     solid_of_leg: dict[ConstantLeg, SolidLeg] = {}
     solids = {}

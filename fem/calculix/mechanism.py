@@ -2,8 +2,9 @@
 
 Each rigid body and each end face has a twist. Joints are linear conditions on these twists and on
 the deflections of springs in the joints. Gauss–Jordan elimination expresses all twists by
-independent freedoms. End faces, masses and springs are then linear equations in these freedoms.
-Only the free twists of a joint are shared with `lumped.system`.
+independent freedoms. End faces, masses and springs are then coupled to these freedoms by linear
+equations. The functions for the free twists of a joint are those of `lumped.system`; all other
+steps are independent of it.
 """
 
 from collections.abc import Mapping
@@ -38,12 +39,13 @@ _IDLE_STIFFNESS = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class _Freedoms:
-    """Twists and spring deflections of a mechanism in terms of n independent freedoms.
+    """Twists and spring deflections of a mechanism as functions of n independent freedoms.
 
-    `places` are points (m, base axes), `twists` (6×n) the matrices from the freedoms to the twists
-    at these. Both are keyed by (body, interface), with "" as interface for a rigid body. Each of
-    the `springs` has a row (n) that gives its deflection, a stiffness, and an inertia that moves
-    with this deflection. `idle` (k×n) are rows of idle motions.
+    `places` are points (3, in m, base axes). `twists` (6×n) are the matrices from the freedoms to
+    the twists at these points. Both are keyed by (body, interface), with "" as interface for a
+    rigid body. Each of the `springs` is a tuple of three: the row (n) that gives its deflection
+    from the freedoms, its stiffness (N/m or N m/rad), and the inertia (kg or kg m²) that moves with
+    this deflection. `idle` (k×n) are the k idle motions, as unit vectors of freedoms.
     """
 
     places: Mapping[tuple[str, str], Array]
@@ -56,8 +58,8 @@ class _Freedoms:
 class MechanismDeck:
     """Deck of a mechanism, with the data to evaluate its results.
 
-    `tool` (6×n) is the matrix from the n displacements that CalculiX prints to the twist of the
-    loaded point. `idle` is the number of idle motions.
+    `tool` (6×n) is the matrix from the displacements of n freedoms, which CalculiX prints, to the
+    twist of the loaded point. `idle` is the number of idle motions.
     """
 
     deck: Deck
@@ -66,7 +68,7 @@ class MechanismDeck:
 
 
 class _Builder:
-    """Builder of a deck: its nodes, and the equations that couple them to independent freedoms."""
+    """Data of a deck while it is built: its nodes, and their coupling to independent freedoms."""
 
     def __init__(self, freedoms: _Freedoms) -> None:
         self.freedoms = freedoms
@@ -94,16 +96,21 @@ class _Builder:
             self.held.append(freedom)
 
     def carry(self, numbers: IntArray, points: Array, node: tuple[str, str]) -> None:
-        """Couple the nodes `numbers` at `points` rigidly to `node`, a rigid body or an end face."""
+        """Couple nodes rigidly to `node`, the key (body, interface) of a rigid body or an end face.
+
+        `numbers` (k) are the numbers of the nodes, `points` (k×3, in m) their positions.
+        """
         motions = rigid_motions(points, self.freedoms.places[node]) @ self.freedoms.twists[node]
         for number, rows in zip(numbers.tolist(), motions.reshape(len(points), 3, -1), strict=True):
             for component, row in enumerate(rows):
                 self.tie((number, component), row)
 
     def terms(self, row: Array) -> tuple[OnFreedom, ...]:
-        """Pairs of an independent freedom and its coefficient in `row` (n).
+        """Pairs of an independent freedom and its coefficient, for the coefficients in `row` (n).
 
-        The same coefficients are the generalised forces of a unit load on the coupled freedom.
+        Coefficients that are only round-off are omitted. If the row couples a freedom to the
+        independent ones, its coefficients are also the generalised forces of a unit load on this
+        freedom.
         """
         significant = np.flatnonzero(np.abs(row) > _NOTHING)
         return tuple((self.independent[k], float(row[k])) for k in significant)
@@ -112,7 +119,8 @@ class _Builder:
 def mechanism_deck(posture: Posture, legs: Mapping[str, SolidLeg], modes: int) -> MechanismDeck:
     """Deck of a mechanism in one posture: six unit wrenches at its loaded point, then its modes.
 
-    `legs` contains the solid of each body that is not rigid, with rigid end faces, in body axes.
+    `legs` contains the solid of each body that is not rigid, by body name. The solids have rigid
+    end faces and are in body axes. `modes` is the number of modes without idle motions.
     """
     mechanism = posture.mechanism
     motions = _freedoms(posture, legs)
@@ -176,10 +184,10 @@ def _add_leg(build: _Builder, posture: Posture, name: str, leg: SolidLeg) -> Ele
 def compliance_and_frequencies(
     posture: Posture, legs: Mapping[str, SolidLeg], modes: int = 10
 ) -> tuple[Array, Array]:
-    """6×6 compliance (SI, base axes) of the loaded point and natural frequencies (Hz) by CalculiX.
+    """Compliance (6×6, SI, base axes) at the loaded point and natural frequencies (Hz) by CalculiX.
 
-    Results are as printed, with seven digits, not symmetrised. Idle motions are omitted. Raises
-    errors as `run_calculix` does.
+    Values are those that CalculiX prints, with seven digits. The compliance is not made symmetric.
+    Idle motions are omitted. Raises errors as `run_calculix` does.
     """
     model = mechanism_deck(posture, legs, modes)
     results = run_calculix(model.deck)
@@ -250,7 +258,8 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
 def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
     """Directions (6×r, base axes) in which a joint is elastic, and its r stiffnesses along them.
 
-    They are due to the spring of a drive and to the compliance of the joint itself.
+    The elasticity is that of the spring of a drive, which comes first, and that of the joint
+    itself.
     """
     directions, stiffnesses = np.zeros((6, 0)), np.zeros(0)
     drive = drive_in(posture, joint)
@@ -267,9 +276,10 @@ def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
 
 
 def _eliminated(conditions: Array) -> Array:
-    """Matrix (N×n) from n independent unknowns to all N that satisfy the linear `conditions`.
+    """Matrix (N×n) from n independent unknowns to all N unknowns that satisfy linear conditions.
 
-    It is computed by Gauss–Jordan elimination.
+    The conditions are `conditions` u = 0 for the N unknowns u. The matrix is computed by
+    Gauss–Jordan elimination.
     """
     rows = conditions.copy()
     size = rows.shape[1]
@@ -293,9 +303,9 @@ def _eliminated(conditions: Array) -> Array:
 
 
 def _six_points(shape: Rigid) -> Array:
-    """Six points (6×3, in m, body axes) that represent the mass of a body.
+    """Six points (6×3, in m, body axes) that represent the mass of a rigid body.
 
-    Equal masses at these points have the mass centre and the inertia of the body.
+    Six equal masses at these points have the mass centre and the inertia of the body.
     """
     moments, axes = np.linalg.eigh(shape.inertia)
     # ∫ x² dm along each principal axis is that of two points at ±d with a sixth of the mass each.

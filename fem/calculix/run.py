@@ -30,8 +30,9 @@ class CalculixMissing(Exception):  # noqa: N818  not an error: a comparison that
 class CalculixResults:
     """Results of a deck as printed by CalculiX, with seven digits.
 
-    `displacements` (load cases × watched nodes × 3, m or rad) are rounded by up to 5e-7 of their
-    value, `frequencies` (Hz, ascending), from printed eigenvalues, by up to 2.5e-7.
+    `displacements` (load cases × watched nodes × 3, in m or rad) are rounded by up to 5e-7 of their
+    value. `frequencies` (Hz, ascending) follow from printed eigenvalues and are rounded by up to
+    2.5e-7 of their value.
     """
 
     displacements: Array
@@ -51,7 +52,10 @@ def calculix_program() -> str:
 
 @cache
 def calculix_version() -> str | None:
-    """Version that CalculiX prints. None if it is not installed or does not print a version."""
+    """Version of CalculiX, as printed by the program.
+
+    None if CalculiX is not installed or does not print a version.
+    """
     try:
         output = subprocess.run(  # noqa: S603  found on the path, without arguments of others
             [calculix_program(), "-v"], capture_output=True, text=True, timeout=10.0, check=False
