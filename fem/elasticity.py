@@ -1,9 +1,9 @@
 """Stiffness and mass matrices of solids, computed for many elements at once.
 
 For a chunk of elements one batched matrix product gives D_ab = ∫ ∇N_a ⊗ ∇N_b dV (3×3 for each pair
-of nodes). The material is constant in a body, so that it is inserted after summation, once per pair
-of nodes: K_ab = C_ijkl D_ab,jl. Only pairs (a, b) with a ≤ b are summed and then mirrored, so that
-the matrix is symmetric to the last bit.
+of nodes). The material is constant in a body. It is therefore applied after summation, once per
+pair of nodes: K_ab = C_ijkl D_ab,jl. Only pairs (a, b) with a ≤ b are summed and then mirrored, so
+that the matrix is symmetric to the last bit.
 """
 
 from collections.abc import Callable, Sequence
@@ -43,11 +43,12 @@ _CHUNK_BYTES = 16_000_000
 
 @dataclass(frozen=True, eq=False)
 class NodePairs:
-    """Pairs of nodes that share an element, sorted by (row, column), row ≤ column.
+    """Pairs of nodes that share an element, in a mesh of E elements with k nodes each.
 
-    `rows` and `columns` (P) are the nodes of the pairs. `summation` (P×(E·T)) adds up the
-    contributions of the T = k(k+1)/2 pairs of each element. `upper` (E×k×k bool) selects these T
-    out of the k² pairs of an element.
+    There are P pairs, sorted by (row, column), with row ≤ column. `rows` and `columns` (P) are
+    their nodes. An element has T = k(k+1)/2 pairs. `summation` (P×(E·T)) adds up the contributions
+    of the pairs of all elements. `upper` (E×k×k bool) selects the T pairs of an element out of its
+    k² ordered pairs.
     """
 
     node_count: int
@@ -89,7 +90,10 @@ def node_pairs(cells: IntArray, node_count: int) -> NodePairs:
 
 
 def symmetric_matrix(pairs: NodePairs, blocks: Array) -> SparseMatrix:
-    """Symmetric matrix (csr, N·c × N·c) from its `blocks` (P×c×c) on and above the diagonal."""
+    """Symmetric matrix (csr, N·c × N·c) of N nodes with c unknowns each.
+
+    `blocks` (P×c×c) are its blocks for the pairs of nodes, on and above the diagonal.
+    """
     count, width = pairs.node_count, blocks.shape[1]
     above = np.flatnonzero(pairs.rows != pairs.columns)
     mirrored = above[_stable_order(pairs.columns[above], count)]
@@ -133,8 +137,9 @@ def _for_each_chunk(
 ) -> None:
     """Call `integrate` for all chunks into which `count` elements are divided, several at a time.
 
-    Each chunk fills entries of its own, so that the bits of the result do not depend on the number
-    of threads. If chunks fail, the error of the first one is raised.
+    `floats_per_element` is the number of floating-point numbers that an element needs, from which
+    the size of a chunk follows. Each chunk fills entries of its own, so that the bits of the result
+    do not depend on the number of threads. If chunks fail, the error of the first one is raised.
     """
     size = max(1, _CHUNK_BYTES // (8 * floats_per_element))
     chunks = [slice(start, min(start + size, count)) for start in range(0, count, size)]
@@ -144,9 +149,10 @@ def _for_each_chunk(
 
 
 def _jacobians(mesh: VolumeMesh, chunk: slice, reference_gradients: Array) -> tuple[Array, Array]:
-    """Jacobians ∂x_i/∂ξ_j (e×Q×3×3) and their determinants (e×Q).
+    """Jacobians ∂x_i/∂ξ_j (e×Q×3×3) of the e elements in `chunk`, and their determinants (e×Q).
 
-    Raises ComputationError if a determinant is not positive.
+    `reference_gradients` (k×3×Q) are the gradients of the shape functions at Q points. Raises
+    ComputationError if a determinant is not positive.
     """
     k, _, points = reference_gradients.shape
     corners = mesh.nodes[mesh.cells[chunk]].transpose(0, 2, 1)
@@ -174,7 +180,10 @@ def _inverse(jacobian: Array, determinant: Array) -> Array:
 
 
 def _gradient_products(mesh: VolumeMesh, pairs: NodePairs) -> Array:
-    """D_ab = ∫ ∂_j N_a ∂_l N_b dV (E·T×3×3, in m) over each element, for its T pairs of nodes."""
+    """Integrals D_ab = ∫ ∂_j N_a ∂_l N_b dV (E·T×3×3, in m) over each element.
+
+    They are computed for the T pairs of nodes (a, b) of each of E elements.
+    """
     cubature = _cubature(mesh.element, _STIFFNESS_DEGREE[mesh.element])
     k, _, points = cubature.gradients.shape
     reference = cubature.gradients.transpose(2, 0, 1)
@@ -208,10 +217,10 @@ def _summed(pairs: NodePairs, blocks: Array) -> Array:
 
 
 def _node_blocks(products: Array, material: Material) -> Array:
-    """Stiffness blocks (n×3×3) of pairs of nodes, for a material with cubic symmetry.
+    """Stiffness blocks (n×3×3) of n pairs of nodes, for a material with cubic symmetry.
 
-    K_ii = C11 D_ii + C44 (D_jj + D_kk), K_ij = C12 D_ij + C44 D_ji, with C11 = E(1−ν)/(1+ν)(1−2ν),
-    C12 = C11 ν/(1−ν), C44 = G.
+    `products` (n×3×3) are the integrals D. K_ii = C11 D_ii + C44 (D_jj + D_kk), K_ij = C12 D_ij +
+    C44 D_ji, with C11 = E(1−ν)/(1+ν)(1−2ν), C12 = C11 ν/(1−ν), C44 = G.
     """
     _require_resolvable(material)
     nu = material.nu
@@ -229,7 +238,8 @@ def _node_blocks(products: Array, material: Material) -> Array:
 def _require_resolvable(material: Material) -> None:
     """Raise ComputationError if the moduli of a material differ by more than round-off allows.
 
-    These are the eigenvalues of the elasticity matrix: E/(1−2ν) (volume), E/(1+ν) (shape) and 2G.
+    The moduli are the eigenvalues of the elasticity matrix: E/(1−2ν) for changes of volume, E/(1+ν)
+    for changes of shape, and 2G for shear.
     """
     moduli = {
         "changes of volume": material.E / (1.0 - 2.0 * material.nu),
@@ -249,7 +259,10 @@ def _require_resolvable(material: Material) -> None:
 def _scalar_mass(
     mesh: VolumeMesh, rho: float, pairs: NodePairs, factors: Array | None = None
 ) -> SparseMatrix:
-    """Mass matrix ∫ ρ N_a N_b dV (csr N×N, in kg), with a factor on ρ for each element."""
+    """Mass matrix ∫ ρ N_a N_b dV (csr N×N, in kg).
+
+    `factors` (E) are factors on the density `rho` (kg/m³) in each element. None if all are 1.
+    """
     cubature = _cubature(mesh.element, _MASS_DEGREE[mesh.element])
     k, points = cubature.shapes.shape
     table = np.einsum("aq,bq,q->qab", cubature.shapes, cubature.shapes, rho * cubature.weights)
@@ -272,9 +285,9 @@ def stiffness(mesh: VolumeMesh, material: Material) -> SparseMatrix:
     """Stiffness matrix (csr 3N×3N, in N/m) of a solid. Unknowns: 3·node + component (x, y, z).
 
     It is symmetric to the last bit. Each pair of nodes that share an element has its nine entries,
-    including zeros, in sorted columns. The material is isotropic if material.G = E/2(1+ν), else
-    cubic along the axes of the leg. Raises ComputationError, which names the first element whose
-    Jacobian is not positive.
+    including zeros, in sorted columns. The material is isotropic if material.G = E/2(1+ν),
+    otherwise cubic along the axes of the mesh. Raises ComputationError, with the number of the
+    first faulty element, if a Jacobian is not positive.
     """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     return symmetric_matrix(
@@ -285,8 +298,9 @@ def stiffness(mesh: VolumeMesh, material: Material) -> SparseMatrix:
 def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatrix, SparseMatrix]:
     """Stiffness matrix (csr 3N×3N, in N/m) and consistent mass matrix of a solid.
 
-    The mass matrix ∫ ρ N_a N_b dV (csr N×N, in kg) applies to each displacement component: M x is
-    `mass @ x.reshape(N, 3)`, which has a ninth of the entries of the stiffness matrix.
+    The mass matrix ∫ ρ N_a N_b dV (csr N×N, in kg) applies to each displacement component. It has a
+    ninth of the entries of the stiffness matrix. Its product with displacements x (3N) is `mass @
+    x.reshape(N, 3)`.
     """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     K = symmetric_matrix(
@@ -298,9 +312,10 @@ def stiffness_and_mass(mesh: VolumeMesh, material: Material) -> tuple[SparseMatr
 def composite_stiffness_and_mass(
     mesh: VolumeMesh, regions: IntArray, materials: Sequence[Material]
 ) -> tuple[SparseMatrix, SparseMatrix]:
-    """Stiffness and mass matrices of a solid of several materials.
+    """Stiffness matrix (csr 3N×3N) and mass matrix (csr N×N) of a solid of several materials.
 
-    `regions` (M) is the index in `materials` of each of the M elements.
+    `regions` (M) contains for each of the M elements the index of its material in `materials`. The
+    matrices are those explained in `stiffness_and_mass`.
     """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     blocks = _gradient_products(mesh, pairs)
@@ -320,12 +335,13 @@ def composite_stiffness_and_mass(
 def anisotropic_stiffness_and_mass(
     mesh: VolumeMesh, moduli: Callable[[Array, IntArray], Array], densities: Array
 ) -> tuple[SparseMatrix, SparseMatrix]:
-    """`stiffness_and_mass` of a solid of any linear elastic material.
+    """Stiffness matrix (csr 3N×3N) and mass matrix (csr N×N) of a linear elastic solid.
 
-    `moduli`: function of points (e×Q×3, m) in e elements and of the numbers (e) of these elements.
-    It returns elasticity matrices (e×Q×6×6, Pa) for strains (εxx, εyy, εzz, γyz, γxz, γxy).
-    `densities` (E, kg/m³): one for each element. Raises ComputationError if a matrix is not
-    positive definite.
+    The material may be anisotropic. `moduli` is a function of points (e×Q×3, in m) in e elements
+    and of the numbers (e) of these elements. It returns elasticity matrices (e×Q×6×6, in Pa) for
+    strains (εxx, εyy, εzz, γyz, γxz, γxy). `densities` (E, in kg/m³) contains one density for each
+    element. The matrices are those explained in `stiffness_and_mass`. Raises ComputationError if an
+    elasticity matrix is not positive definite.
     """
     pairs = node_pairs(mesh.cells, len(mesh.nodes))
     cubature = _cubature(mesh.element, _STIFFNESS_DEGREE[mesh.element])
@@ -363,5 +379,5 @@ def anisotropic_stiffness_and_mass(
 
 
 def on_three_components(scalar: SparseMatrix) -> SparseMatrix:
-    """Matrix scalar ⊗ I₃ (csr 3N×3N): a scalar matrix (csr N×N) applied to each of x, y, z."""
+    """Matrix scalar ⊗ I₃ (csr 3N×3N), which applies the matrix `scalar` (csr N×N) to x, y and z."""
     return csr_array(kron(scalar, eye_array(3), format="csr"))

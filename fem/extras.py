@@ -1,4 +1,4 @@
-"""Optional packages of flexproof (extras), and whether they are installed."""
+"""Optional packages of flexproof (extras), and checks that they are installed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

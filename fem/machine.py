@@ -49,15 +49,15 @@ def available_memory() -> int | None:
 
 
 def search_cycles_rarely() -> None:
-    """Reduce how often Python searches this process for cycles of unused objects."""
+    """Reduce how often Python searches this process for unused objects that refer to each other."""
     gc.set_threshold(*_CYCLE_SEARCH)
 
 
 def require_room(needed: int) -> None:
-    """Raise ComputationError if too little memory, too few threads or files are allowed.
+    """Raise ComputationError if the limits on memory, threads or open files are too low.
 
-    `needed` is the memory (bytes), in addition to that of threads. Without these resources,
-    libraries end the process at their start without a message.
+    `needed` (bytes) is the required memory without that of the threads. If the limits are too low,
+    numerical libraries end the process at their start without a message.
     """
     if resource is None:
         return
@@ -77,7 +77,7 @@ def require_room(needed: int) -> None:
 
 
 def _address_space() -> int | None:
-    """Address space (bytes) still available under a limit. None if there is no limit."""
+    """Address space (bytes) that this process may still use. None if it has no limit."""
     if resource is None:
         return None
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
@@ -101,9 +101,10 @@ def threads() -> int:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Context in which BLAS uses one thread, so that results are those of a worker process.
+    """Context in which BLAS uses one thread, as in a worker process.
 
-    The sparse solver keeps its `threads`: the bits of its factors do not depend on them.
+    Results are then equal to the last bit to those of a worker process. The sparse solver still
+    uses several `threads`, because its results do not depend on their number.
     """
     # Imported here because commands do not need it: their environment sets the number of threads.
     from threadpoolctl import threadpool_limits  # noqa: PLC0415

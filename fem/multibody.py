@@ -1,8 +1,8 @@
 """Natural frequencies of a mechanism by EXUDYN, a multibody code, as an independent check.
 
 The model consists of geometrically exact beams, rigid bodies and generic joints. It is unstrained
-in its posture. EXUDYN's linearisation gives the frequencies. J. Gerstmayr, Multibody System
-Dynamics 60 (2024) 617. EXUDYN is an optional extra and imported when it is used.
+in its posture. The frequencies are those of EXUDYN's linearised equations (J. Gerstmayr, Multibody
+System Dynamics 60 (2024) 617). EXUDYN is an optional extra and imported when it is used.
 """
 
 from importlib.metadata import version
@@ -39,7 +39,10 @@ def exudyn_version() -> str:
 
 
 def require_beams(mechanism: Mechanism) -> None:
-    """Raise InputError, one line per fault, for properties not supported by the EXUDYN model."""
+    """Raise InputError if the EXUDYN model does not support a property of the mechanism.
+
+    The error contains one message per unsupported property.
+    """
     faults = [
         f"{name}: the EXUDYN comparison needs a section; this body is a {description}"
         for kind, description in (
@@ -82,17 +85,17 @@ def require_beams(mechanism: Mechanism) -> None:
 
 
 def _is_coupled(leg: ConstantLeg) -> bool:
-    """True if bending is coupled, or if the leg is not of one material with a known outline."""
+    """True for a leg with coupled bending or torsion, of several materials, or without outline."""
     beam, section = leg.properties("euler-bernoulli"), leg.section
     outlined = section.has_outline and section.is_uniform
     return beam.couples_bending or beam.couples_torsion or not outlined
 
 
 def frequencies(posture: Posture, elements: int, count: int) -> Array:
-    """The lowest `count` natural frequencies (Hz), including zeros of idle motions.
+    """The lowest `count` natural frequencies (Hz) of a mechanism, including zeros of idle motions.
 
-    `elements` is the number of beam elements per leg. Raises ExudynMissing, and InputError under
-    the conditions of `require_beams`.
+    `elements` is the number of beam elements per leg. Raises ExudynMissing if EXUDYN is not
+    installed, and InputError as `require_beams` does.
     """
     exudyn_version()
     require_beams(posture.mechanism)
@@ -230,8 +233,9 @@ class _ExudynModel:
 def _joint_axes(joint: Joint, free: Array) -> tuple[Array, list[int], int]:
     """Axes (3×3, columns) of a joint, flags of constrained components, and the driven component.
 
-    `free` (6×r) are the joint's free twists. The six flags are 1 for a constrained component, else
-    0. The driven component is an index from 0 to 5.
+    `free` (6×r) are the joint's free twists. The six flags (x y z φx φy φz, in the axes of the
+    joint) are 1 for a constrained component, otherwise 0. The driven component is an index from 0
+    to 5.
     """
     match joint.kind:
         case "fixed":
@@ -253,7 +257,11 @@ def _joint_axes(joint: Joint, free: Array) -> tuple[Array, list[int], int]:
 
 
 def _with_x(x: Array, across: Array | None = None) -> Array:
-    """Axes (columns) with x along `x` and z along `across`, or along any direction normal to x."""
+    """Axes (3×3, columns) whose x axis is `x` (3).
+
+    The z axis has the direction of `across` (3), which is normal to x. If `across` is None, it is
+    any direction normal to x.
+    """
     z = np.cross(x, np.eye(3)[np.argmin(np.abs(x))]) if across is None else across
     z = z / np.linalg.norm(z)
     return np.column_stack([x, np.cross(z, x), z])
