@@ -3,8 +3,9 @@
 The unknowns x are those of each rigid or pinned interface (`fem.couplings.grips`), followed by
 three displacements of each node that does not belong to a rigid interface. Nodal displacements are
 u = T x, and K̂ = TᵀKT, M̂ = TᵀMT. The displacements of the nodes of a pin are in radial, tangential
-and axial directions. The radial one is determined by the interface; it remains as an unknown with a
-stiffness of its own that is coupled to nothing, so that each node has a block of three.
+and axial directions. The radial one is determined by the unknowns of the interface. It nevertheless
+remains among the unknowns x, so that each node has a block of three: it has a stiffness of its own,
+is not coupled to other unknowns, and does not affect u.
 
 The twist of an interface is qᵢ = Bᵢᵀx for all couplings, with BᵢᵀR̂ = I for the rigid motions R̂
 about its point. The loads Bᵢ are therefore work-conjugate and have exact resultants.
@@ -23,12 +24,13 @@ from lumped.screws import shift
 
 @dataclass(frozen=True, eq=False)
 class CoupledSolid:
-    """A free solid on the unknowns x (n), SI, body axes.
+    """A free solid with m interfaces, on n unknowns x. SI, body axes.
 
     `stiffness` and `mass` are csr n×n. The nodal displacements are u (3N) = `transformation` x.
-    `twists` (n×6m) contains the columns Bᵢ, `motions` (n×6) the unknowns x in rigid motions about
-    the point of the first interface. `points` (k×3, in m) are those of the interfaces, `places`
-    (N'×3, in m) the positions of the nodes whose displacements are the last unknowns, three each.
+    `twists` (n×6m) contains the matrices Bᵢ, so that Bᵢᵀx is the twist of interface i. `motions`
+    (n×6) are the unknowns x in rigid motions about the point of the first interface. `points` (m×3,
+    in m) are the reference points of the interfaces. The last unknowns are the displacements of N'
+    nodes, three each, and `places` (N'×3, in m) are the positions of these nodes.
     """
 
     stiffness: SparseMatrix
@@ -50,7 +52,7 @@ def coupled_solid(
 ) -> CoupledSolid:
     """Couple the matrices (csr 3N×3N) of a solid on `nodes` (N×3, in m) to its interfaces.
 
-    No two of the `grips` may have nodes in common.
+    `grips` are the faces and couplings of the interfaces. No two of them may have nodes in common.
     """
     numbering = _Numbering(nodes, grips)
     motions = numbering.motions()
@@ -143,9 +145,9 @@ class _Numbering:
         return csr_array((blocks.ravel(), places), shape=(3 * len(self.nodes),) * 2)
 
     def _dependent(self) -> SparseMatrix:
-        """Matrix E (csc 3N×own) from the unknowns of interfaces to displacements they determine.
+        """Matrix E (csc 3N×own) from the interfaces' unknowns to the displacements they determine.
 
-        The displacements of nodes of pins are in the local axes of the pin.
+        The displacements of nodes of a pin are in its local axes.
         """
         rows, columns, entries = [], [], []
         for grip, first in zip(self.grips, self.first, strict=False):
@@ -171,7 +173,8 @@ class _Numbering:
     def reduced(self, matrix: SparseMatrix, held: float) -> SparseMatrix:
         """Symmetric `matrix` (csr 3N×3N) of the nodes, transformed to the n unknowns of the solid.
 
-        `held` is the diagonal entry for each dependent displacement, which remains an unknown.
+        The radial displacements of the nodes of pins, which depend on other unknowns, remain
+        unknowns. `held` is their diagonal entry.
         """
         if self.turned is not None:
             matrix = csr_array(self.turned.T @ matrix @ self.turned)
@@ -228,9 +231,10 @@ class _Numbering:
         return np.vstack([*interface_motions, inner])
 
     def twist(self, index: int, motions: Array) -> Array:
-        """Loads (n×6) on the unknowns x that are unit wrenches at interface `index`.
+        """Loads (n×6) on the unknowns x that are unit wrenches at interface number `index`.
 
-        The transpose maps x to the twist of the interface. `motions` are the rigid motions R̂.
+        Their transpose maps x to the twist of the interface. `motions` (n×6) are the rigid motions
+        R̂.
         """
         grip = self.grips[index]
         rows = np.zeros((6, self.own + len(self.inner)))

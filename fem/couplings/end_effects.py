@@ -1,18 +1,18 @@
 """Effect of rigid end faces on the compliance of a prism (Saint-Venant's end effects).
 
 The solution is exact along x. On the mesh of the section, a prism satisfies E₀u″ + Gu′ − E₂u = 0
-(semi-analytical finite elements, with the 3N displacements u of a section). Its solutions are
-twelve polynomials, namely rigid motions and Saint-Venant's states of tension, torsion, bending and
-flexure, and fields e^{∓γx} that decay from either end (R. A. Toupin, Arch. Rat. Mech. Anal. 18
-(1965) 83; those of a strip are Papkovich's and Fadle's, γc = 2.106 + 1.125i with half its height
-c). At a face that stays plane and rigid the decaying fields occur as well: the face prevents
-warping by torque and shear and, if ν > 0, contraction by tension and bending.
+(semi-analytical finite elements, with the 3N displacements u of a section). Twelve solutions are
+polynomials: rigid motions, and Saint-Venant's states of tension, torsion, bending and flexure. The
+others are fields e^{∓γx} that decay from either end (R. A. Toupin, Arch. Rat. Mech. Anal. 18 (1965)
+83). In a strip, these are the solutions of Papkovich and Fadle, with γc = 2.106 + 1.125i for half
+its height c. At a face that stays plane and rigid the decaying fields occur as well: the face
+prevents warping by torque and shear and, if ν > 0, contraction by tension and bending.
 
 The decaying fields v have no resultant, and v = −w + a rigid motion on both faces, where w is the
-warping of a state of unit wrench. By Betti's theorem the compliance changes by ∮ fᵢᵀvⱼ = −∮ vᵢᵀtⱼ,
-with the tractions f of that state and t of v: twice the negative strain energy of v. Neither form
-is a difference of compliances of the whole length. The second one is used. The first one equals it
-only if v has not lost digits, which is checked.
+warping of the state of a unit wrench. With the tractions f of this state and t of v, Betti's
+theorem gives two forms of the change of compliance, ∮ fᵢᵀvⱼ = −∮ vᵢᵀtⱼ: it is twice the negative
+strain energy of v. Neither form is a difference of compliances of the whole length. The second form
+is used. The first form equals it only if v has not lost digits, which is checked.
 """
 
 from collections.abc import Callable
@@ -38,11 +38,11 @@ _LOST = 1e-4
 def restrained_compliance(mesh: SectionMesh, material: Material | Moduli, length: float) -> Array:
     """Change (6×6, SI, leg axes, at the tip) of a prism's tip compliance due to rigid end faces.
 
-    It is the tip compliance with plane, rigid faces at root and tip minus that with Saint-Venant's
-    tractions on both, with tip displacements work conjugate to the loads. It is negative
-    semidefinite, and exact in x for any length, so that both ends may interact. Raises
-    ComputationError if round-off dominates, because the moduli, or the wall thickness and the
-    sides, differ by too much.
+    It is the tip compliance with plane, rigid faces at root and tip minus the tip compliance with
+    Saint-Venant's tractions on both faces. Tip displacements are work conjugate to the loads. The
+    change is negative semidefinite. It is exact in x for any `length` (m), so that the effects of
+    both ends may overlap. Raises ComputationError if round-off dominates, because the moduli, or
+    the wall thickness and the sides, differ by too much.
     """
     change = np.zeros((6, 6))
     for fields in section_fields(mesh, material):
@@ -51,10 +51,10 @@ def restrained_compliance(mesh: SectionMesh, material: Material | Moduli, length
 
 
 class _Squares:
-    """Solutions of L z = r and Lᵀy = r with L = [C 0; Bᵀ F] of `SectionFields.squares_problem`.
+    """Solver of L z = r and Lᵀy = r with L = [C 0; Bᵀ F] of `SectionFields.squares_problem`.
 
-    The null space of C and F consists of the unstrained rigid motions. Loads must have no resultant
-    along them.
+    The null spaces of C and F contain the rigid motions without strain. A load r must therefore do
+    no work on these motions.
     """
 
     def __init__(self, fields: SectionFields) -> None:
@@ -81,9 +81,10 @@ class _Squares:
         """Generalised eigenvectors for γ² = 0 of L z = γ² R z, and those of the transposed problem.
 
         The first array contains z₀ with L z₀ = 0 and, for deflections only, z₁ with L z₁ = R z₀.
-        The second array contains y of the transposed problem. A solution z₁ exists if R z₀ is
-        orthogonal to all y₀. Tension and torsion, for which there is none, are therefore removed
-        from the deflections.
+        The second array contains the corresponding y₀ and y₁ of the transposed problem. A solution
+        z₁ exists only if R z₀ is orthogonal to all y₀. Tension and torsion have no z₁. They are
+        therefore subtracted from the deflections such that R z₀ of each deflection is orthogonal to
+        their y₀.
         """
         rigid, p = fields.unstrained, self.axial
         solutions, adjoint_solutions = rigid.copy(), rigid.copy()
@@ -119,10 +120,10 @@ def _solver(block: Array, rigid: Array) -> Callable[[Array], Array]:
 def _decays(fields: SectionFields) -> tuple[Array, Array]:
     """Rates γ (k, Re γ > 0) and shapes (n×k) of the fields e^{γ(x − L)}, which decay from the tip.
 
-    The shapes for e^{−γx}, which decay from the root, have the opposite sign of u_x. Rates are
-    computed from 1/γ² in the space without the generalised eigenvectors of γ² = 0: for walls of
-    thickness t and a side b, the smallest γ² is at most (t/b)² times the largest, and must not lose
-    its digits.
+    The shapes of e^{−γx}, which decay from the root, have the opposite sign of u_x. Rates are
+    computed from the eigenvalues 1/γ² in the space without the generalised eigenvectors of γ² = 0.
+    For walls of thickness t and a side b, the smallest γ² is at most (t/b)² times the largest. As
+    the inverse of the largest 1/γ² it does not lose its digits.
     """
     squares = _Squares(fields)
     chain, adjoint = squares.zeros(fields)
@@ -144,7 +145,7 @@ def _decays(fields: SectionFields) -> tuple[Array, Array]:
 
 
 def _change(fields: SectionFields, length: float) -> Array:
-    """Change of compliance (m×m) due to rigid end faces, for the fields of one symmetry.
+    """Change of compliance (m×m) due to rigid end faces, for the m wrenches of one symmetry.
 
     The reference is the compliance with Saint-Venant's tractions on the faces.
     """

@@ -1,11 +1,14 @@
 """Couplings of faces of a solid to an interface: rigid, averaged, pin, or Saint-Venant's tractions.
 
-- rigid: u = R q on the faces, which move as one body with the twist q of the interface.
+u are the displacements of the nodes of the faces, q is the twist of the interface, and R are the
+displacements of the nodes in the six rigid motions.
+
+- rigid: u = R q on the faces, which move as one body with the interface.
 - average: q = (RᵀWR)⁻¹RᵀWu with the consistent area weights W of the faces (∫N_a N_b dA). A wrench
   is distributed to the nodes by the transpose. The faces can deform freely.
 - pin: each point of a bore moves radially with q and can slide along and about the axis. The
-  remaining two components of q are the mean motions of the bore. Freedom of a joint along and about
-  the axis is part of the joint, not of the coupling.
+  remaining two components of q are the mean motions of the bore along and about the axis. If the
+  joint is free along or about the axis, this is specified in the joint, not in the coupling.
 - saint-venant: q = Bᵀu with the nodal loads B of Saint-Venant's tractions for unit wrenches, BᵀR =
   I. This is an end of a prism that is free to warp and to contract.
 """
@@ -53,10 +56,10 @@ def rigid_motions(points: Array, reference: Array) -> Array:
 class Grip:
     """Faces of a solid and their coupling to one interface.
 
-    `facets` are the facets of the faces on the nodes of the solid, `point` (3, in m) is the
-    reference point. `axis` (unit vector) and `on_axis` (3, in m) are the axis of a bore and a point
-    on it; None if there is no bore. `tractions` (3n×6) are Saint-Venant's nodal loads for this
-    coupling.
+    `kind` is the kind of coupling. `facets` are the facets of the faces, with node numbers of the
+    solid, and `point` (3, in m) is the reference point. `axis` (unit vector) is the axis of a bore,
+    and `on_axis` (3, in m) is a point on this axis. Both are None if the faces are no bore.
+    `tractions` (3n×6) are Saint-Venant's nodal loads. None except for the kind "saint-venant".
     """
 
     kind: Kind
@@ -73,10 +76,11 @@ class Grip:
 
     @property
     def own(self) -> Array:
-        """Matrix (k×6) from the twist of the interface to the k unknowns of the interface.
+        """Matrix (k×6) from the twist of the interface to its k unknowns.
 
-        The unknowns of a rigid interface are the twist itself. Those of a pin are translations and
-        rotations perpendicular to the axis of the bore, at a point on the axis.
+        The unknowns of a rigid interface are its twist. The unknowns of a pin are translations and
+        rotations perpendicular to the axis of the bore, at a point on the axis. Other interfaces
+        have none.
         """
         if self.kind != "pin":
             return np.eye(OWN[self.kind], 6)
@@ -97,7 +101,10 @@ class Grip:
         return self.axis
 
     def local_axes(self, nodes: Array) -> Array:
-        """Radial, tangential and axial unit vectors (n×3×3, columns) at the nodes of a pin."""
+        """Radial, tangential and axial unit vectors (n×3×3, columns) at the nodes of a pin.
+
+        `nodes` (N×3, in m) are those of the solid, as in the other methods.
+        """
         offsets = nodes[self.nodes] - self.centre
         offsets = offsets - np.outer(offsets @ self.bore_axis, self.bore_axis)
         radial = offsets / np.linalg.norm(offsets, axis=1)[:, None]
@@ -109,7 +116,11 @@ class Grip:
         return rigid_motions(nodes[self.nodes], self.point)
 
     def loads(self, nodes: Array) -> Array:
-        """Nodal loads (3n×6) of six independent wrenches on faces that can deform freely."""
+        """Nodal loads (3n×6) with six independent resultants on faces that can deform freely.
+
+        They are the tractions if there are any, otherwise uniform and linear loads on the area. In
+        general their resultants are not unit wrenches.
+        """
         if self.tractions is not None:
             return self.tractions
         count = len(self.nodes)
@@ -146,11 +157,11 @@ def area_weights(nodes: Array, facets: Facets) -> SparseMatrix:
 
 
 def saint_venant_loads(face: EndFace, points: Array, reference: Array, material: Material) -> Array:
-    """Consistent nodal loads (3n×6) of unit wrenches at `reference` (3, in m) on an end face.
+    """Consistent nodal loads B (3n×6) of unit wrenches at `reference` (3, in m) on an end face.
 
     The tractions are those of Saint-Venant's solution: uniform for Fx, flexural shear for Fy and
     Fz, torsional shear for Mx, linear σxx for My and Mz. `points` (n×3, in m) are the nodes of the
-    face in the order of `face.nodes`. BᵀR = I to round-off for the rigid motions R.
+    face in the order of `face.nodes`. BᵀR = I to round-off for the rigid motions R of the nodes.
     """
     ratio = poisson_shear_ratio(material.nu, material.G / material.E)
     section = saint_venant(face.mesh, ratio)

@@ -1,11 +1,12 @@
 """Displacement fields of a prism on the mesh of its section, for each symmetry separately.
 
-They satisfy E₀u″ + Gu′ − E₂u + ω²Mu = 0 (semi-analytical finite elements), with the 3N
-displacements u of a section and the derivative ′ along the prism. G couples axial (p) with in-plane
-(q) displacements only, G = [0 B; −Bᵀ 0], E₀ = [A 0; 0 D] and E₂ − ω²M = [C 0; 0 F]. With p′ = γp,
-the squares of the exponents in e^{γx} are therefore the eigenvalues of a problem of size 3N, [C 0;
-Bᵀ F] (p′, q) = γ² [A B; 0 D] (p′, q). In a wall of inclined fibres, p and q are the fields that are
-odd and even under half a turn about y (`fem.sections.reversal`), and the same follows.
+The fields satisfy E₀u″ + Gu′ − E₂u + ω²Mu = 0 (semi-analytical finite elements), with the 3N
+displacements u of a section and the derivative ′ along the prism. They are u(x) = u(0) e^{γx}.
+Axial displacements p and in-plane displacements q are coupled by G only: G = [0 B; −Bᵀ 0], E₀ = [A
+0; 0 D] and E₂ − ω²M = [C 0; 0 F]. With p′ = γp, the squares γ² are therefore the eigenvalues of a
+problem of size 3N, [C 0; Bᵀ F] (p′, q) = γ² [A B; 0 D] (p′, q). In a wall of inclined fibres, p and
+q are the fields that are odd and even under half a turn about y (`fem.sections.reversal`). The same
+equations follow.
 
 For sections symmetric about y and z this is split into four problems of a quarter of the size:
 tension, torsion, bending z and bending y. With one axis of symmetry there are two: tension with
@@ -37,8 +38,8 @@ _SAME_VALUE = 1e-5
 class _Class:
     """Fields of one symmetry in a section that is symmetric about y and z.
 
-    `parity` contains the signs of u_x under y → −y and z → −z, `twists` the indices (x y z φx φy
-    φz) of the rigid motions with this symmetry.
+    `name` is the kind of deformation. `parity` contains the signs of u_x under y → −y and z → −z.
+    `twists` are the indices, in the order x y z φx φy φz, of the rigid motions with this symmetry.
     """
 
     name: str
@@ -59,12 +60,13 @@ _UNSTRAINED, _DEFLECTIONS = (0, 1, 2, 3), (1, 2)
 
 @dataclass(frozen=True, eq=False)
 class SectionFields:
-    """Matrices (n×n) of one symmetry, with ∫ ε·σ dA = u′E₀u′ + 2u′E₁u + uE₂u.
+    """Matrices (n×n) of the prism for fields of one symmetry.
 
-    The first `axial` unknowns are u_x, or the odd fields if fibres are inclined. `mass` is the mass
-    matrix per length. `rigid` (n×m) are the rigid motions about the centroid of a section that have
-    this symmetry, `twists` their indices.
-    `name` describes the kinds of deformation.
+    With the derivative u′ along the prism, ∫ ε·σ dA = u′E₀u′ + 2u′E₁u + uE₂u. `name` is the kind of
+    deformation, or the kinds if several are coupled. The first `axial` unknowns are u_x, or the odd
+    fields if fibres are inclined. `mass` is the mass matrix per length. `rigid` (n×m) are the rigid
+    motions of a section, about its centroid, that have this symmetry. `twists` (m) are their
+    indices in the order x y z φx φy φz.
     """
 
     name: str
@@ -78,12 +80,15 @@ class SectionFields:
 
     @property
     def chain(self) -> int:
-        """Largest number of coupled solutions for γ² = 0: 2 if there are deflections, else 1."""
+        """Length of the longest chain of generalised eigenvectors for γ² = 0.
+
+        It is 2 if there are deflections (a translation, then bending), otherwise 1.
+        """
         return 2 if any(twist in _DEFLECTIONS for twist in self.twists) else 1
 
     @property
     def unstrained(self) -> Array:
-        """Rigid motions (n×k) that cause no strain if they are constant along the prism."""
+        """Rigid motions (n×k) that cause no strain if they are the same in all sections."""
         return self.rigid[:, [twist in _UNSTRAINED for twist in self.twists]]
 
     @property
@@ -99,7 +104,7 @@ class SectionFields:
     def squares_problem(self, omega: float = 0.0) -> tuple[Array, Array]:
         """Matrices L and R (n×n) of the eigenvalue problem L (p′, q) = γ² R (p′, q).
 
-        `omega` is the angular frequency (rad/s).
+        It is explained at the head of the module. `omega` is the angular frequency (rad/s).
         """
         p = self.axial
         left, right = self.E2 - omega**2 * self.mass, self.E0.copy()
@@ -110,10 +115,11 @@ class SectionFields:
 
 @dataclass(frozen=True, eq=False)
 class SectionState:
-    """Displacement fields (n×m) of the polynomial solutions at one section of the prism.
+    """Saint-Venant's states (m) at one section of a prism.
 
-    `warping` are the fields without the rigid motion of the section. `forces` are the nodal forces
-    on the section, E₀u′ + E₁u.
+    These are the solutions that are polynomials in x. `fields` (n×m) are their displacements,
+    `warping` (n×m) their displacements without the rigid motion of the section. `forces` (n×m) are
+    the nodal forces on the section, E₀u′ + E₁u.
     """
 
     fields: Array
@@ -125,9 +131,10 @@ def section_fields(mesh: SectionMesh, material: Material | Moduli) -> list[Secti
     """Fields of a section for each symmetry of its mesh and of its moduli.
 
     With two axes of symmetry these are "tension", "torsion", "bending y" and "bending z". With less
-    symmetry the kinds of deformation that are coupled form one entry. Rigid motions are about the
-    centroid, in a section of several materials about the origin of its mesh. Planes normal to the
-    prism must be planes of symmetry of its materials, or `material.inclined` True.
+    symmetry, the kinds of deformation that are coupled form one entry. Rigid motions are about the
+    centroid or, in a section of several materials, about the origin of its mesh. Planes normal to
+    the prism must be planes of symmetry of its materials. Otherwise `material.inclined` must be
+    True.
     """
     quad = section_quadrature(mesh)
     if isinstance(material, Moduli):
@@ -160,10 +167,11 @@ def section_fields(mesh: SectionMesh, material: Material | Moduli) -> list[Secti
 def _symmetries(
     nodes: Array, material: Material | Moduli, matrices: Sequence[Array]
 ) -> list[tuple[tuple[int, ...], IntArray]]:
-    """Symmetries of a section: axes (0 for y, 1 for z) that are reversed, and images of its nodes.
+    """Symmetries of a section, each as a pair of reversed axes and images of the nodes.
 
-    They are reversals of y and of z, or of both at once if fibres are inclined. The nodes may be
-    symmetric although the materials are not; `matrices` (3N×3N) must be, too.
+    The axes are 0 for y, 1 for z, or both if fibres are inclined. The images (N) are indices of
+    nodes. The nodes may be symmetric although the materials are not. For several materials,
+    `matrices` (3N×3N) must therefore be symmetric, too.
     """
     inclined = isinstance(material, Moduli) and material.inclined
     symmetries: list[tuple[tuple[int, ...], IntArray]] = []
@@ -177,7 +185,10 @@ def _symmetries(
 
 
 def _coupled_kinds(reversed_axes: Sequence[tuple[int, ...]]) -> list[list[_Class]]:
-    """Groups of kinds of deformation that have the same signs under reversal of the given axes."""
+    """Groups of kinds of deformation that are coupled in a section.
+
+    These have the same signs under the reversals in `reversed_axes`, the symmetries of the section.
+    """
     groups: dict[tuple[float, ...], list[_Class]] = {}
     for kind in _CLASSES:
         signs = tuple(_signs(axes, kind.parity)[0] for axes in reversed_axes)
@@ -188,14 +199,18 @@ def _coupled_kinds(reversed_axes: Sequence[tuple[int, ...]]) -> list[list[_Class
 def _signs(axes: Sequence[int], parity: tuple[int, int]) -> list[float]:
     """Signs of u_x, u_y and u_z at the image of a node under the reversal of `axes`.
 
-    u_y has the opposite parity of u_x under y → −y, and u_z under z → −z.
+    The axes are 0 for y and 1 for z. `parity` contains the signs of u_x under y → −y and z → −z.
+    Under y → −y, u_y has the opposite sign of u_x. Under z → −z, u_z has.
     """
     along = float(np.prod([parity[axis] for axis in axes]))
     return [along, *(-along if axis in axes else along for axis in (0, 1))]
 
 
 def _is_mirrored(matrices: Sequence[Array], axes: Sequence[int], images: IntArray) -> bool:
-    """True if matrices (3N×3N) do not change as y (0) or z (1), or both, are reversed (`axes`)."""
+    """True if matrices (3N×3N) do not change if `axes` (0 for y, 1 for z) are reversed.
+
+    `images` (N) contains the index of the node at the image of each node.
+    """
     signs = np.tile(_signs(axes, (1, 1)), len(images))
     places = (3 * images[:, None] + np.arange(3)).ravel()
     return all(
@@ -206,11 +221,12 @@ def _is_mirrored(matrices: Sequence[Array], axes: Sequence[int], images: IntArra
 
 
 def _polynomial(fields: SectionFields, unstrained: int, degree: int) -> list[Array]:
-    """Coefficients a_k (n) of x^k/k! in a Saint-Venant state, the lowest first.
+    """Coefficients a_k (n each) of x^k/k! in a Saint-Venant state, the lowest first.
 
-    They are computed downwards from the highest one, the unstrained rigid motion with index
-    `unstrained`: E₂a_k = E₀a_{k+2} + Ga_{k+1}. The mean motion of each a_k, weighted with the
-    moduli, is zero: sections rotate about the centroid, so that flexure has no axial force.
+    They are computed from the highest to the lowest: E₂a_k = E₀a_{k+2} + Ga_{k+1}. The highest is
+    the rigid motion with index `unstrained` among those without strain, and `degree` is its k. The
+    mean motion of each lower a_k, weighted with the moduli, is zero: sections rotate about the
+    centroid, so that flexure has no axial force.
     """
     null = fields.unstrained
     count = null.shape[1]

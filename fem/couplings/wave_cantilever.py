@@ -1,9 +1,11 @@
 """Frequencies of a prismatic cantilever by waves of 3-D elasticity, with ends free to warp.
 
-They are computed from the section alone and are exact along the leg. The beam of Saint-Venant's
-states is Timoshenko's beam. The waves on the section's mesh (`prism_waves`) also contract, warp by
-shear and bend the walls. Their tractions on the end faces differ from Saint-Venant's, which are the
-boundary condition, so that all other fields e^{γx} of the section are excited, too: a section
+The frequencies are computed from the section alone and are exact along the leg. Three models of the
+same section are compared. In the first, sections move as in Saint-Venant's states: this is
+Timoshenko's beam. In the second (`prism_waves`), waves on the section's mesh replace those of the
+beam. In them the section also contracts, warps by shear, and its walls bend. The tractions of these
+waves on the end faces differ from Saint-Venant's, which are the boundary condition. In the third,
+all other fields e^{γx} of the section are therefore added, which satisfy this condition: a section
 distorts at a free end. The ratio of the frequencies with and without these effects applies to any
 beam theory with the same section constants.
 """
@@ -41,7 +43,7 @@ def cut_off(kind: PrismWaves) -> float:
     """Lowest frequency (Hz) of a mode in which all sections of the leg distort or shear in phase.
 
     Only modes with the symmetry of `kind` are considered. Below this frequency a single wave of
-    this kind travels, that of a beam.
+    this kind travels along the leg: the wave of a beam.
     """
     # The first eigenvalue is the rigid motion: tension, torsion or the translation of bending.
     squares = eigh(kind.fields.E2, kind.fields.mass, subset_by_index=[1, 1], eigvals_only=True)
@@ -53,12 +55,12 @@ def wave_frequency(kind: PrismWaves, length: float, order: int, near: float) -> 
 
     It is computed from the waves of one `kind`, with Saint-Venant's resultants at the ends. `near`
     (Hz) is an estimate. Raises ComputationError if a wave does not resemble that of a beam, or if
-    the frequency is far from `near`.
+    no frequency is found near the estimate.
     """
     start = 2.0 * np.pi * near
 
     def eigenvalue(omega: float) -> float:
-        """Eigenvalue `order` of the dynamic stiffness, zero at the natural frequency.
+        """Eigenvalue number `order` of the dynamic stiffness. It is zero at the natural frequency.
 
         It decreases with ω, except where a piece resonates with its ends fixed.
         """
@@ -100,7 +102,8 @@ def beam_frequency(kind: PrismWaves, length: float, order: int) -> float:
 def saint_venant_beam(kind: PrismWaves) -> PrismWaves:
     """Beam with the inertia of the section and the stiffness of its Saint-Venant states.
 
-    The unknowns of bending are θ (axial) and w, with ∫ε·σ dA = EI θ′² + κGA (w′ ∓ θ)².
+    The unknowns of bending are the rotation θ (in place of axial displacements) and the deflection
+    w, with ∫ε·σ dA = EI θ′² + κGA (w′ ∓ θ)². The sign is − in bending z and + in bending y.
     """
     fields = kind.fields
     inertia = np.diag(fields.rigid.T @ fields.mass @ fields.rigid)
@@ -131,7 +134,7 @@ def saint_venant_beam(kind: PrismWaves) -> PrismWaves:
 def _shear_stiffness(kind: PrismWaves) -> float:
     """Shear stiffness κGA (N) from the tip compliance L³/(3EI) + L/(κGA) of a short cantilever.
 
-    Its length L is the radius of gyration of the section.
+    The length L of this cantilever is the radius of gyration of the section.
     """
     fields = kind.fields
     inertia = np.diag(fields.rigid.T @ fields.mass @ fields.rigid)
@@ -144,10 +147,11 @@ def _shear_stiffness(kind: PrismWaves) -> float:
 
 
 def _cantilever(kind: PrismWaves, length: float, omega: float) -> Array:
-    """Dynamic stiffness of the clamped–free prism on the motions at the ends of all pieces.
+    """Dynamic stiffness of the clamped–free prism, divided into pieces, at `omega` (rad/s).
 
-    Translations are in units of the length of a piece, so that signs of eigenvalues do not depend
-    on units.
+    The unknowns are the motions at the ends of all pieces except the root. Translations are in
+    units of the length of a piece, so that signs of eigenvalues do not depend on the unit of
+    length.
     """
     pieces = int(length * kind.wave_number(omega) / _PHASE) + 1
     piece = length / pieces
@@ -166,10 +170,10 @@ def _cantilever(kind: PrismWaves, length: float, omega: float) -> Array:
 def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
     """Natural frequency (Hz) of a cantilever of `length` (m), from all fields of its section.
 
-    Saint-Venant's tractions act on the root, whose mean motion is zero, and no tractions on the
-    tip. `near` (Hz) is an estimate. The boundary conditions have a solution where the implicit
-    determinant is zero (A. Spence, C. Poulton, J. Comput. Phys. 204 (2005) 65). Raises
-    ComputationError if there is none near the estimate.
+    At the root, the mean motion is zero and Saint-Venant's tractions act. At the tip there are no
+    tractions. At a natural frequency these boundary conditions have a solution, and the implicit
+    determinant is zero (A. Spence, C. Poulton, J. Comput. Phys. 204 (2005) 65). `near` (Hz) is an
+    estimate. Raises ComputationError if there is no such frequency near it.
     """
     first = 2.0 * np.pi * near
     boundary = _boundary(kind, length, first)
@@ -194,7 +198,7 @@ def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
 def _unbalanced_forces(matrix: Array) -> Array:
     """Unit column (n×1) that is nearly a left null vector of the nearly singular `matrix` (n×n).
 
-    It is the result of two steps of inverse iteration with `matrix` and its adjoint.
+    It is computed by inverse iteration. Each step solves with `matrix` and with its adjoint.
     """
     factor = lu_factor(matrix)
     forces = np.linspace(1.0, 2.0, len(matrix)).astype(complex)
@@ -205,9 +209,10 @@ def _unbalanced_forces(matrix: Array) -> Array:
 
 
 def _implicit_determinant(matrix: Array, tip: Array, forces: Array) -> complex:
-    """Multiple of `forces` that balances the boundary conditions for a unit motion of the tip.
+    """Factor on the column `forces` that balances the boundary conditions.
 
-    It is zero at a natural frequency. `matrix` and `tip` are the results of `_boundary`.
+    The motion of the tip is 1. The factor is zero at a natural frequency. `matrix` and `tip` are
+    the results of `_boundary`.
     """
     bordered = np.block([[matrix, forces], [tip[None], np.zeros((1, 1))]])
     unit = np.zeros(len(bordered), complex)
@@ -218,8 +223,9 @@ def _implicit_determinant(matrix: Array, tip: Array, forces: Array) -> complex:
 def _boundary(kind: PrismWaves, length: float, omega: float) -> tuple[Array, Array]:
     """Matrix of the boundary conditions on a cantilever, and the row that gives its tip motion.
 
-    The normalised columns belong to the amplitudes of all fields and to the wrench on the root. The
-    tip motion (m or rad) is the one on which the first unit wrench of this kind does work.
+    Each column belongs to the amplitude of a field or to a component of the wrench on the root.
+    Columns are normalised. The tip motion (m or rad) is the one on which the first unit wrench of
+    this `kind` does work. `omega` is the angular frequency (rad/s).
     """
     fields, tractions = kind.fields, kind.tractions
     left, right = fields.squares_problem(omega)

@@ -1,12 +1,13 @@
 """Dynamic stiffness of a prism by waves of 3-D elasticity.
 
 At an angular frequency ω a beam moves in twelve fields e^{γx}: one wave of tension, one of torsion,
-and two of bending in either plane (one travels, one decays), each in both directions. Among the
-fields of a prism on its section's mesh (`fem.couplings.section_fields`), those that move the
-section as a whole correspond to them. The difference between both dynamic stiffnesses is the part
-that beam theory neglects between ends that are free to warp: contraction by Poisson's ratio,
-warping by shear along the wave, and walls that bend under their own inertia. The ends have
-Saint-Venant's tractions and the motions conjugate to these.
+and two of bending in either plane (one travels, one decays), each in both directions. A prism on
+the mesh of its section has many more fields (`fem.couplings.section_fields`). Twelve of them move
+the section as a whole and correspond to those of the beam. The difference between the dynamic
+stiffness of the prism with these fields and that of the beam is the part that beam theory neglects
+between ends that are free to warp: contraction by Poisson's ratio, warping by shear along the wave,
+and walls that bend under their own inertia. At the ends, Saint-Venant's tractions act. The motions
+of the ends are those conjugate to these tractions.
 """
 
 from dataclasses import dataclass
@@ -33,10 +34,10 @@ _CONVERGED = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class PrismWaves:
-    """Waves of tension, of torsion, or of bending in one plane.
+    """Waves of one kind in a prism: of tension, of torsion, or of bending in one plane.
 
-    `tractions` (n×m) are nodal forces of unit wrenches on a section. `rigidity` is EA (N), GJ or EI
-    (N m²).
+    `fields` are the displacement fields of this kind. `tractions` (n×m) are nodal forces of unit
+    wrenches on a section. `rigidity` is EA (N), GJ or EI (N m²).
     """
 
     fields: SectionFields
@@ -106,10 +107,12 @@ def _stiffness(kind: PrismWaves, length: float, omega: float) -> Array:
 
 
 def beam_wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array]:
-    """γ² and shape (p′, q; see `SectionFields`) of the wave that resembles that of a slender beam.
+    """Value of γ² and shape of the wave in a prism that resembles the wave of a slender beam.
 
-    `sign` is that of γ²: −1 for the travelling wave, 1 for the decaying one. Inverse iteration is
-    started from the beam, γ⁴ = ω²μ/EI or γ² = −ω²μ/EA, with a plane section.
+    The shape is (p′, q), see `SectionFields`. `sign` is the sign of γ²: −1 for the travelling wave,
+    1 for the decaying one. `omega` is the angular frequency (rad/s). Inverse iteration starts from
+    the wave of the beam, γ⁴ = ω²μ/EI or γ² = −ω²μ/EA, with a plane section. Raises ComputationError
+    if it finds no such wave.
     """
     fields = kind.fields
     rigid = fields.rigid[:, 0]
