@@ -1,11 +1,12 @@
 """Modes of a body by block Lanczos, and a count of eigenvalues that proves that none is missing.
 
-With the flexibility A of the body, A M φ = φ/λ, where A M is symmetric in the inner product of M.
-Blocks of vectors have two advantages: the factor is read once for all of them, and repeated modes
-are found. Lanczos cannot detect missing modes. The number of negative eigenvalues of K − σM, on
-displacements without motion of the fixed interfaces and with σ at the cut-off, equals the number of
-modes below the cut-off (Sylvester). If it exceeds the number of modes found, the missing ones are
-searched with the flexibility A − Φ Λ⁻¹ Φᵀ, which has only the other modes.
+With the flexibility A of the body, its modes φ satisfy A M φ = φ/λ. The matrix A M is symmetric in
+the inner product of M. Blocks of vectors have two advantages: the factor is read once for all of
+them, and repeated modes are found. Lanczos cannot detect missing modes. The number of negative
+eigenvalues of K − σM, on displacements without motion of the fixed interfaces and with σ at the
+cut-off, equals the number of modes below the cut-off (Sylvester). If this number exceeds the number
+of modes found, the missing ones are searched with the flexibility A − Φ Λ⁻¹ Φᵀ, which does not
+contain the modes Φ found so far.
 """
 
 from dataclasses import dataclass, replace
@@ -42,8 +43,8 @@ _TOO_NEAR = 1e-6
 class CountedModes(Modes):
     """All modes of a body below `cutoff` (Hz), and possibly some slightly above it.
 
-    `counted` is the number of modes below the cut-off by a count of eigenvalues, equal to the
-    number found. None if they were not counted.
+    `counted` is the number of modes below the cut-off by a count of eigenvalues. It equals the
+    number of modes found. None if eigenvalues were not counted.
     """
 
     cutoff: float
@@ -62,10 +63,11 @@ def _without(body: VibratingBody, excluded: Modes) -> VibratingBody:
 
 
 def counted_modes(body: VibratingBody, cutoff: float) -> CountedModes:
-    """All modes of a body below `cutoff` (Hz), with a count if the body supports it.
+    """All modes of a body below `cutoff` (Hz), with a count of eigenvalues if the body supports it.
 
-    Raises ComputationError if no factor for the count fits the memory, or if the count differs from
-    the number of modes that can be found.
+    The cut-off of the result may be slightly lower if a mode lies near it. Raises ComputationError
+    if no factor for the count fits the memory, or if the count differs from the number of modes
+    found in repeated searches.
     """
     body.require_count()
     modes = interface_modes(body, cutoff)
@@ -112,7 +114,7 @@ def _joined(first: Modes, second: Modes) -> Modes:
 def interface_modes(body: VibratingBody, cutoff: float, search: int = 0) -> Modes:
     """All modes below `cutoff` (Hz), without rigid motions. Shapes (n×m) have unit modal mass.
 
-    `search` is the number of the search: each starts from different random vectors. Raises
+    `search` is the number of the search, which starts from random vectors of its own. Raises
     ComputationError if there are too many modes.
     """
     modes = None if body.size <= _DENSE_SIZE else _modes_below(body, cutoff, _SEED + search)
@@ -123,7 +125,11 @@ def interface_modes(body: VibratingBody, cutoff: float, search: int = 0) -> Mode
 
 
 def _modes_below(body: VibratingBody, cutoff: float, seed: int) -> Modes | None:
-    """All modes below `cutoff` (Hz), by Lanczos. None if they are a large part of all modes."""
+    """Modes below `cutoff` (Hz), by Lanczos. None if a small body has too many of them.
+
+    Dense matrices can then be used. `seed` is that of the random vectors. Raises ComputationError
+    if a large body has too many modes below the cut-off.
+    """
     # Random vectors contain modes of every symmetry. Lanczos cannot find modes that its start
     # lacks.
     start = np.random.default_rng(seed).standard_normal((body.size, _BLOCK))
@@ -144,7 +150,10 @@ def _modes_below(body: VibratingBody, cutoff: float, seed: int) -> Modes | None:
 
 
 def _all_modes(body: VibratingBody, cutoff: float) -> Modes:
-    """Modes below the cut-off by dense matrices: A = S Sᵀ, Sᵀ M S w = w/λ and φ = √λ S w."""
+    """Modes below `cutoff` (Hz) by dense matrices.
+
+    With the flexibility A = S Sᵀ, the eigenvalue problem is Sᵀ M S w = w/λ, and φ = √λ S w.
+    """
     flexibility = body.flexibility(np.eye(body.size))
     rounding, diagonal = np.finfo(float).eps * body.size, np.diag(flexibility)
     # The flexibility of fixed unknowns is round-off of either sign.

@@ -1,19 +1,21 @@
 """Craig–Bampton reduction of a body: interfaces, fixed-interface modes, and residual modes.
 
-u = Ψ q + Φ a + Z b with the twists q of the interfaces and constraint modes Ψ, modes K Φ = M Φ Λ
-with all interfaces fixed, up to a cut-off frequency (Craig and Bampton, AIAA J. 6, 1968), and
-residual modes Z = A M Ψ without its part in Φ, with the flexibility A of the body with fixed
-interfaces: the response of the dropped modes to the inertia of the motion of the interfaces (twelve
-for a leg). Without residual modes the error in tension decreases only with the third power of the
-cut-off.
+The displacements are u = Ψ q + Φ a + Z b with the twists q of the interfaces, modal amplitudes a
+and b, and three kinds of shapes: constraint modes Ψ; modes Φ with all interfaces fixed, K Φ = M Φ
+Λ, up to a cut-off frequency (Craig and Bampton, AIAA J. 6, 1968); and residual modes Z. These are
+the columns of A M Ψ (twelve for a leg) without their part in Φ, with the flexibility A of the body
+with fixed interfaces. They are the response of the dropped modes to the inertia of the motion of
+the interfaces. Without residual modes the error in tension decreases only with the third power of
+the cut-off.
 
 Error bounds. Eliminating all amplitudes gives the dynamic stiffness of the interfaces, λ = ω², D(λ)
 = K − λM − λ² Σ p pᵀ/(λ_k − λ), p = ΨᵀMφ_k. Let λ_c be the cut-off and sum over the dropped modes. Z
 spans Σ φ_k pᵀ/λ_k, so that the error of Galerkin's solution is at most the energy of its distance
-from Σ φ_k pᵀ/(λ_k − λ): for λ < λ_c the reduced D is too large by at most λ⁴/(1 − λ/λ_c) W with W =
-Σ p pᵀ/λ_k³, and W = (MZ)ᵀ A (MZ) is known without the dropped modes. So, for any λ ≤ λ_j, the true
-robot has at most as many eigenvalues below λ as the reduced robot with a mass λ_j³/(1 − λ_j/λ_c) W
-added at the interfaces, and at least as many as the reduced robot (Rayleigh).
+from Σ φ_k pᵀ/(λ_k − λ). Therefore, for λ < λ_c, the reduced D is too large by at most λ⁴/(1 −
+λ/λ_c) W with W = Σ p pᵀ/λ_k³. W = (MZ)ᵀ A (MZ) can be computed without the dropped modes. Let λ_j
+be an eigenvalue of the reduced robot. For any λ ≤ λ_j, the unreduced robot has at most as many
+eigenvalues below λ as the reduced robot with a mass λ_j³/(1 − λ_j/λ_c) W added at the interfaces,
+and at least as many as the reduced robot (Rayleigh).
 """
 
 from collections.abc import Mapping
@@ -43,9 +45,9 @@ class CraigBampton(Superelement):
     """A reduced leg with all fixed-interface modes up to `cutoff` (Hz).
 
     Unknowns: 12 motions of the ends, amplitudes of the fixed-interface modes, amplitudes of the
-    residual modes. `frequencies` (Hz) are those of the fixed-interface modes. `truncated` is W = Σ
-    p pᵀ/ω_k⁶ over the dropped modes (12×12, in kg s⁶ for translations), p = ΨᵀMφ_k on the twists of
-    the ends.
+    residual modes. `frequencies` (Hz) are those of the fixed-interface modes. `truncated` (12×12,
+    in kg s⁶ for translations) is W = Σ p pᵀ/ω_k⁶ over the dropped modes, with p = ΨᵀMφ_k for the
+    twists of the ends.
     """
 
     cutoff: float
@@ -53,7 +55,7 @@ class CraigBampton(Superelement):
     truncated: Array
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Additions to stiffness and mass with which the reduced leg is a lower bound.
+        """Additions to stiffness and mass with which the frequencies of the robot are lower bounds.
 
         The bound holds for ω² up to `squared` (rad²/s²), see `Truncated.loosened`.
         """
@@ -61,42 +63,49 @@ class CraigBampton(Superelement):
 
 
 class Truncated(Protocol):
-    """A reduced body with the data for `frequency_bounds`."""
+    """A reduced body from which modes were dropped, with the data for `frequency_bounds`."""
 
     @property
     def cutoff(self) -> float:
-        """Frequency (Hz) below which all modes of the kind used by the reduction are kept."""
+        """Frequency (Hz) below which no mode of the body has been dropped.
+
+        Depending on the reduction, these are modes with fixed interfaces or modes of the free body.
+        """
         ...
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Additions to stiffness and mass (n×n) that make the reduced body a lower bound.
+        """Additions to stiffness and mass (n×n) that make the robot's frequencies lower bounds.
 
-        With these, for any λ up to `squared` (rad²/s²), the dynamic stiffness K − λM of the
-        interfaces is not above that of the unreduced body, after elimination of the internal
-        unknowns.
+        Let K − λM be the dynamic stiffness of the interfaces after elimination of the internal
+        unknowns. With the additions, that of the reduced body is not above that of the unreduced
+        body, for any λ up to `squared` (rad²/s²).
         """
         ...
 
 
 @dataclass(frozen=True)
 class FrequencyBounds:
-    """Bounds `lower` and `upper` on the frequencies (Hz, ascending) of the unreduced robot."""
+    """Bounds `lower` and `upper` on the frequencies (Hz, ascending) of the unreduced robot.
+
+    `upper` are the frequencies of the reduced robot.
+    """
 
     lower: Array
     upper: Array
 
     @property
     def relative_width(self) -> Array:
-        """Bound on the relative error of each of the reduced robot's frequencies, `upper`."""
+        """Bounds on the relative errors of the frequencies of the reduced robot."""
         return np.asarray(1.0 - self.lower / self.upper)
 
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """A body with any number of interfaces, reduced to their twists and modal amplitudes q.
+    """A body with any number of interfaces, reduced to r unknowns q.
 
-    Displacements are u = `recovery` q. `stiffness` and `mass` are r×r. `cutoff`, `frequencies` and
-    `truncated` are explained in `CraigBampton`, `counted` in `fem.reduction.counted_modes`.
+    These are the twists of the interfaces, then modal amplitudes. Displacements are u = `recovery`
+    q. `stiffness` and `mass` are r×r. `cutoff`, `frequencies` and `truncated` are explained in
+    `CraigBampton`, `counted` in `fem.reduction.counted_modes`.
     """
 
     recovery: Array
@@ -111,11 +120,12 @@ class Reduction:
 def heavier_at_interfaces(
     truncated: Array, cutoff: float, size: int, squared: float
 ) -> tuple[Array, Array]:
-    """Additions to stiffness and mass for the bound of `Truncated.loosened`.
+    """Additions to stiffness and mass (n×n) of a Craig–Bampton reduction, see `Truncated.loosened`.
 
-    Valid for a Craig–Bampton reduction, where only mass is added. `truncated` is the matrix W
-    (6m×6m) on the twists of the m interfaces, `size` the number of unknowns, `squared` the largest
-    ω² (rad²/s²) for which the bound holds.
+    For this reduction the stiffness is not changed, and mass is added at the interfaces.
+    `truncated` is the matrix W (6m×6m) on the twists of the m interfaces, `cutoff` (Hz) that of the
+    modes, `size` the number n of unknowns, `squared` the largest ω² (rad²/s²) for which the bound
+    holds.
     """
     added = np.zeros((size, size))
     outer = slice(len(truncated))
@@ -125,9 +135,9 @@ def heavier_at_interfaces(
 
 
 def chosen_cutoff(highest_frequency: float, cutoff: float | None) -> float:
-    """Cut-off (Hz): `cutoff`, or by default `CUTOFF_FACTOR` times the highest frequency.
+    """Cut-off frequency (Hz): `cutoff`, or if None, `CUTOFF_FACTOR` times the highest frequency.
 
-    Raises InputError if it is not above the highest frequency.
+    Raises InputError if the cut-off is not above the highest frequency.
     """
     if not highest_frequency > 0.0:
         raise InputError(f"highest frequency = {highest_frequency!r} Hz: must be above 0 Hz")
@@ -183,9 +193,9 @@ def reduction_on(
 ) -> Reduction:
     """Body reduced to the twists of its interfaces and to `shapes` (n×k) with fixed interfaces.
 
-    `shapes` are orthonormal with respect to the mass, `squared` (k, in rad²/s²) are their ω².
-    `momenta` is MΨ (n×6m). `modes` are those below the cut-off, `truncated` bounds the effect of
-    the others.
+    `shapes` are orthonormal with respect to the mass, and `squared` (k, in rad²/s²) are their ω².
+    `momenta` (n×6m) is MΨ with the constraint modes Ψ. `modes` are the modes below the cut-off.
+    `truncated` (6m×6m) is the matrix W, which bounds the effect of the other modes.
     """
     constraint = held.constraint_modes
     ends_mass = constraint.T @ momenta
@@ -204,8 +214,8 @@ def reduction_on(
 def frequency_bounds(system: System, legs: Mapping[str, Truncated], count: int) -> FrequencyBounds:
     """Bounds on the first `count` frequencies of the robot without reduction of its bodies.
 
-    `system` is the reduced robot, assembled from the reduced bodies `legs`, by body name. Raises
-    InputError if a frequency is not below the cut-off of each body.
+    `system` is the reduced robot, which was assembled from the reduced bodies in `legs`, by body
+    name. Raises InputError if a frequency is not below the cut-off of each body.
     """
     dense_system = replace(system, stiffness=dense(system.stiffness), mass=dense(system.mass))
     upper = solution.modes(solution.solved(dense_system), count).frequencies

@@ -1,18 +1,20 @@
 """Free-interface reduction of a body: its free modes, and the residual flexibility of the others.
 
-u = R r + Φ a + Z f: rigid motions R, elastic modes Φ of the free body up to a cut-off frequency,
-and the static response Z = Σ φ_k pᵀ/λ_k of the dropped modes to wrenches at the interfaces, p =
-Bᵀφ_k, with its mass (MacNeal, Comput. Struct. 1, 1971; Rubin, AIAA J. 13, 1975). The constraint
-modes Ψ are among these u: statics are exact, and the twists of the interfaces can replace as many
-amplitudes. The remaining shapes have fixed interfaces, as in `fem.reduction.craig_bampton`.
+The displacements are u = R r + Φ a + Z f with rigid motions R, elastic modes Φ of the free body up
+to a cut-off frequency, and residual modes Z. These are the static response Z = Σ φ_k pᵀ/λ_k of the
+dropped modes to wrenches at the interfaces, p = Bᵀφ_k (MacNeal, Comput. Struct. 1, 1971). Their
+mass is included (Rubin, AIAA J. 13, 1975). The constraint modes Ψ are among these u: statics are
+exact, and the twists of the interfaces can replace as many amplitudes. The remaining shapes have
+fixed interfaces, as in `fem.reduction.craig_bampton`.
 
 Error bounds. With λ = ω² the dropped modes are a flexibility H = Σ p pᵀ/(λ_k − λ) between the body
-with the kept modes and its interfaces. Galerkin's method on Z has Σ P Pᵀ/(Λ − λ) instead, with its
-Ritz values Λ. This is too small by at most the energy of the distance of Z from Σ φ_k pᵀ/(λ_k − λ),
-that is, for λ below the cut-off λ_c, by λ²/(1 − λ/λ_c) W with W = Σ p pᵀ/λ_k³. All three grow with
-λ. So, for any λ ≤ λ_j, the true robot has at most as many eigenvalues below λ as the one whose
-interfaces are connected to the kept modes by massless springs with the flexibility at λ_j, and at
-least as many as the reduced robot (Rayleigh).
+with the kept modes and its interfaces. Galerkin's method on Z gives Σ P Pᵀ/(Λ − λ) instead, with
+its Ritz values Λ. This is too small by at most the energy of the distance of Z from Σ φ_k pᵀ/(λ_k −
+λ). For λ below the cut-off λ_c, it is too small by at most λ²/(1 − λ/λ_c) W with W = Σ p pᵀ/λ_k³.
+The flexibility H, its approximation and the bound all grow with λ. Let λ_j be an eigenvalue of the
+reduced robot. For any λ ≤ λ_j, the unreduced robot has at most as many eigenvalues below λ as a
+robot whose interfaces are connected to the kept modes by massless springs with the approximate
+flexibility plus the bound at λ_j, and at least as many as the reduced robot (Rayleigh).
 """
 
 from dataclasses import dataclass
@@ -32,9 +34,10 @@ from lumped.errors import ComputationError
 class FreeTruncation:
     """Data to bound the error of a free-interface reduction with modes up to `cutoff` (Hz).
 
-    `squared` (s values, rad²/s²) are ω² of rigid motions, modes and residual modes. `shares` P
-    (6m×s) are the twists of the interfaces in these, with unit modal mass; the last 6m are residual
-    modes. `truncated` is W (6m×6m) on wrenches at the interfaces.
+    The reduction has s shapes: rigid motions, modes, and 6m residual modes for m interfaces, in
+    this order, all with unit modal mass. `squared` (s, in rad²/s²) are their ω². `shares` P (6m×s)
+    are the twists of the interfaces in the shapes. `truncated` (6m×6m) is the matrix W, on wrenches
+    at the interfaces.
     """
 
     cutoff: float
@@ -43,10 +46,11 @@ class FreeTruncation:
     truncated: Array
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Stiffness and mass (s×s) of a reduced body that bounds the unreduced body.
+        """Stiffness and mass (s×s) of a reduced body that gives lower bounds of frequencies.
 
-        The unknowns are twists of the interfaces, rigid motions and modes. For any λ up to
-        `squared` (rad²/s²), its dynamic stiffness is not above that of the unreduced body.
+        The unknowns are twists of the interfaces, then amplitudes of rigid motions and modes. For
+        any λ up to `squared` (rad²/s²), the dynamic stiffness of its interfaces is not above that
+        of the unreduced body.
         """
         count = len(self.shares)
         kept_shares, residual = self.shares[:, :-count], self.shares[:, -count:]
@@ -68,9 +72,9 @@ def free_interface(
 ) -> tuple[Reduction, FreeTruncation]:
     """Body reduced for frequencies up to `highest_frequency` (Hz), and data to bound the error.
 
-    `cutoff` (Hz) is that of the modes of the free body, which are the `frequencies` of the result.
-    None stands for `CUTOFF_FACTOR` times the highest frequency. Raises errors as
-    `craig_bampton.reduction` does, and ComputationError if no mode is dropped.
+    `cutoff` (Hz) is the cut-off of the modes of the free body, whose frequencies are the
+    `frequencies` of the result. None stands for `CUTOFF_FACTOR` times the highest frequency. Raises
+    errors as `craig_bampton.reduction` does, and ComputationError if no mode is dropped.
     """
     body = free_body(rooted)
     modes = counted_modes(body, chosen_cutoff(highest_frequency, cutoff))
@@ -93,9 +97,10 @@ def free_interface(
 
 
 def _held(shares: Array, squared: Array) -> tuple[Array, Array]:
-    """Amplitudes (s × (s − 6m)) of orthonormal shapes with fixed interfaces, and their ω².
+    """Amplitudes (s × (s − 6m)) of orthonormal shapes with fixed interfaces, and their ω² (s − 6m).
 
-    `shares` (6m×s) and `squared` (s values) are those of `FreeTruncation`.
+    Each column contains the amplitudes of the s shapes of `FreeTruncation`, from which its `shares`
+    (6m×s) and `squared` (s) are taken.
     """
     sizes = np.linalg.norm(shares, axis=1)
     across = qr((shares / sizes[:, None]).T)[0][:, len(shares) :]

@@ -15,10 +15,10 @@ from lumped.models.bodies import RIGID_MOTIONS
 def free_modes(rooted: RootedBody, count: int) -> CertifiedModes:
     """The lowest `count` elastic modes of an unsupported solid.
 
-    Its interfaces must be averaged or of Saint-Venant's kind, which do not stiffen it. The signs of
-    the eigenvalues of the shifted stiffness count the elastic modes and, below them, the rigid
-    motions. Raises ComputationError if there are not six of these, and errors like
-    `fem.solvers.modes.lowest_modes`.
+    The interfaces of the solid must be averaged or of Saint-Venant's kind, which do not stiffen it.
+    The signs of the eigenvalues of K − σM count the rigid motions and the elastic modes below σ.
+    Raises ComputationError if there are not six rigid motions, and errors as
+    `fem.solvers.modes.lowest_modes` does.
     """
     rooted.require_count()
     body = free_body(rooted)

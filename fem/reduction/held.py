@@ -1,8 +1,9 @@
 """Data of a body with fixed interfaces, or of a free body, for its reduction; residual modes.
 
-Residual modes are the static response of the dropped modes to forces F: Z = A F without its part in
-the kept modes is Σ φ_k pᵀ/λ_k over the dropped modes, p = Fᵀφ_k. The bound W on their effect, W =
-(MZ)ᵀ A (MZ) = Σ p pᵀ/λ_k³, is known without computing the dropped modes.
+The static response of a body to forces F is A F with its flexibility A. Residual modes Z are this
+response without its part in the kept modes, that is, the sum Σ φ_k pᵀ/λ_k over the dropped modes
+with p = Fᵀφ_k. The bound W on the effect of the dropped modes is W = (MZ)ᵀ A (MZ) = Σ p pᵀ/λ_k³. It
+is known without computing the dropped modes.
 """
 
 from collections.abc import Callable
@@ -28,12 +29,11 @@ class VibratingBody:
     """A body whose vibration modes are computed, either with fixed interfaces or unsupported.
 
     It has n unknowns u. `state` is its name and support in messages. `flexibility` is a function
-    that computes displacements (n×k) under forces (n×k), symmetric and positive semidefinite.
-    `mass` is n×n. `inertia` is a function that computes the inertia of K − σM for σ (rad²/s²), its
-    numbers of negative, zero and positive eigenvalues, without rigid motions. None if eigenvalues
-    cannot be counted. `require_count` raises ComputationError if no factor for the count fits the
-    memory. `space` returns the memory (host or graphics card) in which forces are used without a
-    copy.
+    that computes displacements (n×k) under forces (n×k). It is symmetric and positive semidefinite.
+    `mass` is n×n. `inertia` is a function of σ (rad²/s²) that returns the numbers of negative, zero
+    and positive eigenvalues of K − σM, without rigid motions. None if eigenvalues cannot be
+    counted. `require_count` raises ComputationError if no factor for the count fits the memory.
+    `space` returns the memory (host or graphics card) in which forces are used without a copy.
     """
 
     state: str
@@ -63,7 +63,7 @@ class Held(VibratingBody):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FreeBody(VibratingBody):
-    """An unsupported body, whose modes are the elastic ones.
+    """An unsupported body. Its modes are the elastic ones.
 
     `rigid` (n×6) are its rigid motions with unit modal mass.
     """
@@ -88,9 +88,9 @@ def held_body(rooted: RootedBody) -> Held:
 def free_body(rooted: RootedBody) -> FreeBody:
     """Solid without any support.
 
-    Forces are balanced by the inertia of the rigid motions that they cause, and the part of
-    displacements in rigid motions is removed (inertia relief). The flexibility thus has only the
-    elastic modes.
+    Its flexibility is that of inertia relief: forces are balanced by the inertia of the rigid
+    motions that they cause, and the rigid motion is removed from the displacements. It thus
+    contains only the elastic modes.
     """
     mass, motions = rooted.solid.mass, rooted.solid.motions
     mass_factor = cholesky(motions.T @ (mass @ motions))
@@ -119,9 +119,10 @@ def free_body(rooted: RootedBody) -> FreeBody:
 
 
 def residual_modes(body: VibratingBody, forces: Array, modes: Modes) -> tuple[Modes, Array]:
-    """Ritz modes of the static response of the dropped modes to `forces` F (n×k), and bound W.
+    """Residual modes of a body for `forces` F (n×k), and the bound W (k×k) on the dropped modes.
 
-    `modes` are the kept modes, W is k×k.
+    The residual modes are Ritz modes of the static response of the dropped modes. `modes` are the
+    kept modes.
     """
     mass_shapes = body.mass @ modes.shapes
     loads = forces - mass_shapes @ (modes.shapes.T @ forces)

@@ -1,6 +1,6 @@
 """A leg reduced to its two ends: constraint modes, static condensation, recovery.
 
-Between postures a leg only rotates, so that it is reduced once, in leg axes. All models and both
+Between postures a leg only rotates. It is therefore reduced once, in leg axes. All models and both
 end conditions provide the same data for a reduction: displacements for unit twists of the ends (Ψ),
 the response to forces with both ends fixed (A), and the mass (M).
 """
@@ -35,8 +35,9 @@ _GROUNDED = 1e-4
 class HeldLeg(Held):
     """A leg whose two ends are fixed, with the response to twists of these ends. Leg axes.
 
-    The leg has n unknowns u. `centreline`, `line` and `parts` are those of `LegMatrices`, for u.
-    Modes are not counted: legs are slender, and their modes are those of beams.
+    The leg has n unknowns u. `model` is the name of its model, `length` (m) its length.
+    `centreline`, `line` and `parts` are explained in `LegMatrices` and refer to u. Modes are not
+    counted: legs are slender, and their modes are those of beams.
     """
 
     model: str
@@ -48,9 +49,10 @@ class HeldLeg(Held):
 
 @dataclass(frozen=True, eq=False)
 class Superelement:
-    """A reduced leg: `matrices` on unknowns q (root 6, tip 6, modal amplitudes), u = `recovery` q.
+    """A reduced leg: `matrices` on unknowns q (r), and the matrix `recovery` to all displacements.
 
-    `recovery` is n×r for the n unknowns of the leg before its reduction.
+    The unknowns are the twists of root (6) and tip (6), then modal amplitudes. The displacements of
+    the n unknowns before the reduction are u = `recovery` q (n×r).
     """
 
     matrices: LegMatrices
@@ -62,15 +64,15 @@ class Superelement:
 
 
 def end_motions(length: float) -> Array:
-    """Twists of root and tip (12×6, leg axes) in the six rigid motions about the root."""
+    """Twists of root and tip (12×6, leg axes) in the six rigid motions of a leg about its root."""
     return np.vstack([np.eye(6), shift(np.array([length, 0.0, 0.0]))])
 
 
 def ends_stiffness(tip_stiffness: Array, length: float) -> Array:
-    """12×12 stiffness Bᵀ S B of both ends, from the 6×6 stiffness S of the tip with clamped root.
+    """Stiffness Bᵀ S B (12×12) of both ends, from the tip stiffness S (6×6) with clamped root.
 
-    B = [−X I] gives the twist of the tip relative to the rigid motion of the root, so that
-    equilibrium and the six rigid motions are exact to round-off for any mesh.
+    B = [−X I] gives the twist of the tip relative to the rigid motion of the leg with its root.
+    With B, equilibrium and the six rigid motions are exact to round-off for any mesh.
     """
     relative = np.hstack([-shift(np.array([length, 0.0, 0.0])), np.eye(6)])
     return _symmetric(relative.T @ tip_stiffness @ relative)
@@ -79,7 +81,8 @@ def ends_stiffness(tip_stiffness: Array, length: float) -> Array:
 def held_leg(leg: LegMatrices) -> HeldLeg:
     """Fix both ends of a leg of any model, by one sparse factorisation and twelve solutions.
 
-    Raises ComputationError if a part of the leg is loose or the leg is supported elsewhere.
+    Raises ComputationError if a part of the leg is not connected to its ends, or if the leg is
+    supported anywhere else.
     """
     stiffness, mass = csr_array(leg.stiffness), csr_array(leg.mass)
     coupling = stiffness[ENDS:, :ENDS].toarray()
@@ -114,8 +117,8 @@ def held_leg(leg: LegMatrices) -> HeldLeg:
 def held_solid_leg(clamped: RootedBody, mesh: SolidMesh) -> HeldLeg:
     """Fix both ends of a solid leg, for any end condition, on the unknowns of the solid.
 
-    The centreline consists of means over sections. At free ends these differ from the twists of the
-    ends because of warping.
+    The motions of the centreline are means over sections. At free ends these differ from the twists
+    of the ends because of warping.
     """
     fixed_body = held_body(clamped)
     return HeldLeg(
@@ -133,7 +136,7 @@ def held_solid_leg(clamped: RootedBody, mesh: SolidMesh) -> HeldLeg:
 
 
 def static_superelement(held: HeldLeg) -> Superelement:
-    """Leg condensed to its ends: exact in statics, mass ΨᵀMΨ (Guyan, 1965)."""
+    """Leg condensed to its two ends, with the mass ΨᵀMΨ (Guyan, 1965). Its statics are exact."""
     modes = held.constraint_modes
     return reduced(held, modes, held.stiffness, modes.T @ (held.mass @ modes))
 
