@@ -2,11 +2,12 @@
 
 A prism obeys E₀u″ + Gu′ − E₂u = 0 with the 3N displacements u of a section (semi-analytical finite
 elements, see `fem.couplings.section_fields`). Its polynomial solutions are tension, torsion, pure
-bending in two planes and flexure by two transverse forces; parts of different Poisson's ratios
-strain each other in them. Coefficients a_k of x^k/k! follow from the rigid motion of the highest
-power downwards, E₂a_k = E₀a_{k+2} + Ga_{k+1} (V. Giavotto et al., Computers & Structures 16 (1983)
-403, has the same six states for any anisotropic section). Unit wrenches on a section are sums of
-the states. Their strain energies per length are the 6×6 compliance of the beam.
+bending in two planes and flexure by two transverse forces. In these states, parts of different
+Poisson's ratios strain each other. The coefficients a_k of x^k/k! are computed from the highest k
+downwards: the highest is a rigid motion, and E₂a_k = E₀a_{k+2} + Ga_{k+1} (V. Giavotto et al.,
+Computers & Structures 16 (1983) 403, has the same six states for any anisotropic section). Unit
+wrenches on a section are sums of the states. Their strain energies per length are the 6×6
+compliance of the beam.
 """
 
 from dataclasses import dataclass
@@ -35,11 +36,12 @@ _SYMMETRIC = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class WrenchStates:
-    """States of unit wrenches (x y z φx φy φz) on a section about the origin of its mesh.
+    """States of a prism under unit wrenches on a section, about the origin of the section's mesh.
 
-    `tractions` (3N×6): nodal forces. `compliance` (6×6, in 1/N, 1/(N m), 1/(N m²)): strains per
-    length of a beam, conjugate to the wrenches. `warping` (N, m²): displacements u_x in torsion of
-    unit rate about the origin.
+    The wrenches are in the order x y z φx φy φz. `tractions` (3N×6) are the nodal forces.
+    `compliance` (6×6, in 1/N, 1/(N m), 1/(N m²)) contains the strains of the beam, conjugate to the
+    wrenches. `warping` (N, in m²) are the displacements u_x in torsion of unit rate about the
+    origin.
     """
 
     tractions: Array
@@ -48,7 +50,7 @@ class WrenchStates:
 
 
 def wrench_states(mesh: SectionMesh, moduli: Moduli) -> WrenchStates:
-    """States of unit wrenches on a section `mesh` with the given moduli."""
+    """States of a prism under unit wrenches, from a section `mesh` with the given moduli."""
     quad = section_quadrature(mesh)
     E0, E1, E2 = _matrices(quad, moduli)
     coupling = E1 - E1.T
@@ -85,9 +87,11 @@ def composite_properties(
 ) -> BeamProperties:
     """Timoshenko beam of a section of several materials, along the origin of its mesh.
 
-    EA and EI contain the mutual restraint of parts of different Poisson's ratios. The coupling of
-    tension and bending by this restraint, of second order in the difference, is left out. Couplings
-    of tension with torsion and of shear with bending are left out unless `helical`.
+    If parts have different Poisson's ratios, each hinders the contraction of the others, which
+    increases EA and EI. This effect is included. The coupling of tension and bending that it
+    causes, of second order in the difference of the ratios, is neglected. `helical` is True for
+    walls of helical fibres. Otherwise couplings of tension with torsion and of shear with bending
+    are neglected.
     """
     compliance = wrench_states(mesh, moduli).compliance
     GJ = 1.0 / compliance[3, 3]
@@ -140,7 +144,7 @@ def composite_properties(
 def composite_rod(mesh: SectionMesh, moduli: Moduli) -> WarpingRod:
     """Torsion with warping of a section of several materials, about its shear centre.
 
-    Normal stresses of warping have the modulus of tension with free contraction.
+    Normal stresses due to warping are computed with the modulus of tension with free contraction.
     """
     states = wrench_states(mesh, moduli)
     GJ = 1.0 / states.compliance[3, 3]

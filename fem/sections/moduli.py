@@ -21,9 +21,10 @@ from meshes.section.section_mesh import SectionMesh
 class Moduli:
     """Elasticity and density of the M cells of a section mesh.
 
-    `at`: function of the numbers of m cells, and of Q points in each cell (m×Q×2; y and z in
-    metres). It returns elasticity matrices (m×Q×6×6, Pa). `densities` (M, kg/m³). `inclined`: True
-    if planes across the leg are not planes of symmetry, because fibres are inclined to its axis.
+    `at` is a function of the numbers (m) of m cells and of Q points in each cell (m×Q×2; y and z in
+    m). It returns elasticity matrices (m×Q×6×6, in Pa). `densities` (M) are in kg/m³. `inclined` is
+    True if fibres are inclined to the axis of the leg, so that planes across the leg are not planes
+    of symmetry of the material.
     """
 
     at: Callable[[IntArray, Array], Array]
@@ -31,15 +32,15 @@ class Moduli:
     inclined: bool = False
 
     def on(self, quad: SectionQuadrature) -> Array:
-        """Elasticity matrices (M×Q×6×6) at the quadrature points."""
+        """Elasticity matrices (M×Q×6×6, in Pa) at the Q quadrature points of each cell."""
         points = quad.points + quad.centroid[:, None, None]
         return self.at(np.arange(len(self.densities)), np.moveaxis(points, 0, -1))
 
 
 def part_moduli(mesh: SectionMesh, materials: Sequence[Material]) -> Moduli:
-    """Moduli of a section whose cells have the materials of their `regions`.
+    """Moduli of a section of several parts, from the material of each part.
 
-    A mesh without regions has one material.
+    The `regions` of the mesh are indices in `materials`. A mesh without regions has one material.
     """
     cells = len(mesh.cells)
     regions = np.zeros(cells, dtype=int) if mesh.regions is None else mesh.regions
@@ -62,11 +63,12 @@ _ON_DIAGONAL = 1e-9
 
 
 def layer_elasticity(layer: Layer) -> Array:
-    """Elasticity matrix (6×6, Pa) of a layer, in axes 1 along its fibres, 2 across in the wall, 3.
+    """Elasticity matrix (6×6, Pa) of a layer in its own axes.
 
-    The layer is isotropic across its fibres: E3 = E2, G13 = G12, ν13 = ν12. Its ratio ν23 is taken
-    as ν12 (1 − ν21)/(1 − ν12), which is ν12 in an isotropic layer. It only affects stresses across
-    the wall.
+    Axis 1 is along the fibres, axis 2 across them in the wall, and axis 3 normal to the wall. The
+    layer is isotropic across its fibres: E3 = E2, G13 = G12, ν13 = ν12. Its ratio ν23 is taken as
+    ν12 (1 − ν21)/(1 − ν12), which is ν12 in an isotropic layer. It only affects stresses across the
+    wall.
     """
     E1, E2, nu12 = layer.E1, layer.E2, layer.nu12
     nu23 = nu12 * (1.0 - nu12 * E2 / E1) / (1.0 - nu12)
@@ -79,7 +81,11 @@ def layer_elasticity(layer: Layer) -> Array:
 
 
 def turned(matrices: Array, axes: Array) -> Array:
-    """Elasticity matrices (…×6×6) of materials whose own axes are the columns of `axes` (…×3×3)."""
+    """Elasticity matrices (…×6×6) in common axes, from those in the materials' own axes.
+
+    `matrices` (…×6×6) are in the materials' own axes. The columns of `axes` (…×3×3) are the
+    materials' own axes in the common axes.
+    """
     own_from_leg = np.empty((*axes.shape[:-2], 6, 6))
     for row, (a, b) in enumerate(_PAIRS):
         twice = 2.0 if a != b else 1.0
@@ -99,9 +105,10 @@ def in_wall(layer: Layer) -> Array:
 
 
 def laminate_moduli(mesh: SectionMesh, laminate: Laminate, *, mirrored: bool = False) -> Moduli:
-    """Moduli of a wall of layers. The `regions` of the mesh are numbers of layers.
+    """Moduli of a wall of layers. The `regions` of the mesh are indices of layers.
 
-    If `mirrored`, each layer has the mean of its moduli and those of its mirror image, at −angle.
+    If `mirrored` is True, the moduli of each layer at an angle θ are the mean of those at θ and at
+    −θ.
     """
     regions = mesh.regions
     if regions is None:
@@ -122,10 +129,11 @@ def laminate_moduli(mesh: SectionMesh, laminate: Laminate, *, mirrored: bool = F
 
 
 def _box_moduli(walls: Array, points: Array, extent: tuple[float, float]) -> Array:
-    """Elasticity matrices (leg axes) at `points` of a box: those of the nearest wall.
+    """Elasticity matrices (leg axes) at `points` of a box: at each point, that of the nearest wall.
 
-    On the diagonals at the corners of the box, they are the mean of both walls. `walls` are the
-    same matrices in wall axes (x, s, n), `extent` are the outer dimensions (m) along y and z.
+    `points` (m×Q×2) are y and z in m. On the diagonals at the corners of the box, the matrix is the
+    mean of both walls. `walls` contains the elasticity matrices in wall axes (x, s, n). `extent`
+    are the outer dimensions (m) of the box along y and z.
     """
     inside = 0.5 * np.array(extent) - np.abs(points)
     beyond = inside[..., 0] - inside[..., 1]
@@ -157,13 +165,13 @@ def leg_moduli(leg: SectionedLeg, mesh: SectionMesh) -> Moduli | None:
 
 
 def mirrored_moduli(leg: SectionedLeg, mesh: SectionMesh) -> Moduli | None:
-    """Moduli of a leg of several materials for theories that need sections as planes of symmetry.
+    """Moduli of a leg of several materials, for theories in which sections are planes of symmetry.
 
-    They are those of `leg_moduli`, but in a wall of inclined fibres each layer has the mean of its
-    moduli and those of its mirror image. In a balanced layup, layers at +θ and −θ have the same
-    strains, so that their moduli are averaged. Because they are at different radii, couplings
-    remain. Neglecting these changes frequencies and torsion by (thickness/radius)², relative. None
-    for legs of one material.
+    They are those of `leg_moduli`, except in a wall of inclined fibres. There the moduli of each
+    layer are the mean of its own and those of its mirror image. In a balanced layup, layers at +θ
+    and −θ have nearly the same strains, so that their moduli are averaged in any case. The layers
+    are at different radii, which causes couplings. Neglecting these couplings changes frequencies
+    and torsion by (thickness/radius)², relative. None for legs of one material.
     """
     if isinstance(leg, ConstantLeg) and isinstance(leg.section, Laminate):
         return laminate_moduli(mesh, leg.section, mirrored=True)

@@ -31,8 +31,8 @@ _UNWARPED = 1e-9
 class WarpingRod:
     """Stiffnesses, and inertias per length, of a rod that twists and warps.
 
-    `twist` G I_p (N m²), `shear` G(I_p − J) (N m²), `bimoment` EΓ (N m⁴), `rotary` ρI_p (kg m),
-    `warping` ρΓ (kg m³).
+    `twist` is G I_p (N m²), `shear` is G(I_p − J) (N m²), `bimoment` is EΓ (N m⁴), `rotary` is ρI_p
+    (kg m), and `warping` is ρΓ (kg m³).
     """
 
     twist: float
@@ -59,8 +59,8 @@ def warping_rod(constants: SectionConstants, material: Material) -> WarpingRod:
 def held_torsion_compliance(rod: WarpingRod, length: float) -> float:
     """Rotation of the tip per torque (rad/(N m)) if warping is prevented at both ends (χ = 0).
 
-    From T = G I_p θ' − G(I_p − J) χ and EΓ χ″ = G(I_p − J)(χ − θ'): (L − (1 − J/I_p) (2/k)
-    tanh(kL/2)) / GJ with k² = G J (1 − J/I_p) / EΓ.
+    `length` is L in m. From T = G I_p θ' − G(I_p − J) χ and EΓ χ″ = G(I_p − J)(χ − θ') follows (L −
+    (1 − J/I_p) (2/k) tanh(kL/2)) / GJ with k² = G J (1 − J/I_p) / EΓ.
     """
     stiffness = rod.twist - rod.shear
     share = rod.shear / rod.twist
@@ -73,9 +73,9 @@ def held_torsion_compliance(rod: WarpingRod, length: float) -> float:
 def cantilever_frequencies(
     constants: SectionConstants, material: Material, length: float, count: int
 ) -> Array:
-    """The lowest `count` torsional frequencies (Hz) of a rod of `length` (m) with clamped root.
+    """The lowest `count` torsional frequencies (Hz) of a rod of `length` (m) whose root is fixed.
 
-    Both ends are free to warp.
+    The rotation of the root is prevented. Both ends are free to warp.
     """
     if not _warps(constants):
         waves = (2.0 * np.arange(1, count + 1) - 1.0) * np.pi / (2.0 * length)
@@ -126,7 +126,10 @@ def _saint_venant(constants: SectionConstants, material: Material, wave_number: 
 
 
 def line_products(basis: Basis) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:
-    """Matrices ∫u′v′ dx, ∫u′v dx (rows v) and ∫uv dx (n×n each) of a basis on a line."""
+    """Matrices ∫u′v′ dx, ∫u′v dx and ∫uv dx (n×n each) of a basis on a line.
+
+    Rows belong to v and columns to u.
+    """
     forms = (_gradients, _coupling, _product)
     gradients, coupling, product = (csr_array(form.assemble(basis)) for form in forms)
     return gradients, coupling, product

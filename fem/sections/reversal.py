@@ -1,11 +1,11 @@
 """Symmetry of a prism under a reversal of its axis, x → −x.
 
-A prism of materials whose planes across the axis are planes of symmetry is its own mirror image.
-Fibres that are inclined to the axis have no such planes, but a wall of fibres that is equal all
-around its section is its own image after half a turn about y. Either reversal is a linear map P of
-the displacements u of a section, with P² = 1. The matrices E₀ and E₂ of the prism (see
-`fem.couplings.section_fields`) do not couple fields with Pu = −u ("odd") and fields with Pu = u
-("even"). E₁ couples only odd with even fields.
+If planes across the axis are planes of symmetry of the materials, the prism is its own mirror
+image. Fibres that are inclined to the axis have no such planes. A wall of fibres that is equal all
+around its section is nevertheless its own image after half a turn about y. Either reversal is a
+linear map P of the displacements u of a section, with P² = 1. The matrices E₀ and E₂ of the prism
+(see `fem.couplings.section_fields`) do not couple fields with Pu = −u ("odd") and fields with Pu =
+u ("even"). E₁ couples only odd with even fields.
 """
 
 from collections.abc import Sequence
@@ -31,8 +31,9 @@ _HALF_TURN = np.array([-1.0, 1.0, -1.0, -1.0, 1.0, -1.0])
 class Reversal:
     """Reversal of a prism with N nodes in its section.
 
-    `images` (N) are the indices of the nodes at the places to which nodes are moved, `twists` (6)
-    the signs of a twist (x y z φx φy φz) of the section.
+    `images` (N) contains, for each node, the index of the node at the place to which the reversal
+    moves it. `twists` (6) are the signs by which the reversal multiplies a twist (x y z φx φy φz)
+    of the section.
     """
 
     images: IntArray
@@ -40,7 +41,7 @@ class Reversal:
 
     @property
     def matrix(self) -> SparseMatrix:
-        """P (csr 3N×3N): displacements of the reversed section from those of the section."""
+        """Matrix P (csr 3N×3N) from displacements of the section to those after the reversal."""
         unknowns = np.arange(3 * len(self.images))
         rows = 3 * self.images[unknowns // 3] + unknowns % 3
         signs = self.twists[unknowns % 3]
@@ -48,7 +49,7 @@ class Reversal:
 
     @cached_property
     def odd(self) -> SparseMatrix:
-        """Orthonormal basis (csr 3N×n) of the fields that the reversal turns into −1 times them."""
+        """Orthonormal basis (csr 3N×n) of the fields that the reversal multiplies by −1."""
         return self.basis(-1.0)
 
     @cached_property
@@ -61,8 +62,8 @@ class Reversal:
     ) -> SparseMatrix:
         """Orthonormal basis (csr 3N×n) of the fields that the reversal multiplies by `sign`.
 
-        `mirrors` are further symmetries of the fields: images of the nodes, and the sign of each
-        component of the displacement at the image.
+        `mirrors` are further symmetries of the fields. Each is a pair: the index of the image of
+        each node, and the sign of each of the three displacement components at the image.
         """
         parts = []
         for component in range(3):
@@ -75,7 +76,7 @@ class Reversal:
 def reversal_of(nodes: Array, material: Material | Moduli) -> Reversal:
     """Reversal of a prism with `nodes` (N×2; y, z in m) in its section.
 
-    Raises ValueError for inclined fibres in a section that is not symmetric about y.
+    Raises ValueError for inclined fibres if the nodes are not symmetric about the y axis.
     """
     if not isinstance(material, Moduli) or not material.inclined:
         return Reversal(np.arange(len(nodes)), _MIRROR)
@@ -88,7 +89,7 @@ def reversal_of(nodes: Array, material: Material | Moduli) -> Reversal:
 def images_of(nodes: Array, signs: tuple[float, float]) -> IntArray | None:
     """Index (N) of the node at the image of each node. None if the mesh is not symmetric.
 
-    `nodes` are N×2 (y, z), and images have y and z multiplied by `signs`.
+    `nodes` are N×2 (y, z in m). At the image of a node, y and z are multiplied by `signs`.
     """
     size = float(np.ptp(nodes, axis=0).max())
     distance, partner = scipy.spatial.cKDTree(nodes).query(nodes * np.array(signs))
@@ -100,8 +101,9 @@ def images_of(nodes: Array, signs: tuple[float, float]) -> IntArray | None:
 def _orbits(symmetries: Sequence[tuple[IntArray, float]], component: int) -> Array:
     """Orthonormal fields (3N×n) of one displacement `component` with the given `symmetries`.
 
-    A symmetry consists of the image of each node and a sign. Each field is the normalised sum of
-    unit displacements of a node and of its images, with these signs. Sums that vanish are omitted.
+    A symmetry is a pair: the index of the image of each node (N), and a sign. Each field is the
+    normalised sum of unit displacements of a node and of all its images, with the products of these
+    signs. Sums that vanish are omitted.
     """
     count = len(symmetries[0][0])
     images, weights = np.arange(count)[None], np.ones(1)

@@ -46,25 +46,25 @@ class SectionQuadrature:
     centroid: Array
 
     def integral(self, field: Array) -> Array:
-        """Integral over the section of a field at the quadrature points (M×Q, last two axes)."""
+        """Integral (…) over the section of a `field` at the quadrature points (…×M×Q)."""
         return np.asarray((field * self.weights).sum(axis=(-2, -1)))
 
     def load(self, density: Array) -> Array:
-        """Consistent nodal values ∫ N_i f dA (N of them) of a density f (M×Q)."""
+        """Consistent nodal values ∫ N_i f dA (N values) of a density f (M×Q)."""
         return self._gather(np.einsum("kq,mq->mk", self.shapes, density * self.weights))
 
     def gradient_load(self, field: Array) -> Array:
-        """Nodal values ∫ ∇N_i·g dA (N of them) of a vector field g (2×M×Q)."""
+        """Nodal values ∫ ∇N_i·g dA (N values) of a vector field g (2×M×Q)."""
         return self._gather(
             np.einsum("mkdq,dmq->mk", self.gradients, field * self.weights, optimize=True)
         )
 
     def value(self, nodal: Array) -> Array:
-        """Values (M×Q) at the quadrature points, interpolated from N values `nodal`."""
+        """Values (M×Q) at the quadrature points, interpolated from the nodal values `nodal` (N)."""
         return np.asarray(nodal[self.mesh.cells] @ self.shapes)
 
     def gradient(self, nodal: Array) -> Array:
-        """Gradient (2×M×Q) at the quadrature points, interpolated from N values `nodal`."""
+        """Gradient (2×M×Q) at the quadrature points, from the nodal values `nodal` (N)."""
         by_cell = nodal[self.mesh.cells]
         return np.asarray(np.einsum("mkdq,mk->dmq", self.gradients, by_cell, optimize=True))
 
@@ -109,13 +109,15 @@ def section_quadrature(mesh: SectionMesh) -> SectionQuadrature:
 class SaintVenant:
     """Stress fields of a section under unit loads, at the points of `quadrature`.
 
-    `moments` (2×2, in m⁴) is Σ = ∫ s sᵀ dA. The rows of `slopes` (2×2, m⁻⁴) are c = Σ⁻¹F for the
-    unit forces Fy and Fz. `warping` (N, in m²) is ω for rotation about the centroid, with zero
-    mean, and `twist_stress` (2×M×Q, in m) is τ/Gθ′. `flexure` (2×N, in m⁻¹) are Ψ and
-    `flexure_stress` (2×2×M×Q, m⁻²; force, component, …) τ of the unit forces through the shear
-    centre, which do no work on twist. `flexure_torque` (2, in m) are the moments of these stresses
-    about the centroid. `twist_shares` (2) are the multiples of ω and of τ/Gθ′ that were
-    subtracted from Ψ and from τ so that the forces do no work on twist.
+    `area` is in m², and `moments` (2×2, in m⁴) is Σ = ∫ s sᵀ dA. The fields of torsion are
+    `warping` (N, in m²), which is ω for rotation about the centroid, with zero mean, and
+    `twist_stress` (2×M×Q, in m), which is τ/Gθ′. `torsion_constant` is Saint-Venant's J (m⁴). The
+    fields of flexure have a leading axis for the unit forces Fy and Fz. The rows of `slopes` (2×2,
+    in m⁻⁴) are c = Σ⁻¹F. `flexure` (2×N, in m⁻¹) is Ψ. `flexure_stress` (2×2×M×Q, in m⁻²; second
+    axis for τxy and τxz) is τ of unit forces through the shear centre, which do no work on twist.
+    `flexure_torque` (2, in m) are the moments of these stresses about the centroid. For the forces
+    to do no work on twist, multiples of ω were subtracted from Ψ, and the same multiples of τ/Gθ′
+    from τ. `twist_shares` (2) are these multiples.
     """
 
     quadrature: SectionQuadrature
@@ -193,7 +195,10 @@ def _torque(quad: SectionQuadrature, stress: Array) -> Array:
 
 
 def _poisson(quad: SectionQuadrature, loads: Array) -> Array:
-    """Solutions (N×m) of zero mean of ∫∇v·∇u dA = load, for `loads` (N×m) in equilibrium."""
+    """Solutions v (N×m) of Poisson's equation, ∫∇N_i·∇v dA = load_i, with zero mean.
+
+    `loads` (N×m) must be in equilibrium: the sum of each column is zero.
+    """
     cells = quad.mesh.cells
     blocks = np.einsum(
         "mkdq,mldq,mq->mkl", quad.gradients, quad.gradients, quad.weights, optimize=True
@@ -213,9 +218,10 @@ def _poisson(quad: SectionQuadrature, loads: Array) -> Array:
 
 
 def summed(blocks: Array, unknowns: IntArray, size: int) -> csc_matrix:
-    """Sparse matrix (`size` × `size`) that is the sum of symmetric `blocks` of cells (M×k×k).
+    """Sparse matrix (`size` × `size`) that is the sum of the matrices of M cells.
 
-    `unknowns` (M×k) are the indices of the blocks' rows and columns.
+    `blocks` (M×k×k) are these matrices, which are symmetric. `unknowns` (M×k) are the indices of
+    their rows and columns.
     """
     width = unknowns.shape[1]
     rows = np.repeat(unknowns, width, axis=1).ravel()
@@ -226,7 +232,8 @@ def summed(blocks: Array, unknowns: IntArray, size: int) -> csc_matrix:
 def solved_with(matrix: csc_matrix, loads: Array, fixed_rows: Sequence[int]) -> Array:
     """Solutions (n×m) for `loads` (n×m) with the unknowns `fixed_rows` kept at zero.
 
-    The problem is two-dimensional with a few thousand unknowns, for which SuperLU is fast enough.
+    SuperLU is used. It is fast enough, because the problem is two-dimensional with a few thousand
+    unknowns.
     """
     free = np.setdiff1d(np.arange(len(loads)), fixed_rows)
     free_block = csc_matrix(matrix[free][:, free])

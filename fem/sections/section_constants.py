@@ -1,8 +1,8 @@
 """Constants of a section from finite elements on its mesh, without assuming thin walls.
 
-They include the bending stiffness that a mesh adds because it cannot represent the contraction due
-to Poisson's ratio exactly. Bending of a prism deforms its sections: for εxx = s with s = y or z
-from the centroid,
+Bending of a prism deforms its sections because of Poisson's ratio. A mesh that cannot represent
+this deformation exactly is too stiff in bending. The additional stiffness is one of the constants.
+For εxx = s with s = y or z from the centroid, the deformation is
 
     s = y   u = −ν (½(y² − z²), yz)        s = z   u = −ν (yz, ½(z² − y²))
 
@@ -73,9 +73,9 @@ class SectionConstants:
 
 
 def poisson_shear_ratio(nu: float, shear_to_young: float | None = None) -> float:
-    """Ratio νG/E in Saint-Venant's flexure. `shear_to_young` is G/E.
+    """Ratio νG/E, on which Saint-Venant's flexure depends.
 
-    None for an isotropic material.
+    `shear_to_young` is G/E. None for an isotropic material.
     """
     ratio = 1.0 / (2.0 * (1.0 + nu)) if shear_to_young is None else shear_to_young
     return nu * ratio
@@ -87,9 +87,9 @@ def section_constants(
 ) -> SectionConstants:
     """Constants of a section from its mesh, for Poisson's ratio `nu`.
 
-    `shear_to_young` is G/E of a cubic material. None for an isotropic one. Only the shear
-    coefficients and the prevented contraction depend on the material. Raises ComputationError if
-    the mesh is not connected or has inverted cells.
+    `shear_to_young` is G/E of a cubic material. None for an isotropic material. Only the shear
+    coefficients and `held_contraction` depend on the material. Raises ComputationError if the mesh
+    is not connected or has inverted cells.
     """
     ratio = poisson_shear_ratio(nu, shear_to_young)
     solution = saint_venant(mesh, ratio)
@@ -98,9 +98,9 @@ def section_constants(
 
 
 def constants_of(solution: SaintVenant, held: Array) -> SectionConstants:
-    """Constants of a section from its torsion and flexure.
+    """Constants of a section from the solution of its torsion and flexure.
 
-    `held` (2×2, in m⁴) is added to ∫ s sᵀ dA in bending because of prevented contraction.
+    `held` (2×2, in m⁴) is the result of `held_contraction`, which is added to ∫ s sᵀ dA in bending.
     """
     quad = solution.quadrature
     kappa = [
@@ -130,10 +130,10 @@ def constants_of(solution: SaintVenant, held: Array) -> SectionConstants:
 
 
 def _cowper(solution: SaintVenant, axis: int) -> float:
-    """Cowper's κ from the mean displacement along `axis`: 1/κA = G(W′ − Φ)/V.
+    """Cowper's κ from the mean displacement along `axis` (0 for y, 1 for z): 1/κA = G(W′ − Φ)/V.
 
-    G W′ is the area mean of G ∂u/∂x = τ − ∂Ψ/∂s, G Φ is that of −Ψ weighted with the linear field
-    c·s.
+    W′ is the rate of the mean displacement along the leg, and Φ the mean rotation. G W′ is the area
+    mean of G ∂u/∂x = τ − ∂Ψ/∂s. G Φ is the integral of −Ψ, weighted with the linear field c·s.
     """
     quad = solution.quadrature
     potential = solution.flexure[axis]
@@ -149,8 +149,8 @@ def beam_properties(constants: SectionConstants, material: Material) -> BeamProp
     """Timoshenko beam of a section along the line of its centroids, with κ by strain energy.
 
     EI is that of a solid prism with this section mesh. Curved elements make the prism slightly
-    stiffer than the exact section.
-    Couplings of the size of rounding errors about an axis of symmetry are set to zero.
+    stiffer than the exact section. Couplings that vanish in a section with an axis of symmetry are
+    set to zero if they are of the size of rounding errors.
     """
     E, G, rho = material.E, material.G, material.rho
     kappa_y, kappa_z = constants.shear_coefficients
@@ -208,13 +208,13 @@ def held_contraction(quad: SectionQuadrature, nu: float, shear_to_young: float) 
 
 
 def _strains(quad: SectionQuadrature, field: Array) -> Array:
-    """In-plane strains (εyy, εzz, γyz) (3×M×Q) of nodal displacements `field` (2×N)."""
+    """In-plane strains (3×M×Q; εyy, εzz, γyz) of the nodal displacements `field` (2×N)."""
     (yy, yz), (zy, zz) = (quad.gradient(component) for component in field)
     return np.array([yy, zz, yz + zy])
 
 
 def _forces(quad: SectionQuadrature, stress: Array) -> Array:
-    """Nodal forces ∫ Bᵀσ dA (2N, node by node) of in-plane stresses (3×M×Q)."""
+    """Nodal forces ∫ Bᵀσ dA (2N, node by node) of in-plane stresses (3×M×Q; yy, zz, yz)."""
     yy, zz, yz = stress
     along = [quad.gradient_load(np.array(row)) for row in ((yy, yz), (yz, zz))]
     return np.column_stack(along).ravel()
@@ -223,7 +223,7 @@ def _forces(quad: SectionQuadrature, stress: Array) -> Array:
 def _stiffness_solution(quad: SectionQuadrature, moduli: Array, forces: Array) -> Array:
     """In-plane displacements (2N×m) under nodal `forces` (2N×m) in equilibrium.
 
-    `moduli` (3×3) relate stresses to strains.
+    `moduli` (3×3) relates the stresses (yy, zz, yz) to the strains.
     """
     cells, nodes = quad.mesh.cells, quad.mesh.nodes
     gradients = quad.gradients

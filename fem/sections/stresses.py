@@ -5,10 +5,11 @@
     σ_v = √(σxx² + 3 (τxy² + τxz²))
 
 The shear stresses of Qy and Qz have no moment about the centroid. In walls they are Jourawski's
-QS/(It), in stout sections they vary across the wall. Not included are the stresses of restrained
-warping at end faces and the local ones at joints. The shear stress at a sharp re-entrant corner is
-unbounded. Real corners have a fillet, whose notch factor belongs there. The largest stress is that
-of all nodes farther from such corners than half the mean thickness of the walls.
+QS/(It), in stout sections they vary across the wall. Stresses of restrained warping at end faces
+and local stresses at joints are not included. The shear stress at a sharp re-entrant corner is
+unbounded. Real corners have a fillet, and their notch factor must be applied there. Nodes nearer to
+such a corner than half the mean thickness of the walls are therefore excluded from the largest
+stress.
 """
 
 from dataclasses import dataclass
@@ -53,7 +54,7 @@ class SectionStresses:
 def section_stresses(mesh: SectionMesh, material: Material) -> SectionStresses:
     """Stresses under unit section forces on a section `mesh` of one material.
 
-    Raises ComputationError for a mesh that is not in one piece or turned inside out.
+    Raises ComputationError if the mesh is not connected or has inverted cells.
     """
     ratio = poisson_shear_ratio(material.nu, material.G / material.E)
     solution = saint_venant(mesh, ratio)
@@ -79,7 +80,7 @@ def section_stresses(mesh: SectionMesh, material: Material) -> SectionStresses:
 
 
 class _NodalGradient:
-    """Gradient (2×N, in 1/m) of nodal values at the N nodes, as mean over the adjacent cells."""
+    """Gradient (2×N, in 1/m) of nodal values at the N nodes: the mean over adjacent cells."""
 
     def __init__(self, mesh: SectionMesh) -> None:
         self._mesh = mesh
@@ -112,12 +113,15 @@ def regular_nodes(mesh: SectionMesh, distance: float) -> Array:
 
 
 def _perimeter(mesh: SectionMesh) -> float:
-    """Length (m) of the boundary. Twice the area divided by it is the thickness of thin walls."""
+    """Length (m) of the boundary of a section.
+
+    In thin walls, twice the area divided by this length is the thickness.
+    """
     return float(np.linalg.norm(np.diff(mesh.nodes[_rim(mesh)], axis=1), axis=2).sum())
 
 
 def _rim(mesh: SectionMesh) -> IntArray:
-    """Corner nodes (e×2) of the boundary edges, which belong to one cell only."""
+    """Corner nodes (e×2) of the e edges on the boundary, each of which belongs to one cell only."""
     corners = mesh.cells[:, list(ELEMENTS[mesh.element].corner_nodes)]
     edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2))
     unique, counts = np.unique(edges, axis=0, return_counts=True)
@@ -125,7 +129,10 @@ def _rim(mesh: SectionMesh) -> IntArray:
 
 
 def _angles(mesh: SectionMesh) -> Array:
-    """Angle (rad) that the section fills about each of N nodes. Zero if not a corner of cells."""
+    """Angle (rad) that the section fills about each of the N nodes.
+
+    Zero for nodes that are not corners of cells.
+    """
     kind = ELEMENTS[mesh.element]
     corners = list(kind.corner_nodes)
     places = kind.nodes[corners]

@@ -18,8 +18,7 @@ from meshes.section.section_mesh import SectionMesh
 def torsion_wave(mesh: SectionMesh, material: Material, wave_number: float) -> float:
     """Angular frequency (rad/s) of the torsional wave with `wave_number` k (rad/m).
 
-    The wave is distinguished from bending and tension by the part of its motion that is a rotation
-    of the section.
+    Among the lowest waves, it is the one whose motion is closest to a rotation of the section.
     """
     quad = section_quadrature(mesh)
     motion = _rotation(mesh, quad)
@@ -37,9 +36,10 @@ def _rotation(mesh: SectionMesh, quad: SectionQuadrature) -> Array:
 
 
 def stiffness_matrix(quad: SectionQuadrature, material: Material, k: float) -> Array:
-    """Matrix (3N×3N) of twice the mean strain energy per length.
+    """Stiffness matrix (3N×3N) of a standing wave with the wave number k (rad/m), per length.
 
-    The unknowns of each node are (a, b_y, b_z).
+    It gives twice the strain energy, averaged along the prism. The unknowns of each node are (a,
+    b_y, b_z).
     """
     field = strains(quad, k)
     moduli = elasticity(material)
@@ -48,9 +48,10 @@ def stiffness_matrix(quad: SectionQuadrature, material: Material, k: float) -> A
 
 
 def strains(quad: SectionQuadrature, k: float) -> Array:
-    """Amplitudes (M×Q×6×3n) of the strains (εxx, εyy, εzz, γyz, γxz, γxy) for unit unknowns.
+    """Amplitudes (M×Q×6×3n) of the strains for unit unknowns of a cell, at the quadrature points.
 
-    The 3n unknowns are (a, b_y, b_z) of the n nodes of a cell.
+    The strains are (εxx, εyy, εzz, γyz, γxz, γxy). The 3n unknowns are (a, b_y, b_z) of the n nodes
+    of a cell. `k` (rad/m) is the wave number.
     """
     cells, points = quad.weights.shape
     count = len(quad.shapes)
@@ -67,9 +68,9 @@ def strains(quad: SectionQuadrature, k: float) -> Array:
 
 
 def cell_matrices(quad: SectionQuadrature, moduli: Array) -> tuple[Array, Array, Array]:
-    """Matrices E₀, E₁, E₂ (M×3n×3n) of each cell, ∫ ε·σ = u′E₀u′ + 2u′E₁u + uE₂u.
+    """Matrices E₀, E₁, E₂ (M×3n×3n) of each cell, ∫ ε·σ dA = u′E₀u′ + 2u′E₁u + uE₂u.
 
-    `moduli`: one elasticity matrix (6×6), or one at each quadrature point (M×Q×6×6).
+    `moduli` is one elasticity matrix (6×6), or one at each quadrature point (M×Q×6×6).
     """
     in_section = strains(quad, 0.0)
     along = strains(quad, 1.0) - in_section
@@ -96,7 +97,7 @@ def elasticity(material: Material) -> Array:
 def mass_matrix(quad: SectionQuadrature, rho: float | Array) -> Array:
     """Mass matrix per length (3N×3N, kg/m) for displacements that are constant along the leg.
 
-    `rho`: density (kg/m³), of all cells or of each (M).
+    `rho` (kg/m³) is the density of all cells, or an array (M) with the density of each.
     """
     weights = np.reshape(rho, (-1, 1)) * quad.weights
     scalar = np.einsum("iq,jq,mq->mij", quad.shapes, quad.shapes, weights)
@@ -106,7 +107,7 @@ def mass_matrix(quad: SectionQuadrature, rho: float | Array) -> Array:
 
 
 def assembled(quad: SectionQuadrature, local: Array) -> Array:
-    """Assembled matrix (3N×3N) of the matrices of all cells (M×3n×3n)."""
+    """Matrix (3N×3N) that is the sum of the matrices `local` (M×3n×3n) of all M cells."""
     unknowns = (3 * quad.mesh.cells[:, :, None] + np.arange(3)).reshape(len(local), -1)
     matrix = np.zeros((3 * len(quad.mesh.nodes),) * 2)
     np.add.at(matrix, (unknowns[:, :, None], unknowns[:, None, :]), local)
