@@ -1,8 +1,9 @@
 """Search for the lowest modes of K φ = ω² M φ by block Lanczos with the flexibility K⁻¹.
 
 T = K⁻¹M is symmetric in the inner product of M and has the eigenvalues θ = 1/ω². With blocks of
-right-hand sides a factor is read once for all of them. The whole basis is kept M-orthonormal, so
-that a Ritz value has the residual ‖T x − θ x‖_M = ‖B s‖ with B and s of the last block: an
+right-hand sides a factor is read once for all of them. The whole basis is kept M-orthonormal.
+Therefore a Ritz value has the residual ‖T x − θ x‖_M = ‖B s‖. Here B couples the last block of the
+basis with the next one, and s are the components of the Ritz vector x in the last block. An
 eigenvalue lies within this distance (Krylov, Weinstein), and an isolated one within residual²/gap
 (Kato, Temple); Parlett, The Symmetric Eigenvalue Problem, §§10–13. A search is M-orthogonal to
 modes that are already known, and thus finds those that an earlier search has missed.
@@ -42,9 +43,10 @@ class NotConvergedError(Exception):
 
 @dataclass(frozen=True)
 class Ritz:
-    """Converged modes: ω² (m, ascending), M-orthonormal vectors (n×m), residuals relative to 1/ω².
+    """Converged modes: `values` ω² (m, ascending) and M-orthonormal `vectors` (n×m).
 
-    `beyond` is the next Ritz value of ω², which need not have converged. Infinite if there is none.
+    `residuals` (m) are relative to 1/ω². `beyond` is the next Ritz value of ω², which need not have
+    converged. Infinite if there is none.
     """
 
     values: Array
@@ -106,7 +108,7 @@ def _orthonormal(block: Any, basis: Any, M: Any, space: Space) -> tuple[Any, Any
 
 
 def first_modes(count: int) -> Wanted:
-    """Requirement that the first `count` modes converge, with the whole cluster of the last one."""
+    """Requirement that the first `count` modes and the cluster of the last one converge."""
 
     def wanted(values: Array, _residuals: Array) -> int | None:
         if len(values) <= count:
@@ -142,11 +144,11 @@ def block_lanczos(
 ) -> Ritz:
     """The lowest modes, as many as `wanted` requires, M-orthogonal to `known` (n×m).
 
-    `solve` is K⁻¹ on blocks (n×k), `start` (n×s) the first block before the first solution. At most
-    `limit` vectors are used. The residual of each returned mode relative to θ is at most
-    `residual`. Fewer modes are returned if no more have mass. Blocks, and input and output of
-    `solve`, are in the memory `space`. If its device fails, the search restarts in the memory of
-    the host. Raises NotConvergedError.
+    `solve` is a function that multiplies a block (n×k) by K⁻¹. `start` (n×s) is a block of vectors,
+    and the first block of the basis is K⁻¹M times it. At most `limit` vectors are used. The
+    residual of each returned mode relative to θ is at most `residual`. Fewer modes are returned if
+    no more have mass. Blocks, and input and output of `solve`, are in the memory `space`. If its
+    device fails, the search restarts in the memory of the host. Raises NotConvergedError.
     """
     known_vectors = np.zeros((len(start), 0)) if known is None else known
     if space is not HOST:

@@ -23,11 +23,12 @@ _ZERO = 500.0 * np.finfo(np.float64).eps
 
 @dataclass(frozen=True, eq=False)
 class Pencil:
-    """The matrix K − σM for any σ, with one sparsity pattern that is ordered once, if at all.
+    """The matrix K − σM for any σ, with one sparsity pattern for all σ.
 
     `springs` (n) are stiffnesses on single unknowns, mostly zero, that support a body while it is
-    factorised. `symbolic` is the matrix K with the springs added. `mass` contains the entries
-    of M at the places of the triangle of `symbolic`.
+    factorised. `symbolic` is the matrix K with the springs added. Its unknowns are ordered when a
+    factor is first needed. `mass` contains the entries of M at the places of the triangle of
+    `symbolic`.
     """
 
     symbolic: Symbolic
@@ -62,12 +63,13 @@ def count_below(
     constraints: Array | None = None,
     room: RenewableFactor | None = None,
 ) -> Inertia:
-    """Inertia of K − σM: numbers of its negative, zero and positive eigenvalues. σ in rad²/s².
+    """Numbers of negative, zero and positive eigenvalues of K − σM.
 
-    The springs of the pencil do not count. `negative` is the number of eigenvalues of K x = λ M x
-    below σ. If `zero` is above zero, σ is too near an eigenvalue and must be changed. With
-    `constraints` B (n×c, of full rank), only vectors with Bᵀx = 0 count. `room` is a factor whose
-    memory may be released for the count.
+    The springs of the pencil do not count. `sigma` is σ in rad²/s². `negative` is the number of
+    eigenvalues of K x = λ M x below σ. If `zero` is above zero, σ is too near an eigenvalue and
+    must be changed. With `constraints` B (n×c, of full rank), only vectors with Bᵀx = 0 are
+    admissible. `room` is a factor whose memory may be released for the count. None if there is
+    none.
     """
     n, springs = pencil.symbolic.size, pencil.springs
     if room is not None:

@@ -51,7 +51,11 @@ class Inertia(NamedTuple):
 
 
 class Analysis:
-    """Order of elimination of one sparsity pattern, recomputed on the processor if a card fails."""
+    """Order of elimination for one sparsity pattern.
+
+    It is computed by the chosen library, and again on the processor if the graphics card fails.
+    `lower` is the lower triangle (csc n×n) of a matrix with this pattern.
+    """
 
     def __init__(self, lower: SparseMatrix) -> None:
         self._lower = lower
@@ -71,9 +75,10 @@ class Analysis:
         vars(self).pop("ordering", None)
 
     def factorise(self, values: Array, part: str) -> Numeric:
-        """Factor of the matrix whose triangle has the entries `values`.
+        """Factor of the matrix whose lower triangle has the entries `values`.
 
-        Raises ComputationError if memory is insufficient.
+        `part` is the name of the matrix in messages. Raises ComputationError if memory is
+        insufficient.
         """
         try:
             return self.ordering.factorise(values, part)
@@ -118,7 +123,10 @@ class Factor:
 
 @dataclass(frozen=True, eq=False)
 class Symbolic:
-    """A symmetric matrix whose pattern has been analysed."""
+    """A symmetric matrix (size×size) and the analysis of its sparsity pattern.
+
+    `triangle` is its lower triangle (csc).
+    """
 
     size: int
     triangle: SparseMatrix = field(repr=False)
@@ -160,7 +168,7 @@ class Symbolic:
         """Raise NotPositiveDefiniteError if the smallest possible pivot is only round-off.
 
         The pivot of unknown k is smallest if it is eliminated last: 1/(A⁻¹)ₖₖ. The most compliant
-        unknown is checked. `solve` is A⁻¹.
+        unknown is checked. `solve` is a function that multiplies right-hand sides by A⁻¹.
         """
         if not self.size:
             return
@@ -178,7 +186,7 @@ def analyse(matrix: SparseMatrix) -> Symbolic:
     """Order the unknowns of a symmetric matrix (csr n×n) and predict the memory of its factor.
 
     The upper triangle of the matrix is sufficient. Raises InputError if a requested library cannot
-    be used, ComputationError if there is none.
+    be used, ComputationError if no library can be used.
     """
     symbolic = unordered(matrix)
     _ = symbolic.analysis.ordering
@@ -186,7 +194,10 @@ def analyse(matrix: SparseMatrix) -> Symbolic:
 
 
 def unordered(matrix: SparseMatrix) -> Symbolic:
-    """Result of `analyse` whose unknowns are ordered when a factor is first needed."""
+    """A symmetric matrix (csr n×n) whose unknowns are ordered when a factor is first needed.
+
+    In contrast, `analyse` orders them at once. The upper triangle of the matrix is sufficient.
+    """
     triangle = upper_triangle(matrix)
     # The same arrays read by columns are the lower triangle.
     lower = csc_array((triangle.data, triangle.indices, triangle.indptr), shape=triangle.shape)
@@ -204,7 +215,7 @@ class Inverse(Protocol):
 class RenewableFactor:
     """Factor that is released if another one needs its memory, and recomputed when needed.
 
-    `part` names the matrix in messages. Errors are those of `Symbolic.factorise`.
+    `part` is the name of the matrix in messages. Raises errors as `Symbolic.factorise` does.
     """
 
     symbolic: Symbolic
@@ -217,12 +228,12 @@ class RenewableFactor:
 
     @property
     def space(self) -> Space:
-        """Memory in which right-hand sides do not have to be copied."""
+        """Memory (host or graphics card) in which right-hand sides are used without a copy."""
         return self.symbolic.space
 
     @property
     def countable(self) -> bool:
-        """True if a factor of K − σM can count eigenvalues."""
+        """True if the eigenvalues of K − σM can be counted with a factor."""
         return True
 
     def solve(self, right_hand_sides: Any) -> Any:
@@ -234,7 +245,7 @@ class RenewableFactor:
         vars(self).pop("numeric", None)
 
     def make_room(self) -> None:
-        """Release the factor unless the memory suffices for a second one."""
+        """Release the factor if the available memory does not suffice for a second one."""
         available = available_memory()
         if available is not None and available < _ROOM * self.symbolic.peak_bytes:
             self.give_up()

@@ -19,7 +19,7 @@ from lumped.solver_request import Solver, requested_solver
 
 @dataclass(eq=False)
 class _GamgInverse:
-    """K⁻¹ by GAMG. Raises NotPositiveDefiniteError and ComputationError."""
+    """Inverse K⁻¹ by GAMG. Raises NotPositiveDefiniteError and ComputationError."""
 
     iteration: GamgIteration
     part: str
@@ -36,9 +36,9 @@ class _GamgInverse:
 
 @dataclass(eq=False)
 class RenewableIteration(RenewableFactor):
-    """Multigrid that is released if a factor needs its memory, and set up again when needed.
+    """Multigrid solver that is released if a factor needs its memory, and set up again when needed.
 
-    `motions` (n×6) are the rigid motions of the body, `places` (n×3, m) the positions of its
+    `motions` (n×6) are the rigid motions of the body, `places` (n×3, in m) the positions of its
     unknowns.
     """
 
@@ -54,13 +54,13 @@ class RenewableIteration(RenewableFactor):
 
     @property
     def checks(self) -> tuple[SolutionCheck, ...]:
-        """Errors of the last solutions, one for each right-hand side."""
+        """Accuracy of the last solutions, one entry for each right-hand side."""
         numeric = vars(self).get("numeric")
         return numeric.iteration.checks if isinstance(numeric, _GamgInverse) else ()
 
     @property
     def space(self) -> Space:
-        """Memory of the host, in which right-hand sides are used."""
+        """Memory in which right-hand sides are used: that of the host."""
         return HOST
 
     @cached_property
@@ -70,11 +70,12 @@ class RenewableIteration(RenewableFactor):
 
 
 def inverse(symbolic: Symbolic, motions: Array, places: Array, part: str) -> RenewableFactor:
-    """K⁻¹ of a supported solid (n unknowns), by a factor or by GAMG.
+    """Inverse K⁻¹ of the stiffness of a supported solid (n unknowns), by a factor or by GAMG.
 
     GAMG is used if it is requested, or if PETSc is requested and a factor does not fit the
-    available memory. The arguments are those of `RenewableIteration`. The result is ready for
-    right-hand sides: raises NotPositiveDefiniteError and ComputationError.
+    available memory. The arguments are those of `RenewableIteration`. The factor or multigrid is
+    computed at once. Raises NotPositiveDefiniteError if the solid is not sufficiently supported,
+    ComputationError if the computation fails.
     """
     request = requested_solver()
     if request is Solver.GAMG or (request is Solver.PETSC and not _fits(symbolic)):

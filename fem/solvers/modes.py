@@ -1,8 +1,8 @@
 """Lowest modes of K φ = ω² M φ, certified by a count of eigenvalues (Sturm).
 
 Lanczos (`fem.solvers.block_lanczos`) cannot detect a missed mode. Therefore the negative
-eigenvalues of K − σM are counted, with σ in the gap above the last mode. If there are more than
-modes found, the search is continued orthogonally to these until none is missing.
+eigenvalues of K − σM are counted, with σ in the gap above the last mode. If the count exceeds the
+number of modes found, the search is continued orthogonally to these modes until none is missing.
 """
 
 from collections.abc import Callable
@@ -43,8 +43,9 @@ class CertifiedModes(Modes):
     """Lowest modes with the proof that none is missing.
 
     `frequency_errors` are estimated relative errors, the smaller of two bounds from the residual.
-    `count` eigenvalues lie below `shift` (rad²/s²) by inertia: those of the returned modes and
-    possibly further ones, such as the rest of the cluster of the last mode.
+    `count` is the number of eigenvalues below `shift` (rad²/s²), by the signs of K − shift·M. These
+    are the returned modes and possibly further ones, such as the rest of the cluster of the last
+    mode.
     """
 
     frequency_errors: Array
@@ -64,8 +65,9 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
     """Shift σ (rad²/s²) below which there are provably no other eigenvalues than `values`.
 
     `values` are the eigenvalues found (ω², ascending), `beyond` is the next one, or infinite if it
-    is unknown. `count` computes the inertia of K − σM. Raises MissedModesError if the count is
-    higher, ComputationError if it is lower or impossible.
+    is unknown. `count` is a function of σ that returns the inertia of K − σM. `part` is the name in
+    messages. Raises MissedModesError if the count is higher than the number of values,
+    ComputationError if it is lower or impossible.
     """
     last, mode_count = float(values[-1]), len(values)
     half_way = (beyond - last) / 2.0
@@ -103,13 +105,14 @@ def lowest_modes(
     part: str,
     space: Space = HOST,
 ) -> CertifiedModes:
-    """The lowest `mode_count` modes, certified, from K⁻¹ and M (csr n×n, semidefinite).
+    """The lowest `mode_count` modes, certified by a count of eigenvalues.
 
-    `solve` is K⁻¹ on blocks (n×k), both in `space` and on the host. `count` computes the inertia of
-    K − σM. Shapes on the n unknowns have unit modal mass. If the count shows missed modes, as many
-    are searched M-orthogonally to those found, from other random vectors, and the count is
-    repeated. Raises InputError for fewer than one mode, ComputationError, with `part` in its
-    message, if modes do not converge or the certificate still fails.
+    `solve` is a function that multiplies blocks (n×k) by K⁻¹, in the memory `space` or on the host.
+    `M` (csr n×n) may be semidefinite. `count` is a function of σ that returns the inertia of K −
+    σM. Shapes on the n unknowns have unit modal mass. If the count shows missed modes, as many are
+    searched M-orthogonally to those found, from other random vectors, and the count is repeated.
+    Raises InputError for fewer than one mode, ComputationError, with `part` in its message, if
+    modes do not converge or the certificate still fails.
     """
     n = M.shape[0]
     if mode_count < 1:

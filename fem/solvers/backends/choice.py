@@ -1,6 +1,6 @@
 """Choice of the library for a matrix: by request, number of unknowns, graphics card, installation.
 
-The request is that of `lumped.solver_request`.
+The request is made by the user, see `lumped.solver_request`.
 """
 
 import warnings
@@ -37,10 +37,11 @@ class SolverFallbackWarning(Remark):
 
 
 def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:
-    """Library for a matrix with `unknowns` unknowns. `card` is the graphics card, if there is one.
+    """Library for a matrix with `unknowns` unknowns.
 
-    PETSc if it or GAMG is requested. cuDSS if requested, or if it is faster and the matrix may fit.
-    Otherwise rslab.
+    It is PETSc if PETSc or its multigrid GAMG is requested. It is cuDSS if there is a `card` and
+    cuDSS is requested, or if cuDSS is faster and the matrix may fit the card. Otherwise it is
+    rslab. `card` is the graphics card. None if there is none.
     """
     if request.is_petsc:
         return Solver.PETSC
@@ -51,9 +52,10 @@ def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:
 
 
 def order(lower: SparseMatrix) -> Ordering:
-    """Order of elimination for a lower triangle (csc n×n), by the library chosen for it.
+    """Order of elimination for a lower triangle (csc n×n), by the library chosen for the matrix.
 
-    Raises InputError if a requested library cannot be used, ComputationError if there is none.
+    Raises InputError if a requested library cannot be used, ComputationError if no library can be
+    used.
     """
     request, unknowns = requested_solver(), int(lower.shape[0])
     require_usable(request)
@@ -75,9 +77,11 @@ def order(lower: SparseMatrix) -> Ordering:
 
 
 def order_on_host(lower: SparseMatrix) -> Ordering:
-    """Order of elimination by rslab; if it cannot be loaded, by SciPy or, if large, by PETSc.
+    """Order of elimination for a lower triangle (csc n×n), computed on the processor.
 
-    Raises ComputationError for a large matrix if neither rslab nor PETSc can be used.
+    The library is rslab. If rslab cannot be loaded, the library is SciPy for a small matrix and
+    PETSc for a large one, with a warning. Raises ComputationError for a large matrix if neither
+    rslab nor PETSc can be used.
     """
     if not (reason := rslab.load_error()):
         return RslabOrdering(lower)

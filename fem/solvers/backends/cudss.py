@@ -2,9 +2,9 @@
 
 cuDSS factorises PᵀAP = L D Lᵀ with diagonal pivots, in an order by nested dissection that is
 computed on the host. It replaces pivots that are too small and counts them. Pivots are not paired
-as in the method of Bunch and Kaufman: each factor of a shifted matrix is therefore checked by the
-backward error of a solution. Only one factor of a pattern is on the card at a time. An earlier one
-is computed again if it is needed.
+as in the method of Bunch and Kaufman. Each factor is therefore checked by the backward error of a
+solution. Among the matrices with one sparsity pattern, only the factor of the last one is on the
+card. An earlier factor is computed again if it is needed.
 """
 
 from collections.abc import Iterator
@@ -47,7 +47,7 @@ class Device:
 
 @cache
 def _device_or_reason() -> Device | str:
-    """The graphics card that CUDA computes on, or the reason why there is none."""
+    """The graphics card on which CUDA computes, or the reason why there is none."""
     if message := missing_message("gpu"):
         return message
     try:
@@ -69,7 +69,10 @@ def device() -> Device | None:
 
 
 def device_fault() -> str:
-    """The reason why no graphics card can be used: packages, driver or card. "" if one can."""
+    """The reason why no graphics card can be used: packages, driver or card.
+
+    "" if a card can be used.
+    """
     card_or_reason = _device_or_reason()
     return card_or_reason if isinstance(card_or_reason, str) else ""
 
@@ -129,7 +132,8 @@ class DeviceSpace:
     def columns(self, size: int, count: int, filled: Any) -> Any:
         """Array of `size` rows that begins with the columns `filled` and has some spare columns.
 
-        Not all `count` columns are allocated, because they would take memory.
+        It has at most `count` columns. They are not all allocated at once, because they would take
+        memory.
         """
         import cupy  # noqa: PLC0415
 
@@ -147,13 +151,16 @@ def space() -> DeviceSpace:
 
 
 def space_of(array: Any) -> Space:
-    """Memory in which an array is stored, of the host or card. Computations are done there."""
+    """Memory that contains an array: of the host, or of the graphics card."""
     return HOST if type(array) is np.ndarray else space()
 
 
 @cache
 def _handle() -> int:
-    """Handle of cuDSS in this process. Orderings are computed by threads of the host."""
+    """Handle of the library cuDSS in this process.
+
+    It is set up such that orderings are computed by several threads of the host.
+    """
     from cuda.pathfinder import load_nvidia_dynamic_lib  # noqa: PLC0415
     from nvmath.bindings import cudss  # noqa: PLC0415
 
@@ -183,8 +190,7 @@ class CudssNumeric:
 class CudssOrdering:
     """Order of elimination for a lower triangle (csc n×n), see `Ordering`.
 
-    The three arrays of the lower triangle (csc), read as csr, are those of the upper triangle.
-    Raises DeviceError.
+    cuDSS receives the upper triangle (csr), which has the same three arrays. Raises DeviceError.
     """
 
     def __init__(self, lower: SparseMatrix) -> None:
@@ -228,7 +234,7 @@ class CudssOrdering:
         self.device_bytes, self.peak_bytes = int(estimates[1]), int(estimates[3])
 
     def factorise(self, values: Array, part: str) -> CudssNumeric:
-        """Factor of the matrix whose triangle has the entries `values`.
+        """Factor of the matrix whose lower triangle has the entries `values`.
 
         `part` is not used. If the factor is not accurate, its `zero` is at least 1. Raises
         DeviceError.

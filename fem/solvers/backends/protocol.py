@@ -11,39 +11,43 @@ from lumped.arrays import Array, SparseMatrix
 class DeviceError(Exception):
     """Error: a device has too little memory, fails or is lost.
 
-    `announced` is True if the user has been informed.
+    `announced` is True if the user has been warned.
     """
 
     announced = False
 
 
 class Space(Protocol):
-    """Memory in which blocks of vectors are multiplied: that of the host, or of a device."""
+    """Memory in which blocks of vectors are multiplied: that of the host, or of a device.
+
+    A device is a graphics card.
+    """
 
     def errors(self) -> AbstractContextManager[None]:
         """Context in which each error of a device is raised as DeviceError."""
 
     def put(self, array: Any) -> Any:
-        """Copy of an array of the host in this memory."""
+        """Copy of an array of the host, in this memory."""
 
     def get(self, array: Any) -> Array:
-        """Copy on the host of an array in this memory."""
+        """Copy of an array in this memory, in the memory of the host."""
 
     def matrix(self, matrix: SparseMatrix) -> Any:
         """Copy of a sparse matrix, to be multiplied with blocks in this memory."""
 
     def columns(self, size: int, count: int, filled: Any) -> Any:
-        """Array (size × at least one column) that begins with the columns `filled` (size×k).
+        """Array of `size` rows in this memory that begins with the columns `filled` (size×k).
 
-        It has `count` columns if unused ones take no memory, otherwise a few more than k.
+        It has `count` columns if unused columns take no memory, otherwise a few more than k. It has
+        at least one column.
         """
 
 
 class HostSpace:
-    """Memory of the host. Its methods return their arguments without copies."""
+    """Memory of the host. `put`, `get` and `matrix` return their arguments without copies."""
 
     def errors(self) -> AbstractContextManager[None]:
-        """Context that raises no DeviceError: the host is no device."""
+        """Context without effect: no DeviceError occurs on the host."""
         return nullcontext()
 
     def put(self, array: Any) -> Any:
@@ -59,9 +63,9 @@ class HostSpace:
         return matrix
 
     def columns(self, size: int, count: int, filled: Array) -> Array:
-        """Array with all `count` columns, which begins with `filled`.
+        """Array with all `count` columns, which begins with the columns `filled`.
 
-        Unused pages take no memory.
+        Columns that have not been written take no memory.
         """
         columns = np.empty((size, count), order="F")
         columns[:, : filled.shape[1]] = filled
@@ -74,7 +78,8 @@ HOST: Space = HostSpace()
 class Numeric(Protocol):
     """Factor L D Lᵀ of a symmetric matrix (n×n).
 
-    `negative` is the number of negative entries of D, `zero` the number of entries without a sign.
+    `negative` is the number of negative entries of D. `zero` is the number of entries whose sign is
+    not known, because they are zero within round-off or the factor is not accurate.
     """
 
     negative: int
@@ -83,7 +88,7 @@ class Numeric(Protocol):
     def solve(self, columns: Any) -> Any:
         """Solutions (n×k) for the right-hand sides `columns` (n×k), in the same memory.
 
-        Raises DeviceError.
+        Raises DeviceError if a graphics card fails.
         """
 
 
@@ -100,8 +105,8 @@ class Ordering(Protocol):
         """Memory (host or graphics card) in which right-hand sides are used without a copy."""
 
     def factorise(self, values: Array, part: str) -> Numeric:
-        """Factor of the matrix with the given `values` of its triangle.
+        """Factor of the matrix whose lower triangle has the entries `values`.
 
-        `part` names it in messages. Raises ComputationError if the memory of the host is
-        insufficient, and DeviceError.
+        `part` is the name of the matrix in messages. Raises ComputationError if the memory of the
+        host is insufficient, and DeviceError if a graphics card fails.
         """

@@ -1,4 +1,4 @@
-"""Request of a library by a command, checked before anything is computed.
+"""Request of a library by a command of the user, checked before anything is computed.
 
 Commands import this module for their help. Numerical libraries are imported only if they are
 requested.
@@ -24,11 +24,12 @@ REINSTALL = "install rslab again (pip install --force-reinstall rslab)"
 
 
 def request_solver(name: str | None, ranks: int | None = None, hosts: Path | None = None) -> None:
-    """Request a library for this process and for those that it starts.
+    """Request the library `name` for this process and for the processes that it starts.
 
-    None keeps the request of the environment. `ranks` is the number of MPI ranks of PETSc, `hosts`
-    a file with the names of their machines. Raises InputError for an unknown name, for ranks or
-    hosts of another library, and if the requested library cannot be used.
+    If `name` is None, the request in the environment remains. `ranks` is the number of MPI ranks of
+    PETSc, and `hosts` is a file with the names of the machines that run them. Raises InputError if
+    the name is unknown, if ranks or hosts are given for another library than PETSc, or if the
+    requested library cannot be used.
     """
     if name is not None:
         os.environ[VARIABLE] = name

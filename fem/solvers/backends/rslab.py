@@ -66,9 +66,10 @@ class RslabOrdering:
         self.peak_bytes = int(plan["peak_bytes"])
 
     def factorise(self, values: Array, part: str) -> RslabNumeric:
-        """Factor of the matrix whose triangle has the entries `values`.
+        """Factor of the matrix whose lower triangle has the entries `values`.
 
-        Raises ComputationError if memory is insufficient.
+        `part` is the name of the matrix in messages. Raises ComputationError if memory is
+        insufficient.
         """
         require_memory(self.peak_bytes, self._size, part)
         # Only the values are passed: rslab would copy a matrix and compare its pattern.

@@ -2,9 +2,9 @@
 
 In the symmetric mode of SuperLU without a threshold, all pivots are on the diagonal unless one is
 zero. Then P A Pᵀ = L U with U = D Lᵀ, and the signs of U's diagonal are those of A's eigenvalues
-(Sylvester). Pivots are not paired: as with cuDSS, a factor is checked by the backward error of a
+(Sylvester). Pivots are not paired. Each factor is therefore checked by the backward error of a
 solution. If a factor fails this check, or has pivots that are not on the diagonal, its number of
-entries of D without a sign (`zero`) is at least 1.
+entries of D without a known sign (`zero`) is at least 1.
 """
 
 from typing import Any
@@ -31,7 +31,10 @@ def title() -> str:
 
 
 class SuperluNumeric:
-    """Factor by SuperLU, see `Numeric`. `handle` is None for a singular or an empty matrix."""
+    """Factor by SuperLU, see `Numeric`.
+
+    `handle` is the factor as an object of SciPy. None for a singular or an empty matrix.
+    """
 
     def __init__(self, handle: Any, negative: int, zero: int) -> None:
         self._handle = handle
@@ -54,9 +57,10 @@ class SuperluOrdering:
         self.peak_bytes = _BYTES_PER_UNKNOWN * int(lower.shape[0])
 
     def factorise(self, values: Array, part: str) -> SuperluNumeric:
-        """Factor of the matrix whose triangle has the entries `values`.
+        """Factor of the matrix whose lower triangle has the entries `values`.
 
-        Raises ComputationError if memory is insufficient.
+        `part` is the name of the matrix in messages. Raises ComputationError if memory is
+        insufficient.
         """
         from scipy.sparse.linalg import splu  # noqa: PLC0415  rslab computes nearly always
 

@@ -2,9 +2,9 @@
 
 MUMPS factorises PᵀAP = L D Lᵀ with pivots of one or two rows, in an order by nested dissection of
 METIS (Amestoy, Duff, L'Excellent, Koster, SIAM J. Matrix Anal. Appl. 23 (2001) 15). It detects null
-pivots, and the inertia of D counts eigenvalues. petsc4py belongs to another Python, of the system
-or of conda, which runs `server`. Only one factor of a pattern is stored at a time. An earlier one
-is computed again if it is needed.
+pivots, and the signs of D count eigenvalues. petsc4py belongs to another Python, of the system or
+of conda, which runs `server`. Among the matrices with one sparsity pattern, only the factor of the
+last one is stored. An earlier factor is computed again if it is needed.
 """
 
 import json
@@ -71,14 +71,14 @@ _PATIENCE_AT_END = 3.0
 
 
 class MissingPetscError(InputError):
-    """Error: there is no Python with petsc4py, or no MPI for several ranks."""
+    """Error: there is no Python with petsc4py, or no MPI although several ranks are requested."""
 
 
 class Server:
-    """The program `server` on a number of MPI ranks, and its private folder.
+    """Connection to the program `server` on a number of MPI ranks.
 
-    `hosts` are the machines that run the ranks, the same number on each. Empty if all ranks run on
-    this machine.
+    It has a private folder for files. `hosts` are the names of the machines that run the ranks, the
+    same number on each. Empty if all ranks run on this machine.
     """
 
     def __init__(self, interpreter: str, ranks: int, mpiexec: str, hosts: tuple[str, ...]) -> None:
@@ -112,7 +112,7 @@ class Server:
             raise
 
     def _started(self, interpreter: str, ranks: int, mpiexec: str) -> "subprocess.Popen[bytes]":
-        """Process of the keeper, which starts the server."""
+        """Start the keeper, a program that starts the server. Return the keeper's process."""
         folder, hosts = Path(__file__).parent, self.hosts
         server = [interpreter, "-I", str(folder / "server.py")]
         command = [*server, str(self._folder), str(len(hosts))]
@@ -153,7 +153,8 @@ class Server:
     def analyse(self, name: int, lower: SparseMatrix) -> int:
         """Order the unknowns of a lower triangle (csc n×n). Return the predicted memory (bytes).
 
-        With several hosts, it is the memory on one of them, otherwise that of all ranks together.
+        `name` is a new name for the ordering. With several hosts, the memory is that needed on one
+        of them, otherwise that of all ranks together.
         """
         with self._command():
             self._store_triangle(name, lower)
@@ -166,7 +167,8 @@ class Server:
     def precondition(self, name: int, lower: SparseMatrix, motions: Array, part: str) -> None:
         """Prepare conjugate gradients for the matrix with the triangle `lower` (csc n×n).
 
-        `motions` (n×6) are orthonormal rigid motions.
+        `name` is a new name for this iteration. `motions` (n×6) are orthonormal rigid motions.
+        `part` is the name of the matrix in messages.
         """
         with self._command(part):
             self._store_triangle(name, lower)
@@ -182,9 +184,9 @@ class Server:
             self._store(f"{name}-{kind}", array)
 
     def factorise(self, name: int, values: Array, part: str) -> tuple[int, int]:
-        """Factorise the matrix with these `values` in the triangle `name`.
+        """Factorise a matrix. Return its numbers of negative and of zero eigenvalues.
 
-        Return its numbers of negative and of zero eigenvalues.
+        `name` is the name of its ordering, `values` are the entries of its triangle.
         """
         with self._command(part):
             self._store(f"{name}-values", values)
@@ -192,7 +194,11 @@ class Server:
             return int(answer["negative"]), int(answer["zero"])
 
     def solve(self, name: int, right: Array, part: str = "") -> tuple[Array, dict[str, Any]]:
-        """Solutions (n×k) for `right` (n×k) by factor or iteration `name`; answer of the server."""
+        """Solutions (n×k) for the right-hand sides `right` (n×k), and the answer of the server.
+
+        `name` is the name of a factorised ordering or of an iteration. The answer of an iteration
+        contains its checks, that of a factor is empty.
+        """
         with self._command(part):
             self._store("right", right)
             self._store("solution", np.zeros_like(right))
@@ -201,7 +207,10 @@ class Server:
             return np.asarray(solution, dtype=np.float64), answer
 
     def discard(self, name: int) -> None:
-        """Free the factor of the ordering `name`, at the latest before the next command."""
+        """Free the factor or iteration `name`.
+
+        It is freed at once, or before the next command if the server is busy.
+        """
         self._discarded.append(name)
         # A finaliser may run during a command, in any thread.
         if self._lock.acquire(blocking=False):
@@ -221,9 +230,9 @@ class Server:
 
     @contextmanager
     def _command(self, part: str = "") -> Iterator[None]:
-        """Context that excludes other threads while files are written and commands are executed.
+        """Context in which this thread alone writes files and sends commands to the server.
 
-        Raises ComputationError if they fail.
+        Raises ComputationError if the server has ended or a file cannot be written.
         """
         with self._lock:
             if not self.alive:
@@ -240,11 +249,10 @@ class Server:
         np.save(self._folder / f"{name}.npy", array)
 
     def _execute(self, verb: str, name: int, part: str = "", size: int = 0) -> dict[str, Any]:
-        """Answer of the server to the command `verb` for the matrix `name`.
+        """Answer of the server to the command `verb` for the ordering or iteration `name`.
 
-        `size` is the number of unknowns. Only commands for a new matrix need it.
-
-        Raises ComputationError if the command fails.
+        `size` is the number of unknowns, which only commands for a new matrix need. Raises
+        ComputationError if the command fails.
         """
         self._discard_all()
         answer = self._exchange(verb, name, part, size)
@@ -263,9 +271,10 @@ class Server:
             raise
 
     def _answer(self, patience: float | None, part: str = "") -> dict[str, Any]:
-        """Next JSON object on the standard output of the server, within `patience` (s).
+        """Next JSON object on the standard output of the server.
 
-        None for no limit of time. Raises ComputationError if there is no answer.
+        `patience` (s) is the longest wait. If it is None, there is no limit. Raises
+        ComputationError if there is no answer.
         """
         output = self._keeper.stdout
         if output is None:  # pragma: no cover
@@ -317,7 +326,7 @@ def _mpiexec(interpreter: str) -> str:
 
 
 def _started(interpreter: str, ranks: int, hosts: tuple[str, ...]) -> Server:
-    """Server with petsc4py. Raises MissingPetscError."""
+    """New server on a number of MPI `ranks`. Raises MissingPetscError if it cannot be started."""
     mpiexec = _mpiexec(interpreter)
     if not hasattr(os, "mkfifo"):
         reason = "runs on Linux and macOS alone"
@@ -351,9 +360,9 @@ def _kept(interpreter: str, ranks: int, hosts: tuple[str, ...]) -> Server:
 
 
 def server() -> Server:
-    """Server of this process.
+    """Server that this process uses, for the requested Python, ranks and hosts.
 
-    It is started when it is first needed, and again after it has died.
+    It is started when it is first needed, and again after it has ended.
     """
     request = petsc_python(), requested_ranks(), requested_hosts()
     if not _kept(*request).alive:
@@ -371,9 +380,10 @@ def installed() -> bool:
 
 
 def title(gamg: str = "") -> str:
-    """Names and versions of the libraries, ranks and hosts. Raises MissingPetscError.
+    """Names and versions of the libraries, and the ranks and hosts, as a text.
 
-    `gamg` describes the systems of equations that GAMG solves. "" if there are none.
+    `gamg` describes the systems of equations that GAMG solves. "" if there are none. Raises
+    MissingPetscError.
     """
     about = server().about
     mumps = f"MUMPS {about['mumps']}".rstrip()
@@ -382,7 +392,7 @@ def title(gamg: str = "") -> str:
 
 
 class PetscNumeric:
-    """Factor of a matrix that the PETSc server keeps. Implements `Numeric`."""
+    """Factor of a matrix that the PETSc server stores, see `Numeric`."""
 
     def __init__(self, ordering: "PetscOrdering", values: Array, negative: int, zero: int) -> None:
         self._ordering, self._values = ordering, values
@@ -397,8 +407,8 @@ class PetscNumeric:
 class PetscOrdering:
     """Order of elimination for a lower triangle (csc n×n), see `Ordering`.
 
-    The three arrays of the lower triangle (csc), read as csr, are those of the upper triangle.
-    Raises MissingPetscError.
+    PETSc receives the upper triangle (csr), which has the same three arrays. Raises
+    MissingPetscError.
     """
 
     space = HOST
@@ -414,10 +424,10 @@ class PetscOrdering:
         self.peak_bytes = self._server.analyse(self._name, lower)
 
     def factorise(self, values: Array, part: str) -> PetscNumeric:
-        """Factor of the matrix whose triangle has the entries `values`.
+        """Factor of the matrix whose lower triangle has the entries `values`.
 
-        If the factor is not accurate, its `zero` is at least 1. Raises ComputationError if the
-        factorisation fails.
+        `part` is the name of the matrix in messages. If the factor is not accurate, its `zero` is
+        at least 1. Raises ComputationError if the factorisation fails.
         """
         if self._loaded is None:
             require_memory(self.peak_bytes, self._size, part)

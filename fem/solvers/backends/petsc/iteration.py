@@ -1,9 +1,9 @@
 """Solutions without a factor: conjugate gradients with the multigrid GAMG of PETSc.
 
-GAMG (smoothed aggregation; Vaněk, Mandel, Brezina, Computing 56 (1996) 179) makes its coarse levels
-from the rigid motions. The number of iterations hardly depends on the number of unknowns, and the
-memory is a few times that of the matrix. Without a factor, the signs of eigenvalues are not known,
-and eigenvalues cannot be counted.
+GAMG (smoothed aggregation; Vaněk, Mandel, Brezina, Computing 56 (1996) 179) constructs its coarse
+levels from the rigid motions. The number of iterations hardly depends on the number of unknowns,
+and the memory is a few times that of the matrix. Without a factor, the signs of eigenvalues are not
+known, and eigenvalues cannot be counted.
 """
 
 from typing import Any, NamedTuple
@@ -33,12 +33,12 @@ class IndefiniteError(Exception):
 
 
 class SolutionCheck(NamedTuple):
-    """Accuracy of the solution for one right-hand side.
+    """Accuracy of the solution x of K x = f for one right-hand side f.
 
-    `energy` is the residual in the norm of the preconditioner, relative to the energy norm of the
-    solution. `backward` is the residual relative to the terms K x and f whose difference it is.
-    `balance` is the difference between the work x·f and twice the energy, x·K x, relative to the
-    latter. `reason` is PETSc's code for the end of the `iterations`.
+    `energy` is the residual f − K x in the norm of the preconditioner, relative to the energy norm
+    of the solution. `backward` is the residual relative to the sizes of f and K x. `balance` is the
+    difference between the work x·f and twice the energy, x·K x, relative to x·K x. `iterations` is
+    the number of iterations, `reason` PETSc's code for the reason why they ended.
     """
 
     iterations: int
@@ -56,10 +56,11 @@ class SolutionCheck(NamedTuple):
 class GamgIteration:
     """Conjugate gradients for one positive definite matrix, set up once for all right-hand sides.
 
-    `lower` is the lower triangle (csc n×n), `motions` (n×6) are the rigid motions that the body
-    would have without supports, `places` (n×3, m) the positions of the unknowns. Each rank has
-    neighbouring unknowns: they are sorted along the longest axis of the body, and those of a node
-    stay together. `part` is the name in messages. Raises MissingPetscError and ComputationError.
+    `lower` is the lower triangle (csc n×n) of the matrix. `motions` (n×6) are the rigid motions
+    that the body would have without supports. `places` (n×3, in m) are the positions of the
+    unknowns. The unknowns are sorted along the longest axis of the body, so that each MPI rank has
+    neighbouring unknowns. The unknowns of a node stay together. `part` is the name of the matrix in
+    messages. Raises MissingPetscError and ComputationError.
     """
 
     def __init__(self, lower: SparseMatrix, motions: Array, places: Array, part: str) -> None:
@@ -76,7 +77,8 @@ class GamgIteration:
     def solve(self, columns: Array) -> Array:
         """Solutions (n×k) for the right-hand sides `columns` (n×k).
 
-        Raises IndefiniteError, and ComputationError if a solution does not converge.
+        Raises IndefiniteError if the matrix is not positive definite, and ComputationError if a
+        solution does not converge.
         """
         ordered, answer = self._server.solve(self._name, columns[self._order], self._part)
         self.checks = tuple(SolutionCheck(*check) for check in answer["checks"])
@@ -100,7 +102,10 @@ def _why_not(check: SolutionCheck) -> str:
 
 
 def _permuted(lower: SparseMatrix, order: IntArray) -> Any:
-    """Lower triangle (csc n×n) of the matrix with rows and columns in another order."""
+    """Lower triangle (csc n×n) of the matrix with rows and columns in another order.
+
+    `order` (n) contains the old index of each new row.
+    """
     size = lower.shape[0]
     position = np.empty(size, dtype=lower.indices.dtype)
     position[order] = np.arange(size, dtype=position.dtype)

@@ -1,8 +1,9 @@
 """Program that runs a command as long as its client lives.
 
-It is started as `keeper.py FOLDER COMMAND…`. The client has the other end of standard input. When
-that is closed, because the client has ended in any way, the command is ended and the folder is
-removed. The exit code is that of the command, or 128 + n if signal n ended it.
+It is started as `keeper.py FOLDER COMMAND…`. Its standard input is a pipe, the other end of which
+the client keeps open. When the client has ended in any way, the pipe is closed. Then the command is
+ended and the folder is removed. The exit code is that of the command, or 128 + n if signal n ended
+it.
 """
 
 import os

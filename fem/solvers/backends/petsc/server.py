@@ -74,11 +74,14 @@ class _Files:
                 yield json.loads(line)
 
     def read(self, name: str, rows: slice) -> Any:
-        """The `rows` of the array `name`. Each rank reads different ones."""
+        """The `rows` of the array `name` in the folder, for this rank."""
         return np.array(self._array(name)[rows])
 
     def write(self, name: str, rows: slice, array: Any) -> None:
-        """Write `rows` of the existing array `name`. Each rank writes different ones."""
+        """Write the `rows` of this rank to the existing array `name` in the folder.
+
+        Returns when all ranks have written their rows.
+        """
         self._array(name, "r+")[rows] = array
         self._petsc.COMM_WORLD.barrier()
 
@@ -97,7 +100,7 @@ class _Messages(_Files):
         self._others = range(1, self._communicator.size)
 
     def commands(self) -> "Iterator[dict[str, Any]]":
-        """Yield commands from rank 0 until its pipe is closed."""
+        """Yield commands, which rank 0 reads from its pipe, until the pipe is closed."""
         if self._rank == 0:
             for command in super().commands():
                 self._send_object(command)
@@ -114,7 +117,7 @@ class _Messages(_Files):
             yield command
 
     def read(self, name: str, rows: slice) -> Any:
-        """The `rows` of the array `name`. Each rank reads different ones."""
+        """The `rows` of the array `name`, for this rank. Rank 0 reads and sends them."""
         ranges = self._communicator.gather((rows.start, rows.stop))
         if self._rank:
             return self._receive(0)
@@ -124,7 +127,7 @@ class _Messages(_Files):
         return np.array(array[rows])
 
     def write(self, name: str, rows: slice, array: Any) -> None:
-        """Write `rows` of the existing array `name`. Each rank writes different ones."""
+        """Send the `rows` of this rank to rank 0, which writes them to the array `name`."""
         written = self._communicator.gather((rows.start, rows.stop))
         if self._rank:
             self._send(np.ascontiguousarray(array), 0)
@@ -158,7 +161,10 @@ def _pieces(array: Any) -> "list[Any]":
 
 
 class _Rows:
-    """Rows of a symmetric matrix that belong to this rank, in whole blocks of unknowns."""
+    """Rows of a symmetric matrix that belong to this rank.
+
+    `block` is the number of unknowns that must stay together on one rank.
+    """
 
     def __init__(self, petsc: Any, files: _Files, name: int, size: int, block: int) -> None:
         layout = petsc.Vec().create(petsc.COMM_WORLD)
@@ -177,7 +183,7 @@ class _Rows:
 
 
 class _Factor:
-    """Matrix, symbolic and numeric factor of one pattern, distributed by rows over the ranks."""
+    """Matrix and factor for one sparsity pattern, distributed by rows over the ranks."""
 
     def __init__(
         self, petsc: Any, library: ctypes.CDLL, files: _Files, name: int, size: int
@@ -220,7 +226,10 @@ class _Factor:
         return 1_000_000 * int(self._factor.getMumpsInfog(16))
 
     def factorise(self, name: int) -> "tuple[int, int]":
-        """Numbers of negative and of zero eigenvalues of the matrix with the values in a file."""
+        """Numbers of negative and of zero eigenvalues of the matrix, which is factorised.
+
+        Its values are read from the file of the ordering `name`.
+        """
         values = self._files.read(f"{name}-values", self._share.entries)
         self._matrix.setValuesCSR(self._share.offsets, self._share.columns, values)
         self._matrix.assemble()
@@ -272,8 +281,8 @@ class _Factor:
 class _Iteration:
     """Conjugate gradients, preconditioned by the multigrid GAMG, for one positive definite matrix.
 
-    The rigid motions (n×6, orthonormal) are the near null space from which GAMG makes its coarse
-    levels. The set-up serves all right-hand sides.
+    GAMG constructs its coarse levels from the rigid motions (n×6, orthonormal), its near null
+    space. They are set up once for all right-hand sides.
     """
 
     def __init__(self, petsc: Any, files: _Files, name: int, size: int) -> None:
@@ -314,11 +323,9 @@ class _Iteration:
     def solve(self) -> "dict[str, Any]":
         """Solve for the right-hand sides (n×k) in the file `right`. Write the file `solution`.
 
-        Return for each solution the number of iterations, `energy`, `backward`, `balance` and
-        `reason`. `energy` is the true residual in the norm of the preconditioner, relative to the
-        energy norm of the solution. `backward` is the residual relative to the terms f and K x,
-        `balance` the difference between the work x·f and twice the energy, x·K x, relative to the
-        latter. `reason` is PETSc's code for the end, negative if there is no convergence.
+        The result contains for each solution the number of iterations, `energy`, `backward`,
+        `balance` and `reason`, as explained in `SolutionCheck` of the module `iteration`. `reason`
+        is negative if the iteration does not converge.
         """
         columns = self._files.read("right", self._rows)
         solutions = np.zeros_like(columns)
@@ -387,7 +394,10 @@ def _mumps_version(library: ctypes.CDLL) -> str:
 
 
 def serve(folder: Path, hosts: int) -> None:
-    """Answer commands until the pipe from which they are read is closed."""
+    """Answer commands until the pipe from which they are read is closed.
+
+    `folder` contains the pipes and arrays, `hosts` is the number of machines that run ranks.
+    """
     answers = os.fdopen(os.dup(1), "w", encoding="ascii")
     # Messages that libraries print are written to the log.
     os.dup2(2, 1)
@@ -422,7 +432,7 @@ def _executed(
     library: ctypes.CDLL,
     files: _Files,
 ) -> "dict[str, Any]":
-    """Answer to a command. Errors of MUMPS are part of the answer, others end the process."""
+    """Answer to a command. It contains an error of MUMPS; other errors end the process."""
     verb, name = command["verb"], command["name"]
     try:
         if verb == "analyse":
