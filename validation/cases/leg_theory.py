@@ -253,7 +253,12 @@ def _entry(
 def _require_decided(
     context: Context, body: str, residuals: Refinement, entry: tuple[int, int], tolerance: float
 ) -> None:
-    """Raise Skip if an entry is undecided because there are too few meshes to observe an order."""
+    """Raise Skip if the comparison of a compliance entry is undecided for lack of meshes.
+
+    `residuals` are the differences between solid and beam on each mesh, `entry` is row and column.
+    The comparison is undecided if the difference is within the `tolerance` and the uncertainty
+    above it. Meshes lack if there are too few of them to observe an order of convergence.
+    """
     uncertainty = residuals.uncertainty(*entry)
     undecided = abs(residuals.values[-1][entry]) <= tolerance < uncertainty
     if undecided and len(residuals.divisions) < GRIDS_FOR_ORDER:

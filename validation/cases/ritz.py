@@ -263,7 +263,11 @@ def frequencies(
 
 
 def simplified_response(posture: Posture, count: int) -> tuple[Array, Array]:
-    """Compliance and up to `count` frequencies with rigid massless legs on elastic drives."""
+    """Compliance and frequencies with rigid massless legs on elastic drives.
+
+    The compliance (6×6, SI, base axes) is at the loaded point. There are at most `count`
+    frequencies (Hz, ascending).
+    """
     legs = {name: ritz_rigid_leg(shape.length) for name, shape in _legs(posture.mechanism)}
     system = _system(posture, legs, simplified=True)
     return _compliance(system), _frequencies(system, count)

@@ -135,7 +135,10 @@ def _study_of_parts(
 
 
 def _counts(option: str, typed: str | None) -> tuple[int, ...] | None:
-    """Whole numbers of an option's text, which are separated by commas. None if `typed` is None."""
+    """Whole numbers in the text `typed` of an `option`, separated by commas.
+
+    None if `typed` is None. Raises InputError for any other text.
+    """
     if typed is None:
         return None
     numbers = [number.strip() for number in typed.split(",")]

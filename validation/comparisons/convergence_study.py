@@ -107,7 +107,8 @@ class ConvergenceStudy:
         model
             ``"segments"``, ``"beam"`` or ``"solid"``.
         layout
-            End springs of segments: ``"half"``, or ``"literal"`` as in the text of the paper.
+            Springs of segments: ``"half"`` with springs of half length at both ends, or
+            ``"literal"`` as in the text of the paper (§3.2).
         theory
             ``"timoshenko"`` or ``"euler-bernoulli"``.
 

@@ -287,9 +287,10 @@ def _smallest_count(
 ) -> int:
     """Smallest element count from which on |error| stays below `target`. 0 if there is none.
 
-    The error is assumed to be monotone between the last listed count that exceeds the target and
-    the next one. The search starts where a power law through the errors of both counts meets the
-    target.
+    `errors` returns the relative errors (q) at an element count; `column` selects a quantity. The
+    error is assumed to be monotone between the last one of `counts` whose error exceeds the target
+    and the next count. The search starts where a power law through the errors of both counts meets
+    the target.
     """
     missed = [count for count in counts if errors(count)[column] > target]
     met = [count for count in counts if not missed or count > missed[-1]]

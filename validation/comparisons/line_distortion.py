@@ -1,12 +1,13 @@
 """Distortion of the section in vibrating legs along a line: relative change of a beam frequency.
 
-Input: a straight leg of tubes or I-sections, and one of its modes as a beam. Output: the relative
-change of the frequency because inertia bends the walls (waves of 3-D elasticity), and because walls
-that converge distort the section in torsion. Rule: no theory of waves holds for a taper, but the
-first effect is local. It is computed for cantilever prisms. Each has the section at one position of
-the leg, and the length at which its mode of the same kind and order has the frequency of the leg.
-The mean over the leg is weighted by kinetic energy: two positions are sufficient if the change is a
-quadratic function of the position.
+Input: a straight leg whose sections are boxes, tubes or I-sections, and one of its modes as a beam.
+Output: the relative change of the frequency because inertia bends the walls (waves of 3-D
+elasticity), and because walls that converge distort the section in torsion. Rule: no theory of
+waves holds for a taper, but bending of the walls depends on the section at one position only.
+Therefore it is computed for cantilever prisms. Each prism has the section at one position of the
+leg, and the length at which its mode of the same kind and order has the frequency of the leg. The
+change for the leg is the mean over its positions, weighted by kinetic energy. Two positions are
+sufficient if the change is a quadratic function of the position.
 """
 
 from dataclasses import dataclass

@@ -164,7 +164,7 @@ class RobotModes:
 
 
 def constant_posture(context: Context) -> Posture:
-    """Posture in the middle of the path, with all legs replaced by prisms of constant section."""
+    """Posture in the middle of the path, with each 6×6 leg replaced by its equivalent prism."""
     return context.get(_constant_posture, path_postures(context))
 
 
@@ -175,7 +175,7 @@ def _constant_posture(postures: tuple[Posture, ...]) -> Posture:
 
 
 def _require_prisms(mechanism: Mechanism) -> None:
-    """Raise Skip if a robot has CAD parts instead of legs of constant section."""
+    """Raise Skip if a robot has CAD parts or legs along a line."""
     if parts := ", ".join(mechanism.parts):
         raise Skip(
             f"{parts}: this comparison is for legs of constant section, not for CAD parts, which "
@@ -415,7 +415,11 @@ def _mode_count(context: Context) -> int:
 
 
 def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidMeshes) -> None:
-    """Raise Skip if the preset cannot mesh the legs, or if the theory of waves does not apply."""
+    """Raise Skip if solids of the legs are too large for the preset, or the waves do not apply.
+
+    The theory of waves requires sections with two axes of symmetry and without helical fibres. It
+    neglects warping over much of a leg's length and plate bending of strips.
+    """
     numbers = [meshes.fine.divisions(leg) for leg in legs]
     if reason := too_large(legs, numbers, context.preset):
         raise Skip(reason)

@@ -21,7 +21,7 @@ from validation.responses.statics_and_modes import PathModes, Statics
 
 
 def perturbed_robot(robot: RobotOnPath, reading: Reading) -> RobotOnPath:
-    """Robot with the changed inputs and the changed digit of `reading`, in the same poses.
+    """Robot with the changed inputs and printed number of `reading`, in the same poses.
 
     Raises InputError if the changed values make an invalid robot.
     """

@@ -69,7 +69,7 @@ SECTION_RATIO = COARSEST_WALLS / SECTION_DIVISIONS
 
 
 def slowest(ratio: float) -> MeshPolicy:
-    """Mesh policy for two meshes with this `ratio` of element sizes, for the slowest order."""
+    """Mesh policy for two meshes with this `ratio` of element sizes and the slowest convergence."""
     return MeshPolicy.of_order(ratio, SLOWEST_ORDER)
 
 

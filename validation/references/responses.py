@@ -66,7 +66,7 @@ class Model:
 class Responses:
     """Solutions of all models of one robot, stored by model and reading.
 
-    `perturb` builds the robot with the changed inputs and the changed digit of a reading. If
+    `perturb` builds the robot with the changed inputs and printed number of a reading. If
     `strict`, errors are raised instead of recorded, for studies of a single model.
     """
 
@@ -90,7 +90,7 @@ class Responses:
         return Responses(self.robot.at(postures), self.perturb, self.strict)
 
     def perturbed(self, reading: Reading) -> RobotOnPath:
-        """Robot with the changed inputs and the changed digit of `reading`.
+        """Robot with the changed inputs and the changed printed number of `reading`.
 
         Raises InputError if the changes make an invalid robot.
         """

@@ -94,12 +94,12 @@ class Reading:
 
     @property
     def is_perturbed(self) -> bool:
-        """True if inputs or a digit differ from those of the robot file."""
+        """True if inputs or a printed number differ from those of the robot file."""
         return bool(self.factors) or self.rounding is not None
 
     @property
     def unperturbed(self) -> "Reading":
-        """Copy of the reading with the inputs and digits of the robot file."""
+        """Copy of the reading with the inputs and printed numbers of the robot file."""
         return replace(self, factors=(), rounding=None)
 
     def restricted(self, names: Collection[str]) -> "Reading":
