@@ -241,8 +241,9 @@ class ModelErrors:
     def errors(self, model: Model, quantity: Quantity) -> Errors | None:
         """Errors of a quantity of a model.
 
-        None if the model or the reference has no solution under at least one interpretation (end
-        conditions and mass distributions that the robot file leaves open).
+        An interpretation is one choice of what the robot file leaves open, such as end conditions
+        and mass distributions. None if, under any interpretation, the model or the reference has no
+        solution.
         """
         interpretations = self.subject.reference(quantity).interpretations
         errors_of = self._deflection if quantity.static else self._peak

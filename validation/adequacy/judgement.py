@@ -428,14 +428,17 @@ def _errors_along_load(errors: Errors, rows: IntArray) -> tuple[float | None, ..
 
 
 def _worst_force(errors: Errors, quantity: Quantity, position: Position) -> tuple[float, ...]:
-    """Direction (3) of the worst force. () for any other quantity."""
+    """Direction (3) of the force with the largest error, for the quantity "any force".
+
+    () for any other quantity. `position`: index of the interpretation and of the pose.
+    """
     if errors.displacement is None or quantity != ANY_FORCE:
         return ()
     return tuple(float(number) for number in errors.displacement.wrench[position][:3])
 
 
 def _half_width_parts(errors: Errors, reference: Reference, position: Position) -> dict[str, float]:
-    """Half-width of the error by name of the source.
+    """Half-width of the error by name of the source, for one interpretation and pose (`position`).
 
     The sources of the reference's budget are completed by the pairing of modes, the stiffness
     inside the legs, and whatever else the robot file leaves open. The half-width of a choice that
@@ -474,7 +477,7 @@ def _optional(numbers: Array) -> tuple[float | None, ...]:
 def causes_of_error(
     model_errors: ModelErrors, model: Model, quantity: Quantity, errors: Errors, position: Position
 ) -> tuple[Cause, ...]:
-    """Causes of the error in one interpretation and pose, the largest first.
+    """Causes of the error in one interpretation and pose (`position`), the largest first.
 
     All shares sum to one; those below 0.5 % are omitted. The error of a displacement is the length
     of a vector: the amount of a step is the component, along that vector, of the change that the
@@ -515,9 +518,9 @@ def _removed_error(
     models: tuple[Model, Model],
     position: Position,
 ) -> float | None:
-    """Change of a model's error by the step from the first to the second of two `models`.
+    """Change of the error by the step from the first to the second of two `models`.
 
-    None if one of them is unsolved.
+    `position`: index of the interpretation and of the pose. None if one of the models is unsolved.
     """
     row, pose = position
     displacement = errors.displacement

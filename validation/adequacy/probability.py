@@ -71,7 +71,7 @@ _MOST_NUMBERS = 4_000_000
 class Slope:
     """Errors of a quantity if one input is one standard uncertainty lower, or higher.
 
-    `key` of the input in the robot file. `relative`: relative standard uncertainty of the input.
+    `key`: key of the input in the robot file. `relative`: relative standard uncertainty of it.
     `below`, `above`: components of the errors with the lower and with the higher input, in the
     shape of `ErrorOfInputs.nominal`; NaN if the error is missing. `values` (2×P): the model's value
     of the quantity with the lower and with the higher input. Shapes: P poses.
@@ -317,7 +317,10 @@ def probability(
 
 @dataclass(frozen=True, eq=False)
 class UncertainInputs:
-    """Errors of a robot's models for changed inputs; `nominal`: errors with the file's inputs."""
+    """Errors of a robot's models as functions of its uncertain `inputs`.
+
+    `nominal`: errors with the inputs of the robot file.
+    """
 
     nominal: ModelErrors
     inputs: InputUncertainties
@@ -327,7 +330,8 @@ class UncertainInputs:
     ) -> ErrorOfInputs | None:
         """Dependence of a model's error of a quantity on the inputs.
 
-        None if there is no such error. The order of modes has none, because it jumps.
+        None if `nominal_errors` has missing errors, and for the order of modes, because its error
+        jumps.
         """
         if nominal_errors.numbers is not None or nominal_errors.missing.any():
             return None
@@ -391,7 +395,8 @@ class _RobotErrors:
     def components(self, nominal: Errors, forces: Array | None) -> Array:
         """Components of the errors, in the shape of `ErrorOfInputs.nominal`.
 
-        If `forces` (P×f×6, wrenches) is not None, the errors under these forces. Shapes: P poses, f
+        `forces` (P×f×6): wrenches for which the errors are computed. If it is None, the errors are
+        those under the load of the quantity (f = 1). NaN for missing errors. Shapes: P poses, f
         forces.
         """
         errors, vectorial = self.errors, nominal.displacement is not None

@@ -140,8 +140,9 @@ def _helical_stiffness(beam: BeamProperties) -> Array:
 def fields(beam: BeamProperties, length: float, points: Array, degree: int) -> tuple[Array, Array]:
     """Twist of the centreline and its derivative along x for unit coefficients (6×p×n each).
 
-    `points` (p): from −1 at the root to 1 at the tip. Order of the n coefficients: those of u, φx,
-    φy and φz, v at the root, those of γy, w at the root, those of γz. Shapes: p points.
+    `points` (p): from −1 at the root to 1 at the tip. The n coefficients are, in this order: those
+    of the polynomials of u, φx, φy and φz; the deflection v at the root and the coefficients of the
+    shear strain γy; the deflection w at the root and the coefficients of γz. Shapes: p points.
     """
     unit = np.eye(degree + 1)
     values = legendre.legvander(points, degree)

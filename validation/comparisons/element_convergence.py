@@ -258,9 +258,10 @@ def _series(
     limit_half_widths: Array,
     counts: tuple[int, ...],
 ) -> ConvergenceSeries:
-    """Convergence series over ascending element counts.
+    """Convergence series over ascending element `counts`, with `limits` of q quantities.
 
-    Further counts are evaluated to find the smallest ones that meet each of `TARGETS`.
+    `limit_half_widths` (q) are relative. Further counts are evaluated to find the smallest ones
+    that meet each of `TARGETS`.
     """
 
     def errors(count: int) -> Array:

@@ -287,7 +287,7 @@ def _solid_modes(rows: Sequence[tuple[float, int, float]], order: float) -> Soli
 def _convergence(refinement: Refinement) -> Convergence:
     """Convergence of the first quantity of a refinement.
 
-    If there are too few meshes to observe an order, the formal order extrapolates to the limit.
+    If there are too few meshes to observe an order, the limit is extrapolated with the formal one.
     """
     if len(refinement.divisions) >= GRIDS_FOR_ORDER:
         return refinement.at(0)

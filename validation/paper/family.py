@@ -244,10 +244,11 @@ def _shorter_is_best(
     variant: ModelOptions,
     objective: Literal["deflection", "frequency"] = "deflection",
 ) -> Measurement:
-    """Best leg length α by the refined model. The reference is one step below the simplified best.
+    """Best leg length α by the refined model.
 
-    The best robot has the highest first frequency if `objective` is "frequency". Otherwise its
-    largest deflection over the directions of load is the smallest of all robots.
+    The reference is the best α by the simplified model, less one step of α. The best robot has the
+    highest first frequency if `objective` is "frequency". Otherwise it is the robot whose largest
+    deflection over the directions of load is smallest.
     """
     if objective == "frequency":
         best = np.argmax(_segment_frequencies(context, "centre", variant))

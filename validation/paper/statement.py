@@ -166,8 +166,8 @@ def _holds(case: Case, measurement: Measurement) -> bool:
 def sampled(number: Callable[[int], float], reference: float) -> Measurement:
     """Measurement of a number that is taken from a curve at `POSTURES` points of the stroke.
 
-    `number` computes it for a number of postures. It is also computed for two smaller numbers of
-    postures, which miss a peak of the curve by different amounts. The range of the three results is
+    The argument of `number` is the count of points. The number is also computed with two smaller
+    counts, which miss a peak of the curve by different amounts. The range of the three results is
     the uncertainty.
     """
     numbers = [number(postures) for postures in (POSTURES, POSTURES - 10, POSTURES - 20)]

@@ -164,10 +164,10 @@ def displacement_half_widths(responses: Responses, reading: Reading) -> Array:
 def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
     """Relative half-widths (P×K) of the judged frequencies due to all meshes. 1 if unknown.
 
-    The half-width is unknown for a mode without a partner on the coarser mesh or in the beams. For
-    CAD parts, the order of convergence is always observed on the first `MOST_MODES` frequencies, so
-    that half-widths do not depend on the number of judged modes. Array sizes: P poses, K judged
-    frequencies.
+    The half-width is unknown for a mode without a partner on the coarser mesh, or without one among
+    the modes of the beams by which section meshes are studied. For CAD parts, the order of
+    convergence is always observed on the first `MOST_MODES` frequencies, so that half-widths do not
+    depend on the number of judged modes. Array sizes: P poses, K judged frequencies.
     """
     robot, solve = responses.robot, responses.required_modes
     fine = solve(SOLID, reading)
@@ -195,8 +195,8 @@ def response_half_widths(
 ) -> Array:
     """Relative half-widths of harmonic responses due to all meshes. 1 if unknown.
 
-    `numbers` returns the compared values of the responses, such as peaks (P×q), of given modes.
-    Array sizes: P poses, q values.
+    `numbers` returns the compared values (P×q) of the harmonic responses that belong to modes, such
+    as their peaks. Array sizes: P poses, q values.
     """
     robot, solve = responses.robot, responses.required_modes
 

@@ -2,10 +2,10 @@
 
 Input: the robot along its path with its computed modes. Output: a `Reference` with one
 interpretation for each set of end conditions and each plausible mass distribution that the robot
-file allows, and for each judged model its sequence of intermediate models. Rule: prismatic legs are
-3-D solids reduced to their end faces, CAD parts are solids reduced to their interfaces, and legs
-specified by their 6×6 have, one after the other, each plausible distribution of mass and stiffness
-between their ends.
+file allows, and for each judged model its sequence of intermediate models. Rule: legs with a
+cross-section are 3-D solids reduced to their end faces, and CAD parts are solids reduced to their
+interfaces. For legs specified by their 6×6 there is an interpretation with each plausible
+distribution of mass and stiffness between their ends.
 """
 
 from collections.abc import Mapping, Sequence

@@ -106,7 +106,7 @@ def with_elements(options: ModelOptions, reading: Reading) -> ModelOptions:
 
 
 def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
-    """Statics with solid prismatic legs and CAD parts. Legs specified by a 6×6 keep it."""
+    """Statics with legs and CAD parts as solids. Legs specified by a 6×6 keep it."""
     tips = {
         body: solid_tip(robot.context, leg, reading.ends[body], mesh=reading.mesh)
         for body, leg in robot.legs.items()
@@ -188,7 +188,10 @@ def _warping_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
 
 
 def _section_mesh(robot: RobotOnPath, reading: Reading) -> LegMesh:
-    """Mesh for section constants: the fine one, or the section mesh of the reference's solids."""
+    """Mesh for section constants, selected by `reading.section_mesh`.
+
+    1 is the fine section mesh, 0 the section mesh of the reference's solids.
+    """
     if reading.section_mesh:
         return COMPUTED_SECTIONS
     fine = solid_meshes(robot.context.meshes).fine

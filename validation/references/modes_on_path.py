@@ -97,7 +97,7 @@ def solid_meshes(preset: Preset) -> SolidMeshes:
 
 
 def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
-    """Modes of the reference: solid prismatic legs, CAD parts, and legs given by a 6×6 alone.
+    """Modes of the reference: legs and CAD parts as solids, and legs given by a 6×6 alone.
 
     Legs given by a 6×6 alone have the mass distribution and interior stiffness that `reading`
     assumes. Thin walls have the same section mesh for one and for two divisions; the excess
@@ -116,7 +116,8 @@ def modes_of_computed_beams(
 ) -> PathModes:
     """Modes by beams whose section constants are computed on `mesh`.
 
-    If `ends` are given, warping is restrained at rigid ends; otherwise it is free.
+    `ends`: end condition by body name; warping is restrained at rigid ends. If `ends` is None,
+    warping is free at all ends.
     """
     return robot.context.get(
         computed_beam_vibration, robot.postures, mesh, ends, robot.computed_count
@@ -190,7 +191,8 @@ def built_vibration(
     """Modes in each posture, with matrices of each leg made by `build`.
 
     Arguments of `build` are a leg, its end condition, and the frequency (Hz) up to which its
-    matrices must be accurate. `parts` are models of the CAD parts.
+    matrices must be accurate. `parts` are models of the CAD parts. `ends`: end condition of each
+    leg by body name.
     """
     mechanism = postures[0].mechanism
     samples, legs = samples_of(mechanism), known_legs(mechanism)
@@ -216,7 +218,7 @@ def _solved_frequencies(modes: PathModes) -> Array:
 def solid_vibration(
     postures: tuple[Posture, ...], reading: Reading, mesh: LegMesh, count: int
 ) -> PathModes:
-    """Modes in each posture with prismatic legs as solids on `mesh`, reduced to their ends.
+    """Modes in each posture with legs as solids on `mesh`, reduced to their ends.
 
     `reading` selects the mass and stiffness distributions in legs specified by their 6×6, and the
     mesh of CAD parts.
@@ -245,7 +247,8 @@ def computed_beam_vibration(
 ) -> PathModes:
     """Modes in each posture by beams whose section constants are computed on `mesh`.
 
-    If `ends` are given, warping is restrained at rigid ends; otherwise it is free.
+    `ends`: end condition by body name; warping is restrained at rigid ends. If `ends` is None,
+    warping is free at all ends.
     """
     mechanism = postures[0].mechanism
     build = partial(_computed_leg, mesh=mesh, warping=ends is not None)

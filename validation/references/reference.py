@@ -197,7 +197,7 @@ class Step:
 
 
 class StepTexts(NamedTuple):
-    """Texts of a step to the reference: cause of an error, model without it, and remedy.
+    """Texts of a `Step`, with the same fields.
 
     Placeholders in braces are replaced by words that depend on the robot.
     """

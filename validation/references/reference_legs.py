@@ -1,9 +1,9 @@
 """Solid legs of a robot's reference, and tip compliances of the models between beam and solid.
 
 Input: a leg and the preset of the run. Output: its 6×6 compliance at the tip with the root clamped
-(SI, leg axes): as a solid on two meshes; as a beam with computed section constants; as such a beam
-with restrained warping; and as such a beam with restrained contraction of the ends, too. The preset
-limits the unknowns of a section mesh.
+(SI, leg axes) as a solid on two meshes, and by a sequence of beams with computed section constants:
+with free warping, with restrained warping at the ends, and with restrained warping and contraction
+at the ends. The preset limits the unknowns of a section mesh.
 """
 
 from collections.abc import Iterable
@@ -229,10 +229,10 @@ def computed_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIO
 
 
 def warping_spring(context: Context, leg: Leg, ends: Ends) -> Array:
-    """6×6 tip compliance (SI, leg axes) of a beam with computed section constants and end warping.
+    """6×6 tip compliance (SI, leg axes) of a beam with computed constants and restrained warping.
 
-    Torsion is non-uniform, with restrained warping, if the ends are rigid. If they are free, and in
-    walls of helical fibres, it is Saint-Venant's.
+    If the ends are rigid, their warping is restrained and torsion is non-uniform. If the ends are
+    free, or if the walls have helical fibres, torsion is that of Saint-Venant.
     """
     spring = computed_spring(context, leg)
     if isinstance(leg, ConstantLeg) and ends == "rigid":
@@ -264,8 +264,8 @@ def computed_elements(
 ) -> LegMatrices:
     """Matrices of a leg's beam elements with computed section constants.
 
-    In a prism, warping is an additional degree of freedom if `ends` are given; otherwise it is
-    free. Legs of varying section are always free to warp.
+    If `ends` is None, warping is free. Otherwise, warping of a prism is an additional degree of
+    freedom, which is fixed at rigid ends. Legs of varying section are always free to warp.
     """
     if isinstance(leg, LineLeg):
         return line_beam(computed_sections(leg, divisions), elements)

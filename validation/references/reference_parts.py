@@ -96,9 +96,9 @@ def reduction_note(
 ) -> tuple[str, ...]:
     """Note on the modes kept in each reduced part, and the frequency error due to omitted modes.
 
-    The error is the largest of the `judged` lowest frequencies in the middle pose. Empty if there
-    are no CAD parts. Other arguments as in `solid_parts`. Raises ComputationError or InputError if
-    the modes cannot be computed.
+    The error is the largest one among the `judged` lowest frequencies in the middle pose. Empty if
+    there are no CAD parts. The other arguments are those of `solid_parts`. Raises ComputationError
+    or InputError if the modes cannot be computed.
     """
     parts = solid_parts(postures, count, ends)
     if not parts:
@@ -127,7 +127,8 @@ def bounded_frequencies(
 ) -> FrequencyBounds:
     """First `judged` frequencies in the middle pose with their bounds due to omitted part modes.
 
-    Other bodies are beams. Other arguments as in `solid_parts`, exceptions as in `reduction_note`.
+    Other bodies are beams. The other arguments are those of `solid_parts`, and exceptions are those
+    of `reduction_note`.
     """
     parts = solid_parts(postures, count, ends, level, by)
     middle = postures[len(postures) // 2]

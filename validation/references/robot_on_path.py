@@ -137,8 +137,8 @@ class RobotOnPath:
 
     `legs` by body name; legs with equal prisms share one object. `printed`: each 6×6 of the robot
     file with half a unit of the last digit of its entries. Empty if digits are not a source of
-    uncertainty. `path`: postures whose highest frequency is the cut-off of reduced bodies; empty if
-    these are `postures`.
+    uncertainty. `path`: postures in which bodies are reduced: their cut-off frequency follows from
+    the highest frequency in these postures. Empty if these are `postures`.
     """
 
     context: Context
@@ -154,7 +154,7 @@ class RobotOnPath:
 
     @property
     def reduction_postures(self) -> tuple[Posture, ...]:
-        """Postures whose highest frequency is the cut-off of reduced bodies."""
+        """Postures from whose frequencies the cut-off frequency of reduced bodies follows."""
         return self.path or self.postures
 
     @property

@@ -153,7 +153,10 @@ def rounded_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
 
 
 def _plausible_mass_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
-    """Pairs of the factor 1 and a reading, for each plausible mass distribution of 6×6 legs."""
+    """Pairs of the factor 1 and a reading, one for each plausible mass distribution of the legs.
+
+    The legs are those specified by their 6×6.
+    """
     return [
         (1.0, replace(reading, masses=masses)) for masses in plausible_masses(robot.given.values())
     ]

@@ -237,7 +237,7 @@ class _Blocks:
         return mac
 
     def exchange(self, means: Array, mac: Array) -> Array:
-        """Sum of the MAC (m×m) of two pairs with exchanged partners, over that without exchange.
+        """Ratio (m×m) of the sums of MAC of two pairs, with exchanged partners over without.
 
         `means` is the result of `_means`, `mac` (m) that of the method `mac`. The ratio is zero if
         the two modes, or their partners, have equal frequencies. Array sizes: m modes of the first
