@@ -137,7 +137,12 @@ def _divisions(
     limits: Mapping[Preset, int],
     meshes: str,
 ) -> tuple[int, ...]:
-    """Divisions of the meshes that the preset allows. Raises Skip if there are fewer than two."""
+    """Divisions of the meshes that the preset of the run allows.
+
+    `divisions_within` returns the divisions of meshes whose unknowns are within a limit; `limits`
+    has the limit of each preset. Raises Skip if there are fewer than two meshes. `meshes` is their
+    name in the message.
+    """
     if shapeless := why_shapeless([leg]):
         raise Skip(shapeless)
     largest_unknowns = limits[context.preset]
@@ -400,7 +405,8 @@ def _waves(leg: ConstantLeg, divisions: int) -> dict[str, PrismWaves]:
 def distortion(leg: ConstantLeg, divisions: tuple[int, ...], mode: CantileverFrequency) -> Array:
     """Relative change of a beam frequency due to 3-D waves: one number for each of m meshes.
 
-    Raises Skip if the wave has no beam counterpart.
+    Raises Skip if the section distorts at the frequency of the mode, so that the wave is no longer
+    that of a beam.
     """
     try:
         return np.array([_distorted(leg, min(number, MOST_WAVES), mode) for number in divisions])

@@ -124,7 +124,7 @@ def expected_statics(
 
 
 def expected_frequencies(posture: Posture, theory: Theory, degree: int, modes: int) -> Array:
-    """First frequencies (Hz) by polynomials of a `degree`. Legs are rigid if it is 0."""
+    """First `modes` frequencies (Hz) by polynomials of a `degree`. If it is 0, legs are rigid."""
     if not degree:
         return simplified_response(posture, modes)[1]
     return frequencies(posture, modes, theory, degree)
@@ -207,10 +207,11 @@ def path_round_off(postures: tuple[Posture, ...], model: ModelName, options: Mod
 
 
 def farthest_posture(values: Array, reference: Array, mobile: NDArray[np.bool_]) -> int:
-    """Index of the posture (of p) with the largest relative error, among the `mobile` ones.
+    """Index of the posture with the largest relative error.
 
-    If errors are only round-off, which depends on the machine, the posture with the largest
-    reference is returned. A missing value counts as the largest error. Shapes: p poses.
+    `values` and `reference` (p each): one number in each of p postures. Postures in which `mobile`
+    (p) is false are not considered. If all errors are round-off, which depends on the machine, it
+    is the posture with the largest reference. A missing value counts as the largest error.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         errors = np.round(np.abs(values / reference - 1.0), _DIFFERENCE_DIGITS)

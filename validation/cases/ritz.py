@@ -316,9 +316,9 @@ def _frequencies(system: _System, count: int) -> Array:
 
 
 def _elastic_and_idle(system: _System) -> tuple[Array, Array]:
-    """Basis (n×k) in which the stiffness is a unit matrix, and idle motions without stiffness.
+    """Basis (n×k) in which the stiffness is a unit matrix, and idle motions (n×i).
 
-    Shapes: k vectors, n unknowns.
+    The i idle motions have no stiffness. Shapes: n unknowns, k + i = n.
     """
     values, vectors = eigh(system.stiffness)
     idle = values < _IDLE * len(values) * values.max(initial=0.0)

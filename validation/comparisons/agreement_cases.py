@@ -46,7 +46,7 @@ def agreement_group(*, over: Over | None = None, **fields: Unpack[CaseFields]) -
 def compliance_cases(
     cases: CaseGroup, identifier: str, heading: str, solid: str, **fields: Unpack[CaseFields]
 ) -> Callable[[Compute], Compute]:
-    """Decorator that declares a case for each static model and each motion in a group.
+    """Decorator that declares cases in the group `cases`: one for each static model and motion.
 
     `identifier` names the leg or robot in the id of each case, and `heading` names it in the title.
     `solid` names the reference in the title. `fields` are further fields of the cases.
@@ -72,7 +72,7 @@ def compliance_cases(
 def frequency_cases(
     cases: CaseGroup, identifier: str, heading: str, solid: str, **fields: Unpack[CaseFields]
 ) -> Callable[[Compute], Compute]:
-    """Decorator that declares a case for each dynamic model and each mode in a group.
+    """Decorator that declares cases in the group `cases`: one for each dynamic model and mode.
 
     The arguments are those of `compliance_cases`.
     """

@@ -62,7 +62,8 @@ def study_of(context: Context, body: str) -> ConvergenceStudy:
 def _study(robot_file: RobotFile, body: str) -> ConvergenceStudy | str:
     """Convergence study, or a text with the reason why beams do not apply.
 
-    By Timoshenko's theory; for prismatic legs also by that of Euler and Bernoulli.
+    The study is by Timoshenko's theory. For a leg that is not a CAD part it also has series by the
+    theory of Euler and Bernoulli.
     """
     try:
         study = convergence(robot_file, body=body or None)

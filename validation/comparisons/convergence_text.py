@@ -20,8 +20,9 @@ from validation.record_fields import finite_items
 class SeriesRecord(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
     """JSON object of a `ConvergenceSeries`. The key of each mapping is the name of a quantity.
 
-    A missing order or half-width is None. `needed`: smallest element count for each accepted
-    relative error, None if the highest count exceeds this error.
+    A missing order or half-width is None. `needed`: smallest element count for each of several
+    accepted relative errors, by this error as text. It is None if the error at the highest count
+    is larger.
     """
 
     model: str

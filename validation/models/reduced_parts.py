@@ -139,7 +139,7 @@ def leg_axes(body: Body) -> Frame:
 
 
 def found_in(body: Body) -> tuple[PartFile, tuple[Interface, ...]]:
-    """File of a CAD part, and its interfaces at the points of the robot.
+    """File of a CAD part, and its interfaces: the faces at the points of the robot's joints.
 
     Raises InputError if the file cannot be read or has no faces at the points of the joints.
     """

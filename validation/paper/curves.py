@@ -91,7 +91,8 @@ EQUIVALENT_LEGS = (VJM_EQUIVALENT, SEGMENTS, BEAM)
 def all_deflections(context: Context) -> Chart:
     """Chart of deflections over the stroke, with a panel for each direction of the force.
 
-    For forces along x and y it is the deflection in the plane, for a force along z that along z.
+    The deflection is that in the plane for forces along x and y, and that along z for a force along
+    z.
     """
     models = (SIMPLIFIED, VJM, *EQUIVALENT_LEGS)
     x, deflection = _over_the_stroke(context, models, _deflections)

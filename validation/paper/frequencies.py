@@ -52,7 +52,7 @@ statements = Statements(**PAPER)
 
 
 def _stroke_modes(context: Context, variant: ModelOptions) -> Sequence[ModeShares]:
-    """First two modes of the segments model in nine postures."""
+    """First two modes by segments in nine postures, with options as printed or as corrected."""
     robots = over_stroke(context.robot_file.mechanism, _MODE_POSTURES)
     return context.get(mode_shares, "segments", robots, 2, variant)
 

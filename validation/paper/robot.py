@@ -54,7 +54,7 @@ class RobotOnStroke:
 
 @dataclass(frozen=True)
 class Deflections:
-    """Deflections (µm) under 1000 N, for m robots or postures.
+    """Deflections (µm) under 1000 N in m postures, of one robot or of several.
 
     `planar_x`, `planar_y`: norm of the displacement in the plane under a force along x or y.
     `along_z`: displacement along z under a force along z. NaN for the simplified model, which has
@@ -149,7 +149,7 @@ def compliances(
 ) -> Array:
     """Compliances at point B (m×6×6, SI, base axes) of all robots in all their postures.
 
-    Shapes: m robots or postures.
+    Shapes: m postures of all robots together.
     """
     solutions = (answers(model, robot.postures, 0, options) for robot in robots)
     return np.array([solution.compliance for solution in chain(*solutions)])
@@ -165,9 +165,9 @@ def deflections(
 def deflections_and_frequencies(
     model: ModelName, robots: Sequence[RobotOnStroke], options: ModelOptions = DEFAULT_OPTIONS
 ) -> tuple[Deflections, Array]:
-    """Deflections (µm, 1000 N) and first frequencies (m, Hz) by one solution of each robot.
+    """Deflections (µm, 1000 N) and first frequencies (m values, Hz) by one solution of each robot.
 
-    Shapes: m robots or postures.
+    Shapes: m postures of all robots together.
     """
     solutions = list(chain(*(answers(model, robot.postures, 1, options) for robot in robots)))
     compliance = np.array([solution.compliance for solution in solutions])
@@ -190,7 +190,7 @@ def frequencies(
 ) -> Array:
     """Lowest natural frequencies (m×count, Hz). Infinite if the model has fewer modes.
 
-    Shapes: m robots or postures.
+    Shapes: m postures of all robots together.
     """
     solutions = chain(*(answers(model, robot.postures, count, options) for robot in robots))
     rows = [solution.frequencies for solution in solutions]

@@ -65,8 +65,9 @@ class RelativeDisplacement(NamedTuple):
 def sizes(difference: Statics, reference: Statics) -> Array:
     """Lengths of displacement differences relative to the reference's displacements (P×(7+L)).
 
-    The columns are the 7 unit loads (forces along and moments about x, y and z; any force) and the
-    L loads of the robot file.
+    `difference`: statics of a model minus those of the reference, in P poses. The columns are the 7
+    unit loads (forces along and moments about x, y and z; any force) and the L loads of the robot
+    file.
     """
     loads = load_quantities([""] * reference.load_displacements.shape[1])
     columns = [relative(difference, reference, load).size for load in (*UNIT_LOADS, *loads)]
@@ -74,7 +75,12 @@ def sizes(difference: Statics, reference: Statics) -> Array:
 
 
 def relative(difference: Statics, reference: Statics, quantity: Quantity) -> RelativeDisplacement:
-    """Relative difference of two models' displacements under the load of a quantity."""
+    """Relative difference of two models' displacements under the load of a quantity.
+
+    `difference`: statics of a model minus those of the reference. For the quantity "any force", the
+    reference's displacement, by which the difference is divided, is at least 1/20 of its largest
+    displacement under a unit force.
+    """
     is_load = quantity.kind is QuantityKind.LOAD
     rows = slice(3, 6) if quantity.rotational else slice(0, 3)
     wrench = np.zeros((len(reference.compliances), len(AXES)))

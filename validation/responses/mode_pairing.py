@@ -323,10 +323,11 @@ def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
 
 
 def _means(overlaps: Array, first_groups: IntArray, second_groups: IntArray) -> Array:
-    """Squared overlaps (m×n), averaged over each two groups of modes of equal frequency.
+    """Squared overlaps (m×n), averaged over groups of modes of equal frequency.
 
-    The sum over a group of each model is divided by the size of the smaller group. Array sizes: m
-    modes of the first model, n modes of the second model.
+    For each pair of a group of the first model and a group of the second, the sum of the squared
+    overlaps is divided by the size of the smaller group. Array sizes: m modes of the first model, n
+    modes of the second model.
     """
     first_members, second_members = (
         (spaces[:, None] == np.unique(spaces)).astype(float)

@@ -154,8 +154,9 @@ def divisions_across(leg: SectionedLeg, rectangle: int, walls: int) -> int:
 def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
     """Element counts of the section mesh, all inversely proportional to the element size.
 
-    Only geometrically similar meshes show an order. For a rectangle both counts are multiples of
-    `divisions`; other sections keep their proportions if divisions are doubled.
+    Only geometrically similar meshes show an order. For a rectangle the result has the counts along
+    its width and height, both multiples of `divisions`. For any other section it is `divisions`;
+    such meshes are similar if divisions are doubled.
     """
     section = leg.section
     if not isinstance(section, Rectangle):

@@ -60,8 +60,9 @@ def half_widths_by(
 ) -> Array:
     """Half-widths of `numbers`, a function of the inputs of a model, due to perturbed inputs.
 
-    `nominal`: inputs without a perturbation. `perturbed`: inputs with one perturbation each, and
-    the factor that multiplies the change that it causes. `size` is that of `combined`.
+    `nominal`: inputs without a perturbation. `perturbed`: pairs of a factor and inputs with one
+    perturbation. The factor multiplies the change of the numbers that the perturbation causes.
+    `size` is that of `combined`.
     """
     unperturbed = numbers(nominal)
     changes = [factor * (numbers(inputs) - unperturbed) for factor, inputs in perturbed]

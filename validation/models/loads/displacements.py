@@ -96,9 +96,10 @@ def displacements_by(
 ) -> Array:
     """Displacements (p×l×6, m and rad) of the tool under all loads in each posture, by `solve`.
 
-    `bodies`: masses and pressures on which the loads act. `theory`: beam theory that reduces loads
-    along legs to loads at their ends. NaN if the mechanism cannot move as a load requires. Shapes:
-    p postures, l loads.
+    `solve` returns the displacements of the tool under several loads in a posture. `bodies`: masses
+    and pressures on which the loads act. `theory`: beam theory that reduces loads along legs to
+    loads at their ends. NaN if the mechanism cannot move as a load requires. Shapes: p postures, l
+    loads.
     """
     loads = postures[0].mechanism.loads
     displacements = np.full((len(postures), len(loads), 6), np.nan)
@@ -186,7 +187,8 @@ def interface_loads_of(
 def _segments(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
     """Model of a leg by segments with mass, condensed to its ends.
 
-    The model for statics consists of the springs in series alone and has no mass.
+    It is used for loads on masses, because the model for statics consists of springs in series only
+    and has no mass.
     """
     segments = leg_matrices("segments", leg, replace(options, release="condensed"))
     return static_superelement(held_leg(segments)).matrices

@@ -1,7 +1,7 @@
 """Forces in the joints and legs of a mechanism under the loads of its robot file, by any model.
 
 Input: postures of a mechanism with loads, and a model. Output: `LoadForces` for each posture and
-load: the wrench that each joint transmits, and the forces and moments along each leg. Rule: they
+load: the wrench that each joint transmits, and the forces and moments along each leg. Rule: forces
 follow from equilibrium of each body, with the displacements of the model and the masses and faces
 on which its loads act (`displacements.interface_loads_of`).
 """
