@@ -187,7 +187,7 @@ class Measurement:
 
     @property
     def unexplained(self) -> float:
-        """E minus the allowances for named causes."""
+        """Unexplained difference: value − reference, less the allowances for named causes."""
         return self.difference - sum(allowance.amount for allowance in self.allowances)
 
     @property

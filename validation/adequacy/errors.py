@@ -242,8 +242,8 @@ class ModelErrors:
         """Errors of a quantity of a model.
 
         An interpretation is one choice of what the robot file leaves open, such as end conditions
-        and mass distributions. None if, under any interpretation, the model or the reference has no
-        solution.
+        and mass distributions. None if the model or the reference has no solution under one or more
+        of the interpretations.
         """
         interpretations = self.subject.reference(quantity).interpretations
         errors_of = self._deflection if quantity.static else self._peak

@@ -218,7 +218,8 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
 def _without_modes(models: Iterable[Model]) -> list[Model]:
     """Copies of the models without their modes, for a subject that is judged in statics only.
 
-    A model that defines statics has no reason for undefined quantities any more.
+    `undefined_reason` becomes "" for a model that defines statics, because its missing modes are
+    intended.
     """
     return [
         replace(

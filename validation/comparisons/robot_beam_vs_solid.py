@@ -387,7 +387,7 @@ def robot_modes(
 def _beam_vibration(
     posture: Posture, beams: Mapping[ConstantLeg, LegMatrices], count: int
 ) -> tuple[PathModes, dict[ConstantLeg, CraigBampton]]:
-    """Modes of the robot with the beam models of its legs, and the reduced beams."""
+    """Modes of the robot with the models `beams` of its legs, and the reduced models by leg."""
     highest = highest_frequency((posture,), count)
     reduced = {
         leg: craig_bampton(held_leg(beam), highest, CUTOFF["beam"] * highest)

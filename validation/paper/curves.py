@@ -345,7 +345,7 @@ def stroke_chart(x: Array, panels: Sequence[Panel], *, high: float = 2.0) -> Cha
 
 
 def family_chart(panels: Sequence[Panel], high: float = 2.5) -> Chart:
-    """Chart with panels over leg length α: a column, with title, for each point of the stroke."""
+    """Chart with panels over leg length α. Each point of the stroke has a column with a title."""
     columns = len(FIGURE_POINTS)
     lower_rows = [replace(panel, title="") for panel in panels[columns:]]
     all_panels = [*lettered(panels[:columns]), *lower_rows]

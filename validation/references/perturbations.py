@@ -37,7 +37,7 @@ def perturbed_robot(robot: RobotOnPath, reading: Reading) -> RobotOnPath:
 
 
 def _with_factors(robot: RobotOnPath, factors: Factors) -> Mechanism:
-    """Mechanism with relative changes of its inputs, but the same mesh size of CAD parts."""
+    """Mechanism with relative changes of its inputs. Meshes of CAD parts keep their size."""
     unknowns = {name: unknowns_of(body) for name, body in robot.mechanism.parts.items()}
     mechanism = robot.context.robot_file.with_factors(dict(factors))
     return with_unknowns(mechanism, unknowns)

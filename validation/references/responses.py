@@ -45,8 +45,8 @@ class Model:
     `modal_fields` those on which modes depend. `undefined_reason`: reason why statics or
     modes are not defined. `rigid`: reason for zeros in the compliance. `computed_by`: names of the
     functions that compute the model. `stand_in`: a cheaper model for uncertain inputs. If the robot
-    has solids, the relative changes of the stand-in's results are applied to this model. If it is
-    None, this model is solved for each change of inputs.
+    has solids, the relative changes of the stand-in's results are applied to this model. If
+    `stand_in` is None, this model is solved for each change of inputs.
     """
 
     name: str

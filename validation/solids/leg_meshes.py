@@ -168,9 +168,9 @@ def section_counts(leg: ConstantLeg, divisions: int) -> Divisions:
 def slices(leg: ConstantLeg, divisions: int) -> int:
     """Number of slices along the leg.
 
-    In a leg of rectangular section, slices are as long as the elements are wide. In other sections
-    they are four times as long, because walls need four or more divisions across their thickness,
-    but not as short elements along the leg.
+    In a leg of rectangular section, slices are as long as the elements are wide. In other sections,
+    walls need four or more divisions across their thickness. Elements need not be as short along
+    the leg, so slices are four times as long there.
     """
     along = max(2, ceil(leg.length / element_length(leg.section, 1)))
     return divisions * along if isinstance(leg.section, Rectangle) else divisions * along // 4
