@@ -29,7 +29,7 @@ from validation.report.listing import junit_xml
 from validation.report.page import Report, render
 from validation.report.words import sentence
 from validation.run import progress, provenance, runner
-from validation.run.cache import Arrays, some_cache
+from validation.run.cache import Arrays, available_cache
 from validation.run.executor import Executor, on_cores
 from validation.run.folder import RunFolder, Start, open_folder
 from validation.run.outcome import Record, Task
@@ -172,7 +172,7 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
 
             executor = stack.enter_context(on_cluster(request.cluster, write_message))
         folder = stack.enter_context(open_folder(request.out, header, request.start))
-        stack.enter_context(some_cache())
+        stack.enter_context(available_cache())
         header |= {"seconds": 0.0, "planned": len(tasks)} | folder.begun
         header |= {"selftest": last_selftest(header)}
         results = Results(

@@ -97,7 +97,7 @@ def cache_folder() -> Path | None:
 
 
 @contextmanager
-def some_cache() -> Iterator[None]:
+def available_cache() -> Iterator[None]:
     """Context with a cache for processes started in it: the user's, otherwise a temporary one."""
     if cache_folder() is not None:
         yield

@@ -252,7 +252,7 @@ class Cluster(ProcessExecutor):
         started: Callable[[Any], object] = lambda _name: None,
         stopped: Callable[[], bool] = lambda: False,
     ) -> Answers:
-        """Answers as in `ProcessExecutor.answers`.
+        """Yield (name, result or exception) of the calls, see `ProcessExecutor.answers`.
 
         Raises ComputationError if the scheduler is lost.
         """

@@ -198,7 +198,7 @@ class Cores(ProcessExecutor):
         started: Callable[[Any], object] = lambda _name: None,
         stopped: Callable[[], bool] = lambda: False,
     ) -> Answers:
-        """Answers as in `ProcessExecutor.answers`."""
+        """Yield (name, result or exception) of the calls, see `ProcessExecutor.answers`."""
         queue = deque(deque(group) for group in groups)
         busy: dict[Connection, _Worker] = {}
         try:
@@ -246,11 +246,11 @@ class Cores(ProcessExecutor):
             answer = error
         if not worker.begun and isinstance(answer, Exception):
             worker.process.end()
-            raise began_badly(answer, self.log) from answer
+            raise start_error(answer, self.log) from answer
         return answer
 
 
-def began_badly(error: Exception, log: Path) -> ComputationError:
+def start_error(error: Exception, log: Path) -> ComputationError:
     """Error to raise for a process that ended before it computed a call."""
     return ComputationError(
         f"a worker process ended before it began to compute: {error} ({log} may have details)"

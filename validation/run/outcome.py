@@ -97,11 +97,12 @@ class Outcome(Result[Verdict, Measurement], frozen=True, kw_only=True):
 def verdict(
     unexplained: float, relation: Relation, tolerance: float, uncertainty: float | None = None
 ) -> Literal["agree", "disagree", "undecided"]:
-    """Verdict "agree" if `unexplained` violates the relation by at most `tolerance`.
+    """Verdict on a comparison whose unexplained difference is `unexplained`.
 
-    All numbers have the same unit. NaN disagrees. With a numerical `uncertainty` above the
-    tolerance, the verdict is "undecided", unless the difference exceeds the tolerance by more than
-    the uncertainty.
+    "agree" if it violates the relation by at most `tolerance`, otherwise "disagree". All numbers
+    have the same unit. An infinite number or NaN disagrees. If the numerical `uncertainty` exceeds
+    the tolerance, the verdict is "undecided", unless the difference exceeds the tolerance by more
+    than the uncertainty.
     """
     if not isfinite(unexplained):
         return "disagree"

@@ -13,7 +13,7 @@ from numpy.testing import assert_array_equal
 
 from lumped.memo import forget
 from validation.run import cache
-from validation.run.cache import CacheEntry, find, keep, require_shape, some_cache
+from validation.run.cache import CacheEntry, available_cache, find, keep, require_shape
 
 ROOT = Path(__file__).resolve().parents[3]
 ARRAYS = {"powers": np.arange(4.0), "total": np.array(6.0)}
@@ -113,7 +113,7 @@ def test_unwritable_cache_recomputes_all(folder, monkeypatch, tmp_path):
     forget()
     assert find("a") is None
     # For the time of a run its processes share a folder all the same, and nothing of it is left.
-    with some_cache():
+    with available_cache():
         meanwhile = cache.cache_folder()
         keep("a", ARRAYS)
         assert list(meanwhile.iterdir()) == [meanwhile / "a.npz"]
