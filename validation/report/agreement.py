@@ -110,7 +110,7 @@ def agreement_tables(
 
 
 def agreement_sentence(outcomes: Sequence[Outcome]) -> str:
-    """Sentences on all comparisons of formulations. "" if there are none."""
+    """Sentences on all comparisons of formulations. "" if there are no comparisons."""
     texts = agreement_statement(outcomes), agreement_reservations(outcomes)
     return " ".join(filter(None, texts))
 
@@ -365,7 +365,10 @@ def _unjudged_values(outcome: Outcome) -> tuple[UnjudgedValue, ...]:
 
 
 def _part_table(outcome: Outcome) -> AgreementTable:
-    """Table of stepped and condensed models of a CAD part against its solid, without verdicts."""
+    """Table of the simplified models of a CAD part against its solid, without verdicts.
+
+    The models are stepped beams, and the part condensed to its interfaces.
+    """
     values = _unjudged_values(outcome)
     quantities = {value.label: _value(value.reference, value.unit) for value in values}
     rows: dict[str, tuple[AgreementCell, ...]] = {}
@@ -389,7 +392,10 @@ def _part_table(outcome: Outcome) -> AgreementTable:
 
 
 def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:
-    """Text with the solid's compliance (SI with a prefix) or frequency (Hz). "" if not solved."""
+    """Text with the solid's value of a quantity. "" if the solid was not solved.
+
+    The value is a compliance (SI, with a prefix for powers of ten) or a frequency (Hz).
+    """
     for outcome in outcomes:
         if outcome.case.label == quantity and outcome.measurement is not None:
             return _value(outcome.measurement.reference, outcome.case.unit)
@@ -453,7 +459,10 @@ def _cause_rows(
 
 
 def _explanations(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    """Lines with named causes, each with the quantities whose differences it explains."""
+    """Lines with quantities and the differences that are due to named causes.
+
+    Example: "x, φz: held end faces +1.46 %".
+    """
     return _quantities_by_text((_causes_text(outcome), outcome) for outcome in outcomes)
 
 

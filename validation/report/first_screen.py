@@ -90,7 +90,7 @@ def first_screen(
 
 
 def _undecided_reasons(matrix: Matrix, models: Collection[str]) -> Mapping[str, str]:
-    """Quantities and models of undecided entries as text, by reason."""
+    """Text with the quantities and models of undecided entries, for each reason (key)."""
     entries_by_reason: dict[str, list[Entry]] = {}
     for entry in matrix.entries:
         if entry.verdict == "undecided" and entry.reason and entry.model in models:

@@ -43,10 +43,10 @@ class StatementTable:
 
     @property
     def rows(self) -> Iterator[tuple[Claim, list[StatementCell], str, str]]:
-        """Rows: statement, cells as printed and as corrected, standing as text, and its colour.
+        """Rows with four elements: statement, two cells, standing and colour.
 
-        The standing is the result for both forms, such as "holds" or "as printed alone". Colours
-        are names of verdicts.
+        The cells are for the statement as printed and as corrected. The standing is the result for
+        both forms, such as "holds" or "as printed alone". The colour is the name of a verdict.
         """
         for claim in self.claims:
             readings = [_cell(claim, reading) for reading in ("printed", "corrected")]

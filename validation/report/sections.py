@@ -110,7 +110,10 @@ class PageSection:
 
     @cached_property
     def plots(self) -> tuple[tuple[Family, Figure | None], ...]:
-        """Studies by family, each with its figure. The figure is None if the run is unfinished."""
+        """Studies by family, each with its figure.
+
+        The figure is None if the run is unfinished or if the figure cannot be drawn.
+        """
         return tuple(
             (family, attempted(partial(study_figure, family)) if self.plotted else None)
             for family in families(self.outcomes)

@@ -150,10 +150,11 @@ def _purpose_text(matrix: Matrix, quantities: Sequence[Quantity]) -> str:
 
 
 def _largest_error_text(entries: Sequence[Entry]) -> str:
-    """Text with the largest error of entries with one verdict.
+    """Text with the largest error of entries with one verdict. "" if they are undecided.
 
-    For the verdict adequate, the largest upper bound of the error. Errors of the quantity "order of
-    modes" count only if there are no others, since they compare modes of different shapes.
+    For the verdict "adequate", it is the largest upper bound of the error. Errors of the quantity
+    "order of modes" count only if there are no others, since they compare modes of different
+    shapes.
     """
     adequate = entries[0].verdict == "adequate"
     with_error = [entry for entry in entries if entry.error is not None]

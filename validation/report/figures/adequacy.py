@@ -101,8 +101,8 @@ def _chart(panels: Sequence[Panel], matrix: Matrix, table: Mapping[str, Column])
 def _abscissa(matrix: Matrix) -> tuple[Array, str]:
     """Abscissa (p) of charts over the poses, with its label.
 
-    It is the coordinate of the poses if they have only one, otherwise the number of each pose along
-    the path, from 1. Shapes: p poses.
+    If the poses have only one coordinate, it is the abscissa, otherwise the number of each pose
+    along the path, from 1. Shapes: p poses.
     """
     poses = np.reshape(matrix.poses, (len(matrix.poses), len(matrix.coordinates)))
     if len(matrix.coordinates) == 1:
@@ -167,7 +167,10 @@ def _table(matrix: Matrix) -> Mapping[str, Column]:
 
 
 def _single_pose_series(entries: Sequence[Entry]) -> list[Series]:
-    """Points for a single pose: the measured value, then the models."""
+    """Points of a single pose: the measurement, then the models.
+
+    All values are ratios to the measured value.
+    """
     bar = max((_uncertainty(entry, "measurement") for entry in entries), default=0.0)
     series = [_point("measured", 0, 1.0, bar)]
     for row, entry in enumerate(entries, start=1):
@@ -183,7 +186,10 @@ def _point(label: str, row: int, value: float, bar: float) -> Series:
 
 
 def _path_series(matrix: Matrix, entries: Sequence[Entry]) -> list[Series]:
-    """Curves over the measured poses: the models, then the measured values."""
+    """Curves over the measured poses: the models, then the measurement.
+
+    All values are ratios to the measured value.
+    """
     x, _ = _abscissa(matrix)
     series = []
     for entry in entries:

@@ -117,7 +117,7 @@ def budget_curves(budgeted: Sequence[tuple[Outcome, Measurement]]) -> Chart:
 
 
 def _names(outcomes: Sequence[Outcome]) -> list[str]:
-    """Name of each outcome: its label or quantity, or its title if two would have one name."""
+    """Name of each outcome: its label or quantity, or its title if two names would be equal."""
     names = [outcome.case.label or outcome.case.quantity for outcome in outcomes]
     return [
         fill(outcome.case.title if names.count(name) > 1 else name, _NAME_WIDTH)

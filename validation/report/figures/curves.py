@@ -133,7 +133,7 @@ def _panel(compared: Compared, x: Array, column: int, title: str, factor: float)
 def _path_abscissa(context: Context) -> tuple[Array, str, Mapping[str, Column]]:
     """Abscissa (p), its label and its columns of data.
 
-    It is the coordinate that changes along the path if only one does, otherwise the pose number.
+    If only one coordinate changes along the path, it is the abscissa, otherwise the pose number is.
 
     Shapes: p poses.
     """

@@ -176,9 +176,10 @@ class _DisplacedRobot:
         self.tip = (system.tool @ unknowns)[:3]
 
     def scene(self, factor: float, unit: float) -> Scene:
-        """Scene with displacements enlarged by `factor`, coloured by displacement in `unit` (m).
+        """Scene with displacements enlarged by `factor`.
 
-        Motion in the plane of the mechanism is seen from above, any other from the side.
+        Bodies are coloured by displacement, as a multiple of `unit` (m). Motion in the plane of the
+        mechanism is seen from above, any other motion from the side.
         """
         return Scene(
             [solid.body(factor, unit) for solid in self.moved],

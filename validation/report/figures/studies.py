@@ -62,7 +62,10 @@ class Family:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Notes of the studies, each once. A note on some of the curves contains their labels."""
+        """Notes of the studies, each once.
+
+        A note that does not apply to all curves contains the labels of those to which it applies.
+        """
         remarks: dict[str, list[str]] = {}
         for curve in self.curves:
             for note in curve.study.notes:
