@@ -43,8 +43,8 @@ class ForcesUnderLoad:
 class PoseForces:
     """Forces in one `pose` (m, rad) under each load, by name of the load.
 
-    `place` describes the pose. The forces are None if the mechanism cannot move as the load
-    requires, or if the file of the load has no wrench for the pose.
+    `place` describes the pose. The forces are None if the tool cannot perform the speed and
+    acceleration that the load prescribes, or if the file of the load has no wrench for the pose.
     """
 
     pose: tuple[float, ...]

@@ -54,8 +54,9 @@ _WRONG_UNIT_RATIO = 5.0
 class Comparison:
     """A model's value S and a measured value D, with standard uncertainties, all in one unit.
 
-    `numerical`: standard uncertainty due to the model's discretisation; `inputs`: due to uncertain
-    inputs of the robot; `measurement`: that of D. All properties are relative to |D|.
+    `value`: S. `measured`: D. `numerical`: standard uncertainty of S due to the model's
+    discretisation. `inputs`: standard uncertainty of S due to uncertain inputs of the robot.
+    `measurement`: standard uncertainty of D. All properties are relative to |D|.
     """
 
     value: float

@@ -1,9 +1,9 @@
 """Modes of a modal test as measured values, paired with the modes of a model.
 
 Input: a robot file and a universal or CSV file of a test. Output: measured frequencies and
-responses, each with the number of the model's mode. Rule: shapes are compared at the measured
-points along the measured axes by their MAC with equal weights. Modes are paired so that the sum of
-all MAC is largest; partners have a MAC of at least 0.8.
+responses, each with the number of its partner among the modes of the model. Rule: shapes are
+compared at the measured points along the measured axes by their MAC with equal weights. Modes are
+paired so that the sum of all MAC is largest. Partners have a MAC of at least 0.8.
 """
 
 from collections.abc import Sequence

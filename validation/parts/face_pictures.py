@@ -62,9 +62,9 @@ def picture(part: PartFile) -> Picture:
 
 
 def scene_page(part: PartFile) -> str:
-    """HTML page with a scene of the part and its face numbers that can be turned.
+    """HTML page with a scene of the part and its face numbers. The user can turn the scene.
 
-    It opens offline.
+    The page opens offline.
     """
     numbers = [_number(part, face) for face in part.faces]
     scene = Scene(_bodies(part), (_SIDES[0], _UP), title=part.path.name, turned=numbers)

@@ -36,7 +36,10 @@ class FreePartRecord(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def as_text(part: FreePart, accuracy: Accuracy | None = None) -> str:
-    """Text with mass, rigid-body motions, and frequencies with their half-widths."""
+    """Text with mass, rigid-body motions, and frequencies with their half-widths.
+
+    `accuracy`: result of the refinement by --accuracy, None without this option.
+    """
     counts = ", ".join(map(str, part.unknowns))
     meshes = f"meshes of {counts} unknowns; {part.elements} tetrahedra in the finest"
     if len(part.unknowns) == 1:
@@ -59,7 +62,10 @@ def as_text(part: FreePart, accuracy: Accuracy | None = None) -> str:
 
 
 def as_json(part: FreePart, accuracy: Accuracy | None = None) -> str:
-    """All results as JSON (schema 1), in SI units. null for an unknown number."""
+    """All results as JSON (schema 1), in SI units. null for an unknown number.
+
+    `accuracy`: result of the refinement by --accuracy, None without this option.
+    """
     return json_text(
         FreePartRecord(
             part=str(part.part.path),

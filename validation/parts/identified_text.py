@@ -185,7 +185,10 @@ def toml(identified: Identified) -> str:
 
 
 def as_json(identified: Identified, accuracy: Accuracy | None = None) -> str:
-    """All results as JSON (schema 1), in SI units and file axes. null for an unknown number."""
+    """All results as JSON (schema 1), in SI units and file axes. null for an unknown number.
+
+    `accuracy`: result of the refinement by --accuracy, None without this option.
+    """
     arrays = {name: finite_items(values) for name, values in as_arrays(identified).items()}
     return json_text(
         IdentifiedRecord(

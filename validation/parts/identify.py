@@ -223,10 +223,7 @@ class Identified:
 
 
 def _in_percent(values: Array, *parts: Array) -> Array:
-    """Each of `parts` in per cent of the values, one column for each part (n×k).
-
-    Shapes: k kinds of uncertainty, n values.
-    """
+    """Uncertainties (n×k) in per cent of n values, from `parts`: n numbers for each of k kinds."""
     return 100.0 * np.column_stack([part / values for part in parts])
 
 
@@ -290,7 +287,7 @@ def more_unknowns(unknowns: int, factor: float) -> int:
 
     Parts converge with orders from one to two in the mesh size, which varies as the cube root of
     the number of unknowns. The result is two to eight times `unknowns`. Raises InputError if the
-    factor is infinite, as for a part whose file is a mesh, and if the mesh would have more than
+    factor is infinite, as for a part whose file is a mesh, or if the mesh would have more than
     `MOST_REFINED` unknowns.
     """
     if not np.isfinite(factor):
@@ -381,9 +378,10 @@ def _answer(
 ) -> MeshAnswer:
     """Results on one mesh with one `coupling` of all interfaces.
 
-    If `coupling` is None, each interface has the coupling of the robot file. If `certified`, modes
-    are counted, which proves that none is missing. This is done for the reported frequencies only;
-    all others are used in differences, in which a missing mode would appear as a large uncertainty.
+    If `coupling` is None, each interface has the coupling of the robot file. `name`: name of the
+    part, for error messages. If `certified`, modes are counted, which proves that none is missing.
+    This is done for the reported frequencies only. Other frequencies are used in differences, in
+    which a missing mode would appear as a large uncertainty.
     """
     body = held_part(part, grips_of(part.mesh, interfaces, coupling), name)
     # Before the modes, because counting them replaces the factorisation of the stiffness.
