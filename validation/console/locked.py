@@ -1,7 +1,7 @@
 """Installation of packages and their dependencies in the versions of the lock files.
 
 Input: names of extras. Output: installed packages. Rule: a package is installed if it, or a
-dependency, is missing or has another version than in the lock; hashes are checked.
+dependency, is missing or has a version that differs from the lock. Hashes are checked.
 """
 
 import os

@@ -138,7 +138,7 @@ def with_mark(content: bytes, kind: str) -> bytes:
 
 
 def is_marked(path: Path, kind: str) -> bool:
-    """True if a command wrote the file and it was not changed since. False if it cannot be read."""
+    """True if a command wrote the file and nobody changed it. False if it cannot be read."""
     content = read_regular(path.resolve())
     if content is None:
         return False

@@ -89,7 +89,7 @@ def progress_shown(
 
 
 def _animation(task: str, display: "RenderableType | None") -> AbstractContextManager[object]:
-    """Animation on a terminal: `display`, or the name of the task. Imports take 25 ms."""
+    """Animation on a terminal: `display`, or the name of the task if `display` is None."""
     from rich.console import Console  # noqa: PLC0415
     from rich.live import Live  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415

@@ -40,7 +40,7 @@ class ResultsLostError(ComputationError):
 
 
 def prepare() -> None:
-    """Open closed standard streams, and set encodings in which missing characters are replaced.
+    """Open closed standard streams, and let streams replace characters that their encoding lacks.
 
     If a stream stayed closed, the next opened file would get its number, and output of libraries
     would be written to that file.

@@ -145,7 +145,7 @@ def require_writable(path: Path | None, kind: str, *, force: bool = False) -> No
 
     Missing folders are allowed, because `write` creates them. Earlier results are replaced under
     any name. With `force`, other files are replaced if they have the suffix `kind`, such as ".csv".
-    If `path` is None, there is no file.
+    Nothing is checked if `path` is None.
     """
     if path is None:
         return

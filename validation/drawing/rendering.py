@@ -188,7 +188,10 @@ def _draw_marks(axes: Axes, view: View, marks: Marks) -> None:
 
 
 def _write_labels(axes: Axes, view: View, labels: Sequence[Label]) -> None:
-    """Write each label at its point; a movable one beside it, with a line and least overlap."""
+    """Write each label at its point.
+
+    A movable label is placed beside its point with least overlap, and a line joins them.
+    """
     occupied: list[Array] = []
     for label in labels:
         (point,) = view.pixels(label.point[None])

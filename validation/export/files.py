@@ -1,8 +1,9 @@
 """Files of `run --export`: VTU, VTP, .npz, Matrix Market and a CalculiX deck.
 
 Input: a mechanism, a preset (the mesh of the solids) and a folder. Output: fields of displacements
-and modes, matrices of legs and CAD parts, and README.txt, which describes each file. For a
-mechanism with CAD parts there are neither beams nor a deck, with legs of varying section no deck.
+and modes, matrices of legs and CAD parts, and README.txt, which describes each file. A mechanism
+with CAD parts is not written as beams. There is no CalculiX deck if the mechanism has CAD parts or
+legs of varying section.
 """
 
 from collections.abc import Mapping, Sequence
@@ -118,9 +119,10 @@ _PART_FILES: Mapping[str, str] = {
 def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None:
     """Write all distinct legs and CAD parts, the mechanism as beams, and its deck to `folder`.
 
-    The pose is the middle one of the path. With CAD parts there are neither beams nor a deck.
-    Raises InputError if a part cannot be meshed, ComputationError if a model cannot be solved, and
-    OSError if a file cannot be written.
+    The pose is the middle one of the path. A mechanism with CAD parts is not written as beams.
+    There is no deck if the mechanism has CAD parts or legs of varying section. Raises InputError if
+    a part cannot be meshed, ComputationError if a model cannot be solved, and OSError if a file
+    cannot be written.
     """
     middle = posture(mechanism, mechanism.poses[len(mechanism.poses) // 2])
     legs = [(leg, name) for name, leg, _ in sectioned_legs(mechanism, DEFAULT_OPTIONS)]
