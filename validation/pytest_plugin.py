@@ -1,10 +1,14 @@
 """Robots as tests: a fixture that judges a robot's models, and robot files collected as tests.
 
-def test_robot(flexproof):
-flexproof("mine.toml").assert_adequate("segments", "f1", within=0.05)
+A test function with the fixture `flexproof`:
 
-pytest --flexproof mine.toml        one item per model and quantity, and one per comparison of
-                                    formulations with each other
+    def test_robot(flexproof):
+        flexproof("mine.toml").assert_adequate("segments", "f1", within=0.05)
+
+Tests collected from a robot file, one for each model and quantity, and one for each comparison of
+formulations with each other:
+
+    pytest --flexproof mine.toml
 """
 
 from collections.abc import Callable, Iterator, Mapping

@@ -115,7 +115,7 @@ class ModeCluster:
     def known_number(self, frequencies: Array, explained: float = 0.0) -> KnownNumber:
         """Target frequency, and the frequency of the cluster that is farthest from it.
 
-        `frequencies` (Hz) of all modes.
+        `frequencies`: frequencies (Hz) of all modes, ascending.
         """
         cluster = frequencies[self.first - 1 : self.last]
         farthest = float(cluster[np.argmax(np.abs(cluster - self.target))])
@@ -241,7 +241,7 @@ def benchmarks() -> tuple[Benchmark, ...]:
 
 
 def straight_cantilever() -> list[KnownNumber]:
-    """Diagonal of the tip compliance of MacNeal–Harder's cantilever: targets and solid."""
+    """Diagonal of the tip compliance of MacNeal–Harder's cantilever: published, and by a solid."""
     beam = extruded(STRAIGHT, _STRAIGHT_DIVISIONS, _STRAIGHT_SLICES * _STRAIGHT_DIVISIONS)
     compliances = np.diag(solid.clamped_leg(beam, "free").compliance)
     return [
@@ -257,7 +257,10 @@ def extruded(leg: ConstantLeg, divisions: int, slices: int) -> solid.SolidLeg:
 
 
 def deep_beam() -> list[KnownNumber]:
-    """Nine frequencies of NAFEMS FV5 as a solid, and its number of modes by Sturm's count."""
+    """Nine frequencies of NAFEMS FV5, and the number of its modes: published, and by a solid.
+
+    The solid's modes are counted by Sylvester's law of inertia.
+    """
     beam = extruded(DEEP, _DEEP_DIVISIONS, _DEEP_SLICES * _DEEP_DIVISIONS)
     count = FV5_MODES[-1][0].last
     modes = simply_supported(beam).modes(count)
@@ -282,7 +285,10 @@ def simply_supported(beam: solid.SolidLeg) -> RootedBody:
 
 
 def torsion_constant(ratio: float) -> KnownNumber:
-    """Torsion constant J/(b h³) of a rectangle with b/h = `ratio`."""
+    """Torsion constant J/(b h³) of a rectangle with b/h = `ratio`.
+
+    The known number is published, the computed one is by finite elements.
+    """
     mesh = section_mesh(Rectangle(ratio, 1.0), _TORSION_DIVISIONS)
     computed = section_constants(mesh, nu=0.0).torsion_constant / ratio
     published = TORSION_CONSTANTS[ratio]
@@ -330,7 +336,10 @@ def hexapod_stiffness(mechanism: Mechanism, pose: Array) -> Array:
 
 
 def bar() -> list[KnownNumber]:
-    """Stretching and bending of a bar that gmsh draws, writes, reads and meshes."""
+    """Stretching and bending of a bar as a CAD part: known in closed form, and by finite elements.
+
+    gmsh draws the bar, writes it to a file and meshes the part that is read from this file.
+    """
     length, width, height = _BAR
     ends = {
         name: PartInterface(ByPlane((sign, 0.0, 0.0), (x, 0.0, 0.0)), "average")

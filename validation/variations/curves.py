@@ -202,13 +202,13 @@ def computed(
 
 
 def _arrays(unit: Unit[T], names: Sequence[str]) -> dict[str, Any]:
-    """Fields `names` of the unit's result."""
+    """Result of a unit as arrays: its fields with these `names`."""
     result = unit.compute()
     return {name: getattr(result, name) for name in names}
 
 
 def _shown(executor: Executor, task: str, calls: Sequence[Work]) -> Finished:
-    """Results of the calls by the executor, with a progress bar."""
+    """Yield number and result of each call by the executor, with a progress bar."""
     from rich.console import Console  # noqa: PLC0415  few runs have variations
     from rich.progress import track  # noqa: PLC0415
 
