@@ -182,8 +182,8 @@ class Process:
 def in_own_process(function: Callable[..., T], *arguments: object, patience: float = inf) -> T:
     """Value of `function(*arguments)`, evaluated in a fresh interpreter.
 
-    The function must be at the top level of a module. Output of libraries is discarded. Raises the
-    errors of `Process.answer`.
+    The function must be at the top level of a module. Output of libraries is discarded. `patience`
+    (s) is the longest time to wait for the value. Raises errors as `Process.answer` does.
     """
     process = Process()
     try:
@@ -198,8 +198,8 @@ def within_limits(seconds: float, function: Callable[..., T], *arguments: object
     """Value of `function(*arguments)` in a fresh interpreter, with limits on CPU time and memory.
 
     The limits are `seconds` of CPU time and 8 GB of memory. They protect against damaged files of
-    other programs and against libraries that run without end. Raises the errors of
-    `in_own_process`, and Crashed if a limit is exceeded.
+    other programs and against libraries that run without end. Raises errors as `in_own_process`
+    does, and Crashed if a limit is exceeded.
     """
     value: T = in_own_process(_limited, seconds, function, *arguments)
     return value

@@ -84,9 +84,9 @@ class PartMesh(VolumeMesh):
 
 @memo(8)
 def _local_facets(element: SolidElement) -> IntArray:
-    """Local nodes (facets × nodes) of each facet of a cell, in the node order of facet elements.
+    """Local nodes (facets × nodes) of each facet of a cell of the type `element`.
 
-    A facet element is the plane element of `FACET` on the sides of a cell.
+    The nodes are in the order of the plane element that `FACET` contains for this type.
     """
     kind, flat = ELEMENTS[element], ELEMENTS[FACET[element]]
     corners = _TETRAHEDRON if element.startswith("tet") else _HEXAHEDRON

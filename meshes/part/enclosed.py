@@ -94,7 +94,7 @@ def half_width(coarse: float, fine: float) -> float:
     return _SAFETY * _ERROR * abs(fine - coarse)
 
 
-def is_limit(kernel: float, coarse: float, fine: float) -> bool:
+def is_confirmed(kernel: float, coarse: float, fine: float) -> bool:
     """True if `kernel`, an integral by the CAD kernel, is confirmed by two surface meshes.
 
     `coarse` and `fine` are the values of the same integral on these meshes. The integral is
@@ -113,7 +113,7 @@ def corrected(
     In the second case they are extrapolated from the properties `coarse` and `fine` on the two
     meshes.
     """
-    if is_limit(kernel.volume, coarse.volume, fine.volume):
+    if is_confirmed(kernel.volume, coarse.volume, fine.volume):
         return kernel
     return VolumeProperties(
         float(extrapolated(np.array(coarse.volume), np.array(fine.volume))),
@@ -144,7 +144,7 @@ def corrected_area(kernel: FaceArea, coarse: FaceArea, fine: FaceArea) -> FaceAr
 
     In the second case they are extrapolated from the values `coarse` and `fine` on the two meshes.
     """
-    if is_limit(kernel.area, coarse.area, fine.area):
+    if is_confirmed(kernel.area, coarse.area, fine.area):
         return kernel
     return FaceArea(
         float(extrapolated(np.array(coarse.area), np.array(fine.area))),

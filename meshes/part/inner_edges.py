@@ -89,12 +89,12 @@ def cut_at_inner_edges(mesh: PartMesh) -> PartMesh:
         positions = cut.positions(mesh)
         folded = np.unique(mesh.cells[cut.owner[are_folded(positions)]][:, :4])
         if not np.isin(folded, edges).any():
-            return _renewed(mesh, edges, cut, positions)
+            return _cut_mesh(mesh, edges, cut, positions)
         edges = np.setdiff1d(edges, folded)
     return mesh
 
 
-def _renewed(mesh: PartMesh, edges: IntArray, cut: "_Cut", positions: Array) -> PartMesh:
+def _cut_mesh(mesh: PartMesh, edges: IntArray, cut: "_Cut", positions: Array) -> PartMesh:
     """Mesh of all P pieces of `cut`, whose nodes have the given `positions` (P×10×3, in m).
 
     `mesh` is the mesh that was cut. `edges` are its corner nodes on re-entrant edges.
@@ -129,7 +129,10 @@ class _Cut:
     shares: Array
 
     def positions(self, mesh: PartMesh) -> Array:
-        """Positions (P×10×3, in m) of the nodes of the pieces in the curved tetrahedra."""
+        """Positions (P×10×3, in m) of the nodes of all pieces of `mesh`.
+
+        The pieces lie in curved elements, so that their sides may be curved.
+        """
         middles = self.shares[:, SIMPLEX_EDGES[4]].mean(axis=2)
         shares = np.concatenate([self.shares, middles], axis=1)
         shapes = values("tet10", shares[:, :, 1:].reshape(-1, 3).T).reshape(10, len(shares), -1)

@@ -186,7 +186,11 @@ def _loops(nodes: Array, facets: Facets, origin: Array, axes: Array) -> list[Arr
 
 
 def _simplified(loop: Array) -> Array:
-    """Polygon without corners that coincide with a neighbour or lie on a straight line."""
+    """Polygon `loop` (n×2) without its superfluous corners.
+
+    A corner is superfluous if it coincides with a neighbour or lies on the line between its
+    neighbours.
+    """
     limit = _STRAIGHT * float(np.ptp(loop, axis=0).max())
     # The point farthest from the mean is certainly a corner.
     first = int(np.argmax(np.linalg.norm(loop - loop.mean(axis=0), axis=1)))
@@ -206,7 +210,10 @@ def _simplified(loop: Array) -> Array:
 
 
 def _moments(loop: Array) -> tuple[float, Array, Array]:
-    """Moments ∫dA, ∫s dA (2), ∫s sᵀ dA (2×2) of a polygon, with s the position from the origin."""
+    """Moments ∫dA, ∫s dA (2) and ∫s sᵀ dA (2×2) of the area inside a polygon `loop` (n×2).
+
+    s is the position from the origin of its coordinates.
+    """
     following = np.roll(loop, -1, axis=0)
     cross = loop[:, 0] * following[:, 1] - following[:, 0] * loop[:, 1]
     cross = cross * np.sign(cross.sum())

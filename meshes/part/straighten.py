@@ -42,7 +42,7 @@ def straightened(nodes: Array, cells: IntArray) -> tuple[Array, int]:
         for middle, (first, second) in enumerate(SIMPLEX_EDGES[4], start=4):
             ends = nodes[cells[new, first]], nodes[cells[new, second]]
             nodes[cells[new, middle]] = (ends[0] + ends[1]) / 2.0
-    inverted, flat = _evenness(nodes[cells]) <= 0.0, _fullness(nodes, cells) < _FLAT
+    inverted, flat = _jacobian_ratio(nodes[cells]) <= 0.0, _volume_ratio(nodes, cells) < _FLAT
     for wrong, singular, plural in (
         (inverted, "tetrahedron stays inverted", "tetrahedra stay inverted"),
         (flat, "tetrahedron is flat", "tetrahedra are flat"),
@@ -62,10 +62,10 @@ def are_folded(positions: Array) -> NDArray[np.bool_]:
 
     `positions` (M×10×3, in m) are those of their nodes.
     """
-    return np.asarray(_evenness(positions) < _FOLDED)
+    return np.asarray(_jacobian_ratio(positions) < _FOLDED)
 
 
-def _evenness(positions: Array) -> Array:
+def _jacobian_ratio(positions: Array) -> Array:
     """Ratio (M) of the smallest to the largest absolute Jacobian in each of M cells, at most 1.
 
     `positions` (M×10×3, in m) are the nodes of the cells. The Jacobians are those at quadrature
@@ -78,7 +78,7 @@ def _evenness(positions: Array) -> Array:
     return np.asarray(determinants.min(axis=1) / np.abs(determinants).max(axis=1))
 
 
-def _fullness(nodes: Array, cells: IntArray) -> Array:
+def _volume_ratio(nodes: Array, cells: IntArray) -> Array:
     """Ratio (M) of each cell's volume to the cube of its longest edge, with straight edges."""
     first, second = SIMPLEX_EDGES[4].T
     longest = np.linalg.norm(nodes[cells[:, first]] - nodes[cells[:, second]], axis=2).max(axis=1)

@@ -163,8 +163,8 @@ def refined_gradings(
     secant method on the logarithms of size and unknowns, starting from large elements. The unknowns
     of each trial size are counted on a mesh with straight edges, which is made fast. If elements
     are so coarse that facets of thin round walls intersect, all three gradings are made finer. If a
-    part cannot be meshed with sizes that follow its curvature, its sizes do not follow it. Raises
-    InputError as `volume_mesh` does.
+    part cannot be meshed with sizes that follow its curvature, sizes that do not follow it are
+    used. Raises InputError as `volume_mesh` does.
     """
     if part.exact is None:
         raise InputError(f"{part.path}: is a mesh already; it cannot be meshed again")

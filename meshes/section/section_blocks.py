@@ -254,7 +254,10 @@ def _rectilinear(section: OutlinedSection | Composite, divisions: int) -> Blocks
 
 
 def _part_at(parts: Sequence[Sequence[Loop]], point: Array) -> int:
-    """Number of the part that contains a point, −1 if none does."""
+    """Number of the part that contains a point (y and z, in m). −1 if no part does.
+
+    `parts` contains the outlines of each part: the outer one and those of its holes.
+    """
     return next((number for number, loops in enumerate(parts) if is_inside(loops, point)), -1)
 
 
@@ -360,9 +363,9 @@ def _tube(section: Tube | LaminateTube, divisions: int) -> Blocks:
 
 
 def _quarter(diameter: float, thickness: float, divisions: int) -> int:
-    """Number of elements along a quarter of a tube.
+    """Number of elements along a quarter of a tube of the given `diameter` and `thickness` (m).
 
-    At least two, because a parabola is a poor approximation of an arc of 90°.
+    The number is at least two, because a parabola is a poor approximation of an arc of 90°.
     """
     return max(2, _along(pi / 4.0 * (diameter - thickness), thickness, diameter, divisions))
 

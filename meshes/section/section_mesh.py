@@ -88,7 +88,7 @@ def section_mesh(section: Section, divisions: Divisions) -> SectionMesh:
 
 
 def _fill_parts(gmsh: ModuleType, section: Composite, refinements: int) -> list[int]:
-    """Mesh the parts of a section without blocks. Return gmsh's tags of their surfaces.
+    """Mesh all parts of a composite section without blocks. Return gmsh's tags of their surfaces.
 
     Each element of the coarsest mesh is divided into four `refinements` times (see `_fill`).
     """
@@ -230,7 +230,10 @@ _REVERSED: dict[SectionElement, list[int]] = {
 
 
 def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) -> IntArray:
-    """Cells (M×k) with those reversed that run clockwise about +x. `nodes` (N×2) are y and z."""
+    """Cells (M×k) in counter-clockwise order about +x: clockwise ones are reversed.
+
+    `nodes` (N×2) are y and z of the nodes.
+    """
     origin, first, last = (
         nodes[cells[:, i]] for i in (0, 1, len(ELEMENTS[element].corner_nodes) - 1)
     )

@@ -164,7 +164,10 @@ def _box(gmsh: ModuleType, solid: int) -> Array:
 
 
 def _box_of_faces(gmsh: ModuleType, faces: Sequence[tuple[int, int]]) -> Array:
-    """Lower and upper corner (2×3, in m) of the bounding box of faces."""
+    """Lower and upper corner (2×3, in m) of the bounding box of `faces`.
+
+    Each face is a pair of its dimension in gmsh (2) and its tag.
+    """
     lower, upper = [], []
     edges = gmsh.model.getBoundary(faces, combined=False, oriented=False)
     for dimension, tag in {*faces, *edges}:
