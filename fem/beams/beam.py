@@ -6,15 +6,15 @@ axes. If a section rotates by θ in the plane of bending, φy = −θ for a defl
 nodes, static displacements of the nodes are exact.
 
 Tension and torsion are quadratic along an element. Linear elements would be exact in statics, too,
-but their frequencies converge with second order only, and with 20 of them the third frequency would
-be 0.6 % in error, whereas bending converges with fourth order.
+but their frequencies converge with second order only. With 20 of them the third frequency would be
+0.6 % in error. Bending converges with fourth order.
 
 With warping, torsion follows `fem.sections.nonuniform_torsion` instead of Saint-Venant's theory:
 besides its rotation each section has a warping intensity χ, quadratic along each element. End faces
 may prevent warping (χ = 0), which increases the torsional stiffness.
 
 Bending elements, written for scikit-fem, have two fields: the deflection w and the rotation θ of
-the section, with the shear strain γ = w′ − θ. An element that is loaded at its ends only satisfies
+the section, with the shear strain γ = w′ − θ. An element that is loaded only at its ends satisfies
 M′ + V = 0 with constant V, that is
 
     w cubic,   γ = −Λ w‴,   θ = w′ + Λ w‴,   Λ = EI/κGA.
@@ -29,8 +29,9 @@ shear are those of the shear centre (y_s, z_s), which a torque does not move. Th
 the centre of mass (y_m, z_m) are u + z_m φy − y_m φz, v_s − (z_m − z_s) φx and w_s + (y_m − y_s) φx
 along the whole element. The nodes have the twists of the centroid.
 
-Helical fibres couple shear with bending, so that the shear strain varies along an element. Such
-legs have the elements of `fem.beams.line_beam`, by the force method, and the same unknowns.
+Helical fibres couple shear with bending, so that the shear strain varies along an element. Legs
+with such fibres have the elements of `fem.beams.line_beam`, by the force method, and the same
+unknowns at the nodes.
 """
 
 from collections.abc import Callable, Sequence
@@ -220,7 +221,10 @@ def _shear_stiffnesses(p: BeamProperties) -> tuple[float, float, float]:
 
 
 def _coupling_stiffness(first: _Member, second: _Member, EI: float, GA: float) -> Array:
-    """Stiffness ∫ EI θ₁′θ₂′ + GA γ₁γ₂ dx (k₁×k₂) between the unknowns of bending in two planes."""
+    """Stiffness ∫ EI θ₁′θ₂′ + GA γ₁γ₂ dx (k₁×k₂) between the unknowns of bending in two planes.
+
+    `EI` (N m²) and `GA` (N) are the stiffnesses that couple the two planes.
+    """
     weights, (first_fields, second_fields) = _integrated(first, second)
     (w1, theta1), (w2, theta2) = first_fields, second_fields
     gamma1, gamma2 = w1[1] - theta1[0], w2[1] - theta2[0]
@@ -478,7 +482,10 @@ class ElementLineBeam(Element):  # type: ignore[misc]  # scikit-fem has no types
     def gbasis(
         self, mapping: Any, X: Array, i: int, tind: Any = None
     ) -> tuple[DiscreteField, DiscreteField]:
-        """Fields w and θ of basis function `i` at the reference points `X`."""
+        """Fields w and θ of basis function `i` at the reference points `X`.
+
+        The arguments are those of scikit-fem's `Element.gbasis`.
+        """
         s, l = _from_middle(mapping, X, tind)
         w1, theta1, w2, theta2 = np.eye(4)[i]
         # w = w0 + w0′ s + κ s²/2 + q s³/6. The coefficients follow from the end values.
@@ -511,7 +518,10 @@ class ElementLineShearBeam(ElementLineBeam):
     def gbasis(
         self, mapping: Any, X: Array, i: int, tind: Any = None
     ) -> tuple[DiscreteField, DiscreteField]:
-        """Fields w and θ of basis function `i` at the reference points `X`."""
+        """Fields w and θ of basis function `i` at the reference points `X`.
+
+        The arguments are those of scikit-fem's `Element.gbasis`.
+        """
         if i < 4:
             return super().gbasis(mapping, X, i, tind)
         s, l = _from_middle(mapping, X, tind)

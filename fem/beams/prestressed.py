@@ -126,7 +126,10 @@ def prestressed_leg(
 
 
 def prestressed_line_leg(sections: LineSections, elements: int, modes: int) -> PrestressedLeg:
-    """Result of `prestressed_leg` for a straight leg of varying section."""
+    """Straight leg of varying section, reduced as in `prestressed_leg`.
+
+    `modes` is the number of modes with fixed ends.
+    """
     mu, rho_J = FIELDS.index("mu"), FIELDS.index("rho_J")
 
     def gyration(stations: Array) -> Array:

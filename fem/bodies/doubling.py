@@ -299,7 +299,7 @@ def _by_deformations(matrix: Array | SparseMatrix, face: _FaceDeformations) -> A
 
 
 def _deformation_stiffness(piece: CondensedPiece) -> Array:
-    """Stiffness S (2k×2k, in N/m) of the deformations of both faces without a wrench."""
+    """Stiffness S (2k×2k, in N/m) of the deformations of root and tip, without a wrench."""
     across = piece.root_tip
     return np.block([[piece.own, across], [across.T, piece.tip_own]])
 

@@ -87,7 +87,10 @@ def solid_leg(leg: SectionedLeg, mesh: SolidMesh) -> SolidLeg:
 
 
 def _anisotropic(mesh: SolidMesh, moduli: Moduli) -> tuple[SparseMatrix, SparseMatrix]:
-    """Stiffness and mass of an extruded mesh whose slices have the moduli of its section."""
+    """Stiffness and mass of an extruded mesh whose slices all have the same `moduli`.
+
+    These are given for the cells of the section's mesh.
+    """
     cells = len(moduli.densities)
 
     def at(points: Array, numbers: IntArray) -> Array:

@@ -199,6 +199,6 @@ def _equation(equation: Equation) -> Iterator[str]:
 
 
 def _number(value: float) -> str:
-    """Text of a number with all digits, or with fourteen if CalculiX cannot read all of them."""
+    """Text of a number with all digits, or with fourteen if CalculiX cannot read more."""
     shortest = repr(float(value))
     return shortest if len(shortest) <= _NUMBER_WIDTH else f"{value:.{_NUMBER_WIDTH - 7}e}"

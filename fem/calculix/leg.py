@@ -1,10 +1,10 @@
 """A clamped leg solved by CalculiX, as an independent check of the solid model.
 
 The deck is the leg with rigid end faces (`fem.couplings.grips`): clamped root, and the tip as a
-rigid body under six unit wrenches. Both programs solve the same equations except for one integral:
-CalculiX sums the mass of C3D10 over the four points of the stiffness, which are too few for N_a
-N_b. `mass_at_stiffness_points` computes the mass in that way. Its difference from the exact mass
-vanishes with decreasing element size.
+rigid body under six unit wrenches. Both programs solve the same equations except for one integral.
+CalculiX computes the mass of its element C3D10 with the four quadrature points of the stiffness,
+which are too few for the products N_a N_b of shape functions. `mass_at_stiffness_points` computes
+the mass in the same way. The difference from the exact mass vanishes with decreasing element size.
 
 For the comparison of whole mechanisms with CalculiX and other programs, the legs are represented by
 solid bars of their outer dimensions, which have coarse meshes.

@@ -206,7 +206,7 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
         elif name != GROUND:
             places[name, ""] = posture.frames[name].position
     order = {key: 6 * i for i, key in enumerate(places)}
-    elastic = [_give(posture, joint) for joint in mechanism.joints]
+    elastic = [_elastic_directions(posture, joint) for joint in mechanism.joints]
     size = 6 * len(order) + sum(len(stiffnesses) for _, stiffnesses in elastic)
     # Translations are divided by the mechanism's size, so that the conditions are dimensionless.
     unit = np.array([1.0 / mechanism.size] * 3 + [1.0] * 3)
@@ -255,7 +255,7 @@ def _freedoms(posture: Posture, legs: Mapping[str, SolidLeg]) -> _Freedoms:
     )
 
 
-def _give(posture: Posture, joint: Joint) -> tuple[Array, Array]:
+def _elastic_directions(posture: Posture, joint: Joint) -> tuple[Array, Array]:
     """Directions (6×r, base axes) in which a joint is elastic, and its r stiffnesses along them.
 
     The elasticity is that of the spring of a drive, which comes first, and that of the joint

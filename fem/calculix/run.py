@@ -87,9 +87,11 @@ def run_calculix(deck: Deck, timeout: float = 600.0) -> CalculixResults:
 
 
 def _run(program: str, job: Path, title: str, timeout: float) -> str:
-    """Run the program and return its output.
+    """Run CalculiX on a deck and return its output.
 
-    Raises ComputationError with the first error that the program prints.
+    `job` is the path of the deck without its suffix, `title` the name in messages. Raises
+    ComputationError with the first error that CalculiX prints, or if it takes more than `timeout`
+    (s).
     """
     thread_variables = ("OMP_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER", "CCX_NPROC_STIFFNESS")
     environment = os.environ | dict.fromkeys(thread_variables, "1")

@@ -106,9 +106,9 @@ class _Squares:
 
 
 def _solver(block: Array, rigid: Array) -> Callable[[Array], Array]:
-    """Solver of linear equations with the symmetric, positive semidefinite matrix `block`.
+    """Function that solves linear equations with the symmetric matrix `block`.
 
-    Its null space is spanned by `rigid` (n×k).
+    The matrix is positive semidefinite. Its null space is spanned by `rigid` (n×k).
     """
     moving = rigid[:, np.linalg.norm(rigid, axis=0) > 0.0]
     if moving.size:
@@ -120,10 +120,10 @@ def _solver(block: Array, rigid: Array) -> Callable[[Array], Array]:
 def _decays(fields: SectionFields) -> tuple[Array, Array]:
     """Rates γ (k, Re γ > 0) and shapes (n×k) of the fields e^{γ(x − L)}, which decay from the tip.
 
-    The shapes of e^{−γx}, which decay from the root, have the opposite sign of u_x. Rates are
-    computed from the eigenvalues 1/γ² in the space without the generalised eigenvectors of γ² = 0.
-    For walls of thickness t and a side b, the smallest γ² is at most (t/b)² times the largest. As
-    the inverse of the largest 1/γ² it does not lose its digits.
+    The shapes of e^{−γx}, which decay from the root, have the opposite sign of u_x. The smallest γ²
+    must not lose its digits: for walls of thickness t and a side b, it is at most (t/b)² times the
+    largest. Rates are therefore computed from the eigenvalues 1/γ², of which it is the largest, in
+    the space without the generalised eigenvectors of γ² = 0.
     """
     squares = _Squares(fields)
     chain, adjoint = squares.zeros(fields)

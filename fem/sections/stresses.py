@@ -44,7 +44,10 @@ class SectionStresses:
     regular: Array
 
     def von_mises(self, forces: Array) -> Array:
-        """Von Mises stress (s×N, in Pa) at all nodes under section forces (s×6)."""
+        """Von Mises stress (s×N, in Pa) at all nodes under s sets of section forces.
+
+        `forces` (s×6) are multiples of the unit section forces.
+        """
         normal = forces @ self.normal.T
         shear = self.shear @ forces.T
         return np.asarray(np.sqrt(normal**2 + 3.0 * (shear**2).sum(axis=0).T))

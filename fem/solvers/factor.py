@@ -145,8 +145,9 @@ class Symbolic:
     def factorise(self, part: str = "stiffness matrix") -> Factor:
         """Factor of a positive definite matrix, named `part` in messages.
 
-        Raises NotPositiveDefiniteError, a ComputationError, if an eigenvalue is not positive or is
-        lost in round-off. Raises ComputationError, before it starts, if memory is insufficient.
+        Raises NotPositiveDefiniteError (a ComputationError) if an eigenvalue is not positive or is
+        lost in round-off. Raises ComputationError before the factorisation if memory is
+        insufficient.
         """
         factor = self.indefinite(part)
         if factor.inertia.positive < self.size:
@@ -205,7 +206,7 @@ def unordered(matrix: SparseMatrix) -> Symbolic:
 
 
 class Inverse(Protocol):
-    """A⁻¹ of a symmetric matrix, by a factor or without one."""
+    """Inverse A⁻¹ of a symmetric matrix A, by a factor or by iterations."""
 
     def solve(self, right_hand_sides: Any) -> Any:
         """A⁻¹ times one (n) or several (n×k) right-hand sides."""

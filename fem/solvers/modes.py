@@ -118,7 +118,7 @@ def lowest_modes(
     if mode_count < 1:
         raise InputError(f"modes = {mode_count!r}: must be 1 or more", part=part)
     rng = np.random.default_rng(_SEED)
-    ritz = _converged_pairs(solve, M, _noise(n, rng), mode_count, part, space)
+    ritz = _converged_pairs(solve, M, _random_block(n, rng), mode_count, part, space)
     for search in range(_SEARCHES):
         try:
             sigma = certify(ritz.values, ritz.beyond, count, part)
@@ -126,7 +126,7 @@ def lowest_modes(
             if search == _SEARCHES - 1:
                 raise
             missed = _converged_pairs(
-                solve, M, _noise(n, rng), error.missing, part, space, ritz.vectors
+                solve, M, _random_block(n, rng), error.missing, part, space, ritz.vectors
             )
             ritz = merged(ritz, missed)
         else:
@@ -145,7 +145,7 @@ def searched_modes(
     solve: Solve, M: SparseMatrix, mode_count: int, part: str, space: Space = HOST
 ) -> Modes:
     """The lowest `mode_count` modes as in `lowest_modes`, without the count that certifies them."""
-    block = _noise(M.shape[0], np.random.default_rng(_SEED))
+    block = _random_block(M.shape[0], np.random.default_rng(_SEED))
     return _lowest(_converged_pairs(solve, M, block, mode_count, part, space), mode_count)
 
 
@@ -174,7 +174,7 @@ def _converged_pairs(
     return ritz
 
 
-def _noise(n: int, rng: np.random.Generator) -> Array:
+def _random_block(n: int, rng: np.random.Generator) -> Array:
     """A block (n×s) of random vectors, which have components in modes of every symmetry."""
     return np.asarray(rng.standard_normal((n, _BLOCK)) / np.sqrt(n))
 

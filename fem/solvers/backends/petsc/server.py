@@ -432,7 +432,11 @@ def _executed(
     library: ctypes.CDLL,
     files: _Files,
 ) -> "dict[str, Any]":
-    """Answer to a command. It contains an error of MUMPS; other errors end the process."""
+    """Answer to a command.
+
+    If MUMPS fails, the answer contains its error. Other errors end the process. `systems` contains
+    the factor or iteration of each name.
+    """
     verb, name = command["verb"], command["name"]
     try:
         if verb == "analyse":
