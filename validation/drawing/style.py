@@ -143,7 +143,11 @@ def looks_of(names: Iterable[str]) -> Mapping[str, Look]:
 
 
 def fills_of(names: Collection[str]) -> Mapping[str, str]:
-    """Fill colour of each name: the one in `FILLS`, otherwise a colour that none of them has."""
+    """Fill colour of each name.
+
+    It is the one in `FILLS`, otherwise a colour that no other name has, as long as there are enough
+    colours.
+    """
     used = {FILLS[name] for name in names if name in FILLS}
     unused = cycle([colour for colour in _OTHER_FILLS if colour not in used])
     return {name: FILLS.get(name) or next(unused) for name in dict.fromkeys(names)}

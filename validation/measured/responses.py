@@ -92,7 +92,7 @@ def _tool_quantities(
 ) -> Iterator[Measured]:
     """Measured values of [[responses]], from a response of the tool to a force on it.
 
-    None are yielded if response number `row` belongs to another point or direction.
+    Nothing is yielded if response number `row` belongs to another point or direction.
     """
     ends, tool = hammer.freedoms(tested.ends[row]), robot.tool
     offsets = np.abs(ends.places - robot.bodies[tool.body].interfaces[tool.point].position)

@@ -98,7 +98,7 @@ def _causes(entries: Sequence[Entry]) -> tuple[str, ...]:
 def _range(
     values: Sequence[float | None], format_error: Callable[..., str], *, signed: bool = False
 ) -> str:
-    """Text of the range of the values: the one of smallest magnitude "to" the one of largest.
+    """Range of values as text, from smallest to largest magnitude: "2 to 5 %".
 
     `format_error` formats a value. "" if there are no values.
     """
@@ -110,7 +110,7 @@ def _range(
 
 
 def _stiffness_sense(entries: Sequence[Entry]) -> str:
-    """Text on the sign of all errors: " too stiff" or " too soft".
+    """Text on the sign of all errors along the load: " too stiff" if negative, else " too soft".
 
     "" if the signs differ, or if an error is mainly across the load.
     """

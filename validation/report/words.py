@@ -47,8 +47,8 @@ def model_name(model: str) -> str:
 def quantities_text(matrix: Matrix, quantities: Collection[Quantity]) -> str:
     """Names of quantities inside a sentence.
 
-    A group of which all judged quantities are listed is replaced by its name, such as
-    "frequencies".
+    If all judged quantities of a group are listed, the name of the group, such as "frequencies",
+    replaces them.
     """
     judged = {entry.quantity for entry in matrix.entries}
     words: list[str] = []

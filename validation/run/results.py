@@ -220,7 +220,8 @@ class Results:
         """Changes since `baseline`.
 
         Cases of the baseline that this run requests and has not computed yet are not compared. With
-        `--only`, neither are cases that this run does not request; otherwise they count as removed.
+        `--only`, cases that this run does not request are not compared either. Without it, they
+        count as removed.
         """
         requested = {task.id for task in self.tasks}
         is_partial = "only" in self.header["options"]

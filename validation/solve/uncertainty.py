@@ -344,7 +344,7 @@ def second_divisions(options: ModelOptions, legs: Sequence[Leg]) -> int:
     """Divisions of a second mesh, whose element sizes differ enough from those of the first mesh.
 
     The first sufficient number is returned. Half the divisions of the first mesh are tried first,
-    then one division, then increasing numbers from one more than in the first mesh.
+    then one division, then numbers larger than that of the first mesh, in ascending order.
 
     Round and thin-walled sections need so many elements that fewer divisions often give the same
     mesh, whose uncertainty would then appear to be zero.

@@ -57,9 +57,8 @@ figures = FigureGroup(MODES, SHARED_SOLIDS)
 def finite_elements(context: Context, count: int) -> PostureModes:
     """First `count` modes in the middle of the path, with prisms as beams and CAD parts as solids.
 
-    If there are CAD parts, modes above the frequency up to which their reduced models are accurate
-    are omitted. If n modes are judged, at least the first 2n modes, and at least eight, lie below
-    that frequency.
+    Reduced models of CAD parts are accurate up to a certain frequency. Modes above it are omitted.
+    It lies above the first 2n modes if n modes are judged, and above the first eight in any case.
     """
     postures = path_postures(context)
     if postures[0].mechanism.parts:
