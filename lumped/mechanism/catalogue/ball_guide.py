@@ -4,6 +4,12 @@ The rows lie at the corners of a rectangle across the rail, each ball between tw
 whose line of contact is at an angle to the plane of the rail. Contact stiffness is that of
 `lumped.mechanism.catalogue.ball_contact`. The upper rows press against the lower ones with the
 preload F = 2 n Q sin α of n loaded balls in a row, with the contact angle α under preload.
+
+Catalogues have one stiffness k of a carriage, normal to the rail. At α = 45° it is the same along
+lateral. The other stiffnesses follow from the positions of the balls: k L²/12 in pitch and in yaw
+for rows of the length L, and k (M/C)² in roll, where C is the normal force and M the moment about
+the rail under which the most loaded ball carries the same load: static load ratings. The same ratio
+in pitch is M/C = L/7, since the load of a ball grows with the power 3/2 of its displacement.
 """
 
 from dataclasses import dataclass
@@ -16,6 +22,18 @@ from lumped.mechanism.catalogue.ball_contact import hertz_constant
 from lumped.screws import shift
 
 Lines: TypeAlias = Literal["O", "X"]
+PreloadClass: TypeAlias = Literal["Z0", "ZA", "ZB"]
+# Carriages by their size: normal stiffness (N/m) by class of preload, M/C in roll (m), and length
+# of the rows (m). Stiffness: HIWIN, Linear Guideway, Technical Information G99TE24-2410, table
+# 2-1-13; the preload is 0 to 0.02 (Z0), 0.05 to 0.07 (ZA) and 0.10 to 0.12 (ZB) of the dynamic load
+# rating. M/C: static ratings of HIWIN GmbH, Compact, section 1.1.12; for HG15C half the width of
+# its rail. The length is that of the steel body, for HG30C seven times M/C in pitch.
+CARRIAGES: dict[str, tuple[dict[PreloadClass, float], float, float]] = {
+    "HG15C": ({"Z0": 196e6, "ZA": 365e6, "ZB": 483e6}, 7.5e-3, 39.4e-3),
+    "HG20C": ({"Z0": 232e6, "ZA": 460e6, "ZB": 678e6}, 380.0 / 37_840.0, 50.5e-3),
+    "HG25C": ({"Z0": 292e6, "ZA": 539e6, "ZB": 705e6}, 640.0 / 56_190.0, 58.0e-3),
+    "HG30C": ({"Z0": 354e6, "ZA": 618e6, "ZB": 823e6}, 1060.0 / 83_060.0, 7 * 850.0 / 83_060.0),
+}
 
 
 @dataclass(frozen=True)
@@ -61,6 +79,14 @@ class BallGuide:
                     arm = shift(position)[:3]
                     total += arm.T @ block @ arm
         return total
+
+
+def carriage_stiffness(size: str, preload: PreloadClass) -> Array:
+    """6×6 stiffness (SI) about the middle of a carriage in `CARRIAGES`, axes as in `BallGuide`."""
+    stiffnesses, lever, length = CARRIAGES[size]
+    k = stiffnesses[preload]
+    tilting = k * length**2 / 12.0
+    return np.diag([0.0, k, k, k * lever**2, tilting, tilting])
 
 
 def guide_compliance(stiffness: Array) -> Array:

@@ -24,8 +24,19 @@ from lumped.mechanism.catalogue.ball_contact import (
     bearing_of_size,
     bearing_stiffness,
 )
-from lumped.mechanism.catalogue.ball_guide import BallGuide, guide_compliance
-from lumped.mechanism.catalogue.ball_nut import PRELOADED, WITH_PLAY, BallNut
+from lumped.mechanism.catalogue.ball_guide import (
+    BallGuide,
+    carriage_stiffness,
+    guide_compliance,
+)
+from lumped.mechanism.catalogue.ball_nut import (
+    FIXED_BEARINGS,
+    PRELOADED,
+    WITH_PLAY,
+    BallNut,
+    nut_of_size,
+    root_diameter,
+)
 from lumped.mechanism.catalogue.directions import joint_axes, joint_matrix
 from lumped.mechanism.joint import BallScrew, Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism
@@ -170,24 +181,35 @@ def _bearing_compliance(entry: BearingEntry) -> Array:
 
 def _guide_compliance(entry: GuideEntry) -> Array:
     """Compliance (6×6, x along the rail, z normal to it) of a profile rail guide."""
+    preload = entry.preload
+    if isinstance(preload, str):
+        return guide_compliance(carriage_stiffness(given(entry.size), preload))
     guide = BallGuide(
-        balls=entry.balls,
-        ball_diameter=entry.ball_diameter,
-        spacing=entry.spacing,
-        width=entry.width,
-        height=entry.height,
-        angle=float(np.radians(entry.contact_angle)),
-        groove=entry.groove,
-        lines=entry.lines,
+        balls=given(entry.balls),
+        ball_diameter=given(entry.ball_diameter),
+        spacing=given(entry.spacing),
+        width=given(entry.width),
+        height=given(entry.height),
+        angle=float(np.radians(entry.contact_angle or 45.0)),
+        groove=entry.groove or 0.52,
+        lines=entry.lines or "O",
     )
-    return guide_compliance(guide.stiffness(entry.preload))
+    return guide_compliance(guide.stiffness(preload))
 
 
 def _screw(entry: ScrewEntry) -> BallScrew:
-    stiffnesses = entry.bearing, _nut_stiffness(entry.nut)
-    bearing, nut = (0.0 if stiffness == "rigid" else 1.0 / stiffness for stiffness in stiffnesses)
+    diameter = entry.diameter
+    if diameter is None and isinstance(entry.nut, NutEntry):
+        diameter = root_diameter(given(entry.nut.size))
+    stiffness = entry.bearing
+    if isinstance(stiffness, str) and stiffness != "rigid":
+        stiffness = FIXED_BEARINGS[stiffness]
+    bearing, nut = (
+        0.0 if isinstance(value, str) else 1.0 / value
+        for value in (stiffness, _nut_stiffness(entry.nut))
+    )
     return BallScrew(
-        axial=entry.E * np.pi * entry.diameter**2 / 4.0,
+        axial=entry.E * np.pi * given(diameter) ** 2 / 4.0,
         length=entry.length,
         sign=1.0 if entry.positive == "longer" else -1.0,
         span=entry.span,
@@ -200,9 +222,12 @@ def _nut_stiffness(nut: Spring | NutEntry) -> Spring:
     """Axial stiffness (N/m) of the nut of a ball screw, or "rigid"."""
     if not isinstance(nut, NutEntry):
         return nut
+    load = given(nut.load) if nut.preload is None else nut.preload
+    if nut.size is not None:
+        return nut_of_size(nut.size).stiffness(load)
     default = WITH_PLAY if nut.preload is None else PRELOADED
-    ball_nut = BallNut(nut.rigidity, nut.load_rating, default if nut.share is None else nut.share)
-    return ball_nut.stiffness(given(nut.load) if nut.preload is None else nut.preload)
+    share = default if nut.share is None else nut.share
+    return BallNut(given(nut.rigidity), given(nut.load_rating), share).stiffness(load)
 
 
 def _compliances(stiffnesses: AlongDirections) -> dict[str, float]:

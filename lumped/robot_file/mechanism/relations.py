@@ -5,10 +5,12 @@ Each fault is a line that begins with the key.
 
 from collections.abc import Iterator, Sequence
 from math import pi, prod
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
+from lumped.mechanism.catalogue.ball_guide import PreloadClass
+from lumped.mechanism.catalogue.ball_nut import has_play
 from lumped.mechanism.catalogue.directions import DIRECTIONS, NEED_UP
 from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE, JointKind
 from lumped.mechanism.length_unit import METRE, UnitOfLength
@@ -290,7 +292,8 @@ def _direction_faults(joint: JointDraft) -> Iterator[str]:
                 yield f'{key}.stiffness.{name}: missing; must be a number in {unit}, or "rigid"'
     if damping is not None:
         yield from _strange_directions(damping, list(directions), f"{key}.damping", kind)
-        for name in fixed_directions if entry.compliance is None else ():
+        elastic = _present_keys(entry, "compliance", "bearing", "guide")
+        for name in fixed_directions if not elastic else ():
             if name in damping and (stiffness is None or stiffness.get(name) == "rigid"):
                 yield (
                     f"{key}.damping.{name}: the joint is rigid there, a dashpot has no effect; "
@@ -310,7 +313,15 @@ def _guide_faults(joint: JointDraft, guide: GuideEntry) -> Iterator[str]:
         yield f"{key}: does not belong to a {entry.type} joint; must be a prismatic one"
     for name in _present_keys(entry, "compliance", "stiffness"):
         yield f"{key}: must be left out if {joint.key}.{name} is given, which it determines"
-    if guide.spacing < guide.ball_diameter:
+    inside = ("balls", "ball_diameter", "spacing", "width", "height")
+    yield from _catalogue_faults(guide, key, inside, ("contact_angle", "groove", "lines"))
+    if (guide.size is not None) != isinstance(guide.preload, str):
+        classes = " or ".join(map(shown, get_args(PreloadClass)))
+        required = (
+            "a force in N, without a size" if guide.size is None else f"{classes}, for a size"
+        )
+        yield f"{key}.preload = {shown(guide.preload)}: must be {required}"
+    if guide.spacing and guide.ball_diameter and guide.spacing < guide.ball_diameter:
         yield f"{key}.spacing: must be at least the diameter of the balls"
     if entry.up is None:
         yield f"{joint.key}.up: missing; must be the direction of the normal of {key}"
@@ -324,20 +335,30 @@ def _bearing_faults(joint: JointDraft, bearing: BearingEntry) -> Iterator[str]:
     for name in _present_keys(entry, "compliance", "stiffness"):
         yield f"{key}: must be left out if {joint.key}.{name} is given, which it determines"
     inside = ("balls", "ball_diameter", "pitch_diameter")
-    groove_keys = ("contact_angle", "inner_groove", "outer_groove")
-    present_keys = _present_keys(bearing, *inside, *groove_keys)
-    if bearing.size is not None:
-        for name in present_keys:
-            yield f"{key}.{name}: must be left out, because {key}.size determines it"
-    else:
-        for name in inside:
-            if name not in present_keys:
-                yield f"{key}.{name}: missing; must be given, or {key}.size"
-        balls, ball, pitch = bearing.balls, bearing.ball_diameter, bearing.pitch_diameter
-        if balls and ball and pitch and balls * ball > pi * pitch:
-            yield f"{key}.balls = {balls}: do not fit into their circle"
+    yield from _catalogue_faults(
+        bearing, key, inside, ("contact_angle", "inner_groove", "outer_groove")
+    )
+    balls, ball, pitch = bearing.balls, bearing.ball_diameter, bearing.pitch_diameter
+    if balls and ball and pitch and balls * ball > pi * pitch:
+        yield f"{key}.balls = {balls}: do not fit into their circle"
     if (bearing.rows > 1) != (bearing.distance is not None):
         yield f"{key}.distance: must be given for several rows, and left out for one"
+
+
+def _catalogue_faults(
+    entry: BearingEntry | GuideEntry | NutEntry,
+    key: str,
+    required: Sequence[str],
+    optional: Sequence[str],
+) -> Iterator[str]:
+    """Faults of a machine element that has a `size`, or the keys `required` and `optional`."""
+    if entry.size is not None:
+        for name in _present_keys(entry, *required, *optional):
+            yield f"{key}.{name}: must be left out, because {key}.size determines it"
+    else:
+        for name in required:
+            if getattr(entry, name) is None:
+                yield f"{key}.{name}: missing; must be given, or {key}.size"
 
 
 def _strange_directions(
@@ -421,9 +442,27 @@ def _screw_faults(drive: DriveEntry, screw: ScrewEntry, key: str, kind: str) -> 
     if screw.span is not None and screw.span <= screw.length:
         yield f"{key}.span: must be above the length to the nut"
     nut = screw.nut
-    if isinstance(nut, NutEntry) and len(load_keys := _present_keys(nut, "preload", "load")) != 1:
+    if isinstance(nut, NutEntry):
+        yield from _nut_faults(nut, f"{key}.nut")
+        if nut.size is not None:
+            if screw.diameter is not None:
+                yield f"{key}.diameter: must be left out, because {key}.nut.size determines it"
+            return
+    if screw.diameter is None:
+        yield f"{key}.diameter: missing; must be given, or {key}.nut.size"
+
+
+def _nut_faults(nut: NutEntry, key: str) -> Iterator[str]:
+    """Faults of the nut of a ball screw."""
+    yield from _catalogue_faults(nut, key, ("rigidity", "load_rating"), ("share",))
+    load_keys = _present_keys(nut, "preload", "load")
+    if len(load_keys) != 1:
         reason = "has preload and load" if load_keys else "has no load"
-        yield f"{key}.nut: {reason}; must have one of preload, load (with play)"
+        yield f"{key}: {reason}; must have one of preload, load (with play)"
+    elif nut.size is not None:
+        required, kind = ("load", "has play") if has_play(nut.size) else ("preload", "is preloaded")
+        if required not in load_keys:
+            yield f"{key}.{load_keys[0]}: {nut.size} {kind}; must be {key}.{required}"
 
 
 def tool_faults(tool: Tool) -> Iterator[str]:

@@ -7,7 +7,10 @@ import pytest
 from support.robots.robot_from_text import described
 
 from lumped.errors import ComputationError, InputError
+from lumped.mechanism.catalogue.ball_contact import hertz_constant
+from lumped.mechanism.catalogue.ball_nut import BallNut, nut_of_size, root_diameter
 from lumped.mechanism.free_twists import drive_in
+from lumped.mechanism.joint import BallScrew
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.load import InterfaceLoads
 from lumped.models import serial_chains
@@ -132,6 +135,103 @@ def test_nut_stiffness_follows_its_table(load, expected):
     assert axial_compliance == pytest.approx(0.4 / EA + 1.0 / BEARING + 1.0 / expected, rel=1e-10)
 
 
+def test_screw_stiffness_equals_hiwin():
+    """HIWIN, Ballscrew, Technical Information S99TE20-1610, example 4.5-5 (kgf/µm).
+
+    Shaft 20.5, nut 46 under a preload of 250 kgf, both 14.18, with a bearing of 105 12.35. The
+    catalogue's 16.8 d²/L is E = 2.10e5 N/mm². It has rounded 14.18 to 14 before the last step.
+    """
+    kgf_per_micrometre = 9.80665e6
+    load_rating = 5370 * 9.80665
+    nut = BallNut(74 * kgf_per_micrometre, load_rating, 0.1).stiffness(250 * 9.80665)
+    assert nut / kgf_per_micrometre == pytest.approx(46.0, abs=0.2)
+    axial = 2.10e11 * np.pi * 0.03491**2 / 4.0
+    assert axial / kgf_per_micrometre == pytest.approx(20.5, rel=3e-3)
+    bearing = 1.0 / (105 * kgf_per_micrometre)
+    for bearing_compliance, expected in ((0.0, 14.18), (bearing, 1.0 / (1 / 14.18 + 1 / 105))):
+        screw = BallScrew(axial, 1.0, 1.0, None, bearing_compliance, 1.0 / nut)
+        assert screw.stiffness(0.0) / kgf_per_micrometre == pytest.approx(expected, rel=3e-3)
+
+
+# Designations of double nuts: diameter of the balls (mm), lead (mm), turns of balls in each nut.
+DOUBLE_NUTS = {
+    "R25-10T3-FDI": (4.763, 10.0, 3),
+    "R32-10T3-FDI": (6.350, 10.0, 3),
+    "R40-10T4-FDI": (6.350, 10.0, 4),
+    "R50-10T4-FDI": (6.350, 10.0, 4),
+}
+
+
+@pytest.mark.parametrize("size", DOUBLE_NUTS)
+def test_published_nut_stiffness_is_below_hertz(size):
+    """Rigid threads with all balls loaded are 1.5 to 1.7 times as stiff as the table's K.
+
+    K of a preloaded double nut is 2^1.5 F/δ with the approach δ of one nut under the preload F:
+    under a load of 2^1.5 F the second nut is free. The grooves have 0.54 of the ball's diameter.
+    """
+    ball, lead, turns = DOUBLE_NUTS[size]
+    D, lead, groove, alpha = 1e-3 * ball, 1e-3 * lead, 0.54, np.radians(45.0)
+    pitch_circle = root_diameter(size) + D
+    slope = np.arctan(lead / (np.pi * pitch_circle))
+    balls = turns * np.pi * pitch_circle / (np.cos(slope) * D)
+    gamma = D * np.cos(alpha) / pitch_circle
+    compliance_of_ball = sum(
+        hertz_constant((2.0 / D, 2.0 / D, 2.0 / D * along, -1.0 / (groove * D))) ** (-2.0 / 3.0)
+        for along in (gamma / (1.0 - gamma), -gamma / (1.0 + gamma))
+    )
+    nut = nut_of_size(size)
+    preload = 0.1 * nut.load_rating
+    axial = np.sin(alpha) * np.cos(slope)
+    approach = compliance_of_ball * (preload / (balls * axial)) ** (2.0 / 3.0) / axial
+    assert 1.5 < 2.0**1.5 * preload / approach / nut.rigidity < 1.7
+
+
+SIZED = "{ length = 0.4, nut = { size = 'R32-10T3-FDI', preload = 1000.0 }, bearing = 'ZKLF2068' }"
+
+
+def sized_mechanism(screw):
+    lines = [line for line in SLIDE.splitlines() if "screw" not in line]
+    text = "\n".join(lines).replace("[[loads]]", f"drive.screw = {screw}\n[[loads]]")
+    return described(text)
+
+
+def test_screw_of_size_has_table_stiffness():
+    """R32-10T3-FDI: root 26.91 mm, K 680 N/µm under 2539 N; bearing ZKLF2068: 650 N/µm."""
+    axial_compliance = compliance(
+        solved(assemble(posture(sized_mechanism(SIZED), np.array([0.5])), {}))
+    )[0, 0]
+    nut = 0.8 * 680e6 * (1000.0 / 2539.0) ** (1.0 / 3.0)
+    shaft = 0.4 / (E * np.pi * 0.02691**2 / 4.0)
+    assert axial_compliance == pytest.approx(shaft + 1.0 / nut + 1.0 / 650e6, rel=1e-10)
+
+
+SIZE_FAULTS = {
+    SIZED.replace("length", "diameter = 0.03, length"): (
+        "joints.axis.drive.screw.diameter: must be left out, because joints.axis.drive.screw.nut."
+        "size determines it"
+    ),
+    SIZED.replace("preload", "load"): (
+        "joints.axis.drive.screw.nut.load: R32-10T3-FDI is preloaded; must be "
+        "joints.axis.drive.screw.nut.preload"
+    ),
+    SIZED.replace("preload", "rigidity = 1e9, preload"): (
+        "joints.axis.drive.screw.nut.rigidity: must be left out, because joints.axis.drive.screw."
+        "nut.size determines it"
+    ),
+    "{ length = 0.4, nut = 6.0e8, bearing = 'rigid' }": (
+        "joints.axis.drive.screw.diameter: missing; must be given, or joints.axis.drive.screw.nut."
+        "size"
+    ),
+}
+
+
+@pytest.mark.parametrize("screw", SIZE_FAULTS, ids=["diameter", "load", "rigidity", "shaft"])
+def test_invalid_size_of_screw_is_refused(screw):
+    with pytest.raises(InputError) as error:
+        sized_mechanism(screw)
+    assert error.value.faults == (SIZE_FAULTS[screw],)
+
+
 def test_nut_beyond_screw_bearing_is_refused():
     """In a pose, and as pose 1 of the path when the file is read."""
     with pytest.raises(ComputationError, match="the nut is 50 mm beyond its bearing"):
@@ -192,5 +292,6 @@ def test_long_screw_softens_gantry():
     rail = next(joint for joint in robot.joints if joint.name == "rail_left")
     for pose, length in ((robot.poses[0], 0.2), (robot.poses[-1], 0.4)):
         drive = drive_in(posture(robot, pose), rail)
-        shaft = length / (2.06e11 * np.pi * 0.0217**2 / 4.0)
-        assert drive.stiffness == pytest.approx(1.0 / (shaft + 1 / 4.0e8 + 1 / 2.5e8), rel=1e-9)
+        shaft = length / (2.06e11 * np.pi * 0.02113**2 / 4.0)
+        nut = 0.8 * 490e6 * (1600.0 / 1643.0) ** (1.0 / 3.0)
+        assert drive.stiffness == pytest.approx(1.0 / (shaft + 1 / nut + 1 / 450e6), rel=1e-9)

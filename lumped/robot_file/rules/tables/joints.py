@@ -6,7 +6,8 @@ from typing import Annotated, Literal, TypeAlias, get_args
 
 from lumped.arrays import Array
 from lumped.mechanism.catalogue.ball_contact import SIZES, Arrangement
-from lumped.mechanism.catalogue.ball_guide import Lines
+from lumped.mechanism.catalogue.ball_guide import CARRIAGES, Lines, PreloadClass
+from lumped.mechanism.catalogue.ball_nut import FIXED_BEARINGS, NUTS
 from lumped.mechanism.catalogue.directions import DIRECTIONS, Direction
 from lumped.mechanism.joint import JointKind
 from lumped.robot_file.rules.rule import (
@@ -63,10 +64,17 @@ class _Axes(Several):
 
 @dataclass(frozen=True, kw_only=True)
 class NutEntry:
-    """Data of a ball nut in a catalogue. It has either a preload or, with play, a load."""
+    """Data of a ball nut in a catalogue, or its `size`. It has a preload or, with play, a load."""
 
-    rigidity: Annotated[float, Value(_SCREW_STIFFNESS, "K of the nut's table")]
-    load_rating: Annotated[float, Value(_FORCE, "basic dynamic load rating Ca of the table")]
+    size: Annotated[
+        str | None, Value(OneOf(tuple(NUTS)), "designation of a nut whose table is built in")
+    ] = None
+    rigidity: Annotated[
+        float | None, Value(_SCREW_STIFFNESS, "K of the nut's table, without `size`")
+    ] = None
+    load_rating: Annotated[
+        float | None, Value(_FORCE, "basic dynamic load rating Ca of the table, without `size`")
+    ] = None
     preload: Annotated[float | None, Value(_FORCE, "axial preload of the nut")] = None
     load: Annotated[
         float | None, Value(_FORCE, "axial load of a nut with play, instead of `preload`")
@@ -82,8 +90,9 @@ class ScrewEntry:
     """Ball screw of a prismatic joint."""
 
     diameter: Annotated[
-        float, Value(LENGTH, "diameter of the shaft that carries tension: root diameter")
-    ]
+        float | None,
+        Value(LENGTH, "root diameter of the shaft, which carries tension, without `nut.size`"),
+    ] = None
     length: Annotated[
         float, Value(LENGTH, "from the bearing that holds the shaft to the nut, as drawn")
     ]
@@ -95,8 +104,11 @@ class ScrewEntry:
         ),
     ]
     bearing: Annotated[
-        Spring,
-        Value(_SCREW_SPRING, "axial stiffness of the bearing, of each if there are two"),
+        float | str,
+        Value(
+            Either(_SCREW_STIFFNESS, OneOf(("rigid", *FIXED_BEARINGS))),
+            "axial stiffness or designation of the bearing, of each if there are two",
+        ),
     ]
     span: Annotated[
         float | None,
@@ -228,23 +240,42 @@ class BearingEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class GuideEntry:
-    """Carriage of a profile rail guide on four rows of balls. Lengths in m, angles in degrees."""
+    """Carriage of a profile rail guide: a `size`, or the inside of one on four rows of balls.
 
+    Lengths are in m, angles in degrees. The preload is a class if there is a `size`, otherwise a
+    force in N.
+    """
+
+    size: Annotated[
+        str | None, Value(OneOf(tuple(CARRIAGES)), "size of a carriage whose table is built in")
+    ] = None
     balls: Annotated[
-        int, Value(Number(least=2, most=200, whole=True), "number of loaded balls of a row")
-    ]
-    ball_diameter: Annotated[float, Value(LENGTH, "diameter of the balls")]
-    spacing: Annotated[float, Value(LENGTH, "distance of neighbouring balls")]
-    width: Annotated[float, Value(LENGTH, "distance of the rows along lateral")]
-    height: Annotated[float, Value(LENGTH, "distance of the rows along normal")]
+        int | None,
+        Value(
+            Number(least=2, most=200, whole=True), "number of loaded balls of a row, without `size`"
+        ),
+    ] = None
+    ball_diameter: Annotated[float | None, Value(LENGTH, "diameter of the balls")] = None
+    spacing: Annotated[float | None, Value(LENGTH, "distance of neighbouring balls")] = None
+    width: Annotated[float | None, Value(LENGTH, "distance of the rows along lateral")] = None
+    height: Annotated[float | None, Value(LENGTH, "distance of the rows along normal")] = None
     contact_angle: Annotated[
-        float, Value(Number("°", above=0.0, below=90.0), "angle to lateral")
-    ] = 45.0
-    groove: Annotated[float, Value(_GROOVE, "radius of the grooves / ball diameter")] = 0.52
+        float | None, Value(Number("°", above=0.0, below=90.0), "angle to lateral; default 45")
+    ] = None
+    groove: Annotated[
+        float | None, Value(_GROOVE, "radius of the grooves / ball diameter; default 0.52")
+    ] = None
     lines: Annotated[
-        Lines, Value(OneOf(get_args(Lines)), "where lines of contact meet: outside (O)")
-    ] = "O"
-    preload: Annotated[float, Value(_FORCE, "of upper on lower rows")]
+        Lines | None,
+        Value(OneOf(get_args(Lines)), "where lines of contact meet: outside (O, default)"),
+    ] = None
+    preload: Annotated[
+        float | PreloadClass,
+        Value(
+            Either(_FORCE, OneOf(get_args(PreloadClass))),
+            "of upper on lower rows; a class with `size`",
+        ),
+    ]
 
 
 # Numbers along directions of a joint, by the names of the directions.
