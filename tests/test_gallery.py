@@ -11,6 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lumped.legs import ConstantLeg, Material
+from lumped.sections import HollowRectangle
+
 GALLERY = Path(__file__).resolve().parents[1] / "examples" / "gallery"
 SCRIPTS = {int(path.name.split("_")[1]): path for path in GALLERY.glob("plot_*.py")}
 
@@ -246,8 +249,10 @@ def test_catalogue_joints_are_springs_in_series(example):
     height, side, E = 0.25, 0.08, 2.1e11
     shear = 10.0 * 1.3 / (12.0 + 11.0 * 0.3) * E / 2.6 * side**2
     column = height**3 / (3.0 * E * side**4 / 12.0) + height / shear
-    shaft = (variables["poses"] - 0.1) / (2.06e11 * np.pi * 0.0217**2 / 4.0)
-    expected = shaft + 1.0 / 4.0e8 + 1.0 / 2.5e8 + height**2 / 1.5e6 + column
+    shaft = (variables["poses"] - 0.1) / (2.06e11 * np.pi * 0.02113**2 / 4.0)
+    nut = 0.8 * 490e6 * (1200.0 / 1643.0) ** (1.0 / 3.0)
+    pitch = 539e6 * 0.058**2 / 12.0
+    expected = shaft + 1.0 / nut + 1.0 / 450e6 + height**2 / pitch + column
     assert variables["along_x"] == pytest.approx(expected, rel=1e-8)
     tool, slide = variables["middle"].answers[0].responses
     assert 0.0 < slide.judged[0] < 0.5 * tool.judged[0]
@@ -262,3 +267,19 @@ def test_tapered_arm_converges_to_its_solid(example):
     assert beams.values[-1, f1] == pytest.approx(beams.limits[f1], rel=1e-7)
     beam, solid = variables["deflections"].values()
     assert beam == pytest.approx(solid, rel=0.0136)
+
+
+def test_load_along_leg_equals_closed_form(example):
+    """Load w from a to L on a cantilever: w (3L⁴ − 4a³L + a⁴)/24EI + w (L² − a²)/2κGA."""
+    variables = example(19)
+    L, a = variables["length"], variables["start"]
+    leg = HollowRectangle(0.08, 0.06, 0.004)
+    steel = ConstantLeg(L, leg, Material.isotropic(7.0e10, 0.33, 2700.0)).timoshenko
+    for name, w, start in (("chain", 60.0, a), ("weight", 9.81 * 2700.0 * leg.area, 0.0)):
+        bending = w * (3.0 * L**4 - 4.0 * start**3 * L + start**4) / (24.0 * steel.EIy)
+        shear = w * (L**2 - start**2) / (2.0 * steel.GAz)
+        assert list(variables["sag"][name].values()) == pytest.approx(
+            [-bending - shear] * 2, rel=1e-9
+        )
+    wrench = np.abs(variables["clamp"].wrench)
+    assert wrench[[2, 4]] == pytest.approx([60.0 * (L - a), 30.0 * (L**2 - a**2)], rel=1e-9)

@@ -2,8 +2,8 @@
 17 Catalogue joints
 ===================
 
-A slide on a profile rail with a ball screw. Guides have stiffness along named directions, a shaft
-is softer far from its bearing, and dashpots limit the resonance.
+A slide on a profile rail with a ball screw. The carriage, the nut and its bearing are sizes of a
+catalogue, a shaft is softer far from its bearing, and dashpots limit the resonance.
 """
 
 import numpy as np
@@ -31,20 +31,13 @@ axis = {
             "at": "A",
             "axis": [1.0, 0.0, 0.0],
             "up": [0.0, 0.0, 1.0],
-            "stiffness": {
-                "normal": 6.0e8,
-                "lateral": "rigid",
-                "roll": 4.0e5,
-                "pitch": 1.5e6,
-                "yaw": "rigid",
-            },
+            "guide": {"size": "HG25C", "preload": "ZA"},
             "damping": {"along": 2.0e3, "pitch": 300.0},
             "drive": {
                 "screw": {
-                    "diameter": 0.0217,
                     "length": 0.4,
-                    "nut": 4.0e8,
-                    "bearing": 2.5e8,
+                    "nut": {"size": "R25-10T3-FDI", "preload": 1200.0},
+                    "bearing": "ZKLF1762",
                     "positive": "shorter",
                 }
             },

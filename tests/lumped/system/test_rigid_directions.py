@@ -46,7 +46,7 @@ def factor(axial):
 
 
 def test_rigid_seat_is_limit_of_stiff_seat():
-    """A rigid seat takes the whole force, a seat k times as stiff as the other all but about 1/k."""
+    """A rigid seat takes the whole force, a seat k times as stiff as the other all but 1/k."""
     rigid = factor('"rigid"')
     kilo, mega = (factor(stiffness) for stiffness in (1e9, 1e12))
     assert kilo != pytest.approx(rigid, rel=1e-5)
