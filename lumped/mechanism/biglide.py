@@ -93,11 +93,12 @@ class Stroke:
 
 
 def _height(length: float, base: tuple[float, ...]) -> float:
-    """Height √(L² − b²) (m) along y of a leg of `length` L over the base b (m), the sum of `base`.
+    """Extent √(L² − b²) (m) along y of a leg of `length` L (m) whose extent along x is b.
 
-    It is computed as √((L − b)(L + b)), both sums rounded once, because a difference of squares
-    would lose half of the digits near the end of the stroke. The height is zero if b equals L
-    within round-off.
+    b is given by its terms `base` (m), which add up to b. The result is computed as
+    √((L − b)(L + b)), and both factors are rounded only once. A difference of squares would lose
+    half of the digits near the ends of the stroke. The result is zero if b equals L within
+    round-off.
     """
     short = fsum((length, *(-term for term in base)))
     if short <= np.spacing(max(length, *map(abs, base))):
@@ -107,9 +108,11 @@ def _height(length: float, base: tuple[float, ...]) -> float:
 
 @dataclass(frozen=True)
 class _InverseKinematics:
-    """Function that computes the frames of all bodies with B at x, in closed form.
+    """Function that computes the frames of all bodies for a pose (x of B, in m) in closed form.
 
-    Iterative loop closure would lose half of the digits at both ends of the stroke.
+    `offset` (m, base axes) is the vector from B to the loaded point. `platform_turns` is True if
+    the platform rotates with leg 1, and False if it keeps its orientation. Iterative loop closure
+    would lose half of the digits at both ends of the stroke.
     """
 
     stroke: Stroke
@@ -205,7 +208,9 @@ def biglide(
 
 
 def family_member(a: float, leg1: Leg, leg2: Leg, alpha: float) -> tuple[float, Leg, Leg]:
-    """Distance a (m) and legs of the robot with legs `alpha` times as long and the same stroke.
+    """Distance a (m) of the slides, and both legs, of a robot with legs `alpha` times as long.
+
+    Its stroke is the same as that of the given robot.
 
     Eqs (10) and (11) of the paper: a = α (L10 + L20) − d with the stroke d and the lengths
     L10 and L20 of `leg1` and `leg2`. A leg given by a 6×6 compliance is replaced by its equivalent

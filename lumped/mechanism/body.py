@@ -36,11 +36,12 @@ class ByName:
 
 @dataclass(frozen=True)
 class ByCylinder:
-    """Selection of the faces on one cylinder, a bore or a boss.
+    """Selection of the faces on one cylinder, a bore or a boss. Lengths are in m.
 
-    Lengths are in m, directions in the axes of the file. The cylinder has the given `radius`. Its
-    axis is parallel to `axis` (None: any direction) and passes through `point` (None: the point of
-    the interface), within `tolerance` (None: a fraction of the radius).
+    The cylinder has the given `radius`. Its axis is parallel to `axis` (axes of the file) and
+    passes through `point`. The radius and the position may differ by `tolerance` from those of the
+    faces. If `axis` is None, any direction is accepted. If `point` is None, it is the point of the
+    interface. If `tolerance` is None, it is a fraction of the radius.
     """
 
     radius: float
@@ -53,8 +54,8 @@ class ByCylinder:
 class ByPlane:
     """Selection of the faces in one plane with the outward normal `normal` (axes of the file).
 
-    The plane contains `point` (m; None: the point of the interface) within `tolerance` (m; None: a
-    default).
+    The plane contains `point` (m) within `tolerance` (m). If `point` is None, it is the point of
+    the interface. If `tolerance` is None, a default is used.
     """
 
     normal: Triple
@@ -67,12 +68,13 @@ Selection: TypeAlias = ByFaces | ByName | ByCylinder | ByPlane
 
 @dataclass(frozen=True)
 class PartInterface:
-    """Faces of a part to which a joint is attached, and their coupling to the interface's motions.
+    """Faces of a part to which a joint is attached, and their coupling to the interface.
 
-    The interface has six motions. With `coupling` "rigid" the faces follow them as a rigid body.
-    With "average" the area-weighted mean motion of the faces follows them and the faces may deform.
-    With "pin" only the radial motion of a bore follows, and the bore can slide along and about its
-    axis. None if the robot file does not specify the coupling.
+    The interface has six motions (three translations and three rotations). With `coupling` "rigid"
+    the faces follow these motions as a rigid body. With "average" the area-weighted mean motion of
+    the faces follows them, and the faces may deform. With "pin" only the radial motion of a bore
+    follows them, and the bore can slide along its axis and about it. None if the robot file does
+    not specify the coupling.
     """
 
     selection: Selection
@@ -83,9 +85,9 @@ class PartInterface:
 class Part:
     """A solid body from a STEP, BREP or mesh `file`. Body axes are the axes of the file, in metres.
 
-    `material` is isotropic. `interfaces` are keyed by the name of their point. `unit` is the length
-    unit for a file without one. `unknowns` is the number of unknowns of the finest mesh; None
-    stands for the default.
+    `material` is isotropic. The keys of `interfaces` are the names of their points. `unit` is the
+    unit of length of a file that does not specify one. `unknowns` is the number of unknowns of the
+    finest mesh. If it is None, a default is used.
     """
 
     file: Path
@@ -97,9 +99,10 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Position (3, in m) of an origin, and rotation (3×3) with the axes as columns.
+    """Frame of a body or of an interface: its origin and its axes, expressed in a parent frame.
 
-    Both are expressed in the parent frame: the base for a body, the body for an interface.
+    `position` (3, in m) is the origin. The columns of `rotation` (3×3) are the axes. The parent of
+    a body's frame is the base frame, and the parent of an interface's frame is that of its body.
     """
 
     position: Array = field(default_factory=lambda: np.zeros(3))
@@ -116,9 +119,10 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Rigid:
-    """Rigid body: `mass` (kg), mass `centre` (3, in m), `inertia` (3×3, in kg m²). Body axes.
+    """Rigid body, in body axes.
 
-    The inertia is about the mass centre.
+    `mass` is in kg. `centre` (3, in m) is the mass centre. `inertia` (3×3, in kg m²) is about the
+    mass centre.
     """
 
     mass: float = 0.0
@@ -131,7 +135,7 @@ Shape: TypeAlias = Leg | Part | Rigid
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A body of a mechanism: its shape, and its interfaces (body axes) by the name of their point.
+    """A body of a mechanism: its shape, and the frames of its interfaces by name of their point.
 
     A leg has two interfaces: the root at the origin of the body axes and the tip at x = `length`. A
     part or a rigid body has any number. `loss` is the loss factor of the body's stiffness.

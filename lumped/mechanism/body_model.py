@@ -28,9 +28,10 @@ class BodyModel:
 
     `displacements(points)` is the 3k×n matrix that maps the n unknowns to displacements (body axes)
     of `points` (k×3, in m, body axes). `parts` splits the stiffness by type of deformation: its
-    matrices add up to `stiffness`. It is empty if the model does not provide them. `unit_pressures`
-    are the wrenches on the interfaces (6 for each, body axes) that represent a pressure of 1 Pa on
-    each face of a CAD part, by face number. It is empty for bodies without faces.
+    matrices add up to `stiffness`. It is empty if the model does not provide them. The keys of
+    `unit_pressures` are the numbers of the faces of a CAD part. Each value contains the wrenches on
+    all interfaces (6 for each, body axes) that represent a pressure of 1 Pa on that face. It is
+    empty for bodies without faces.
     """
 
     model: str
@@ -56,8 +57,9 @@ class LegMatrices(BodyModel):
     `centreline(stations)` is the sparse 6k × n matrix that maps the n unknowns to the twists of the
     sections at k `stations` (distances along the line in m). Sections remain plane. `parts` splits
     the stiffness into "tension", "torsion", "bending y" (deflection along z, EIy) and "bending z"
-    (deflection along y, EIz). Parts of bending include the shear deformation. If the section
-    couples both bendings, they are one part "bending". Tapered, curved and bent legs have no parts.
+    (deflection along y, EIz), each bending with its shear deformation. If the section couples
+    bending in the two planes, both are one part "bending". `parts` is empty for tapered, curved and
+    bent legs.
     """
 
     interfaces: tuple[str, ...] = field(init=False, default=ENDS)

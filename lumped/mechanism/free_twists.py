@@ -1,16 +1,16 @@
 """Free relative twists of a joint, its constraints, and its coordinates if it is closed.
 
 A joint is described by the position and rotation of its second interface relative to its first.
-Vectors fixed to a body are given in base axes of the reference posture; the *turn* (3×3) of the
-body rotates them to the current posture. With turns R₁, R₂ and interfaces at P₁, P₂ the second
-interface lies at p = R₁ᵀ(P₂ − P₁) and is rotated by R = R₁ᵀR₂, seen from the first body. Each
-constraint has one of two forms,
+Vectors fixed to a body are given in base axes of the reference posture. The *turn* (3×3) of a body
+is the rotation from the reference posture to the current one. If the two bodies have the turns R₁
+and R₂, and the interfaces are at P₁ and P₂, the second interface has the position p = R₁ᵀ(P₂ − P₁)
+and the rotation R = R₁ᵀR₂ relative to the first body. Each constraint has one of two forms,
 
     n·p = 0            n fixed in the first body,
     b·R c = b·c        b fixed in the first body, c in the second.
 
-They are satisfied if the joint is closed, for rotations of any size, and their derivatives are
-screws.
+All constraints hold exactly if the joint is closed, for rotations of any size. Their derivatives
+are screws.
 """
 
 from typing import assert_never
@@ -58,11 +58,12 @@ def free_twists(posture: Posture, joint: Joint) -> Array:
 def joint_twists(joint: Joint, first: Array, second: Array) -> Array:
     """Free twists (…×6×k, base axes) of a joint whose bodies have turned by `first` and `second`.
 
-    `first` and `second` (…×3×3) are rotations from the reference posture. Each twist is that of a
-    unit rate of a coordinate of the joint (m or rad), as (translation; rotation): prismatic (a; 0),
-    revolute (0; a), cylindrical both, universal (0; a₁) and (0; a₂) with a₁ fixed in the first body
-    and a₂ in the second, spherical the rotations about the three base axes, planar two translations
-    perpendicular to the normal and the rotation about the normal.
+    `first` and `second` (…×3×3) are rotations from the reference posture. Each twist (translation;
+    rotation) is that of a unit rate of one coordinate of the joint (m or rad). With the axis a, a
+    prismatic joint has (a; 0), a revolute joint (0; a), and a cylindrical joint both in this order.
+    A universal joint has (0; a₁) and (0; a₂), with a₁ fixed in the first body and a₂ in the second.
+    A spherical joint has the rotations about the three base axes. A planar joint has two
+    translations perpendicular to its normal, then the rotation about the normal.
     """
     slides, turns = free_axes(joint)
     twists = np.zeros((*first.shape[:-2], 6, FREEDOMS[joint.kind]))
@@ -108,8 +109,8 @@ def across_axis(normal: Array) -> Array:
 def constraints(joint: Joint) -> tuple[Array, Array, Array]:
     """Unit vectors n (t×3), b and c (r×3 each) of the constraints of a joint.
 
-    t constraints n·p = 0 on the position and r constraints b·R c = b·c on the rotation, as at the
-    top of this module. t + r is six minus the number of free twists.
+    The t constraints n·p = 0 on the position and the r constraints b·R c = b·c on the rotation are
+    explained in the module docstring. t + r is six minus the number of free twists.
     """
     slides, turns = free_axes(joint)
     all_axes = np.eye(3)
@@ -128,9 +129,10 @@ def constraints(joint: Joint) -> tuple[Array, Array, Array]:
 def coordinates(joint: Joint, p: Array, R: Array) -> Array:
     """Coordinates (f values, in m and rad) of a closed joint, with angles between −π and π.
 
-    `p` (3, in m) and `R` (3×3) are position and rotation of the second interface seen from the
-    first. The coordinates of a spherical joint are its rotation vector. Those of a universal joint
-    are the angles about its first and about its second axis.
+    `p` (3, in m) is the position of the second interface relative to the first body, minus its
+    value in the reference posture. `R` (3×3) is its rotation. The f coordinates have the order of
+    the free twists. The coordinates of a spherical joint are its rotation vector. Those of a
+    universal joint are the angles about its first and about its second axis.
     """
     translations, rotations = free_axes(joint)
     match joint.kind:
@@ -151,9 +153,9 @@ def coordinates(joint: Joint, p: Array, R: Array) -> Array:
 
 
 def whole_turn_flags(joint: Joint) -> Array:
-    """1.0 for each joint coordinate that is an angle about an axis and can exceed a turn, else 0.0.
+    """Flags of the f coordinates of a joint: 1.0 for an angle about an axis, otherwise 0.0.
 
-    Lengths and components of rotation vectors have 0.0.
+    Such an angle can exceed a whole turn. Lengths and components of rotation vectors have 0.0.
     """
     translations, rotations = free_axes(joint)
     flag = 0.0 if joint.kind == "spherical" else 1.0

@@ -53,11 +53,12 @@ class Side:
 class BallScrew:
     """Ball screw of a drive: shaft, nut and bearings in series. A longer shaft is softer.
 
-    `axial` is EA (N) of the root circle. In the reference posture the nut is at `length` (m) from
-    the bearing that holds the shaft along its axis; this length increases with the coordinate of
-    the joint, or decreases if `sign` is −1. `span` (m) is the distance to a second such bearing,
-    None if the other end is free to slide. `bearing` and `nut` are the compliances (m/N) of each
-    bearing and of the nut.
+    `axial` is EA (N) of the shaft with its root diameter. A bearing holds one end of the shaft
+    axially. In the reference posture the nut is `length` (m) away from it. This distance increases
+    with the coordinate of the joint if `sign` is 1, and decreases if `sign` is −1. `span` (m) is
+    the distance between this bearing and a second one that holds the shaft axially. None if the
+    second end of the shaft can slide. `bearing` is the compliance (m/N) of each bearing, `nut` that
+    of the nut.
     """
 
     axial: float
@@ -70,8 +71,9 @@ class BallScrew:
     def stiffness(self, coordinate: Array | float) -> Array:
         """Stiffness (N/m) at one or several coordinates (m) of the joint.
 
-        1/k = L/EA + bearing + nut (ISO 3408-4). Between two bearings, both parts of the shaft with
-        their bearings act in parallel. Raises ComputationError if the nut passes a bearing.
+        1/k = L/EA + bearing + nut (ISO 3408-4), with the length L of the shaft between bearing and
+        nut. If there are two bearings, the two parts of the shaft, each with its bearing, act in
+        parallel. Raises ComputationError if the nut is beyond a bearing.
         """
         length = np.asarray(self.length + self.sign * np.asarray(coordinate))
         lengths = [length] if self.span is None else [length, self.span - length]
@@ -84,14 +86,15 @@ class BallScrew:
 
 @dataclass(frozen=True)
 class Drive:
-    """Actuator of a joint. `stiffness` (N/m or N m/rad) along its free twist is None if rigid.
+    """Actuator of a joint, with a stiffness along the joint's free twist.
 
-    `simplified` is the stiffness in the simplified model (rigid bodies on elastic drives) if it
-    represents more than the drive; otherwise None. `loss` is the loss factor of both stiffnesses.
-    `inertia` (kg or kg m²) is the inertia of the rotor times the square of the gear ratio. It moves
-    with the elastic deflection of the drive. `damping` (N s/m or N m s/rad) is the constant of a
-    viscous dashpot parallel to the stiffness. A ball `screw` determines the stiffness in other
-    postures; then `stiffness` is that in the reference posture.
+    `stiffness` is in N/m or N m/rad. None if the drive is rigid. `simplified` is the stiffness in
+    the simplified model (rigid bodies on elastic drives). None if it is equal to `stiffness`.
+    `loss` is the loss factor of both stiffnesses. `inertia` (kg or kg m²) is the inertia of the
+    rotor times the square of the gear ratio. It moves with the elastic deflection of the drive.
+    `damping` (N s/m or N m s/rad) is the constant of a viscous dashpot parallel to the stiffness.
+    The stiffness of a drive with a ball `screw` depends on the posture, and `stiffness` is its
+    value in the reference posture.
     """
 
     stiffness: float | None = None
@@ -112,16 +115,18 @@ class Drive:
 class Joint:
     """A joint between two interfaces.
 
-    `axes` (n×3) are unit vectors in base axes of the reference posture: one for revolute,
-    prismatic, cylindrical and planar joints (the latter its normal), two for a universal joint (the
-    first fixed in the first body, the second in the second), none for fixed and spherical joints.
-    The interfaces may be apart along the axis of a prismatic or cylindrical joint. `compliance`
-    (6×6, SI, base axes of the reference posture, fixed to the first body) acts in series with the
-    free twists and has the loss factor `loss`. It is zero in directions in which the joint is
-    rigid, and None if the joint is rigid in all directions. `damping` (6×6, in N s/m and N m s/rad,
-    in the same axes) is the matrix of viscous dashpots between the two bodies, which act parallel
-    to the rest of the joint. None without dashpots. Raises InputError if the axes do not fit the
-    kind of joint.
+    `axes` (n×3) are unit vectors in base axes of the reference posture. Revolute, prismatic,
+    cylindrical and planar joints have one; for a planar joint it is the normal of the plane. A
+    universal joint has two, the first fixed in the first body and the second in the second body.
+    Fixed and spherical joints have none. The interfaces may be apart along the axis of a prismatic
+    or cylindrical joint.
+
+    `compliance` (6×6, SI) acts in series with the free twists and has the loss factor `loss`. It is
+    given in base axes of the reference posture and rotates with the first body. It is zero in
+    directions in which the joint is rigid. None if the joint is rigid in all directions. `damping`
+    (6×6, in N s/m and N m s/rad, same axes) is the matrix of viscous dashpots between the two
+    bodies, parallel to the free twists and the compliance. None if there are no dashpots. Raises
+    InputError if the axes do not fit the kind of joint.
     """
 
     name: str
@@ -139,7 +144,7 @@ class Joint:
             raise InputError(f"joint {self.name}: {fault}" for fault in faults)
 
     def _faults(self) -> list[str]:
-        """Faults of the axes: wrong number, not of unit length, or parallel."""
+        """Faults of the axes (number, length, parallel), and of the shapes of both matrices."""
         count = AXES[self.kind]
         if np.shape(self.axes) != (count, 3):
             shape = "×".join(map(str, np.shape(self.axes)))

@@ -22,7 +22,10 @@ class UnitOfLength:
     per_metre: float
 
     def of(self, metres: float) -> float:
-        """Convert `metres` to this unit, rounded so that a value typed in it is recovered."""
+        """Length in this unit from a length in `metres`, rounded to twelve significant digits.
+
+        Rounding recovers the digits of a length that was typed in this unit.
+        """
         return float(f"{metres * self.per_metre:.{_DIGITS}g}")
 
     def shown(self, metres: float, digits: int = 6) -> str:

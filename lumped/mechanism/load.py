@@ -15,10 +15,11 @@ _ROUND_OFF = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LineLoad:
-    """A load along a leg between `start` and `stop` (m from its root), leg axes.
+    """A distributed load along a leg between `start` and `stop` (m from its root).
 
-    `first` and `last` (6 values each, in N/m and N) are the forces and moments per length at
-    `start` and at `stop`, about the line of centroids. Between them the load varies linearly.
+    `first` and `last` (6 values each, in N/m and N m/m, leg axes) are the forces and moments per
+    length at `start` and at `stop`, about the line of centroids. Between `start` and `stop` the
+    load varies linearly.
     """
 
     start: float
@@ -32,7 +33,7 @@ class LineLoad:
         return self.first + share * (self.last - self.first)
 
     def in_axes(self, rotation: Array) -> "LineLoad":
-        """Load in other axes, given by the columns of `rotation` (3×3) in the present axes."""
+        """The same load in the axes that are the columns of `rotation` (3×3, present axes)."""
         first, last = (
             (wrench.reshape(2, 3) @ rotation).ravel() for wrench in (self.first, self.last)
         )
@@ -41,7 +42,10 @@ class LineLoad:
 
 @dataclass(frozen=True, eq=False)
 class AppliedLine:
-    """A load of the robot file along the leg `leg`, in leg axes, or in base axes if `in_base`."""
+    """A distributed load of the robot file along the leg with the name `leg`.
+
+    The forces and moments are in base axes if `in_base` is True, otherwise in leg axes.
+    """
 
     leg: str
     load: LineLoad
@@ -50,9 +54,10 @@ class AppliedLine:
 
 @dataclass(frozen=True)
 class Pressure:
-    """A uniform `pressure` (Pa) on selected `faces` of the CAD part `body`, positive into it.
+    """A uniform `pressure` (Pa) on selected `faces` of the CAD part `body`.
 
-    Points and directions of the selection are in m and in the axes of the part's file.
+    A positive pressure acts into the body. Points and directions of the selection are in m and in
+    the axes of the part's file.
     """
 
     body: str
@@ -64,7 +69,8 @@ class Pressure:
 class PressureResultant:
     """Resultant of a `pressure` (Pa) on `faces` of the CAD part `body`, whose `area` is in m².
 
-    `force` (3, N) and `moment` (3, N m) about the origin of the part's axes, in these axes.
+    `force` (3, in N) and `moment` (3, in N m) are in the axes of the part. The moment is about
+    their origin.
     """
 
     body: str
@@ -76,7 +82,7 @@ class PressureResultant:
 
     @property
     def text(self) -> str:
-        """Text with pressure, faces, area, force and moment."""
+        """Description with pressure, faces, area, force and moment, for reports."""
         numbers = ", ".join(map(str, self.faces))
         label = "faces" if len(self.faces) > 1 else "face"
         smallest = _ROUND_OFF * abs(self.pressure) * self.area
@@ -92,11 +98,12 @@ class PressureResultant:
 
 @dataclass(frozen=True, eq=False)
 class InterfaceLoads:
-    """Wrenches on the interfaces of deformable bodies for unit accelerations and pressures.
+    """Data for the wrenches of inertia forces and pressures on interfaces of deformable bodies.
 
-    Body axes, SI units. `masses`: mass matrices (6m×6m) for the twists of the m interfaces, by body
-    name. `unit_pressures`: wrenches (6m values) equivalent to a pressure of 1 Pa on the selected
-    faces, by body name and selection.
+    All data are in body axes and SI units. `masses` contains, by body name, the mass matrix (6m×6m)
+    for the twists of the m interfaces of the body. `unit_pressures` contains, by body name and
+    selection, the wrenches (6m values) on the interfaces that represent a pressure of 1 Pa on the
+    selected faces.
     """
 
     masses: Mapping[str, Array] = field(default_factory=dict)
@@ -150,10 +157,11 @@ class AppliedWrench:
 class Loading:
     """Wrenches of a load in one posture.
 
-    `point_wrenches` act at points. `body_wrenches` are gravity, inertia forces, loads along legs
-    and pressures, reduced to the interfaces of the bodies. `rotor_forces` are forces (N) or moments
-    (N m) on the rotors of drives along the coordinates of their joints, by joint name. `line_loads`
-    are those of `body_wrenches` that act along legs, by name of the leg.
+    `point_wrenches` act at points. `body_wrenches` represent gravity, inertia forces, loads along
+    legs and pressures by wrenches on the interfaces of the bodies. `rotor_forces` are forces (N) or
+    moments (N m) on the rotors of drives along the coordinates of their joints, by joint name.
+    `line_loads` contains, by name of the leg, the distributed loads along legs that
+    `body_wrenches` represent (leg axes).
     """
 
     point_wrenches: Sequence[AppliedWrench]
@@ -172,11 +180,13 @@ class Excitation:
     """A harmonic force, for which the response of a point is computed.
 
     It acts along `direction` (3, a unit vector, base axes) at `count` frequencies (Hz) from `first`
-    to `last`, equally spaced on a logarithmic scale. The peak of the response is judged, and the
-    magnitude at the frequency `at` (Hz) unless `at` is None. The force acts at the point `loaded`
-    (body and interface), and the response is the displacement of the point `moved` along
-    `moved_direction` (3, a unit vector, base axes). A point that is None stands for the tool, and a
-    `moved_direction` that is None for the direction of the force.
+    to `last`, equally spaced on a logarithmic scale. The peak of the response is judged. If `at` is
+    not None, the magnitude at the frequency `at` (Hz) is judged, too.
+
+    The force acts at the point `loaded` (body and interface). The response is the displacement of
+    the point `moved` (body and interface) along `moved_direction` (3, a unit vector, base axes). If
+    `loaded` or `moved` is None, it is the tool. If `moved_direction` is None, it is the direction
+    of the force.
     """
 
     name: str
@@ -211,6 +221,9 @@ class Excitation:
 
     @property
     def judged(self) -> tuple[str, ...]:
-        """Names of the judged numbers: height and frequency of the peak, magnitude at `at` (Hz)."""
+        """Names of the judged values: height and frequency of the peak, magnitude at `at`.
+
+        The last is left out if `at` is None. The prefix "response:" is not included.
+        """
         single = () if self.at is None else (f"{self.name}.at",)
         return (self.name, f"{self.name}.frequency", *single)

@@ -23,11 +23,12 @@ LENGTHS = MOVES[:3]
 
 @dataclass(frozen=True)
 class Tool:
-    """The loaded point: an interface of a body, with its prescribed coordinates and a `mass` (kg).
+    """The loaded point: the interface `point` of `body`, with a point mass `mass` (kg).
 
-    `moves` names the components of the tool's pose in base axes: x, y, z (m) are coordinates of the
-    point, measured from `datum` (m); phi_x, phi_y, phi_z (rad) are components of the rotation
-    vector from the reference posture. `constant_moves` are components with one value in all poses.
+    `moves` names the coordinates that a pose prescribes, in order. In base axes, x, y and z (m) are
+    the coordinates of the point, measured from `datum` (m), and phi_x, phi_y and phi_z (rad) are
+    the components of the rotation vector from the reference posture. `constant_moves` are pairs of
+    a coordinate and the value (m or rad) that is prescribed for it in all poses.
     """
 
     body: str
@@ -47,9 +48,10 @@ class Mechanism:
     `poses` (p × number of moves, m and rad) are in the order of the tool's `moves`. `loads` are the
     static loads of the robot file, `excitations` its harmonic forces. `damping` is a damping ratio
     that every mode has in addition to the loss factors of bodies, joints and drives. If the poses
-    form a grid, `grid` contains the values along each move. `inverse_kinematics` computes the
-    frames of all bodies for a pose in closed form. If it is None, loops are closed by iteration.
-    `lengths` is the unit of length in the robot file and in messages.
+    form a grid, `grid` contains the values along each move, otherwise it is empty.
+    `inverse_kinematics` computes the frames of all bodies for a pose in closed form. If it is None,
+    loops are closed by iteration. `lengths` is the unit of length in the robot file and in
+    messages.
     """
 
     name: str
@@ -103,7 +105,7 @@ class Mechanism:
 
     @property
     def judged_responses(self) -> tuple[str, ...]:
-        """Names of the judged numbers of all harmonic responses, in the order of the robot file."""
+        """Names of the judged values of all harmonic responses, in the order of the robot file."""
         return tuple(name for excitation in self.excitations for name in excitation.judged)
 
     @property
@@ -113,7 +115,11 @@ class Mechanism:
 
     @property
     def size(self) -> float:
-        """Length (m) by which angles are multiplied: half the largest extent of all interfaces."""
+        """Half the longest side (m) of the box around all interfaces in the reference posture.
+
+        1 m if all interfaces coincide. Angles are multiplied by this length to compare them with
+        lengths.
+        """
         positions = np.array(
             [
                 (self.reference[name] @ interface).position

@@ -36,7 +36,7 @@ def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
 
 
 def default_up(x: Array) -> Array:
-    """Default `up` (unit vector) of a leg along the unit vector `x`, as in `leg_frame`."""
+    """Default of `up` in `leg_frame` (unit vector), for a leg along the unit vector `x`."""
     up: Array = _Z if np.linalg.norm(np.cross(x, _Z)) > _PARALLEL else _X
     return up
 
@@ -77,10 +77,11 @@ def place_rigid_body(
     shape: Rigid | None = None,
     origin: Array | None = None,
 ) -> tuple[Body, Frame]:
-    """Rigid body with interfaces at named `points` (3, in m, base axes), and its frame.
+    """Rigid body with the given `interfaces`, and its frame in base axes.
 
-    The axes of the body are parallel to the base axes. The origin is `origin` (3, in m), by default
-    the first interface. `shape` (mass, centre and inertia, body axes) is massless by default.
+    `points` (3, in m, base axes) contains the position of each interface by its name. The axes of
+    the body are parallel to the base axes. Its origin is `origin` (3, in m, base axes), or the
+    first interface if `origin` is None. The body has no mass if `shape` is None.
     """
     names = tuple(interfaces)
     frame_origin = points[names[0]] if origin is None else origin

@@ -1,20 +1,21 @@
 """Hertzian contact of a ball between two grooves, and preloaded ball bearings.
 
-A ball of diameter D is pressed between the grooves of two rings. Under the load Q = c δ^(3/2) they
-approach by δ, with
+A ball of diameter D is pressed between the grooves of two rings. Under the load Q = c δ^(3/2) the
+bodies in contact approach each other by δ, with
 
     δ = δ* (3Q (1 − ν²) / (E_Y Σρ))^(2/3) Σρ/2,    δ* = (2K/π) (π/(2κ²E))^(1/3)
 
-for each contact (Hertz; Harris, Rolling Bearing Analysis, chapter 6), where E_Y is Young's modulus,
-Σρ is the sum of the principal curvatures and κ the ratio of the axes of the contact ellipse, which
-follows from the curvature difference F(ρ) = ((κ² + 1)E − 2K)/((κ² − 1)E) with the complete elliptic
-integrals K and E of the parameter 1 − 1/κ².
+for each contact (Hertz; Harris, Rolling Bearing Analysis, chapter 6). E_Y is Young's modulus, ν is
+Poisson's ratio, Σρ is the sum of the principal curvatures, and κ is the ratio of the axes of the
+contact ellipse. κ follows from the curvature difference F(ρ) = ((κ² + 1)E − 2K)/((κ² − 1)E). Here
+K and E are the complete elliptic integrals of the parameter 1 − 1/κ².
 
-The centres of both grooves are A = (f_i + f_o − 1)D apart without load, and ℓ = A + δ under load.
-Under load the line of contact rotates from the angle α₀ to α, with cos α = cos α₀/(1 + δ/A), and Z
-balls carry the preload F = Z Q sin α (ISO/TS 16281). The stiffness of a ball between the rings is
-the derivative of its force: dQ/dδ along the line of contact, and Q/ℓ across it in the plane of the
-axis.
+The radii of the inner and the outer groove are f_i D and f_o D. The centres of these radii are A =
+(f_i + f_o − 1)D apart without load, and ℓ = A + δ under load, with the approach δ of both contacts
+together. Under load the line of contact rotates from the angle α₀ to α, with cos α = cos α₀/(1 +
+δ/A), and Z balls carry the preload F = Z Q sin α (ISO/TS 16281). The stiffness of a ball between
+the rings is the derivative of its force: dQ/dδ along the line of contact, and Q/ℓ normal to this
+line in the plane through the axis of the bearing.
 """
 
 from collections.abc import Sequence
@@ -56,10 +57,11 @@ _STEEPEST = 0.5 * np.pi - 1e-6
 
 @dataclass(frozen=True)
 class BallBearing:
-    """One row of a ball bearing: number of `balls`, their diameter and pitch circle diameter (m).
+    """One row of a ball bearing with the number of `balls`.
 
-    `angle` is the contact angle without load (rad). `inner` and `outer` are the radii of the
-    grooves relative to the ball's diameter.
+    `ball_diameter` and the diameter `pitch_diameter` of the circle of their centres are in m.
+    `angle` (rad) is the contact angle without load. `inner` and `outer` are the radii of the inner
+    and the outer groove, divided by the diameter of a ball.
     """
 
     balls: int
@@ -103,9 +105,9 @@ class BallBearing:
     def stiffness(self, preload: float, sign: float, position: float) -> Array:
         """6×6 stiffness (SI, axes with x along the shaft) of a row under an axial `preload` (N).
 
-        The row is at `position` (m) along the shaft. `sign` (1 or −1) is the direction along x in
-        which its inner ring presses against the balls. The stiffness is referred to the origin of
-        the axes.
+        It is referred to the origin of the axes. The row is at x = `position` (m). `sign` is 1 if
+        the inner ring presses against the balls in the direction of x, and −1 in the opposite
+        direction.
         """
         angle, approach = self.under_preload(preload)
         length = self.distance + approach
@@ -128,7 +130,7 @@ class BallBearing:
 
 
 def bearing_of_size(size: str) -> BallBearing:
-    """One row of a bearing with the name `size` in `SIZES`."""
+    """One row of the bearing with the designation `size`, a key of `SIZES`."""
     balls, ball, pitch, angle, inner, outer = SIZES[size]
     return BallBearing(balls, ball, pitch, float(np.radians(angle)), inner, outer)
 
@@ -136,8 +138,8 @@ def bearing_of_size(size: str) -> BallBearing:
 def hertz_constant(curvatures: Sequence[float]) -> float:
     """Constant c (N/m^1.5) of Q = c δ^(3/2) for two steel bodies in contact.
 
-    `curvatures` (4 values, in 1/m) are the principal curvatures of the first body, then those of
-    the second in the same two planes. They are negative for a hollow side.
+    `curvatures` (4 values, in 1/m) are the principal curvatures of the first body in two planes,
+    then those of the second body in the same planes. A concave surface has a negative curvature.
     """
     total = float(sum(curvatures))
     ratio = ellipse_ratio(curvature_difference(curvatures))
@@ -149,13 +151,16 @@ def hertz_constant(curvatures: Sequence[float]) -> float:
 
 
 def curvature_difference(curvatures: Sequence[float]) -> float:
-    """Hertz's F(ρ): relative difference of the curvatures in the two principal planes."""
+    """Hertz's F(ρ): relative difference of the curvatures in the two principal planes.
+
+    `curvatures` (4 values, in 1/m) have the same order as in `hertz_constant`.
+    """
     first, second, third, fourth = curvatures
     return abs((first - second) + (third - fourth)) / sum(curvatures)
 
 
 def ellipse_ratio(difference: float) -> float:
-    """Ratio κ of the axes of a contact ellipse, from F(ρ) = `difference`. 1 for two spheres."""
+    """Ratio κ ≥ 1 of the axes of a contact ellipse, from Hertz's F(ρ) = `difference`."""
     if difference < 1e-9:
         return 1.0
 
@@ -172,8 +177,10 @@ def bearing_stiffness(
 ) -> Array:
     """6×6 stiffness (SI, x along the shaft) of one or several rows, referred to their middle.
 
-    Each of the `rows` has the axial `preload` (N). Rows are `distance` (m) apart. The rotation
-    about the shaft is free.
+    Each of the `rows` has the axial `preload` (N). Neighbouring rows are `distance` (m) apart.
+    `arrangement` is "O" if the lines of contact of the two halves meet the shaft outside of the
+    rows, "X" if they meet it between the rows, and "tandem" if all rows press in one direction. The
+    rotation about the shaft is free.
     """
     signs = [_SIGNS[arrangement][int(2 * row >= rows)] for row in range(rows)]
     positions = distance * (np.arange(rows) - 0.5 * (rows - 1))
@@ -185,7 +192,10 @@ def bearing_stiffness(
 
 
 def bearing_compliance(stiffness: Array) -> Array:
-    """6×6 compliance of a bearing, x along the shaft; 0 for the free rotation about the shaft."""
+    """6×6 compliance (SI, x along the shaft) of a bearing, from its 6×6 `stiffness`.
+
+    Row and column of the free rotation about the shaft are zero.
+    """
     elastic = [0, 1, 2, 4, 5]
     compliance = np.zeros((6, 6))
     compliance[np.ix_(elastic, elastic)] = np.linalg.inv(stiffness[np.ix_(elastic, elastic)])

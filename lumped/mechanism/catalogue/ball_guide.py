@@ -1,15 +1,17 @@
 """Carriage of a profile rail guide on four rows of balls that are preloaded against each other.
 
-The rows lie at the corners of a rectangle across the rail, each ball between two straight grooves
-whose line of contact is at an angle to the plane of the rail. Contact stiffness is that of
-`lumped.mechanism.catalogue.ball_contact`. The upper rows press against the lower ones with the
-preload F = 2 n Q sin α of n loaded balls in a row, with the contact angle α under preload.
+The rows lie at the corners of a rectangle in a plane normal to the rail. Each ball lies between two
+straight grooves. Its line of contact is at the contact angle α to the plane of the rail. The
+contact stiffness follows from `lumped.mechanism.catalogue.ball_contact`. The two upper rows press
+against the two lower ones with the preload F = 2 n Q sin α, with n loaded balls in each row and the
+force Q on each ball.
 
-Catalogues have one stiffness k of a carriage, normal to the rail. At α = 45° it is the same along
-lateral. The other stiffnesses follow from the positions of the balls: k L²/12 in pitch and in yaw
-for rows of the length L, and k (M/C)² in roll, where C is the normal force and M the moment about
-the rail under which the most loaded ball carries the same load: static load ratings. The same ratio
-in pitch is M/C = L/7, since the load of a ball grows with the power 3/2 of its displacement.
+Catalogues give only the stiffness k of a carriage normal to the rail. At α = 45° the lateral
+stiffness is equal to it. The stiffnesses of rotations follow from the positions of the balls. They
+are k L²/12 in pitch and in yaw for rows of the length L, and k (M/C)² in roll. C is the static load
+rating for a normal force and M that for a moment about the rail: under each of them the most loaded
+ball carries the same load. In pitch, the corresponding ratio is M/C = L/7, because the load of a
+ball grows with the power 3/2 of its displacement.
 """
 
 from dataclasses import dataclass
@@ -40,10 +42,11 @@ CARRIAGES: dict[str, tuple[dict[PreloadClass, float], float, float]] = {
 class BallGuide:
     """A carriage with `balls` loaded balls in each of its four rows. Lengths are in m.
 
-    Rows are `width` apart along y and `height` along z, their balls `spacing` apart. `angle` (rad)
-    is the angle between the lines of contact and the plane of the rail, `groove` the radius of the
-    grooves relative to the ball's diameter. Lines of contact meet outside the rows (arrangement O)
-    or between them (X).
+    Rows are `width` apart along y and `height` apart along z. Neighbouring balls of a row are
+    `spacing` apart. `angle` (rad) is the angle between the lines of contact and the plane of the
+    rail under preload. `groove` is the radius of the grooves, divided by the diameter of a ball.
+    `lines` is "O" if the lines of contact on one side of the rail meet outside of the rows, and "X"
+    if they meet between the rows.
     """
 
     balls: int
@@ -56,9 +59,9 @@ class BallGuide:
     lines: Lines
 
     def stiffness(self, preload: float) -> Array:
-        """6×6 stiffness (SI) about the middle of the carriage under a `preload` (N).
+        """6×6 stiffness (SI), referred to the middle of the carriage, under a `preload` (N).
 
-        The axes are x along the rail and z normal to it. The stiffness along x is zero.
+        x is along the rail, and z is normal to its plane. The stiffness along x is zero.
         """
         D = self.ball_diameter
         constant = hertz_constant((2.0 / D, 2.0 / D, 0.0, -1.0 / (self.groove * D))) / 2.0**1.5
@@ -90,7 +93,10 @@ def carriage_stiffness(size: str, preload: PreloadClass) -> Array:
 
 
 def guide_compliance(stiffness: Array) -> Array:
-    """6×6 compliance of a guide, x along the rail; 0 for the free motion along the rail."""
+    """6×6 compliance (SI, x along the rail) of a guide, from its 6×6 `stiffness`.
+
+    Row and column of the free motion along the rail are zero.
+    """
     compliance = np.zeros((6, 6))
     compliance[1:, 1:] = np.linalg.inv(stiffness[1:, 1:])
     return compliance

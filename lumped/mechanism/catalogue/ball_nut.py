@@ -1,20 +1,22 @@
 """Axial stiffness of nuts and fixed bearings of ball screws, from manufacturers' tables.
 
-Catalogues give the calculated stiffness K of the balls for a stated fraction of the basic dynamic
-load rating Ca. This is the preload of a preloaded nut (0.1 Ca, in some series 0.05 Ca), or the load
-of a nut with play (0.3 Ca). By Hertz, the stiffness of balls varies with the cube root of the load,
-and catalogues multiply it by 0.8 to account for the deformation of the nut itself. Under the load
-F:
+Catalogues give the calculated stiffness K of the balls under a stated fraction of the basic dynamic
+load rating Ca. The fraction is 0.1, in some series 0.05, for the preload of a preloaded nut, and
+0.3 for the load of a nut with play. By Hertz, the stiffness of balls varies with the cube root of
+the load. Catalogues multiply it by 0.8 to account for the deformation of the nut itself. Under the
+load F the stiffness is
 
     k = 0.8 K (F / (share Ca))^(1/3)
 
 (THK, General Catalog, Ball Screw, "Studying the Rigidity"; NSK, Precision Machine Components;
-HIWIN, Ballscrews, "Rigidity"). K and Ca are the values for the nut in its table.
+HIWIN, Ballscrews, "Rigidity"), with the stated fraction `share`, and with K and Ca from the table of
+the nut.
 
-Nuts of `NUTS` are those of HIWIN's tables of ground screws to DIN 69051-5 that have one value for a
-designation and whose values agree with each other: double nuts (FDI, FDC) with K under a preload of
-0.1 Ca, and single nuts with play (FSI) with K under 0.28 Ca. Their balls alone, all loaded in rigid
-threads, are 1.5 to 1.7 times as stiff as K of the double nuts.
+The nuts in `NUTS` are from HIWIN's tables of ground screws to DIN 69051-5. Only nuts are included
+whose designation has a single value of K and whose values agree with each other. They are double
+nuts (FDI, FDC) with K under a preload of 0.1 Ca, and single nuts with play (FSI) with K under 0.28
+Ca. The balls of the double nuts alone, all loaded in rigid threads, would be 1.5 to 1.7 times as
+stiff as K.
 """
 
 from dataclasses import dataclass

@@ -1,9 +1,10 @@
 """Named directions of joints, and matrices of stiffness or damping along them.
 
-The x axis of a joint is its axis; for a universal joint the normal of its two axes in the
-reference posture; for a spherical or fixed joint the direction `up`. The z axis of a prismatic
-joint is as close to `up` as possible: x is along the slide, y lateral, z normal, and roll, pitch
-and yaw are rotations about these axes. The other kinds have equal values along y and z.
+The x axis of a joint is its axis. For a universal joint it is the normal of the two axes in the
+reference posture, and for a spherical or fixed joint the direction `up`. The z axis of a prismatic
+joint is as close to `up` as possible: x is along the slide, y is lateral and z is normal, and roll,
+pitch and yaw are rotations about x, y and z. Joints of all other kinds have equal values along y
+and z, so that the direction of z does not matter.
 """
 
 from collections.abc import Mapping
@@ -18,9 +19,10 @@ from lumped.screws import turn_matrix
 
 @dataclass(frozen=True)
 class Direction:
-    """One named direction of a joint: indices (0 to 5) of its components in a twist, joint axes.
+    """Named direction of a joint, such as "axial" or "tilting", for translations or rotations.
 
-    `free` is True if the joint moves along it.
+    `components` are the indices (0 to 5) of the components of a twist (joint axes) that belong to
+    the direction. `free` is True if the joint can move in these components.
     """
 
     components: tuple[int, ...]
@@ -80,10 +82,10 @@ NEED_UP: dict[JointKind, tuple[tuple[str, str], ...]] = {
 
 
 def joint_axes(kind: JointKind, axes: Array, up: Array | None) -> Array:
-    """Axes (3×3, as columns) of a joint in base axes of the reference posture.
+    """Axes x, y and z (3×3, as columns) of a joint in base axes of the reference posture.
 
-    `axes` (n×3, unit vectors) are the axes of the joint, as in `Joint.axes`. If `up` is None,
-    directions that depend on it are arbitrary.
+    `axes` (n×3, unit vectors) are the n axes that define the joint, as in `Joint.axes`. `up` (3) is
+    the direction in the module docstring. If it is None, axes that depend on it are arbitrary.
     """
     if kind in {"spherical", "fixed"}:
         x = np.eye(3)[0] if up is None else up / np.linalg.norm(up)
@@ -99,10 +101,10 @@ def joint_axes(kind: JointKind, axes: Array, up: Array | None) -> Array:
 
 
 def joint_matrix(kind: JointKind, axes: Array, values: Mapping[str, float]) -> Array | None:
-    """Symmetric 6×6 matrix in base axes, from `values` by the names of a joint's directions.
+    """Symmetric 6×6 matrix in base axes, from `values` along named directions of a joint.
 
-    `axes` (3×3) are those of `joint_axes`. The matrix is zero along directions without a value.
-    None if all values are zero.
+    The keys of `values` are names in `DIRECTIONS`. `axes` (3×3) are the axes from `joint_axes`. The
+    matrix is zero along directions without a value. None if all values are zero.
     """
     diagonal = np.zeros(6)
     for name, value in values.items():

@@ -27,9 +27,9 @@ _STEP = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Velocity and acceleration of a body, in base axes or in body axes.
+    """Accelerations and angular velocity of a body, in base axes or in body axes.
 
-    `linear_acceleration` (3, in m/s²) is that of the origin of the body axes.
+    `linear_acceleration` (3, in m/s²) is the acceleration of the origin of the body.
     `angular_acceleration` (3) is in rad/s², `angular_velocity` (3) in rad/s.
     """
 
@@ -38,7 +38,10 @@ class Motion:
     angular_velocity: Array
 
     def acceleration_at(self, arm: Array) -> Array:
-        """Acceleration (3, in m/s²) of the point of the body at `arm` (3, in m) from its origin."""
+        """Acceleration (3, in m/s²) of a point of the body.
+
+        `arm` (3, in m) is the vector from the origin of the body to the point.
+        """
         centripetal = np.cross(self.angular_velocity, np.cross(self.angular_velocity, arm))
         return np.asarray(
             self.linear_acceleration + np.cross(self.angular_acceleration, arm) + centripetal
@@ -49,11 +52,11 @@ REST = Motion(np.zeros(3), np.zeros(3), np.zeros(3))
 
 
 def accelerations(posture: Posture, speed: Array, acceleration: Array) -> dict[str, Motion]:
-    """Motion of each body if the loaded point moves with `speed` and `acceleration`.
+    """Motion of each body (base axes, by name) if the loaded point moves.
 
-    `speed` (3, in m/s) and `acceleration` (3, in m/s²) are in base axes. All other coordinates that
-    the pose of the tool prescribes are constant. Raises ComputationError if the mechanism cannot
-    perform the motion.
+    `speed` (3, in m/s) and `acceleration` (3, in m/s²) are those of the loaded point, in base axes.
+    The prescribed rotations of the tool are constant. Raises ComputationError if the mechanism
+    cannot perform the motion.
     """
     closure = closure_of(posture.mechanism)
     placement = closure.placement(posture)
@@ -87,7 +90,10 @@ def _shortest(posture: Posture, jacobian: Array, right_side: Array) -> Array:
 
 
 def _bias(closure: Closure, placement: Placement, velocity: Array) -> Array:
-    """Velocity-dependent term J̇ v of the acceleration equations (one value per row of J)."""
+    """Velocity-dependent term J̇ v of the acceleration equations, one value per row of J.
+
+    `velocity` is v (one value per unknown).
+    """
     fastest = float(np.abs(velocity).max(initial=0.0))
     if not fastest:
         return np.zeros(len(closure.joint_of) + len(closure.moves))

@@ -1,9 +1,9 @@
 """Loop closure: residuals of the joints of a mechanism, and the derivatives of these residuals.
 
 All joints are evaluated together, as arrays. Residuals are lengths (m): angles are multiplied by
-the size of the mechanism. The unknowns are small displacements of the movable bodies, six for each
-body in the order of the mechanism, in base axes at the origin of the body. Their rotations are
-multiplied by the size of the mechanism, too. The derivatives are screws.
+the size of the mechanism, a length. The unknowns are small displacements of the movable bodies in
+base axes, in the order of the mechanism. Each body has six: the translation of its origin (m), and
+its rotation times the size of the mechanism (m). The derivatives are screws.
 """
 
 from collections.abc import Iterator
@@ -30,9 +30,10 @@ _SMALL = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Positions of all n bodies: `origins` (n×3, in m, base axes) and rotations `turns` (n×3×3).
+    """Positions and rotations of all n bodies, in the order of the mechanism.
 
-    The rotations are counted from the reference posture.
+    `origins` (n×3, in m, base axes) are the positions of their origins. `turns` (n×3×3, base axes)
+    are their rotations from the reference posture.
     """
 
     origins: Array
@@ -79,10 +80,7 @@ class Closure:
         self._weights = np.array([1.0] * 3 + [self.size] * 3)[self.moves]
 
     def _arm(self, body: str, point: str) -> Array:
-        """Vector (3, in m) from a body's origin to an interface.
-
-        Base axes of the reference posture.
-        """
+        """Vector (3, in m) from a body's origin to an interface, base axes, reference posture."""
         interface = self.mechanism.bodies[body].interfaces[point]
         arm: Array = self.mechanism.reference[body].rotation @ interface.position
         return arm
@@ -119,9 +117,10 @@ class Closure:
         return (coordinates(*each) for each in zip(self.mechanism.joints, p, R, strict=True))
 
     def _gaps(self, placement: Placement) -> tuple[Array, Array, Array]:
-        """Arms of first and second interfaces, and vectors from first to second interfaces.
+        """Arms of the first and of the second interfaces of all j joints, and gaps between them.
 
-        The arms run from the origin of the body to the interface. Each array is j×3 (m, base axes).
+        An arm is the vector from the origin of a body to its interface, a gap the vector from the
+        first interface of a joint to the second. Each array is j×3 (m, base axes).
         """
         first = np.einsum("jkl,jl->jk", placement.turns[self._first], self._arm_first)
         second = np.einsum("jkl,jl->jk", placement.turns[self._second], self._arm_second)
@@ -157,10 +156,10 @@ class Closure:
         return self._unknowns(np.concatenate([sliding, turning]))
 
     def _rows(self, joints: IntArray, *blocks: Array) -> Array:
-        """Derivatives (rows × bodies × 6) of constraints; row i is one of the joint `joints[i]`.
+        """Derivatives (rows × bodies × 6) of constraints. Row i belongs to the joint `joints[i]`.
 
-        `blocks` (rows×3 each) are the derivatives with respect to translation and rotation of the
-        first body, then of the second body.
+        The four `blocks` (rows×3 each) are the derivatives with respect to the translation and the
+        rotation of the joint's first body, then of its second body.
         """
         rows = np.zeros((len(joints), len(self.names), 6))
         each = np.arange(len(joints))
@@ -179,7 +178,7 @@ class Closure:
     def drives(self, placement: Placement) -> Array:
         """Derivatives (drives × unknowns) of the coordinates of the driven joints.
 
-        Rotations are multiplied by the size of the mechanism.
+        Coordinates that are angles are multiplied by the size of the mechanism.
         """
         first = self._gaps(placement)[0][self._driven]
         body1, body2 = self._first[self._driven], self._second[self._driven]
@@ -217,7 +216,7 @@ class Closure:
     def tool_twists(self, placement: Placement) -> Array:
         """Matrix (6 × unknowns) that maps the unknowns to the twist of the loaded point, base axes.
 
-        Rotations are multiplied by the size of the mechanism.
+        The rotation in the twist is multiplied by the size of the mechanism.
         """
         rows = np.zeros((6, len(self.names), 6))
         rows[:, self._tool_body] = np.eye(6)
@@ -226,7 +225,7 @@ class Closure:
         return self._unknowns(rows)
 
     def pose(self, placement: Placement) -> Array:
-        """Pose of the tool (m, rad), in the order of its moves followed by its constant moves."""
+        """Coordinates (m, rad) of the tool: its moves in their order, then its constant moves."""
         arm = self._tool_arm_in(placement) - self._datum
         position = placement.origins[self._tool_body] + arm
         values: Array = np.concatenate([position, self._tool_rotation(placement)])[self.moves]
@@ -235,7 +234,7 @@ class Closure:
     def pose_jacobian(self, placement: Placement) -> Array:
         """Derivative (coordinates × unknowns) of the tool's `pose` with respect to the unknowns.
 
-        Rotations are multiplied by the size of the mechanism.
+        Coordinates that are angles are multiplied by the size of the mechanism.
         """
         rates = np.eye(6)
         rates[3:, 3:] = _rotation_vector_rates(self._tool_rotation(placement))
@@ -243,7 +242,10 @@ class Closure:
         return derivative
 
     def residual_at(self, placement: Placement, pose: Array) -> Array:
-        """Residuals (m) of all constraints, then the deviation (m) of the tool from `pose`."""
+        """Residuals (m) of all joint constraints, then deviations (m) of the tool from `pose`.
+
+        Deviations of angles are multiplied by the size of the mechanism.
+        """
         deviation = self._weights * (self.pose(placement) - np.append(pose, self._constants))
         return np.concatenate([self.residual(placement), deviation])
 
@@ -274,7 +276,7 @@ class Closure:
 
 @memo(16)
 def closure_of(mechanism: Mechanism) -> Closure:
-    """Closure of a mechanism. The last 16 results are memoised."""
+    """`Closure` of a mechanism. The last 16 results are memoised."""
     return Closure(mechanism)
 
 

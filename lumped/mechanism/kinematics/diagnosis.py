@@ -47,10 +47,11 @@ class OffAxis(NamedTuple):
 
 
 def off_axes(mechanism: Mechanism) -> list[OffAxis]:
-    """Joints whose axis, if wrong, would alone explain why the tool cannot move as prescribed.
+    """Joints whose axis may be wrong: with another axis at one joint the tool could move.
 
-    Only joints whose axis must turn by about the smallest angle are included. They are sorted by
-    the number of axes of other joints that are parallel to the required axis, most first.
+    Each joint is tested alone. Joints whose axis would have to rotate by more than 1.5 times the
+    smallest such angle are left out. The joints are sorted by the number of axes of other joints
+    that are parallel to the required axis, largest number first.
     """
     closure = closure_of(mechanism)
     jacobian = closure.jacobian(closure.reference)
@@ -66,9 +67,10 @@ def off_axes(mechanism: Mechanism) -> list[OffAxis]:
 
 
 def _candidate(closure: Closure, jacobian: Array, number: int) -> OffAxis | None:
-    """Axis that the joint with the index `number` would need so that the tool can move.
+    """Axis with which the joint with the index `number` would allow the prescribed motions.
 
-    None if no axis would be sufficient.
+    `jacobian` contains the derivatives of all joint constraints. None if no axis would be
+    sufficient, or if the axis of the joint is right.
     """
     joint = closure.mechanism.joints[number]
     slides = joint.kind == "prismatic"
@@ -102,7 +104,10 @@ def _parallel_axes(mechanism: Mechanism, cause: OffAxis) -> int:
 
 
 def _moves_with(mechanism: Mechanism, cause: OffAxis) -> bool:
-    """True if the tool can move as prescribed, also in nearby postures, with the corrected axis."""
+    """True if the tool can move as prescribed with the axis in `cause`.
+
+    It must be able to do so in the reference posture and in a posture near it.
+    """
     joints = tuple(
         replace(joint, axes=cause.axis[None]) if joint is cause.joint else joint
         for joint in mechanism.joints
@@ -116,10 +121,10 @@ def _moves(result: Mobility) -> bool:
 
 
 def legs_in_line(mechanism: Mechanism) -> list[tuple[str, str, bool]]:
-    """Pairs of bodies that lie in one line at a joint about which they can rotate.
+    """Pairs of legs in the reference posture that lie in one line at a joint between them.
 
-    Only bodies with two points are considered. The third entry is True if they are stretched and
-    False if they are folded.
+    A leg is here a body with two points, and the joint must let it rotate. Each entry contains the
+    names of both bodies, and True if the legs are stretched out or False if they are folded.
     """
     pairs = []
     for joint in mechanism.joints:

@@ -1,9 +1,10 @@
 """Mobility and idle motions of a posture, from the null space of its constraints.
 
-J is the derivative of the constraints, N a basis of its null space. D, T and M map small
-displacements to the motions of the drives, the twist of the tool and the pose of the tool. A motion
-in N for which D is zero is possible with locked drives. It is idle if T is zero, too. Otherwise the
-drives do not determine the motion of the tool.
+J is the derivative of the joint constraints with respect to small displacements of the bodies, and
+N is a basis of its null space. The matrices D, T and M map small displacements to the motions of
+the drives, the twist of the tool and the pose of the tool. A motion x in the span of N with D x = 0
+is possible with locked drives. It is idle if T x = 0, too. If T x is not zero, the drives do not
+determine the motion of the tool.
 """
 
 from collections.abc import Iterable
@@ -36,14 +37,15 @@ class Mobility:
     `mobility` is the number of independent motions of the whole mechanism. `constraints` is the
     number of joint constraints. Of these, `redundant` is the number that do not reduce the mobility
     (overconstraint), and `almost_redundant` the number that reduce it only because of the last
-    digits of the geometry. `idle` is the number of motions that move neither the tool nor a drive,
-    `moves` the number of prescribed coordinates.
+    digits of the geometry. `idle` is the number of motions that move neither the tool nor a drive.
+    `moves` is the number of coordinates of the tool that a pose prescribes.
 
-    Twists of the loaded point (base axes, m and rad): `uncontrolled_twists` (k×6) span the motions
-    of the tool with locked drives, `unprescribed_twists` (k×6) its motions at constant pose.
-    `barred` are the moves of the tool that no motion of the joints produces, `stirring` the drives
-    that can move at constant pose. Both occur in equal number if legs are stretched or folded
-    (`at_limit`).
+    The following twists are those of the loaded point (base axes, m and rad).
+    `uncontrolled_twists` (k×6) span the motions of the tool with locked drives.
+    `unprescribed_twists` (k×6) span its motions at constant pose. `barred` names the coordinates of
+    the tool that take part in prescribed motions which the joints do not allow. `stirring` names
+    the joints whose drives can move at constant pose. Neither is empty if legs are stretched or
+    folded (`at_limit`).
     """
 
     mobility: int
@@ -76,9 +78,10 @@ def mobility(posture: Posture) -> Mobility:
 
 
 def generic_mobility(mechanism: Mechanism) -> Mobility:
-    """Mobility in a posture near the reference posture, reached by all its free motions combined.
+    """Mobility in a posture near the reference posture.
 
-    A singularity that occurs in the reference posture only has no effect there.
+    The posture is reached by a small displacement in which all free motions take part. A
+    singularity of the reference posture itself therefore does not affect the result.
     """
     closure = closure_of(mechanism)
     placement = closure.reference
@@ -120,7 +123,7 @@ def mobility_at(closure: Closure, placement: Placement) -> Mobility:
 
 
 def _touched(names: Iterable[str], shares: Array) -> tuple[str, ...]:
-    """Names whose row in `shares` is not zero."""
+    """Those of n `names` whose row in `shares` (n×k) is not zero."""
     largest = np.abs(shares).max(axis=1, initial=0.0)
     return tuple(
         name for name, row_maximum in zip(names, largest, strict=True) if row_maximum > _ZERO
@@ -130,8 +133,8 @@ def _touched(names: Iterable[str], shares: Array) -> tuple[str, ...]:
 def indeterminacy(result: Mobility, size: float, *, singular: bool = False) -> str:
     """Description of motions that neither the drives nor the moves of the tool determine.
 
-    "" if there are none. `size` (m) is the size of the mechanism. If `singular` is True, a posture
-    at the boundary of the workspace counts as undetermined.
+    "" if there are none. `size` (m) is the size of the mechanism. If `singular` is True, motions of
+    drives at the boundary of the workspace are described, too.
     """
     if len(result.uncontrolled_twists):
         motions = name_twists(result.uncontrolled_twists, size)

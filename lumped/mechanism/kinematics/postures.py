@@ -56,7 +56,7 @@ def reference_posture(mechanism: Mechanism) -> Posture:
 
 
 class PoseError(InputError):
-    """Error: a robot cannot take a pose. `pose` is the pose as text, `reason` the cause."""
+    """Error: a robot cannot take a pose. `pose` is the pose as text, `reason` is the cause."""
 
     def __init__(self, robot: str, pose: str, reason: str) -> None:
         super().__init__(f"{robot}, pose {pose}: {reason}")
@@ -80,9 +80,10 @@ def posture(mechanism: Mechanism, pose: Array, start: Posture | None = None) -> 
 
 @memo(256)
 def _from_reference(mechanism: Mechanism, pose: tuple[float, ...]) -> Posture:
-    """Posture approached from the reference posture.
+    """Posture for `pose`, approached from the reference posture.
 
-    Memoised, because the poses of later computations are tested already when a robot file is read.
+    It is memoised: the poses of later computations are computed already when a robot file is read
+    and checked.
     """
     return _posture_from(mechanism, reference_posture(mechanism), np.array(pose))
 
@@ -115,10 +116,10 @@ def _posture_from(mechanism: Mechanism, start: Posture, target: Array) -> Postur
 
 
 def _verified_placement(closure: Closure, frames: Mapping[str, Frame], pose: Array) -> Placement:
-    """Positions of bodies with the given frames. Raises ComputationError if joints are open there.
+    """Positions of all bodies with the given `frames` (by name), after a check of their joints.
 
-    An error of the kinematics would affect all models alike, so that no comparison of models would
-    reveal it.
+    Raises ComputationError if a joint is open or the tool is not at `pose`. No comparison of models
+    would reveal such an error of the kinematics, because it would affect all models alike.
     """
     target_posture = Posture(closure.mechanism, pose, frames, {})
     placement = closure.placement(target_posture)
@@ -132,9 +133,10 @@ def _verified_placement(closure: Closure, frames: Mapping[str, Frame], pose: Arr
 
 
 def _continued(closure: Closure, begin: Posture, target: Array) -> tuple[Placement, list[Array]]:
-    """Positions of all bodies and joint coordinates for the pose `target`, approached from `begin`.
+    """Positions of all bodies, and coordinates of each joint, for the pose `target`.
 
-    Raises InputError under the conditions of `posture`.
+    The pose is approached from the posture `begin`. Raises InputError under the conditions of
+    `posture`.
     """
     mechanism = closure.mechanism
     placement = closure.placement(begin)
@@ -180,7 +182,7 @@ def _checked(mechanism: Mechanism, pose: Array) -> Array:
 
 
 def _closed(closure: Closure, placement: Placement, pose: Array) -> Placement | None:
-    """Positions of all bodies with closed joints and the tool at `pose`.
+    """Positions of all bodies with closed joints and the tool at `pose`, found from `placement`.
 
     None if the Gauss–Newton steps do not become shorter.
     """
@@ -206,7 +208,10 @@ def _closed(closure: Closure, placement: Placement, pose: Array) -> Placement | 
 def _unwrapped_coordinates(
     closure: Closure, placement: Placement, before: list[Array]
 ) -> list[Array]:
-    """Coordinates of all joints, in which angles continue those in `before` beyond half a turn."""
+    """Coordinates of all joints, with whole turns added to angles so that they stay continuous.
+
+    `before` contains the coordinates of all joints in the preceding posture.
+    """
     unwrapped = []
     joints = closure.mechanism.joints
     for joint, values, previous in zip(joints, closure.coordinates(placement), before, strict=True):
@@ -226,9 +231,10 @@ def _refuse_open_reference(closure: Closure) -> None:
 
 
 def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress: float) -> str:
-    """Reason why a pose cannot be reached: the open joint, its gap, the part of the path covered.
+    """Reason why a pose cannot be reached: the open joint, its gap, and the last reachable pose.
 
-    `progress` (0 to 1) is the part of the path to the pose that was covered.
+    `placement` contains the positions of all bodies in the last reachable pose. `progress` (0 to 1)
+    is the part of the path to `pose` that was covered.
     """
     widths = _widths(closure, _nearest(closure, placement, pose))
     last_pose = closure.pose(placement)[: len(pose)]
@@ -253,13 +259,13 @@ def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress:
 
 
 def _widths(closure: Closure, placement: Placement) -> Array:
-    """Gap (m) of each joint, with rotations multiplied by the size of the mechanism."""
+    """Gap (m) of each joint: norm of the residuals of its constraints."""
     squares = closure.residual(placement) ** 2
     return np.sqrt(np.bincount(closure.joint_of, squares, len(closure.mechanism.joints)))
 
 
 def _nearest(closure: Closure, placement: Placement, pose: Array) -> Placement:
-    """Positions of all bodies with the tool at `pose` and the smallest gaps of the joints."""
+    """Positions of all bodies with the tool at `pose` and the smallest possible gaps of joints."""
     weights = np.ones(len(closure.joint_of) + len(closure.moves))
     weights[len(closure.joint_of) :] = _INSISTENT
     residual = weights * closure.residual_at(placement, pose)
