@@ -78,9 +78,10 @@ def tip_compliances(
 ) -> dict[str, Array]:
     """6×6 compliance (SI, body axes) of each leg at its tip with its root clamped, by name.
 
-    For a leg specified by its 6×6, this is the 6×6 in the robot file if `springs` is "given". If
-    `springs` is "equivalent", it is that of the equivalent prismatic leg, matched `by` stiffness or
-    compliance. The compliance of a leg with sections is computed by the beam theory `theory`.
+    `springs` and `by` affect legs specified by their 6×6. If `springs` is "given", the result is
+    the 6×6 in the robot file. If it is "equivalent", the result is the compliance of the prismatic
+    leg that `equivalent_leg` matches to the stiffness or to the compliance (`by`). The compliance
+    of legs with sections is computed by the beam theory `theory`.
     """
     compliances = {}
     for name, leg in legs_of(mechanism).items():
@@ -103,10 +104,10 @@ def links(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[str, LegMatri
 
 
 def link(length: float, compliance: Array) -> LegMatrices:
-    """Stiffness between root and tip of a massless leg with the given tip compliance.
+    """Matrices of a massless leg of `length` (m), from its tip compliance.
 
-    `compliance` is 6×6 (SI, leg axes, root clamped). In pictures the leg is a straight line between
-    its ends.
+    `compliance` is 6×6 (SI, leg axes, root clamped). The centre line of the leg is the straight
+    line between its ends, and twists are interpolated linearly along it.
     """
     relative = np.hstack([-shift(np.array([length, 0.0, 0.0])), np.eye(6)])
     stiffness: Array = relative.T @ np.linalg.inv(compliance) @ relative
@@ -150,11 +151,11 @@ def clamped_modes(leg: LegMatrices, count: int) -> Modes:
 
 
 def free_frequencies(leg: LegMatrices, count: int) -> Array:
-    """The lowest `count` natural frequencies (Hz) of an unsupported leg, except rigid motions.
+    """The lowest `count` natural frequencies (Hz) of an unsupported leg, without rigid motions.
 
-    The shifted matrix K + σM is positive definite and has the same mode shapes. The shift σ is ω²
-    of the lowest mode of the clamped leg. Raises ComputationError unless exactly six eigenvalues of
-    K are zero, and under the conditions of `solve_modes`.
+    They are computed with K + σM in place of K, which is positive definite and has the same mode
+    shapes. The shift σ is ω² of the lowest mode of the clamped leg. Raises ComputationError unless
+    exactly six frequencies are zero, and under the conditions of `solve_modes`.
     """
     stiffness, mass = dense(leg.stiffness), dense(leg.mass)
     shift_by = float(2.0 * np.pi * clamped_modes(leg, 1).frequencies[0]) ** 2

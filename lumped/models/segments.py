@@ -1,13 +1,15 @@
 """A free leg as a chain of rigid segments joined by 6-DOF springs, eqs (13)–(23) of the paper.
 
 A spring between two rigid elements represents the piece of the beam between their centres. Referred
-to the middle of that piece its compliance is diagonal if the section has two axes of symmetry. Two
-layouts of n equal elements:
+to the middle of that piece, its compliance is diagonal if the section has two axes of symmetry. A
+leg of length L is divided into n equal elements in one of two layouts:
 
-  half     Springs of length L/n between elements, and springs of length L/2n at both ends.
-           Frequencies converge with second order in 1/n, statics are exact for every n.
-  literal  The text of §3.2: springs between elements only. The end elements are rigidly connected
-           to the ends, so that a length L/n of the leg is rigid. First order in 1/n.
+  half     Springs for pieces of length L/n lie between elements, and springs for pieces of length
+           L/2n at both ends of the leg. Frequencies converge with second order in 1/n. Static
+           displacements are exact for every n.
+  literal  This is the layout in the text of §3.2. Springs lie between elements only. The first and
+           the last element are rigidly connected to the ends of the leg, so that a length L/n of
+           the leg is rigid. Frequencies and displacements converge with first order in 1/n.
 """
 
 from collections.abc import Sequence
@@ -37,13 +39,14 @@ KINDS = {"tension": (0,), "torsion": (3,), "bending y": (2, 4), "bending z": (1,
 
 @dataclass(frozen=True, eq=False)
 class SegmentChain:
-    """Rigid elements and massless ends of a leg (the bodies), and springs between neighbours.
+    """Chain of b rigid bodies from the root of a leg to its tip, with springs between neighbours.
 
-    `points` (b×3, in m from the root) are the reference points of the b bodies, in order from root
-    to tip, at `stations` (b, in m along the leg), `springs_at` ((b−1)×3, in m) those of the
-    springs. `masses` (b×6×6) are mass matrices at the reference points, `stiffnesses` ((b−1)×6×6)
-    act on the relative twists at the springs. Leg axes, SI. `line` is the centre line, None if it
-    is the x axis.
+    The bodies are the rigid elements and, in the layout "half", the massless ends of the leg. All
+    data are in leg axes and SI units. `points` (b×3) are the reference points of the bodies, at
+    `stations` (b, in m along the leg). `masses` (b×6×6) are the mass matrices at these points.
+    `springs_at` ((b−1)×3) are the reference points of the springs, whose `stiffnesses` ((b−1)×6×6)
+    act on the relative twists at these points. `length` is the straight distance (m) from root to
+    tip. `line` is the centre line, None if it is the x axis.
     """
 
     length: float
@@ -63,9 +66,10 @@ class SegmentChain:
 def segment_chain(
     properties: BeamProperties, length: float, elements: int, layout: Layout = "half"
 ) -> SegmentChain:
-    """Chain of `elements` equal rigid elements for a leg of `length` (m).
+    """Chain of `elements` equal rigid elements for a prismatic leg of `length` (m).
 
-    Raises InputError if the layout needs more elements ("half" 1, "literal" 2).
+    Raises InputError if there are fewer elements than the layout needs: one for "half", two for
+    "literal".
     """
     layout_stations = _stations(length, elements, layout)
     piece = length / elements
@@ -96,9 +100,10 @@ def line_segment_chain(
 ) -> SegmentChain:
     """Chain of `elements` rigid elements, equally long along a leg's centre line.
 
-    Each spring has the flexibility of the line between the centres of its two elements, which makes
-    the half layout exact in statics for any taper, step, corner and arc. Raises InputError as
-    `segment_chain` does.
+    Each spring has the flexibility of the piece of the line between the centres of two elements, or
+    between an end of the leg and the nearest centre. Static displacements of the layout "half" are
+    therefore exact for any taper, step, corner and arc. Raises InputError under the conditions of
+    `segment_chain`.
     """
     line = sections.line
     layout_stations = _stations(line.length, elements, layout)
@@ -124,7 +129,11 @@ def line_segment_chain(
 
 
 class _Stations(NamedTuple):
-    """Positions (m along a leg) of element centres, bodies and springs, and ends of the springs."""
+    """Positions (m along a leg) of the parts of a chain, in order from root to tip.
+
+    `centres` (n) are those of the element centres, `bodies` (b) and `springs` (b − 1) those of the
+    reference points. `spring_ends` (b) are the ends of the pieces that the springs represent.
+    """
 
     centres: Array
     bodies: Array
@@ -147,7 +156,11 @@ def _stations(length: float, elements: int, layout: Layout) -> _Stations:
 
 
 def _body_masses(masses: Array, centres: Array, points: Array) -> Array:
-    """Mass matrices (b×6×6) at the bodies' reference points, from those at the element centres."""
+    """Mass matrices (b×6×6) at the reference `points` (b×3) of the bodies of a chain.
+
+    `masses` (n×6×6) are those of the elements, at their `centres` (n×3). If b = n + 2, the first
+    and the last body are the massless ends of the leg.
+    """
     if len(points) > len(centres):
         return np.pad(masses, ((1, 1), (0, 0), (0, 0)))
     levers = shift(centres - points)
@@ -155,7 +168,10 @@ def _body_masses(masses: Array, centres: Array, points: Array) -> Array:
 
 
 def _spring(properties: BeamProperties, piece: float) -> Array:
-    """6×6 stiffness of a spring for a piece of length `piece` (m), referred to the middle."""
+    """6×6 stiffness (SI) of the spring for a piece of a leg of length `piece` (m).
+
+    It is referred to the middle of the piece.
+    """
     compliance = properties.piece_compliance(piece)
     if properties.couples_bending or properties.couples_torsion or properties.is_helical:
         stiffness = np.linalg.inv(compliance)
@@ -172,8 +188,9 @@ def _element_mass(properties: BeamProperties, piece: float) -> Array:
 def with_printed_tip_joint(chain: SegmentChain) -> SegmentChain:
     """Chain with a revolute joint about z at the tip, released by eq. (25) as printed.
 
-    Row and column φz of the last spring, referred to the tip, are set to zero. This is not a joint
-    if φz is coupled to y: the spring becomes too stiff along y (errata).
+    Row and column φz of the stiffness of the last spring, referred to the tip, are set to zero. If
+    this stiffness couples φz to y, the result differs from a revolute joint: it is too stiff along
+    y (see the errata of the paper).
     """
     printed = printed_release(_last_at_tip(chain))
     return replace(
@@ -191,9 +208,10 @@ def _last_at_tip(chain: SegmentChain) -> Array:
 
 
 def segment_leg(chain: SegmentChain) -> LegMatrices:
-    """Stiffness and mass of a leg as a chain, eqs (13)–(23).
+    """Stiffness and mass matrices of a leg that is modelled as a chain, eqs (13)–(23).
 
-    Unknowns: 6 of the root, 6 of the tip, and 6 of each inner body.
+    The unknowns are the twist of the first body at the root (6), that of the last body at the tip
+    (6), and those of the bodies between them (6 each).
     """
     count = len(chain.points)
     # The order root, inner bodies, tip of the chain becomes root, tip, inner bodies.
@@ -220,13 +238,13 @@ def segment_leg(chain: SegmentChain) -> LegMatrices:
 
 
 def static_leg(chain: SegmentChain) -> LegMatrices:
-    """Massless leg that has the stiffness of the chain between its ends. Unknowns: root 6, tip 6.
+    """Massless leg with the stiffness of the chain between its ends. Unknowns: root 6, tip 6.
 
     The springs are in series, so that their compliances at the tip add up: C = Σ X Cₖ Xᵀ, where X
-    transforms twists at spring k to the tip (`shift`). The error of this sum is below 1e-11 up to
-    thousands of elements. The assembled matrix of `segment_leg` gives the same result with a
-    round-off error of n³ · 1e-15, because the springs of a chain of n elements are n³ times as
-    stiff as the leg.
+    transforms twists at spring k to the tip (`shift`). The relative error of this sum is below
+    1e-11 up to thousands of elements. The assembled matrix of `segment_leg` gives the same
+    displacements with a relative round-off error of n³ · 1e-15, because the springs of a chain of n
+    elements are n³ times as stiff as the leg.
     """
     levers = shift(chain.tip - chain.springs_at[:-1])
     other_compliance = np.sum(
@@ -278,9 +296,9 @@ def _scatter(blocks: IntArray, matrices: Array, size: int) -> SparseMatrix:
 def _interpolate(positions: Array, block: IntArray, stations: Array) -> SparseMatrix:
     """6k × 6b matrix that maps the unknowns of b bodies to the twists at k `stations`.
 
-    `stations` are distances (m) from the root, `positions` (b, in m) those of the bodies. Between
-    bodies, twists are interpolated linearly. `block` (b) contains the index of the block of six
-    unknowns of each body.
+    `stations` and the `positions` (b) of the bodies are distances (m along the leg) from the root.
+    Between bodies, twists are interpolated linearly. `block` (b) contains the index of the block of
+    six unknowns of each body.
     """
     previous = np.clip(
         np.searchsorted(positions, stations, side="right") - 1, 0, len(positions) - 2

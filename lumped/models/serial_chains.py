@@ -1,9 +1,9 @@
 """The virtual joint method on mechanisms whose legs are serial chains (eqs 3 to 9 of the paper).
 
 A chain from the ground to the platform consists of the free twists of its joints, one after the
-other, and of springs of six degrees of freedom at the tips of the legs, in joints and in drives.
-Springs between the platform and the tool are in series with all chains. Chains are evaluated by
-`lumped.models.vjm`, a formulation that has no code in common with the assembly of the other models.
+other, and of springs with six degrees of freedom: one at the tip of each leg, and those of joints
+and drives. Springs between the platform and the tool are in series with all chains. Chains are
+evaluated by `lumped.models.vjm`, which has no code in common with the assembly of the other models.
 """
 
 from collections import defaultdict
@@ -35,7 +35,10 @@ _BASE: _Node = (GROUND, "")
 
 @dataclass(frozen=True)
 class _Step:
-    """One link of a chain between two nodes: a joint, or a leg given by its name."""
+    """One step of a chain from a node to the next: `across` a joint, or a leg given by its name.
+
+    A node is an interface of an elastic leg, or a rigid body with all its interfaces.
+    """
 
     nodes: frozenset[_Node]
     across: Joint | str
@@ -83,8 +86,9 @@ def tool_displacements(
 ) -> Array:
     """Displacements (l×6, in m and rad, base axes) of the loaded point under each of l loads.
 
-    `legs` contains tip compliances as in `compliance`. A load on a body that is not part of a chain
-    acts on the node of the chains to which the body is attached. Raises the errors of `compliance`.
+    `legs` contains the 6×6 compliance (SI, body axes) of each elastic leg at its tip with its root
+    clamped. A load on a body that is not part of a chain acts on the node of a chain to which the
+    body is attached. Raises the errors of `compliance`.
     """
     mechanism, tool = posture.mechanism, posture.mechanism.tool
     paths, series = _paths(mechanism, legs)
@@ -124,9 +128,10 @@ def tool_displacements(
 
 
 def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) -> Array:
-    """Twist (6) at the point `end` (3, in m) due to a drive deflected by the load on its rotor.
+    """Twist (6, base axes) at the point `end` (3, in m) due to the deflection of a drive.
 
-    Zero if `step` has no elastic drive.
+    The force of the `load` on the rotor deflects the drive of the joint in `step`. Zero if `step`
+    has no elastic drive.
     """
     joint = step.across
     drive = None if isinstance(joint, str) else drive_in(posture, joint)
@@ -140,9 +145,9 @@ def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) 
 def _carriers(
     mechanism: Mechanism, legs: Mapping[str, Array], chain_steps: Sequence[_Step]
 ) -> dict[_Node, _Node]:
-    """For each node of the robot, the node of a chain to which it is attached.
+    """Node of a chain that carries the loads on each node of the robot, by the node of the robot.
 
-    A node of a chain is attached to itself. `chain_steps` are the joints and legs of all chains.
+    A node of a chain carries its own loads. `chain_steps` are the joints and legs of all chains.
     """
     group = _groups(mechanism, legs)
     carrier = {node: node for step in chain_steps for node in step.nodes}
@@ -158,7 +163,9 @@ def _carriers(
 def _paths(
     mechanism: Mechanism, legs: Mapping[str, Array]
 ) -> tuple[list[list[_Step]], list[_Step]]:
-    """Joints and legs of each chain from ground to platform, and those from platform to tool.
+    """Joints and legs of each chain from ground to platform, and of that from platform to tool.
+
+    Both are in order of the path.
 
     Raises NoChainError if a chain branches, ComputationError if the tool is part of the ground.
     """
@@ -195,7 +202,8 @@ def _paths(
 def _series(steps: list[_Step], end: _Node, base: _Node) -> list[_Step]:
     """Joints and legs from the tool back to the platform, at which the chains of the robot meet.
 
-    Empty if a single chain connects the node `end` of the tool to the node `base` of the ground.
+    `end` is the node of the tool, `base` that of the ground. Empty if the tool is on the platform,
+    or if a single chain connects tool and ground.
     """
     series: list[_Step] = []
     while end != base:
@@ -208,13 +216,16 @@ def _series(steps: list[_Step], end: _Node, base: _Node) -> list[_Step]:
 
 
 def _is_passive(across: Joint | str) -> bool:
-    """True for a joint (not a leg) that has a passive free twist: one that is not driven."""
+    """True if `across` is a joint with a passive free twist, which no drive determines.
+
+    False for a leg, given by its name.
+    """
     driven = isinstance(across, Joint) and across.drive is not None
     return isinstance(across, Joint) and FREEDOMS[across.kind] > driven
 
 
 def _groups(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[_Node, _Node]:
-    """Representative of each node among all nodes to which it is rigidly connected by joints.
+    """Representative of each node: one node of each group that joints connect rigidly.
 
     The representative of nodes connected to the ground is the ground.
     """
@@ -262,7 +273,8 @@ def _steps(
 def _without_dead_ends(steps: list[_Step], ends: set[_Node]) -> list[_Step]:
     """Joints and legs of `steps` that transmit load between the nodes `ends`.
 
-    Those that lead to a dead end, a node outside `ends` with one joint or leg, transmit none.
+    Joints and legs that lead to a dead end transmit no load. A dead end is a node outside `ends`
+    with a single joint or leg.
     """
     while True:
         nodes = [node for step in steps for node in step.nodes]

@@ -1,7 +1,8 @@
 """The virtual joint method for parallel robots (eqs 3 to 9 of the paper).
 
-The bordered system of each chain is solved directly, so that overconstrained robots and singular
-postures need no special treatment. The stiffness matrices of the chains are added at the platform.
+The bordered system [Sθ Jq; Jqᵀ 0] of each chain, with the compliance Sθ of its springs and the
+twists Jq of its passive joints, is solved directly. Overconstrained robots and singular postures
+therefore need no special treatment. The stiffness matrices of the chains are added at the platform.
 """
 
 from collections.abc import Iterable, Sequence
@@ -30,9 +31,9 @@ class RigidChainError(ComputationError):
 class Chain:
     """Passive twists and spring compliance of a serial chain at its end, base axes, SI.
 
-    `passive` Jq (6×q) contains the twists of the passive joints, `compliance` Sθ = Jθ Kθ⁻¹ Jθᵀ
-    (6×6) of eq. (3) is that of all springs. `reach` (m) is the largest distance of a joint or
-    spring from the end.
+    `passive` is Jq (6×q), whose columns are the twists of the passive joints. `compliance` is Sθ =
+    Jθ Kθ⁻¹ Jθᵀ (6×6) of eq. (3), that of all springs. `reach` (m) is the largest distance of a
+    joint or spring from the end.
     """
 
     passive: Array
@@ -43,11 +44,11 @@ class Chain:
 def serial_chain(
     end: Array, joints: Sequence[tuple[Array, Array]], springs: Sequence[tuple[Array, Array]]
 ) -> Chain:
-    """Chain with its end at `end` (3, in m) in the current posture. All data in base axes, SI.
+    """Chain with its end at `end` (3, in m). All data are in base axes and SI units.
 
-    `joints` contains the position (3, in m) and the twist (6) for a unit rate of each passive joint
-    with one degree of freedom, `springs` the position and the compliance (6×6, positive
-    semidefinite) of each virtual spring.
+    `joints` contains, for each passive motion of a joint, the position (3) of the joint and the
+    twist (6) there for a unit rate. `springs` contains the position (3) and the compliance (6×6,
+    positive semidefinite) of each virtual spring.
     """
     screws = [shift(end - position) @ twist for position, twist in joints]
     compliance = np.zeros((6, 6))
@@ -60,11 +61,11 @@ def serial_chain(
 def chain_stiffness(chain: Chain, name: str = "chain") -> Array:
     """6×6 stiffness (SI, base axes) of one chain at its end, eqs (3) and (8) of the paper.
 
-    K is the block of the inverse of the bordered matrix that corresponds to Sθ. It is symmetric and
-    positive semidefinite, and K·Jq = 0. If columns of Jq are dependent (singular posture), the
-    joint rates δq are not unique but K is: Jq is replaced by an orthonormal basis of its column
-    space. Raises ComputationError, with the direction in its message, if neither a spring nor a
-    passive joint yields in some direction.
+    K is the first 6×6 block of the inverse of the bordered matrix [Sθ Jq; Jqᵀ 0]. It is symmetric
+    and positive semidefinite, and K·Jq = 0. In a singular posture columns of Jq are dependent. The
+    joint rates δq are then not unique but K is, and Jq is replaced by an orthonormal basis of its
+    column space. Raises ComputationError, with the direction in its message, if neither a spring
+    nor a passive joint yields in some direction.
     """
     return _bordered_solution(chain, name).stiffness
 
@@ -73,9 +74,9 @@ def chain_stiffness(chain: Chain, name: str = "chain") -> Array:
 class _Bordered:
     """Stiffness K (6×6, SI) of a chain, with the data to bound its round-off δK = −Xᵀ δB X.
 
-    `matrix` B is the dimensionless bordered matrix (6+q square), `solution` X ((6+q)×6) its
-    solution for twists of the end in SI units. Twists are made dimensionless by the factors `unit`
-    (6), compliances by division by `largest`.
+    `matrix` is B, the bordered matrix (6+q rows and columns) in dimensionless form. `solution` is X
+    ((6+q)×6), the solution of the bordered system for unit twists (SI) of the end. The factors
+    `unit` (6) make twists dimensionless. Compliances are divided by `largest`.
     """
 
     stiffness: Array
@@ -116,8 +117,8 @@ def _bordered_solution(chain: Chain, name: str) -> _Bordered:
 def clamped_end_wrench(chain: Chain, slip: Array, work: Array, name: str = "chain") -> Array:
     """Wrench (6, SI, base axes) on the clamped end of a chain under loads along the chain.
 
-    `slip` (6) is the displacement that the deflection of the springs under the loads would give to
-    a free end. `work` (q) is the work of the loads on a unit rate of each passive joint.
+    `slip` (6) is the displacement of the end if it were free and only the springs deflected under
+    the loads. `work` (q) is the work of the loads on a unit rate of each passive joint.
     """
     bordered = _bordered_solution(chain, name)
     free = bordered.matrix[:6, 6:]
@@ -139,8 +140,8 @@ def robot_stiffness(chains: Iterable[Chain]) -> Array:
 def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
     """6×6 compliance (SI) of a platform from its 6×6 stiffness, at the same point and axes.
 
-    Raises ComputationError if the platform is free to move or has a negative stiffness. Its message
-    contains each such motion. The decision does not depend on units.
+    Raises ComputationError if the platform is free to move or has a negative stiffness in some
+    motion. Its message describes these motions. The result of this check does not depend on units.
     """
     K = 0.5 * (stiffness + stiffness.T)
     translation, rotation = np.trace(K[:3, :3]), np.trace(K[3:, 3:])
@@ -162,10 +163,10 @@ def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
 def rounding(chains: Iterable[Chain]) -> Array:
     """Half-width (6×6, SI, 95 %) of the round-off error of the compliance C of parallel chains.
 
-    The bordered matrix B of a chain has the round-off of a rotated stiffness
-    (`rounding_of_flexibility`): digits of a small compliance L/EA are lost next to a large one
-    L³/3EI. With the solution X of each chain (`_Bordered`), the error of C is (XC)ᵀ δB (XC), plus
-    the round-off of the sum of the chains.
+    The bordered matrix B of a chain has the round-off of a matrix in rotated axes
+    (`rounding_of_flexibility`), in which digits of the small compliance L/EA of a leg are lost next
+    to its large compliance L³/3EI. With the solution X of each chain (`_Bordered`), the error of C
+    is (XC)ᵀ δB (XC), plus the round-off of the sum of the chains' stiffnesses.
     """
     solved = [_bordered_solution(chain, "chain") for chain in chains]
     flexibility = platform_compliance(
@@ -180,7 +181,10 @@ def rounding(chains: Iterable[Chain]) -> Array:
 
 
 def _column_space(matrix: Array) -> Array:
-    """Orthonormal basis (6×r) of the space of the normalised columns of `matrix`."""
+    """Orthonormal basis (6×r) of the column space of `matrix` (6×q).
+
+    Columns are normalised first, so that their lengths do not affect the rank r.
+    """
     sizes = np.linalg.norm(matrix, axis=0)
     left_vectors, values, _ = np.linalg.svd(matrix / sizes, full_matrices=False)
     return left_vectors[:, values > _DEPENDENT]
@@ -189,8 +193,8 @@ def _column_space(matrix: Array) -> Array:
 def _characteristic_length(reach: float, S: Array) -> float:
     """Length (m) that makes rotations comparable to translations.
 
-    The larger of the `reach` (m) of a chain, and the length √(tr S_tt / tr S_rr) from the blocks of
-    the compliance `S` (6×6) of its springs for translation and rotation.
+    It is the larger of two lengths: the `reach` (m) of a chain, and √(tr S_tt / tr S_rr), with the
+    blocks S_tt for translation and S_rr for rotation of the compliance `S` (6×6) of its springs.
     """
     translation, rotation = np.trace(S[:3, :3]), np.trace(S[3:, 3:])
     spring_length = np.sqrt(translation / rotation) if translation > 0.0 and rotation > 0.0 else 0.0
