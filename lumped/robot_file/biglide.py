@@ -24,9 +24,9 @@ _LEGS = ("leg1", "leg2")
 
 
 def biglide_entry(tables: Mapping[str, Any]) -> tuple[list[str], BiglideEntry | None]:
-    """Faults of the tables of a robot file of schema 1, and their entry if there are none.
+    """Faults of the tables of a robot file of schema 1, and the record into which they are read.
 
-    Each fault is a line that begins with the key.
+    Each fault is a line that begins with the key. The record is None if there are faults.
     """
     rules = rules_of(tables)
     faults, values = rules.checked_within(tables)
@@ -42,7 +42,9 @@ def _leg_draft(key: str, leg: BiglideLegEntry, unit: UnitOfLength) -> LegDraft:
 
 
 def biglide_of(entry: BiglideEntry) -> Mechanism:
-    """Biglide from an entry without faults. Its legs are `alpha` times as long as in the file.
+    """Biglide from the record of a robot file without faults.
+
+    Its legs are `alpha` (table [geometry]) times as long as in the file.
 
     Raises InputError if the legs cannot meet.
     """

@@ -38,10 +38,10 @@ def read_measured(
 ) -> tuple[Measured, ...]:
     """Measured values from a CSV file.
 
-    The columns of the file are quantity, pose, value, uncertainty, source and, if needed, load. In
-    the column pose, spaces separate the coordinates along the `moves` of the tool. Lengths are in
-    `unit`. `responses` are the names of judged numbers of the robot's harmonic responses. Raises
-    InputError with one line per fault.
+    The columns of the file are quantity, pose, value, uncertainty, source and, if needed, load. The
+    column pose contains one coordinate for each of the tool's `moves`, separated by spaces. Lengths
+    are in `unit`. `responses` are the names of the judged values of the robot's harmonic responses.
+    Raises InputError with one line per fault.
     """
     rows = table_rows(path, "a CSV file of measured values", _COLUMNS, MEASURED_VALUES.most)
     rules, values, faults = MEASURED.in_unit(unit, moves), [], []
@@ -63,7 +63,11 @@ def read_measured(
 
 
 def measured_of(entry: MeasuredEntry, location: str, responses: Sequence[str]) -> Measured:
-    """Measured value from an entry. Raises InputError with the `location` if it has faults."""
+    """Measured value from an entry of the table [[measured]] or a row of a CSV file.
+
+    `responses` are the names of the judged values of the robot's harmonic responses. Raises
+    InputError if the entry has faults. Each fault begins with `location`.
+    """
     return measured_value(
         entry.quantity,
         location,
@@ -77,7 +81,11 @@ def measured_of(entry: MeasuredEntry, location: str, responses: Sequence[str]) -
 
 
 def _value(name: str, text: str) -> Any:
-    """Value of a CSV cell, as in a robot file: a number if possible, otherwise a text."""
+    """Value of the cell `text` in the column `name` of a CSV file, as it would be in a robot file.
+
+    A pose is a list of numbers, a quantity or source a text. Any other cell is a number if
+    possible, otherwise a text.
+    """
     if name == "pose":
         return [_value("", part) for part in text.split()]
     if name in {"quantity", "source"}:
@@ -86,7 +94,10 @@ def _value(name: str, text: str) -> Any:
 
 
 def requirement_of(accept: AcceptEntry | None, robot: Mechanism) -> Requirement:
-    """Limits of the table [accept] for the models of a robot. Defaults if `accept` is None."""
+    """Limits for the models of a robot, from the table [accept] of its file.
+
+    If `accept` is None, they are the default limits.
+    """
     requirement = Requirement(
         loads=tuple(load.name for load in robot.loads),
         responses=robot.judged_responses,
@@ -102,9 +113,9 @@ def with_options(
 ) -> Requirement:
     """Limits changed by the command line options `--accept NAME=NUMBER` and `--rely MODEL`.
 
-    NAME is deflection, displacement (in `unit`), frequency, response, modes or a quantity. The
-    models in `rely`, if any, replace those of the robot file. Raises InputError with one line per
-    fault.
+    NAME is deflection, displacement (in `unit`), frequency, response, modes or the name of a
+    quantity. `accept` contains the texts NAME=NUMBER. The models in `rely` replace those of the
+    robot file, unless `rely` is empty. Raises InputError with one line per fault.
     """
     faults = [
         f"--rely {model}: no such model; must be one of {', '.join(MODEL_KINDS)}"
@@ -138,14 +149,14 @@ def times(value: Any, factor: float) -> Any:
 
 
 def corrections_of(entry: RobotEntry) -> tuple[Correction, ...]:
-    """Misprints in the source of the data of a robot file. Only schema 1 has them."""
+    """Corrected misprints in the source of the data. Only robot files of schema 1 list them."""
     return entry.corrections if isinstance(entry, BiglideEntry) else ()
 
 
 def evidence_faults(tables: Mapping[str, Any], entry: RobotEntry, robot: Mechanism) -> list[str]:
     """Faults of corrections, measured values, modal test and uncertain inputs, one line each.
 
-    `entry` is made of the `tables` of the file.
+    `entry` is the record into which the `tables` of the file were read.
     """
     faults: list[str] = []
     for number, correction in enumerate(corrections_of(entry), start=1):

@@ -17,12 +17,13 @@ from lumped.text import shown
 
 
 class Hammer(NamedTuple):
-    """A modal test in a pose, and its nodes by number.
+    """A modal test of the robot in the pose `pose`, with the positions and axes of its nodes.
 
-    `uncertainty` and `calibration` are relative standard uncertainties of frequencies and of
-    responses. Coherence was averaged over `averages` blows. `nodes` contains for each node the name
-    of its body, and a frame: the position (m) in body axes, and the axes of the node in base axes
-    during the test.
+    `uncertainty` and `calibration` are the relative standard uncertainties of the frequencies and
+    of the responses, respectively, besides their scatter. Coherence was averaged over `averages`
+    blows. The keys of `nodes` are the numbers of the nodes. Each value contains the name of the
+    node's body, and a frame: its `position` (m) is in body axes, the columns of its `rotation` are
+    the axes of the node in base axes during the test.
     """
 
     pose: tuple[float, ...]
@@ -32,9 +33,10 @@ class Hammer(NamedTuple):
     nodes: Mapping[int, tuple[str, Frame]]
 
     def freedoms(self, ends: Iterable[Iterable[int]]) -> Freedoms:
-        """Displacements of nodes along one of their axes, in the order of `ends`.
+        """Measured motions: displacements of nodes along one of their axes, in the order of `ends`.
 
-        Each of the `ends` is a pair: the number of a node, and one of its axes (0 to 2).
+        Each of the `ends` is a pair: the number of a node, and the index (0 to 2) of its axis x, y
+        or z.
         """
         motions = [(*self.nodes[number], axis) for number, axis in ends]
         return Freedoms(
@@ -45,7 +47,7 @@ class Hammer(NamedTuple):
 
 
 def hammer_of(entry: HammerEntry, robot: Mechanism) -> Hammer:
-    """Modal test described by an entry without faults."""
+    """Modal test of a robot from the table [hammer] of its file, which has no faults."""
     nodes = {
         int(number): (node.body, Frame(_position(node, robot), axes_along(node.x, node.y)))
         for number, node in entry.nodes.items()

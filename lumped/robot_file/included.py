@@ -58,9 +58,9 @@ class _Includer:
         self.folder, self.size = folder, 0
 
     def lines(self, file: Path, content: bytes, chain: tuple[Path, ...]) -> Iterator[DeckLine]:
-        """Lines of `file`, in which the lines of included files replace *INCLUDE.
+        """Lines of `file`, whose bytes are `content`. Included lines replace each *INCLUDE.
 
-        `chain` contains the files from the deck to this one, each of which includes the next.
+        `chain` contains the files from the deck to `file`, each of which includes the next.
         """
         text = content.decode("utf-8-sig", "replace").replace("\r\n", "\n").replace("\r", "\n")
         numbered = iter(enumerate(text.split("\n"), start=1))
@@ -117,9 +117,9 @@ class _Includer:
 
 
 def _include_fields(text: str) -> list[str] | None:
-    """Options of an *INCLUDE line, the last of which is empty if the line continues.
+    """Options of an *INCLUDE line, which are separated by commas.
 
-    None for other lines.
+    The last one is "" if the options continue on the next line. None if `text` is another line.
     """
     stripped = text.strip()
     if not stripped.startswith("*") or stripped.startswith("**"):

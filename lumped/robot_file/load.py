@@ -69,16 +69,18 @@ DICTIONARY = "dictionary"
 class RobotFile:
     """A robot with the content of its robot file.
 
-    `source` is the path as typed or, if `built_in`, the name of the robot. `text` is the text of
-    the file and `sha256` the hexadecimal digest of the file and of the files to which it refers.
-    `schema` is the format of the file: 2 for a mechanism of named bodies and joints, 1 for the
-    biglide. `corrections` are misprints in the source of the data. `requirement` limits the errors
-    of the robot's models, `measured` are measured values, `agreement` limits the differences
-    between formulations. `stated` are the relative standard uncertainties in the file: pairs (key,
-    uncertainty). If there are none, all keys E, length, stiffness and compliance have the relative
-    standard uncertainty `supposed`, or none if `supposed` is None. `changes` are numbers or
-    matrices that replace those of the text, by key. `modal_test` is the table [hammer], None
-    without one.
+    `source` is the path as typed, or the name of the robot if `built_in` is True. `text` is the
+    text of the file and `sha256` the hexadecimal digest of the file and of the files to which it
+    refers. `schema` is the format of the file: 2 for a mechanism of named bodies and joints, 1 for
+    the biglide. `corrections` are corrected misprints in the source of the data. `requirement`
+    limits the errors of the robot's models, `measured` are measured values, `agreement` limits the
+    differences between formulations.
+
+    `stated` are the relative standard uncertainties of inputs in the file: pairs (key,
+    uncertainty). If the file contains none, `supposed` is the relative standard uncertainty of all
+    values with the keys E, length, stiffness and compliance. If `supposed` is None, too, all inputs
+    are exact. `changes` are numbers or matrices that replace those of the text, by key.
+    `modal_test` is the table [hammer]. None if the file has no such table.
     """
 
     mechanism: Mechanism
@@ -119,8 +121,8 @@ class RobotFile:
     def with_factors(self, relative_changes: Mapping[str, float]) -> Mechanism:
         """Robot in which numbers or matrices of the file are multiplied by 1 + relative change.
 
-        `relative_changes` contains the changes by key. Raises InputError if such a robot is
-        impossible.
+        `relative_changes` contains the relative changes by the keys of the numbers or matrices.
+        Raises InputError if such a robot is impossible.
         """
         try:
             tables = _changed(self.tables, self.changes)
@@ -152,12 +154,12 @@ class RobotFile:
 
     @property
     def printed_compliances(self) -> tuple[Printed, ...]:
-        """6×6 compliances of the robot, and half a unit of the last printed digit of each entry."""
+        """6×6 compliances in the file, each with half a unit of the last digit of its entries."""
         return tuple(printed_compliances(_changed(decimal_tables(self.text), self.changes)))
 
     @property
     def folder(self) -> Path:
-        """Folder to which paths in the robot file are relative."""
+        """Folder of the robot file, from which relative paths in the file start."""
         return Path() if self.built_in else Path(self.source).parent
 
     @property
@@ -180,7 +182,7 @@ def _changed(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> Mapping[s
 
 
 def _digest(content: bytes, files: Iterable[Path]) -> str:
-    """Hexadecimal SHA-256 of a text and of those files it refers to that can be read."""
+    """Hexadecimal SHA-256 of the `content` of a robot file and of its `files`, if readable."""
     digest = hashlib.sha256(content)
     for file in files:
         with suppress(OSError, InputError):
@@ -196,10 +198,10 @@ def built_in_robots() -> tuple[str, ...]:
 
 
 def load_robot(name_or_path: str | Path) -> RobotFile:
-    """Robot file of a built-in robot, by its name, or from a path.
+    """Read the robot file of a built-in robot (by its name) or at a path.
 
-    Raises InputError with one line per fault, for all faults together. Each line has file, key,
-    value, unit and allowed values.
+    Raises InputError with one line for each fault in the file. A line contains file, key, value,
+    unit and allowed values.
     """
     source = str(name_or_path)
     is_built_in = source in built_in_robots()
@@ -285,7 +287,7 @@ def write_template(path: str | Path, kind: RobotType = FIRST_TYPE) -> None:
 
 
 def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, RobotEntry]:
-    """Mechanism described by tables of schema 1 or 2, and the entry made of the tables.
+    """Mechanism described by tables of schema 1 or 2, and the record into which they are read.
 
     Paths of files are relative to `folder`. Raises InputError with one line per fault.
     """
@@ -311,7 +313,10 @@ def described_by(tables: Mapping[str, Any], folder: Path) -> tuple[Mechanism, Ro
 
 
 def _built(tables: Mapping[str, Any], folder: Path) -> tuple[RobotEntry, Mechanism]:
-    """Entry of a robot file, and its mechanism without damping, loads and excitations."""
+    """Record of a robot file, and its mechanism without damping, loads and harmonic forces.
+
+    Paths of files are relative to `folder`. Raises InputError with one line per fault.
+    """
     if not is_mechanism(tables):
         faults, biglide = biglide_entry(tables)
         if biglide is None:

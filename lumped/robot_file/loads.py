@@ -41,7 +41,10 @@ _ROUND_OFF = 1e-9
 
 
 def loads_of(entries: Sequence[LoadEntry], robot: Mechanism, folder: Path) -> tuple[Load, ...]:
-    """Loads of a robot from entries without faults. Paths of files are relative to `folder`."""
+    """Loads of a robot from the tables [[loads]] of its file, which have no faults.
+
+    Paths of files are relative to `folder`.
+    """
     return tuple(
         Load(
             entry.name,
@@ -105,7 +108,7 @@ def _motion_faults(vector: Triple | None, key: str, robot: Mechanism) -> Iterato
 
 
 def _line_of(line: LineEntry, robot: Mechanism) -> AppliedLine:
-    """Load along a leg from an entry without faults."""
+    """Distributed load along a leg, from a table without faults."""
     length = float(legs_of(robot)[line.leg].length)
     first = np.array(line.wrench)
     last = first if line.end_wrench is None else np.array(line.end_wrench)
@@ -152,7 +155,11 @@ def _pressure_faults(entry: PressureEntry, key: str, robot: Mechanism) -> Iterat
 def _point_faults(
     point: str | None, owner: str | None, key: str, point_key: str, robot: Mechanism
 ) -> Iterator[str]:
-    """Faults of a point in a table at `key`, and of the body `owner` to which the point belongs."""
+    """Faults of a `point` that a load or response refers to, and of its body `owner`.
+
+    `key` is the location of the table, and `point_key` the key of the point in it. None stands for
+    a point or body that is left out.
+    """
     if point is None:
         if owner is not None:
             yield (
@@ -169,10 +176,11 @@ def _point_faults(
 
 
 def _body_of(point: str | None, owner: str | None, robot: Mechanism) -> str | None:
-    """Name of the body that has `point` (None: the tool's point). None if there is no such body.
+    """Name of the body that has the point `point`. None if there is no such body.
 
-    If `owner` is given, only this body is searched; otherwise first the body of the tool, then all
-    bodies in the order of the file.
+    If `point` is None, it is the point of the tool. If `owner` is None, the body of the tool is
+    searched first, then all bodies in the order of the file. Otherwise only the body `owner` is
+    searched.
     """
     first = (robot.tool.body, *(name for name in robot.bodies if name != GROUND))
     names = first if owner is None else (owner,)
@@ -182,7 +190,7 @@ def _body_of(point: str | None, owner: str | None, robot: Mechanism) -> str | No
 
 
 def excitations_of(entries: Sequence[ResponseEntry], robot: Mechanism) -> tuple[Excitation, ...]:
-    """Excitations of a robot from entries without faults."""
+    """Harmonic forces of a robot from the tables [[responses]] of its file without faults."""
     excitations = []
     for entry in entries:
         motion = entry.motion

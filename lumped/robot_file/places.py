@@ -26,7 +26,7 @@ def value_at(tables: Mapping[str, Any], key: str) -> Any:
 
 
 def with_value(tables: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """Copy of the tables with another value at a key. Raises LookupError if it does not exist."""
+    """Copy of the tables with `value` at a key. Raises LookupError if the key does not exist."""
     changed = deepcopy(dict(tables))
     holder, last = _holder(changed, key)
     holder[last] = value
@@ -34,7 +34,10 @@ def with_value(tables: Mapping[str, Any], key: str, value: Any) -> dict[str, Any
 
 
 def numbers_of(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
-    """Pairs (key, number) of all numbers within `value`. Each key begins with `key`."""
+    """All numbers within `value`, each with its full key.
+
+    `key` is the key of `value` itself, with which the full keys begin.
+    """
     if isinstance(value, Mapping):
         for name, inner in value.items():
             yield from numbers_of(inner, f"{key}.{name}" if key else name)
@@ -53,10 +56,10 @@ def numbers_of(value: Any, key: str = "") -> Iterator[tuple[str, float]]:
 
 
 def keys_named(tables: Mapping[str, Any], names: Collection[str]) -> list[str]:
-    """Keys of numbers and matrices in the tables whose last part is one of `names`.
+    """Full keys of numbers and matrices in the tables whose last part is one of `names`.
 
-    If a table within an entry has such a name, as in `joints.a.stiffness`, all keys of numbers in
-    this table are included.
+    If a table within an entry has one of these names, as in `joints.a.stiffness`, the keys of all
+    numbers in this table are included.
     """
     keys = dict.fromkeys(key.partition("[")[0] for key, _ in numbers_of(tables))
     parts = {key: key.split(".") for key in keys}
@@ -86,7 +89,7 @@ def unit_of(tables: Mapping[str, Any], key: str) -> str:
 
 
 def _steps(key: str) -> list[str | int]:
-    """Parts of a key: names and indices (from 0), from the outermost table inwards."""
+    """Parts of a full key: names and indices (from 0), from the outermost table inwards."""
     if _KEY.fullmatch(key.strip()) is None:
         raise LookupError(key)
     steps: list[str | int] = []

@@ -1,4 +1,4 @@
-"""Reading of TOML and CSV files into tables. Files with other content are refused early.
+"""Reading of TOML and CSV files into tables. Files of other kinds are refused.
 
 The uncertainty of a printed compliance is half a unit of its last digit: 1.67e-10 lies between
 1.665e-10 and 1.675e-10. Zeros, integers and numbers changed by `--vary` count as exact. So does a
@@ -42,7 +42,7 @@ class Printed(NamedTuple):
 
 
 class TableRow(NamedTuple):
-    """A row of a CSV file: location `place` (for messages), and `cells` by column heading."""
+    """A row of a CSV file: its `cells` by column heading, and its location `place` for messages."""
 
     place: str
     cells: Mapping[str, str]
@@ -87,7 +87,10 @@ def number_or_text(cell: str) -> int | float | str:
 
 
 def decoded(content: bytes, source: str) -> str:
-    """Text of a file in UTF-8, with or without a byte order mark. Raises InputError for others."""
+    """Text of a file in UTF-8, with or without a byte order mark.
+
+    Raises InputError if `content` is not UTF-8. `source` is the name of the file, for the message.
+    """
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -97,7 +100,7 @@ def decoded(content: bytes, source: str) -> str:
 
 
 def parsed(text: str, source: str) -> Mapping[str, Any]:
-    """Tables of a TOML text. Raises InputError if it is not TOML."""
+    """Tables of a TOML text from the file `source`. Raises InputError if it is not TOML."""
     keys = _BETWEEN_KEYS.split(re.sub("#.*", "", text))
     if max(key.count(".") for key in keys) > _MOST_PARTS:
         raise InputError(f"{source}: a key of more than {_MOST_PARTS} parts; not a robot file")
@@ -118,15 +121,18 @@ def tables_of(text: str) -> Mapping[str, Any]:
 
 @memo(16)
 def decimal_tables(text: str) -> Mapping[str, Any]:
-    """Tables of a TOML text without faults, with numbers as printed. They must not be changed.
+    """Tables of a TOML text without faults, with all digits of its numbers (`Decimal`).
 
-    The text is parsed once per process.
+    They must not be changed. The text is parsed once per process.
     """
     return tomllib.loads(text, parse_float=_as_printed)
 
 
 def _as_printed(number: str) -> Decimal | float:
-    """Decimal with all digits of `number`. A float (0 or infinite) if its exponent is too large."""
+    """Decimal with all digits of `number`.
+
+    If its exponent is too large in magnitude, the result is a float: 0 or infinite.
+    """
     try:
         return Decimal(number)
     except InvalidOperation:
@@ -134,7 +140,7 @@ def _as_printed(number: str) -> Decimal | float:
 
 
 def _in_floats(value: Any) -> Any:
-    """Copy of parsed TOML in which floats replace numbers as printed."""
+    """Copy of parsed TOML in which each `Decimal` is replaced by a float."""
     match value:
         case Decimal():
             return float(value)

@@ -1,7 +1,7 @@
-"""Robots that differ from that of a robot file in one or several numbers, given by their keys.
+"""Variations of a robot: copies in which numbers of its file, given by their keys, have new values.
 
 A variation is typed as KEY=FROM:TO:COUNT, for example "bodies.rod1.section.diameter=0.02:0.06:9". A
-* in the key matches any part of a name. All numbers with matching keys have the same value.
+* in the key matches any part of a name. All numbers with matching keys get the same value.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,10 @@ _ALLOWED = "must be KEY=FROM:TO:COUNT, such as bodies.rod1.section.diameter=0.02
 
 @dataclass(frozen=True)
 class Variation:
-    """Numbers at `keys` that take the same `values` one after the other. `key`: as typed."""
+    """Variation of numbers in a robot file, which get the `values` one after the other.
+
+    `keys` are the full keys of the numbers, which all match `key`, the key as typed.
+    """
 
     key: str
     keys: tuple[str, ...]
@@ -32,7 +35,7 @@ class Variation:
 
 
 def variations_of(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variation, ...]:
-    """Variations of a robot file from command line texts.
+    """Variations of a robot file from texts of the command line (KEY=FROM:TO:COUNT).
 
     Raises InputError with one line per fault.
     """
@@ -59,7 +62,7 @@ def variations_of(robot_file: RobotFile, typed: Sequence[str]) -> tuple[Variatio
 def varied(
     robot_file: RobotFile, variations: Sequence[Variation]
 ) -> list[tuple[tuple[float, ...], RobotFile]]:
-    """Each combination of the values of `variations`, and the robot file with these values.
+    """All combinations of the values of `variations`, each with the robot file that has them.
 
     Raises InputError for the first impossible robot only, because others are usually impossible for
     the same reason.

@@ -1,4 +1,4 @@
-"""Legs (schema 1 and 2) and mechanisms (schema 2) from entries without faults."""
+"""Legs (schema 1 and 2) and mechanisms (schema 2) from tables of robot files without faults."""
 
 from dataclasses import replace
 from itertools import product
@@ -59,9 +59,9 @@ from lumped.screws import turn_matrix
 
 
 def mechanism_of(description: Draft, entry: MechanismEntry, folder: Path) -> Mechanism:
-    """Mechanism from the `entry` of a robot file and its draft `description`, without faults.
+    """Mechanism of schema 2 from its draft `description`, which has no faults.
 
-    Paths of files are relative to `folder`.
+    `entry` is the record of the whole file. Paths of files are relative to `folder`.
     """
     joints = tuple(_joint(joint, name) for name, joint in description.joints.items())
     sides = [side for joint in joints for side in (joint.first, joint.second)]
@@ -252,7 +252,7 @@ def _grid(path: PathEntry) -> tuple[Array, ...]:
 
 
 def leg_of(leg: LegDraft, name: str) -> Leg:
-    """Leg of schema 1 or 2 from a draft without faults."""
+    """Leg of schema 1 or 2 with the name `name`, from a draft without faults."""
     entry, section, length, mass = leg.entry, leg.section, given(leg.length), leg.entry.mass
     if entry.compliance is not None:
         mass_properties = entry.inertia, entry.mass_centre
@@ -276,7 +276,10 @@ def leg_of(leg: LegDraft, name: str) -> Leg:
 
 
 def loss_of(leg: LegDraft) -> float:
-    """Loss factor of a leg or part: of its material, or the key `loss` if there is no material."""
+    """Loss factor of a leg or part.
+
+    It is that of the material. Without a material it is the value of the key `loss`, or zero.
+    """
     loss = leg.entry.loss if leg.material is None else leg.material.loss
     return loss or 0.0
 

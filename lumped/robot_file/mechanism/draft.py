@@ -1,6 +1,7 @@
-"""Draft of a mechanism: entries of its description without faults, with derived values.
+"""Draft of a mechanism: the entries of its description that have no faults, with derived values.
 
-Each entry is read separately, so that a fault in one entry does not hide those of others.
+An entry is one point, body, joint or material of a robot file. Each is read separately, so that a
+fault in one entry does not hide faults in others.
 """
 
 from collections.abc import Mapping
@@ -48,10 +49,10 @@ _KIND_OF_KEY: Mapping[str, BodyKind] = {
 class LegDraft:
     """Entry of a leg of schema 1 or 2, with derived values.
 
-    `key` is its location for messages, with lengths in `unit`. `length` is in m, None if it is not
-    known. `section` and `material` do not refer to [materials] any more. `material` is None if it
-    is left out or unknown, `material_key` is its location. `line` is the centre line, None for a
-    prism.
+    `key` is the location of the entry for messages, which give lengths in `unit`. `length` is in m.
+    None if it is not known. In `section` and `material`, names of materials are replaced by the
+    materials. `material` is None if it is left out or unknown. `material_key` is its location for
+    messages. `line` is the centre line with its sections. None for a prism.
     """
 
     key: str
@@ -68,9 +69,9 @@ class LegDraft:
 class BodyDraft(LegDraft):
     """Entry of a body with derived values.
 
-    `kind` is None if the keys fit none or several kinds. `interface_points` is None if they have
-    faults. `vector` (3, in m) points from the first to the second point of a leg, None for other
-    bodies and unknown points.
+    `kind` is None if the keys belong to no kind or to several kinds. `interface_points` are the
+    names of the body's points. None if these have faults. `vector` (3, in m) points from the first
+    to the second point of a leg. None for other bodies, and if a point is unknown.
     """
 
     entry: BodyEntry
@@ -83,10 +84,11 @@ class BodyDraft(LegDraft):
 class JointDraft:
     """Entry of a joint with derived values.
 
-    `key` is its location for messages, with lengths in `unit`. `points` are those of both bodies.
-    `repeated_point` is True if two equal names are given. `axis_key` is the key for axes required
-    by the kind of joint, `directions` are those under that key. `vector` (3, in m) points from the
-    first to the second point, None if they coincide or are unknown.
+    `key` is the location of the entry for messages, which give lengths in `unit`. `points` are the
+    names of the joint's point on the first and on the second body. `repeated_point` is True if the
+    entry lists two equal names. `axis_key` is the key with which the kind of joint defines its
+    axes. "" if it needs no axis. `directions` are the values of this key. `vector` (3, in m) points
+    from the first to the second point. None if they coincide or are unknown.
     """
 
     key: str
@@ -101,10 +103,12 @@ class JointDraft:
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """Entries of a robot file that have no faults, by name; `faults`: those of all other entries.
+    """Entries of a robot file of schema 2 that have no faults, by name.
 
-    `names` contains the names of all entries, also of those with faults. `entry` is the whole file,
-    None if it has faults.
+    `points` are positions (3, in m, base axes). `tool` and `path` are None if they have faults or
+    are left out. `names` contains, by table, the names of all entries with and without faults.
+    `unit` is the unit of length of the file. `faults` are the faults of its keys, one line each.
+    `entry` is the record of the whole file. None if it has faults.
     """
 
     points: Mapping[str, Array]
@@ -163,7 +167,11 @@ def _body_draft(
     materials: Mapping[str, MaterialEntry],
     unit: UnitOfLength,
 ) -> BodyDraft:
-    """Draft of a body. `points` are those without faults, `names` are the names of all points."""
+    """Draft of the body at `key`.
+
+    `points` are the positions of the points without faults, by name. `names` are the names of all
+    points. `materials` are the materials without faults, by name.
+    """
     material_key, section = f"{key}.material", body.section
     if isinstance(body.material, str):
         material_key = f"materials.{body.material}"

@@ -43,9 +43,10 @@ _NO_SHARE = 1e-9
 
 
 def description_faults(description: Draft) -> list[str]:
-    """Faults of keys, of relations between keys and of names; if there are none, of the topology.
+    """Faults of the description of a mechanism, one line each.
 
-    `description` is the draft of a robot file.
+    They are faults of keys, of relations between keys, and of names. If there are none, they are
+    faults of the topology, such as bodies without joints.
     """
     faults = list(description.faults)
     faults += [fault for body in description.bodies.values() for fault in body_faults(body)]
@@ -67,7 +68,10 @@ def description_faults(description: Draft) -> list[str]:
 
 
 def _loaded_points(entry: MechanismEntry) -> Iterator[str | None]:
-    """Points on which loads and harmonic forces act, or whose displacement is computed."""
+    """Names of points on which loads and harmonic forces act, or whose displacement is computed.
+
+    None stands for the tool.
+    """
     for load in entry.loads:
         yield load.at
     for response in entry.responses:
@@ -87,7 +91,11 @@ def _unknown_names(description: Draft) -> Iterator[str]:
 
 
 def _references(description: Draft) -> Iterator[tuple[str, str, str]]:
-    """Location of each reference in bodies and joints; name and table of its target entry."""
+    """References in bodies and joints to other entries, such as a body's points.
+
+    Each contains the location of the reference, and the name and the table of the entry to which it
+    refers.
+    """
     bodies = {name: body.entry for name, body in description.bodies.items()}
     joints = {name: joint.entry for name, joint in description.joints.items()}
     yield from _names_within("bodies", bodies)
@@ -101,7 +109,7 @@ def _names_within(table: str, entries: object) -> Iterator[tuple[str, str, str]]
 
 
 def _missing_interfaces(description: Draft) -> Iterator[str]:
-    """Faults of joints and of the tool at a point that their body does not have."""
+    """Faults of joints and of the tool whose point is not a point of their body."""
     references = [
         (f"{joint.key}.at" + (f"[{i}]" if joint.entry.at == joint.points else ""), body, point)
         for joint in description.joints.values()
@@ -190,7 +198,10 @@ def _mobility_faults(mechanism: Mechanism, result: Mobility) -> Iterator[str]:
 
 
 def _singular(mechanism: Mechanism, result: Mobility, free_motions: str) -> str:
-    """Error message for a singular reference posture. It names the legs that lie in one line."""
+    """Error message for a singular reference posture. It names the legs that lie in one line.
+
+    `free_motions` describes the motions that neither drives nor moves determine.
+    """
     reasons = [
         f"{first} and {second} are {'stretched out in' if stretched else 'folded into'} one line"
         for first, second, stretched in legs_in_line(mechanism)
@@ -222,9 +233,10 @@ def _barred(moves: str, result: Mobility) -> str:
 
 
 def _axis_faults(mechanism: Mechanism, barred: Sequence[str]) -> list[str]:
-    """Fault of the joint whose axis prevents the tool from moving. Empty if there is none.
+    """Fault of the joint whose axis prevents motions of the tool. Empty if there is no such joint.
 
-    The message also contains other joints that could be the cause.
+    `barred` names the coordinates of the tool that cannot be prescribed. The message also names
+    other joints that could be the cause.
     """
     if len(mechanism.joints) > _DIAGNOSED:
         return []

@@ -1,8 +1,8 @@
 """Centre line of a leg of schema 2 and its sections at stations, or the faults of both.
 
-`through` lists the points of the line between `from` and `to`. The line goes straight to a point
-that is given by its name or coordinates. A point `{ arc = POINT }` lies on the arc that joins the
-points before and after it.
+In the table of a leg, `through` lists the points of the line between `from` and `to`. A point that
+is given by its name or coordinates is joined to the point before it by a straight line. A point
+`{ arc = POINT }` lies on a circular arc that joins the points before and after it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,9 +31,11 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LegLine:
-    """Centre line of a leg (leg axes) and its stations: pairs (position in m along it, section).
+    """Centre line of a leg (leg axes), and the sections at stations along it.
 
-    Both are None if there are `faults`.
+    `stations` are pairs (position in m along the line, section). None if there are `faults` or the
+    leg has no section. `line` is None if its points have faults, or if a leg with these keys must
+    not have a line.
     """
 
     line: CentreLine | None
@@ -43,9 +45,10 @@ class LegLine:
 
 @dataclass(frozen=True, eq=False)
 class _Stop:
-    """Point on the centre line of a leg. `position`: (3, in m, base axes).
+    """Point on the centre line of a leg at `position` (3, in m, base axes).
 
-    `name` is "" for a point given by coordinates. `key` is its key in the robot file.
+    `key` is the location of the point in the robot file. `name` is "" for a point given by
+    coordinates. `on_arc` is True for a point inside an arc, given as { arc = POINT }.
     """
 
     key: str
@@ -57,7 +60,11 @@ class _Stop:
 def leg_line(
     body: BodyEntry, points: Mapping[str, Array], key: str, unit: UnitOfLength
 ) -> LegLine | None:
-    """Line of a leg with `through` or `sections`. None for a prism or if points have faults."""
+    """Centre line and stations of the leg at `key`, with the keys `through` or `sections`.
+
+    None for a leg with neither of these keys, which is a prism, and if points of the leg have
+    faults. These faults are reported elsewhere.
+    """
     names = [name for name in ("through", "sections") if getattr(body, name) is not None]
     if not names:
         return None
@@ -89,7 +96,10 @@ def leg_line(
 
 
 def _misplaced_keys(body: BodyEntry, names: Sequence[str], key: str) -> list[str]:
-    """Faults of the keys `names` if the leg has a compliance or several materials, one for each."""
+    """Faults of the keys `names` of a leg at `key`, one for each of them.
+
+    Empty unless the leg has a compliance or several materials, which exclude these keys.
+    """
     if body.compliance is not None:
         reason = f"must be left out, because {key}.compliance is that of the whole leg"
         return [f"{key}.{name}: {reason}" for name in names]
@@ -112,7 +122,10 @@ def _triple(vector: Array) -> Point:
 
 
 def _stops(body: BodyEntry, points: Mapping[str, Array], key: str) -> list[_Stop] | None:
-    """Points of the line from root to tip. None if a name is unknown (reported elsewhere)."""
+    """Points of the centre line from root to tip.
+
+    None if a point is missing or a name is unknown. These faults are reported elsewhere.
+    """
     through = enumerate(body.through or (), start=1)
     stops = [
         _stop(f"{key}.from", body.from_, points),
@@ -124,7 +137,10 @@ def _stops(body: BodyEntry, points: Mapping[str, Array], key: str) -> list[_Stop
 
 
 def _stop(key: str, entry: Place | ArcEntry | None, points: Mapping[str, Array]) -> _Stop | None:
-    """Point of the line. None if it is left out or its name is unknown."""
+    """Point of the centre line from the value `entry` at `key`.
+
+    None if `entry` is None or the name of an unknown point.
+    """
     if isinstance(entry, ArcEntry):
         stop = _stop(f"{key}.arc", entry.arc, points)
         return None if stop is None else replace(stop, on_arc=True)
@@ -177,7 +193,10 @@ def _pieces(stops: Sequence[_Stop], positions: Sequence[Point]) -> tuple[LinePie
 
 
 def _named_positions(stops: Sequence[_Stop], line: CentreLine) -> dict[str, float]:
-    """Positions (m along the line) of the line's named points, except those inside an arc."""
+    """Positions (m along the line) of the line's points, by name.
+
+    Points given by coordinates and points inside an arc are left out.
+    """
     ends = [stop for stop in stops if not stop.on_arc]
     return {
         stop.name: float(position)

@@ -1,8 +1,8 @@
 """Copies of points, bodies and joints about an axis: entries of a robot file with a `pattern`.
 
 Copy k of n is the entry rotated by (k − 1)·360°/n about the axis. The number k is appended to the
-name of the entry, and to names in it that refer to entries with the same pattern. All other names
-remain unchanged.
+name of the entry. It is also appended to names in the entry that refer to other entries with the
+same pattern. All other names remain unchanged.
 """
 
 from collections.abc import Iterator, Mapping
@@ -49,7 +49,7 @@ class _Pattern:
     count: int
 
     def turn(self, number: int) -> Array:
-        """Rotation (3×3) of copy `number`. Copy 1 is the entry itself."""
+        """Rotation (3×3) of copy `number`, which is 1 for the entry itself."""
         angle = 2.0 * np.pi * (number - 1) / self.count
         rotation: Array = rotation_about(angle * np.array(self.about))
         return rotation
@@ -131,7 +131,7 @@ def written_out(tables: Tables) -> Tables:
 
 
 def _repeated(tables: Tables) -> list[Key]:
-    """Pairs (table, name) of all points, bodies and joints with a pattern."""
+    """Table and name of each point, body and joint with a pattern."""
     groups = {table: tables.get(table) for table in _COPIED}
     return [
         (table, name)
@@ -142,7 +142,10 @@ def _repeated(tables: Tables) -> list[Key]:
 
 
 def _pattern(tables: Tables, of: Key) -> tuple[Key, _Pattern]:
-    """Entry and its pattern. Raises InputError if the pattern has a fault."""
+    """The entry `of` (table and name) and its pattern.
+
+    Raises InputError if the pattern has a fault.
+    """
     (table, name), patterns = of, tables.get("patterns", {})
     key, pattern = f"{table}.{name}.{_PATTERN}", tables[table][name][_PATTERN]
     if isinstance(pattern, str):
@@ -172,7 +175,11 @@ def _coordinates(tables: Tables, point: str) -> list[float] | None:
 
 
 def _references(tables: Tables, table: str, name: str) -> Iterator[tuple[str, str, str]]:
-    """Each reference from one entry to another: its location, and that entry's table and name."""
+    """References from the entry `name` of `table` to other points, bodies and joints.
+
+    Each contains the location of the reference, and the table and the name of the entry to which it
+    refers.
+    """
     rule = rules_of(tables).keys[table].kind
     entries = {name: tables[table][name]}
     for key, kind, value in rule.within(entries, table):
@@ -183,7 +190,10 @@ def _references(tables: Tables, table: str, name: str) -> Iterator[tuple[str, st
 def _copied(
     tables: Tables, patterns: Mapping[Key, _Pattern], of: Key, number: int
 ) -> dict[str, Any] | list[float]:
-    """Copy `number` of an entry with a pattern."""
+    """Copy `number` (from 1) of the entry `of` (table and name), which has a pattern.
+
+    `patterns` contains the patterns of all entries.
+    """
     (table, name), pattern = of, patterns[of]
     entry = {key: value for key, value in tables[table][name].items() if key != _PATTERN}
     if table == "points":
@@ -202,7 +212,10 @@ def _copied(
         return [numbered(among, name) for name in value] if are_names else value
 
     def placed(stop: Any) -> Any:
-        """Point of a leg's centre line in the copy, by its name or its coordinates."""
+        """Point of a leg's centre line in the copy, from that of the entry.
+
+        Both are a name, coordinates, or a table { arc = POINT } with one of these.
+        """
         if isinstance(stop, dict):
             return {key: placed(point) for key, point in stop.items()}
         if isinstance(stop, str):
@@ -228,7 +241,7 @@ def _copied(
 
 
 def _default_up(tables: Tables, leg: Tables) -> list[float]:
-    """Default `up` direction (3) of a leg, meaningless if its points have faults."""
+    """Default direction `up` (3) of a leg from its entry. Arbitrary if its points have faults."""
     ends = [tables["points"].get(leg.get(end)) for end in ("from", "to")]
     start, tip = (
         np.array(point["at"] if isinstance(point, dict) else point or 0.0) for point in ends
@@ -239,7 +252,10 @@ def _default_up(tables: Tables, leg: Tables) -> list[float]:
 
 
 def _turned(entry: Tables, pattern: _Pattern, number: int) -> dict[str, Any]:
-    """Positions, directions and matrices (base axes) that a body or joint has in copy `number`."""
+    """Keys and values of copy `number` of a body or joint that the rotation changes.
+
+    They are positions, directions and matrices in base axes.
+    """
     turned: dict[str, Any] = {}
     rotation = pattern.turn(number)
     if isinstance(entry.get("centre"), list):

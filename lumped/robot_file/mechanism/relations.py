@@ -99,7 +99,7 @@ def leg_faults(leg: LegDraft) -> Iterator[str]:
 
 
 def _own_material_faults(leg: LegDraft, section: OwnMaterials) -> Iterator[str]:
-    """Faults of a leg whose section has materials of its own."""
+    """Faults of a leg with a composite or laminate section, which defines its own materials."""
     key, length = leg.key, leg.length
     reasons = {
         "compliance": "does not belong to a leg with a section",
@@ -115,12 +115,12 @@ def _own_material_faults(leg: LegDraft, section: OwnMaterials) -> Iterator[str]:
 
 
 def _doubt(unit: UnitOfLength) -> str:
-    """Question, for messages, whether a length that is too large is in a smaller unit."""
+    """Question to the user, for messages about lengths that are too large for `unit`."""
     return "is this in mm?" if unit == METRE else "is this in µm?"
 
 
 def _size_faults(section: Any, length: float, key: str, unit: UnitOfLength) -> Iterator[str]:
-    """Faults of a section that is larger than the leg of `length` (m) to which it belongs."""
+    """Faults of a section that is larger than the length (m) of its leg at `key`."""
     outlined = isinstance(section, Polygon | Composite)
     name = "parts" if isinstance(section, Composite) else "outline"
     if outlined and (largest := max(section.extent)) >= length:
@@ -213,7 +213,7 @@ def _part(body: BodyDraft) -> Iterator[str]:
 
 
 def material_faults(material: MaterialEntry, path: str) -> Iterator[str]:
-    """Faults of the material of a part. `path` precedes each key."""
+    """Faults of the material of a part. `path` (such as "materials.steel.") precedes each key."""
     if material.rho is None:
         yield f"{path}rho: missing; a part's mass follows from its density"
     if material.G is not None:
@@ -221,7 +221,7 @@ def material_faults(material: MaterialEntry, path: str) -> Iterator[str]:
 
 
 def interface_faults(entry: InterfaceEntry | PressureEntry, key: str) -> Iterator[str]:
-    """Error message for an entry that selects its faces in no way or in several ways."""
+    """Fault of an entry that does not select faces by exactly one of its four keys for this."""
     choices = ("faces", "name", "cylinder", "plane")
     present_keys = _present_keys(entry, *choices)
     if len(present_keys) != 1:
@@ -364,7 +364,10 @@ def _catalogue_faults(
 def _strange_directions(
     numbers: AlongDirections, directions: Sequence[str], key: str, kind: str
 ) -> Iterator[str]:
-    """Faults of values for directions that a kind of joint does not have."""
+    """Faults of `numbers` along `directions`, the named directions of a kind of joint.
+
+    They concern names that are not among the directions, and a table without numbers.
+    """
     if not numbers:
         yield f"{key}: has no number; must have one of {', '.join(directions)}"
     for name in numbers:
@@ -408,7 +411,7 @@ def _up_faults(joint: JointDraft) -> Iterator[str]:
 
 
 def _drive_faults(drive: DriveEntry, key: str, kind: JointKind) -> Iterator[str]:
-    """Faults of a drive: its joint, its stiffness, and keys that have no effect."""
+    """Faults of a drive: wrong kind of joint, missing stiffness, and keys without effect."""
     if FREEDOMS[kind] != 1:
         yield (
             f"{key}: a {kind} joint has {FREEDOMS[kind] or 'no'} free motions; "
@@ -514,14 +517,17 @@ def _present_keys(entry: object, *names: str) -> list[str]:
 
 
 def named_twice(names: Sequence[str], key: str) -> Iterator[str]:
-    """Faults of repeated names. {} in `key` is replaced by the number of the name."""
+    """Faults of names that are listed twice.
+
+    `key` is the location of a name, in which its number (from 1) replaces {}.
+    """
     for i, name in enumerate(names):
         if name in names[:i]:
             yield f"{key.format(i + 1)} = {shown(name)}: named twice"
 
 
 def _parallel(first: object, second: object, sine: float) -> bool:
-    """True if two directions are parallel, or one is zero.
+    """True if two directions (3 each) are parallel, or one is zero.
 
     `sine` is the sine of the largest angle between directions that count as parallel.
     """

@@ -41,9 +41,9 @@ _ENTRIES_OF_A_STIFFNESS = 2
 
 @dataclass(frozen=True)
 class Asymmetry:
-    """Two entries of a matrix that should be equal, `lower` (row > column) and `upper`.
+    """Two entries of a matrix that should be equal: `lower` below the diagonal, `upper` above it.
 
-    `row` and `column` are counted from 1.
+    `row` and `column` (from 1) are those of `lower`.
     """
 
     row: int
@@ -78,7 +78,7 @@ def is_positive_definite(matrix: Array) -> bool:
 
 
 def symmetric(rows: Any) -> Array:
-    """Symmetric part of a matrix."""
+    """Symmetric part of a square matrix that is given by its rows."""
     matrix: Array = np.array(rows, dtype=float)
     mean: Array = 0.5 * (matrix + matrix.T)
     return mean
@@ -86,7 +86,10 @@ def symmetric(rows: Any) -> Array:
 
 @dataclass(frozen=True)
 class SquareMatrix(Rule):
-    """Rule for a positive definite matrix with `size` rows: `compliance`, otherwise inertia."""
+    """Rule for a symmetric positive definite matrix with `size` rows and columns in `unit`.
+
+    `compliance` is True for a compliance matrix, False for an inertia matrix.
+    """
 
     written = (list,)
     size: int
@@ -109,7 +112,10 @@ class SquareMatrix(Rule):
 
 
 def _matrix_faults(value: object, kind: SquareMatrix) -> list[str]:
-    """Faults of a matrix from a file, as texts such as "[1,2] = …" that follow the matrix's key."""
+    """Faults of a matrix from a file.
+
+    Each is a text such as "[1,2] = …", which continues the key of the matrix in a message.
+    """
     faults = _shape_faults(value, kind)
     if faults:
         return faults
@@ -157,9 +163,9 @@ def _diagonal_faults(matrix: Array, kind: SquareMatrix) -> list[str]:
 
 
 def _stiffness_fault(matrix: Array) -> str:
-    """Error message for a stiffness matrix given as a compliance. "" for other matrices.
+    """Error message for a stiffness matrix in place of a compliance. "" for other matrices.
 
-    This message replaces the faults of all entries.
+    It is reported in place of the faults of single entries.
     """
     diagonal = np.diag(matrix)
     above = np.flatnonzero(diagonal > LARGEST_COMPLIANCE)

@@ -39,7 +39,10 @@ def key_table() -> str:
 
 
 def key_comments(tables: Mapping[str, Any]) -> str:
-    """List of all keys as TOML comments, for the end of a file with these `tables`."""
+    """List of all keys as TOML comments, for the end of a robot file.
+
+    The keys are those of the schema of `tables`, the tables of the file.
+    """
     rules = rules_of(tables)
     lines = ["# All keys, permitted values and meaning:"]
     for name, allowed, meaning in _lines(rules):
@@ -50,7 +53,10 @@ def key_comments(tables: Mapping[str, Any]) -> str:
 
 
 def _lines(rule: Rule, path: str = "") -> Iterator[tuple[str, str, str]]:
-    """Full name, allowed values and meaning of each key of a table and of its sub-tables."""
+    """Full name, allowed values and meaning of each key of a table and of its sub-tables.
+
+    `path` precedes each name, such as "joints.NAME.".
+    """
     match rule:
         case TableRule():
             for name, key in rule.keys.items():

@@ -36,16 +36,17 @@ def too_many(key: str, count: int, most: int) -> str:
 
 
 class Rule(ABC):
-    """Rule for a value.
+    """Base class of rules for one value of a robot file.
 
-    `written` are the Python types of allowed values, both as parsed from TOML and as read.
+    `written` are the Python types of allowed values, both as parsed from TOML and as converted by
+    `read`.
     """
 
     written: ClassVar[tuple[type, ...]] = ()
 
     @property
     def many(self) -> str:
-        """Plural description of the values, to complete "must be a list of …"."""
+        """Plural noun for the values that the rule allows, to complete "must be a list of …"."""
         return "entries"
 
     @property
@@ -63,25 +64,26 @@ class Rule(ABC):
         return [] if isinstance(value, self.written) else [self.refused(value, key)]
 
     def read(self, value: Any) -> Any:
-        """Value converted to the form that computations need."""
+        """Value without faults, converted to the form that computations need."""
         return value
 
     def checked(self, value: object, key: str) -> tuple[list[str], Any]:
-        """Faults of a value, and the value as read. The value is None if it has faults."""
+        """Faults of a value, and the converted value. The latter is None if there are faults."""
         faults = self.faults(value, key)
         return faults, None if faults else self.read(value)
 
     def within(self, value: Any, key: str) -> Iterator[tuple[str, "Rule", Any]]:
         """Yield key, rule and value for a value without faults, and for all values within it.
 
-        The value can be as parsed from TOML or as read.
+        The value may be as parsed from TOML, or converted by `read`.
         """
         yield key, self, value
 
     def in_unit(self, unit: UnitOfLength, moves: Sequence[str]) -> Self:  # noqa: ARG002
-        """Rule for a file with lengths in `unit` and with poses along the given `moves`.
+        """The same rule for a file with lengths in `unit`.
 
-        Values are converted to metres when they are read.
+        Values are converted to metres when they are read. `moves` are the moves of the tool, which
+        determine the units of the coordinates of a pose.
         """
         return self
 
@@ -94,9 +96,11 @@ class Rule(ABC):
 class Number(Rule):
     """Rule for a number in `unit`, with limits `above` or `least`, and `below` or `most`.
 
-    `low` and `high` are questions to the user, appended to messages about too small and too large
-    numbers. A number above 0 but below `slip` is refused as mistyped. `example` follows the unit in
-    messages. Values are divided by `divisor` when they are read.
+    `above` and `below` are excluded from the allowed range, `least` and `most` are included. `low`
+    and `high` are questions to the user about the unit, appended to messages about too small and
+    too large numbers. A number above 0 but below `slip` is refused as mistyped. `example` follows
+    the unit in messages. `whole` is True for integers. Values are divided by `divisor` when they
+    are read.
     """
 
     written = (int, float)
@@ -184,9 +188,10 @@ class Number(Rule):
 
 @dataclass(frozen=True)
 class Text(Rule):
-    """Rule for a text that matches `pattern`, described by `allowed`.
+    """Rule for a text that matches the regular expression `pattern`.
 
-    If `among` is not "", the text is the name of an entry in that table of the file.
+    `allowed` describes the pattern in messages. If `among` is not "", the text is the name of an
+    entry in the table `among` of the file.
     """
 
     written = (str,)
@@ -206,7 +211,7 @@ class Text(Rule):
 
 @dataclass(frozen=True)
 class OneOf(Rule):
-    """Rule for one of several texts or integers."""
+    """Rule for a value that is one of several texts, integers or truth values."""
 
     written = (str,)
     values: Sequence[str | int]
@@ -234,7 +239,10 @@ class OneOf(Rule):
 
 @dataclass(frozen=True)
 class Several(Rule):
-    """Rule for a list of values of one kind: exactly `count`, or from `least` to `most`."""
+    """Rule for a list of values, each of which satisfies the rule `kind`.
+
+    The list has exactly `count` values, or from `least` to `most` if `count` is None.
+    """
 
     written = (list, tuple)
     kind: Rule
@@ -285,7 +293,10 @@ class Several(Rule):
 
 @dataclass(frozen=True)
 class Pose(Several):
-    """Rule for the coordinates of a pose, which are divided by `divisors` to obtain m and rad."""
+    """Rule for the coordinates of a pose, given as a list.
+
+    They are divided by `divisors`, one for each coordinate, to obtain m and rad.
+    """
 
     divisors: tuple[float, ...] = ()
 
@@ -305,14 +316,17 @@ class Pose(Several):
 
 @dataclass(frozen=True)
 class Either(Rule):
-    """Rule for a value of one of two kinds with different TOML types, such as a text or a list."""
+    """Rule for a value that satisfies one of two rules, such as those for a text or for a list.
+
+    The two rules must be for different TOML types.
+    """
 
     first: Rule
     second: Rule
 
     @property
     def written(self) -> tuple[type, ...]:  # type: ignore[override]
-        """Python types of the values of either kind."""
+        """Python types of the values that either of the two rules allows."""
         return self.first.written + self.second.written
 
     @property
@@ -347,7 +361,11 @@ class Either(Rule):
 
 @dataclass(frozen=True)
 class Named(Rule):
-    """Rule for a table of at most `most` entries of one kind, whose names the author chooses."""
+    """Rule for a table of at most `most` named entries, such as [points] or [bodies].
+
+    The author of the file chooses the names, which satisfy the rule `name`. Each entry satisfies
+    the rule `kind`.
+    """
 
     written = (dict,)
     allowed = "a table of named entries"
@@ -368,7 +386,7 @@ class Named(Rule):
         return self.checked(value, key)[0]
 
     def checked(self, value: object, key: str) -> tuple[list[str], dict[str, Any]]:
-        """Faults of all entries, and the entries without faults as read."""
+        """Faults of all entries, and the converted entries without faults, by name."""
         if not isinstance(value, dict):
             return [self.refused(value, key)], {}
         if len(value) > self.most:
@@ -397,10 +415,11 @@ class Named(Rule):
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table, with the rule for its value.
+    """A key of a table with the rule `kind` for its value, and its `meaning` as a help text.
 
-    `default` is the value if the key is omitted. `owners` are the kinds of entries that have the
-    key; empty if all have it.
+    `default` is the value if the key is omitted. `owners` are the kinds of entries that can have
+    the key, such as "leg". It is empty if all kinds can. `required` is True if the key must not be
+    omitted.
     """
 
     name: str
@@ -412,13 +431,16 @@ class Key:
 
 
 def needed(name: str, kind: Rule, meaning: str) -> Key:
-    """A key that a table must have."""
+    """A key that must not be omitted from its table."""
     return Key(name, kind, meaning, required=True)
 
 
 @dataclass(frozen=True)
 class Value:
-    """Annotation of a field of an entry: rule, meaning and `owners` of its key, see `Key`."""
+    """Annotation of a dataclass field that declares a key of a table.
+
+    `kind`, `meaning` and `owners` are those of the `Key`.
+    """
 
     kind: Rule
     meaning: str
@@ -426,9 +448,9 @@ class Value:
 
 
 def field_of(name: str) -> str:
-    """Field of an entry that contains the value of a key.
+    """Name of the dataclass field that contains the value of the key `name`.
 
-    It has the name of the key. An underscore follows if that is a keyword of Python.
+    It is the name of the key, followed by an underscore if it is a keyword of Python.
     """
     return f"{name}_" if iskeyword(name) else name
 
@@ -436,7 +458,8 @@ def field_of(name: str) -> str:
 def table_of(entry: type) -> "TableRule":
     """Rule for a table that is read into the dataclass `entry`.
 
-    Each field, annotated with its `Value`, declares a key. A field without a default is required.
+    Each field is annotated with a `Value` and declares a key. The key is required if the field has
+    no default.
     """
     hints, keys = get_type_hints(entry, include_extras=True), []
     for field in fields(entry):
@@ -458,10 +481,10 @@ def table_of(entry: type) -> "TableRule":
 
 
 class TableRule(Rule):
-    """Rule for a table: its keys, and the rule for the value of each.
+    """Rule for a table: its keys, and the rule for the value of each key.
 
-    `record` makes the record into which the table is read. Its arguments are the values of all
-    keys, under the names of `field_of`.
+    `record` is a function or class that makes a record of the values of all keys. It gets them as
+    keyword arguments, whose names are those of the keys (see `field_of`).
     """
 
     allowed = "a table"
@@ -473,7 +496,7 @@ class TableRule(Rule):
 
     @property
     def written(self) -> tuple[type, ...]:  # type: ignore[override]
-        """Types of a table as parsed from TOML and as read."""
+        """Python types of a table as parsed from TOML, and of the record made of it."""
         return (dict, self.record) if isinstance(self.record, type) else (dict,)
 
     @property
@@ -504,10 +527,11 @@ class TableRule(Rule):
     def checked_within(
         self, table: Mapping[str, object], path: str = ""
     ) -> tuple[list[str], dict[str, Any]]:
-        """Faults of the entries of a table, and the values of keys without faults by name.
+        """Faults of the entries of a table, and the converted values of its keys, by key.
 
-        A table of named entries contains those entries that have no faults. The values of keys
-        that are left out are missing.
+        `path` precedes each key in messages. The value of a key with faults is None, except that a
+        table of named entries contains all entries without faults. Keys that are omitted from the
+        table are omitted from the result.
         """
         unknown = [name for name in table if name not in self.keys]
         faults = []
@@ -540,7 +564,7 @@ class TableRule(Rule):
         )
 
     def entry(self, values: Mapping[str, Any]) -> Any:
-        """Record of a table from the values of its keys, with defaults for those left out."""
+        """Record of a table from the converted values of its keys, or their defaults if omitted."""
         return self.record(
             **{field_of(name): values.get(name, key.default) for name, key in self.keys.items()}
         )

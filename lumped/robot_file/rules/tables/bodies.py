@@ -47,7 +47,10 @@ from lumped.sections import Section
 
 
 def cylinder_table(point: Key) -> TableRule:
-    """Rule for the faces of a part on a cylinder. `point` is the key of a point on its axis."""
+    """Rule for a table that selects the faces of a part on a cylinder.
+
+    `point` is the key for a point on the axis of the cylinder.
+    """
     return TableRule(
         ByCylinder,
         needed("radius", LENGTH, "radius of the bore or boss"),
@@ -58,7 +61,10 @@ def cylinder_table(point: Key) -> TableRule:
 
 
 def plane_table(point: Key) -> TableRule:
-    """Rule for the faces of a part in a plane. `point` is the key of a point in it."""
+    """Rule for a table that selects the faces of a part in a plane.
+
+    `point` is the key for a point in the plane.
+    """
     return TableRule(ByPlane, needed("normal", DIRECTION, "outward normal"), point, _NEAR)
 
 
@@ -74,7 +80,10 @@ ON_CYLINDER, IN_PLANE = "all faces on a cylinder", "all flat faces in a plane"
 
 @dataclass(frozen=True, kw_only=True)
 class InterfaceEntry:
-    """Interface of a CAD part: its faces, selected in one of four ways, and their coupling."""
+    """Interface of a CAD part: its faces and their coupling.
+
+    Exactly one of `faces`, `name`, `cylinder` and `plane` selects the faces.
+    """
 
     faces: FaceNumbers = None
     name: FaceName = None
@@ -115,7 +124,10 @@ class ArcEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class PatternEntry:
-    """Rotational symmetry: `count` copies about the axis `about` through a point."""
+    """Rotational symmetry: `count` copies about an axis in the direction `about`.
+
+    The axis passes through the point `through`.
+    """
 
     about: Annotated[
         Literal["x", "y", "z"] | Triple,
@@ -136,7 +148,7 @@ Copies: TypeAlias = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class RepeatedPointEntry:
-    """Point with a pattern."""
+    """Point with copies about an axis, which are described by a pattern."""
 
     at: Annotated[Triple, Value(POINT, "point of the first copy")]
     pattern: Copies = None
@@ -160,7 +172,10 @@ _BODY_INERTIA = "inertia about the mass centre; base axes, for a leg: leg axes"
 
 @dataclass(frozen=True, kw_only=True)
 class BodyEntry:
-    """Leg, rigid body or CAD part. Keys of the other two kinds are None."""
+    """Body of a mechanism: a leg, a rigid body or a CAD part.
+
+    Keys that belong to the other two kinds are None.
+    """
 
     from_: Annotated[str | None, Value(POINT_NAME, "point at the root", _LEG)] = None
     to: Annotated[

@@ -56,7 +56,7 @@ _GROOVE = Number(above=0.5, most=0.6)
 
 
 class _Axes(Several):
-    """Rule for the axes of a universal joint. Joints of another kind have one `axis`."""
+    """Rule for the key `axes` of a universal joint. Joints with one axis have the key `axis`."""
 
     def refused(self, value: object, key: str) -> str:
         return f"{super().refused(value, key)}; a joint of one axis has axis = [x, y, z]"
@@ -64,7 +64,11 @@ class _Axes(Several):
 
 @dataclass(frozen=True, kw_only=True)
 class NutEntry:
-    """Data of a ball nut in a catalogue, or its `size`. It has a preload or, with play, a load."""
+    """Catalogue data of the nut of a ball screw, with the load under which its stiffness is needed.
+
+    The data are given by the built-in `size`, or by `rigidity`, `load_rating` and `share`. A nut
+    without play has the key `preload`, a nut with play the key `load`.
+    """
 
     size: Annotated[
         str | None, Value(OneOf(tuple(NUTS)), "designation of a nut whose table is built in")
@@ -126,7 +130,7 @@ class ScrewEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class DriveEntry:
-    """Drive of a revolute or prismatic joint, of a given stiffness or with a ball screw."""
+    """Drive of a revolute or prismatic joint, with a `stiffness` or a ball `screw`."""
 
     stiffness: Annotated[
         Spring | None,
@@ -161,15 +165,15 @@ def _direction_keys() -> Iterator[tuple[str, Direction, str]]:
 
 
 def _given(**values: Spring | None) -> Mapping[str, Spring]:
-    """Values by the names of their directions, without directions whose value is None."""
+    """Those of the `values` that are not None, by the names of their directions."""
     return {name: value for name, value in values.items() if value is not None}
 
 
 def _along_directions(rules: tuple[Rule, Rule], *, free: bool) -> TableRule:
-    """Table of numbers along directions of joints, such as stiffnesses.
+    """Rule for a table of numbers along named directions of joints, such as stiffnesses.
 
-    `rules` are the rules for translations and for rotations. `free` is True if the table includes
-    the directions along which the joint is free.
+    `rules` are the rules for numbers along translations and along rotations. `free` is True if the
+    table includes the directions along which the joint can move.
     """
     return TableRule(
         _given,
@@ -200,8 +204,9 @@ _JOINT_DAMPING = _along_directions(
 
 @dataclass(frozen=True, kw_only=True)
 class BearingEntry:
-    """Preloaded ball bearing: a published `size`, or its inside; and the arrangement of its rows.
+    """Preloaded ball bearing: the geometry of a row, the preload, and the arrangement of the rows.
 
+    The geometry is given by a published `size`, or by the numbers from `balls` to `outer_groove`.
     Lengths are in m, angles in degrees.
     """
 
@@ -240,10 +245,10 @@ class BearingEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class GuideEntry:
-    """Carriage of a profile rail guide: a `size`, or the inside of one on four rows of balls.
+    """Carriage of a profile rail guide: a built-in `size`, or the geometry of its rows of balls.
 
-    Lengths are in m, angles in degrees. The preload is a class if there is a `size`, otherwise a
-    force in N.
+    The geometry is given by the numbers from `balls` to `lines`. Lengths are in m, angles in
+    degrees. `preload` is a class for a `size`, otherwise a force in N.
     """
 
     size: Annotated[

@@ -84,7 +84,7 @@ _NODE = Text(r"[1-9][0-9]{0,8}", "a number of up to nine digits")
 
 @dataclass(frozen=True, kw_only=True)
 class LineEntry:
-    """Load along a leg."""
+    """Distributed load along a leg, part of a load case."""
 
     leg: Annotated[str, Value(BODY_NAME, "leg of constant section, or with a 6×6")]
     wrench: Annotated[Wrench, Value(_PER_LENGTH, "forces and moments per length at `from`")]
@@ -107,7 +107,10 @@ class LineEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class PressureEntry:
-    """Pressure on faces of a CAD part."""
+    """Pressure on faces of a CAD part, part of a load case.
+
+    Exactly one of `faces`, `name`, `cylinder` and `plane` selects the faces.
+    """
 
     body: Annotated[str, Value(BODY_NAME, "CAD part whose faces it acts on")]
     pressure: Annotated[float, Value(_PRESSURE, "pressure, positive into the body")]
@@ -132,7 +135,7 @@ class PressureEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class LoadEntry:
-    """Load case."""
+    """Load case (table [[loads]]): the wrenches, accelerations and pressures that act together."""
 
     name: Annotated[str, Value(NAME, "name; judged as load:NAME")]
     wrench: Annotated[Wrench | None, Value(Several(FORCE, 6), "forces and moments, base axes")] = (
@@ -167,14 +170,14 @@ class LoadEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class DampingEntry:
-    """Damping of all modes."""
+    """Damping of all modes (table [damping]), besides the loss factors of bodies and joints."""
 
     ratio: Annotated[float, Value(LOSS, "damping ratio of every mode")]
 
 
 @dataclass(frozen=True, kw_only=True)
 class MotionEntry:
-    """Displacement that is computed as harmonic response: its point and direction."""
+    """Displacement that is computed as the response to a harmonic force: point and direction."""
 
     point: Annotated[str | None, Value(POINT_NAME, "point whose displacement is computed")]
     body: Annotated[
@@ -189,7 +192,7 @@ class MotionEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseEntry:
-    """Response to a harmonic force."""
+    """Response to a harmonic force (table [[responses]])."""
 
     name: Annotated[str, Value(NAME, "name; judged as response:NAME")]
     direction: Annotated[
@@ -227,19 +230,26 @@ class ResponseEntry:
 
     @property
     def judged_frequency(self) -> float | None:
-        """Frequency (Hz) at which the response is judged besides its peak, if any."""
+        """Frequency (Hz) at which the response is judged besides its peak. None without one."""
         number = self.at if isinstance(self.at, float) else None
         return number if self.frequency is None else self.frequency
 
     @property
     def motion(self) -> MotionEntry:
-        """Displacement of the response. Its point is None if that is where the force acts."""
+        """Displacement that is computed as the response.
+
+        Its point is None if it is the point where the force acts.
+        """
         return self.of if isinstance(self.of, MotionEntry) else MotionEntry(point=self.of)
 
 
 @dataclass(frozen=True, kw_only=True)
 class AcceptEntry:
-    """Accepted errors of models. `limits`: relative errors of deflection, by unit load."""
+    """Accepted errors of models (table [accept]), as in `Requirement`.
+
+    `limits` are relative limits on deflections under single unit loads, by the name of the load
+    ("x" … "phi_z", "any_force").
+    """
 
     deflection: float
     displacement: float | None
@@ -296,7 +306,7 @@ AGREE = TableRule(
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredEntry:
-    """Measured value."""
+    """Measured value (table [[measured]] or row of a CSV file)."""
 
     quantity: Annotated[
         str, Value(TEXT, "x y z phi_x phi_y phi_z, f1 f2 …, leg1.c22 … or response:NAME …")
@@ -339,7 +349,7 @@ class NodeEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class HammerEntry:
-    """Modal test: nodes by number, pose, and relative standard uncertainties."""
+    """Modal test (table [hammer]): nodes by number, pose, and relative standard uncertainties."""
 
     nodes: Annotated[
         Mapping[str, NodeEntry],
@@ -362,7 +372,7 @@ class HammerEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class InputUncertaintyEntry:
-    """Uncertainty of a number or a matrix of the file."""
+    """Uncertainty of a number or a matrix in the file (table [[input_uncertainty]])."""
 
     key: Annotated[str, Value(TEXT, 'a number or matrix of this file, such as "leg1.length"')]
     relative: Annotated[float, Value(SHARE, "relative standard uncertainty")]

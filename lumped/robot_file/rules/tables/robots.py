@@ -1,4 +1,4 @@
-"""Robot files of both schemas, made of their tables."""
+"""Rules for whole robot files of schema 1 (biglide) and schema 2 (any mechanism)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -77,7 +77,7 @@ TOOL = TableRule(
 
 @dataclass(frozen=True, kw_only=True)
 class PathEntry:
-    """Poses of `run`: a line, a grid or a list."""
+    """Poses in which `run` evaluates the robot (table [path]): a line, a grid or a list."""
 
     from_: Annotated[tuple[float, ...] | None, Value(POSE, "first pose")] = None
     to: Annotated[tuple[float, ...] | None, Value(POSE, "last pose")] = None
@@ -107,7 +107,10 @@ Units: TypeAlias = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class MechanismEntry:
-    """Robot file of schema 2: any mechanism. Copies of entries with a pattern are written out."""
+    """Robot file of schema 2: any mechanism.
+
+    In the record of a file, copies of entries with a pattern are entries of their own.
+    """
 
     schema: Schema
     name: Name
@@ -162,14 +165,14 @@ _ACTUATOR_STIFFNESS = Number(
 
 
 def _of_leg(name: str) -> Value:
-    """Rule and meaning of a key that a leg of the biglide shares with bodies of schema 2."""
+    """Rule and meaning of the key `name`, which a leg of the biglide shares with other bodies."""
     key = BODY.keys[name]
     return Value(key.kind, key.meaning)
 
 
 @dataclass(frozen=True, kw_only=True)
 class BiglideLegEntry:
-    """Leg of the biglide."""
+    """Leg of the biglide (tables [leg1] and [leg2])."""
 
     length: Annotated[float, Value(LENGTH, "distance between its joints")]
     mass: Annotated[float | None, Value(MASS, "mass; replaces a density")] = None
@@ -184,7 +187,7 @@ class BiglideLegEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class GeometryEntry:
-    """Geometry of the biglide's slides and tool."""
+    """Geometry of the biglide's slides and tool (table [geometry])."""
 
     a: Annotated[float, Value(LENGTH, "distance between the slides along x")]
     alpha: Annotated[float, Value(_RATIO, "factor on both lengths at the same stroke")] = 1.0
@@ -195,14 +198,14 @@ class GeometryEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class PlatformEntry:
-    """Point mass of the biglide."""
+    """Platform of the biglide (table [platform]), which is a point mass."""
 
     mass: Annotated[float, Value(MASS, "mass at the loaded point")]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ActuatorsEntry:
-    """Drives of the biglide in the simplified model."""
+    """Drives of the biglide in the simplified model (table [actuators])."""
 
     stiffness: Annotated[float, Value(_ACTUATOR_STIFFNESS, "stiffness along y")]
     loss: Annotated[float, Value(LOSS, "loss factor")] = 0.0
@@ -210,7 +213,7 @@ class ActuatorsEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class FootEntry:
-    """Foot of both legs of the biglide."""
+    """Elastic feet of both legs of the biglide (table [foot])."""
 
     compliance: Annotated[Array, Value(COMPLIANCE, "compliance at the revolute joint, robot axes")]
     loss: Annotated[float, Value(LOSS, "loss factor")] = 0.0
@@ -219,7 +222,7 @@ class FootEntry:
 
 @dataclass(frozen=True, kw_only=True)
 class SpringEntry:
-    """Spring at the tool of the biglide."""
+    """Spring between platform and tool of the biglide (table [tool])."""
 
     compliance: Annotated[
         Array, Value(COMPLIANCE, "compliance in series at the loaded point, robot axes")
@@ -230,7 +233,10 @@ class SpringEntry:
 
 @dataclass(frozen=True)
 class Correction:
-    """A misprint at `key`: value `printed` in the source, value `used` in the file, `reason`."""
+    """Corrected misprint in the source of the data (table [[corrections]]).
+
+    The source has the value `printed` at `key`, the file the value `used`, for the given `reason`.
+    """
 
     key: Annotated[str, Value(TEXT, "key that differs from the source")]
     printed: Annotated[float, Value(NUMBER, "value printed in the source")]
@@ -287,7 +293,7 @@ RobotEntry: TypeAlias = MechanismEntry | BiglideEntry
 
 
 def rules_of(tables: Mapping[str, Any]) -> TableRule:
-    """Rules for the tables of a file: those of its schema, in its unit of length."""
+    """Rule for all tables of a file, according to its schema and its unit of length."""
     unit = length_unit_of(tables)
     rules = MECHANISM if is_mechanism(tables) else BIGLIDE
     return rules if unit == METRE else _in_unit(rules, unit, _moves_of(tables))
@@ -304,13 +310,13 @@ def is_mechanism(tables: Mapping[str, Any]) -> bool:
 
 
 def length_unit_of(tables: Mapping[str, Any]) -> UnitOfLength:
-    """Unit of length of a file. Metre if none or a wrong one is given."""
+    """Unit of length of a file. It is the metre if the file has no unit or an invalid one."""
     name = tables.get("units")
     return LENGTH_UNITS.get(name, METRE) if isinstance(name, str) else METRE
 
 
 def _moves_of(tables: Mapping[str, Any]) -> tuple[str, ...]:
-    """Moves of the tool. Empty if they have faults."""
+    """Moves of the tool in the tables of a file. Empty if they have faults."""
     if not is_mechanism(tables):
         return _BIGLIDE_MOVES
     tool = tables.get("tool")

@@ -66,7 +66,7 @@ _PLY_RATIO = Number(above=-10.0, below=10.0)
 
 @dataclass(frozen=True, kw_only=True)
 class MaterialEntry:
-    """Isotropic material. `G` is only for legs, if it differs from E/2(1 + ν)."""
+    """Elastic material. `G` is only for legs whose shear modulus differs from E/2(1 + ν)."""
 
     E: Annotated[float, Value(_YOUNGS_MODULUS, "Young's modulus")]
     nu: Annotated[float, Value(_POISSONS_RATIO, "Poisson's ratio")]
@@ -83,7 +83,7 @@ MATERIAL_OR_NAME = Either(MATERIAL_NAME, MATERIAL)
 
 @dataclass(frozen=True, kw_only=True)
 class PlyEntry:
-    """Constants of the layers of a laminate, unless a layer has values of its own."""
+    """Constants of all layers of a laminate. Values of a single layer replace them."""
 
     E1: Annotated[float | None, Value(_YOUNGS_MODULUS, "Young's modulus along the fibres")] = None
     E2: Annotated[float | None, Value(_YOUNGS_MODULUS, "Young's modulus across the fibres")] = None
@@ -100,7 +100,7 @@ PLY = table_of(PlyEntry)
 
 @dataclass(frozen=True, kw_only=True)
 class LayerEntry(PlyEntry):
-    """Layer of a laminate: its `angle` (degrees), and keys that replace those of the ply."""
+    """Layer of a laminate: its `angle` (degrees), and constants that replace those of `ply`."""
 
     angle: float
 
@@ -112,9 +112,10 @@ _LAYER = TableRule(
 
 @dataclass(frozen=True)
 class LaminateWall:
-    """Wall of a laminate tube or box of the given `sizes` (m).
+    """Wall of a laminate tube or box, as described in a robot file.
 
-    `layers` (from the inside) are angles (degrees), or entries whose keys replace those of `ply`.
+    `sizes` are the outer dimensions (m) by the names of their keys. `layers` are in order from the
+    inside. Each is an angle (degrees), or an entry whose constants replace those of `ply`.
     """
 
     shape: type[LaminateTube] | type[LaminateBox]
@@ -127,7 +128,7 @@ class LaminateWall:
         return self
 
     def faults(self, unit: str = "m") -> list[str]:
-        """Faults of the layers and of the shape."""
+        """Faults of the layers and of the shape, one text each. Lengths in texts are in `unit`."""
         missing = [
             f"layers[{number}].{name}: missing; must be given there or in ply"
             for number, layer in enumerate(self._layers, start=1)
@@ -137,12 +138,12 @@ class LaminateWall:
         return missing[:1] or self.section.faults(unit)
 
     def material_faults(self, key: str) -> Iterator[str]:  # noqa: ARG002
-        """Empty: faults of layers are among those of the section."""
+        """No faults, because `faults` includes those of the layers' constants."""
         yield from ()
 
     @property
     def _layers(self) -> list[dict[str, Any]]:
-        """Value of each field of each layer. None if neither the layer nor `ply` defines it."""
+        """Fields of each layer, by name. A value is None if neither layer nor `ply` defines it."""
         return [
             {
                 name: getattr(self.ply, name, None) if value is None else value
@@ -160,18 +161,21 @@ class LaminateWall:
 
     @property
     def section(self) -> Laminate:
-        """Laminate section of the wall, whose layers must have all keys."""
+        """Laminate section with this wall. Each layer must have all its constants."""
         return self.shape(tuple(Layer(**layer) for layer in self._layers), **self.sizes)
 
 
 @dataclass(frozen=True)
 class CompositeParts:
-    """Parts of a composite section. Names in [materials] may not yet be resolved."""
+    """Parts of a composite section, as described in a robot file.
+
+    The material of a part is a record, or a name in [materials] until `resolved` replaces it.
+    """
 
     parts: tuple["CompositePartEntry", ...]
 
     def resolved(self, materials: Mapping[str, MaterialEntry]) -> "CompositeParts":
-        """Copy of the parts with materials in place of their names."""
+        """Copy of the parts with materials in place of names that are in `materials`."""
         return CompositeParts(
             tuple(
                 replace(part, material=materials[part.material])
@@ -182,7 +186,10 @@ class CompositeParts:
         )
 
     def faults(self, unit: str = "m") -> list[str]:
-        """Faults of the shapes and their positions, regardless of materials."""
+        """Faults of the shapes of the parts and of their positions, one text each.
+
+        Lengths in texts are in `unit`.
+        """
         parts = tuple(
             CompositePart(part.section, E=1.0, nu=0.0, rho=1.0, at=part.at) for part in self.parts
         )
@@ -223,7 +230,11 @@ OwnMaterials: TypeAlias = CompositeParts | LaminateWall
 
 @dataclass(frozen=True)
 class SectionRule(Rule):
-    """Rule for a shape of `lumped.sections` with its dimensions (m). The shape checks them."""
+    """Rule for a cross-section: a shape of `lumped.sections` with its dimensions in `unit`.
+
+    `shapes` are the names of the allowed shapes. Relations between dimensions are checked by the
+    shape itself.
+    """
 
     written = (dict,)
     unit: UnitOfLength = METRE
@@ -263,7 +274,10 @@ class SectionRule(Rule):
 
 
 def _section(shape: str, **values: Any) -> Section | OwnMaterials:
-    """Section from the values of its keys. For composites and laminates a record of the values."""
+    """Section from the name of its shape and the values of its keys.
+
+    A composite or laminate is returned as described, because its materials may be names.
+    """
     match SHAPES[shape]:
         case kind if kind is Composite:
             return CompositeParts(values["parts"])
@@ -284,7 +298,7 @@ _PLAIN_SHAPES = tuple(
 
 @dataclass(frozen=True, kw_only=True)
 class CompositePartEntry:
-    """Part of a composite section."""
+    """Part of a composite section, with its shape, material and position."""
 
     section: Annotated[Section, Value(SectionRule(shapes=_PLAIN_SHAPES), "shape of the part")]
     material: Annotated[
@@ -325,7 +339,7 @@ _OWN_KEYS: dict[str, tuple[Key, ...]] = {
 
 
 def _shape_table(shape: str, unit: UnitOfLength) -> TableRule:
-    """Rule for the table of a shape with its dimensions in `unit`, in their usual order."""
+    """Rule for the table of a section of the given `shape` with dimensions in `unit`."""
     kind: Any = SHAPES[shape]
     sizes = (
         needed(field.name, _SIZE, "outer dimension or wall thickness") for field in fields(kind)
@@ -346,7 +360,10 @@ _PLACE_ON_LINE = Either(
 
 
 class Station(NamedTuple):
-    """Section of a leg `at` a named point of its line, or at a fraction of its length (0 to 1)."""
+    """Section of a leg at a position along its centre line.
+
+    `at` is the name of a point of the line, or a fraction (0 to 1) of the line's length.
+    """
 
     at: str | float
     section: Section

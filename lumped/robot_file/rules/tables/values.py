@@ -1,7 +1,7 @@
 """Rules for values that occur in several tables of a robot file, and their limits.
 
-Limits that only detect wrong units are wide: nothing that has been built lies outside, but the
-usual mistakes do (millimetres, gigapascals, a stiffness in place of a compliance).
+Limits that only detect wrong units are wide. Values of robots that have been built lie inside, and
+the usual mistakes lie outside: millimetres, gigapascals, a stiffness in place of a compliance.
 """
 
 from dataclasses import replace
@@ -59,7 +59,10 @@ BODY_NAME, MATERIAL_NAME, POINT_NAME = (
 
 
 def given(value: _Value | None) -> _Value:
-    """`value` of an entry without faults, in which it is never None. Raises TypeError for None."""
+    """`value` itself, which is never None in an entry without faults.
+
+    Raises TypeError if it is None. The function informs the type checker.
+    """
     if value is None:
         raise TypeError("an entry with faults")
     return value
