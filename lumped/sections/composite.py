@@ -1,11 +1,12 @@
 """Sections of several materials, bonded along the edges of their parts.
 
-The leg's axis goes through the centroid weighted by Young's moduli, Σ E_i ∫ s dA = 0: an axial
-force there does not bend the leg. EA and EI are sums over the parts. GJ, shear centre and shear
-stiffness are computed on the edges of all parts (`lumped.sections.saint_venant`): GJ with the shear
-modulus of each part, shear with one mean Poisson's ratio EA/2GA − 1.
+The axis of the leg passes through the centroid weighted by Young's moduli, Σ E_i ∫ s dA = 0, where
+an axial force does not bend the leg. EA and EI are sums over the parts. GJ, shear centre and shear
+stiffness are computed by integrals over the edges of all parts (`lumped.sections.saint_venant`).
+GJ is computed with the shear modulus of each part. Shear centre and shear stiffness are computed
+with one mean Poisson's ratio EA/2GA − 1.
 
-Parts of different Poisson's ratios restrain each other's contraction. This increases EA and EI by
+Parts with different Poisson's ratios restrain each other's contraction. This increases EA and EI by
 an amount of second order in the difference of the ratios, which is neglected here.
 """
 
@@ -42,12 +43,12 @@ _BESIDE = 10.0 * TOUCHING
 
 @dataclass(frozen=True)
 class CompositePart:
-    """A shape of one isotropic material: E (Pa), ν, ρ (kg/m³).
+    """Part of a composite: a shape of one isotropic material with E (Pa), ν and ρ (kg/m³).
 
-    `at` (y, z, m) is the position of the shape's origin in the composite's coordinates. This origin
-    is the middle of shapes with two axes of symmetry, the corner at the smaller y and z of a
-    channel or an angle, the lower end of a tee's middle line, and the origin of a polygon's
-    coordinates.
+    `at` (y and z, in m) is the position of the shape's origin in the composite's coordinates. The
+    origin of a shape with two axes of symmetry is its middle. That of a channel or an angle is the
+    corner at the smallest y and z, and that of a tee is the lower end of its middle line. A polygon
+    has the origin of its coordinates.
     """
 
     section: Section
@@ -58,7 +59,7 @@ class CompositePart:
 
     @property
     def loops(self) -> tuple[Loop, ...]:
-        """Outline counter-clockwise and holes clockwise, in the composite's coordinates."""
+        """Outline (counter-clockwise) and holes (clockwise) in the composite's coordinates (m)."""
         return tuple(loop + np.array(self.at) for loop in outline(self.section))
 
     @property
@@ -68,7 +69,7 @@ class CompositePart:
 
 
 def outline(section: Section) -> tuple[Loop, ...]:
-    """Outline (counter-clockwise) and holes (clockwise) of a shape in its own coordinates."""
+    """Outline (counter-clockwise) and holes (clockwise) of a shape in its own coordinates (m)."""
     match section:
         case OutlinedSection():
             return section.loops
@@ -91,7 +92,7 @@ def _box(width: float, height: float) -> Loop:
 
 
 def _ring(diameter: float) -> Loop:
-    """Regular polygon with the area of a circle."""
+    """Corners (m) of a regular polygon with the same area as a circle of `diameter` (m)."""
     angles = 2.0 * pi * np.arange(_SIDES) / _SIDES
     radius = diameter / 2.0 * sqrt(2.0 * pi / (_SIDES * sin(2.0 * pi / _SIDES)))
     return np.asarray(radius * np.column_stack([np.cos(angles), np.sin(angles)]))
@@ -101,9 +102,9 @@ def _ring(diameter: float) -> Loop:
 class Composite(EdgedSection):
     """Section of parts of different materials that touch along edges and do not overlap.
 
-    Its constants belong to the `mean_material`: E of this material times `second_moment_y` is EIy,
-    its G times `torsion_constant` is GJ, and its ρ times `inertia_moments` are the rotary inertias
-    per length.
+    Its constants are those of a section of the `mean_material`: E of this material times
+    `second_moment_y` is EIy, its G times `torsion_constant` is GJ, and its ρ times
+    `inertia_moments` are the rotary inertias per length.
     """
 
     parts: tuple[CompositePart, ...]
@@ -115,7 +116,7 @@ class Composite(EdgedSection):
 
     @property
     def centred_loops(self) -> tuple[tuple[Loop, ...], ...]:
-        """Loops of each part, with the centroid weighted by Young's moduli as origin (m)."""
+        """Loops of each part in coordinates (m) relative to the centroid weighted by E."""
         centroid, _ = _stiffness_moments(self)
         return tuple(tuple(loop - centroid for loop in part.loops) for part in self.parts)
 
@@ -193,7 +194,10 @@ def _area(part: CompositePart) -> float:
 
 @memo(64)
 def _stiffness_moments(section: Composite) -> tuple[Array, Array]:
-    """Centroid (2, in m) and Σ = ∫ s sᵀ dA (2×2, in m⁴) about it, both weighted by E/(mean E)."""
+    """Centroid (2, in m), and Σ = ∫ s sᵀ dA (2×2, in m⁴) about it.
+
+    The integrals are weighted by E of each part, divided by the mean E.
+    """
     E, *_ = section.mean_material
     _, centroid, moments = weighted_moments(_regions(section, "E", E))
     return centroid, moments
@@ -203,7 +207,7 @@ def _stiffness_moments(section: Composite) -> tuple[Array, Array]:
 def _mass_moments(section: Composite) -> tuple[Array, Array]:
     """Centre of mass (2, in m), and ∫ s sᵀ dA (2×2, in m⁴) about the E-weighted centroid.
 
-    Both integrals are weighted by the density of each part divided by the mean density.
+    The integrals are weighted by the density of each part, divided by the mean density.
     """
     *_, rho = section.mean_material
     area, centre, moments = weighted_moments(_regions(section, "rho", rho))
@@ -234,12 +238,15 @@ def _solution(section: Composite, modulus: str) -> tuple[RimSolution, float]:
 
 
 def _regions(section: Composite, constant: str, mean: float) -> list[Region]:
-    """Region of each part; weight: its `constant` ("E", "G" or "rho") divided by `mean`."""
+    """Region of each part. Its weight is its `constant` ("E", "G" or "rho") divided by `mean`."""
     return [Region(part.loops, getattr(part, constant) / mean) for part in section.parts]
 
 
 def part_faults(regions: Sequence[Sequence[Loop]]) -> list[str]:
-    """Faults of parts, each given by its loops, that overlap or are not joined into one piece."""
+    """Faults of parts that overlap, or that are not joined into one piece, one text each.
+
+    `regions` contains the loops of each part: its outline and its holes.
+    """
     names = [f"parts[{number}]" for number in range(1, len(regions) + 1)]
     corners = np.vstack([loop for loops in regions for loop in loops])
     size = float(np.ptp(corners, axis=0).max())
@@ -264,7 +271,10 @@ def part_faults(regions: Sequence[Sequence[Loop]]) -> list[str]:
 
 
 def _overlap(first: Sequence[Loop], second: Sequence[Loop], size: float) -> bool:
-    """True if the interiors of two regions have points in common."""
+    """True if the interiors of two regions, given by their loops, have points in common.
+
+    `size` is the size of the section, in the unit of the loops.
+    """
     partition = partition_edges([first, second])
     starts, ends = (partition.vertices[partition.ends[:, i]] for i in (0, 1))
     if _crossing(starts, ends, TOUCHING * size):
@@ -282,11 +292,17 @@ def _overlap(first: Sequence[Loop], second: Sequence[Loop], size: float) -> bool
 
 
 def _crossing(starts: Array, ends: Array, gap: float) -> bool:
-    """True if two edges cross, with all ends more than `gap` away from the other edge's line."""
+    """True if two of e edges from `starts` to `ends` (e×2) cross.
+
+    The ends of both edges must be more than `gap` away from the line of the other edge.
+    """
     ways = ends - starts
 
     def sides(points: Array) -> Array:
-        """Distance (e×e) of each point (column) from the line of each edge (row), left positive."""
+        """Signed distances (e×e) of e points (columns) from the lines of all edges (rows).
+
+        They are positive to the left of an edge.
+        """
         away = points[None] - starts[:, None]
         cross = ways[:, None, 0] * away[..., 1] - ways[:, None, 1] * away[..., 0]
         return np.asarray(cross / np.linalg.norm(ways, axis=1)[:, None])

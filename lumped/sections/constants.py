@@ -15,9 +15,10 @@ from lumped.sections.shapes import Section
 class SectionProperties(Section):
     """Section constants about the centroid, leg axes, SI units.
 
-    `A` (m²), `Iy` = ∫z² dA, `Iz` = ∫y² dA, `Iyz` = ∫yz dA and `J` (m⁴). Shear areas `Ay`, `Az` (κA,
-    m²) are None without shear deformation. (`ys`, `zs`) (m) is the position of the shear centre
-    relative to the centroid. The defaults are those of a section with two axes of symmetry.
+    `A` is the area (m²). `Iy` = ∫z² dA, `Iz` = ∫y² dA and `Iyz` = ∫yz dA are second moments of area
+    (m⁴), and `J` is the torsion constant (m⁴). `Ay` and `Az` are the shear areas κA (m²) along y
+    and z. None if there is no shear deformation. (`ys`, `zs`) is the position (m) of the shear
+    centre relative to the centroid. The defaults are those of a section with two axes of symmetry.
     """
 
     A: float

@@ -22,7 +22,7 @@ class EdgedSection(Section):
     @property
     @abstractmethod
     def flexure(self) -> tuple[RimSolution, float]:
-        """Torsion and flexure of the section scaled to unit size, and its true size (m)."""
+        """Solution of torsion and flexure for the section scaled to size 1, and its size (m)."""
 
     @property
     def is_doubly_symmetric(self) -> bool:
@@ -35,7 +35,10 @@ class EdgedSection(Section):
         return float(y * size), float(z * size)
 
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
-        """κ for a force V along y and along z, from its strain energy: ∫τ²/G dA = V²/κGA."""
+        """Shear coefficients κ for a force V along y and along z, at Poisson's ratio `nu`.
+
+        They follow from the strain energy of the shear stresses τ: ∫τ²/G dA = V²/κGA.
+        """
         flexibility = self._shear_flexibility(nu)
         return 1.0 / float(flexibility[0, 0]), 1.0 / float(flexibility[1, 1])
 

@@ -1,28 +1,31 @@
 """Tubes and boxes with thin walls of fibre layers, by classical laminate theory.
 
-Each layer is orthotropic in plane stress, its fibres (direction 1) at an angle θ from the leg's
-axis. Its reduced stiffness Q̄(θ) acts on the strains (εx, εs, γxs) along the axis and along the wall
-(R. M. Jones, Mechanics of Composite Materials, §2.6, eqs 2.84-2.85). All layers of a wall have the
-same strains. The wall carries no stress along its circumference, so that with the sums A = Σ Q̄ t
+Each layer is orthotropic and in plane stress. Its fibres (direction 1) are at an angle θ from the
+leg's axis x. s is the direction along the circumference of the wall. The reduced stiffness Q̄(θ) of
+a layer maps the strains (εx, εs, γxs) to the stresses (R. M. Jones, Mechanics of Composite
+Materials, §2.6, eqs 2.84-2.85). All layers of a wall have the same strains, and A = Σ Q̄ t is the
+sum over layers of thickness t. The wall carries no resultant force along its circumference. Its
+stiffnesses in tension and shear are therefore
 
     E t = 1/a11        G t = 1/a66        a = A⁻¹
 
-are its stiffnesses in tension and shear. In a balanced layup A16 = A26 = 0, so that 1/a66 = A66 and
-1/a11 = A11 − A12²/A22. Layers at +θ and −θ lie at different radii; the coupling of tension and
-shear that this leaves is of the order of the wall's thickness over its radius, and is left out.
+In a balanced layup A16 = A26 = 0, so that 1/a66 = A66 and 1/a11 = A11 − A12²/A22. Layers at +θ and
+−θ lie at different radii, which leaves some coupling of tension and shear. It is of the order of
+the wall's thickness over its radius and is neglected.
 
-EA and EI, and GJ of a tube, are sums over the layers, each taken as a section of its own. The sums
-are exact if all layers have the same stiffness. GJ of a box follows from Bredt's formula. Shear
-stiffness follows from the shear flow.
+EA and EI, and GJ of a tube, are sums over the layers, each of which is treated as a section. The
+sums are exact if all layers have the same stiffness. GJ of a box follows from Bredt's formula, and
+shear stiffness from the shear flow.
 
-An unbalanced layup couples tension and shear of the wall, by a16: tension twists the leg, and a
-shear force bends it across its direction. With the axial force n and the flow q per width, which
-follow from equilibrium alone in a single cell, the complementary energy is
+An unbalanced layup couples tension and shear of the wall by a16. Tension then twists the leg, and a
+shear force also bends it in the plane normal to the force. The axial force n and the shear flow q
+per width of the wall follow from equilibrium alone, because the section has a single cell. The
+complementary energy per length is
 
     ½ ∮ (a11 n² + 2 a16 n q + a66 q²) ds,   q = T/2Ω + …,   n = N/P + My z/Iy − Mz y/Iz
 
-(L. W. Rehfield, A. R. Atilgan, D. H. Hodges, J. Am. Helicopter Soc. 35 (1990) 42, derive the same
-couplings), with the perimeter P, the enclosed area Ω and the moments Iy, Iz of the middle line. EA,
+with the perimeter P, the enclosed area Ω and the moments Iy, Iz of the middle line (L. W. Rehfield,
+A. R. Atilgan, D. H. Hodges, J. Am. Helicopter Soc. 35 (1990) 42, derive the same couplings). EA,
 GJ, EI and κGA are then stiffnesses with all other stress resultants zero.
 """
 
@@ -45,9 +48,11 @@ _THICKEST = 0.1
 
 @dataclass(frozen=True)
 class Layer:
-    """Orthotropic layer: E1 along the fibres, E2, G12 (Pa), ν12, ρ (kg/m³), thickness (m).
+    """Orthotropic layer of a wall.
 
-    `angle` (degrees): from the leg's axis to the fibres, positive towards the wall's circumference.
+    `E1` (along the fibres), `E2` (across them) and `G12` are in Pa, `rho` in kg/m³, `thickness` in
+    m. `nu12` is Poisson's ratio for a stress along the fibres. `angle` (degrees) is measured from
+    the leg's axis x to the fibres, positive towards the direction s along the circumference.
     """
 
     E1: float
@@ -90,10 +95,10 @@ class Layer:
 
 @dataclass(frozen=True)
 class Laminate(Section):
-    """Thin wall of `layers` from the inside outwards.
+    """Section with a thin wall of `layers`, in order from the inside to the outside.
 
     Section constants times the moduli of the `mean_material` are the stiffnesses of the section:
-    E times `second_moment_y` is EIy, G times `torsion_constant` is GJ.
+    E times `second_moment_y` is EIy, and G times `torsion_constant` is GJ.
     """
 
     layers: tuple[Layer, ...]
@@ -110,21 +115,25 @@ class Laminate(Section):
     @property
     @abstractmethod
     def shells(self) -> tuple[Section, ...]:
-        """The layers, each as a section of its own."""
+        """Section that consists of one layer alone, for each layer from the inside."""
 
     @property
     @abstractmethod
     def torsion_stiffness(self) -> float:
-        """GJ (N m²)."""
+        """Torsional stiffness GJ (N m²)."""
 
     @property
     @abstractmethod
     def shear_stiffnesses(self) -> tuple[float, float]:
-        """κGA (N) along y and along z by strain energy of the shear flow."""
+        """Shear stiffnesses κGA (N) along y and along z, from the energy of the shear flow."""
 
     @property
     def mean_material(self) -> tuple[float, float, float, float]:
-        """E = EA/A, shear modulus G (Pa), ν = A12/A22 and ρ (kg/m³) of the wall."""
+        """E and G (Pa), ν and ρ (kg/m³) of one material with the same EA, GA and mass per length.
+
+        ν is the contraction along the circumference per axial strain, A12/A22 if the layup is
+        balanced.
+        """
         areas = self._of_shells("area")
         sums = self._sum(areas)
         return (
@@ -182,12 +191,12 @@ class Laminate(Section):
 
     @property
     def tensions(self) -> Array:
-        """Axial stresses (Pa, one per layer) for εx = 1 without hoop or shear force in the wall."""
+        """Axial stress (Pa) of each layer for εx = 1, without hoop or shear force in the wall."""
         return np.array([layer.stiffness[0] @ self._unit_strains for layer in self.layers])
 
     @property
     def _shears(self) -> Array:
-        """Stresses τxs (Pa, one per layer) for γxs = 1 without other strains: Q̄66."""
+        """Shear stress τxs (Pa) of each layer for γxs = 1 without other strains, Q̄66."""
         return np.array([layer.stiffness[2, 2] for layer in self.layers])
 
     @property
@@ -202,9 +211,9 @@ class Laminate(Section):
 
     @property
     def hoop_stresses(self) -> Array:
-        """Stresses (Pa, one per layer) along the circumference for a unit axial strain.
+        """Stress (Pa) along the circumference of each layer for εx = 1 under tension alone.
 
-        Their resultant is zero. They are zero if all layers have the same stiffness.
+        The resultant of these stresses is zero. Each is zero if all layers have the same stiffness.
         """
         return np.array([layer.stiffness[1] @ self._unit_strains for layer in self.layers])
 
@@ -239,7 +248,10 @@ class Laminate(Section):
 
     @property
     def is_balanced(self) -> bool:
-        """True if tension does not shear the wall: as much thickness at −θ as at +θ."""
+        """True if tension does not shear the wall.
+
+        This is so if the layers at −θ are together as thick as those at +θ, for each angle θ.
+        """
         wall = self.wall
         return bool(np.abs(wall[:2, 2]).max() <= _BALANCED * wall[2, 2])
 
@@ -254,21 +266,28 @@ class Laminate(Section):
     @property
     @abstractmethod
     def _unit_couplings(self) -> tuple[float, float]:
-        """Integrals ∮ n q ds (1/m²) along the middle line, for n and q of the module docstring.
+        """Two integrals ∮ n q ds (1/m²) along the middle line of the wall.
 
-        First: n due to N = 1, q due to T = 1. Second: n due to My = 1, q due to Qy = 1. Mz with Qz
-        has the same integral as My with Qy.
+        n and q are those of the module docstring. In the first integral, n is due to N = 1 and q to
+        T = 1. In the second, n is due to My = 1 and q to Qy = 1. The integral for Mz = 1 and Qz = 1
+        is equal to the second.
         """
 
     @property
     def _free_shear(self) -> float:
-        """Shear stiffness of the wall with free strains εx and εs, 1/a66, divided by A66."""
+        """Ratio of two shear stiffnesses of the wall: with free strains, and with εx = εs = 0.
+
+        They are 1/a66 and A66.
+        """
         wall = self.wall
         return 1.0 / float(np.linalg.inv(wall)[2, 2] * wall[2, 2])
 
 
 def _tension(sums: Array) -> float:
-    """Tensile stiffness 1/(S⁻¹)₁₁ along the axis, from the sum S = `sums` (3×3) of weighted Q̄."""
+    """Stiffness 1/(S⁻¹)₁₁ in tension along the axis.
+
+    S is `sums` (3×3), the sum of the layers' Q̄, each times its area or its second moment of area.
+    """
     return float(1.0 / np.linalg.inv(sums)[0, 0])
 
 
@@ -361,7 +380,10 @@ class LaminateBox(Laminate):
         return shear * _box_shear_length(h, b), shear * _box_shear_length(b, h)
 
     def _line(self, moduli: Array) -> tuple[float, float]:
-        """Width and height (m) of the line at the layers' mean depth, weighted by modulus · t."""
+        """Width and height (m) of the closed line at the mean depth of the layers in the wall.
+
+        The depth of each layer is weighted by its modulus (one of `moduli`) times its thickness.
+        """
         outer_sides = np.cumsum(self.thicknesses[::-1])[::-1]
         depths = outer_sides - 0.5 * self.thicknesses
         weights = moduli * self.thicknesses
@@ -372,8 +394,9 @@ class LaminateBox(Laminate):
 def _box_shear_length(flange: float, web: float) -> float:
     """κA/t = V²/∮ q² ds (m) of a thin box with the shear flow q due to a force V along its webs.
 
-    With flanges of width b, webs of height h and wall thickness t, q I/(V t) is s h/2 in the
-    flanges, at a distance s from their middles, and b h/4 + h²/8 − z²/2 in the webs.
+    The wall has the thickness t, and I is the second moment of area. The flanges have the width b
+    (`flange`) and the webs the height h (`web`), both in m. In the flanges, q I/(V t) is s h/2 at
+    the distance s from their middles. In the webs it is b h/4 + h²/8 − z²/2.
     """
     b, h = flange, web
     moment = b * h**2 / 2.0 + h**3 / 6.0

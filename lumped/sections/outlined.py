@@ -1,9 +1,9 @@
 """Sections with straight edges: a polygon with holes, and the open profiles channel, angle and tee.
 
-The leg axis passes through the centroid, regardless of the origin of the outline. Area and second
+The axis of the leg passes through the centroid, whatever the origin of the outline. Area and second
 moments of area are exact. Torsion constant, shear centre and shear compliance are computed by
-boundary elements (`lumped.sections.saint_venant`), without assuming thin walls. Profiles have sharp
-corners.
+boundary elements (`lumped.sections.saint_venant`), so that walls need not be thin. The corners of
+channel, angle and tee are sharp.
 """
 
 from abc import abstractmethod
@@ -36,7 +36,7 @@ class OutlinedSection(EdgedSection):
     @property
     @abstractmethod
     def loops(self) -> tuple[Loop, ...]:
-        """Points (n×2, y and z, m) of the outline, counter-clockwise, and of holes, clockwise."""
+        """Outline (counter-clockwise) and holes (clockwise), each n×2 corners (y and z, in m)."""
 
     @property
     def flexure(self) -> tuple[RimSolution, float]:
@@ -87,7 +87,7 @@ def _moments(section: OutlinedSection) -> tuple[float, Array, Array]:
 
 @memo(64)
 def _solution(section: OutlinedSection) -> tuple[RimSolution, float]:
-    """Torsion and flexure of the section scaled to size 1, and the size (m)."""
+    """Solution of torsion and flexure for the section scaled to size 1, and its size (m)."""
     size = max(section.extent)
     return rim_solution([Region([loop / size for loop in section.centred_loops])]), size
 
@@ -141,10 +141,10 @@ class Tee(WalledProfile, OutlinedSection):
 
 @dataclass(frozen=True)
 class Polygon(OutlinedSection):
-    """A polygon with holes. `outline` and `holes` are their corners (y, z) in m, in order.
+    """A polygon with holes. `outline` and each of `holes` list corners (y, z) in m, in order.
 
-    The corners may be listed clockwise or counter-clockwise, and the coordinates may have any
-    origin: the centroid lies on the leg axis.
+    The corners may be listed clockwise or counter-clockwise. The coordinates may have any origin,
+    because the centroid is placed on the axis of the leg.
     """
 
     outline: Points
@@ -183,9 +183,11 @@ def _signed_area(loop: Loop) -> float:
 
 
 def _loop_faults(name: str, loop: Loop, gap: float) -> list[str]:
-    """Fault of the closed line `name`: repeated point, edges within `gap` (m), or turn back.
+    """Fault of the closed line `name`. Empty if there is none.
 
-    Empty if there is none. Only the first fault is reported, because one wrong point causes many.
+    A fault is a repeated point, two edges that are less than `gap` (m) apart, or an edge that leads
+    back along the one before it. Only the first fault is reported, because one wrong point usually
+    causes several.
     """
     count = len(loop)
     lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
@@ -227,7 +229,10 @@ def _hole_faults(named_loops: list[tuple[str, Loop]], gap: float) -> list[str]:
 
 
 def _edge_distances(first: Loop, second: Loop) -> Array:
-    """Smallest distances (n×k, in m) between the edges of two closed lines. 0 if edges cross."""
+    """Smallest distance (m) between each of n edges of `first` and each of k edges of `second`.
+
+    Both are closed lines. The result is n×k. The distance of edges that cross is 0.
+    """
     a, b = first[:, None], np.roll(first, -1, axis=0)[:, None]
     c, d = second[None], np.roll(second, -1, axis=0)[None]
     distances = np.minimum.reduce(
@@ -252,7 +257,7 @@ def distances_to_edges(point: Array, loop: Loop) -> Array:
 
 
 def distances_to_segments(point: Array, start: Array, end: Array) -> Array:
-    """Distance (n values, in m) of a point from each edge between `start` and `end` (n×2)."""
+    """Distance (n values, in m) of a point from each of n edges from `start` to `end` (n×2)."""
     edge = end - start
     share = np.clip(((point - start) * edge).sum(axis=-1) / (edge**2).sum(axis=-1), 0.0, 1.0)
     return np.asarray(np.linalg.norm(point - start - share[..., None] * edge, axis=-1))

@@ -1,29 +1,30 @@
 """Saint-Venant's torsion and flexure of a polygonal section, by boundary elements.
 
-Coordinates s = (y, z) from the centroid, Σ = ∫ s sᵀ dA, c = Σ⁻¹F for a transverse force F. The
-shear stresses due to unit twist Gθ′ = 1 and due to F are
+The coordinates s = (y, z) are relative to the centroid, Σ is ∫ s sᵀ dA, and c is Σ⁻¹F for a
+transverse force F. The shear stresses due to a unit twist Gθ′ = 1 and due to F are
 
     torsion   τ = ∇ω + (−z, y)             ∂ω/∂n = z n_y − y n_z
     flexure   τ = ∇χ + P_0 + r P_1         ∂χ/∂n = −(P_0 + r P_1)·n,  r = νG/E
               P_0 = −½ (c₁y², c₂z²)        P_1 = ½ (y² + z²) c − yz (c₂, c₁)
 
-with harmonic functions ω and χ, so that div τ = −c·s in the section and τ·n = 0 on its boundary (A.
+with harmonic functions ω and χ. Then div τ = −c·s in the section, and τ·n = 0 on its boundary (A.
 E. H. Love, A Treatise on the Mathematical Theory of Elasticity, ch. XV). All constants are
-integrals over the boundary. By Green's formula, with ∇²g = c·s, g = (c₁y³ + c₂z³)/6,
+integrals over the boundary. By Green's formula, with g = (c₁y³ + c₂z³)/6, for which ∇²g = c·s,
 
     J = I_p − ∮ ω ∂ω/∂n ds,     ∫ ω c·s dA = ∮ (ω ∂g/∂n − g ∂ω/∂n) ds.
 
-A harmonic function u satisfies c(p) u(p) = ∮ (G ∂u/∂n − u ∂G/∂n) ds with Green's function G = −ln
-r/2π and the fraction c(p) of a full circle that the section fills about p. This equation is solved
-on quadratic elements whose integrals are evaluated in closed form. Element lengths decrease
-geometrically towards corners, where u has a term r^(π/α) with the interior angle α. The same
-constants are computed by finite elements in `fem.sections`.
+A harmonic function u satisfies φ(p) u(p) = ∮ (Γ ∂u/∂n − u ∂Γ/∂n) ds. Here Γ = −ln ρ/2π is Green's
+function of the distance ρ from the point p, and φ(p) is the fraction of a full circle about p that
+lies in the section. This equation is solved on quadratic elements whose integrals are evaluated in
+closed form. Element lengths decrease geometrically towards corners, where u has a term ρ^(π/α) with
+the interior angle α. The same constants are computed by finite elements in `fem.sections`.
 
 A section may consist of regions with the same r, whose moduli E and G are w times those of a
-reference material. Then Σ, c and the integrals over the section are weighted by w. Across an edge
-between regions u is continuous, and w ∂u/∂n has a prescribed jump. The sum of the regions' boundary
-integral equations, each times its w, has u as its only unknown; integrals over the rim become
-integrals over all edges, weighted by the jump of w from the right of an edge to its left.
+reference material. Then Σ, c and all integrals over the section are weighted by w. Across an edge
+between regions u is continuous, and w ∂u/∂n has a prescribed jump. The boundary integral equations
+of the regions, each multiplied by its w, are added, so that u remains as the only unknown.
+Integrals over the boundary thus become integrals over all edges, weighted by the jump of w: its
+value to the left of an edge minus that to its right.
 """
 
 from collections.abc import Callable, Sequence
@@ -69,7 +70,10 @@ _CHUNK = 256
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """Part of a section within `loops`; its moduli are `weight` times those of a reference."""
+    """Part of a section, bounded by `loops`: its outline and its holes.
+
+    Its moduli are `weight` times those of a reference material.
+    """
 
     loops: Sequence[Loop]
     weight: float = 1.0
@@ -77,11 +81,11 @@ class Region:
 
 @dataclass(frozen=True, eq=False)
 class _Edges:
-    """Edges at which the weight of the regions jumps, also to 0 outside the section.
+    """The e edges at which the weight of the regions jumps. Outside the section it is 0.
 
-    `vertices` (V×2) are points, and `ends` (e×2) the indices of the vertices of each edge. `jumps`
-    (e) is the weight to the left of each edge minus that to its right. `smallest` (V) is the length
-    of the boundary elements at each vertex.
+    `vertices` (V×2) are the vertices of the edges, and `ends` (e×2) are the indices of the start
+    and the end of each edge. `jumps` (e) contains the weight to the left of each edge minus that to
+    its right. `smallest` (V) is the length of the boundary elements at each vertex.
     """
 
     vertices: Array
@@ -92,10 +96,12 @@ class _Edges:
 
 @dataclass(frozen=True, eq=False)
 class _Rim:
-    """Mesh of all edges: E quadratic elements with N nodes.
+    """Mesh of all edges: E quadratic boundary elements with N nodes.
 
-    `nodes` (N×2), `cells` (E×3: start, middle, end), unit vectors `along` and `outward` (E×2),
-    `lengths` (E), and the `jumps` (E) of the weight.
+    `nodes` (N×2) are their positions. `cells` (E×3) are the indices of the nodes at the start, in
+    the middle and at the end of each element. `along` and `outward` (E×2) are unit vectors along
+    each element, and normal to it towards its right. `lengths` (E) are the lengths of the elements,
+    and `jumps` (E) the jumps of the weight across them.
     """
 
     nodes: Array
@@ -110,7 +116,10 @@ class _Rim:
         return np.asarray(np.einsum("qk,ekm->eqm", _shapes(_unit_gauss()[0]), values[self.cells]))
 
     def integral(self, values: Array) -> Array:
-        """Integral ∮ … ds over all edges of `values` (E×q×…, Gauss points) times the jumps."""
+        """Integral ∮ … ds over all elements of `values` times the jumps of the weight.
+
+        `values` (E×q×…) are those at the q Gauss points of each element.
+        """
         _, weights = _unit_gauss()
         weighted = np.einsum("eq...,q->e...", values, weights)
         return np.asarray(np.einsum("e...,e->...", weighted, self.lengths * self.jumps))
@@ -141,12 +150,12 @@ def _shapes(coordinates: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class RimSolution:
-    """Torsion and flexure of a section scaled to a size of about 1.
+    """Solution of torsion and flexure for a section scaled to a size of about 1.
 
     `area` and `torsion_constant` J are weighted by the weight w of the regions. `shear_centre` (2)
-    is relative to the weighted centroid. `shear_energies` (3×2×2) are the coefficients of 1, r, r²
-    (r = νG/E) in the integrals ∫ τ_f·τ_g/w dA of the stresses due to unit forces f and g (along y,
-    z) through the shear centre, which do no work on twist.
+    is relative to the weighted centroid. `shear_energies` (3×2×2) are the coefficients of 1, r and
+    r² (r = νG/E) in the integrals ∫ τ_f·τ_g/w dA. τ_f and τ_g are the shear stresses due to unit
+    forces along y or z through the shear centre, which do not twist the section.
     """
 
     area: float
@@ -168,7 +177,10 @@ def area_moments(loops: Sequence[Loop]) -> tuple[float, Array, Array]:
 
 
 def weighted_moments(regions: Sequence[Region]) -> tuple[float, Array, Array]:
-    """Area, centroid (2) and Σ (2×2) about the centroid, each region times its `weight`."""
+    """Area, centroid (2) and Σ = ∫ s sᵀ dA (2×2, about the centroid) of several regions.
+
+    The integrals over each region are multiplied by its `weight`.
+    """
     weights = np.array([region.weight for region in regions])
     areas, centroids, moments = zip(
         *(area_moments(region.loops) for region in regions), strict=True
@@ -182,9 +194,10 @@ def weighted_moments(regions: Sequence[Region]) -> tuple[float, Array, Array]:
 
 
 def rim_solution(regions: Sequence[Region]) -> RimSolution:
-    """Torsion and flexure of a section that consists of `regions`, scaled to a size of about 1.
+    """Solution of torsion and flexure for a section that consists of `regions`.
 
-    The outline of a region is counter-clockwise, its holes are clockwise.
+    The section must be scaled to a size of about 1. The outline of a region is counter-clockwise,
+    its holes are clockwise.
     """
     area, centroid, moments = weighted_moments(regions)
     centred = [
@@ -247,9 +260,10 @@ def rim_solution(regions: Sequence[Region]) -> RimSolution:
 
 
 def _polynomials(slopes: Array, y: Array, z: Array) -> Array:
-    """Polynomials P_0 and P_1 of the flexure, for unit forces along y and z.
+    """Polynomials P_0 and P_1 of the module docstring at points `y`, `z` (…), for unit forces.
 
-    Axes of the array: force, power of r (0 or 1), component (y or z), points. `slopes` is Σ⁻¹.
+    The axes of the result (2×2×2×…) are the force (along y or z), the index 0 or 1 of P, the
+    component (y or z), and the points. `slopes` (2×2) is Σ⁻¹.
     """
     fields = np.zeros((2, 2, 2, *y.shape))
     for force, (c1, c2) in enumerate(slopes):
@@ -260,7 +274,10 @@ def _polynomials(slopes: Array, y: Array, z: Array) -> Array:
 
 
 def _polygon_integral(loops: Sequence[Loop], integrand: _Integrand) -> Array:
-    """Integral of a polynomial (degree ≤ 10) over a polygon, by triangles from edges to origin."""
+    """Integral of a polynomial (degree ≤ 10) over a polygon.
+
+    It is the sum over the triangles between each edge and the origin.
+    """
     shares, weights = _unit_gauss()
     total: Array | float = 0.0
     for loop in loops:
@@ -275,13 +292,16 @@ def _polygon_integral(loops: Sequence[Loop], integrand: _Integrand) -> Array:
 
 
 def _weighted_integral(regions: Sequence[Region], integrand: _Integrand) -> Array:
-    """Sum of `_polygon_integral` over the regions, each times its weight."""
+    """Integral of a polynomial (degree ≤ 10) over several regions, each times its weight."""
     integrals = [region.weight * _polygon_integral(region.loops, integrand) for region in regions]
     return np.asarray(sum(integrals))
 
 
 def _edges(regions: Sequence[Region]) -> _Edges:
-    """Edges of all regions at which the weight jumps, split at vertices of other regions."""
+    """Edges of all regions at which the weight jumps.
+
+    Edges are split at vertices of other regions.
+    """
     if len(regions) == 1:
         loops = regions[0].loops
         ends, begun = [], 0
@@ -304,10 +324,11 @@ def _edges(regions: Sequence[Region]) -> _Edges:
 
 @dataclass(frozen=True, eq=False)
 class Partition:
-    """Edges of several regions. An edge that two regions share occurs once.
+    """The e edges of several regions. An edge that two regions share occurs once.
 
-    `vertices` (V×2) are points, and `ends` (e×2) the indices of the vertices of each edge. `left`
-    and `right` (e) are the indices of the regions on either side, −1 if there is none.
+    `vertices` (V×2) are the vertices of the edges, and `ends` (e×2) are the indices of the start
+    and the end of each edge. `left` and `right` (e) are the indices of the regions on both sides of
+    each edge, −1 if there is no region.
     """
 
     vertices: Array
@@ -325,9 +346,10 @@ class Partition:
 
 
 def partition_edges(regions: Sequence[Sequence[Loop]]) -> Partition:
-    """Edges of regions that do not overlap, split at all vertices on them.
+    """Edges of regions that do not overlap, split at all vertices that lie on them.
 
-    Vertices whose distance is below `TOUCHING` times the section's size count as one.
+    Each region is given by its loops. Vertices whose distance is below `TOUCHING` times the
+    section's size count as one.
     """
     corners = np.vstack([loop for loops in regions for loop in loops])
     gap = TOUCHING * float(np.ptp(corners, axis=0).max())
@@ -349,7 +371,10 @@ def partition_edges(regions: Sequence[Sequence[Loop]]) -> Partition:
 
 
 def _vertices_between(places: Array, start: Array, end: Array, gap: float) -> list[int]:
-    """Indices of `places` (n×2) within `gap` of an edge, in order from its `start` to its `end`."""
+    """Indices of the points `places` (n×2) on an edge, in order from its `start` to its `end`.
+
+    A point is on the edge if it is within `gap` of it.
+    """
     edge = end - start
     length = float(np.linalg.norm(edge))
     along = (places - start) @ edge / length
@@ -359,12 +384,12 @@ def _vertices_between(places: Array, start: Array, end: Array, gap: float) -> li
 
 
 def _smallest_at_vertices(partition: Partition, is_kept: NDArray[np.bool_]) -> Array:
-    """Length of the boundary elements at each vertex of several regions.
+    """Length (V) of the boundary elements at each vertex of several regions.
 
-    `is_kept` is True for the edges that have elements. If edges of two regions meet at a vertex,
-    displacements have a term r^λ in the distance r from it, with λ above ½ except for extreme
-    ratios of the moduli. There is no such term if the edges continue straight through the vertex,
-    with at most a perpendicular branch.
+    `is_kept` (e) is True for the edges that have elements. If edges of two regions meet at a
+    vertex, displacements have a singular term ρ^λ in the distance ρ from it. λ is above ½ except
+    for extreme ratios of the moduli. There is no such term if the edges continue straight through
+    the vertex and all other edges there are perpendicular to them.
     """
     smallest = np.full(len(partition.vertices), np.inf)
     for number, vertex in enumerate(partition.vertices):
@@ -386,7 +411,7 @@ def _smallest_at_vertices(partition: Partition, is_kept: NDArray[np.bool_]) -> A
 
 
 def _sharpest_opening(openings: Array, filled: NDArray[np.bool_]) -> float:
-    """Interior angle (rad) of a corner with which the singularity at a vertex is estimated.
+    """Interior angle (rad) of a corner that is at least as singular as the vertex.
 
     0 if there is no singularity. `openings` (rad) are the angles of the sectors about the vertex.
     `filled` is True for sectors that belong to a region.
@@ -401,7 +426,7 @@ def _sharpest_opening(openings: Array, filled: NDArray[np.bool_]) -> float:
 
 
 def _rim(edges: _Edges) -> _Rim:
-    """Elements on all edges, graded towards all vertices."""
+    """Mesh of boundary elements on all edges, whose lengths decrease towards all vertices."""
     vertices = edges.vertices
     nodes, cells, along, lengths, jumps = [vertices], [], [], [], []
     begun = len(vertices)
@@ -434,7 +459,7 @@ def _rim(edges: _Edges) -> _Rim:
 
 
 def inner_angles(loop: Loop) -> Array:
-    """Interior angle (n, in rad) at each corner of a closed line. The section lies to its left."""
+    """Interior angle (n, in rad) at each corner of a closed line. The section is to its left."""
     before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     return np.asarray(np.pi - np.arctan2(cross, (before * after).sum(axis=1)))
@@ -456,7 +481,7 @@ def is_inside(loops: Sequence[Loop], point: Array) -> bool:
 
 
 def _smallest_elements(loop: Loop) -> Array:
-    """Length (n) of the elements at each corner, small enough for the singular term r^(π/α)."""
+    """Length (n) of the elements at each corner, small enough for the singular term ρ^(π/α)."""
     lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
     shorter = np.minimum(lengths, np.roll(lengths, 1))
     inner = inner_angles(loop)
@@ -468,7 +493,8 @@ def _smallest_elements(loop: Loop) -> Array:
 def _graded(start: Array, direction: Array, corners: Array, smallest: Array) -> list[float]:
     """Start points of the boundary elements on an edge, as ascending fractions of its length.
 
-    Elements become shorter towards the `corners` (V×2), down to their `smallest` lengths (V).
+    `direction` is the vector from the `start` of the edge to its end. Elements become shorter
+    towards the `corners` (V×2), down to the `smallest` length (V) at each corner.
     """
     length = float(np.linalg.norm(direction))
     along = (corners - start) @ direction / length**2
@@ -489,9 +515,8 @@ def _graded(start: Array, direction: Array, corners: Array, smallest: Array) -> 
 def _potentials(rim: _Rim, fluxes: Array) -> Array:
     """Nodal values (N×m) of m harmonic functions u of mean zero, from their normal derivatives.
 
-    `fluxes` (E×q×m) are ∂u/∂n at the Gauss points, quadratic along each element. The weight w
-    (relative modulus) of the regions jumps from one side of an element to the other; the jump of
-    w ∂u/∂n is the jump of w times the flux.
+    `fluxes` (E×q×m) are ∂u/∂n at the q Gauss points of each element, quadratic along the element.
+    At an edge between two regions, the jump of w ∂u/∂n is the jump of the weight w times the flux.
     """
     fit = np.linalg.pinv(_shapes(_unit_gauss()[0]))
     fluxes = fluxes * rim.jumps[:, None, None]
@@ -516,9 +541,9 @@ def _potentials(rim: _Rim, fluxes: Array) -> Array:
 
 
 def _layers(rim: _Rim, points: Array) -> tuple[Array, Array]:
-    """Integrals ∫ N_k G ds and ∫ N_k ∂G/∂n ds (p×E×3) over all elements, for `points` (p×2).
+    """Integrals ∫ N_k Γ ds and ∫ N_k ∂Γ/∂n ds (p×E×3) over all elements, for `points` (p×2).
 
-    N_k are the shape functions of an element, G is Green's function of a point.
+    N_k are the three shape functions of an element, Γ is Green's function of a point.
     """
     starts = rim.nodes[rim.cells[:, 0]]
     away = points[:, None] - starts
@@ -542,11 +567,12 @@ def _layers(rim: _Rim, points: Array) -> tuple[Array, Array]:
 
 
 def _exact_layers(foot: Array, height: Array, length: Array) -> tuple[Array, Array]:
-    """Integrals ∫ N_k ln r ds and ∫ N_k h/r² ds (m×3) over straight elements in closed form.
+    """Integrals ∫ N_k ln ρ ds and ∫ N_k h/ρ² ds (m×3) over m straight elements in closed form.
 
-    N_k are the shape functions, r is the distance from a point. The m points lie at `foot` along
-    the element and at `height` h beside it. With v = s − foot, the integrals ∫ vᵏ ln r dv and
-    ∫ vᵏ h/r² dv for k = 0, 1, 2 are evaluated at both ends.
+    N_k are the three shape functions of an element of the given `length`, s is the distance from
+    its start. ρ is the distance from a point, one for each element. The point lies at s = `foot`
+    and at the `height` h beside the element. With v = s − foot, the integrals ∫ vᵏ ln ρ dv and
+    ∫ vᵏ h/ρ² dv for k = 0, 1, 2 are evaluated at both ends.
     """
     logs, angles = [], []
     for v in (length - foot, -foot):

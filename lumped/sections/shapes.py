@@ -2,10 +2,10 @@
 
 A section lies in the leg's y–z plane, with the width along y, the height along z and the centroid
 at the origin. Iy = ∫z² dA is for bending in the x–z plane of the leg, Iz = ∫y² dA for bending in
-its x–y plane. Torsion constants and shear coefficients are closed forms: exact for rectangle
-(series), circle and tube, thin-wall formulas for hollow rectangle and I-section, whose constants
-`fem.sections.section_constants` computes without this assumption. Shear coefficients: Cowper, J.
-Appl. Mech. 33 (1966) 335.
+its x–y plane. Torsion constants and shear coefficients are closed forms. The torsion constants of
+rectangle (a series), circle and tube are exact. Hollow rectangle and I-section have formulas for
+thin walls; `fem.sections.section_constants` computes their constants without this assumption. The
+shear coefficients are those of Cowper, J. Appl. Mech. 33 (1966) 335.
 """
 
 from abc import ABC, abstractmethod
@@ -51,10 +51,7 @@ class Section(ABC):
 
     @abstractmethod
     def shear_coefficients(self, nu: float) -> tuple[float, float]:
-        """Shear coefficients κ for shear along y and along z at Poisson's ratio `nu`.
-
-        Closed forms are those of Cowper.
-        """
+        """Shear coefficients κ for shear along y and along z at Poisson's ratio `nu`."""
 
     @property
     def has_outline(self) -> bool:
@@ -94,10 +91,11 @@ class Section(ABC):
 
     @property
     def couplings(self) -> tuple[float, float, float]:
-        """Compliances (1/(N m)) that couple tension with torsion, and shear with bending.
+        """Three compliances (1/(N m)) that couple tension with torsion, and shear with bending.
 
-        Rate of twist (rad/m) per axial force (N); rate of the rotation φy per shear force along y;
-        rate of φz per shear force along z. Zero except for unbalanced layups (helical fibres).
+        They are the rate of twist (rad/m) per axial force (N), the rate of the rotation φy per
+        shear force along y, and the rate of φz per shear force along z. They are zero except for
+        laminates with an unbalanced layup (helical fibres).
         """
         return 0.0, 0.0, 0.0
 
@@ -121,7 +119,7 @@ class Section(ABC):
         return wrong or self._own_faults(unit)
 
     def _own_faults(self, unit: str) -> list[str]:  # noqa: ARG002
-        """Faults of dimensions that are all above zero but do not fit together."""
+        """Faults of dimensions that do not fit together, although each is above zero."""
         return []
 
 
@@ -246,9 +244,9 @@ class HollowRectangle(Boxed):
 
     @property
     def torsion_constant(self) -> float:
-        """J (m⁴) by Bredt's formula for a closed thin wall, 4 A_m² t / perimeter.
+        """J (m⁴) by Bredt's formula for a closed thin wall, 4 A_m² t / P.
 
-        A_m is the area within the middle line of the wall, whose perimeter is used.
+        A_m is the area within the middle line of the wall, and P is the perimeter of this line.
         """
         b, h = self.width - self.thickness, self.height - self.thickness
         return 2.0 * (b * h) ** 2 * self.thickness / (b + h)
@@ -268,18 +266,18 @@ class HollowRectangle(Boxed):
 
 
 def _box_shear(flange: float, web: float, nu: float) -> float:
-    """Cowper's κ of a thin-walled box of uniform wall for shear along the webs.
+    """Cowper's κ of a box with a thin wall of uniform thickness, for shear along the webs.
 
-    It is Cowper's formula for n = m = flange/web in his notation.
+    In Cowper's notation n = m = flange/web, the ratio of width to height of the middle line.
     """
     n = m = flange / web
     return _thin_walled_shear(m, nu, 10.0 * n**2 * ((3.0 + nu) * m + 3.0 * m**2))
 
 
 def _thin_walled_shear(m: float, nu: float, flanges: float) -> float:
-    """Cowper's κ of a thin-walled section whose flanges have m times the area of its webs.
+    """Cowper's κ of a thin-walled section whose flanges have `m` times the area of its webs.
 
-    `flanges` is the term of the denominator of κ due to the width of the flanges.
+    `flanges` is the term in the denominator of κ that depends on the width of the flanges.
     """
     numerator = 10.0 * (1.0 + nu) * (1.0 + 3.0 * m) ** 2
     free_of_nu = 12.0 + 72.0 * m + 150.0 * m**2 + 90.0 * m**3
@@ -345,7 +343,7 @@ class ISection(WalledProfile):
 
     @property
     def outline(self) -> Array:
-        """Corners (12×2, in m) in the directions y and z, counterclockwise."""
+        """Corners (12×2: y and z, in m) of the outline, counter-clockwise."""
         b, h, w = self.width / 2.0, self.height / 2.0, self.web / 2.0
         f = h - self.flange
         right = [(b, -h), (b, -f), (w, -f), (w, f), (b, f), (b, h)]
@@ -370,9 +368,9 @@ class ISection(WalledProfile):
 
     @property
     def torsion_constant(self) -> float:
-        """J (m⁴) of an open thin wall, Σ b t³/3.
+        """J (m⁴) by the formula for an open thin wall, Σ b t³/3 over flanges and web.
 
-        The web reaches to the middle lines of the flanges.
+        The length b of the web is the distance between the middle lines of the flanges.
         """
         return (2.0 * self.width * self.flange**3 + (self.height - self.flange) * self.web**3) / 3.0
 
@@ -388,7 +386,10 @@ class ISection(WalledProfile):
         return _thin_walled_shear(m, nu, flanges)
 
     def _shear_along_flanges(self, nu: float) -> float:
-        """κ for shear along the flanges, as two separate rectangles. The web carries no shear."""
+        """κ for shear along the flanges, which act as two separate rectangles.
+
+        The web carries no shear force.
+        """
         kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
         return kappa * 2.0 * self.width * self.flange / self.area
 

@@ -1,7 +1,7 @@
-"""Moments of area, and of shear stresses, of shapes with two axes of symmetry.
+"""Moments of area, and moments of shear stresses, of shapes with two axes of symmetry.
 
-Tapered legs need all of them. Bars whose radius of curvature is of the order of their thickness
-need the fourth moments of area.
+All of them occur in the stiffness of tapered legs. The fourth moments of area also occur in that of
+curved legs, where they matter if the radius of curvature is of the order of the thickness.
 """
 
 from math import pi
@@ -11,7 +11,11 @@ from lumped.sections.shapes import Circle, HollowRectangle, ISection, Rectangle,
 
 
 class SymmetricMoments(NamedTuple):
-    """∫|y| dA and ∫|z| dA (m³), ∫y⁴ dA, ∫z⁴ dA and ∫y²z² dA (m⁶), about the axes of symmetry."""
+    """Moments of area about the axes of symmetry.
+
+    `y` and `z` are ∫|y| dA and ∫|z| dA (m³). `yyyy`, `zzzz` and `yyzz` are ∫y⁴ dA, ∫z⁴ dA and
+    ∫y²z² dA (m⁶).
+    """
 
     y: float
     z: float
@@ -44,12 +48,12 @@ def symmetric_moments(section: Section) -> SymmetricMoments | None:
 
 
 def flexure_moments(section: Section, poisson_shear_ratio: float) -> tuple[float, float]:
-    """Products (m⁶) of Iz with ∫yz τxz dA for a unit force Qy, and of Iy with ∫yz τxy dA for Qz.
+    """Two products (m⁶): Iz ∫yz τxz dA for a unit force Qy, and Iy ∫yz τxy dA for a unit force Qz.
 
-    τxz and τxy are here the shear stresses across the force in Saint-Venant's flexure: those of
-    circles and tubes are exact for νG/E = `poisson_shear_ratio`, those of flanges follow from
-    equilibrium with the bending stress. A rectangle has none for ν = 0, and small ones otherwise.
-    Zero for a shape without two axes of symmetry.
+    τxz and τxy are shear stresses normal to the force, in Saint-Venant's flexure. Those of circles
+    and tubes are exact for νG/E = `poisson_shear_ratio`. Those of flanges follow from equilibrium
+    with the bending stress. Those of a rectangle are zero for ν = 0 and small otherwise, and are
+    neglected. The products are zero for a shape without two axes of symmetry.
     """
     match section:
         case HollowRectangle():
@@ -74,19 +78,21 @@ def flexure_moments(section: Section, poisson_shear_ratio: float) -> tuple[float
 
 
 def _of_flanges(across: float, outside: float, inside: float) -> float:
-    """Product of I and ∫yz τ dA of a unit force on a box: τ = −y z/I between its webs' middles.
+    """Product (m⁶) of I and ∫yz τ dA in the flanges of a box, for a unit force along its webs.
 
-    `across` is the distance of these middle lines, `outside` and `inside` those of the faces of
-    both flanges (m).
+    Between the middle lines of the webs, the shear stress normal to the force is τ = −y z/I.
+    `across` is the distance (m) of these middle lines. `outside` and `inside` are the distances (m)
+    between the outer faces and between the inner faces of the two flanges.
     """
     return -(across**3) / 12.0 * (outside**3 - inside**3) / 12.0
 
 
 def _of_annulus(a: float, b: float, poisson_shear_ratio: float) -> float:
-    """Product of I and ∫yz τ dA of a unit force on a ring of radii a > b (A. E. H. Love, ch. XV).
+    """Product (m⁶) of I and ∫yz τ dA for a unit force on a ring with the radii a > b (m).
 
-    With n = νG/E: τr = (3 − 2n)(a² + b² − a²b²/r² − r²) sin α/8I, τα = ((3 − 2n)(a² + b² + a²b²/r²)
-    − (1 − 6n) r²) cos α/8I, and yz (τr cos α − τα sin α) is integrated.
+    In polar coordinates r, α and with n = νG/E the shear stresses are τr = (3 − 2n)(a² + b² −
+    a²b²/r² − r²) sin α/8I and τα = ((3 − 2n)(a² + b² + a²b²/r²) − (1 − 6n) r²) cos α/8I (A. E. H.
+    Love, ch. XV). τ = τr cos α − τα sin α is their component normal to the force.
     """
     solid = (1.0 + 2.0 * poisson_shear_ratio) / 4.0 * pi * (a**6 - b**6) / 24.0
     ring = (3.0 - 2.0 * poisson_shear_ratio) * pi / 32.0 * (a * b) ** 2 * (a**2 - b**2)
