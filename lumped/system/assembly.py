@@ -1,9 +1,10 @@
 """Assembly of the stiffness and mass matrices of a mechanism from models of its bodies.
 
-The models are dense, sparse or reduced. The first unknowns of a system are those of its nodes under
-the constraints of the joints (`lumped.system.motions`). The others are the internal unknowns of the
-bodies in body axes, whose matrices are assembled once. For each posture only the rows and columns
-of the interfaces are rotated, for many postures together.
+The models are dense, sparse or reduced. A node is a rigid body, or one interface of a deformable
+body. The first unknowns of a system describe all motions of its nodes that the joints allow
+(`lumped.system.motions`). The others are the internal unknowns of the bodies in body axes, whose
+matrices are assembled once. For each posture only the rows and columns of the interfaces are
+rotated, for many postures together.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -38,10 +39,11 @@ from lumped.system.motions import (
 class System:
     """Stiffness and mass matrices (n×n, SI, dense or sparse) of a mechanism in one posture.
 
-    The first unknowns are the unknowns of the nodes (`motions`), the others are internal to the
-    bodies. `tool` (6×n) maps the unknowns to the twist of the loaded point in base axes. `ends`
-    contains, for each body, the matrix that maps the unknowns of the nodes to the twists of the
-    body's interfaces in body axes, and `inside` the slice of the body's internal unknowns.
+    The first unknowns are those of the nodes (`motions`), the others are internal to the bodies.
+    `models` are the models of the deformable bodies, by name. `tool` (6×n) maps the unknowns to the
+    twist of the loaded point in base axes. `ends` contains, by body, the matrix (6m × unknowns of
+    the nodes) that maps the unknowns of the nodes to the twists of the body's m interfaces in body
+    axes. `inside` contains, by body, the slice of the body's internal unknowns.
     """
 
     name: str
@@ -72,7 +74,8 @@ class System:
     def wrenches(self, joint: Joint, unknowns: Array) -> Array:
         """Wrenches (6×m) transmitted by an elastic joint, for `unknowns` of the system (n×m).
 
-        They are taken at the first interface of the joint, in the axes of the joint's compliance.
+        They act at the first interface of the joint and are expressed in the axes of
+        `Joint.compliance`, which rotate with the first body.
         """
         frames = frames_of([self.posture])
         position = frames.interface(joint.first.body, joint.first.point)[0]
@@ -87,10 +90,10 @@ class System:
 
 @dataclass(frozen=True, eq=False)
 class NodeMatrices:
-    """Matrices for the n unknowns of the nodes in P postures: all that depends on the posture.
+    """Matrices for the n unknowns of the nodes in P postures. No other matrices depend on posture.
 
-    `stiffness` and `mass` are P×n×n. `ends` (P×6m×n, by body) and `tool` (P×6×n) are those of
-    `System` without the internal unknowns of bodies.
+    `stiffness` and `mass` are P×n×n. `ends` (P×6m×n, by body) and `tool` (P×6×n) map the unknowns
+    of the nodes to the twists of a body's m interfaces and of the loaded point, as in `System`.
     """
 
     motions: Motions
@@ -104,8 +107,8 @@ class NodeMatrices:
 class Assembly:
     """A mechanism with models of its bodies, from which its system in any posture is assembled.
 
-    Bodies without a model are rigid. They are massless unless their shape is `Rigid`, which has a
-    mass.
+    `models` are the models of deformable bodies, by name. Bodies without a model are rigid. They
+    are massless unless their shape is `Rigid`, which has a mass.
     """
 
     mechanism: Mechanism
@@ -131,9 +134,10 @@ class Assembly:
 
     @cached_property
     def _split_models(self) -> Mapping[str, tuple[tuple[Array, Array | SparseMatrix], ...]]:
-        """Two blocks of the stiffness, and of the mass, of each body, by name.
+        """Two blocks of the stiffness, and two blocks of the mass, of each body, by name.
 
-        The first is that of the interfaces, the second couples them to the body's inside.
+        The first block is that of the interfaces. The second block couples them to the internal
+        unknowns.
         """
         return {
             name: (_split(model, "stiffness")[:2], _split(model, "mass")[:2])
@@ -194,9 +198,9 @@ class Assembly:
     def _stiffness_and_mass(
         self, node_motions: Motions, frames: Frames, ends: Mapping[str, Array], tool: Array
     ) -> tuple[Array, Array]:
-        """Stiffness and mass matrices (P×n×n) for the unknowns of the nodes.
+        """Stiffness and mass matrices (P×n×n) for the n unknowns of the nodes in P postures.
 
-        `ends` and `tool` are as in `NodeMatrices`.
+        `ends` and `tool` map these unknowns to twists, as in `NodeMatrices`.
         """
         shape = (len(tool), tool.shape[2], tool.shape[2])
         stiffness, mass = np.zeros(shape), np.zeros(shape)
@@ -227,8 +231,9 @@ class Assembly:
     def _bordered(self, outer: Array, kind: int, ends: Mapping[str, Array]) -> Array | SparseMatrix:
         """Full stiffness or mass matrix of a system, from the block `outer` of the nodes.
 
-        The coupling to the inside of the bodies, and the inside, are added. `kind` is 0 for the
-        stiffness, 1 for the mass. `ends` is as in `System`.
+        The block of the internal unknowns, and the blocks that couple them to the nodes, are added.
+        `kind` is 0 for the stiffness, 1 for the mass. `ends` maps the unknowns of the nodes to the
+        twists of a body's interfaces, as in `System`.
         """
         couplings = [(ends[name].T, blocks[kind][1]) for name, blocks in self._split_models.items()]
         inner = self._inner[kind]
@@ -257,8 +262,8 @@ def _name(posture: Posture) -> str:
 def _add(total: Array, rows: Array, matrix: Array | None) -> None:
     """Add RᵀMR to `total` (P×n×n), with the `rows` R (P×k×n) and a symmetric `matrix` M.
 
-    M is the identity if it is None. Most bodies depend on few unknowns, so that zero columns of R
-    are omitted.
+    If `matrix` is None, M is the identity. Columns of R that are zero are omitted from the product,
+    because most bodies depend on few unknowns.
     """
     used = np.flatnonzero(np.any(rows, axis=(0, 1)))
     used_rows = rows[..., used]
@@ -267,7 +272,11 @@ def _add(total: Array, rows: Array, matrix: Array | None) -> None:
 
 
 def _split(model: BodyModel, matrix: str) -> tuple[Array, Array | SparseMatrix, SparseMatrix]:
-    """Blocks of a `matrix` ("stiffness" or "mass") of a body: interfaces, coupling, inside."""
+    """Three blocks of a `matrix` ("stiffness" or "mass") of a body.
+
+    They are the block of the interfaces, the block that couples them to the internal unknowns, and
+    the block of the internal unknowns.
+    """
     full = getattr(model, matrix)
     count = 6 * len(model.interfaces)
     if not issparse(full):
@@ -277,9 +286,9 @@ def _split(model: BodyModel, matrix: str) -> tuple[Array, Array | SparseMatrix, 
 
 
 def _ends(node_motions: Motions, frames: Frames, body: str) -> Array:
-    """Matrix (P×6m×n) that maps the unknowns of the nodes to twists of a body's m interfaces.
+    """Matrices (P×6m×n) that map the n unknowns of the nodes to twists of a body's m interfaces.
 
-    The twists are in body axes, in P postures.
+    There is one matrix for each of P postures. The twists are in body axes.
     """
     interfaces = frames.mechanism.bodies[body].interfaces
     first = node_motions.structure.node(body, next(iter(interfaces)))

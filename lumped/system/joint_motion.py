@@ -1,9 +1,9 @@
 """Relative motion of the two sides of a joint: free twists, and springs in series with them.
 
 The wrench λ in a joint does no work on the passive free twists F of the joint: Fᵀλ = 0. The
-relative twist of the sides is δ = F η + C λ with the compliance C. A drive is a spring of stiffness
-k on its free twist f, which adds f fᵀ/k to C. So δ lies in the span of F and of C λ, and the static
-condensation of η is exact.
+relative twist of the sides is δ = F η + C λ with the compliance C and coordinates η. A drive is a
+spring of stiffness k on its free twist f, which adds f fᵀ/k to C. δ therefore lies in the span of F
+and of all C λ with Fᵀλ = 0, and η can be eliminated by exact static condensation.
 """
 
 from collections.abc import Mapping
@@ -23,10 +23,11 @@ _RIGID = 1e-14
 
 @dataclass(frozen=True)
 class Portion:
-    """A store of strain energy in a mechanism: a body or joint, and a kind of deformation.
+    """Key of a portion of the strain energy of a mechanism: a body or joint, and a deformation.
 
-    `of` is the name of the body or joint. `kind` is "tension", "bending z", … for a body ("" if its
-    model does not split the energy), and "drive" or "compliance" for a joint.
+    `of` is the name of the body or joint. `kind` is "drive" or "compliance" for a joint. For a body
+    it is a kind of deformation such as "tension" or "bending z". "" if the model of the body does
+    not split its energy by deformation.
     """
 
     of: str
@@ -44,10 +45,10 @@ class UnevenError(ValueError):
 class JointMotion:
     """Possible relative twists δ = B w of the second side of a joint, with r coefficients w.
 
-    `basis` is B (…×6×r, base axes, at the first interface) in one posture or in many. A unit of w
-    moves the joint about as far as the mechanism is long. `springs` contains, for each elastic part
-    of the joint, the matrix D (…×k×r) of its strain energy ½|D w|² (J). Only the last `elastic`
-    components of w strain the springs.
+    The arrays are for one posture, or for several postures (…). `basis` is B (…×6×r, base axes, at
+    the first interface). A unit of w corresponds to a translation of about the size of the
+    mechanism. `springs` contains, for each elastic part of the joint, the matrix D (…×k×r) of its
+    strain energy ½|D w|² (J). Only the last `elastic` components of w strain the springs.
     """
 
     basis: Array
@@ -66,12 +67,13 @@ def joint_motion(
     length: float,
     stiffness: Array | float | None = None,
 ) -> JointMotion:
-    """Motion of `joint` after the rotations `first` and `second` (…×3×3) of its bodies.
+    """Relative motion of `joint` after the rotations `first` and `second` (…×3×3) of its bodies.
 
-    The rotations are counted from the reference posture. `length` (m) makes translations and
-    rotations comparable. A drive acts on the first free twist; a drive without stiffness locks it.
-    `stiffness` (…) is the stiffness of a ball screw in these postures. If it is None, that of the
-    drive is used. Raises UnevenError if the number of elastic directions depends on the posture.
+    The rotations are those from the reference posture, in one or several postures (…). `length` (m)
+    makes translations and rotations comparable. A drive acts on the first free twist. A drive
+    without stiffness locks it. `stiffness` (…) is the stiffness of a drive with a ball screw in
+    these postures. If it is None, the stiffness of the drive is used. Raises UnevenError if the
+    number of elastic directions depends on the posture.
     """
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
     free = unit * joint_twists(joint, first, second)
@@ -110,10 +112,10 @@ def joint_motion(
 
 
 def rotor_moves_alone(joint: Joint) -> bool:
-    """True if the drive of a joint has a rotor with inertia, and a spring on each side of it.
+    """True if the drive of a joint has a rotor with inertia between two springs.
 
-    The motion of the rotor is then not determined by the sides of the joint, but an unknown of its
-    own.
+    The springs are the stiffness of the drive and the compliance of the joint. The motion of the
+    rotor does not follow from the motion of the two bodies, and is an additional unknown.
     """
     drive = joint.drive
     sprung = drive is not None and drive.stiffness is not None and bool(drive.inertia)
@@ -121,10 +123,11 @@ def rotor_moves_alone(joint: Joint) -> bool:
 
 
 def elastic_directions(joint: Joint, first: Array, second: Array) -> tuple[Array, Array]:
-    """Wrenches (6×e, base axes) that strain an elastic joint, and its compliances (e) for them.
+    """Orthonormal wrenches (6×e, base axes) that strain an elastic joint, and compliances (e).
 
-    They do no work on the passive free twists. Under wrenches orthogonal to them the joint is
-    rigid. `first` and `second` (3×3) are the rotations of its bodies from the reference posture.
+    The wrenches do no work on the passive free twists. The compliance is that of the joint for each
+    wrench. Under wrenches orthogonal to all of them the joint is rigid. `first` and `second` (3×3)
+    are the rotations of the joint's bodies from the reference posture.
     """
     free = joint_twists(joint, first, second)
     compliance = turn_matrix(np.asarray(joint.compliance), first)
@@ -140,12 +143,13 @@ def elastic_directions(joint: Joint, first: Array, second: Array) -> tuple[Array
 
 
 def elastic_wrenches(joint: Joint, first: Array, second: Array, relative: Array) -> Array:
-    """Wrenches (6×m) in an elastic joint from `relative` twists of its sides (6×m, base axes).
+    """Wrenches (6×m) in an elastic joint, from `relative` twists of its sides (6×m, base axes).
 
-    The wrenches are at the first interface, in the axes of the joint's compliance, without those
-    under which the joint is rigid. `first` and `second` (3×3) are the rotations of its bodies from
-    the reference posture. The wrenches λ do no work on the passive free twists F, and `relative` =
-    F η + C λ.
+    A wrench λ does no work on the passive free twists F, and its relative twist is F η + C λ with
+    the compliance C. λ acts at the first interface and is expressed in the axes of
+    `Joint.compliance`. Components of λ under which the joint is rigid do not follow from the
+    relative twist and are left out. `first` and `second` (3×3) are the rotations of the joint's
+    bodies from the reference posture.
     """
     directions, compliances = elastic_directions(joint, first, second)
     wrenches = directions @ (directions.T @ relative / compliances[:, None])
@@ -153,9 +157,10 @@ def elastic_wrenches(joint: Joint, first: Array, second: Array, relative: Array)
 
 
 def _condensed(passive: Array, root: Array) -> tuple[Array, Array]:
-    """Wrenches (…×6×r) that do no work on `passive` twists, and the twists that they cause.
+    """Wrenches (…×6×r) that do no work on `passive` twists (…×6×p), and the twists they cause.
 
-    The wrenches have unit energy. `root` is a matrix G (…×6×g) with G Gᵀ equal to the compliance.
+    `root` is a matrix G (…×6×g) for which G Gᵀ is the compliance. Each wrench λ is normalised to
+    λᵀ G Gᵀ λ = 1.
     """
     across = np.linalg.qr(passive, mode="complete")[0][..., passive.shape[-1] :]
     root_across = np.swapaxes(root, -1, -2) @ across
@@ -170,7 +175,10 @@ def _condensed(passive: Array, root: Array) -> tuple[Array, Array]:
 
 
 def same_rank(above: Array) -> int:
-    """Number of True values in each row of `above` (…×n). Raises UnevenError if rows differ."""
+    """Common number of True values in all rows of `above` (…×n).
+
+    Raises UnevenError if the rows differ in this number.
+    """
     ranks = np.unique(np.sum(above, axis=-1))
     if len(ranks) != 1:
         raise UnevenError
@@ -178,7 +186,11 @@ def same_rank(above: Array) -> int:
 
 
 def _sized(basis: Array, springs: dict[Portion, Array], elastic: int, unit: Array) -> JointMotion:
-    """Joint motion in SI units, from a dimensionless basis scaled by the factors `unit` (6×1)."""
+    """Joint motion in SI units from a dimensionless `basis` (…×6×r), with columns of unit length.
+
+    The factors `unit` (6×1) make twists dimensionless. `springs` and `elastic` are those of
+    `JointMotion`, for the given basis.
+    """
     size = 1.0 / np.linalg.norm(basis, axis=-2, keepdims=True)
     return JointMotion(
         basis * size / unit, {part: rows * size for part, rows in springs.items()}, elastic

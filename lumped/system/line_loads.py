@@ -1,8 +1,9 @@
 """Loads along a leg, and the forces in its sections that balance them.
 
-The forces in the section at x are those of the part beyond it on the part before it. They follow
-from the equilibrium of the part before x, whatever the leg's stiffness: N, the component along x,
-is tension, Qy and Qz are shear forces, T, My and Mz the moments about the leg's axes.
+The forces in the section at x are those that the part of the leg beyond x exerts on the part before
+x. They follow from the equilibrium of the part before x and do not depend on the leg's stiffness. N
+is the component along x, positive in tension. Qy and Qz are shear forces. T, My and Mz are the
+moments about the leg's axes.
 """
 
 from collections.abc import Sequence
@@ -21,9 +22,9 @@ _POINTS = 3
 
 
 def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> Array:
-    """Forces and moments (s×6) in the sections at s `stations` (m) of a leg under line `loads`.
+    """Forces and moments (s×6: N, Qy, Qz, T, My, Mz) in the sections at s `stations` (m) of a leg.
 
-    `root` (6) is the wrench on the root of the leg.
+    `root` (6, leg axes) is the wrench on the root of the leg. `loads` are the loads along it.
     """
     x = stations[:, None]
     total, lever = np.zeros((len(x), 6)), np.zeros((len(x), 3))
@@ -39,12 +40,13 @@ def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> A
 
 
 def end_wrenches(properties: BeamProperties, length: float, load: LineLoad) -> Array:
-    """Wrenches (2×6) on root and tip of a uniform leg that are equivalent to a load along it.
+    """Wrenches (2×6, leg axes) on root and tip of a uniform leg that represent a load along it.
 
     They are opposite to the reactions of clamped ends, so that displacements of the ends are exact.
-    With the root clamped, a wrench w at x moves the tip by X C(x) w, with the compliance C of the
-    part before x and the transformation X to the tip. The wrench on the tip moves it as far as the
-    load does.
+    They are computed as follows. If the root is clamped, a wrench w at x moves the tip by X C(x) w,
+    with the compliance C(x) of the part before x and the transformation X of twists to the tip. The
+    wrench on the tip causes the same displacement of the tip as the load. The wrench on the root
+    follows from equilibrium.
     """
     points, shares = np.polynomial.legendre.leggauss(_POINTS)
     half = 0.5 * (load.stop - load.start)
@@ -59,9 +61,10 @@ def end_wrenches(properties: BeamProperties, length: float, load: LineLoad) -> A
 
 
 def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> LineLoad:
-    """Inertia and weight, per length, of a uniform leg that moves as a rigid body.
+    """Inertia forces and weight per length of a uniform leg that moves as a rigid body.
 
-    `motion` is the motion of the root in leg axes, from whose acceleration gravity is subtracted.
+    `motion` is the motion of the leg in leg axes, with its origin at the root. The acceleration of
+    gravity is subtracted from its linear acceleration.
     """
     rotary = np.diag([properties.rho_J, properties.rho_Iy, properties.rho_Iz])
     rotary[1, 2] = rotary[2, 1] = -properties.rho_Iyz
@@ -78,10 +81,11 @@ def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> L
 
 
 def linear_load(root: Array, tip: Array, length: float) -> LineLoad:
-    """Load along a leg, linear in x, from wrenches `root` and `tip` (6, in N and N m) on its ends.
+    """Load along a leg that varies linearly, from wrenches on its ends.
 
-    Resultant force and moment of the load are those of both wrenches together. Axial force and
-    torque are also divided between the two ends as in the wrenches.
+    `root` and `tip` (6 each, in N and N m, leg axes) are the wrenches. The load has the resultant
+    force and moment of both together. Its axial force and torque are also divided between the two
+    ends in the same way as those of the wrenches.
     """
     first, last = 2.0 * (2.0 * root - tip) / length, 2.0 * (2.0 * tip - root) / length
     total = root + tip

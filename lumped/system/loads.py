@@ -1,14 +1,14 @@
 """Loads on a mechanism: wrenches on the interfaces of bodies, and displacements of the tool.
 
-Gravity and inertia forces on a body are represented by forces M a on its interfaces: M is the mass
-matrix condensed to the interfaces (Guyan 1965), a contains the accelerations of the interfaces.
-Condensation reproduces rigid motions, so that these forces are consistent for gravity and for any
-acceleration that is the same as that of a rigid displacement. The displacement of the tool under
-them is exact, because unit loads at the tool do not load the inside of bodies (Maxwell–Betti).
+Gravity and inertia forces on a body are represented by forces M a on its interfaces. M is the mass
+matrix condensed to the interfaces (Guyan 1965), and a contains the accelerations of the interfaces.
+Condensation preserves rigid motions, so that these forces are consistent for gravity, and for any
+field of accelerations that has the form of a rigid displacement. The displacement of the tool under
+these forces is exact, because unit loads at the tool do not act inside bodies (Maxwell–Betti).
 
-The centripetal acceleration of a turning body is not the acceleration of a rigid displacement. Its
-resultant wrench follows from Newton and Euler and is distributed in proportion to the accelerations
-of the interfaces, which is exact along a slender leg.
+Centripetal accelerations of a rotating body do not have the form of a rigid displacement. Their
+resultant wrench follows from the equations of Newton and Euler. It is distributed in proportion to
+the accelerations of the interfaces, which is exact along a slender leg.
 """
 
 from collections.abc import Mapping, Sequence
@@ -57,8 +57,9 @@ def loading(
     """Wrenches of a load in one posture.
 
     `bodies` contains the masses of deformable bodies and the wrenches of pressures on their faces.
-    Loads along legs are reduced to the ends by the beam theory `theory`. Raises ComputationError if
-    the tool cannot perform the motion of the load, or if the load has no wrench for this pose.
+    Loads along legs are represented by wrenches on their ends, computed by the beam theory
+    `theory`. Raises ComputationError if the tool cannot perform the motion in the load, or if the
+    load has no wrench for this pose.
     """
     mechanism = posture.mechanism
     load_position = interface_position(posture, Side(load.body, load.point))
@@ -125,7 +126,11 @@ def _along_leg(posture: Posture, line: AppliedLine) -> LineLoad:
 
 
 def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> list[AppliedWrench]:
-    """Wrenches (2×6, leg axes) on the ends of leg `name` that represent a load along it."""
+    """Wrenches (base axes) on the ends of leg `name` that represent a load along it.
+
+    They are computed by the beam theory `theory`. Raises InputError for a leg whose section varies
+    or whose centre line is bent.
+    """
     body = posture.mechanism.bodies[name]
     if not isinstance(body.shape, ConstantLeg | GivenLeg):
         raise InputError(
@@ -141,9 +146,9 @@ def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> lis
 
 
 def _on_interfaces(posture: Posture, name: str, wrenches: Array) -> list[AppliedWrench]:
-    """Wrenches on the m interfaces of a body in base axes, from `wrenches` in body axes.
+    """Wrenches in base axes on the m interfaces of the body `name`.
 
-    The shape of `wrenches` is 6m or m×6.
+    `wrenches` (6m or m×6) are the same wrenches in body axes.
     """
     axes = turn(posture.frames[name].rotation)
     return [
@@ -155,10 +160,11 @@ def _on_interfaces(posture: Posture, name: str, wrenches: Array) -> list[Applied
 
 
 def _line_load(leg: Leg, at_ends: Array, motion: Motion) -> LineLoad:
-    """Inertia load along a leg that moves as `motion`.
+    """Load along a leg due to inertia and gravity, for a leg that moves as a rigid body.
 
-    It is exact for a prism. For other legs it varies linearly, and its resultant is that of the
-    wrenches `at_ends` (2×6).
+    `motion` is its motion in leg axes, minus the acceleration of gravity. The load is exact for a
+    prism. For other legs it varies linearly and has the resultant of the wrenches `at_ends` (2×6,
+    leg axes).
     """
     if not isinstance(leg, ConstantLeg):
         return linear_load(at_ends[0], at_ends[1], leg.length)
@@ -210,9 +216,10 @@ def _wrench(posture: Posture, load: Load) -> Array:
 
 
 def _in_axes(rotation: Array, motion: Motion, gravity: Array) -> Motion:
-    """Motion in body axes, from which the acceleration of gravity is subtracted.
+    """Motion in body axes, with the acceleration of `gravity` subtracted.
 
-    `rotation` (3×3) has the body axes as columns.
+    `motion` and `gravity` (3, in m/s²) are in base axes. The columns of `rotation` (3×3) are the
+    body axes.
     """
     return Motion(
         rotation.T @ (motion.linear_acceleration - gravity),
@@ -222,9 +229,11 @@ def _in_axes(rotation: Array, motion: Motion, gravity: Array) -> Motion:
 
 
 def _inertia(mass: Array, points: Array, motion: Motion) -> Array:
-    """Inertia forces (6k, body axes) of a body on its interfaces at `points` (k×3, in m).
+    """Forces (6k, body axes) on k interfaces that represent inertia and gravity of a body.
 
-    `mass` (6k×6k) is the mass matrix of the body for the twists of the interfaces.
+    `points` (k×3, in m) are the positions of the interfaces. `mass` (6k×6k) is the mass matrix of
+    the body for their twists. `motion` is the motion of the body minus the acceleration of gravity,
+    in body axes.
     """
     rigid = np.vstack([shift(point) for point in points])
     twist = np.concatenate([motion.linear_acceleration, motion.angular_acceleration])
@@ -246,7 +255,10 @@ def _inertia(mass: Array, points: Array, motion: Motion) -> Array:
 
 
 def work_on(system: System, load: Loading) -> Array:
-    """Generalised forces (n) of a load: its work on a unit of each unknown of the system."""
+    """Generalised forces (n) of a load on the n unknowns of a system.
+
+    Each is the work of the load for a unit of the unknown.
+    """
     work = np.zeros(system.size)
     outer = work[: system.outer]
     for applied in load.wrenches:
@@ -265,7 +277,7 @@ def work_on(system: System, load: Loading) -> Array:
 def tool_displacements(solution: Solved, loads: Sequence[Loading]) -> Array:
     """Displacements (l×6, in m and rad, base axes) of the loaded point under each of l loads.
 
-    If a load does work on an idle motion, that motion follows freely.
+    A load that does work on an idle motion accelerates it freely.
     """
     system = solution.system
     # The shape is given because a rigid mechanism has no unknowns and hence empty rows.

@@ -23,10 +23,12 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class MemberForces:
-    """Forces N, Qy, Qz, T, My, Mz (s×6, in N and N m, leg axes) in sections at `stations` (s, m).
+    """Forces and moments in s sections of a leg.
 
-    The stations are distances from the root. Components that statics does not determine are NaN.
-    `half_width` (6) is the half-width of the numerical uncertainty of each component.
+    `forces` (s×6) are N, Qy, Qz, T, My and Mz (N and N m, leg axes), as in
+    `lumped.system.line_loads`. Components that statics does not determine are NaN. `stations` (s,
+    in m) are the distances of the sections from the root. `half_width` (6) is the half-width of the
+    numerical uncertainty of each component.
     """
 
     leg: str
@@ -38,12 +40,13 @@ class MemberForces:
 def member_forces(
     posture: Posture, name: str, forces: InternalForces, load: Loading
 ) -> MemberForces:
-    """Forces in the sections of the leg `name`.
+    """Forces and moments in the sections of the leg `name` under a load.
 
-    Stations include the ends of line loads, the ends of the spans of a leg along a line, and the
-    zeros of both shear forces, at which bending moments are largest. If the line loads do not
-    balance the wrenches on both ends, because their mass is not that of the model, the difference
-    is spread linearly along the leg and added to the half-width.
+    The stations include the ends of loads along the leg, steps and corners of the leg, and the
+    zeros of both shear forces, where bending moments have their extremes. The loads along the leg
+    may not balance the wrenches on its ends exactly, if they are computed with another mass than
+    that of the model. The difference is then distributed linearly along the leg and added to the
+    half-width.
     """
     root, tip = posture.mechanism.bodies[name].interfaces
     length = float(posture.mechanism.bodies[name].interfaces[tip].position[0])
@@ -73,9 +76,10 @@ def member_forces(
 def _end_wrench(
     posture: Posture, name: str, point: str, forces: InternalForces, load: Loading
 ) -> Array:
-    """Wrenches (6×(1 + k), leg axes) of joints and loads on the interface `point` of leg `name`.
+    """Wrench (6, leg axes) of joints and loads on the interface `point` of leg `name`.
 
-    The last k columns are the self-balanced wrenches that statics leaves undetermined.
+    It is the first column of the result (6×(1 + k)). The other k columns are self-balanced wrenches
+    that could be added, because statics does not determine them.
     """
     position = interface_position(posture, Side(name, point))
     count = forces.joints[0].undetermined.shape[1] if forces.joints else 0
@@ -94,15 +98,16 @@ def _end_wrench(
 
 
 def _distinct(stations: Array) -> Array:
-    """Stations in ascending order, each once: stations that differ by round-off count as equal."""
+    """Ascending `stations` without those that equal the preceding one within round-off."""
     is_distinct = np.diff(stations) > _ROUNDING * stations[-1]
     return np.asarray(stations[np.concatenate([[True], is_distinct])])
 
 
 def _zeros(stations: Array, shear: Array) -> Iterator[float]:
-    """Stations (m) at which a column of `shear` (s×2), known at s `stations`, changes its sign.
+    """Positions (m) at which one of the two shear forces changes its sign.
 
-    Shear forces under linear loads are parabolas.
+    `shear` (s×2) are the shear forces at the s `stations`. Between stations they are interpolated
+    by parabolas, which is exact for loads that vary linearly.
     """
     for values in shear.T:
         for number in np.flatnonzero(values[:-1] * values[1:] < 0.0):

@@ -1,18 +1,18 @@
 """Motions of the nodes of a mechanism that satisfy the constraints of its joints exactly.
 
-A node is a rigid body, or one interface of a deformable body. No penalties are used: the unknowns
-that a joint constrains are eliminated, joint by joint, starting from nodes whose motion is already
-expressed by the remaining unknowns. The node on the other side of a joint has the motion of the
-first node plus the relative motion of the joint. Along passive free twists it has its own unknowns
-instead.
+A node is a rigid body, or one interface of a deformable body. No penalties are used. The unknowns
+that a joint constrains are eliminated, joint by joint. Each step starts from a node whose motion is
+already expressed by the remaining unknowns, at first the ground. The second node of the joint has
+the motion of the first node plus the relative motion of the joint. Along passive free twists,
+however, the motion of the second node has its own unknowns.
 
-A joint between two nodes whose motions are already expressed closes a loop of rigid bodies. Its
-constraints are eliminated by their null space. Such loops do not occur if the bodies between the
-joints are deformable.
+If the motions of both nodes of a joint are already expressed, the joint closes a loop of rigid
+bodies. Its constraints are then satisfied by a basis of their null space. Such loops do not occur
+if the bodies between the joints are deformable.
 
 All postures are evaluated together along the first axis of every array. The relative motion of a
-joint rotates with its bodies and is computed once, except for universal joints, in which it depends
-on the angle.
+joint rotates with its first body and is computed once. It is computed for each posture if it
+depends on the coordinates of the joint: in universal joints, and in drives with a ball screw.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -47,9 +47,10 @@ class Structure:
 
     `nodes` are pairs (body, interface), with "" for the interface of a rigid body. `tree` contains,
     in the order of elimination, pairs of the index of a joint and the index of the node whose
-    motion the joint determines. The joint is None for a node that moves freely. `closing` are the
-    indices of joints that close loops of rigid bodies. `reference_motions` are the motions of all
-    joints in the reference posture, base axes. `length` (m) is the size of the mechanism.
+    motion the joint determines. The index of the joint is None for a node that moves freely.
+    `closing` are the indices of joints that close loops of rigid bodies. `reference_motions` are
+    the relative motions of all joints in the reference posture (base axes). `length` (m) is the
+    size of the mechanism.
     """
 
     mechanism: Mechanism
@@ -71,11 +72,12 @@ class Structure:
 class Motions:
     """Twists of the nodes, as linear functions of n unknowns y.
 
-    The twists of the N nodes are `twists` y (…×N×6×n, base axes) at `places` (…×N×3, in m), in one
-    posture or in many. A unit of y moves the mechanism about as far as it is long. `springs`
-    contains, for each elastic part of a joint, the matrix D (…×k×n) of its strain energy ½|D y|²
-    (J). `locks` y (…×l×n) are dimensionless deflections of all springs, which are zero for motions
-    with locked springs.
+    The arrays are for one posture, or for several postures (…). Multiplied by y, `twists`
+    (…×N×6×n) gives the twists of the N nodes (base axes) at `places` (…×N×3, in m). A unit of y
+    corresponds to a translation of about the size of the mechanism. `springs` contains, for each
+    elastic part of a joint, the matrix D (…×k×n) of its strain energy ½|D y|² (J). Multiplied by y,
+    `locks` (…×l×n) gives dimensionless deflections of all springs. They are zero for motions with
+    locked springs.
     """
 
     structure: Structure
@@ -85,9 +87,9 @@ class Motions:
     locks: Array
 
     def at(self, body: str, point: str, position: Array) -> Array:
-        """Matrix (…×6×n) that maps the unknowns to the twist of an interface's node.
+        """Matrix (…×6×n) that maps the n unknowns to the twist of the node of an interface.
 
-        The twist is taken at `position` (…×3, in m). Both are in base axes.
+        The twist is taken at `position` (…×3, in m). Twist and position are in base axes.
         """
         node = self.structure.node(body, point)
         if node == _FIXED:
@@ -96,7 +98,7 @@ class Motions:
         return twists
 
     def of_posture(self, number: int) -> "Motions":
-        """Motions in the posture with index `number`, from those in many postures."""
+        """Motions in the posture with the index `number`, from those in several postures."""
         return replace(
             self,
             twists=self.twists[number],
@@ -108,7 +110,11 @@ class Motions:
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """Frames of all bodies in P postures: `positions` (P×3, in m), `rotations` (P×3×3) by body."""
+    """Frames of all bodies in P postures, in base axes.
+
+    `positions` (P×3, in m) are the origins and `rotations` (P×3×3, axes as columns) the axes, each
+    by name of the body.
+    """
 
     mechanism: Mechanism
     positions: Mapping[str, Array]
@@ -251,7 +257,11 @@ def _joint_motion(structure: Structure, frames: Frames, number: int) -> JointMot
 
 
 def drive_stiffnesses(joint: Joint, frames: Frames) -> Array | None:
-    """Stiffness of a drive: one number, or one for each of P postures. None if it is rigid."""
+    """Stiffness (N/m or N m/rad) of the drive of a joint. None if there is none, or if it is rigid.
+
+    It is one number for each of P postures if the drive has a ball screw, otherwise one number for
+    all.
+    """
     drive = joint.drive
     if drive is None or drive.stiffness is None:
         return None

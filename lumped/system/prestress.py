@@ -1,23 +1,25 @@
 """Geometric stiffness of a loaded mechanism.
 
-Forces and moments do work on displacements of second order in the unknowns, so that the stiffness
-under λ times the load is K + λ G. Rotations are rotation vectors θ. These second-order terms occur:
+Forces and moments do work on displacements of second order in the unknowns. The stiffness under λ
+times the load is therefore K + λ G with the geometric stiffness G. Rotations are described by
+rotation vectors θ. The second-order terms are the following:
 
 - The point of application of a force, at an arm r from its node, has the additional displacement
   ½ θ × (θ × r).
-- The second side of a joint with relative displacement d and relative rotation ψ has the additional
-  displacement θ₁ × d and rotation ½ θ₁ × ψ relative to the first side.
-- Bodies contribute the geometric stiffness of their inside.
+- The second side of a joint with the relative displacement d and the relative rotation ψ has the
+  additional displacement θ₁ × d and rotation ½ θ₁ × ψ relative to the first side, which rotates by
+  θ₁.
+- Each body contributes the geometric stiffness of its model.
 
-The terms cancel in a common rotation of bodies and forces, so that a rotation of the whole robot is
-affected only by the loads and the ground. The load keeps its direction and its point of
-application, and the mechanism keeps its posture.
+In a rotation of the whole robot the terms of joints and bodies cancel, and only those of the loads
+and of the joints at the ground remain. The load keeps its direction and its point of application,
+and G is computed for the undeformed mechanism in its posture.
 
 Idle motions are locked, as by friction. They have no strain energy, so that the load alone would
-determine their rest position, and any amount of an idle motion could be added to a deformation. The
-geometric stiffness is therefore that of motions without an idle part, which does not depend on the
-choice of base axes. The inertia of the bodies balances the load along idle motions, and the joints
-transmit the difference.
+determine their rest position, and any amount of an idle motion could be added to a deformation. G
+is therefore computed for motions from which the idle part is removed. The result does not depend on
+the choice of base axes. Where the load would accelerate an idle motion, it is balanced by the
+inertia of the bodies, and the joints transmit the forces that this requires.
 """
 
 from collections.abc import Mapping
@@ -37,14 +39,14 @@ from lumped.system.solution import Solved
 
 
 class Prestressed(Protocol):
-    """Function for the geometric stiffness of a body on the body's own unknowns."""
+    """Function that computes the geometric stiffness of a body for the unknowns of its model."""
 
     def __call__(self, ends: Array, distributed: Array, *, spins: bool) -> Array:
-        """Geometric stiffness (r×r, SI, for the r unknowns of the body) under elastic forces.
+        """Geometric stiffness (r×r, SI, body axes) for the r unknowns of the body's model.
 
-        `ends` (6m, body axes) are the forces on the m interfaces that the elastic stiffness of the
-        body balances. `distributed` (6m) is the part of `ends` that represents loads along the
-        length. `spins` is True if the body can spin idly about its x axis.
+        `ends` (6m, body axes) are the forces on the m interfaces that the stiffness of the body
+        balances. `distributed` (6m) is the part of `ends` that represents loads along the length of
+        the body. `spins` is True if the body has an idle motion about its x axis.
         """
         ...
 
@@ -58,9 +60,9 @@ def geometric_stiffness(
 ) -> Array:
     """Geometric stiffness (n×n) of a system under a load.
 
-    `bodies` contains functions for the geometric stiffness of deformable bodies, by name. Other
-    deformable bodies rotate by the mean rotation of their interfaces. Idle motions have no
-    geometric stiffness.
+    `bodies` contains functions for the geometric stiffness of deformable bodies, by name. A
+    deformable body without a function is treated as a body that rotates by the mean rotation of its
+    interfaces. Idle motions have no geometric stiffness.
     """
     system = solution.system
     forces = internal_forces(solution, load)
@@ -90,9 +92,9 @@ def geometric_stiffness(
 
 
 def _spins(idle: Array) -> bool:
-    """True if idle motions include a spin of a leg about its axis.
+    """True if a combination of idle motions is a rotation of a leg about its x axis.
 
-    `idle` (12×k) contains the twists of both ends of the leg in k idle motions.
+    `idle` (12×k, leg axes) contains the twists of both ends of the leg in k idle motions.
     """
     spin = np.zeros(12)
     spin[[3, 9]] = 1.0
@@ -100,9 +102,10 @@ def _spins(idle: Array) -> bool:
 
 
 def _without_idle_parts(solution: Solved, geometric: Array) -> Array:
-    """Geometric stiffness PᵀGP with G = `geometric`. The matrix P removes idle parts of motions.
+    """Geometric stiffness PᵀGP (n×n), in which the matrix P removes the idle parts of motions.
 
-    The idle part is fitted by least squares to the twists of all nodes.
+    G is `geometric` (n×n). The idle part of a motion is fitted by least squares to the twists of
+    all nodes.
     """
     if not solution.idle:
         return geometric
@@ -132,10 +135,11 @@ def _at_arm(system: System, node: int, position: Array, wrench: Array) -> Array:
 
 
 def _rotating_body(ends: Array, positions: Array, forces: Array) -> Array:
-    """Geometric stiffness of a body under `forces` (6k) on interfaces at `positions` (k×3, in m).
+    """Geometric stiffness (n×n) of a body under `forces` (6k) on its k interfaces.
 
-    All in body axes. `ends` is the matrix from the unknowns to the twists of the interfaces.
-    Relative to axes that rotate with the body by θ, an interface at r with displacement u and
+    `positions` (k×3, in m) are the positions of the interfaces. `ends` (6k×n) maps the n unknowns
+    of the nodes to their twists. All are in body axes. The body rotates by θ, the mean rotation of
+    its interfaces. Relative to axes that rotate with it, an interface at r with displacement u and
     rotation θᵢ has the second-order displacement −θ × u + ½ θ × (θ × r) and rotation −½ θ × θᵢ.
     """
     arms = positions - positions.mean(axis=0)
@@ -160,9 +164,9 @@ def _rotating_body(ends: Array, positions: Array, forces: Array) -> Array:
 
 
 def _joint_stiffness(system: System, joint: Joint, wrench: Array) -> Array:
-    """Geometric stiffness of a joint with a `wrench` (6) on its second body.
+    """Geometric stiffness (n×n) of a joint for the n unknowns of the nodes.
 
-    The matrix is for the unknowns of the nodes.
+    `wrench` (6, base axes) is that of the joint on its second body, at its first interface.
     """
     motions, position = system.motions, interface_position(system.posture, joint.first)
     first, second = (

@@ -2,11 +2,11 @@
 
 The stiffness of a body balances the wrenches of the joints and the load on its interfaces. The
 wrenches of the joints follow from the equilibrium of all nodes, and from λ·f = 0 for the wrench λ
-in a joint on each passive free twist f. An idle motion is accelerated by the load along it, and the
-inertia of the bodies (d'Alembert) takes part in the equilibrium.
+in a joint and each of its passive free twists f. A load that does work on an idle motion
+accelerates it, and the inertia of the bodies takes part in the equilibrium (d'Alembert).
 
-In loops of rigid bodies, equilibrium leaves some wrenches undetermined. Springs in the loop
-determine them by their strain. Without springs the loop is statically indeterminate: any
+In loops of rigid bodies, equilibrium does not determine all wrenches. If the loop has springs, the
+other wrenches follow from their strain. A loop without springs is statically indeterminate: any
 self-balanced wrenches can be added, for example by assembling the loop with clearance or preload.
 """
 
@@ -45,9 +45,10 @@ _DEPENDENT = 1e-9
 class BodyForces:
     """Forces (6m, in N and N m, body axes) on the m interfaces of a deformable body.
 
-    `elastic` are the forces that the stiffness of the body balances, `load` those of the load on
-    its mass, and `inertia` is its mass times the acceleration of an idle motion. `rounding` is the
-    half-width of their round-off error.
+    `elastic` are the forces that the stiffness of the body balances. `load` are the forces that
+    represent distributed loads: gravity, inertia, loads along a leg and pressures. `inertia` is the
+    mass of the body times the acceleration of idle motions. `rounding` is the half-width of the
+    round-off error of `elastic`.
     """
 
     elastic: Array
@@ -57,22 +58,23 @@ class BodyForces:
 
     @property
     def distributed(self) -> Array:
-        """Part of the elastic forces (6m) that acts on the length or volume of the body."""
+        """Part of the elastic forces (6m) due to loads and inertia within the body."""
         return self.load - self.inertia
 
     @property
     def at_interfaces(self) -> Array:
-        """Forces (6m) of joints, and of loads at points, on the interfaces."""
+        """Forces (6m) that joints, and loads at points, exert on the interfaces."""
         return self.elastic - self.distributed
 
 
 @dataclass(frozen=True, eq=False)
 class JointWrench:
-    """Wrench (6, in N and N m, base axes) of a joint on its second body, at its first interface.
+    """Wrench of a joint on its second body, at its first interface.
 
-    In a statically indeterminate loop of rigid bodies, the columns of `undetermined` (6×k) are
-    wrenches that can be added without a change of any load. `rounding` (N) is the half-width of the
-    forces' round-off; times `length` (m) it is that of the moments.
+    `wrench` (6) is in N and N m, base axes. In statically indeterminate loops of rigid bodies, k
+    self-balanced states can be added without a change of the loads. The columns of `undetermined`
+    (6×k) are the wrenches of this joint in these states. `rounding` (N) is the half-width of the
+    round-off error of the forces. Multiplied by `length` (m), it is that of the moments.
     """
 
     joint: Joint
@@ -84,12 +86,12 @@ class JointWrench:
 
 @dataclass(frozen=True, eq=False)
 class Reaction:
-    """Wrench (6, in N and N m) of a joint on its second body, at its first interface, joint axes.
+    """Wrench of a joint on its second body, at its first interface, in joint axes.
 
-    Components are NaN if statics does not determine them. `half_width` (6) is the half-width of the
-    numerical uncertainty. `drive` (N or N m) is the force of the motor along the joint's first free
-    twist, including the inertia force of its rotor. None if the joint has no drive. `drive_unit` is
-    its unit.
+    `wrench` (6) is in N and N m. Components that statics does not determine are NaN. `half_width`
+    (6) is the half-width of the numerical uncertainty of each component. `drive` is the force or
+    moment of the motor along the joint's first free twist, in `drive_unit`. It includes the force
+    that accelerates the rotor. None if the joint has no drive.
     """
 
     joint: str
@@ -103,8 +105,8 @@ class Reaction:
 class InternalForces:
     """Forces of a system under a load: in deformable bodies by name, and in all joints.
 
-    `displacements` (n) are the unknowns of the system with idle motions locked. `idle_acceleration`
-    (n) is the acceleration of idle motions under the load.
+    `displacements` (n) are the values of the system's unknowns, with idle motions locked.
+    `idle_acceleration` (n) are the accelerations of the unknowns in idle motions under the load.
     """
 
     displacements: Array
@@ -116,11 +118,11 @@ class InternalForces:
 def joint_axes(posture: Posture, joint: Joint) -> Array:
     """Axes x, y, z (3×3, columns, base axes) of a joint in a posture.
 
-    x is the axis of the joint, or the normal of both axes of a universal joint
-    (`catalogue.directions`). z of a prismatic joint is as close to the base's z axis as possible,
-    or to the base's x axis if the joint slides along z. Fixed and spherical joints have the base
-    axes of the reference posture. In other joints, z is as close as possible to the base axis that
-    is most nearly normal to x. The axes rotate with the first body.
+    The axes rotate with the first body. In the reference posture, x is the axis of the joint, or
+    the normal of both axes of a universal joint (`catalogue.directions`). z of a prismatic joint is
+    as close as possible to the z axis of the base, or to the x axis of the base if the joint slides
+    along z. The axes of fixed and spherical joints are the base axes. In other joints, z is as
+    close as possible to the base axis that is most nearly normal to x.
     """
     first = rotation_since_reference(posture, joint.first.body)
     if joint.kind in {"fixed", "spherical"}:
@@ -130,7 +132,10 @@ def joint_axes(posture: Posture, joint: Joint) -> Array:
 
 
 def reaction(posture: Posture, transmitted: JointWrench, load: Loading) -> Reaction:
-    """Reaction of a joint in its axes, and the force of its motor."""
+    """Reaction of a joint in joint axes, and the force of its motor.
+
+    `transmitted` is the wrench of the joint under `load`.
+    """
     joint = transmitted.joint
     to_axes = turn(joint_axes(posture, joint)).T
     unit = np.array([1.0] * 3 + [1.0 / transmitted.length] * 3)
@@ -173,14 +178,17 @@ def _body_forces(
     magnitudes = (abs(model.stiffness) @ np.abs(unknowns))[:count]
     return BodyForces(
         elastic=np.asarray(model.stiffness @ unknowns)[:count],
-        load=_load_on_mass(system, name, load),
+        load=_distributed_load(system, name, load),
         inertia=inertia,
         rounding=np.finfo(float).eps * magnitudes,
     )
 
 
-def _load_on_mass(system: System, body: str, load: Loading) -> Array:
-    """Load on the distributed mass of a body, at its interfaces (6m, body axes)."""
+def _distributed_load(system: System, body: str, load: Loading) -> Array:
+    """Forces (6m, body axes) on the m interfaces of a body that represent distributed loads.
+
+    These are gravity, inertia, loads along a leg and pressures.
+    """
     points = list(system.posture.mechanism.bodies[body].interfaces)
     wrenches = np.zeros((len(points), 6))
     for applied in load.body_wrenches:
@@ -193,8 +201,9 @@ def _load_on_mass(system: System, body: str, load: Loading) -> Array:
 class _Equilibrium:
     """Linear equations for the wrenches of all joints, and their solution.
 
-    Moments are divided by the length of the mechanism, so that all components are in N. Wrenches
-    are those of joints on their second bodies, at their first interfaces, base axes.
+    Moments are divided by the size of the mechanism, so that all components are in N. Wrenches are
+    those of joints on their second bodies, at their first interfaces, in base axes. The other
+    fields are those of `InternalForces`.
     """
 
     system: System
@@ -215,8 +224,8 @@ class _Equilibrium:
     def solution(self) -> tuple[JointWrench, ...]:
         """Wrenches that balance the nodes and do no work on passive free twists.
 
-        If this is not unique, the wrenches of elastic joints follow from their strain, and those of
-        rigid joints are the smallest possible ones.
+        If these conditions do not determine all wrenches, those of elastic joints follow from their
+        strain, and those of rigid joints are the smallest possible ones.
         """
         conditions, right_side = self._conditions()
         wrenches = np.linalg.lstsq(conditions, right_side)[0]
@@ -279,7 +288,10 @@ class _Equilibrium:
         return conditions, np.append(balance, np.zeros(len(conditions) - len(balance)))
 
     def _node_wrenches(self) -> Array:
-        """Wrenches (N×6, base axes) of joints on nodes: wrenches on the bodies minus the loads."""
+        """Resultant wrenches (N×6, base axes) that the joints must exert on each of N nodes.
+
+        They are the elastic and inertia forces of the bodies minus the loads.
+        """
         system, load = self.system, self.load
         motions, posture = system.motions, system.posture
         wrenches = np.zeros((len(motions.places), 6))
@@ -305,10 +317,10 @@ class _Equilibrium:
         return wrenches
 
     def _spring_wrenches(self) -> tuple[Array, Array]:
-        """Matrix (e×6j) and right-hand side (e) of e equations for the strain of elastic joints.
+        """Matrix (e×6j) and right-hand side (e) of e equations from the strain of elastic joints.
 
-        The unknowns are the wrenches of all j joints. Wrenches under which a joint is rigid do not
-        follow from its strain.
+        The unknowns are the wrenches of all j joints. There are no equations for components under
+        which a joint is rigid, because its strain does not depend on them.
         """
         system, unit, joints = self.system, self._unit, self._joints
         rows, values = [np.zeros((0, len(joints), 6))], [np.zeros(0)]

@@ -1,19 +1,21 @@
 """Harmonic response of a damped mechanism, at its tool or between any two points.
 
 A part with the loss factor η has the stiffness (1 + iη) K under forces with exp(iωt): it dissipates
-2πη times its stored energy in every cycle (hysteretic damping). With K* = Σ (1 + iη) K of bodies,
-joints and drives, the receptance of the tool is H = T (K* − ω²M)⁻¹ Tᵀ, where T is the matrix from
-the unknowns to the twist of the tool and the displacements of other points. It is computed in a
-basis V of the real modes up to a cut-off frequency, and of the static responses that these modes
-lack, to unit loads on T and to the dissipative forces. With A = T V, S = VᵀK*V and C = VᵀMV,
+2πη times its stored energy in every cycle (hysteretic damping). The sum of these stiffnesses over
+bodies, joints and drives is K*. The receptance is H = T (K* − ω²M)⁻¹ Tᵀ. The matrix T maps the
+unknowns to the outputs: the twist of the tool, and the displacements of other points.
+
+H is computed in a basis V of motions. They are the real modes up to a cut-off frequency, and static
+responses to unit loads on the outputs and to the dissipative forces, minus the part that the modes
+contain already. With A = T V, S = VᵀK*V and C = VᵀMV,
 
     H = A (S − ω²C)⁻¹ Aᵀ = Σ g / (1 − ω²μ),    S⁻¹C = P diag(μ) P⁻¹
 
 with the complex modes 1/μ = ω_r² (1 + iη_r). A modal damping ratio ζ adds 2iζωω_r to 1/μ − ω², so
-that the denominator is 1 − ω²μ + 2iζωω_rμ. For one mass on a spring this is k(1 + iη) − mω² +
-2iζω√(km). The loss factor of a drive in series with the compliance of its joint is exact to first
-order. Viscous dashpots with the matrix D add iωD to K*; the terms of the sum are then those of
-`lumped.dense.poles`.
+that the denominator is 1 − ω²μ + 2iζωω_rμ. For one mass on a spring this corresponds to k(1 + iη) −
+mω² + 2iζω√(km). The effect of the loss factor of a drive in series with the compliance of its joint
+is exact to first order. Viscous dashpots with the matrix D add iωD to K*. The terms of the sum are
+then those of `lumped.dense.poles`.
 """
 
 from dataclasses import dataclass, replace
@@ -61,13 +63,14 @@ _PEAK_SAMPLES = 100
 
 @dataclass(frozen=True, eq=False)
 class DampedModes:
-    """The r complex modes of a mechanism, with their contributions to the compliance of the tool.
+    """The r complex modes of a mechanism, as terms of its receptance.
 
-    `inverses` (r) are μ (s²), the inverse squares of the complex natural frequencies. `residues`
-    (r×…) are the contributions g of the modes to the static compliance (6×6, SI, base axes, or its
-    component in one direction). `ratio` is the damping ratio, one for all modes or one for each.
-    Viscous dashpots add iωκ to the denominators, with the `rates` κ (r, in s), and iωh to the
-    contributions, with the `rate_residues` h (like `residues`).
+    Each term is (g + iωh) / (1 − ω²μ + 2iζωω_rμ + iωκ), as in the module docstring. `inverses` (r)
+    are μ (s²), the inverse squares of the complex natural frequencies. `residues` (r×…) are g, the
+    contributions of the modes to the static compliance of the outputs (k×k for k outputs, or one
+    number for one direction). `ratio` is the damping ratio ζ, one for all modes or one for each.
+    `rates` are κ (r, in s) and `rate_residues` are h (same shape as `residues`). κ and h are due to
+    viscous dashpots.
     """
 
     inverses: ComplexArray
@@ -87,7 +90,10 @@ class DampedModes:
 
     @cached_property
     def losses(self) -> Array:
-        """Loss factors (r values) of the modes: due to the parts, plus twice the damping ratio."""
+        """Loss factors (r values) of the modes.
+
+        Each is the sum of the loss factor due to parts and dashpots, and twice the damping ratio.
+        """
         finite = np.isfinite(self.frequencies)
         of_parts = np.divide(
             -self.inverses.imag, self.inverses.real, out=np.zeros(len(finite)), where=finite
@@ -96,14 +102,18 @@ class DampedModes:
         return np.asarray(of_parts + self.rates.real * natural + 2.0 * self.ratio)
 
     def along(self, direction: Array) -> "DampedModes":
-        """The same modes for displacement and force along `direction` (unit vector, base axes)."""
+        """The same modes, with the receptance of the tool along `direction`.
+
+        Both displacement and force are along this unit vector (base axes).
+        """
         return self.between(slice(3), direction, slice(3), direction)
 
     def between(self, moved: slice, direction: Array, loaded: slice, force: Array) -> "DampedModes":
-        """The same modes for displacement along `direction`, force along `force` (unit vectors).
+        """The same modes, with the receptance for one displacement and one force.
 
-        `moved` and `loaded` select the translations of the point that moves, and of the point at
-        which the force acts, among the rows and columns of the residues.
+        The displacement is along `direction`, the force along `force` (unit vectors, base axes).
+        `moved` selects the translations of the displaced point among the rows of the residues, and
+        `loaded` those of the point where the force acts among the columns.
         """
         residues, rate_residues = (
             np.einsum("i,rij,j->r", direction, terms[:, moved, loaded], force)
@@ -113,10 +123,11 @@ class DampedModes:
         return component if self._moves(component, moved, loaded) else component._without_terms()
 
     def _moves(self, component: "DampedModes", moved: slice, loaded: slice) -> bool:
-        """True if a `component` of the receptance exceeds round-off.
+        """True if `component`, the receptance for one displacement and force, exceeds round-off.
 
-        The component is compared with the receptances of both points, in statics and near all
-        resonances. Terms of equal frequencies may cancel.
+        It is compared with the receptances of both points, at zero frequency and near all
+        resonances. The terms themselves are not compared, because terms of equal frequencies may
+        cancel.
         """
         finite = self.frequencies[np.isfinite(self.frequencies)]
         samples = np.append(0.0, _BESIDE_RESONANCE * finite)
@@ -136,7 +147,7 @@ class DampedModes:
         )
 
     def _without_terms(self) -> "DampedModes":
-        """Modes without contributions to the receptance, for a motion that no force causes."""
+        """The same modes with a receptance of zero. The force does not cause the displacement."""
         zeros = np.zeros_like(self.residues)
         return replace(self, residues=zeros, rate_residues=zeros)
 
@@ -151,15 +162,15 @@ class DampedModes:
         return np.asarray(np.tensordot(1.0 / denominator, self.residues, axes=1) + rate_responses)
 
     def size(self, frequency: float) -> float:
-        """Magnitude (m/N) of the receptance along a direction at `frequency` (Hz)."""
+        """Magnitude (m/N) of the receptance for one displacement and force at `frequency` (Hz)."""
         return float(np.abs(self.receptance(np.array([frequency]))[0]))
 
     def peak(self, first: float, last: float) -> tuple[float, float]:
         """Largest magnitude (m/N) of the receptance in a frequency range, and its frequency (Hz).
 
-        The range is from `first` to `last` (Hz). The residues must be those along one direction.
-        The magnitude is infinite if a contributing mode is undamped. The result is (0, NaN) if the
-        tool is rigid.
+        The range is from `first` to `last` (Hz). The residues must be those for one displacement
+        and one force. The magnitude is infinite if a mode that contributes in this range is
+        undamped. The result is (0, NaN) if the force causes no displacement.
         """
         natural = 2.0 * np.pi * np.where(np.isfinite(self.frequencies), self.frequencies, 0.0)
         sizes = np.abs(self.residues) + natural * np.abs(self.rate_residues)
@@ -189,9 +200,9 @@ class DampedModes:
 class HarmonicResponse:
     """Response of a point to a harmonic force.
 
-    `receptance` (n, complex, m/N) is given at the frequencies of the `excitation`. `judged` are the
-    numbers named by `Excitation.judged`: height (m/N) and frequency (Hz) of the peak, magnitude
-    (m/N) at the frequency `at`.
+    `receptance` (n, complex, in m/N) is given at the n frequencies of the `excitation`. `judged`
+    are the values whose names are `Excitation.judged`: height (m/N) and frequency (Hz) of the peak,
+    and the magnitude (m/N) at the frequency `excitation.at` unless that is None.
     """
 
     excitation: Excitation
@@ -202,8 +213,8 @@ class HarmonicResponse:
 def harmonic_responses(solution: Solved) -> tuple[HarmonicResponse, ...]:
     """Responses to all harmonic forces of a mechanism in one posture.
 
-    Raises ComputationError if an idle motion moves a point in the direction of its force or of the
-    requested displacement: without a spring the response has no bound at low frequencies.
+    Raises ComputationError if an idle motion moves the point of a force or displacement. No spring
+    resists such a motion, so that the response has no bound at low frequencies.
     """
     system = solution.system
     excitations = system.motions.structure.mechanism.excitations
@@ -231,7 +242,10 @@ def harmonic_responses(solution: Solved) -> tuple[HarmonicResponse, ...]:
 
 
 def _translations(solution: Solved, body: str, point: str) -> Array:
-    """Matrix (3×n) that maps the n unknowns to the displacement (base axes) of an interface."""
+    """Matrix (3×n) that maps the n unknowns to the displacement (base axes) of an interface.
+
+    Raises ComputationError if an idle motion moves the interface.
+    """
     system = solution.system
     position = frames_of([system.posture]).interface(body, point)[0]
     rows = np.zeros((3, system.size))
@@ -252,10 +266,11 @@ def _response(modes: DampedModes, excitation: Excitation) -> HarmonicResponse:
 
 
 def modal_damping(solution: Solved, modes: Modes) -> Array:
-    """Viscous damping matrix (m×m, 1/s) of m real modes, which are normalised to unit mass.
+    """Viscous damping matrix (m×m, 1/s) for m real modes with unit modal mass.
 
-    Dashpots couple the modes. Loss factors damp each mode separately, to first order, with the
-    value at the frequency of the mode. The modal damping ratio is added.
+    Dashpots couple the modes. Loss factors contribute to the diagonal only, which is exact to first
+    order: the damping of each mode is equivalent at its natural frequency. The modal damping ratio
+    is added to the diagonal.
     """
     system, speeds = solution.system, 2.0 * np.pi * modes.frequencies
     dissipation = np.sum(modes.shapes * _dissipative_forces(system, modes.shapes), axis=0)
@@ -267,9 +282,9 @@ def modal_damping(solution: Solved, modes: Modes) -> Array:
 def damped_modes(solution: Solved, highest: float, outputs: Array | None = None) -> DampedModes:
     """Complex modes of a mechanism in one posture, accurate up to the frequency `highest` (Hz).
 
-    The residues belong to the motions `outputs` (k×n: each row is a motion as a linear function of
-    the unknowns). By default these are the twist of the tool. Modes come first, in ascending order
-    of their frequencies, then motions that do not oscillate.
+    The residues are k×k for the k rows of `outputs` (k×n), each of which maps the n unknowns to one
+    output. If `outputs` is None, the outputs are the six components of the twist of the tool. Modes
+    are in ascending order of their frequencies. Motions that do not oscillate follow.
     """
     system = solution.system
     outputs = system.tool if outputs is None else outputs
@@ -301,7 +316,7 @@ def damped_modes(solution: Solved, highest: float, outputs: Array | None = None)
 def _hysteretic_terms(elastic: ComplexArray, inertia: Array, outputs: Array) -> Terms:
     """Terms of the receptance without dashpots, from the eigenvalues and eigenvectors of S⁻¹C.
 
-    S is `elastic`, C is `inertia`, A is `outputs`.
+    S is `elastic`, C is `inertia` and A is `outputs`, as in the module docstring.
     """
     inverses, shapes = np.linalg.eig(np.linalg.solve(elastic, inertia))
     participations = np.linalg.solve(shapes, np.linalg.solve(elastic, outputs.T))
@@ -312,9 +327,10 @@ def _hysteretic_terms(elastic: ComplexArray, inertia: Array, outputs: Array) -> 
 def _viscous_terms(
     elastic: ComplexArray, viscous: Array, inertia: Array, outputs: Array, shift: float
 ) -> Terms:
-    """Terms of the receptance with dashpots (see `partial_fractions`).
+    """Terms of the receptance with dashpots. Arguments are those of `partial_fractions`.
 
-    The dashpots are made slightly stronger if a motion is critically damped.
+    If a motion is critically damped, the dashpots are made slightly stronger. Raises
+    ComputationError if this is not sufficient.
     """
     for change in (0.0, _OFF_CRITICAL):
         terms = partial_fractions(elastic, (1.0 + change) * viscous, inertia, outputs, shift)
@@ -326,7 +342,10 @@ def _viscous_terms(
 
 
 def _dashpot_rows(system: System) -> Array:
-    """Rows R (k × unknowns of the nodes) of all dashpots, which dissipate |R ẏ|² (W) at rates ẏ."""
+    """Matrix R (k × unknowns of the nodes) of all dashpots.
+
+    They dissipate the power |R ẏ|² (W) at the rates ẏ of the unknowns.
+    """
     mechanism = system.motions.structure.mechanism
     frames = frames_of([system.posture])
     rows = [np.zeros((0, system.outer))]
@@ -350,7 +369,10 @@ def _dashpot_rows(system: System) -> Array:
 
 
 def _damped_idle_motions(solution: Solved, dashpots: Array) -> Array:
-    """Idle motions (n×k), of unit modal mass, if a dashpot resists any of them; otherwise k = 0."""
+    """Idle motions (n×k) with unit modal mass, if a dashpot resists any of them.
+
+    Otherwise k is 0. `dashpots` is the matrix of `_dashpot_rows`.
+    """
     motions = solution.motions
     if not solution.idle or not len(dashpots):
         return motions[:, :0]
@@ -368,10 +390,11 @@ def _damped_idle_motions(solution: Solved, dashpots: Array) -> Array:
 def _response_basis(solution: Solved, highest: float, loads: Array, dashpots: Array) -> Array:
     """Basis (n×r) for responses to `loads` (n×m) up to the frequency `highest` (Hz).
 
-    The basis contains the real modes up to that frequency, the static responses to the loads that
-    these modes lack, and the static responses to the dissipative forces in all these motions. The
-    latter make the error of second order in the loss factors. The forces of `dashpots`
-    (`_dashpot_rows`) may be large, so that the response to each is added.
+    The basis contains the real modes up to that frequency, the static responses to the loads minus
+    the part that these modes contain, and the static responses to the dissipative forces in all
+    these motions. With the last of these, the error is of second order in the loss factors. Forces
+    of `dashpots` (matrix of `_dashpot_rows`) may be large, so that the static response to the force
+    of each dashpot is added, too.
     """
     real_modes = _modes_up_to(solution, highest)
     motions = real_modes.shapes / (2.0 * np.pi * real_modes.frequencies)
@@ -386,9 +409,9 @@ def _response_basis(solution: Solved, highest: float, loads: Array, dashpots: Ar
 
 
 def _with_residual_responses(solution: Solved, motions: Array, loads: Array) -> Array:
-    """Extend `motions` (n×r) by the static responses to `loads` (n×m) that they lack.
+    """Add static responses to `loads` (n×m), minus the part that `motions` (n×r) contain already.
 
-    The additional motions have unit energy.
+    With the stiffness K, `motions` V must be normalised to VᵀKV = 1, and the result is, too.
     """
     stiffness = solution.system.stiffness
     static = with_idle(solution, solution.displacements(loads))

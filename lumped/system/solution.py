@@ -1,14 +1,14 @@
 """Compliance, natural modes and energies of a system, by dense matrices.
 
-The number of unknowns is up to some thousand. One Cholesky factorisation K = L Lᵀ of the stiffness
+A system may have up to some thousand unknowns. One Cholesky factorisation K = L Lᵀ of the stiffness
 is used for statics and modes. Motions without strain energy are free motions of the tool, which are
-refused, and idle motions, which do not move the tool. A rod between two ball joints can spin, for
-example: this is harmless in statics, and a zero frequency in dynamics. Free and idle motions follow
-from kinematics alone, with rigid bodies and locked springs.
+refused, and idle motions, which do not move the tool. A rod between two ball joints, for example,
+can spin about its axis. Such a motion has no effect in statics and the frequency zero in dynamics.
+Free and idle motions follow from kinematics alone, with rigid bodies and locked springs.
 
 Idle motions N make K singular. They are locked by fixing as many unknowns, which does not affect
 the compliance of the tool. The modes are those of the stiffness of the retained unknowns with the
-mass M − M N (NᵀMN)⁺ NᵀM, in which the idle motions follow freely.
+mass matrix M − M N (NᵀMN)⁺ NᵀM, for which the idle motions follow the other motions freely.
 """
 
 from dataclasses import dataclass
@@ -42,7 +42,8 @@ _FREE = 1e-9
 class Solved:
     """A system with the Cholesky factor of its stiffness.
 
-    `lower` is the factor L of the stiffness of the `retained` unknowns, scaled by `scale` to a unit
+    `retained` are the indices of the unknowns that are not fixed to lock idle motions. `lower` is
+    the lower triangular factor L of their stiffness, scaled by the factors `scale` to a unit
     diagonal. The columns of `motions` (n × number of idle motions) are the idle motions.
     """
 
@@ -58,7 +59,10 @@ class Solved:
         return int(self.motions.shape[1])
 
     def displacements(self, loads: Array) -> Array:
-        """Unknowns (n×m) under `loads` (n×m) that do no work on idle motions, which are locked."""
+        """Values (n×m) of the unknowns under `loads` (n×m), with idle motions locked.
+
+        The loads must do no work on idle motions.
+        """
         unknowns = np.zeros_like(loads)
         scaled = self.scale[:, None] * loads[self.retained]
         unknowns[self.retained] = self.scale[:, None] * cho_solve((self.lower, True), scaled)
@@ -102,14 +106,15 @@ def compliance(solution: Solved) -> Array:
 
 
 def rounding(system: System, displacements: Array) -> Array:
-    """Half-width (m×m, SI, 95 %) of the error of XᵀKX due to round-off of K, X = `displacements`.
+    """Half-width (m×m, SI, 95 %) of the error of XᵀKX due to round-off of K.
 
-    If X are the displacements under unit loads at the tool, XᵀKX is the compliance of the tool. The
-    error is summed over bodies, whose interfaces are rotated, and over joints, in which the strain
-    of a spring is a sum with one term for each unknown that moves it. The error of the stiffness of
-    a body is proportional to the magnitudes of all unknowns that move it, even if they cancel. For
-    a rotated body it is proportional to all components that the rotation mixes, because the angle
-    is rounded, too (`rounding_of_flexibility`).
+    X is `displacements` (n×m). If they are those under unit loads at the tool, XᵀKX is the
+    compliance of the tool. The squared errors of all bodies and of all springs of joints are added.
+    The error of a body is proportional to the magnitudes of all unknowns that move it, even if
+    their effects cancel. It is also proportional to the magnitude of all components that the
+    rotation of the body mixes, because the angle is rounded, too (`rounding_of_flexibility`). The
+    strain of a spring is a sum with one term for each unknown that moves it, and its error is
+    proportional to the magnitudes of these terms.
     """
     squares = np.zeros((displacements.shape[1],) * 2)
     node_displacements = np.abs(displacements[: system.outer])
@@ -157,9 +162,10 @@ def modes_with_mass(solution: Solved, count: int) -> Modes:
 
 
 def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
-    """Matrix whose eigenvalues are 1/ω² of the modes, and idle motions that follow the unknowns.
+    """Matrix whose eigenvalues are 1/ω² of the modes, and matrix of the idle motions that follow.
 
-    The latter are coefficients (number of idle motions × retained unknowns).
+    The second matrix (number of idle motions × retained unknowns) maps the retained unknowns to the
+    coefficients of the idle motions that follow them freely.
     """
     retained, scale = solution.retained, solution.scale
     full_mass = dense(solution.system.mass)
@@ -176,9 +182,9 @@ def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
 
 
 def with_idle(solution: Solved, displacements: Array) -> Array:
-    """Displacements (n×m) plus the idle motions that follow them freely.
+    """Displacements (n×m) plus the idle motions with which they have no momentum in idle motions.
 
-    The sum has no momentum in any idle motion.
+    These are the idle motions that follow the displacements freely.
     """
     if not solution.idle:
         return displacements
@@ -205,17 +211,21 @@ def idle_accelerations(solution: Solved, loads: Array) -> Array:
 
 
 def _idle_momenta(solution: Solved, mass: Array) -> tuple[Array, Array]:
-    """Momenta M N (n×k) of the k idle motions N, and the pseudo-inverse (NᵀMN)⁺ for M = `mass`."""
+    """Momenta M N (n×k) of the k idle motions N, and the pseudo-inverse (NᵀMN)⁺ (k×k).
+
+    M is `mass` (n×n).
+    """
     momenta = mass @ solution.motions
     heaviest = float(np.diag(mass)[: solution.system.outer].max())
     return momenta, _pseudo_inverse(solution.motions.T @ momenta, heaviest)
 
 
 def strain_shares(system: System, shapes: Array) -> dict[Portion, Array]:
-    """Fractions of the strain energy of each of the `shapes` (n×m) in bodies, drives and joints.
+    """Fractions (m values) of the strain energy of each of m `shapes` (n×m), by portion.
 
-    The energy of a body is split by kind of deformation if its model supports this, that of a joint
-    by its elastic parts. The fractions of a shape add up to 1.
+    A portion belongs to a body or to a joint. The energy of a body is split by kind of deformation
+    if its model supports this, and that of a joint into drive and compliance. The fractions of a
+    shape add up to 1.
     """
     outer = shapes[: system.outer]
     energies = {
@@ -256,9 +266,10 @@ def _smallest_pivot(factor: tuple[Array, Array]) -> float:
 
 
 def _inner_motions(stiffness: Array, outer: int, motions: Array) -> Array:
-    """Motions of the internal unknowns of a body that follow its interfaces statically.
+    """Motions (internal unknowns × k) of the inside of all bodies that follow their interfaces.
 
-    `motions` (outer×k) are those of the first `outer` unknowns, which are those of the interfaces.
+    `motions` (`outer`×k) are the motions of the first `outer` unknowns, which are those of the
+    nodes. The inside of the bodies follows statically, with the given `stiffness` (n×n).
     """
     forces = stiffness[outer:, :outer] @ motions
     if not forces.any():
@@ -268,7 +279,10 @@ def _inner_motions(stiffness: Array, outer: int, motions: Array) -> Array:
 
 
 def _pseudo_inverse(mass: Array, size: float) -> Array:
-    """Pseudo-inverse (NᵀMN)⁺ of the `mass` NᵀMN. Masses below the round-off of `size` are zero."""
+    """Pseudo-inverse (NᵀMN)⁺ of `mass`, the mass matrix NᵀMN (k×k) of k idle motions.
+
+    Eigenvalues that are round-off relative to the mass `size` count as zero.
+    """
     values, vectors = np.linalg.eigh(0.5 * (mass + mass.T))
     heavy = values > _MASSLESS * size
     inverse: Array = (vectors[:, heavy] / values[heavy]) @ vectors[:, heavy].T
@@ -277,10 +291,10 @@ def _pseudo_inverse(mass: Array, size: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class IdleMotions:
-    """The k idle motions of a system, as columns of `motions` (unknowns of the nodes × k).
+    """The k idle motions of a system.
 
-    If the k unknowns with the indices `pinned` are fixed, the idle motions are locked and no other
-    motion is constrained.
+    They are the columns of `motions` (unknowns of the nodes × k). If the k unknowns with the
+    indices `pinned` are fixed, the idle motions are locked and no other motion is constrained.
     """
 
     motions: Array
@@ -288,9 +302,10 @@ class IdleMotions:
 
 
 def idle_motions(system: System) -> IdleMotions:
-    """Idle motions of `system` with its drives locked or elastic.
+    """Idle motions of `system`: motions of rigid bodies with locked springs and drives.
 
-    Raises ComputationError if the tool is free to move. Its message describes the motion.
+    Raises ComputationError if one of these motions moves the tool. Its message describes the
+    motion.
     """
     strains = [_relative(system, body) for body in system.ends]
     count = system.outer
@@ -313,10 +328,10 @@ def idle_motions(system: System) -> IdleMotions:
 
 
 def _relative(system: System, body: str) -> Array:
-    """Dimensionless twists of the interfaces of a body relative to its first interface.
+    """Matrix that maps the unknowns of the nodes to strains of a body with m interfaces.
 
-    The matrix (6(m−1) × unknowns of the nodes, for m interfaces) gives zero for rigid motions of
-    the body.
+    The strains are the dimensionless twists of the interfaces relative to the first interface. The
+    matrix is 6(m−1) × unknowns of the nodes. Rigid motions of the body cause no strains.
     """
     length = system.motions.structure.length
     unit = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]

@@ -30,14 +30,16 @@ _LARGEST_FACTOR = 1e6
 class Stability:
     """Behaviour of a mechanism under one of its loads, linearised about its posture.
 
-    It buckles at `factor` times the load, and at `reversed` times the load (a negative number, for
-    a load in the opposite direction). These are None if their magnitude exceeds a million. `shares`
-    are fractions of the strain energy of the buckling mode by body or joint, the largest first.
-    `stiffness_losses` (6) are relative reductions of the tool's stiffness along and about each base
-    axis due to the load, negative if the stiffness increases. `extra_displacement` is the relative
-    increase of the tool's displacement over that without geometric stiffness, negative if it
-    decreases. `frequencies` (Hz) are natural frequencies under the load. `stiffness_losses`,
-    `extra_displacement` and `frequencies` are NaN or empty if the mechanism buckles below the load.
+    It buckles at `factor` times the load, and at `reversed` times the load, a negative number for a
+    load in the opposite direction. Each is None if its magnitude would exceed a million. `shares`
+    are the fractions of the strain energy of the buckling mode at `factor`, by body or joint, the
+    largest first. It is empty if `factor` is None.
+
+    `stiffness_losses` (6) are the relative reductions of the tool's stiffness along and about each
+    base axis due to the load, negative if the stiffness increases. `extra_displacement` is the
+    relative increase of the tool's displacement over that without geometric stiffness, negative if
+    it decreases. `frequencies` (Hz) are natural frequencies under the load. If the mechanism
+    buckles below the load, the first two are NaN and `frequencies` is empty.
     """
 
     factor: float | None
@@ -77,9 +79,10 @@ def stability(solution: Solved, geometric: Array, load: Loading, count: int = 0)
 def _buckling(
     solution: Solved, geometric: Array
 ) -> tuple[tuple[float | None, float | None], Array]:
-    """Smallest positive and largest negative buckling factor, and the mode shape (n) of the first.
+    """Buckling factors closest to zero, one positive and one negative, and a mode shape (n).
 
-    A mechanism without elastic parts has no factors (None).
+    The mode shape is that of the positive factor. A factor is None if its magnitude would exceed a
+    million. Both are None for a mechanism without elastic parts.
     """
     if not len(solution.retained):
         return (None, None), np.zeros(solution.system.size)
@@ -104,7 +107,10 @@ def _factor(inverse: float) -> float | None:
 
 
 def _under_load(solution: Solved, geometric: Array) -> Solved | None:
-    """System factorised under the load with this geometric stiffness. None if it has buckled."""
+    """System with the stiffness K + G, factorised, for G = `geometric` (n×n).
+
+    None if the mechanism has buckled: K + G is then not positive definite.
+    """
     system = solution.system
     stiffness = dense(system.stiffness) + geometric
     factor = factorised(stiffness[np.ix_(solution.retained, solution.retained)])

@@ -1,10 +1,11 @@
 """Statics and natural frequencies of one mechanism in many postures.
 
 Craig–Bampton reduction decouples the stiffness of the interfaces (e) of a body from that of its
-inside (i): K = diag(K_e, Λ). A body that is not reduced is decoupled with all its unknowns, which
-changes no result, by u_i = −K_ii⁻¹ K_ie u_e + L_ii⁻ᵀ q with K_ii = L_ii L_iiᵀ and Λ = 1. The
-stiffness of the mechanism thus consists of that of the nodes, which is factorised for each posture,
-and of Λ. With the stiffness of the nodes K_e = L Lᵀ the inverse squares 1/ω² are the eigenvalues of
+internal unknowns (i): K = diag(K_e, Λ) with a diagonal matrix Λ. A body that is not reduced is
+decoupled by the substitution u_i = −K_ii⁻¹ K_ie u_e + L_ii⁻ᵀ q with K_ii = L_ii L_iiᵀ, after which
+Λ is the identity. This keeps all unknowns and changes no result. The stiffness of the mechanism is
+then diag(K_e, Λ), too. Only the stiffness K_e = L Lᵀ of the nodes depends on the posture and is
+factorised for each posture. The inverse squares 1/ω² of the frequencies are the eigenvalues of
 
     [ L⁻¹ M_ee L⁻ᵀ        L⁻¹ M_ei Λ^(−½)  ]
     [ sym.           Λ^(−½) M_ii Λ^(−½) ]
@@ -38,8 +39,9 @@ _LARGEST_BATCH = 2_000_000
 class Swept:
     """Compliances and natural frequencies in P postures.
 
-    `compliances` (P×6×6, SI, base axes) are those of the loaded point, `frequencies` (P×k) are in
-    Hz. `idle` (P) is the number of idle motions, which move neither the tool nor a drive.
+    `compliances` (P×6×6, SI, base axes) are those of the loaded point. `frequencies` (P×k) are in
+    Hz, ascending. `idle` (P) are the numbers of idle motions, which move neither the tool nor a
+    drive.
     """
 
     compliances: Array
@@ -70,10 +72,10 @@ def swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> Swept:
 
 @dataclass(frozen=True, eq=False)
 class _InnerMatrices:
-    """Mass matrix of the internal unknowns scaled by Λ^(−½), and its coupling to the interfaces.
+    """Blocks of the mass matrix for the internal unknowns of all bodies, scaled by Λ^(−½).
 
-    `borders` contains the coupling (6m×i) of the m interfaces of each body to its i internal
-    unknowns, by name.
+    `mass` is Λ^(−½) M_ii Λ^(−½). `borders` contains, by name of the body, the matrix M_ei Λ^(−½)
+    (6m×i), which couples the m interfaces of a body to its i internal unknowns.
     """
 
     mass: Array
@@ -81,9 +83,10 @@ class _InnerMatrices:
 
 
 def _decoupled(prepared: Assembly) -> tuple[Assembly, _InnerMatrices] | None:
-    """Assembly of bodies whose stiffness is diag(K_e, Λ), and the matrices of their inside.
+    """Assembly of bodies whose stiffness is diag(K_e, Λ), and the blocks of their mass matrices.
 
-    None if a body has sparse matrices, or a stiffness that is not positive definite inside.
+    None if a body has sparse matrices, or if the stiffness of its internal unknowns is not positive
+    definite.
     """
     models, masses, borders = {}, [np.zeros((0, 0))], {}
     for name, model in prepared.models.items():
@@ -101,9 +104,10 @@ def _decoupled(prepared: Assembly) -> tuple[Assembly, _InnerMatrices] | None:
 
 
 def _decoupled_body(model: BodyModel) -> BodyModel:
-    """Body with the same motions whose stiffness is diag(K_e, Λ), with Λ > 0 diagonal.
+    """The same body with other internal unknowns, so that its stiffness is diag(K_e, Λ).
 
-    Raises LinAlgError if the stiffness inside the body is not positive definite.
+    Λ is diagonal and positive. Raises LinAlgError if the stiffness of the internal unknowns is not
+    positive definite.
     """
     stiffness, mass, ends = model.stiffness, model.mass, 6 * len(model.interfaces)
     inner, coupling = stiffness[ends:, ends:], stiffness[:ends, ends:]
@@ -167,9 +171,10 @@ def _together(
 def _frequencies(
     nodes: NodeMatrices, inside: _InnerMatrices, inverse: Array, count: int
 ) -> Array | None:
-    """Natural frequencies (P×count, in Hz). None if too few modes move mass in a posture.
+    """The lowest `count` natural frequencies (P×count, in Hz) in P postures.
 
-    `inverse` (P×n×n) is L⁻¹ for the stiffness K_e = L Lᵀ of the nodes.
+    `inverse` (P×n×n) is L⁻¹ for the stiffness K_e = L Lᵀ of the nodes. None if fewer than `count`
+    modes move mass in a posture.
     """
     postures, size = inverse.shape[:2]
     if not count:
