@@ -1,9 +1,10 @@
 """Twists and wrenches: transformations between points and frames, and descriptions in words.
 
-A twist (or small displacement) is [x y z φx φy φz] (m, rad), a wrench [Fx Fy Fz Mx My Mz] (N,
-N m). The work wrench · twist does not depend on the reference point or the axes. Both consist of a
-line vector u (rotation or force) and its moment w (translation or moment) about the reference
-point. The line passes through r = u × w / |u|². The pitch is u·w / |u|².
+A twist (or small displacement) is [x y z φx φy φz] (m, rad), a wrench is [Fx Fy Fz Mx My Mz] (N,
+N m). Their product, the work, does not depend on the reference point or the axes. Twists and
+wrenches are screws: each consists of a vector u along a line (rotation or force) and a vector w at
+the reference point (translation or moment). The line passes through r = u × w / |u|², measured from
+the reference point. The pitch of the screw is u·w / |u|².
 """
 
 import numpy as np
@@ -25,8 +26,8 @@ def skew(vector: Array) -> Array:
 def shift(offset: Array) -> Array:
     """Matrix X (…×6×6) with twist_B = X twist_A for two points A and B of one rigid body.
 
-    `offset` (…×3) is B − A (m), in the axes of the twists. Wrenches are transformed by the
-    transpose, wrench_A = Xᵀ wrench_B, so that the work is the same.
+    `offset` (…×3) is the vector B − A (m), in the axes of the twists. The transpose transforms
+    wrenches from B to A, wrench_A = Xᵀ wrench_B, without a change of the work.
     """
     arm = skew(offset)
     matrix = np.zeros((*arm.shape[:-2], 6, 6))
@@ -63,9 +64,9 @@ def rotation_about(vector: Array) -> Array:
 def rotation_vector(rotation: Array) -> Array:
     """Rotation vectors (…×3, in rad, of length up to π) of rotation matrices (…×3×3).
 
-    They are computed from the quaternion q = (w, x, y, z), a normalised row of the matrix 4 q qᵀ,
-    which is linear in the rotation matrix. The row with the largest entry of q is used (S. W.
-    Shepperd, J. Guid. Control 1 (1978) 223).
+    They are computed from the unit quaternion q = (w, x, y, z). The matrix 4 q qᵀ is linear in the
+    rotation matrix, and each of its rows is proportional to q. The row with the largest diagonal
+    entry is used (S. W. Shepperd, J. Guid. Control 1 (1978) 223).
     """
     r = np.asarray(rotation, dtype=float)
     trace = np.trace(r, axis1=-2, axis2=-1)
@@ -86,13 +87,19 @@ def rotation_vector(rotation: Array) -> Array:
 
 
 def move_compliance(compliance: Array, offset: Array) -> Array:
-    """6×6 compliance at B from the 6×6 compliance at A of the same body. `offset` = B − A (m)."""
+    """6×6 compliance at a point B from the 6×6 `compliance` at a point A of the same rigid body.
+
+    `offset` (3) is the vector B − A (m).
+    """
     adjoint = shift(offset)
     return adjoint @ compliance @ adjoint.T
 
 
 def turn_matrix(matrix: Array, rotation: Array) -> Array:
-    """Compliance or stiffness (…×6×6) in base axes, D C Dᵀ, from `matrix` C in local axes."""
+    """Compliance or stiffness D C Dᵀ (…×6×6) in base axes, from `matrix` C in local axes.
+
+    The columns of `rotation` (…×3×3) are the local axes in base axes, as in `turn`.
+    """
     block = turn(rotation)
     return block @ matrix @ np.swapaxes(block, -1, -2)
 
@@ -118,10 +125,11 @@ def name_wrenches(wrenches: Array, length: float) -> str:
 
 
 def _described(screws: Array, length: float, line: str, moment: str) -> str:
-    """Description in words of screws (n×6: u and w, with lengths in units of `length`).
+    """Description in words of the `screws` (n×6: first u, then w, as in the module docstring).
 
-    `line` is the phrase for screws with a line, such as "turn about", `moment` that for u = 0, such
-    as "translate along".
+    Lengths in w are divided by `length` (m). `line` is the phrase for screws with a line, such as
+    "turn about". `moment` is the phrase for screws without a line (u = 0), such as "translate
+    along".
     """
     return " and ".join(
         f"{line} {_direction(u)} through {_point(u, w, length)}{_pitch(u, w, length)}"
@@ -132,9 +140,9 @@ def _described(screws: Array, length: float, line: str, moment: str) -> str:
 
 
 def _sparsest(screws: Array) -> list[tuple[Array, Array]]:
-    """Basis (u, w) of the span of `screws` with few nonzero components.
+    """Basis of the span of `screws` (n×6) with few nonzero components, as pairs (u, w).
 
-    These are the rows of the reduced row echelon form.
+    It consists of the rows of the reduced row echelon form.
     """
     rows = screws / np.linalg.norm(screws, axis=1)[:, None]
     rank = 0

@@ -21,10 +21,11 @@ _LARGEST_RANKS = 4
 
 
 class Solver(StrEnum):
-    """Library for sparse factorisation.
+    """Library that factorises large sparse systems.
 
-    AUTO selects it by the size of the system and the machine. PETSC and GAMG are both PETSc: GAMG
-    solves the statics of solids without a factor, PETSC only if the factor does not fit the memory.
+    AUTO selects a library by the size of the system and the machine. PETSC and GAMG both use PETSc.
+    GAMG solves the statics of solids iteratively, without a factor. PETSC does so only if the
+    factor does not fit into the memory.
     """
 
     AUTO = "auto"
@@ -40,7 +41,7 @@ class Solver(StrEnum):
 
 
 def requested_solver() -> Solver:
-    """Library requested by the environment variable. Raises InputError for an unknown name."""
+    """Library named in the environment variable. Raises InputError for an unknown name."""
     name = os.environ.get(VARIABLE, "").strip() or Solver.AUTO
     try:
         return Solver(name)
@@ -51,9 +52,10 @@ def requested_solver() -> Solver:
 
 
 def requested_ranks() -> int:
-    """Number of MPI ranks for petsc, one per host unless requested.
+    """Number of MPI ranks for petsc from the environment variable. By default one per host.
 
-    Raises InputError for an invalid number, such as one that is no multiple of that of the hosts.
+    Raises InputError for an invalid number, for example if it is not a multiple of the number of
+    hosts.
     """
     hosts = requested_hosts()
     text = os.environ.get(RANKS_VARIABLE, "").strip() or str(max(1, len(hosts)))
@@ -61,9 +63,10 @@ def requested_ranks() -> int:
 
 
 def rank_count(text: str, source: str, hosts: int = 0) -> int:
-    """Number of MPI ranks typed as `text`, for a number of `hosts`, or for this machine only (0).
+    """Number of MPI ranks typed as `text`.
 
-    Raises InputError, with `source` (the option or variable) in its message, for an invalid number.
+    `hosts` is the number of hosts, 0 if ranks run on this machine only. Raises InputError for an
+    invalid number. The message contains `source`, the name of the option or variable.
     """
     largest = max(1, hosts) * max(_LARGEST_RANKS, os.cpu_count() or 1)
     if not text.isdecimal() or not 1 <= int(text) <= largest:
@@ -80,7 +83,10 @@ def rank_count(text: str, source: str, hosts: int = 0) -> int:
 
 
 def requested_hosts() -> tuple[str, ...]:
-    """Names of the hosts for petsc. Empty if none are requested. Raises as `read_hosts`."""
+    """Names of the hosts for petsc. Empty if no hosts are requested.
+
+    Raises InputError under the conditions of `read_hosts`.
+    """
     path = os.environ.get(HOSTS_VARIABLE, "").strip()
     return read_hosts(Path(path)) if path else ()
 
@@ -88,8 +94,8 @@ def requested_hosts() -> tuple[str, ...]:
 def read_hosts(path: Path) -> tuple[str, ...]:
     """Names of the hosts in a hostfile of mpiexec: one per line, settings and comments ignored.
 
-    Raises InputError if the file cannot be read, a host is unknown or named twice, or if the first
-    one, which reads the arrays, is not this machine.
+    Raises InputError if the file cannot be read or has no host, or if a host is unknown or named
+    twice. It is also raised if the first host is not this machine, on which the arrays are read.
     """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
@@ -120,7 +126,7 @@ def read_hosts(path: Path) -> tuple[str, ...]:
 
 
 def _is_this_machine(family: socket.AddressFamily, address: str | int) -> bool:
-    """True if an address belongs to this machine: only then a socket can be bound to it."""
+    """True if an address belongs to this machine, so that a socket can be bound to it."""
     with suppress(OSError), socket.socket(family, socket.SOCK_STREAM) as bound:
         bound.bind((address, 0))
         return True
@@ -133,9 +139,10 @@ def petsc_python() -> str:
 
 
 def requested_library() -> str:
-    """Text that identifies the requested library. For petsc it includes ranks and interpreter.
+    """Text that identifies the requested library, for cache keys.
 
-    Results of different libraries differ by round-off, so that the text is part of cache keys.
+    For petsc it includes the number of ranks and the Python interpreter. Results of different
+    libraries differ by round-off.
     """
     request = requested_solver()
     if not request.is_petsc:

@@ -285,7 +285,7 @@ def loss_of(leg: LegDraft) -> float:
 
 
 def isotropic_of(entry: MaterialEntry) -> Material:
-    """Isotropic material with a density."""
+    """Isotropic material from a table without faults, which must have a density."""
     return Material.isotropic(entry.E, entry.nu, given(entry.rho))
 
 
@@ -295,7 +295,7 @@ def interface_of(entry: InterfaceEntry) -> PartInterface:
 
 
 def selection_of(entry: InterfaceEntry | PressureEntry) -> Selection:
-    """Faces of a part that an entry selects."""
+    """Selection of the faces of a part, from the table that describes it."""
     if entry.faces is not None:
         return ByFaces(entry.faces)
     if entry.name is not None:
