@@ -85,7 +85,11 @@ class BallGuide:
 
 
 def carriage_stiffness(size: str, preload: PreloadClass) -> Array:
-    """6×6 stiffness (SI) about the middle of a carriage in `CARRIAGES`, axes as in `BallGuide`."""
+    """6×6 stiffness (SI) of the carriage with the designation `size`, a key of `CARRIAGES`.
+
+    It is referred to the middle of the carriage. x is along the rail, and z is normal to its plane.
+    `preload` is the class of the preload.
+    """
     stiffnesses, lever, length = CARRIAGES[size]
     k = stiffnesses[preload]
     tilting = k * length**2 / 12.0

@@ -8,9 +8,9 @@ load F the stiffness is
 
     k = 0.8 K (F / (share Ca))^(1/3)
 
-(THK, General Catalog, Ball Screw, "Studying the Rigidity"; NSK, Precision Machine Components;
-HIWIN, Ballscrews, "Rigidity"), with the stated fraction `share`, and with K and Ca from the table of
-the nut.
+with the stated fraction `share`, and with K and Ca from the table of the nut (THK, General Catalog,
+Ball Screw, "Studying the Rigidity"; NSK, Precision Machine Components; HIWIN, Ballscrews,
+"Rigidity").
 
 The nuts in `NUTS` are from HIWIN's tables of ground screws to DIN 69051-5. Only nuts are included
 whose designation has a single value of K and whose values agree with each other. They are double
@@ -82,16 +82,19 @@ class BallNut:
 
 
 def nut_of_size(size: str) -> BallNut:
-    """Nut with the designation `size` in `NUTS`."""
+    """Catalogue data of the nut with the designation `size`, a key of `NUTS`."""
     _, rigidity, load_rating = NUTS[size]
     return BallNut(rigidity, load_rating, _HIWIN_WITH_PLAY if has_play(size) else PRELOADED)
 
 
 def root_diameter(size: str) -> float:
-    """Root diameter (m) of the shaft of a nut with the designation `size` in `NUTS`."""
+    """Root diameter (m) of the shaft for the nut with the designation `size`, a key of `NUTS`."""
     return NUTS[size][0]
 
 
 def has_play(size: str) -> bool:
-    """True if a nut with the designation `size` in `NUTS` has play, False if it is preloaded."""
+    """True if the nut with the designation `size` has play, False if it is preloaded.
+
+    `size` is a key of `NUTS`.
+    """
     return size.endswith(_SINGLE_NUT)

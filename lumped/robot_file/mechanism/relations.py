@@ -351,7 +351,11 @@ def _catalogue_faults(
     required: Sequence[str],
     optional: Sequence[str],
 ) -> Iterator[str]:
-    """Faults of a machine element that has a `size`, or the keys `required` and `optional`."""
+    """Faults of a machine element at `key` that is described by its size or by numbers.
+
+    With the key `size`, the keys `required` and `optional` must be left out. Without it, all keys
+    `required` must be given.
+    """
     if entry.size is not None:
         for name in _present_keys(entry, *required, *optional):
             yield f"{key}.{name}: must be left out, because {key}.size determines it"
