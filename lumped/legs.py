@@ -255,7 +255,8 @@ class ConstantLeg:
             raise NoBeamTheoryError(
                 f"{self.name or 'leg'}, {section.shape}: the shear stiffness κGA = "
                 f"{min(kappas) * material.G * section.area:.3g} N is negative; the formula of κ "
-                f"does not hold for this section and ν = {material.nu:g}; use Euler–Bernoulli"
+                f"does not hold for this section and ν = {material.nu:g}; use theory "
+                '"euler-bernoulli"'
             )
         return self._beam(kappas)
 

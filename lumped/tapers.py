@@ -99,5 +99,5 @@ def _slope(values: Array, length: float) -> Array:
 def _lever_arms(section: Section) -> tuple[float, float]:
     """Lever arms I/S (m) in bending about z and about y, as in `taper_rates`."""
     if (moments := symmetric_moments(section)) is None:
-        raise TypeError(f"{section.shape}: no lever arms without two axes of symmetry")
+        raise TypeError(f"{section.shape}: has no two axes of symmetry, as lever arms require")
     return 2.0 * section.second_moment_z / moments.y, 2.0 * section.second_moment_y / moments.z

@@ -77,7 +77,7 @@ def _walls(leg: LineLeg, span: Span) -> tuple[Array, Array, tuple[Array, Array, 
 def _middle_lines(section: object) -> tuple[float, float, float]:
     """Distances b, h of opposite walls of a rectangular tube, and the walls' thickness (m)."""
     if not isinstance(section, HollowRectangle):
-        raise TypeError(f"{section}: no rectangular tube")
+        raise TypeError(f"{section}: is not a rectangular tube")
     t = section.thickness
     return section.width - t, section.height - t, t
 

@@ -191,7 +191,7 @@ def prism_frequency(kind: PrismWaves, length: float, near: float) -> float:
         if abs(step) <= _CONVERGED * first:
             return omega / (2.0 * np.pi)
     raise ComputationError(
-        f"waves: no {kind.fields.name} of a leg with free ends near {near:.4g} Hz"
+        f"waves in a prism: no frequency of {kind.fields.name} with free ends near {near:.4g} Hz"
     )
 
 

@@ -82,8 +82,8 @@ def counted_modes(body: VibratingBody, cutoff: float) -> CountedModes:
             break
         modes = _joined(modes, interface_modes(_without(body, modes), cutoff, search))
     raise ComputationError(
-        f"{body.state}: certificate of the modes failed: {counted} lie below "
-        f"{counting_frequency:.6g} Hz, {counted - missing} were found"
+        f"{body.state}: wrong number of modes: {counted} lie below {counting_frequency:.6g} Hz "
+        f"(inertia of K − ω²M), and the search found {counted - missing}; use another mesh"
     )
 
 

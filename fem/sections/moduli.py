@@ -112,7 +112,7 @@ def laminate_moduli(mesh: SectionMesh, laminate: Laminate, *, mirrored: bool = F
     """
     regions = mesh.regions
     if regions is None:
-        raise ValueError("the mesh of a laminate has its layers as regions")
+        raise ValueError("the mesh of a laminate must have the numbers of the layers as regions")
     matrices = np.array([in_wall(layer) for layer in laminate.layers])
     if mirrored:
         matrices *= np.outer(_MIRRORED, _MIRRORED) > 0.0

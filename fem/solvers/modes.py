@@ -81,9 +81,9 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
             continue
         missing = inertia.negative - mode_count
         message = (
-            f"certificate of the modes failed: {inertia.negative} lie below "
-            f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz, {mode_count} were found; the start "
-            "vectors are orthogonal to a mode, or the factorised stiffness matrix is inaccurate"
+            f"wrong number of modes: {inertia.negative} lie below "
+            f"{np.sqrt(sigma) / (2.0 * np.pi):.6g} Hz (inertia of K − ω²M), and the search found "
+            f"{mode_count}; request another number of modes, or use another mesh"
         )
         if missing > 0:
             raise MissedModesError(message, missing, part)
@@ -91,7 +91,7 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
             raise ComputationError(message, part)
         return sigma
     raise ComputationError(
-        f"certificate of the modes failed: zero pivots near "
+        f"the modes cannot be counted: zero pivots near "
         f"{np.sqrt(last) / (2.0 * np.pi):.6g} Hz; request another number of modes",
         part=part,
     )

@@ -169,8 +169,8 @@ def axes_of_drive(joint: Joint) -> tuple[Array, Array]:
     """
     if FREEDOMS[joint.kind] != 1:
         raise InputError(
-            f"joint {joint.name}: cannot be driven, because a {joint.kind} joint has more "
-            "than one free motion"
+            f"joint {joint.name}: a {joint.kind} joint cannot be driven; must have one free motion "
+            "(revolute or prismatic)"
         )
     translations, rotations = free_axes(joint)
     return translations.sum(axis=0), rotations.sum(axis=0)

@@ -84,7 +84,7 @@ def outline(section: Section) -> tuple[Loop, ...]:
             return _ring(section.diameter), _ring(section.inner_diameter)[::-1]
         case ISection():
             return (section.outline,)
-    raise TypeError(f"{section.shape}: no outline")
+    raise TypeError(f"{section.shape}: a section of this shape has no outline")
 
 
 def _box(width: float, height: float) -> Loop:

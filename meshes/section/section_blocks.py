@@ -93,7 +93,9 @@ def section_blocks(section: Section, divisions: Divisions) -> Blocks:
             return _i_section(i_section, count)
         case (OutlinedSection() | Composite()) as outlined, int() as count if has_blocks(outlined):
             return _rectilinear(outlined, count)
-    raise InputError(f"{section.shape}: divisions = {divisions} do not fit this section")
+    raise InputError(
+        f"{section.shape}: divisions = {divisions}: must be one number for this section"
+    )
 
 
 def has_blocks(section: OutlinedSection | Composite) -> bool:

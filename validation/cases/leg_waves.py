@@ -143,7 +143,10 @@ class _LegInPieces:
         for pieces in range(1, self.elements + 1):
             if self.elements % pieces == 0 and pieces >= needed:
                 return pieces
-        raise ComputationError("waves of 3-D elasticity: wavelength shorter than the beam elements")
+        raise ComputationError(
+            "waves of 3-D elasticity: the wavelength is shorter than a beam element; this "
+            "mode has no correction"
+        )
 
     def sections(self, pieces: int) -> IntArray:
         """Indices ((pieces + 1)×6) of the unknowns of sections: root, between pieces, tip."""

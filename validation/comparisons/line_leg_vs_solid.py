@@ -99,7 +99,7 @@ _CITATION = "the same leg along its line meshed with quadratic hexahedra"
 def _leg(context: Context, body: str) -> LineLeg:
     leg = legs_of(context.robot_file.mechanism)[body]
     if not isinstance(leg, LineLeg):
-        raise TypeError(f"{body}: no leg along a line")
+        raise TypeError(f"{body}: is not a tapered or curved leg")
     if reason := why_shapeless([leg]):
         raise Skip(reason)
     try:

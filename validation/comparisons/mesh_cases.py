@@ -141,7 +141,10 @@ def _half_width(context: Context, body: str, ends: Ends) -> Measurement:
     refinement = compliances(context, body, ends)
     shares = half_width_shares(refinement)
     if not len(shares):
-        raise Skip("the preset allows two meshes of this section; a third, finer one is needed")
+        raise Skip(
+            f"preset {context.preset} allows two meshes of this section, and a half-width is "
+            "compared with the change to a third one; use a finer preset"
+        )
     return Measurement(float(shares.max()), 1.0, exact=True)
 
 

@@ -83,7 +83,7 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
         if stress > largest:
             largest, decisive = stress, (row, section, forces)
     if decisive is None:
-        raise TypeError(f"{member.leg}: section forces without stations")
+        raise TypeError(f"{member.leg}: no station with section forces")
     row, section, forces = decisive
     station = float(member.stations[row])
     for peak, section_there, forces_there in _peaks_beside(leg, member, row):

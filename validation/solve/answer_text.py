@@ -131,7 +131,7 @@ def _pressure_lines(answer: Answer) -> list[str]:
 def _displacement_text(displacement: Array) -> str:
     """Text with the components and the length of a displacement, and its rotations."""
     if not np.isfinite(displacement).all():
-        return "none: the robot is rigid in this direction, or the load has no wrench at this pose"
+        return "none: the robot cannot accelerate as required, or the load has no wrench here"
     names = ("x", "y", "z", "φx", "φy", "φz")
     micro = [without_round_off(1e6 * value) for value in displacement]
     texts = [f"{name} {value:.4g}" for name, value in zip(names, micro, strict=True)]
@@ -168,7 +168,7 @@ def _response_text(response: HarmonicResponse) -> str:
 def _stability_text(stability: Stability | None) -> str:
     """Text with buckling factor, bodies with most of the buckling energy, and loss of stiffness."""
     if stability is None:
-        return "none, the robot is rigid in this direction"
+        return "not computed, because the load has no displacement at this pose"
     buckling = "does not buckle"
     if stability.factor is not None:
         largest = list(stability.shares.items())[:_LISTED_PARTS]

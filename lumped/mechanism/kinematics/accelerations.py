@@ -84,7 +84,8 @@ def _shortest(posture: Posture, jacobian: Array, right_side: Array) -> Array:
     if np.linalg.norm(jacobian @ solution - right_side) > _RESIDUAL * np.linalg.norm(right_side):
         pose = shown_pose(posture.mechanism, posture.pose)
         raise ComputationError(
-            f"{posture.mechanism.name}, pose {pose}: the tool cannot move in this direction"
+            f"{posture.mechanism.name}, pose {pose}: singular posture, in which the tool cannot "
+            "move with the requested speed and acceleration"
         )
     return solution
 

@@ -105,7 +105,7 @@ def _raw(path: Path) -> Any:
         text = " ".join(str(error).split())
         reason = f"it is damaged, cut off or not in the format of {name}"
         if isinstance(error, KeyError):
-            reason = f"it does not hold {error.args[0]}, to which it refers"
+            reason = f"it refers to {error.args[0]}, which it does not contain"
         elif word := _NO_NUMBER.search(text):
             reason = f"{word.group(1)} is no number"
         # The text of other errors, if any, refers to the parser.

@@ -171,7 +171,9 @@ def test_missed_body_mode_is_reported(bar, monkeypatch):
     # Searches that never find the first mode, or find it twice.
     for rows in (lambda count: np.arange(1, count), lambda count: np.r_[0, 0:count]):
         monkeypatch.setattr(counting, "interface_modes", search_returning(rows, 9))
-        with pytest.raises(ComputationError, match="bar, all interfaces held: certificate"):
+        with pytest.raises(
+            ComputationError, match="bar, all interfaces held: wrong number of modes"
+        ):
             counted_modes(bar.held, cutoff)
 
 

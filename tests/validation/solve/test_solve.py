@@ -393,7 +393,7 @@ def test_load_displacements_are_named(tmp_path, command):
         assert np.abs(loads["weight"]["stiffness_lost"]).max() < 1e-6
         assert "frequencies" not in loads["weight"]
     assert "weight: buckles at" in command.output(*words)
-    assert "stop: none: the robot is rigid in this direction" in command.output(*words)
+    assert "stop: none: the robot cannot accelerate as required" in command.output(*words)
 
 
 RIGID_DRIVE = """
