@@ -210,7 +210,7 @@ def run(
         Mesh refinement of the references and number of poses: quick (seconds), standard (a
         minute or two) or fine (longer).
     only
-        Run only the cases whose id matches, with * and ? as in a shell.
+        Run only the cases with this id; * and ? are wildcards. `flexproof cases` lists the ids.
     out
         Folder for report.html, results.json, junit.xml and figures/.
     jobs
@@ -375,16 +375,17 @@ def solve(
     model
         The model to solve.
     x
-        Position of B along the stroke (m), of a biglide; the middle if left out. May be repeated.
+        Biglide of schema 1: position of the point B along the stroke (m). Default: the middle. May
+        be repeated.
     pose
-        Pose of a mechanism's tool, numbers separated by commas in the order of its moves; the
-        reference posture if left out. May be repeated.
+        Pose of the tool: numbers separated by commas in the order of its moves, such as 0.25,0.6
+        (m, rad, or the unit of the robot file). Default: the reference posture. May be repeated.
     leg
-        Number of the leg of a biglide, 1 or 2, to solve it alone with its root clamped.
+        Biglide of schema 1: number of a leg, 1 or 2, that is solved alone with its root clamped.
     body
-        Name of a body of a mechanism, to solve it alone, clamped at its first point.
+        Name of a body that is solved alone, clamped at its first point.
     modes
-        Number of natural frequencies; 6 if left out.
+        Number of natural frequencies. Default: 6.
     release
         segments: last spring of a leg with the revolute joint at its tip condensed, so that the
         joint turns freely (condensed), or by eq. (25) as printed in the paper (printed).
@@ -419,8 +420,8 @@ def solve(
     jobs
         With --vary: number of processes; 1 if left out.
     cluster
-        Address of a Dask scheduler (tcp://host:port) whose workers compute the answer, or the
-        robots of --vary.
+        Address of a Dask scheduler (tcp://host:port) whose workers solve the model, or the models
+        of --vary; needs the extra "cluster".
     csv
         With --vary: also write the table into this file.
     picture

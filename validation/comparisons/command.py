@@ -69,14 +69,15 @@ def converge(
     quantity
         Quantity of the table: f1 to f4, or x, y, z, the deflection along a unit force.
     within
-        Largest accepted relative error with 20 elements, for example 0.01; exit code 1 if
-        the error is larger. Default: limit and element count of [agree] in the robot file.
+        Largest accepted relative error, for example 0.01, at the element count of [agree] in the
+        robot file (20 by default); exit code 1 if the error is larger. Default: limit of [agree].
     csv
         Also write values and errors into this CSV file.
     picture
         Also draw the errors of f1 to f4 into this file (.png or .svg).
     cluster
-        Address of a Dask scheduler (tcp://host:port) whose workers compute the counts or meshes.
+        Address of a Dask scheduler (tcp://host:port) whose workers solve one element count or one
+        mesh each; needs the extra "cluster".
     """
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.comparisons.element_convergence import (  # noqa: PLC0415

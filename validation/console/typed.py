@@ -77,17 +77,17 @@ class SolverChoice:
     Attributes
     ----------
     solver
-        Library that factorises large systems: rslab; cudss, on a graphics card (needs the extra
-        gpu); petsc, MUMPS in separate processes (needs Debian's python3-petsc4py), with multigrid
-        for statics beyond the memory; gamg, like petsc with multigrid for the statics of all
-        solids; or auto, which uses the card for large systems. Default: FLEXPROOF_SOLVER,
-        otherwise auto.
+        Library that factorises large systems. rslab: on the processor. cudss: on a graphics card
+        (needs the extra "gpu"). petsc: MUMPS in MPI processes (needs Debian's python3-petsc4py);
+        statics that exceed the memory are solved by multigrid. gamg: like petsc, with multigrid
+        for the statics of all solids. auto: cudss for large systems if there is a card, otherwise
+        rslab. Default: FLEXPROOF_SOLVER, otherwise auto.
     ranks
-        Number of MPI processes for --solver petsc or gamg. Default: FLEXPROOF_RANKS, otherwise one
-        per host.
+        Number of MPI processes for --solver petsc or gamg, a multiple of the number of hosts.
+        Default: FLEXPROOF_RANKS, otherwise one per host.
     hosts
-        Hostfile of mpiexec with the machines for --solver petsc or gamg, this one first. Default:
-        FLEXPROOF_HOSTS, otherwise this machine alone.
+        Hostfile of mpiexec: names of the machines on which --solver petsc or gamg computes, one per
+        line, this machine first. Default: FLEXPROOF_HOSTS, otherwise this machine alone.
     """
 
     solver: Literal["auto", "rslab", "cudss", "petsc", "gamg"] | None = None
@@ -107,18 +107,23 @@ class ModelChoices:
     Attributes
     ----------
     legs
-        vjm, links: each leg's own compliance, or that of its equivalent constant-section leg.
+        vjm, links: compliance of each leg. given: that of its section, or the 6×6 of the robot
+        file. equivalent: that of the prism with the same diagonal (see --equivalent). Default:
+        given.
     theory
-        Beam theory of segments, beam, and of prisms in vjm and links.
+        Beam theory of segments, beam, and of prisms in vjm and links. Default: timoshenko.
     elements
-        Segments or beam elements per leg.
+        segments, beam: number of segments or of beam elements per leg. Default: 20.
     divisions
-        solid: quadratic elements across the smaller side of the section.
+        solid: quadratic elements across the smaller side of the section. Default: 4.
     equivalent
-        Matrix whose diagonal the equivalent leg shares with the 6×6 of a leg.
+        Prism that replaces a leg given by its 6×6 compliance (segments, beam, solid, and --legs
+        equivalent). stiffness: it has the first four diagonal terms of the inverse of the 6×6.
+        compliance: those of the 6×6 itself. Default: stiffness.
     parts
-        segments, beam: CAD parts as legs of one equivalent section, as legs of ten prismatic pieces
-        with the part's own sections, or condensed to their interfaces, mass included.
+        segments, beam: model of CAD parts. equivalent: a leg of one section. stepped: a leg of ten
+        prismatic pieces with the sections of the part. condensed: stiffness and mass between its
+        interfaces. Default: equivalent.
     """
 
     legs: Literal["given", "equivalent"] | None = None

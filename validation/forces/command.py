@@ -56,7 +56,7 @@ def forces(
         Pose of the tool, numbers separated by commas in the order of its moves; the reference
         posture if left out. May be repeated.
     path
-        All poses of [path] in the robot file.
+        Compute all poses of [path] in the robot file.
     ends
         solid: end faces kept plane and rigid, or free to warp.
     csv

@@ -112,20 +112,40 @@ _ERRATA = (
         severity="note",
     ),
     *(
-        Finding(where, "text", printed, wrong, "read", used=used, severity="note", kind="read")
-        for where, printed, wrong, used in (
-            ("§2.1", "matrix K of equation (2)", "K stands in eq. (1)", "eq. (1)"),
-            ("§3.3", "α of eq. (6)", "α is defined by eq. (10); eq. (6) is the chain", "eq. (10)"),
+        Finding(where, check, printed, wrong, "read", used=used, severity="note", kind="read")
+        for where, check, printed, wrong, used in (
+            (
+                "§2.1",
+                "equation number",
+                "matrix K of equation (2)",
+                "K stands in eq. (1)",
+                "eq. (1)",
+            ),
+            (
+                "§3.3",
+                "equation number",
+                "α of eq. (6)",
+                "α is defined by eq. (10); eq. (6) is the chain",
+                "eq. (10)",
+            ),
             (
                 "eq. (16) ff., eq. (21)",
+                "missing index",
                 "C_k and C_k+1",
                 "eq. (16) itself writes C₂,ₖ and C₁,ₖ₊₁; with one index the two arms of an element "
                 "merge",
                 "C₂,ₖ and C₁,ₖ₊₁",
             ),
-            ("appendix", "L_Tool = 0.155", "the unit is missing", "0.155 m, along z"),
             (
                 "appendix",
+                "missing unit",
+                "L_Tool = 0.155",
+                "the unit is missing",
+                "0.155 m, along z",
+            ),
+            (
+                "appendix",
+                "missing mass",
                 "J_Foot without a mass of the foot",
                 "the foot's inertia is given, its mass and the position of its mass centre are not",
                 "feet as massless springs",

@@ -100,10 +100,10 @@ def identify(
     part
         A STEP or BREP file, a volume mesh (.msh, .inp, .vtu), or with --body a robot.
     interface
-        'A = { cylinder = { radius = 0.04 } }', as in a robot file; once for each interface;
-        the first interface is clamped. See `flexproof faces`.
+        Interface as in a robot file, such as 'A = { cylinder = { radius = 0.04 } }'. Repeat the
+        option for each interface; the first one is clamped. `flexproof faces` lists the faces.
     material
-        '{ E = 2.1e11, nu = 0.3, rho = 7850.0 }'.
+        Material as in a robot file (Pa, kg/m³), such as '{ E = 2.1e11, nu = 0.3, rho = 7850.0 }'.
     unit
         Unit of length, for a file without one.
     body
@@ -112,14 +112,15 @@ def identify(
         Frequencies of the part without supports, its six rigid-body motions counted and left out.
         Interfaces are not needed.
     unknowns
-        Unknowns of the finest of the three meshes; 100000 if left out.
+        Unknowns of the finest of the three meshes. Default: 100000.
     modes
-        Number of frequencies; 6 if left out.
+        Number of frequencies. Default: 6.
     accuracy
         Refine the meshes until the relative half-width of every value is at most this
         number, for example 0.002, within the limits of memory and of 800 000 unknowns.
     cluster
-        Address of a Dask scheduler (tcp://host:port), one worker of which meshes and solves.
+        Address of a Dask scheduler (tcp://host:port), one worker of which meshes and solves the
+        part; needs the extra "cluster".
     out
         An .npz file to write all matrices to.
     """

@@ -20,6 +20,7 @@ from validation.case import Skip
 from validation.context import Context
 from validation.drawing.chart import Bars, Chart, Column, Panel, Series
 from validation.drawing.figures import FigureGroup
+from validation.drawing.text import number
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
 from validation.models.robot_models import (
     PostureModes,
@@ -188,8 +189,8 @@ def energies(context: Context) -> Chart:
     model = "model of parts as solids" if mechanism.parts else "beam model"
     kinds = (
         (
-            "Bending y: deflection along the leg's own z axis. Bending z: deflection along "
-            "its y axis. Both include shear."
+            "Bending y: about the y axis of the leg, with deflection along its z axis. Bending z: "
+            "about its z axis, with deflection along y. Both include shear."
         )
         if known_legs(mechanism)
         else ("The strain energy of a CAD part is not divided into bending, torsion and tension.")
@@ -219,8 +220,8 @@ def energies(context: Context) -> Chart:
     first = f"The first {count} modes" if count > 1 else "The first mode"
     return Chart(panels, "mode", 1, 2.4, table).captioned(
         "Share of each kind of deformation and of each body in the strain energy (%). "
-        f"{first} of the {model} at the middle pose of the path, {frequencies[0]:.4g} to "
-        f"{frequencies[-1]:.4g} Hz. A mode is governed by the stiffness of the component "
+        f"{first} of the {model} at the middle pose of the path, {number(frequencies[0], 4)} to "
+        f"{number(frequencies[-1], 4)} Hz. A mode is governed by the stiffness of the component "
         "with the largest share.",
         kinds,
         "Bodies of equal shape are summed; the CSV file lists each body.",
