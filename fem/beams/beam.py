@@ -13,15 +13,7 @@ With warping, torsion follows `fem.sections.nonuniform_torsion` instead of Saint
 besides its rotation each section has a warping intensity χ, quadratic along each element. End faces
 may prevent warping (χ = 0), which increases the torsional stiffness.
 
-Bending elements, written for scikit-fem, have two fields: the deflection w and the rotation θ of
-the section, with the shear strain γ = w′ − θ. An element that is loaded only at its ends satisfies
-M′ + V = 0 with constant V, that is
-
-    w cubic,   γ = −Λ w‴,   θ = w′ + Λ w‴,   Λ = EI/κGA.
-
-The four such pairs (w, θ), determined by their end values, contain every static solution under
-nodal loads: the element is exact at the nodes and free of shear locking. Λ = 0 is Hermite's element
-(Euler, Bernoulli).
+Bending with shear deformation has the elements of `fem.beams.bending_elements`.
 
 If the section does not have two axes of symmetry, both planes are coupled by EIyz θy′θz′, by the
 shear strains and by ρIyz θyθz. The deflections v_s and w_s that are associated with bending and
@@ -49,10 +41,10 @@ from scipy.sparse import (
     hstack,
 )
 from skfem import Basis, Element, ElementLineP2, MeshLine
-from skfem.element import DiscreteField
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefLine
 
+from fem.beams.bending_elements import ElementLineBeam, ElementLineShearBeam, discrete_field
 from fem.beams.line_beam import ROUNDING, line_beam
 from fem.sections.nonuniform_torsion import WarpingRod, line_products
 from lumped.arrays import Array, IntArray, SparseMatrix
@@ -346,8 +338,8 @@ def _member(
 ) -> _Member:
     points, weights = _quadrature()
     fields = _fields(element, mesh, points)
-    of_columns = [_field(value[None], gradient[None]) for value, gradient in fields]
-    of_rows = [_field(value[:, None], gradient[:, None]) for value, gradient in fields]
+    of_columns = [discrete_field(value[None], gradient[None]) for value, gradient in fields]
+    of_rows = [discrete_field(value[:, None], gradient[:, None]) for value, gradient in fields]
     stiffness, mass = (
         form(*of_columns, *of_rows, None) @ weights * mesh.p[0, -1] for form in (energy, inertia)
     )
@@ -460,83 +452,3 @@ def with_warping(leg: LegMatrices, rod: WarpingRod, elements: int, ends: Ends) -
         centreline=centreline,
         parts=parts,
     )
-
-
-class ElementLineBeam(Element):  # type: ignore[misc]  # scikit-fem has no types
-    """Beam element whose unknowns are the end values of deflection w (m) and rotation θ (rad).
-
-    Its fields are the static solutions for loads at the ends. `shear_length_squared` is Λ (m²). The
-    basis functions are written about the middle of the element: the global monomials of
-    scikit-fem's ElementGlobal would lose digits in proportion to (x/l)³ along the beam.
-    """
-
-    nodal_dofs = 2
-    maxdeg = 3
-    dofnames: tuple[str, ...] = ("w", "theta")
-    doflocs = np.array([[0.0], [0.0], [1.0], [1.0]])
-    refdom = RefLine
-
-    def __init__(self, shear_length_squared: float) -> None:
-        self.shear_length_squared = shear_length_squared
-
-    def gbasis(
-        self, mapping: Any, X: Array, i: int, tind: Any = None
-    ) -> tuple[DiscreteField, DiscreteField]:
-        """Fields w and θ of basis function `i` at the reference points `X`.
-
-        The arguments are those of scikit-fem's `Element.gbasis`.
-        """
-        s, l = _from_middle(mapping, X, tind)
-        w1, theta1, w2, theta2 = np.eye(4)[i]
-        # w = w0 + w0′ s + κ s²/2 + q s³/6. The coefficients follow from the end values.
-        phi = 12.0 * self.shear_length_squared / l**2
-        q = 12.0 / l**3 * ((w1 - w2) + 0.5 * l * (theta1 + theta2)) / (1.0 + phi)
-        kappa = (theta2 - theta1) / l
-        slope = (w2 - w1) / l - q * l**2 / 24.0
-        middle = 0.5 * (w1 + w2) - kappa * l**2 / 8.0
-        gradient = slope + s * (kappa + s * q / 2.0)
-        w = middle + s * (slope + s * (kappa / 2.0 + s * q / 6.0))
-        theta = gradient + self.shear_length_squared * q
-        return _field(w, gradient), _field(theta, kappa + s * q)
-
-
-class ElementLineShearBeam(ElementLineBeam):
-    """Beam element with two additional unknowns inside, for vibration with shear deformation.
-
-    The fields of these unknowns make it possible to satisfy M′ + V = −ω²ρI θ and V′ = −ω²μ w
-    approximately. The first field is a parabolic deflection by shear alone, with linear γ. The
-    second is a parabolic rotation with the cubic deflection for which γ is constant. Without them γ
-    is coupled to w‴, and the frequencies of a Timoshenko beam converge with second order in l. With
-    them the order is four. Both fields vanish at the nodes and do no work on the static solutions,
-    which remain unchanged.
-    """
-
-    interior_dofs = 2
-    dofnames = ("w", "theta", "shear", "rotation")
-    doflocs = np.array([[0.0], [0.0], [1.0], [1.0], [0.5], [0.5]])
-
-    def gbasis(
-        self, mapping: Any, X: Array, i: int, tind: Any = None
-    ) -> tuple[DiscreteField, DiscreteField]:
-        """Fields w and θ of basis function `i` at the reference points `X`.
-
-        The arguments are those of scikit-fem's `Element.gbasis`.
-        """
-        if i < 4:
-            return super().gbasis(mapping, X, i, tind)
-        s, l = _from_middle(mapping, X, tind)
-        parabola, slope = 1.0 - 4.0 * (s / l) ** 2, -8.0 * s / l**2
-        if i == 4:
-            return _field(parabola, slope), _field(0.0 * s, 0.0 * s)
-        w = s * parabola / 3.0
-        return _field(w, parabola - 2.0 / 3.0), _field(parabola, slope)
-
-
-def _from_middle(mapping: Any, X: Array, tind: Any) -> tuple[Array, Array]:
-    """Distances from the middle of the element and element lengths (m, elements × points)."""
-    l = mapping.detDF(X, tind)
-    return l * (X[0] - 0.5), l
-
-
-def _field(value: Array, gradient: Array) -> DiscreteField:
-    return DiscreteField(value=value, grad=gradient[None])

@@ -16,7 +16,7 @@ from lumped.sections.outlined import (
     distances_to_edges,
     distances_to_segments,
 )
-from lumped.sections.saint_venant import Loop, Partition, is_inside, partition_edges
+from lumped.sections.polygons import Loop, Partition, is_inside, partition_edges
 from lumped.sections.shapes import (
     Circle,
     HollowRectangle,

@@ -22,14 +22,11 @@ from lumped.arrays import Array
 from lumped.memo import memo
 from lumped.sections.edged import OFF_CENTRE, EdgedSection, product_of
 from lumped.sections.outlined import OutlinedSection
+from lumped.sections.polygons import TOUCHING, Loop, is_inside, partition_edges
 from lumped.sections.saint_venant import (
-    TOUCHING,
-    Loop,
     Region,
     RimSolution,
     area_moments,
-    is_inside,
-    partition_edges,
     rim_solution,
     weighted_moments,
 )

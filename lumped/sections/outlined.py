@@ -15,16 +15,8 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.memo import memo
 from lumped.sections.edged import EdgedSection, product_of
-from lumped.sections.saint_venant import (
-    TOUCHING,
-    Loop,
-    Region,
-    RimSolution,
-    area_moments,
-    inner_angles,
-    is_inside,
-    rim_solution,
-)
+from lumped.sections.polygons import TOUCHING, Loop, inner_angles, is_inside
+from lumped.sections.saint_venant import Region, RimSolution, area_moments, rim_solution
 from lumped.sections.shapes import WalledProfile
 
 Points: TypeAlias = tuple[tuple[float, float], ...]

@@ -30,7 +30,6 @@ value to the left of an edge minus that to its right.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -38,9 +37,8 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from lumped.arrays import Array, IntArray
+from lumped.sections.polygons import Loop, Partition, inner_angles, partition_edges
 
-# Points (n×2, y and z) of a closed boundary line. The section lies to the left of the line.
-Loop: TypeAlias = Array
 # Function that returns values (… × n) at n points with coordinates y and z.
 _Integrand: TypeAlias = Callable[[Array, Array], Array]
 
@@ -60,8 +58,6 @@ _SMALLEST_WEAK, _SHARE = 0.3, 0.5
 _POINTS, _NEAR = 6, 3.0
 # A point closer to the line of an element than this fraction of its length lies on the line.
 _ON_LINE = 1e-12
-# Distance, as a fraction of the section's size, below which two vertices count as one.
-TOUCHING = 1e-6
 # Difference, as a fraction of the largest weight, below which parts have the same material.
 _EQUAL_WEIGHTS = 1e-9
 # Number of rows of the matrix that are integrated at a time.
@@ -322,67 +318,6 @@ def _edges(regions: Sequence[Region]) -> _Edges:
     return _Edges(partition.vertices, partition.ends[has_jump], jumps[has_jump], smallest)
 
 
-@dataclass(frozen=True, eq=False)
-class Partition:
-    """The e edges of several regions. An edge that two regions share occurs once.
-
-    `vertices` (V×2) are the vertices of the edges, and `ends` (e×2) are the indices of the start
-    and the end of each edge. `left` and `right` (e) are the indices of the regions on both sides of
-    each edge, −1 if there is no region.
-    """
-
-    vertices: Array
-    ends: IntArray
-    left: IntArray
-    right: IntArray
-
-    def vertices_along(self, loop: Loop) -> list[int]:
-        """Indices of all vertices on the closed line `loop`, in the order of its corners."""
-        numbers: list[int] = []
-        gap = TOUCHING * float(np.ptp(self.vertices, axis=0).max())
-        for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):
-            numbers += _vertices_between(self.vertices, start, end, gap)[:-1]
-        return numbers
-
-
-def partition_edges(regions: Sequence[Sequence[Loop]]) -> Partition:
-    """Edges of regions that do not overlap, split at all vertices that lie on them.
-
-    Each region is given by its loops. Vertices whose distance is below `TOUCHING` times the
-    section's size count as one.
-    """
-    corners = np.vstack([loop for loops in regions for loop in loops])
-    gap = TOUCHING * float(np.ptp(corners, axis=0).max())
-    vertices: list[Array] = []
-    for corner in corners:
-        if all(np.abs(corner - vertex).max() > gap for vertex in vertices):
-            vertices.append(corner)
-    places = np.array(vertices)
-    sides: dict[tuple[int, int], list[int]] = {}
-    for number, loops in enumerate(regions):
-        for loop in loops:
-            for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):
-                for a, b in pairwise(_vertices_between(places, start, end, gap)):
-                    pair = sides.setdefault((min(a, b), max(a, b)), [-1, -1])
-                    pair[int(a > b)] = number
-    ends = np.array(list(sides))
-    neighbours = np.array(list(sides.values()))
-    return Partition(places, ends, neighbours[:, 0], neighbours[:, 1])
-
-
-def _vertices_between(places: Array, start: Array, end: Array, gap: float) -> list[int]:
-    """Indices of the points `places` (n×2) on an edge, in order from its `start` to its `end`.
-
-    A point is on the edge if it is within `gap` of it.
-    """
-    edge = end - start
-    length = float(np.linalg.norm(edge))
-    along = (places - start) @ edge / length
-    across = np.abs((places - start) @ np.array([-edge[1], edge[0]])) / length
-    passed = np.flatnonzero((across <= gap) & (along >= -gap) & (along <= length + gap))
-    return [int(number) for number in passed[np.argsort(along[passed])]]
-
-
 def _smallest_at_vertices(partition: Partition, is_kept: NDArray[np.bool_]) -> Array:
     """Length (V) of the boundary elements at each vertex of several regions.
 
@@ -456,28 +391,6 @@ def _rim(edges: _Edges) -> _Rim:
         lengths=np.concatenate(lengths),
         jumps=np.concatenate(jumps),
     )
-
-
-def inner_angles(loop: Loop) -> Array:
-    """Interior angle (n, in rad) at each corner of a closed line. The section is to its left."""
-    before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
-    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    return np.asarray(np.pi - np.arctan2(cross, (before * after).sum(axis=1)))
-
-
-def is_inside(loops: Sequence[Loop], point: Array) -> bool:
-    """True if a point lies within closed lines.
-
-    A ray from the point along +y then crosses the lines an odd number of times.
-    """
-    crossings = 0
-    for loop in loops:
-        y, z = (loop - point).T
-        next_y, next_z = np.roll(y, -1), np.roll(z, -1)
-        crossed = (z > 0.0) != (next_z > 0.0)
-        crossing_y = y - z * (next_y - y) / np.where(crossed, next_z - z, 1.0)
-        crossings += int(np.count_nonzero(crossed & (crossing_y > 0.0)))
-    return bool(crossings % 2)
 
 
 def _smallest_elements(loop: Loop) -> Array:

@@ -12,40 +12,29 @@ error and does not use the reference. The error that no step removes is listed a
 Remedy: the fewest steps after which the error meets the limit in all poses.
 """
 
-from collections.abc import Mapping, Sequence
-from itertools import compress
-from typing import TypeAlias
+from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array, IntArray
-from validation.adequacy.errors import Errors, ModelErrors, first_largest
-from validation.adequacy.probability import Probability, UncertainInputs, probability
-from validation.references.reference import NOT_FINER, SAY_LINEAR, Reference, Source, Subject
+from validation.adequacy.errors import Errors, first_largest, verdicts_of
+from validation.adequacy.model_errors import ModelErrors
+from validation.adequacy.probability import Probability, probability
+from validation.adequacy.reasons import Position, half_width_parts, reason_of
+from validation.adequacy.uncertain_inputs import UncertainInputs
+from validation.references.reference import Subject
 from validation.references.responses import Model
 from validation.references.robot_on_path import NOMINAL
 from validation.verdicts import Adequacy, Cause, Entry, Matrix, ModelNote, worst_of
 
 REST = "rest, not attributed"
 _NO_MASS = "neither a rigid body nor the tool has mass, so there are no frequencies"
-_DECIDED_BY: Mapping[str, str] = {
-    Source.DIGITS: "specify the 6×6 in the robot file with more digits",
-    Source.LINEARITY: SAY_LINEAR,
-    Source.PAIRING: "mode shapes of nearly equal frequency mix, so that their pairing is ambiguous",
-}
-_UNDECIDED_SHAPES = "several modes of the reference have the shape of one mode"
 # Smallest share of an error that is listed as a cause.
 _NAMED_SHARE = 0.005
 # A step counts as a remedy if it changes the error by this fraction of the limit.
 _STEP_SHARE = 0.1
-# If the largest source of uncertainty has no remedy, the remedy of another source is given if that
-# source is at least this fraction as large.
-_NEAR_SHARE = 0.5
-# Index of the interpretation, and of the pose, to which the numbers of an entry belong.
-Position: TypeAlias = tuple[int, int]
 
 
 def verdict_matrix(subject: Subject, requirement: Requirement) -> Matrix:
@@ -152,13 +141,13 @@ def _entry(
         remedy=remedy,
         error_with_remedy=remaining,
         reason=(chances.decides if chances else "")
-        or _reason(errors, model, quantity, verdict, reference, position, limits),
+        or reason_of(errors, model, quantity, verdict, reference, position, limits),
         value=float(errors.value[position]) if defined else None,
         expected=float(errors.expected[position]) if defined else None,
         expected_range=_expected_range(errors, pose) if defined else (),
         along=alongs[pose] if alongs else None,
         force=_worst_force(errors, quantity, position),
-        uncertainties=_half_width_parts(errors, reference, position) | _input_half_width(chances)
+        uncertainties=half_width_parts(errors, reference, position) | _input_half_width(chances)
         if defined
         else {},
         errors=error,
@@ -217,44 +206,6 @@ def _unsolved_entry(
     )
 
 
-def verdicts_of(errors: Errors, limits: Array) -> list[Adequacy]:
-    """Verdict in each pose from the interval of errors and the limit (P).
-
-    The order of modes is judged for each interpretation alone, and is undecided if the verdicts
-    differ. Array sizes: P poses.
-    """
-    poses = range(errors.error.shape[1])
-    if errors.numbers is None:
-        low, high = errors.interval
-        return [
-            _verdict(low[p], high[p], errors.missing[:, p], errors.unknown[:, p], limits[p])
-            for p in poses
-        ]
-    low, high = errors.bounds
-    by_interpretation = [
-        {
-            _verdict(low[k, p], high[k, p], errors.missing[k, p], errors.unknown[k, p], limits[p])
-            for k in range(len(errors.names))
-        }
-        for p in poses
-    ]
-    return [verdicts.pop() if len(verdicts) == 1 else "undecided" for verdicts in by_interpretation]
-
-
-def _verdict(
-    low: float,
-    high: float,
-    missing: NDArray[np.bool_],
-    unknown: NDArray[np.bool_],
-    limit: float,
-) -> Adequacy:
-    if missing.any():
-        return "inadequate" if missing.all() and not unknown.any() else "undecided"
-    if low >= -limit and high <= limit:
-        return "undecided" if unknown.any() else "adequate"
-    return "inadequate" if low > limit or high < -limit else "undecided"
-
-
 def _deciding_pose(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Array) -> int:
     """Index of the pose with the overall `verdict` and the largest error over its limit.
 
@@ -265,121 +216,6 @@ def _deciding_pose(verdicts: Sequence[Adequacy], verdict: Adequacy, shares: Arra
     size = np.where(np.isnan(shares), -0.5, np.abs(shares))
     size = np.where(deciding, size, -1.0)
     return int(first_largest(size))
-
-
-def _reason(
-    errors: Errors,
-    model: Model,
-    quantity: Quantity,
-    verdict: Adequacy,
-    reference: Reference,
-    position: Position,
-    limits: Array,
-) -> str:
-    if verdict == "adequate":
-        return ""
-    pose = position[1]
-    unknown, harmonic = errors.unknown[:, pose], quantity.harmonic
-    if errors.missing[:, pose].all() and not unknown.any():
-        return f"{model.name} {_reason_without_number(errors, quantity, pose)}"
-    if unknown.any() and quantity.kind is QuantityKind.LOAD:
-        return "the tool cannot move as the load requires in any pose, so that nothing is compared"
-    if verdict == "inadequate":
-        rigid = errors.displacement is not None and not errors.value[:, pose].any()
-        return model.rigid if rigid else ""
-    texts = _misplaced_modes(errors, reference, pose)
-    if errors.pairing is not None and errors.pairing.undecided[:, pose].any():
-        texts.append(f"{_UNDECIDED_SHAPES} of {model.name}")
-        unknown = unknown & ~errors.pairing.undecided[:, pose]
-    if unknown.any():
-        without = [
-            interpretation.name for interpretation in compress(reference.interpretations, unknown)
-        ]
-        lacking = (
-            "the response is undamped"
-            if harmonic
-            else "the robot has fewer modes than are compared"
-        )
-        texts.append(f"with {', '.join(without)} {lacking}")
-    decides = _deciding_information(errors, reference, pose, limits)
-    if texts or errors.missing[:, pose].any():
-        return "; ".join(filter(None, (*texts, decides or reference.finer)))
-    parts = _half_width_parts(errors, reference, position)
-    remedy_by_source = {Source.MESHES: reference.finer, **_DECIDED_BY, reference.open: decides}
-    remedy_by_source[Source.INTERIOR] = reference.interior
-    remedy_by_source[Source.MASSES] = reference.masses or reference.decides
-    widest = max(parts.values())
-    ranked = sorted(parts, key=lambda name: -parts[name])
-    # If the largest source has no remedy, the remedy of a nearly as large source is given.
-    remedies = [
-        remedy_by_source[name]
-        for name in ranked
-        if parts[name] >= _NEAR_SHARE * widest and remedy_by_source[name]
-    ]
-    return next((remedy for remedy in remedies if remedy != NOT_FINER), reference.finer)
-
-
-def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str:
-    """Reason why the model has no value to compare: a phrase that follows the model's name."""
-    if quantity.static:
-        return "is elastic in a direction in which the reference is rigid"
-    if quantity.harmonic:
-        return "has no peak in this frequency range, or an undamped peak without bound"
-    if quantity == ORDER or errors.pairing is None:
-        return "has too few modes"
-    pairing = errors.pairing
-    share, mac = (float(values[:, pose].max()) for values in (pairing.rigid_share, pairing.mac))
-    lacking = f"energy-weighted MAC of at most {mac:.2f} with each of its modes"
-    if pairing.local[:, pose].all():
-        return (
-            "lacks this mode, which is local to the section of a leg: rigid motion of "
-            f"cross-sections and bodies has {100.0 * share:.2g} % of its kinetic energy; "
-            f"{lacking}"
-        )
-    return f"has no mode of this shape: {lacking}"
-
-
-def _deciding_information(errors: Errors, reference: Reference, pose: int, limits: Array) -> str:
-    """Instruction to add to the robot file the information on which the verdict depends.
-
-    This is the stiffness inside the legs if the verdict remains undecided with any choice for
-    everything else that the robot file leaves open.
-    """
-    if not reference.interior:
-        return reference.decides
-    verdicts = [verdicts_of(errors.rows(rows), limits)[pose] for rows in reference.by_interior]
-    return reference.interior if set(verdicts) == {"undecided"} else reference.decides
-
-
-def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[str]:
-    """Texts on modes whose numbers differ from the reference, one for each interpretation.
-
-    [] if all interpretations agree.
-    """
-    if errors.numbers is None:
-        return []
-    names_by_text: dict[str, list[str]] = {}
-    for interpretation, numbers in zip(
-        reference.interpretations, errors.numbers[:, pose], strict=True
-    ):
-        misplaced = [
-            f"f{k + 1} is " + (f"f{number + 1} of the model" if number >= 0 else "missing")
-            for k, number in enumerate(numbers)
-            if number != k
-        ]
-        names_by_text.setdefault(", ".join(misplaced), []).append(interpretation.name)
-    if len(names_by_text) == 1:
-        return []
-    texts = [
-        f"{misplaced} with {' or '.join(names)}"
-        for misplaced, names in names_by_text.items()
-        if misplaced
-    ]
-    return (
-        [*texts, "with the other assumptions all modes are in the same order"]
-        if "" in names_by_text
-        else texts
-    )
 
 
 def _interpretation_rows(errors: Errors, pose: int) -> IntArray:
@@ -435,35 +271,6 @@ def _worst_force(errors: Errors, quantity: Quantity, position: Position) -> tupl
     if errors.displacement is None or quantity != ANY_FORCE:
         return ()
     return tuple(float(number) for number in errors.displacement.wrench[position][:3])
-
-
-def _half_width_parts(errors: Errors, reference: Reference, position: Position) -> dict[str, float]:
-    """Half-width of the error by name of the source, for one interpretation and pose (`position`).
-
-    The sources of the reference's budget are completed by the pairing of modes, the stiffness
-    inside the legs, and whatever else the robot file leaves open. The half-width of a choice that
-    the robot file leaves open is half the distance between the errors under its alternatives.
-    """
-    parts: dict[str, float] = {
-        source: float(half_widths[position])
-        for source, half_widths in errors.budget.items()
-        if source is Source.MESHES or half_widths.any()
-    }
-    if errors.pairing is not None:
-        mixed = 0.5 * float(errors.pairing.below[position] + errors.pairing.above[position])
-        parts |= {Source.PAIRING: mixed} if mixed else {}
-    if reference.open and errors.numbers is None:
-        low = high = errors.error[:, position[1]]
-        if errors.pairing is not None:
-            low = low - errors.pairing.exchange_below[:, position[1]]
-            high = high + errors.pairing.exchange_above[:, position[1]]
-        interior = 0.0
-        if reference.interior:
-            groups = reference.by_interior
-            interior = max(0.5 * float(high[rows].max() - low[rows].min()) for rows in groups)
-            parts[Source.INTERIOR] = interior
-        parts[reference.open] = 0.5 * float(high.max() - low.min()) - interior
-    return {str(name): half_width for name, half_width in parts.items()}
 
 
 def _pose(subject: Subject, index: int) -> tuple[float, ...]:

@@ -18,7 +18,7 @@ from lumped.models.segments import segment_chain, segment_leg, static_leg
 from lumped.sections import Angle, Channel, Composite, CompositePart, Polygon, Rectangle, Tee
 from lumped.system.line_loads import inertia_load
 from meshes.section.section_mesh import section_mesh
-from validation.cases.ritz import ritz_beam
+from validation.cases.ritz_legs import ritz_beam
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 CHANNEL = Channel(0.05, 0.1, 0.006, 0.005)

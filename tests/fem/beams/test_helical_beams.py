@@ -15,7 +15,7 @@ from lumped.models.bodies import clamped_modes
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.sections import LaminateBox, LaminateTube, Layer
 from meshes.section.section_mesh import section_mesh
-from validation.cases.ritz import ritz_beam
+from validation.cases.ritz_legs import ritz_beam
 from validation.solids.solid_legs import computed_properties
 
 # T300/5208 carbon and epoxy (S. W. Tsai, H. T. Hahn, Introduction to Composite Materials, 1980,

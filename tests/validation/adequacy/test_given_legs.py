@@ -18,9 +18,9 @@ from lumped.legs import ConstantLeg, GivenLeg, Material
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of, tip_compliance_of
 from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
-from validation.adequacy.errors import ModelErrors
 from validation.adequacy.judged_models import JudgedModel, judged_model
 from validation.adequacy.judgement import verdict_matrix
+from validation.adequacy.model_errors import ModelErrors
 from validation.context import Context
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 from validation.references.modal_reference import dynamic_reference

@@ -28,6 +28,7 @@ from validation.case import Skip
 from validation.cases import other_programs, ritz
 from validation.cases.other_programs import beams_and_exudyn, farthest_entry
 from validation.cases.polynomials import farthest_posture
+from validation.cases.ritz_legs import ritz_beam
 from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.models.options import ModelOptions
@@ -50,7 +51,7 @@ def first_pose(name):
 def test_ritz_leg_equals_textbook(prism, theory):
     """Tip compliance of a stout bar and of a foil, with and without shear."""
     beam = prism.properties(theory)
-    stiffness_and_mass = ritz.ritz_beam(beam, prism.length, ritz.STATIC_DEGREE)
+    stiffness_and_mass = ritz_beam(beam, prism.length, ritz.STATIC_DEGREE)
     free = ritz.free_basis(stiffness_and_mass.stiffness, stiffness_and_mass.root)
     loaded = stiffness_and_mass.tip @ free
     compliance = loaded @ solve(

@@ -16,8 +16,8 @@ from lumped.acceptance.quantities import ANY_FORCE
 from lumped.errors import ComputationError, InputError
 from lumped.models.bodies import tip_compliances
 from lumped.robot_file import load_robot
-from validation.adequacy.errors import ModelErrors
 from validation.adequacy.judged_models import judged_models_of
+from validation.adequacy.model_errors import ModelErrors
 from validation.adequacy.robot_verdicts import static_subject
 from validation.catalogue import catalogue
 from validation.context import Context
