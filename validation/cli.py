@@ -433,8 +433,7 @@ def solve(
     from validation.console.progress import stage  # noqa: PLC0415
     from validation.solve.answer_json import as_json  # noqa: PLC0415
     from validation.solve.answer_text import as_text  # noqa: PLC0415
-    from validation.solve.model_answers import checked  # noqa: PLC0415
-    from validation.solve.model_answers import solve as solved  # noqa: PLC0415
+    from validation.solve.model_answers import checked, checked_solution  # noqa: PLC0415
     from validation.solve.question import Question, split_ends  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
@@ -487,9 +486,9 @@ def solve(
 
             solution = solve_on_cluster(question, cluster)
         elif cost.seconds > _PATIENCE:
-            solution = in_own_process(solved, question)
+            solution = in_own_process(checked_solution, question)
         else:
-            solution = solved(question)
+            solution = checked_solution(question)
     write_results(as_json(solution) if json else as_text(solution))
     return 0
 

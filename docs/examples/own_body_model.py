@@ -10,7 +10,7 @@ from lumped.robot_file import load_robot
 from lumped.system.assembly import assemble
 from lumped.system.solution import compliance as compliance_of
 from lumped.system.solution import solved
-from validation.models.robot_models import static_bodies
+from validation.models.robot_bodies import static_bodies
 
 at = reference_posture(load_robot("delta").mechanism)
 bodies = static_bodies("beam", at.mechanism)

@@ -47,7 +47,8 @@ from lumped.system.sweep import swept
 from meshes.prism import tetrahedra
 from meshes.section.section_mesh import section_mesh
 from validation.models import reduced_parts
-from validation.models.robot_models import dynamic_bodies, highest_frequency
+from validation.models.robot_bodies import dynamic_bodies
+from validation.models.robot_models import highest_frequency
 from validation.parts.identify import identify
 from validation.run import provenance
 

@@ -31,7 +31,8 @@ from validation.cases.ritz import DEGREE, compliance, frequencies, simplified_re
 from validation.context import Context
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.part_legs import part_springs
-from validation.models.robot_models import answers, static_bodies
+from validation.models.robot_bodies import static_bodies
+from validation.models.robot_models import answers
 from validation.references.model_ladder import model_statics
 from validation.references.robot_on_path import path_postures, why_not_serial
 from validation.studies_and_figures import PATH

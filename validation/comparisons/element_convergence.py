@@ -36,7 +36,8 @@ from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.discretisations import FORMULATIONS, Discretisation
 from validation.models.leg_models import leg_matrices, reduced_leg
 from validation.models.options import BEAM_ORDER, ModelOptions
-from validation.models.robot_models import bodies_of, highest_frequency
+from validation.models.robot_bodies import bodies_of
+from validation.models.robot_models import highest_frequency
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import NOMINAL, Reading, RobotOnPath
 from validation.responses.statics_and_modes import PathModes, Statics

@@ -51,7 +51,8 @@ from validation.comparisons.section_formulas import leg_formula_band, mesh_formu
 from validation.context import Context, Preset
 from validation.models.leg_models import filled
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.models.robot_models import CUTOFF, answers, highest_frequency, modes_along
+from validation.models.robot_bodies import CUTOFF
+from validation.models.robot_models import answers, highest_frequency, modes_along
 from validation.references.mode_samples import samples_of
 from validation.references.modes_on_path import (
     SolidMeshes,

@@ -38,7 +38,8 @@ from validation.context import Preset
 from validation.models.leg_models import leg_matrices
 from validation.models.options import DEFAULT_OPTIONS
 from validation.models.reduced_parts import found_in, shape_of, unknowns_of
-from validation.models.robot_models import mechanism_modes, sectioned_legs
+from validation.models.robot_bodies import sectioned_legs
+from validation.models.robot_models import mechanism_modes
 from validation.parts.meshes import part_mesh
 
 # VTK takes seconds to load and needs system libraries, so it is imported only to write VTK files.

@@ -14,7 +14,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.linalg import eigh
 
-from fem.reduction.craig_bampton import Truncated, frequency_bounds
+from fem.reduction.craig_bampton import Truncated, craig_bampton, frequency_bounds
 from lumped.arrays import Array, dense
 from lumped.dense.modes import Modes
 from lumped.errors import InputError
@@ -29,10 +29,11 @@ from lumped.system.assembly import assemble
 from lumped.system.joint_motion import Portion
 from lumped.system.solution import Solved, modes_with_mass, solved
 from validation.models import reduced_parts
-from validation.models.leg_models import filled, reduced_superelement
+from validation.models.leg_models import filled, leg_with_held_ends
 from validation.models.loads.leg_masses import MASSES, Inside, leg_with_inside
 from validation.models.options import DEFAULT_OPTIONS
-from validation.models.robot_models import CUTOFF, sectioned_legs, with_enough_modes
+from validation.models.robot_bodies import CUTOFF, sectioned_legs
+from validation.models.robot_models import with_enough_modes
 
 TWIST = ("x", "y", "z", "phi_x", "phi_y", "phi_z")
 # Fraction of the cut-off frequency up to which frequencies of a free body are exported.
@@ -187,7 +188,7 @@ def _solids(
     cutoff, legs = CUTOFF["solid"] * highest, legs_of(mechanism)
     for name, leg, options in sectioned_legs(mechanism, DEFAULT_OPTIONS):
         if only in {None, name} and not isinstance(legs[name], GivenLeg):
-            reduced = reduced_superelement("solid", leg, options, highest, cutoff)
+            reduced = craig_bampton(leg_with_held_ends("solid", leg, options), highest, cutoff)
             yield name, (filled(reduced.matrices), reduced, (len(reduced.frequencies), cutoff))
     for name, body in mechanism.parts.items():
         if only in {None, name}:

@@ -7,7 +7,7 @@ by the order of convergence.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from math import inf
 from typing import TypeAlias
@@ -31,7 +31,7 @@ from validation.kinematics.poses import postures_on_path
 from validation.models.loads.forces import LoadForces, load_forces
 from validation.models.options import ModelName, ModelOptions
 from validation.models.reduced_parts import found_in, unknowns_of, with_unknowns
-from validation.models.robot_models import sectioned_legs
+from validation.models.robot_bodies import sectioned_legs
 from validation.parts.meshes import FINEST, MIDDLE
 from validation.references.model_ladder import with_elements
 from validation.references.responses import Model, PathForces, Responses
@@ -70,7 +70,7 @@ def forces(
         raise InputError("--path: takes all poses of [path]; leave out --pose or --path")
     question = replace(question, robot_file=_with_loads(question.robot_file, loads), modes=0)
     checked(question)
-    mechanism, options = question.mechanism, asdict(question.options)
+    mechanism = question.mechanism
     if solids and question.model != "solid":
         raise InputError(
             f"--vtu: the {question.model} model has no stress fields; add --model solid"
@@ -78,10 +78,10 @@ def forces(
     postures = postures_on_path(mechanism, mechanism.poses) if on_path else question.postures()
     if solids and len(mechanism.loads) * len(postures) > 1:
         raise InputError("--vtu: writes one load in one pose; name them with --load and --pose")
-    names = question.effective_options
-    effective = {name: value for name, value in options.items() if name in names}
     robot = robot_at(Context(question.robot_file, "quick"), postures)
-    return forces_in(robot, question.model, question.options, effective, solids=solids)
+    return forces_in(
+        robot, question.model, question.options, question.effective_options, solids=solids
+    )
 
 
 def forces_in(

@@ -33,7 +33,7 @@ from validation.models.loads.forces import BodyEnds
 from validation.models.loads.pressures import pressed_faces
 from validation.models.options import ModelOptions
 from validation.models.reduced_parts import found_in, shape_of, unknowns_of
-from validation.models.robot_models import sectioned_legs
+from validation.models.robot_bodies import sectioned_legs
 from validation.parts.meshes import FINEST, part_mesh
 from validation.solve.uncertainty import second_divisions
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths

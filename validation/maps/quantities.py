@@ -27,7 +27,8 @@ from lumped.system.sweep import swept
 from validation.adequacy.judged_models import judged_models_of
 from validation.models.leg_models import reduced_leg
 from validation.models.options import ModelOptions
-from validation.models.robot_models import CUTOFF, bodies_of, with_enough_modes
+from validation.models.robot_bodies import CUTOFF, bodies_of
+from validation.models.robot_models import with_enough_modes
 from validation.references.model_ladder import SOLID
 from validation.references.reference_parts import solid_parts
 from validation.references.responses import UNSOLVED, Model, Responses

@@ -16,7 +16,7 @@ from fem.beams.line_beam import line_beam
 from fem.beams.stepped import Piece, SteppedLeg, stepped_leg
 from fem.bodies import solid
 from fem.bodies.rooted import RootedBody
-from fem.reduction.craig_bampton import CraigBampton, craig_bampton
+from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.free_modes import free_modes
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array, dense
@@ -125,7 +125,7 @@ def condensed_leg(
     """
     if model == "segments" and not isinstance(leg, SteppedLeg):
         return static_leg(leg_chain(leg, options))
-    return static_superelement(_held_leg(model, leg, options)).matrices
+    return static_superelement(leg_with_held_ends(model, leg, options)).matrices
 
 
 @memo(32)
@@ -141,21 +141,13 @@ def reduced_leg(
     It is accurate for frequencies of the robot up to `highest` (Hz). The end faces of a solid are
     rigid or free, by `options.ends`.
     """
-    return reduced_superelement(model, leg, options, highest, cutoff).matrices
+    return craig_bampton(leg_with_held_ends(model, leg, options), highest, cutoff).matrices
 
 
-def reduced_superelement(
-    model: ModelName,
-    leg: SectionedLeg | SteppedLeg,
-    options: ModelOptions,
-    highest: float,
-    cutoff: float,
-) -> CraigBampton:
-    """Leg reduced as by `reduced_leg`, with the bounds on the error of the reduction."""
-    return craig_bampton(_held_leg(model, leg, options), highest, cutoff)
-
-
-def _held_leg(model: ModelName, leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> HeldLeg:
+def leg_with_held_ends(
+    model: ModelName, leg: SectionedLeg | SteppedLeg, options: ModelOptions
+) -> HeldLeg:
+    """Leg by `segments`, `beam` or `solid`, prepared for a reduction to the twists of its ends."""
     if model == "solid" and not isinstance(leg, SteppedLeg):
         return _held_solid(leg, options.divisions, options.ends)
     return held_leg(leg_matrices(model, leg, options))

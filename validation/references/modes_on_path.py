@@ -26,8 +26,8 @@ from validation.context import Preset
 from validation.models.leg_models import filled
 from validation.models.loads.leg_masses import leg_with_inside
 from validation.models.options import ModelName, ModelOptions
+from validation.models.robot_bodies import CUTOFF
 from validation.models.robot_models import (
-    CUTOFF,
     PostureModes,
     modes_along,
     modes_on_drives,

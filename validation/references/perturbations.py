@@ -15,7 +15,7 @@ import numpy as np
 from lumped.mechanism.mechanism import Mechanism
 from validation.kinematics.poses import postures_of
 from validation.models.reduced_parts import unknowns_of, with_unknowns
-from validation.references.robot_on_path import Factors, Reading, RobotOnPath, known_legs, robot_at
+from validation.references.robot_on_path import Factors, Reading, RobotOnPath, robot_at
 from validation.responses.mode_partners import partners
 from validation.responses.statics_and_modes import PathModes, Statics
 
@@ -30,9 +30,7 @@ def perturbed_robot(robot: RobotOnPath, reading: Reading) -> RobotOnPath:
         poses = [posture.pose for posture in robot.postures]
         robot = robot_at(robot.context, postures_of(mechanism, poses))
     if reading.rounding is not None:
-        postures = robot.roundings[reading.rounding].postures
-        legs = known_legs(postures[0].mechanism)
-        robot = replace(robot, postures=tuple(postures), legs=legs)
+        robot = replace(robot, postures=tuple(robot.roundings[reading.rounding].postures))
     return robot
 
 

@@ -24,7 +24,8 @@ from validation.models.loads.displacements import displacements_by, interface_lo
 from validation.models.loads.leg_masses import MASSES, Masses
 from validation.models.options import PartLegs, ReductionBy
 from validation.models.reduced_parts import Hold, ReducedPart, condensed, found_in, reduced
-from validation.models.robot_models import CUTOFF, highest_frequency, static_bodies
+from validation.models.robot_bodies import CUTOFF, static_bodies
+from validation.models.robot_models import highest_frequency
 from validation.models.stepped_parts import why_not_stepped
 from validation.parts.meshes import FINEST
 from validation.parts.refinement import TETRAHEDRA

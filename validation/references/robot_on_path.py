@@ -27,7 +27,7 @@ from validation.models.loads.leg_masses import MASSES, Inside, Masses
 from validation.models.options import DEFAULT_OPTIONS
 from validation.models.part_legs import part_springs, require_legs
 from validation.models.reduced_parts import has_specified_couplings
-from validation.models.robot_models import sectioned_legs
+from validation.models.robot_bodies import sectioned_legs
 from validation.models.roundings import Rounding, roundings_of
 from validation.parts.meshes import FINEST
 from validation.references.mode_samples import Samples, samples_of
@@ -135,16 +135,14 @@ class Holding:
 class RobotOnPath:
     """A mechanism in its postures, with all data from which its references are built.
 
-    `legs` by body name; legs with equal prisms share one object. `printed`: each 6×6 of the robot
-    file with half a unit of the last digit of its entries. Empty if digits are not a source of
-    uncertainty. `path`: postures in which bodies are reduced: their cut-off frequency follows from
-    the highest frequency in these postures. Empty if these are `postures`.
+    `printed`: each 6×6 of the robot file with half a unit of the last digit of its entries. Empty
+    if digits are not a source of uncertainty. `path`: postures in which bodies are reduced: their
+    cut-off frequency follows from the highest frequency in these postures. Empty if these are
+    `postures`.
     """
 
     context: Context
     postures: tuple[Posture, ...]
-    legs: Mapping[str, Leg]
-    holding: Holding
     printed: tuple[Printed, ...]
     path: tuple[Posture, ...] = ()
 
@@ -161,6 +159,16 @@ class RobotOnPath:
     def mechanism(self) -> Mechanism:
         """The mechanism, which all postures have in common."""
         return self.postures[0].mechanism
+
+    @cached_property
+    def legs(self) -> dict[str, Leg]:
+        """Legs by body name. Legs with equal prisms share one object."""
+        return known_legs(self.mechanism)
+
+    @cached_property
+    def holding(self) -> Holding:
+        """End conditions of legs and parts that the robot file allows."""
+        return holding(self.mechanism, self.context.robot_file.schema)
 
     @property
     def prisms(self) -> list[SectionedLeg]:
@@ -238,14 +246,7 @@ def robot_on_path(context: Context) -> RobotOnPath:
 
 def robot_at(context: Context, postures: Sequence[Posture]) -> RobotOnPath:
     """The robot of a run in the given `postures`, which may be those of a modified mechanism."""
-    mechanism = postures[0].mechanism
-    return RobotOnPath(
-        context,
-        tuple(postures),
-        known_legs(mechanism),
-        holding(mechanism, context.robot_file.schema),
-        context.robot_file.printed_compliances,
-    )
+    return RobotOnPath(context, tuple(postures), context.robot_file.printed_compliances)
 
 
 def path_postures(context: Context) -> tuple[Posture, ...]:

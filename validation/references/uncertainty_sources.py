@@ -32,7 +32,8 @@ from validation.models.loads.leg_masses import (
 )
 from validation.models.loads.stability import stabilities
 from validation.models.options import ModelOptions
-from validation.models.robot_models import dynamic_bodies, highest_frequency, modes_along
+from validation.models.robot_bodies import dynamic_bodies
+from validation.models.robot_models import highest_frequency, modes_along
 from validation.models.roundings import roundings_of
 from validation.references.mesh_uncertainty import (
     displacement_half_widths,

@@ -6,6 +6,7 @@ cost of its factorisation was measured on legs of all shapes. Times are for one 
 within a factor of three.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
 
@@ -53,7 +54,7 @@ class Cost:
         return f"{self.size} and {time}"
 
 
-def solid_cost(legs: tuple[SectionedLeg, ...], divisions: int, modes: int) -> Cost:
+def solid_cost(legs: Sequence[SectionedLeg], divisions: int, modes: int) -> Cost:
     """Cost of the compliance and the first `modes` modes of each solid leg, all in memory."""
     sizes = [solid_unknowns(leg, divisions) for leg in legs]
     entries = [_ENTRIES * n ** (4.0 / 3.0) for n in sizes]

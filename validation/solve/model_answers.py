@@ -6,7 +6,7 @@ meshes are refined until these are small enough.
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from math import ceil
 from typing import Any
@@ -15,7 +15,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, LineLeg, SectionedLeg
+from lumped.legs import ConstantLeg, LineLeg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
 from lumped.models.bodies import RIGID_MOTIONS
 from validation.context import Context
@@ -23,7 +23,7 @@ from validation.models.loads.forces import load_forces
 from validation.models.loads.pressures import resultants
 from validation.models.loads.stability import bent_legs, gives_way_pressed, stabilities
 from validation.models.reduced_parts import free_body_part, with_finer_parts
-from validation.models.robot_models import PostureModes, sectioned_legs
+from validation.models.robot_models import PostureModes
 from validation.references.responses import Responses
 from validation.references.robot_on_path import robot_at
 from validation.responses.mode_partners import Partners, partners
@@ -112,6 +112,11 @@ def solve(question: Question) -> Solution:
     move.
     """
     checked(question)
+    return checked_solution(question)
+
+
+def checked_solution(question: Question) -> Solution:
+    """Solution of a question that is already `checked`."""
     if "ends" in question.given:
         question = _with_mechanism(question, _without_end_conditions(question.mechanism))
     accuracy = None
@@ -130,13 +135,10 @@ def solve(question: Question) -> Solution:
                 question.accuracy,
             )
         question, answers = meshed.solved.question, _answers(meshed)
-    names = question.effective_options
-    effective = {name: value for name, value in asdict(question.options).items() if name in names}
-    tool = question.mechanism.tool
-    moves = tuple(f"{move} ({UNITS_OF_MOVES[move]})" for move in tool.moves)
-    return Solution(
-        question.mechanism.name, question.model, effective, tuple(answers), accuracy, moves
-    )
+    mechanism = question.mechanism
+    moves = tuple(f"{move} ({UNITS_OF_MOVES[move]})" for move in mechanism.tool.moves)
+    options = question.effective_options
+    return Solution(mechanism.name, question.model, options, tuple(answers), accuracy, moves)
 
 
 def _solved(question: Question) -> SolvedQuestion:
@@ -144,7 +146,7 @@ def _solved(question: Question) -> SolvedQuestion:
     robot = robot_at(Context(question.robot_file, "quick"), question.postures())
     if not question.digits or question.model == "simplified":
         robot = replace(robot, printed=())
-    return SolvedQuestion(question, Responses(robot, strict=True), _shapes(question))
+    return SolvedQuestion(question, Responses(robot, strict=True))
 
 
 def _meshed(solved: SolvedQuestion) -> _Meshed:
@@ -180,7 +182,7 @@ def _finer(solved: SolvedQuestion, factor: float) -> SolvedQuestion:
         # Solutions on other divisions have the old meshes of CAD parts, so they are discarded.
         question = _with_mechanism(question, with_finer_parts(question.mechanism, factor))
         solved = _solved(question)
-    divisions, legs = question.options.divisions, solved.legs
+    divisions, legs = question.options.divisions, question.legs
     if not legs:
         return solved
     order = min(formal_order(leg, question.options.ends) for leg in legs)
@@ -217,10 +219,12 @@ def _answers(meshed: _Meshed) -> list[Answer]:
     postures = modes.postures if modes else ()
     pairs = _pairs(solved) if question.against else ()
     loads = _load_fields(solved)
+    # The paper's simplified model defines the compliance along x and y alone.
+    defined = slice(2 if question.numbered and question.model == "simplified" else None)
     return [
         Answer(
             _place(question, posture),
-            _defined_compliance(question, meshed.compliances[pose]),
+            meshed.compliances[pose][defined, defined],
             meshed.frequencies[pose],
             idle=None if statics is None else statics.idle[pose],
             uncertainty=meshed.prisms[pose] if meshed.prisms else None,
@@ -337,12 +341,6 @@ def _free_part_answer(question: Question, name: str) -> Answer:
     )
 
 
-def _shapes(question: Question) -> list[SectionedLeg]:
-    """Distinct legs of the question: of several equal legs, the list contains one."""
-    legs = sectioned_legs(question.mechanism, question.options)
-    return list({leg: None for name, leg, _ in legs if question.alone in (None, name)})
-
-
 def _with_mechanism(question: Question, mechanism: Mechanism) -> Question:
     """Copy of a question whose robot is `mechanism`."""
     return replace(question, robot_file=replace(question.robot_file, mechanism=mechanism))
@@ -357,15 +355,6 @@ def _place(question: Question, posture: Posture) -> Place:
     return Place(x=pose[0]) if question.numbered else Place(pose=pose)
 
 
-def _defined_compliance(question: Question, compliance: Array) -> Array:
-    """Part of the compliance (6×6) that the model defines.
-
-    It is the block of x and y (2×2) for the paper's simplified model, otherwise the whole matrix.
-    """
-    planar = question.numbered and question.model == "simplified"
-    return compliance[:2, :2] if planar else compliance
-
-
 def _cost(question: Question, longest: float = LONGEST) -> Cost:
     """Cost of the distinct legs and of the CAD parts.
 
@@ -373,12 +362,13 @@ def _cost(question: Question, longest: float = LONGEST) -> Cost:
     """
     model, options = question.model, question.options
     seconds = PER_PART * len(question.mechanism.parts)
-    shapes = _shapes(question)
     if model == "solid":
-        cost, option = solid_cost(tuple(shapes), options.divisions, question.count), "divisions"
+        option = "divisions"
+        cost = solid_cost(question.legs, options.divisions, question.count)
     elif model in OF_ELEMENTS:
+        option = "elements"
         # Legs are reduced one by one and are small then.
-        cost, option = dense_cost(6 * (options.elements + 1), len(shapes)), "elements"
+        cost = dense_cost(6 * (options.elements + 1), len(question.legs))
     else:
         return Cost(0.0, 0.0, seconds)
     require_affordable(cost, f"--{option} {getattr(options, option)}", longest)

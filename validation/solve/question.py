@@ -4,18 +4,19 @@ Input: arguments of the command line or of Python. Output: postures and model op
 faults. Rule: an option that would change nothing is a fault.
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from typing import Any
 
 from lumped.errors import collect_faults
-from lumped.legs import GivenLeg
+from lumped.legs import GivenLeg, SectionedLeg
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from validation.kinematics.poses import parsed_pose
 from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.models.robot_bodies import sectioned_legs
 from validation.uncertainty.refinement import accuracy_faults
 
 # Options that affect each model. Any other option on the command line is a fault.
@@ -94,27 +95,36 @@ class Question:
         requested = DEFAULT_MODES if self.modes is None else self.modes
         return 0 if self.model in STATIC else requested
 
-    @property
+    @cached_property
     def options(self) -> ModelOptions:
         """Options of the model, with defaults for those not given."""
         return ModelOptions(**self.given)
 
     @property
-    def effective_options(self) -> tuple[str, ...]:
-        """Names of the options that affect the answer."""
-        ignored = self._ignored()
-        return tuple(name for name in self._allowed() if name not in ignored)
+    def effective_options(self) -> dict[str, Any]:
+        """Options that affect the answer, with their values."""
+        allowed, ignored = self._allowed(), self._ignored()
+        return {
+            name: value
+            for name, value in asdict(self.options).items()
+            if name in allowed and name not in ignored
+        }
+
+    @cached_property
+    def legs(self) -> list[SectionedLeg]:
+        """Distinct prisms of the answer: of several equal legs, the list contains one."""
+        legs = sectioned_legs(self.mechanism, self.options)
+        return list({leg: None for name, leg, _ in legs if self.alone in (None, name)})
 
     def postures(self) -> list[Posture]:
         """Postures of the given poses, or the reference posture."""
-        return [self._posture(text) for text in self._typed] or [reference_posture(self.mechanism)]
+        mechanism = self.mechanism
+        poses = [parsed_pose(mechanism, text) for text in self._typed]
+        return [posture(mechanism, pose) for pose in poses] or [reference_posture(mechanism)]
 
     @property
     def _typed(self) -> tuple[str, ...]:
         return (*(repr(x) for x in self.x), *self.poses)
-
-    def _posture(self, typed: str) -> Posture:
-        return posture(self.mechanism, parsed_pose(self.mechanism, typed))
 
     def faults(self) -> list[str]:
         """Faults of the request, one line each."""

@@ -22,14 +22,8 @@ from lumped.system.sweep import swept
 from validation.models.leg_models import leg_compliance, leg_modes
 from validation.models.loads.displacements import displacements, displacements_of
 from validation.models.options import ModelOptions
-from validation.models.robot_models import (
-    FINE_PARTS,
-    PartMeshing,
-    PostureModes,
-    mechanism_modes,
-    reduced_parts_of,
-    static_bodies,
-)
+from validation.models.robot_bodies import FINE_PARTS, PartMeshing, reduced_parts_of, static_bodies
+from validation.models.robot_models import PostureModes, mechanism_modes
 from validation.references.mode_samples import samples_of
 from validation.references.model_ladder import model_statics
 from validation.references.modes_on_path import vibration_of

@@ -8,16 +8,15 @@ paired by shape.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from math import cbrt, sqrt
 
 import numpy as np
 
 from fem.reduction.craig_bampton import frequency_bounds
 from lumped.arrays import Array
-from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
-from lumped.legs import Leg, SectionedLeg
+from lumped.legs import SectionedLeg
 from lumped.mechanism.mechanism import Posture
 from lumped.sections import Rectangle, Section
 from meshes.section.section_blocks import element_count
@@ -52,13 +51,11 @@ _FEW_ELEMENTS = 6
 class SolvedQuestion:
     """A question with the solutions of its model on all meshes of prisms that were solved so far.
 
-    `legs`: distinct prisms of the answer. `models`: models of the question, by the divisions of
-    their meshes.
+    `models`: models of the question, by the divisions of their meshes.
     """
 
     question: Question
     responses: Responses
-    legs: Sequence[SectionedLeg]
     models: dict[int, Model] = field(default_factory=dict)
 
     def model(self, divisions: int | None = None) -> Model:
@@ -69,7 +66,7 @@ class SolvedQuestion:
             self.models[divisions] = solved_model(replace(self.question, given=options))
         return self.models[divisions]
 
-    @property
+    @cached_property
     def reading(self) -> Reading:
         """Reading under which the question is solved.
 
@@ -82,13 +79,13 @@ class SolvedQuestion:
         """Number of poses. 1 for a body alone."""
         return len(self.responses.robot.postures)
 
-    @property
+    @cached_property
     def statics(self) -> Statics | None:
         """Statics in all poses. None for a free body."""
         statics = self.responses.statics(self.model(), self.reading)
         return statics if isinstance(statics, Statics) else None
 
-    @property
+    @cached_property
     def modes(self) -> SolvedModes | None:
         """Modes in all poses. None if none are requested or nothing has mass."""
         modes = self.responses.modes(self.model(), self.reading)
@@ -203,7 +200,7 @@ def of_prisms(
     the second mesh is finer and its divisions are not `affordable`. The list is empty if there are
     no solid prisms.
     """
-    options, legs = solved.question.options, solved.legs
+    options, legs = solved.question.options, solved.question.legs
     if solved.question.model != "solid" or not legs:
         return []
     second = second_divisions(options, legs)
@@ -340,7 +337,7 @@ def _diagonals_and_frequencies(
     return np.where(np.isfinite(rows), rows, 0.0)
 
 
-def second_divisions(options: ModelOptions, legs: Sequence[Leg]) -> int:
+def second_divisions(options: ModelOptions, legs: Sequence[SectionedLeg]) -> int:
     """Divisions of a second mesh, whose element sizes differ enough from those of the first mesh.
 
     The first sufficient number is returned. Half the divisions of the first mesh are tried first,
@@ -351,7 +348,7 @@ def second_divisions(options: ModelOptions, legs: Sequence[Leg]) -> int:
     """
     present = options.divisions
     candidates = (present // 2, 1, *range(present + 1, 8 * present + 1))
-    sections = [section_of(sectioned_leg(leg, options.equivalent)) for leg in legs]
+    sections = [section_of(leg) for leg in legs]
     divisions: int = next(
         candidate
         for candidate in candidates
@@ -370,13 +367,12 @@ def _ratio(section: Section, first: int, second: int) -> float:
     return sqrt(fine / coarse)
 
 
-def mesh_policy(options: ModelOptions, legs: Sequence[Leg], divisions: int) -> MeshPolicy:
+def mesh_policy(options: ModelOptions, legs: Sequence[SectionedLeg], divisions: int) -> MeshPolicy:
     """Rule for half-widths on the mesh of `options`, from the change to a mesh with `divisions`."""
     present = options.divisions
-    solid = [sectioned_leg(leg, options.equivalent) for leg in legs]
-    order = min(formal_order(leg, options.ends) for leg in solid)
+    order = min(formal_order(leg, options.ends) for leg in legs)
     along = max(present, divisions) / min(present, divisions)
-    ratio = min(cbrt(along * _ratio(section_of(leg), present, divisions) ** 2) for leg in solid)
+    ratio = min(cbrt(along * _ratio(section_of(leg), present, divisions) ** 2) for leg in legs)
     return MeshPolicy.of_order(ratio if present > divisions else 1.0 / ratio, order)
 
 
@@ -392,8 +388,7 @@ def extrapolated(
     """
     statics, modes, options = solved.statics, solved.modes, solved.question.options
     compliances, frequencies = solved.compliances.copy(), solved.frequencies.copy()
-    legs = [sectioned_leg(leg, options.equivalent) for leg in solved.legs]
-    divisions = sorted(solved.models)
+    legs, divisions = solved.question.legs, sorted(solved.models)
     if (
         statics is None
         or len(divisions) < GRIDS_FOR_ORDER

@@ -33,7 +33,7 @@ from lumped.system.joint_motion import Portion
 from lumped.system.solution import compliance, modes, solved, strain_shares
 from lumped.system.sweep import swept
 from validation.models.options import ModelOptions
-from validation.models.robot_models import dynamic_bodies, static_bodies
+from validation.models.robot_bodies import dynamic_bodies, static_bodies
 
 X, Y, Z = np.eye(3)
 WIDTH, LENGTH, STIFFNESS = 0.3, 0.7, 1e4

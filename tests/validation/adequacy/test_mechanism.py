@@ -18,7 +18,7 @@ from validation.adequacy.robot_verdicts import robot_adequacy
 from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.options import ModelOptions
-from validation.models.robot_models import on_drives_alone, sectioned_legs
+from validation.models.robot_bodies import on_drives_alone, sectioned_legs
 from validation.references.mode_samples import samples_of
 from validation.references.robot_on_path import (
     HOLD,

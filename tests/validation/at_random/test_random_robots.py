@@ -22,7 +22,7 @@ from validation.catalogue import catalogue
 from validation.context import Context
 from validation.models.leg_models import leg_matrices
 from validation.models.options import ModelOptions
-from validation.models.robot_models import bodies_of
+from validation.models.robot_bodies import bodies_of
 from validation.record_fields import plain_data
 from validation.references.model_ladder import model_statics
 from validation.run.outcome import judge

@@ -31,7 +31,7 @@ from validation.comparisons.discretisations import FORMULATIONS, Discretisation
 from validation.comparisons.element_convergence import leg_convergence
 from validation.comparisons.requested import convergence, middle_posture
 from validation.models.leg_models import leg_matrices
-from validation.models.robot_models import bodies_of
+from validation.models.robot_bodies import bodies_of
 
 HALF, LITERAL, BEAM = FORMULATIONS
 EXHAUSTIVE = pytest.mark.exhaustive

@@ -35,7 +35,8 @@ from validation.kinematics.poses import postures_of
 from validation.models.leg_models import clamped_solid, leg_matrices
 from validation.models.options import ModelOptions
 from validation.models.reduced_parts import identified
-from validation.models.robot_models import answers, mechanism_modes, static_bodies
+from validation.models.robot_bodies import static_bodies
+from validation.models.robot_models import answers, mechanism_modes
 
 # A body may have the name of the files of the whole mechanism.
 MECHANISM = described(load_robot("delta").text.replace("arm1", "mechanism"))

@@ -29,7 +29,8 @@ from lumped.system.solution import solved
 from validation.cases import ritz
 from validation.models.loads.displacements import displacements, interface_loads
 from validation.models.options import ModelOptions
-from validation.models.robot_models import answers, static_bodies
+from validation.models.robot_bodies import static_bodies
+from validation.models.robot_models import answers
 
 E, RHO, LENGTH, WIDTH, HEIGHT = 2.1e11, 7850.0, 0.5, 0.06, 0.04
 AREA, IX, IZ = WIDTH * HEIGHT, WIDTH * HEIGHT**3 / 12.0, HEIGHT * WIDTH**3 / 12.0

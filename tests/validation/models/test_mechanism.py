@@ -13,12 +13,11 @@ from lumped.models.serial_chains import NoChainError
 from lumped.robot_file import load_robot
 from lumped.system.joint_motion import Portion
 from validation.models.options import DEFAULT_OPTIONS, ModelOptions
+from validation.models.robot_bodies import dynamic_bodies, sectioned_legs
 from validation.models.robot_models import (
     answers,
-    dynamic_bodies,
     highest_frequency,
     mechanism_modes,
-    sectioned_legs,
     with_dynamic_bodies,
 )
 

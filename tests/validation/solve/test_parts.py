@@ -21,7 +21,8 @@ from validation.context import Context
 from validation.models import reduced_parts
 from validation.models.loads.displacements import displacements_of
 from validation.models.loads.pressures import resultants
-from validation.models.robot_models import CUTOFF, answers, dynamic_bodies
+from validation.models.robot_bodies import CUTOFF, dynamic_bodies
+from validation.models.robot_models import answers
 from validation.parts.meshes import MIDDLE
 from validation.references import mesh_uncertainty
 from validation.references.reference_parts import reduction_note, solid_parts

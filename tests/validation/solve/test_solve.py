@@ -199,18 +199,19 @@ def test_solid_robot_has_mesh_uncertainty():
     np.testing.assert_allclose(coarse.uncertainty.compliance, (factors[0] + 3.0) * step, rtol=1e-6)
 
 
-def test_mesh_change_follows_mode_shape():
+def test_mesh_change_follows_mode_shape(tmp_path):
     """Two modes change their order between the meshes. By shape, they change by 2 and 0.5 Hz."""
-    question = Question(load_robot("five-bar"), "solid", {"divisions": 2}, 2)
+    text = ONE_ARM.replace("width = 0.06, height = 0.04", "width = 0.05, height = 0.05")
+    arm = robot_of(text.replace("nu = 0.0", "nu = 0.3"), tmp_path)
+    question = Question(arm, "solid", {"divisions": 2}, 2)
     robot = robot_at(Context(question.robot_file, "quick"), question.postures())
 
     def model(frequencies, shapes):
         record = np.array([frequencies]), shapes[None], np.ones(2), np.ones((1, 2))
         return Model("solid", modes=lambda *_: SolvedModes(*record, count=2))
 
-    legs = [ConstantLeg(1.0, Rectangle(0.1, 0.1), Material.isotropic(2.1e11, 0.3, 7850.0))]
     coarse, fine = model([101.5, 102.0], np.eye(2)[:, ::-1]), model([100.0, 101.0], np.eye(2))
-    solved = SolvedQuestion(question, Responses(robot), legs, {1: coarse, 2: fine})
+    solved = SolvedQuestion(question, Responses(robot), {1: coarse, 2: fine})
     (half_widths,) = of_prisms(solved)
     factor = half_widths.frequencies[0] / 2.0
     assert half_widths.frequencies == pytest.approx([2.0 * factor, 0.5 * factor], rel=1e-9)

@@ -32,7 +32,7 @@ from validation.models.loads.leg_masses import MASSES, Masses, ends_mass
 from validation.models.loads.pressures import unit_pressures
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.models.reduced_parts import condensed
-from validation.models.robot_models import (
+from validation.models.robot_bodies import (
     bodies_of,
     on_drives_alone,
     released,

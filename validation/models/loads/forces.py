@@ -22,7 +22,7 @@ from lumped.system.reactions import InternalForces, Reaction, internal_forces, r
 from lumped.system.solution import Solved, solved
 from validation.models.loads.displacements import interface_loads_of
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.models.robot_models import on_drives_alone, released, static_bodies
+from validation.models.robot_bodies import on_drives_alone, released, static_bodies
 
 
 @dataclass(frozen=True, eq=False)

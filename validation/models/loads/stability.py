@@ -35,12 +35,7 @@ from validation.drawing.text import number, percent
 from validation.models.leg_models import filled
 from validation.models.loads.displacements import interface_loads_of
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.models.robot_models import (
-    on_drives_alone,
-    released,
-    sectioned_legs,
-    static_bodies,
-)
+from validation.models.robot_bodies import on_drives_alone, released, sectioned_legs, static_bodies
 
 # Elements and modes of a leg. With ten elements the error of the buckling load is 2e-4 for clamped
 # ends and less for others; with 24 modes with clamped ends the error of the reduction is 1e-4.

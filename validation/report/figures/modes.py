@@ -22,9 +22,9 @@ from validation.drawing.chart import Bars, Chart, Column, Panel, Series
 from validation.drawing.figures import FigureGroup
 from validation.drawing.text import number
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
+from validation.models.robot_bodies import dynamic_bodies
 from validation.models.robot_models import (
     PostureModes,
-    dynamic_bodies,
     highest_frequency,
     mechanism_modes,
     modes_along,
