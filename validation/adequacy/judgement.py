@@ -21,7 +21,7 @@ from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array, IntArray
 from validation.adequacy.errors import Errors, first_largest, verdicts_of
 from validation.adequacy.model_errors import ModelErrors
-from validation.adequacy.probability import Probability, probability
+from validation.adequacy.probability import probability
 from validation.adequacy.reasons import Position, half_width_parts, reason_of
 from validation.adequacy.uncertain_inputs import UncertainInputs
 from validation.references.reference import Subject
@@ -147,7 +147,8 @@ def _entry(
         expected_range=_expected_range(errors, pose) if defined else (),
         along=alongs[pose] if alongs else None,
         force=_worst_force(errors, quantity, position),
-        uncertainties=half_width_parts(errors, reference, position) | _input_half_width(chances)
+        uncertainties=half_width_parts(errors, reference, position)
+        | ({"inputs": chances.half_width} if chances else {})
         if defined
         else {},
         errors=error,
@@ -177,10 +178,6 @@ def _pose_limits(errors: Errors, quantity: Quantity, requirement: Requirement) -
     length = errors.displacement.length.max(axis=0)
     limits = np.divide(absolute, length, out=np.full(len(length), np.inf), where=length > 0.0)
     return np.asarray(limits)
-
-
-def _input_half_width(chances: Probability | None) -> dict[str, float]:
-    return {"inputs": chances.half_width} if chances else {}
 
 
 def _unsolved_entry(

@@ -94,9 +94,9 @@ class Responses:
 
         Raises InputError if the changes make an invalid robot.
         """
-        key = reading.restricted(PERTURBATIONS)
-        if not key.is_perturbed:
+        if not reading.factors and reading.rounding is None:
             return self.robot
+        key = reading.restricted(PERTURBATIONS)
         if key not in self._robots:
             self._robots[key] = self.perturb(self.robot, key)
         return self._robots[key]

@@ -93,11 +93,6 @@ class Reading:
         return replace(self, **mesh)
 
     @property
-    def is_perturbed(self) -> bool:
-        """True if inputs or a printed number differ from those of the robot file."""
-        return bool(self.factors) or self.rounding is not None
-
-    @property
     def unperturbed(self) -> "Reading":
         """Copy of the reading with the inputs and printed numbers of the robot file."""
         return replace(self, factors=(), rounding=None)

@@ -165,7 +165,7 @@ def _meshed(solved: SolvedQuestion) -> _Meshed:
 def _is_affordable(question: Question, divisions: int) -> bool:
     """True if the question could be solved with these `divisions` at an acceptable cost."""
     try:
-        _cost(replace(question, given={**question.given, "divisions": divisions}))
+        _cost(question.with_divisions(divisions))
     except InputError:
         return False
     return True
@@ -191,11 +191,8 @@ def _finer(solved: SolvedQuestion, factor: float) -> SolvedQuestion:
     wanted_divisions = min(
         max(ceil(divisions * factor ** (1.0 / order)), divisions + 1), 2 * divisions
     )
-    options = [
-        {**question.given, "divisions": count} for count in range(wanted_divisions, divisions, -1)
-    ]
-    finer = _affordable([replace(question, given=count) for count in options])
-    return replace(solved, question=finer)
+    counts = range(wanted_divisions, divisions, -1)
+    return replace(solved, question=_affordable(list(map(question.with_divisions, counts))))
 
 
 def _affordable(questions: Sequence[Question]) -> Question:

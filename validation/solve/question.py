@@ -4,7 +4,7 @@ Input: arguments of the command line or of Python. Output: postures and model op
 faults. Rule: an option that would change nothing is a fault.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -99,6 +99,10 @@ class Question:
     def options(self) -> ModelOptions:
         """Options of the model, with defaults for those not given."""
         return ModelOptions(**self.given)
+
+    def with_divisions(self, divisions: int) -> "Question":
+        """Copy with other divisions of the mesh of prisms."""
+        return replace(self, given={**self.given, "divisions": divisions})
 
     @property
     def effective_options(self) -> dict[str, Any]:

@@ -62,8 +62,7 @@ class SolvedQuestion:
         """Model with these `divisions` of prisms. None stands for the divisions of the question."""
         divisions = divisions or self.question.options.divisions
         if divisions not in self.models:
-            options = {**self.question.given, "divisions": divisions}
-            self.models[divisions] = solved_model(replace(self.question, given=options))
+            self.models[divisions] = solved_model(self.question.with_divisions(divisions))
         return self.models[divisions]
 
     @cached_property
