@@ -202,8 +202,8 @@ class _Equilibrium:
     """Linear equations for the wrenches of all joints, and their solution.
 
     Moments are divided by the size of the mechanism, so that all components are in N. Wrenches are
-    those of joints on their second bodies, at their first interfaces, in base axes. The other
-    fields are those of `InternalForces`.
+    those of joints on their second bodies, at their first interfaces, in base axes.
+    `displacements`, `bodies` and `idle_acceleration` are those of `InternalForces`.
     """
 
     system: System

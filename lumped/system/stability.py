@@ -1,8 +1,9 @@
 """Stability of a mechanism under a load: buckling factors and remaining stiffness.
 
 Under λ times the load the stiffness is K + λ G with the geometric stiffness G
-(`lumped.system.prestress`). With K = L Lᵀ it is singular if −1/λ is an eigenvalue of L⁻¹ G L⁻ᵀ. All
-eigenvalues are computed, so that no buckling factor is missed.
+(`lumped.system.prestress`). With K = L Lᵀ it is singular if −1/λ is an eigenvalue of L⁻¹ G L⁻ᵀ. The
+smallest and the largest eigenvalue of this dense matrix are computed directly, so that no lower
+buckling factor is missed.
 """
 
 from collections import defaultdict
