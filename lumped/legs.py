@@ -346,8 +346,8 @@ class Span:
         """Rates d ln a/ds (p×2, 1/m) of the lever arms a = I/S at p fractions `shares` of the span.
 
         The columns are for bending about z and about y. I is the second moment of area, S the first
-        moment of area of half the section. The rates are zero if the section is constant or has no
-        two axes of symmetry.
+        moment of area of half the section. The rates are zero if the section is constant or does
+        not have two axes of symmetry.
         """
         if not self.converges:
             return np.zeros((len(shares), 2))
@@ -357,8 +357,8 @@ class Span:
         """Taper rates, and flexibility due to inclined fibres (p×7), at p points of the span.
 
         The points are at the fractions `lumped.tapers.NODES` of the span. The columns are named in
-        `lumped.tapers.TAPER`. All entries are zero if the section is constant or has no two axes of
-        symmetry.
+        `lumped.tapers.TAPER`. All entries are zero if the section is constant or does not have two
+        axes of symmetry.
         """
         if not self.converges:
             return np.zeros((len(NODES), len(TAPER)))

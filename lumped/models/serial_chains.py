@@ -35,9 +35,10 @@ _BASE: _Node = (GROUND, "")
 
 @dataclass(frozen=True)
 class _Step:
-    """One step of a chain from a node to the next: `across` a joint, or a leg given by its name.
+    """One step of a chain, between two neighbouring `nodes`.
 
-    A node is an interface of an elastic leg, or a rigid body with all its interfaces.
+    `across` is the joint between them, or the name of the leg. A node is an interface of an elastic
+    leg, or a rigid body with all its interfaces.
     """
 
     nodes: frozenset[_Node]
@@ -145,9 +146,10 @@ def _drive_deflection(posture: Posture, step: _Step, load: Loading, end: Array) 
 def _carriers(
     mechanism: Mechanism, legs: Mapping[str, Array], chain_steps: Sequence[_Step]
 ) -> dict[_Node, _Node]:
-    """Node of a chain that carries the loads on each node of the robot, by the node of the robot.
+    """For each node of the robot, the node of a chain on which loads on that node act.
 
-    A node of a chain carries its own loads. `chain_steps` are the joints and legs of all chains.
+    Loads on a node of a chain act on the node itself. Other nodes are attached to a chain.
+    `chain_steps` are the joints and legs of all chains.
     """
     group = _groups(mechanism, legs)
     carrier = {node: node for step in chain_steps for node in step.nodes}

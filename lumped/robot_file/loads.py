@@ -291,9 +291,10 @@ def _wrenches_over(path: Path, robot: Mechanism) -> Array:
 def _store_wrench(
     wrenches: dict[int, Array], robot: Mechanism, pose_columns: Mapping[str, Number], row: TableRow
 ) -> None:
-    """Store the wrench of a CSV row under its pose.
+    """Store the wrench of a CSV row in `wrenches`, under the index of its pose on the path.
 
-    Raises InputError if a different wrench of this pose is stored already.
+    `pose_columns` are the columns that identify the pose, with the rules for their numbers. Raises
+    InputError with one line per fault, also if a different wrench of this pose is stored already.
     """
     rules = {**pose_columns, **dict.fromkeys(_COMPONENTS, FORCE)}
     values = {name: number_or_text(row.cells[name]) for name in rules}

@@ -222,7 +222,7 @@ def _torsion_constant(section: Composite) -> float:
 
 @memo(64)
 def _solution(section: Composite, modulus: str) -> tuple[RimSolution, float]:
-    """Torsion and flexure of the section scaled to size 1, and its size (m).
+    """Solution of torsion and flexure for the section scaled to size 1, and its size (m).
 
     Each part is weighted by its `modulus` ("E" or "G"), divided by the mean of this modulus.
     """

@@ -123,7 +123,7 @@ def mobility_at(closure: Closure, placement: Placement) -> Mobility:
 
 
 def _touched(names: Iterable[str], shares: Array) -> tuple[str, ...]:
-    """Those of n `names` whose row in `shares` (n×k) is not zero."""
+    """Names, out of n `names`, whose row in `shares` (n×k) is not zero."""
     largest = np.abs(shares).max(axis=1, initial=0.0)
     return tuple(
         name for name, row_maximum in zip(names, largest, strict=True) if row_maximum > _ZERO

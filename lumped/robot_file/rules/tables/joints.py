@@ -165,7 +165,7 @@ def _direction_keys() -> Iterator[tuple[str, Direction, str]]:
 
 
 def _given(**values: Spring | None) -> Mapping[str, Spring]:
-    """Those of the `values` that are not None, by the names of their directions."""
+    """Values along directions of a joint, by the names of the directions, without None."""
     return {name: value for name, value in values.items() if value is not None}
 
 
