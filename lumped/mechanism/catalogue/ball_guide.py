@@ -27,9 +27,10 @@ Lines: TypeAlias = Literal["O", "X"]
 PreloadClass: TypeAlias = Literal["Z0", "ZA", "ZB"]
 # Carriages by their size: normal stiffness (N/m) by class of preload, M/C in roll (m), and length
 # of the rows (m). Stiffness: HIWIN, Linear Guideway, Technical Information G99TE24-2410, table
-# 2-1-13; the preload is 0 to 0.02 (Z0), 0.05 to 0.07 (ZA) and 0.10 to 0.12 (ZB) of the dynamic load
-# rating. M/C: static ratings of HIWIN GmbH, Compact, section 1.1.12; for HG15C half the width of
-# its rail. The length is that of the steel body, for HG30C seven times M/C in pitch.
+# 2-1-13, read in a transcription; the preload is 0 to 0.02 (Z0), 0.05 to 0.07 (ZA) and 0.10 to
+# 0.12 (ZB) of the dynamic load rating. M/C: static ratings of HIWIN GmbH, Compact, section 1.1.12;
+# for HG15C half the width of its rail. The length is that of the steel body, for HG30C seven times
+# M/C in pitch.
 CARRIAGES: dict[str, tuple[dict[PreloadClass, float], float, float]] = {
     "HG15C": ({"Z0": 196e6, "ZA": 365e6, "ZB": 483e6}, 7.5e-3, 39.4e-3),
     "HG20C": ({"Z0": 232e6, "ZA": 460e6, "ZB": 678e6}, 380.0 / 37_840.0, 50.5e-3),
