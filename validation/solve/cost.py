@@ -55,7 +55,10 @@ class Cost:
 
 
 def solid_cost(legs: Sequence[SectionedLeg], divisions: int, modes: int) -> Cost:
-    """Cost of the compliance and the first `modes` modes of each solid leg, all in memory."""
+    """Cost of the compliance and the first `modes` modes of each solid leg.
+
+    All legs are in memory at the same time.
+    """
     sizes = [solid_unknowns(leg, divisions) for leg in legs]
     entries = [_ENTRIES * n ** (4.0 / 3.0) for n in sizes]
     memory = sum(

@@ -101,7 +101,7 @@ class Question:
         return ModelOptions(**self.given)
 
     def with_divisions(self, divisions: int) -> "Question":
-        """Copy with other divisions of the mesh of prisms."""
+        """Copy of the question with these `divisions` of the mesh of prisms."""
         return replace(self, given={**self.given, "divisions": divisions})
 
     @property
