@@ -23,8 +23,13 @@ from fem.solvers.backends.factor_checks import require_memory
 from fem.solvers.backends.protocol import HOST, Space
 from fem.solvers.certificate import Pencil, count_below, pencil
 from fem.solvers.factor import Inertia, RenewableFactor
-from fem.solvers.inverse import inverse
-from fem.solvers.modes import CertifiedModes, lowest_modes, searched_modes
+from fem.solvers.inverse import RenewableIteration, inverse
+from fem.solvers.modes import (
+    CertifiedModes,
+    lowest_modes,
+    preconditioned_modes,
+    searched_modes,
+)
 from lumped.arrays import Array, IntArray, fix_signs
 from lumped.dense.statics import balanced_flexibility
 from lumped.errors import ComputationError
@@ -209,9 +214,19 @@ class RootedBody:
         return replace(modes, shapes=fix_signs(shapes))
 
     def uncounted_frequencies(self, count: int) -> Array:
-        """Frequencies (Hz) of the lowest `count` modes, without the proof that none is missing."""
-        mass, space = self.solid.mass, self.space
-        return searched_modes(self.flexibility, mass, count, self.name, space).frequencies
+        """Frequencies (Hz) of the lowest `count` modes, without the proof that none is missing.
+
+        The first interface is clamped, the others are free.
+        """
+        mass, factor = self.solid.mass, self.factor
+        if isinstance(factor, RenewableIteration):
+
+            def precondition(forces: Array) -> Array:
+                return np.asarray(self.expanded(factor.precondition(self.equilibrated(forces))))
+
+            stiffness = self.solid.stiffness
+            return preconditioned_modes(stiffness, mass, precondition, count, self.name).frequencies
+        return searched_modes(self.flexibility, mass, count, self.name, self.space).frequencies
 
     def held_inertia(self, sigma: float) -> Inertia:
         """Numbers of negative, zero and positive eigenvalues of K − σM, with all interfaces fixed.

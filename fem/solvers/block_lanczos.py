@@ -78,7 +78,7 @@ def merged(first: Ritz, second: Ritz) -> Ritz:
     )
 
 
-def _orthonormal(block: Any, basis: Any, M: Any, space: Space) -> tuple[Any, Any]:
+def orthonormal_block(block: Any, basis: Any, M: Any, space: Space) -> tuple[Any, Any]:
     """M-orthonormal basis W of the part of `block` that is M-orthogonal to `basis`, and M W.
 
     Dependent directions are dropped. Arguments and results are in the memory `space`.
@@ -172,7 +172,7 @@ def _search(
 ) -> Ritz:
     first, M = known_vectors.shape[1], space.matrix(mass)
     everything = space.columns(len(start), first + limit, space.put(known_vectors))
-    block, weighted_block = _orthonormal(
+    block, weighted_block = orthonormal_block(
         solve(M @ space.put(start)), everything[:, :first], M, space
     )
     width = block.shape[1]
@@ -193,7 +193,7 @@ def _search(
         projected = np.block(
             [[projected, column[:previous]], [column[:previous].T, column[previous:]]]
         )
-        following, weighted_following = _orthonormal(image - tried @ shares, tried, M, space)
+        following, weighted_following = orthonormal_block(image - tried @ shares, tried, M, space)
         coefficients = space.get(following.T @ weighted)
         theta, s = eigh((projected + projected.T) / 2.0)
         theta, s = theta[::-1], s[:, ::-1]

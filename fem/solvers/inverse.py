@@ -12,7 +12,7 @@ from typing import Any
 from fem.machine import available_memory
 from fem.solvers.backends.petsc.iteration import GamgIteration, IndefiniteError, SolutionCheck
 from fem.solvers.backends.protocol import HOST, Space
-from fem.solvers.factor import Inverse, NotPositiveDefiniteError, RenewableFactor, Symbolic
+from fem.solvers.factor import NotPositiveDefiniteError, RenewableFactor, Symbolic
 from lumped.arrays import Array
 from lumped.solver_request import Solver, requested_solver
 
@@ -46,11 +46,15 @@ class RenewableIteration(RenewableFactor):
     places: Array
 
     @cached_property
-    def numeric(self) -> Inverse:
+    def numeric(self) -> _GamgInverse:
         """The iterative solver, which is set up when it is first needed."""
         triangle = self.symbolic.triangle
         iteration = GamgIteration(triangle, self.motions, self.places, self.part)
         return _GamgInverse(iteration, self.part)
+
+    def precondition(self, forces: Array) -> Array:
+        """Approximate displacements (n×k) under `forces` (n×k), by one cycle of the multigrid."""
+        return self.numeric.iteration.precondition(forces)
 
     @property
     def checks(self) -> tuple[SolutionCheck, ...]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from fem.solvers.backends.protocol import HOST, Space
 from fem.solvers.block_lanczos import NotConvergedError, Ritz, block_lanczos, first_modes, merged
+from fem.solvers.davidson import StagnationError, davidson
 from fem.solvers.factor import Inertia
 from lumped.arrays import Array, SparseMatrix, fix_signs
 from lumped.dense.modes import Modes, too_few
@@ -27,6 +28,8 @@ _SEED = 1
 # frequency without any assumption. The bound is 5e-10 for a mode whose distance from its neighbours
 # in ω² is 1e-3.
 _RESIDUAL = 1e-6
+# Largest number of multigrid cycles for each mode. 15 to 30 are usual.
+_CYCLES = 300
 # Largest number of searches for missing modes, each from different random vectors.
 _SEARCHES = 4
 # Relative distance of the shift above the last mode. It is at most half way to the next mode.
@@ -147,6 +150,29 @@ def searched_modes(
     """The lowest `mode_count` modes as in `lowest_modes`, without the count that certifies them."""
     block = _random_block(M.shape[0], np.random.default_rng(_SEED))
     return _lowest(_converged_pairs(solve, M, block, mode_count, part, space), mode_count)
+
+
+def preconditioned_modes(
+    K: SparseMatrix, M: SparseMatrix, precondition: Solve, mode_count: int, part: str
+) -> Modes:
+    """The lowest `mode_count` modes from K, M (csr n×n) and a preconditioner, without a count.
+
+    `precondition` is an approximation of K⁻¹ on blocks (n×k), see `fem.solvers.davidson`. K and M
+    are positive definite on its results. Shapes have unit modal mass. Raises ComputationError, with
+    `part` in its message, if modes do not converge or there are fewer.
+    """
+    start = precondition(M @ _noise(M.shape[0], np.random.default_rng(_SEED)))
+    try:
+        values, shapes = davidson(K, M, precondition, start, mode_count, _CYCLES * mode_count)
+    except StagnationError as error:
+        raise ComputationError(
+            f"{error.converged} of {counted(mode_count, 'mode')} converged in "
+            f"{_CYCLES * mode_count} multigrid cycles; fewer modes or a finer mesh are needed",
+            part=part,
+        ) from error
+    if len(values) < mode_count:
+        raise too_few(part, mode_count)
+    return Modes(np.sqrt(values) / (2.0 * np.pi), fix_signs(shapes))
 
 
 def _converged_pairs(

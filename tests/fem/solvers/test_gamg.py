@@ -141,6 +141,30 @@ def test_petsc_solves_without_factor(monkeypatch):
     assert relative_difference(compliance, body.compliance) <= 1e-10
 
 
+@pytest.mark.usefixtures("gamg")
+def test_uncounted_modes_need_few_cycles(monkeypatch):
+    """Frequencies by cycles of the multigrid alone equal certified ones by rslab."""
+    leg = hexahedral_leg()
+    body = clamped_leg(leg)
+    cycles = []
+    precondition = RenewableIteration.precondition
+
+    def counted(self, forces):
+        cycles.append(forces.shape[1])
+        return precondition(self, forces)
+
+    monkeypatch.setattr(RenewableIteration, "precondition", counted)
+    monkeypatch.setattr(RenewableIteration, "solve", lambda *_: pytest.fail("solved"))
+    frequencies = body.uncounted_frequencies(6)
+    monkeypatch.undo()
+    monkeypatch.setenv(VARIABLE, "rslab")
+    expected = clamped_leg(leg).modes(6).frequencies
+    # The accepted residual, 1e-5, leaves 5e-11 over the smallest relative gap in ω², 0.03.
+    np.testing.assert_allclose(frequencies, expected, rtol=1e-8)
+    # Observed: 104. Block Lanczos over solutions by conjugate gradients takes about ten times this.
+    assert sum(cycles) < 200
+
+
 def test_modes_by_gamg_are_counted_by_a_factor(gamg, monkeypatch):
     """Frequencies and their count equal those by rslab."""
     assert gamg

@@ -199,10 +199,19 @@ class Server:
         `name` is the name of a factorised ordering or of an iteration. The answer of an iteration
         contains its checks, that of a factor is empty.
         """
+        return self._columns("solve", name, right, part)
+
+    def cycle(self, name: int, right: Array, part: str) -> Array:
+        """Columns (n×k) that one multigrid cycle of the iteration `name` makes of `right` (n×k)."""
+        return self._columns("cycle", name, right, part)[0]
+
+    def _columns(
+        self, verb: str, name: int, right: Array, part: str
+    ) -> tuple[Array, dict[str, Any]]:
         with self._command(part):
             self._store("right", right)
             self._store("solution", np.zeros_like(right))
-            answer = self._execute("solve", name, part)
+            answer = self._execute(verb, name, part)
             solution = np.load(self._folder / "solution.npy")
             return np.asarray(solution, dtype=np.float64), answer
 

@@ -87,9 +87,16 @@ class GamgIteration:
                 raise IndefiniteError
             if not check.sufficient:
                 raise ComputationError(_why_not(check), self._part)
-        solution = np.empty_like(ordered)
-        solution[self._order] = ordered
-        return solution
+        return self._unordered(ordered)
+
+    def precondition(self, columns: Array) -> Array:
+        """Approximate solutions (n×k) for the right-hand sides `columns` (n×k), by one cycle."""
+        return self._unordered(self._server.cycle(self._name, columns[self._order], self._part))
+
+    def _unordered(self, ordered: Array) -> Array:
+        columns = np.empty_like(ordered)
+        columns[self._order] = ordered
+        return columns
 
 
 def _why_not(check: SolutionCheck) -> str:

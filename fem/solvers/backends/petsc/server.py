@@ -360,6 +360,23 @@ class _Iteration:
             vector.destroy()
         return {"checks": checks}
 
+    def cycle(self) -> "dict[str, Any]":
+        """Apply one cycle of the multigrid to each column (n×k) of the file `right`.
+
+        Write the results to the file `solution`.
+        """
+        columns = self._files.read("right", self._rows)
+        images = np.zeros_like(columns)
+        right, image = self._matrix.createVecs()
+        for column in range(columns.shape[1]):
+            right.setArray(columns[:, column])
+            self._solver.getPC().apply(right, image)
+            images[:, column] = image.getArray()
+        self._files.write("solution", self._rows, images)
+        right.destroy()
+        image.destroy()
+        return {}
+
     def destroy(self) -> None:
         """Free the memory of matrix and preconditioner."""
         self._solver.destroy()
@@ -449,6 +466,8 @@ def _executed(
             systems[name] = _Iteration(petsc, files, name, command["size"])
         elif verb == "solve":
             return dict(systems[name].solve())
+        elif verb == "cycle":
+            return dict(systems[name].cycle())
         elif name in systems:
             systems.pop(name).destroy()
     except _MumpsError as error:
