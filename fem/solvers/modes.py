@@ -161,7 +161,7 @@ def preconditioned_modes(
     are positive definite on its results. Shapes have unit modal mass. Raises ComputationError, with
     `part` in its message, if modes do not converge or there are fewer.
     """
-    start = precondition(M @ _noise(M.shape[0], np.random.default_rng(_SEED)))
+    start = precondition(M @ _random_block(M.shape[0], np.random.default_rng(_SEED)))
     try:
         values, shapes = davidson(K, M, precondition, start, mode_count, _CYCLES * mode_count)
     except StagnationError as error:
