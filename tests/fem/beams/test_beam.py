@@ -97,10 +97,7 @@ def huang_function(p: BeamProperties, L: float, plane: str, omega):
 @pytest.mark.parametrize("plane", ["y", "z"])
 @pytest.mark.parametrize("leg", [LEG_1, square_leg(1.0)])
 def test_timoshenko_modes_equal_huang_roots(leg, plane):
-    """T. C.
-
-    Huang (1961): the first twenty frequencies are the roots of his equation, none is missing.
-    """
+    """The first twenty frequencies are roots of Huang's equation (1961), and none is missing."""
     p, L = softer_along_y(leg.timoshenko), leg.length
     omega = 2.0 * np.pi * bending_frequencies(p, L, plane, 20)
     # The cut-off of the second spectrum, √(κGA/ρI), lies below the 20th root of these legs.
@@ -298,7 +295,7 @@ def critical(p: BeamProperties, ends: str) -> float:
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
 @pytest.mark.parametrize("ends", ENDS)
 def test_column_buckles_at_engesser_load(ends, theory):
-    """P = P_E/(1 + P_E/κGA) for four end conditions; P_E by Euler, with κGA = ∞ without shear."""
+    """P_E/(1 + P_E/κGA) with Euler's P_E; fixed-pinned by its equation for k, with shear."""
     p, (free, times) = COLUMN.properties(theory), ENDS[ends]
     expected = critical(p, ends)
     if theory == "euler-bernoulli":

@@ -57,7 +57,7 @@ def test_calculix_failure_is_reported(behaviour, timeout, message, tmp_path, mon
 
 
 def test_missing_calculix_is_reported(monkeypatch):
-    """So are elements of 27 nodes, which CalculiX does not have."""
+    """The message names the package. Elements of 27 nodes, which CalculiX lacks, are refused."""
     mesh = meshed(ConstantLeg(0.2, Rectangle(0.1, 0.1), STEEL), 1, 2).mesh
     with pytest.raises(InputError, match=r"hex27 .*27 nodes; take tet10"):
         deck_text(leg_deck(mesh, STEEL))

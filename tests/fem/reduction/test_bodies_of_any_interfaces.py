@@ -230,7 +230,7 @@ def test_free_interface_modes_bound_clamped_ones(bar, free_reduction):
 
 
 def test_cut_off_above_all_modes_is_refused(bar):
-    """So is a cut-off below the highest requested frequency."""
+    """Free interfaces need omitted modes. The cut-off must exceed the requested frequency."""
     if len(bar.rooted.solid.points) == 1:
         with pytest.raises(ComputationError, match=r"bar, free: modes up to .* contain all of the"):
             free_interface(bar.rooted, 1e8, 1e9)

@@ -210,7 +210,7 @@ def test_unequal_faces_couple_tension_and_bending():
 
 
 def test_filled_box_has_structured_mesh():
-    """Meshed as two polygons, box and core had 6459 unknowns."""
+    """Box and core share one structured mesh. As two polygons they had 6459 unknowns."""
     box, core = HollowRectangle(0.06, 0.08, 0.004), Rectangle(0.052, 0.072)
     section = Composite(
         (CompositePart(box, 2e11, 0.3, 7850.0), CompositePart(core, 3e10, 0.2, 2300.0))

@@ -75,7 +75,7 @@ def test_solution_bits_are_independent_of_threads(short_leg, monkeypatch):
 
 
 def test_indefinite_factor_is_refused(short_leg, capfd):
-    """Also a chain with one negative eigenvalue; one with all eigenvalues above zero is solved."""
+    """Dynamic stiffness of a leg at 10 kHz, and a chain with one negative eigenvalue."""
     K, M = short_leg
     with pytest.raises(NotPositiveDefiniteError, match=r"leg 1: .*not positive definite"):
         analyse(K - 2.0 * (2.0 * np.pi * 1e4) ** 2 * M).factorise("leg 1")

@@ -88,7 +88,7 @@ def test_gamg_is_set_up_once(gamg, monkeypatch):
 
 
 def test_gamg_refuses_matrix_without_support(gamg):
-    """Wrong near-null space, and an indefinite matrix."""
+    """Stiffness of a leg without supports, and an indefinite matrix K − sM."""
     assert gamg
     solid = clamped_leg(hexahedral_leg()).solid
     places = np.zeros((solid.size, 3))

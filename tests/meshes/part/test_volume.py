@@ -107,7 +107,7 @@ def test_rounded_bar_mesh_keeps_volume(tmp_path):
 
 
 def test_inverted_tetrahedra_are_straightened():
-    """Its mid-edge nodes move to the edges' middles. Flat and mirrored ones are refused."""
+    """Mid-edge nodes move to the middles of their edges. Flat and mirrored elements are refused."""
     # Two tetrahedra with a common face; a mid-edge node of that face is pulled through one of them.
     tetrahedron = ELEMENTS["tet10"].nodes
     cells = np.arange(20).reshape(2, 10)

@@ -105,7 +105,7 @@ def test_unspecified_ends_give_two_readings():
 
 
 def test_long_path_is_sampled_evenly():
-    """Of 41 poses, preset quick takes its largest number at equal distances."""
+    """Preset quick takes its largest number of poses out of 41, at equal distances."""
     robot_file = load_robot("five-bar")
     poses = np.linspace(*robot_file.mechanism.poses[[0, -1]], 41)
     longer = replace(robot_file, mechanism=replace(robot_file.mechanism, poses=poses))

@@ -80,7 +80,7 @@ def test_equivalent_legs_agree_with_their_solids(paper, model):
 
 
 def test_simplified_model_is_rigid_along_z(paper):
-    """Its error is 100 %, because no drive is elastic along z."""
+    """The error along z is 100 %, because no drive is elastic in this direction."""
     entry = paper.entry("simplified", "z")
     assert (entry.verdict, entry.error, entry.along) == ("inadequate", 1.0, -1.0)
     assert "no drive is elastic in this direction" in entry.reason

@@ -265,7 +265,7 @@ def test_solid_bars_have_outer_size_of_legs():
 @pytest.mark.parametrize("error", [0.01, -0.01, np.nan])
 @pytest.mark.parametrize("pose", range(4))
 def test_pose_with_largest_error_is_reported(error, pose):
-    """Of four poses; NaN counts as the largest, and differences by rounding are ignored."""
+    """Four poses. NaN counts as the largest error, and differences by rounding are ignored."""
     even, anywhere = np.array([2.0, 4.0, 8.0, 16.0]), np.ones(4, dtype=bool)
     values = even * (1.0 + np.where(np.arange(4) == pose, error, 0.005))
     assert farthest_posture(values, even, anywhere) == pose

@@ -60,7 +60,7 @@ def amiss(code, out, err):
     ],
 )
 def test_random_input_causes_no_program_error(seed, count, tmp_path, monkeypatch, capfd):
-    """Also limits of time and memory."""
+    """Each random command ends with a documented exit code, within limits of time and memory."""
     monkeypatch.chdir(tmp_path)
     codes, wrong, before = Counter(), [], getrusage(RUSAGE_SELF).ru_maxrss
     for command in random_commands(count, seed):

@@ -110,7 +110,7 @@ def test_formulations_compare_without_solid(crossed):
 
 
 def test_comparison_without_body_is_of_whole_robot(crossed):
-    """−202 against −200 Hz is −1 %, by size."""
+    """−202 against −200 Hz: the difference of −2 Hz is −1 % of the size of the reference."""
     with pytest.raises(AssertionError, match=r"f1 of the robot: -202 against -200 Hz, -1 %"):
         crossed.assert_agrees("beam", quantity="f1", within=0.009)
     crossed.assert_agrees("beam", quantity="f1", within=0.0101)

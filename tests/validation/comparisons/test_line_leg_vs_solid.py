@@ -139,7 +139,7 @@ def test_prism_cases_exclude_tapered_legs():
 
 
 def test_only_straight_tapers_have_stability():
-    """Its buckling load lies between those of prisms of the smallest and largest section."""
+    """The buckling load lies between those of prisms of the smallest and largest section."""
     load = {"name": "push", "wrench": [-1000.0, 0.0, 0.0, 0.0, 0.0, 0.0]}
     straight = boom(loads=[load])
     posture = reference_posture(straight.mechanism)
@@ -155,7 +155,7 @@ def test_only_straight_tapers_have_stability():
 
 
 def test_exudyn_refuses_tapered_legs():
-    """Solids refuse a section that jumps."""
+    """The message names the legs that EXUDYN supports. Solids refuse a section that jumps."""
     with pytest.raises(InputError, match="only for straight legs of one section"):
         require_beams(ROBOT.mechanism)
     steps = [TAPER[0], {**TAPER[0], "at": 0.5}, {**TAPER[1], "at": 0.5}, TAPER[1]]

@@ -124,7 +124,7 @@ def test_heavier_condensed_part_disagrees(tmp_path, monkeypatch):
 
 
 def test_part_without_pieces_is_condensed(tmp_path):
-    """Its table has the condensed model alone, and the reason."""
+    """Interfaces overlap: the table has the condensed model alone, and the reason."""
     write_overlapping_crane(tmp_path)
     (outcome,) = outcomes_of(tmp_path / "robot.toml")
     (table,) = agreement_tables([outcome])

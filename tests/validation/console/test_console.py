@@ -94,7 +94,7 @@ def test_relative_home_is_replaced_for_one_run(monkeypatch):
 
 
 def test_second_sigterm_has_no_effect():
-    """It arrives while the message "interrupted" is written."""
+    """A second SIGTERM arrives while the message "interrupted" is written."""
     program = """
 import os, signal
 from validation import cli

@@ -181,7 +181,7 @@ def test_version_names_the_solver(command, monkeypatch):
 
 
 def test_cache_keys_depend_on_solver(monkeypatch):
-    """And on the number of ranks. Keys of meshes do not."""
+    """Keys of results depend on solver and number of ranks, keys of meshes on neither."""
     keys = set()
     for request, ranks in (("auto", 1), ("rslab", 1), ("cudss", 1), ("petsc", 1), ("petsc", 2)):
         monkeypatch.setenv(VARIABLE, request)

@@ -167,7 +167,7 @@ def test_invalid_request_is_refused(loaded, command, arguments, message):
 
 
 def test_robot_without_loads_is_refused(command):
-    """Also a load that the robot file does not define."""
+    """A robot file without [[loads]], and a load that the robot file does not define."""
     assert "the robot file has no [[loads]]" in command.error_line("forces", "five-bar")
     with pytest.raises(fp.InputError, match="loads pull: must be one of push"):
         fp.forces(robot_of(CANTILEVER + LOADS), loads=["pull"])

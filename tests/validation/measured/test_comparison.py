@@ -31,7 +31,7 @@ LOAD = 1000.0
 
 
 def test_uncertainties_add_as_squares():
-    """Numerics, inputs and measurement; a comparison by size."""
+    """Numerics, inputs, measurement: 1.96 √(0.1² + 0.2² + 0.2²) over the size of the reference."""
     compared = Comparison(10.0, -8.0, 0.1, 0.2, 0.2)
     assert compared.error == pytest.approx(18.0 / 8.0)
     # 95 % of a standard uncertainty of 0.3.

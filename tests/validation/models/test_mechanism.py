@@ -104,7 +104,7 @@ def test_printed_release_is_at_leg_tip():
 
 
 def test_simplified_model_ignores_joint_compliance():
-    """Its compliance is that of the robot with rigid joints."""
+    """The compliance equals that of the same robot with rigid joints."""
     robot_posture = reference_posture(load_robot("ifw").mechanism)
     joints = tuple(replace(joint, compliance=None) for joint in robot_posture.mechanism.joints)
     stiff = replace(robot_posture, mechanism=replace(robot_posture.mechanism, joints=joints))

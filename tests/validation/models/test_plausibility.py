@@ -135,7 +135,7 @@ def test_lengths_in_mm_have_warning():
 
 
 def test_large_crane_has_no_warning():
-    """Its lengths are plausible in m."""
+    """Lengths of a large crane are plausible in m."""
     assert robot_findings(described(CRANE)) == ()
 
 

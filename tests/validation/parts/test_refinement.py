@@ -32,7 +32,7 @@ def test_half_width_uses_common_order():
 
 
 def test_compliance_half_width_uses_diagonal():
-    """Off-diagonal entries are weighed by the diagonal, so that units do not matter."""
+    """Entries are compared relative to √(cᵢᵢ cⱼⱼ), so that units do not matter."""
     fine = np.diag([1e-8, 1e-6])
     change = np.array([[1e-10, 1e-10], [1e-10, 1e-8]])
     half_widths = compliance_uncertainty([fine + 2.0 * change, fine + change, fine])

@@ -90,7 +90,7 @@ def as_printed(share):
 
 
 def test_random_outcomes_have_every_verdict():
-    """Otherwise the tests below would not read all kinds of cells."""
+    """The drawn outcomes of this module contain each verdict, so that each kind of cell is read."""
     assert {outcome.verdict for outcomes in DRAWN for outcome in outcomes} == set(MARKS)
 
 
@@ -364,7 +364,7 @@ def test_summary_counts_decided_cases(outcomes):
 
 @pytest.mark.parametrize("verdict", ["undecided", "failed"])
 def test_summary_counts_undecided_cases(verdict):
-    """Also if no comparison has a verdict."""
+    """One agreement and one case without a verdict, and one case without a verdict alone."""
     fields = {"kind": "agreement", "model": "beam", "tolerance": Relative(TOLERANCE)}
     good = measured("good", 1.0001, 1.0, **fields)
     start = "Beam FE agree with solid FE of the same legs within 0.01"

@@ -89,7 +89,7 @@ def test_verdict_is_at_top_of_page(markup):
 
 
 def test_inadequate_model_colours_the_banner():
-    """If a model named with --rely is inadequate."""
+    """The banner has another colour if a model named with --rely is inadequate."""
     for rely, colour in (("vjm", "answer"), ("simplified", "inadequate")):
         report = sample_report(outcomes=[])
         page = render(replace(report, results=replace(report.results, rely=(rely,))))

@@ -108,7 +108,7 @@ def test_error_has_norm_and_signed_component() -> None:
 
 
 def test_rigid_reference_gives_infinite_error() -> None:
-    """Zero relative to zero is no error; a reference that yields in no direction has none."""
+    """A model that yields where the reference is rigid; zero relative to zero is no error."""
     reference, rigid, yielding = (statics(compliances) for compliances in np.zeros((3, 2, 6, 6)))
     reference.compliances[:, 0, 0] = 1e-8
     yielding.compliances[1, 1, 1] = 1e-9

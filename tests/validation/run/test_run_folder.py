@@ -41,7 +41,7 @@ def assert_refused(message, path, header, start):
 
 
 def test_records_keep_nan_and_infinity(tmp_path):
-    """And all digits. Similar ids are separate records, and a later record prevails."""
+    """Records keep all digits. Similar ids are separate records, and a later record prevails."""
     path = tmp_path / "run"
     with open_folder(path, HEADER, "afresh") as folder:
         folder.keep({"id": "a[x=0.5]/b", "value": nan}, 3.0)
@@ -76,7 +76,7 @@ def test_earlier_run_is_kept_until_completion(tmp_path):
 
 
 def test_abandoned_run_is_replaced(tmp_path):
-    """Its files are removed, files of the user are kept."""
+    """Files of the unfinished run are removed, files of the user are kept."""
     path = tmp_path / "run"
     with open_folder(path, OTHER, "afresh") as folder:
         fill(folder, 2.0)

@@ -96,7 +96,7 @@ def test_resumed_run_computes_missing_tasks(robot_file, troubled_run, capfd, mon
 
 
 def test_failed_worker_start_ends_run(robot_file, tmp_path, monkeypatch):
-    """Sources that cannot be imported in a worker."""
+    """The sources can be imported in the main process, but not in a worker."""
     monkeypatch.setenv("TOY_PARENT", str(os.getpid()))
     with pytest.raises(ComputationError, match="before it began"):
         validate(request_for(robot_file, tmp_path / "run"), toys.unloadable)

@@ -90,7 +90,7 @@ def test_selftest_of_other_version_is_ignored(selftest, tmp_path):
 
 @pytest.mark.parametrize("cache", ["off", "in the way"])
 def test_selftest_runs_without_a_cache(selftest, cache, tmp_path, monkeypatch):
-    """Its result is then not quoted by runs."""
+    """Without a cache the result is printed, but not quoted by later runs."""
     monkeypatch.chdir(tmp_path)
     Path("in the way").write_text("a file")
     monkeypatch.setenv("FLEXPROOF_CACHE", cache)

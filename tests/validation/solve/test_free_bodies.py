@@ -134,7 +134,7 @@ def test_supported_body_is_not_free():
 
 
 def test_free_free_ends_need_a_body(tmp_path, capsys):
-    """And a model with mass. JSON then has frequencies and no compliance."""
+    """Free ends also need a model with mass. JSON then has frequencies and no compliance."""
     with pytest.raises(InputError) as refused:
         api.solve(THICK, "vjm", ends="free-free")
     assert refused.value.faults == (

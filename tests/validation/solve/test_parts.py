@@ -105,7 +105,7 @@ def test_f1_uncertainty_ignores_mode_count(crane, monkeypatch):
 
 @pytest.mark.exhaustive
 def test_accuracy_option_refines_part_meshes(crane, coarse_parts):
-    """Requested: 0.8 times the largest half-width."""
+    """0.8 times the largest half-width is requested and reached; values change within both."""
     with coarse_parts.context() as patch:
         patch.setattr(reduced_parts, "UNKNOWNS", 1500)
         rough = answer_of(crane, 0)

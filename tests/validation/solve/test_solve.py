@@ -494,7 +494,7 @@ def test_round_off_is_printed_as_zero():
     ids=lambda section: section.shape,
 )
 def test_cost_estimate_is_near_true_cost(section):
-    """Unknowns within a factor of 1.7, memory within 4."""
+    """Estimated unknowns are within a factor of 1.7, estimated memory within 4."""
     leg = ConstantLeg(0.3, section, Material.isotropic(2.1e11, 0.3, 7850.0))
     solid = solid_leg(leg, solid_mesh(leg, 4))
     unknowns = solid.stiffness.shape[0]

@@ -338,7 +338,7 @@ SHAPES = {
 
 @pytest.mark.parametrize(("build", "message"), SHAPES.values(), ids=SHAPES.keys())
 def test_shape_needs_exactly_one_solid(tmp_path, build, message):
-    """None, two, open shells and loose sheets are refused, each with its reason."""
+    """Two solids, a sheet, a tiny edge, a crossing outline, and a line beside the solid."""
     assert re.search(message, refused(written(tmp_path / "shape.step", build)))
 
 
