@@ -78,8 +78,10 @@ def _along_legs(result: ForcesUnderLoad | None, load: str) -> Chart:
         columns=2,
         high=2.1,
     ).captioned(
-        f"Forces and stresses along the legs under the load {load}. N is positive in tension. "
-        "Shear forces and bending moments are resultants of both directions."
+        f"Section forces and stresses in one pose under the load {load}, along each leg from its "
+        "root (0) to its tip (1). N, the axial force, is positive in tension. Shear force and "
+        "bending moment are magnitudes over both directions; the stress is the largest in each "
+        "section."
     )
 
 
@@ -130,10 +132,11 @@ def _over_poses(poses: Sequence[PoseForces], model: str, moves: Sequence[str], l
         table={label: x.tolist()},
         x_scale=ticks,
     ).captioned(
-        f"Forces and stresses by the {model} model under the load {load}: of the drives, "
-        "resultants in the joints, and largest along the legs (axial force positive in tension). "
+        f"Forces and stresses over the poses, by the {model} model under the load {load}. Drives: "
+        "force or torque. Joints: magnitudes of force and moment. Legs: largest axial force along "
+        "the leg (positive in tension) and largest von Mises stress. "
         f"At most the {_MOST_CURVES} largest curves of each kind are drawn. "
-        "Bars: half-widths of the stresses' numerical uncertainty.",
+        "Bars: half-widths of the numerical uncertainty of the stresses.",
     )
 
 

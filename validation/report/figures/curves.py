@@ -197,9 +197,10 @@ def _decisions(context: Context, variation: Variation) -> Chart:
         *(_choices_sentence(varied, variation) for varied in objectives.values()),
         "Panels: largest deflection and smallest first frequency over the whole path, "
         "for each value of the parameter. Star: best computed value of a curve; values "
-        "in between were not searched. A model is a good basis for the choice if its "
-        "star has the same abscissa as the star of the reference, or if its loss is "
-        "small.",
+        "in between were not searched. Loss: relative difference between the value of the "
+        "reference at the choice of a model and the best value of the reference. A model is "
+        "a good basis for the choice if its star has the same abscissa as the star of the "
+        "reference, or if its loss is small.",
     )
 
 
