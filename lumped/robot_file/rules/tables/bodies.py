@@ -90,7 +90,7 @@ class InterfaceEntry:
     cylinder: Annotated[ByCylinder | None, Value(cylinder_table(_ON_IT), ON_CYLINDER)] = None
     plane: Annotated[ByPlane | None, Value(plane_table(_ON_IT), IN_PLANE)] = None
     coupling: Annotated[
-        Coupling | None, Value(OneOf(get_args(Coupling)), "how the faces are held by the joint")
+        Coupling | None, Value(OneOf(get_args(Coupling)), "coupling of the faces to the joint")
     ] = None
     point: Annotated[
         Triple | None,

@@ -122,7 +122,7 @@ class ScrewEntry:
         Literal["longer", "shorter"],
         Value(
             OneOf(("longer", "shorter")),
-            "whether a positive motion makes the length longer or shorter",
+            "effect of a positive motion on the length",
         ),
     ] = "longer"
     E: Annotated[float, Value(_SCREW_MODULUS, "Young's modulus of the shaft")] = 2.06e11
@@ -272,13 +272,13 @@ class GuideEntry:
     ] = None
     lines: Annotated[
         Lines | None,
-        Value(OneOf(get_args(Lines)), "where lines of contact meet: outside (O, default)"),
+        Value(OneOf(get_args(Lines)), "contact lines meet outside (O, default) or inside"),
     ] = None
     preload: Annotated[
         float | PreloadClass,
         Value(
             Either(_FORCE, OneOf(get_args(PreloadClass))),
-            "of upper on lower rows; a class with `size`",
+            "preload of upper on lower rows; a class with `size`",
         ),
     ]
 

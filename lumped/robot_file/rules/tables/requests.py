@@ -90,7 +90,7 @@ class LineEntry:
     wrench: Annotated[Wrench, Value(_PER_LENGTH, "forces and moments per length at `from`")]
     end_wrench: Annotated[
         Wrench | None,
-        Value(_PER_LENGTH, "the same at `to`, linear between; default: as `wrench`"),
+        Value(_PER_LENGTH, "forces and moments per length at `to`; default: `wrench`"),
     ] = None
     from_: Annotated[
         float | None,
@@ -286,9 +286,9 @@ ACCEPT = TableRule(
     Key("rely", Several(OneOf(MODEL_KINDS)), "models whose inadequacy is exit code 1", default=()),
     *(Key(load.name, SHARE, f"limit for {load}, instead of `deflection`") for load in UNIT_LOADS),
 )
-_FINE = "largest relative error of f1 to f4 and of deflections with these elements"
+_FINE = "largest relative error of f1 to f4 and of deflections with `elements`"
 _UNEXPLAINED = "unexplained difference from solids of the same legs"
-_SOLID_ENDS = 'end faces of these solids; "as given": `ends` of each leg, rigid without it'
+_SOLID_ENDS = 'end faces of the solids; "as given": `ends` of each leg, rigid without it'
 AGREE = TableRule(
     AgreementLimits,
     Key(
