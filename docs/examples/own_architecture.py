@@ -6,7 +6,8 @@ places and twists, springs by their places and compliances, as eq. (3) takes the
 
 import numpy as np
 
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.models.vjm import platform_compliance, robot_stiffness, serial_chain
 from lumped.screws import rotation_z, turn_matrix
 from lumped.sections import Tube

@@ -48,8 +48,9 @@ from fem.beams.bending_elements import ElementLineBeam, ElementLineShearBeam, di
 from fem.beams.line_beam import ROUNDING, line_beam
 from fem.sections.nonuniform_torsion import WarpingRod, line_products
 from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.beam_properties import BeamProperties, prism_sections
 from lumped.errors import InputError
-from lumped.legs import BeamProperties, Ends, prism_sections
+from lumped.legs import Ends
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 

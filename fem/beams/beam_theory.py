@@ -27,8 +27,8 @@ import scipy
 from scipy.linalg import eigvalsh, expm
 
 from lumped.arrays import Array
+from lumped.beam_properties import BeamProperties
 from lumped.errors import ComputationError
-from lumped.legs import BeamProperties
 from lumped.memo import memo
 
 Plane: TypeAlias = Literal["y", "z"]

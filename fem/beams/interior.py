@@ -30,8 +30,9 @@ import numpy as np
 
 from fem.beams.beam import beam_leg, with_warping
 from fem.sections.nonuniform_torsion import WarpingRod
+from lumped.beam_properties import BeamProperties
 from lumped.equivalent_leg import require_positive_definite
-from lumped.legs import BeamProperties, GivenLeg
+from lumped.legs import GivenLeg
 from lumped.mechanism.body_model import LegMatrices
 
 Interior: TypeAlias = Literal["uniform", "soft", "stiff"]

@@ -42,8 +42,8 @@ from fem.beams.beam import beam_leg
 from fem.beams.line_beam import line_beam
 from fem.reduction.superelement import ENDS, held_leg
 from lumped.arrays import Array, SparseMatrix, dense
+from lumped.beam_properties import BeamProperties
 from lumped.dense.modes import solve_modes
-from lumped.legs import BeamProperties
 from lumped.line_sections import FIELDS, LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import skew

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import block_diag, csr_array, eye_array, lil_array, vstack
 
 from lumped.arrays import Array, SparseMatrix
-from lumped.legs import BeamProperties
+from lumped.beam_properties import BeamProperties
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift, turn
 

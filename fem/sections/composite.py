@@ -21,7 +21,7 @@ from fem.sections.nonuniform_torsion import WarpingRod
 from fem.sections.saint_venant import SectionQuadrature, section_quadrature
 from fem.sections.waveguide import cell_matrices
 from lumped.arrays import Array, SparseMatrix
-from lumped.legs import BeamProperties
+from lumped.beam_properties import BeamProperties
 from meshes.section.section_mesh import SectionMesh
 
 # Index of each rigid motion that strains no section by itself, and the degree of its polynomial in

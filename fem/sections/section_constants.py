@@ -24,7 +24,8 @@ from fem.sections.saint_venant import (
 )
 from fem.sections.waveguide import elasticity
 from lumped.arrays import Array
-from lumped.legs import BeamProperties, Material
+from lumped.beam_properties import BeamProperties
+from lumped.legs import Material
 from lumped.memo import memo
 from meshes.section.section_mesh import SectionMesh
 

@@ -20,9 +20,9 @@ import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 
 from lumped.arrays import Array, IntArray, SparseMatrix
+from lumped.beam_properties import BeamProperties
 from lumped.centre_line import CentreLine
 from lumped.errors import InputError
-from lumped.legs import BeamProperties
 from lumped.line_sections import LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import shift

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import BeamProperties, tip_compliance
+from lumped.beam_properties import BeamProperties, tip_compliance
 from lumped.mechanism.kinematics.accelerations import Motion
 from lumped.mechanism.load import LineLoad
 from lumped.screws import shift

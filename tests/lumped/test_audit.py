@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from lumped.audit import DescribedPart, audit, data_findings, parts
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import as_printed, load_robot
 from lumped.sections import Rectangle
 

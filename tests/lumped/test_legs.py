@@ -10,9 +10,10 @@ from support.robots.paper_robot_variants import LEG1, LEG2
 
 from fem.bodies.solid import solid_leg, solid_mesh
 from fem.sections.section_constants import section_constants
+from lumped.beam_properties import tip_compliance
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError, naming
-from lumped.legs import ConstantLeg, GivenLeg, Material, tip_compliance
+from lumped.legs import ConstantLeg, GivenLeg, Material
 from lumped.sections import (
     Circle,
     HollowRectangle,

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from lumped.beam_properties import tip_compliance
 from lumped.centre_line import CentreLine, LinePiece
-from lumped.legs import ConstantLeg, LineLeg, Material, tip_compliance
+from lumped.legs import ConstantLeg, LineLeg, Material
 from lumped.models.segments import line_segment_chain, segment_leg, static_leg
 from lumped.screws import move_compliance, shift
 from lumped.sections import (

@@ -27,7 +27,7 @@ from fem.sections import nonuniform_torsion
 from fem.sections.composite import composite_properties
 from fem.sections.section_constants import beam_properties, section_constants
 from fem.sections.waveguide import torsion_wave
-from lumped.legs import tip_compliance
+from lumped.beam_properties import tip_compliance
 from lumped.models import segments, serial_chains
 from lumped.models.bodies import link
 from lumped.robot_file import load_robot
@@ -49,6 +49,7 @@ FILES = runpy.run_path(str(ROOT / "docs" / "pictures" / "architecture.py"))["mod
 # Modules, or single functions, that both sides may rest on, and why.
 BASICS = {
     "lumped.arrays": "types, and matrices made dense",
+    "lumped.beam_properties": "data of legs",
     "lumped.centre_line": "data of legs: the geometry of their lines",
     "lumped.dense.modes": "eigenvalues of small matrices",
     "lumped.errors": "messages",

@@ -26,8 +26,9 @@ from fem.sections import nonuniform_torsion
 from fem.sections.moduli import mirrored_moduli
 from fem.sections.waveguide import torsion_wave
 from lumped.arrays import Array
+from lumped.beam_properties import BeamProperties, tip_compliance
 from lumped.errors import ComputationError
-from lumped.legs import BeamProperties, ConstantLeg, tip_compliance
+from lumped.legs import ConstantLeg
 from lumped.memo import memo
 from lumped.text import counted
 from validation.case import Allowance, Measurement, Relative, Skip

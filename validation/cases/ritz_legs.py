@@ -10,7 +10,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from lumped.arrays import Array
-from lumped.legs import BeamProperties
+from lumped.beam_properties import BeamProperties
 
 # Matrix that exchanges the two components of a vector.
 _EXCHANGE = np.array([[0.0, 1.0], [1.0, 0.0]])

@@ -18,8 +18,9 @@ import numpy as np
 from fem.beams.beam_theory import cantilever_frequencies
 from fem.beams.stepped import SteppedLeg
 from lumped.arrays import Array
+from lumped.beam_properties import tip_compliance
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, SectionedLeg, Theory, tip_compliance
+from lumped.legs import ConstantLeg, SectionedLeg, Theory
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.memo import memo

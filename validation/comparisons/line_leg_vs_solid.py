@@ -26,8 +26,9 @@ from fem.beams.box_distortion import distortion_work
 from fem.beams.line_beam import line_beam
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array
+from lumped.beam_properties import BeamProperties
 from lumped.errors import InputError
-from lumped.legs import BeamProperties, ConstantLeg, Ends, LineLeg
+from lumped.legs import ConstantLeg, Ends, LineLeg
 from lumped.line_sections import LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism

@@ -24,7 +24,8 @@ from fem.reduction.craig_bampton import CraigBampton, craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
 from lumped.arrays import Array, IntArray
-from lumped.legs import ConstantLeg, LineLeg, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, LineLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.memo import memo

@@ -91,7 +91,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from fem.sections.section_constants import SectionConstants, beam_properties
-from lumped.legs import BeamProperties, ConstantLeg
+from lumped.beam_properties import BeamProperties
+from lumped.legs import ConstantLeg
 from lumped.memo import memo
 from lumped.sections import (
     Composite,

@@ -14,9 +14,10 @@ from scipy.sparse import csr_array, eye_array, issparse
 
 from fem.beams.stepped import SteppedLeg
 from lumped.arrays import Array, SparseMatrix
+from lumped.beam_properties import tip_compliance
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError
-from lumped.legs import GivenLeg, SectionedLeg, tip_compliance
+from lumped.legs import GivenLeg, SectionedLeg
 from lumped.mechanism.body import Body, Frame
 from lumped.mechanism.body_model import ENDS, BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Mechanism

@@ -15,8 +15,9 @@ import numpy as np
 from fem.beams.stepped import Piece, SteppedLeg
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.arrays import Array
+from lumped.beam_properties import BeamProperties
 from lumped.errors import InputError
-from lumped.legs import BeamProperties, Material
+from lumped.legs import Material
 from lumped.mechanism.body import Body
 from lumped.mechanism.mechanism import Mechanism
 from lumped.memo import memo

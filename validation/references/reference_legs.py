@@ -16,18 +16,10 @@ from fem.beams.beam import beam_leg, warping_beam_leg
 from fem.beams.line_beam import line_beam
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from lumped.arrays import Array
+from lumped.beam_properties import tip_compliance
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError, naming
-from lumped.legs import (
-    ConstantLeg,
-    Ends,
-    GivenLeg,
-    Leg,
-    LineLeg,
-    SectionedLeg,
-    given_compliance,
-    tip_compliance,
-)
+from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, LineLeg, SectionedLeg, given_compliance
 from lumped.line_sections import LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo

@@ -24,7 +24,7 @@ import scipy
 from numpy.typing import NDArray
 
 from lumped.arrays import Array, IntArray
-from lumped.legs import BeamProperties
+from lumped.beam_properties import BeamProperties
 
 # Smallest energy-weighted MAC of partners. Of several orthogonal shapes, at most one can have a MAC
 # above one half with a given shape.

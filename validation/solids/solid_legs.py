@@ -23,8 +23,9 @@ from fem.sections.moduli import leg_moduli, mirrored_moduli
 from fem.sections.nonuniform_torsion import WarpingRod, warping_rod
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import Array, SparseMatrix
+from lumped.beam_properties import BeamProperties
 from lumped.errors import naming
-from lumped.legs import BeamProperties, ConstantLeg, LineLeg, SectionedLeg
+from lumped.legs import ConstantLeg, LineLeg, SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.models.bodies import clamped_modes

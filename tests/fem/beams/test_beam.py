@@ -31,8 +31,9 @@ from fem.sections.nonuniform_torsion import (
 )
 from fem.sections.section_constants import SectionConstants, beam_properties, section_constants
 from lumped.arrays import dense
+from lumped.beam_properties import BeamProperties, tip_compliance
 from lumped.errors import InputError
-from lumped.legs import BeamProperties, ConstantLeg, Material, tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.models.bodies import clamped_modes, tip_compliance_of
 from lumped.sections import Circle, ISection, Rectangle
 from meshes.prism import tetrahedra

@@ -11,7 +11,8 @@ from fem.beams.beam_theory import cantilever_frequencies, frequency_of_kind
 from fem.bodies import doubling
 from fem.couplings.end_effects import restrained_compliance
 from fem.sections.section_constants import beam_properties, section_constants
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.kinematics.accelerations import Motion
 from lumped.models.bodies import clamped_modes, tip_compliance_of
 from lumped.models.segments import segment_chain, segment_leg, static_leg

@@ -10,7 +10,8 @@ from fem.beams.beam import beam_leg
 from fem.beams.beam_theory import cantilever_frequencies
 from fem.bodies import doubling
 from lumped.arrays import dense
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.models.bodies import clamped_modes
 from lumped.models.segments import segment_chain, segment_leg
 from lumped.sections import LaminateBox, LaminateTube, Layer

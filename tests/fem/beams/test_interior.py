@@ -8,8 +8,9 @@ import pytest
 from fem.beams.interior import interior_beam, interior_properties
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
+from lumped.beam_properties import tip_compliance
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, GivenLeg, Material, tip_compliance
+from lumped.legs import ConstantLeg, GivenLeg, Material
 from lumped.models.bodies import tip_compliance_of
 from lumped.sections import Rectangle, Tube
 

@@ -17,7 +17,8 @@ from support.robots.paper_legs import STEEL
 from fem.beams.prestressed import PrestressedLeg, prestressed_leg
 from fem.calculix.run import PROGRAMS, calculix_program
 from lumped.arrays import Array, dense
-from lumped.legs import BeamProperties, ConstantLeg, Material
+from lumped.beam_properties import BeamProperties
+from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
 
 ALL = 10_000

@@ -16,7 +16,8 @@ from fem.elasticity import anisotropic_stiffness_and_mass, on_three_components, 
 from fem.sections.composite import composite_properties, wrench_states
 from fem.sections.moduli import in_wall, layer_elasticity, leg_moduli
 from fem.sections.saint_venant import section_quadrature
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.sections import LaminateBox, LaminateTube, Layer, Rectangle
 from meshes.prism import extrude, stations, tetrahedra
 from meshes.section.section_mesh import section_mesh

@@ -16,9 +16,9 @@ from fem.solvers.block_lanczos import Ritz, merged
 from fem.solvers.certificate import count_below, pencil
 from fem.solvers.factor import Inertia, analyse
 from fem.solvers.modes import MissedModesError, certify, lowest_modes
+from lumped.beam_properties import tip_compliance as beam_tip_compliance
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
-from lumped.legs import tip_compliance as beam_tip_compliance
 from lumped.sections import Circle, ISection, Rectangle, Tube
 from meshes.prism import tetrahedra
 from meshes.section.section_mesh import section_mesh

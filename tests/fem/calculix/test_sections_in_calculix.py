@@ -11,7 +11,8 @@ from fem.calculix.leg import leg_deck
 from fem.calculix.run import CalculixMissing, calculix_program, run_calculix
 from fem.couplings.end_effects import restrained_compliance
 from fem.sections.section_constants import beam_properties, section_constants
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.sections import Channel, Composite, CompositePart, Rectangle
 from meshes.section.section_mesh import section_mesh
 from meshes.solid_mesh import EndFace, SolidMesh

@@ -17,8 +17,9 @@ from fem.sections.moduli import leg_moduli, part_moduli
 from fem.sections.nonuniform_torsion import warping_rod
 from fem.sections.saint_venant import section_quadrature
 from fem.sections.section_constants import beam_properties, section_constants
+from lumped.beam_properties import tip_compliance
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.screws import move_compliance
 from lumped.sections import (
     Channel,

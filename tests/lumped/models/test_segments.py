@@ -7,8 +7,8 @@ from support.oracles.compliance_difference import scaled_difference
 from support.robots.paper_legs import LEG_1, kind_frequencies
 
 from lumped.arrays import dense
+from lumped.beam_properties import tip_compliance
 from lumped.errors import InputError
-from lumped.legs import tip_compliance
 from lumped.models.segments import segment_chain, segment_leg, static_leg, with_printed_tip_joint
 from lumped.screws import shift
 

@@ -20,7 +20,8 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import dense
-from lumped.legs import ConstantLeg, GivenLeg, Material, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, GivenLeg, Material
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot

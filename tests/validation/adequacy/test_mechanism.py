@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from support.robots.robot_from_text import robot_of
 
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.kinematics.postures import posture
 from lumped.models.bodies import legs_of

@@ -12,7 +12,8 @@ from support.robots.robot_from_text import robot_of
 
 from lumped.acceptance.quantities import UNIT_LOADS
 from lumped.acceptance.requirement import Requirement
-from lumped.legs import ConstantLeg, GivenLeg, Material, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, GivenLeg, Material
 from lumped.robot_file import load_robot
 from lumped.robot_file.places import value_at
 from lumped.sections import HollowRectangle

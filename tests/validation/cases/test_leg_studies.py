@@ -12,7 +12,8 @@ from fem.beams.beam import beam_leg
 from fem.bodies import doubling
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import Superelement
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.biglide import biglide
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot

@@ -17,8 +17,9 @@ from support.robots.single_arm import ONE_ARM
 from fem import multibody
 from fem.calculix import run as calculix_run
 from fem.calculix.leg import with_bars
+from lumped.beam_properties import tip_compliance
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body import Frame
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot

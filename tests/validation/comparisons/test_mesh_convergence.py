@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from support.fakes.toy_responses import NO_ROBOT
 
+from lumped.beam_properties import tip_compliance
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.sections import Rectangle
 from validation.comparisons.discretisations import Discretisation
 from validation.comparisons.mesh_convergence import leg_mesh_convergence

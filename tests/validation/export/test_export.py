@@ -22,7 +22,7 @@ from support.robots.single_arm import ONE_ARM
 
 from fem.calculix.leg import with_bars
 from fem.calculix.run import CalculixMissing, calculix_program
-from lumped.legs import tip_compliance
+from lumped.beam_properties import tip_compliance
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.robot_file import load_robot

@@ -10,8 +10,8 @@ from support.robots.single_arm import ONE_ARM
 
 from lumped.acceptance.measured import Freedoms, Measured, MeasuredResponse, ModalTest
 from lumped.acceptance.quantities import measured_quantity
+from lumped.beam_properties import tip_compliance
 from lumped.errors import ComputationError
-from lumped.legs import tip_compliance
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from validation.adequacy.probability import propagated

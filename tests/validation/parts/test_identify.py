@@ -26,8 +26,9 @@ from support.robots.paper_legs import STEEL
 from fem.beams.beam import beam_leg
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.bodies.rooted import RootedBody
+from lumped.beam_properties import tip_compliance
 from lumped.equivalent_leg import equivalent_leg
-from lumped.legs import GivenLeg, tip_compliance
+from lumped.legs import GivenLeg
 from lumped.mechanism.kinematics.postures import posture
 from lumped.mechanism.placing import leg_frame
 from lumped.models.bodies import clamped_modes

@@ -15,7 +15,8 @@ from scipy.optimize import brentq
 from support.fakes.cleared_memory import forget
 from support.robots.robot_from_text import robot_of
 
-from lumped.legs import ConstantLeg, Material, tip_compliance
+from lumped.beam_properties import tip_compliance
+from lumped.legs import ConstantLeg, Material
 from lumped.robot_file.variation import variations_of
 from lumped.sections import Rectangle
 from validation.case import Absolute, Skip
