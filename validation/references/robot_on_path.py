@@ -185,11 +185,21 @@ class RobotOnPath:
 
     @property
     def masses_instruction(self) -> str:
-        """Instruction to specify the mass distribution of legs given by a 6×6 alone.
+        """Instruction to add the keys for the mass distribution of legs given by a 6×6 alone.
 
-        "" if there are no such legs.
+        If no key is missing, the instruction is to replace the 6×6 by a section or solid. "" if
+        there are no such legs.
         """
-        return masses_instruction(self.given, self.context.robot_file.schema)
+        lacking: dict[str, list[str]] = {}
+        for name, leg in self.given.items():
+            keys = [key for key in ("mass_centre", "inertia") if getattr(leg, key) is None]
+            if keys:
+                lacking.setdefault(" and ".join(keys), []).append(name)
+        if not lacking:
+            return self.interior_instruction
+        schema = self.context.robot_file.schema
+        listed = ", ".join(f"{keys} in {_tables(names, schema)}" for keys, names in lacking.items())
+        return f"specify the mass distribution of the legs in addition to the 6×6: {listed}"
 
     @property
     def interior_instruction(self) -> str:
@@ -197,7 +207,8 @@ class RobotOnPath:
 
         "" if there are no such legs.
         """
-        return interior_instruction(self.given, self.context.robot_file.schema)
+        tables = _tables(self.given, self.context.robot_file.schema)
+        return f"specify the section or the solid instead of the 6×6 in {tables}" if tables else ""
 
     @property
     def first_reading(self) -> Reading:
@@ -290,11 +301,11 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
     specified = {**legs, **parts}
     unspecified = [
         (name, question, f"specify in the robot file {instruction} {_tables(bodies, schema)}")
-        for name, question, instruction, bodies in (
+        for name, question, instruction, ends_by_body in (
             ("ends", "end conditions of the legs", _ENDS_INSTRUCTION, legs),
             ("interfaces", "coupling of the parts' interfaces", _PARTS_INSTRUCTION, parts),
         )
-        if not all(bodies.values())
+        if (bodies := [body for body, ends in ends_by_body.items() if ends is None])
     ]
     if not unspecified:
         name = (
@@ -315,40 +326,10 @@ def holding(mechanism: Mechanism, schema: int = 2) -> Holding:
     )
 
 
-def masses_instruction(legs: Mapping[str, GivenLeg], schema: int = 2) -> str:
-    """Instruction to add the keys for the mass distribution of legs given by a 6×6 alone.
-
-    If no key is missing, the instruction is to replace the 6×6 by a section or solid. "" if there
-    are no such legs.
-    """
-    lacking: dict[str, dict[str, None]] = {}
-    for name, leg in legs.items():
-        keys = [key for key in ("mass_centre", "inertia") if getattr(leg, key) is None]
-        lacking.setdefault(" and ".join(keys), {})[name] = None
-    if missing := [
-        f"{keys} in {_tables(bodies, schema)}" for keys, bodies in lacking.items() if keys
-    ]:
-        listed = ", ".join(missing)
-        return f"specify the mass distribution of the legs in addition to the 6×6: {listed}"
-    return interior_instruction(legs, schema)
-
-
-def interior_instruction(legs: Iterable[str], schema: int = 2) -> str:
-    """Instruction to specify how stiffness is distributed along legs given by a 6×6 alone.
-
-    "" if there are none.
-    """
-    tables = _tables(dict.fromkeys(legs), schema)
-    return f"specify the section or the solid instead of the 6×6 in {tables}" if tables else ""
-
-
-def _tables(ends_by_body: Mapping[str, Ends | None], schema: int) -> str:
-    """Names of the robot file's tables for the bodies whose end condition is None.
-
-    Example: "[bodies.leg1], [bodies.leg2]".
-    """
+def _tables(bodies: Iterable[str], schema: int) -> str:
+    """Names of the robot file's tables for bodies, such as "[bodies.leg1], [bodies.leg2]"."""
     head = "" if schema == 1 else "bodies."
-    return ", ".join(f"[{head}{name}]" for name, ends in ends_by_body.items() if ends is None)
+    return ", ".join(f"[{head}{name}]" for name in bodies)
 
 
 def known_legs(mechanism: Mechanism) -> dict[str, Leg]:

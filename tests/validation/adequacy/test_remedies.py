@@ -19,6 +19,7 @@ from lumped.acceptance.requirement import Requirement
 from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism import biglide
+from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from lumped.robot_file.rules.published import json_schema
 from lumped.sections import HollowRectangle, Rectangle, Tube
@@ -38,7 +39,7 @@ from validation.references.reference import (
 )
 from validation.references.reference_parts import FINER_PARTS
 from validation.references.responses import Responses
-from validation.references.robot_on_path import holding, known_legs, masses_instruction
+from validation.references.robot_on_path import holding, robot_at
 from validation.references.static_reference import STATIC_STEPS
 from validation.responses.statics_and_modes import Statics
 from validation.solids.leg_meshes import COARSEST_WALLS
@@ -283,10 +284,13 @@ def test_finer_reference_remedy_is_option_of_run(remedy_text):
 )
 def test_mass_remedy_names_missing_keys(leg1, leg2, remedy_text):
     """Such as "mass_centre and inertia in [leg1]": keys that the file lacks and the schema has."""
-    legs = known_legs(load_robot("ifw").mechanism)
+    robot_file = load_robot("ifw")
+    bodies = dict(robot_file.mechanism.bodies)
     for name, keys in (("leg1", leg1), ("leg2", leg2)):
-        legs[name] = replace(legs[name], **dict.fromkeys(keys))
-    decides = masses_instruction(legs, 1)
+        shape = replace(bodies[name].shape, **dict.fromkeys(keys))
+        bodies[name] = replace(bodies[name], shape=shape)
+    posture = reference_posture(replace(robot_file.mechanism, bodies=bodies))
+    decides = robot_at(Context(robot_file), [posture]).masses_instruction
     assert remedy_text in decides
     assert ("mass_centre" in decides) == ("mass_centre" in leg1)
     schema = dumps(json_schema())
